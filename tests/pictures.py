@@ -21,7 +21,7 @@ from trainer.console.app import Console
 from trainer.console.client import Client
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
-from trainer.console.pane import GROUND
+from trainer.console.pane import GROUND_COLOUR
 from trainer.web.pages import PAGES
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"
@@ -95,7 +95,7 @@ async def look(role: str, size: tuple[int, int], where: str, seconds: float) -> 
     client.close(1.0)
     svg = re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)  # no fonts from elsewhere
     svg = svg.replace("Fira Code, monospace", "monospace")
-    svg = re.sub(rf'<rect fill="{GROUND}"[^>]*/>', "", svg).replace("#292929", GROUND)
+    svg = re.sub(rf'<rect fill="{GROUND_COLOUR}"[^>]*/>', "", svg).replace("#292929", GROUND_COLOUR)
     svg = re.sub(r"[ \t]+$", "", svg, flags=re.MULTILINE)
     (IMAGES / f"{role}.svg").write_text(svg, encoding="utf-8")
 

@@ -21,7 +21,7 @@ from typing import Final
 import pytest
 
 import trainer
-from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.nonlinear_steering import BENT
 from trainer.identify.model import models
@@ -245,7 +245,7 @@ def test_a_kernel_finds_each_parameter_of_a_model_where_it_is(
 
 
 def test_a_bent_ship_s_numbers_are_where_its_kernel_looks() -> None:
-    ship = Bent(1.0, 2.0, 3.0, 4.0, delta_0=8.0, H=(5.0, 6.0, 7.0))
+    ship = BentShip(1.0, 2.0, 3.0, 4.0, delta_0=8.0, H=(5.0, 6.0, 7.0))
     known = {"K": 1.0, "T1": 2.0, "T2": 3.0, "T3": 4.0, "H1": 5.0, "H2": 6.0, "H3": 7.0}
 
     found = {name: ship.numbers[getattr(BENT, name)] for name in BENT._fields}

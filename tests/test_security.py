@@ -25,7 +25,7 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.client import dial
 from trainer.io.orders.grammar import BadOrder, Order, parse
-from trainer.io.paths import HOST, recording_paths
+from trainer.io.paths import DEFAULT_HOST, recording_paths
 from trainer.io.serial_line import LinkError
 from trainer.io.server import Server, parse_address, private_folder
 from trainer.session.stations import roles
@@ -121,7 +121,7 @@ def test_nobody_beyond_this_machine_is_listened_to_unless_told(name: str) -> Non
     command = cli.commands[name]
     options: dict[str, Any] = {each.name or "": each.default for each in command.params}
     listen = options["listen"]
-    assert listen is None or parse_address(str(listen), "")[0] == HOST == "127.0.0.1"
+    assert listen is None or parse_address(str(listen), "")[0] == DEFAULT_HOST == "127.0.0.1"
     assert not options["token"]
 
 

@@ -11,12 +11,12 @@ from fuzz.lines import GRAMMAR
 from helpers.places import ROOT
 from helpers.syntax import nodes_of
 
-from trainer.boat.export.header import PUBLISHED, members
+from trainer.boat.export.header import PUBLISHED_NAMES, record_members
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.orders import sentences
 from trainer.session.layout import LAYOUT
-from trainer.session.stations.roles import KINDS
+from trainer.session.stations.roles import EVENT_KINDS
 
 PACKAGE = ROOT / "trainer"
 PACKAGES = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
@@ -120,14 +120,14 @@ def test_what_a_fuzzer_watches_or_spares_is_there(prefix: str) -> None:
 
 
 def test_the_kinds_of_events_stay() -> None:
-    assert set(KINDS) == {
+    assert set(EVENT_KINDS) == {
         *("order", "exercise", "moment", "time", "mark", "watch", "trouble", "station", "refused"),
         *("depth", "pilot", "crew", "marks"),
     }
 
 
 def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
-    assert set(sentences.KINDS) == {"TRA", "TRN", "TRS", "TRE", "TRF"}
+    assert set(sentences.SENTENCE_KINDS) == {"TRA", "TRN", "TRS", "TRE", "TRF"}
     assert set(sentences.FACTS) == {
         *("order", "mark", "back", "snapshot", "casualty", "depth", "collapse", "over", "left"),
         *("crew-order", "repeated", "wrong-repeat", "belayed", "wrong-way", "report"),
@@ -147,7 +147,7 @@ def test_the_places_of_a_recorded_state_stay() -> None:
 def test_the_names_in_the_exported_header_stay(name: str) -> None:
     kind = {"state": STATE, "vessel": VESSEL, "compact": COMPACT}[name]
     told = (ROOT / f"tests/data/header-{name}.txt").read_text(encoding="utf-8").split()
-    assert [PUBLISHED.get(member, member) for member, _, _ in members(kind)] == told
+    assert [PUBLISHED_NAMES.get(member, member) for member, _, _ in record_members(kind)] == told
 
 
 def test_a_sweep_s_facts_stay_where_they_are() -> None:

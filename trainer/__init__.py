@@ -42,12 +42,12 @@ if TYPE_CHECKING:
     )
     from trainer.config.files import ConfigError as TrainerError
 else:
-    _PLACES = {  # the module of each name, and what it is called there
+    _MODULE_BY_NAME = {  # the module of each name, and what it is called there
         **dict.fromkeys(("Recording", "read_recording"), "trainer.analysis.recording_export"),
         **dict.fromkeys(("Boat", "Snapshot"), "trainer.cli.boat"),
         "TrainerError": "trainer.config.files",
     }
-    _CALLED = {"TrainerError": "ConfigError"}
+    _SOURCE_NAMES = {"TrainerError": "ConfigError"}
 
     def __getattr__(name: str) -> object:
         """Return a public name, its module imported now."""
@@ -55,8 +55,8 @@ else:
             raise AttributeError(f"module 'trainer' has no attribute {name!r}")
         from importlib import import_module  # noqa: PLC0415  a run on an exported core needs none
 
-        module = import_module(_PLACES.get(name, "trainer.cli.calls"))
-        found: object = getattr(module, _CALLED.get(name, name))
+        module = import_module(_MODULE_BY_NAME.get(name, "trainer.cli.calls"))
+        found: object = getattr(module, _SOURCE_NAMES.get(name, name))
         globals()[name] = found
         return found
 

@@ -11,17 +11,24 @@ import pytest
 from click.testing import CliRunner
 
 from trainer.analysis.bench import bench as bench_module
-from trainer.analysis.bench.bench import Figures, bench, cpu_model, pace, render, samples_up
+from trainer.analysis.bench.bench import (
+    BenchFigures,
+    bench_boat,
+    cpu_model,
+    render,
+    run_paced,
+    samples_up,
+)
 from trainer.analysis.bench.order_delay import effect
-from trainer.analysis.bench.sections import SECTIONS, LeftOut, Section, or_left_out
+from trainer.analysis.bench.sections import SECTIONS, OmittedSection, Section, or_left_out
 from trainer.analysis.bench.tick import (
+    BATCH_COUNT,
     BATCH_NS,
-    BATCHES,
-    CASUALTIES,
-    STANDARD,
-    Batches,
+    CASUALTY_KINDS,
+    STANDARD_METHOD,
+    BatchCost,
     long_enough,
-    ready,
+    ready_boat,
     take_ticks,
     time_batches,
 )
@@ -35,13 +42,13 @@ from trainer.session.time.ledger import Spread
 
 
 @pytest.fixture(scope="module")
-def figures() -> Figures:
+def figures() -> BenchFigures:
     """Return what one second at each step gives."""
-    return bench(load_vessel("bb2"), 1)
+    return bench_boat(load_vessel("bb2"), 1)
 
 
 @pytest.mark.process
-def test_each_step_of_1969_gets_the_ticks_of_the_time_asked_for(figures: Figures) -> None:
+def test_each_step_of_1969_gets_the_ticks_of_the_time_asked_for(figures: BenchFigures) -> None:
     half, whole = figures.real_time
 
     assert (half.step_s, half.ticks) == (0.5, 2)
@@ -49,7 +56,7 @@ def test_each_step_of_1969_gets_the_ticks_of_the_time_asked_for(figures: Figures
 
 
 @pytest.mark.process
-def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: Figures) -> None:
+def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: BenchFigures) -> None:
     half, whole = figures.real_time
 
     assert (half.duty_cycle_1969_percent, whole.duty_cycle_1969_percent) == (38.0, 19.0)
@@ -70,17 +77,17 @@ def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None
         return begun[-1]
 
     monkeypatch.setattr(bench_module, "temporary", temporary)
-    boat = ready(load_vessel("bb2"), STANDARD, 0.5)
+    boat = ready_boat(load_vessel("bb2"), STANDARD_METHOD, 0.5)
     ticks: list[int] = []
 
-    pace(boat, 1, ticks.append)
+    run_paced(boat, 1, ticks.append)
 
     assert len(begun) == 1
     assert ticks == [1, 2, 3, 4]
 
 
 @pytest.mark.process
-def test_percentiles_rise_to_the_maximum(figures: Figures) -> None:
+def test_percentiles_rise_to_the_maximum(figures: BenchFigures) -> None:
     for run in figures.real_time:
         assert run.work.p50_ns > 0
         for spread in (run.work, run.lateness):
@@ -96,7 +103,9 @@ def test_a_percentile_tells_how_many_ticks_it_rests_on() -> None:
 
 
 @pytest.mark.process
-def test_batches_are_many_long_and_their_least_is_not_above_the_median(figures: Figures) -> None:
+def test_batches_are_many_long_and_their_least_is_not_above_the_median(
+    figures: BenchFigures,
+) -> None:
     tick = figures.attended
     batches = [tick.boat, tick.bare, tick.csv_row, tick.recorded, tick.subscribed]
     batches += [b for update in figures.updates for b in (update.called, update.in_kernel)]
@@ -119,8 +128,8 @@ def test_a_batch_cost_is_per_repetition(monkeypatch: pytest.MonkeyPatch) -> None
         clock[0] += 1000 * count + compiling
 
     # 2^14: the first power of two that takes 10 ms at 1 us each
-    assert time_batches([work]) == [Batches(1000.0, 1000.0, BATCHES, 2**14)]
-    assert calls[-BATCHES:] == [2**14] * BATCHES
+    assert time_batches([work]) == [BatchCost(1000.0, 1000.0, BATCH_COUNT, 2**14)]
+    assert calls[-BATCH_COUNT:] == [2**14] * BATCH_COUNT
 
 
 def test_an_interruption_does_not_make_batches_short(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,7 +146,7 @@ def test_an_interruption_does_not_make_batches_short(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.process
 def test_three_ways_to_compute_are_timed_and_the_crossing_is_their_difference(
-    figures: Figures,
+    figures: BenchFigures,
 ) -> None:
     ways = [(u.equations, u.rates, u.integrator) for u in figures.updates]
 
@@ -167,7 +176,7 @@ def test_the_loop_in_a_kernel_is_the_same_ticks(make_boat: Callable[..., Boat]) 
 
 
 @pytest.mark.process
-def test_sizes_are_in_bytes_and_words_and_the_state_is_under_4_kib(figures: Figures) -> None:
+def test_sizes_are_in_bytes_and_words_and_the_state_is_under_4_kib(figures: BenchFigures) -> None:
     assert {"state", "vessel", "compact", "scheme"} <= figures.sizes.keys()
     for size in figures.sizes.values():
         assert size.bytes == 2 * size.words_of_16_bits > 0
@@ -181,7 +190,7 @@ def test_a_boat_that_loses_its_numbers_is_refused(make_boat: Callable[..., Boat]
     boat.state.q = np.inf
 
     with pytest.raises(ConfigError, match=r"bb2\.toml has no place .* out of all bounds"):
-        pace(boat, 1, lambda _: None)
+        run_paced(boat, 1, lambda _: None)
 
 
 @pytest.mark.process
@@ -194,7 +203,7 @@ def test_the_processor_is_named_as_the_kernel_lists_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.process
-def test_the_page_is_ascii_in_79_columns(figures: Figures) -> None:
+def test_the_page_is_ascii_in_79_columns(figures: BenchFigures) -> None:
     page = render(figures)
 
     assert page.isascii()
@@ -214,15 +223,15 @@ def units(tree: Any, path: str = "") -> set[str]:
 
 @pytest.mark.process
 def test_json_is_one_object_whose_keys_carry_the_units(
-    figures: Figures, monkeypatch: pytest.MonkeyPatch
+    figures: BenchFigures, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
 
-    def measured(file: Any, seconds: int) -> Figures:
+    def measured(file: Any, seconds: int) -> BenchFigures:
         asked.append((file.path.name, seconds))
         return figures
 
-    monkeypatch.setattr(bench_module, "bench", measured)
+    monkeypatch.setattr(bench_module, "bench_boat", measured)
     result = CliRunner().invoke(main.cli, ["bench", "--seconds", "1", "--json"])
 
     assert result.exit_code == 0, result.output
@@ -239,8 +248,10 @@ def test_json_is_one_object_whose_keys_carry_the_units(
 
 
 @pytest.mark.process
-def test_the_command_prints_the_page(figures: Figures, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bench_module, "bench", lambda *_: figures)
+def test_the_command_prints_the_page(
+    figures: BenchFigures, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bench_module, "bench_boat", lambda *_: figures)
 
     result = CliRunner().invoke(main.cli, ["bench", "--seconds", "1"])
 
@@ -249,17 +260,17 @@ def test_the_command_prints_the_page(figures: Figures, monkeypatch: pytest.Monke
 
 @pytest.mark.process
 def test_the_troubled_tick_has_six_casualties_and_a_ratio_to_the_calm_one(
-    figures: Figures,
+    figures: BenchFigures,
 ) -> None:
     troubled = figures.troubled
 
-    assert len(CASUALTIES) == 6
+    assert len(CASUALTY_KINDS) == 6
     assert troubled.times_the_calm == troubled.troubled.least_ns / troubled.calm.least_ns
     assert "tanks at work and six casualties" in render(figures)
 
 
 @pytest.mark.process
-def test_orders_over_tcp_are_answered_and_act_within_a_tick(figures: Figures) -> None:
+def test_orders_over_tcp_are_answered_and_act_within_a_tick(figures: BenchFigures) -> None:
     latency = figures.latency
 
     assert latency.orders > 1
@@ -283,7 +294,7 @@ def test_an_order_that_acts_late_is_seen_to(make_boat: Callable[..., Boat]) -> N
 
 
 @pytest.mark.process
-def test_a_boat_without_a_rudder_has_no_effect_to_tell(figures: Figures) -> None:
+def test_a_boat_without_a_rudder_has_no_effect_to_tell(figures: BenchFigures) -> None:
     steered = replace(figures.latency, ticks_to_effect_most=0)
 
     assert "none: this boat has no rudder" in render(replace(figures, latency=steered))
@@ -305,7 +316,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in SECTIONS:
         part = Section(lambda _, name=name: Figure(name), lambda f: ["", f"PART {f.name}"])  # type: ignore[misc]
         monkeypatch.setitem(SECTIONS, name, part)
-    monkeypatch.setattr(bench_module, "bench", lambda *_: Figure("whole"))
+    monkeypatch.setattr(bench_module, "bench_boat", lambda *_: Figure("whole"))
     monkeypatch.setattr(bench_module, "render", lambda _: "STANDARD")
 
 
@@ -343,6 +354,6 @@ def test_any_other_trouble_of_a_part_is_not_taken_for_what_the_machine_lacks() -
     def measured(measure: Any) -> Any:
         return or_left_out(NoBrowserError, Section(measure, list)).measure(None)  # type: ignore[arg-type]
 
-    assert measured(lacks) == LeftOut("none")
+    assert measured(lacks) == OmittedSection("none")
     with pytest.raises(ValueError, match="another"):
         measured(fails)

@@ -74,8 +74,10 @@ def test_a_long_run_measures_more() -> None:
 
 
 def test_the_page_names_each_figure_with_its_goal() -> None:
-    looking = web.Looking("Chromium 1", 5, 200.0, 60, 4.0, 9.0, 8.0, 20.0, 19.9, 0.3, 0.5)
-    figures = web.Web(looking, web.Ticks(0, 120, 0, SPREAD), web.Ticks(30, 121, 1, SPREAD))
+    looking = web.PageDelay("Chromium 1", 5, 200.0, 60, 4.0, 9.0, 8.0, 20.0, 19.9, 0.3, 0.5)
+    figures = web.WebFigures(
+        looking, web.WebTicks(0, 120, 0, SPREAD), web.WebTicks(30, 121, 1, SPREAD)
+    )
 
     page = "\n".join(web.lines(figures))
 

@@ -18,15 +18,15 @@ from click.testing import CliRunner
 from helpers.places import DATA, ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.steadiness import PullOut, ReverseSpiral, Spiral
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Control
 from trainer.analysis.manoeuvres.zigzag import ZigZag
-from trainer.boat.ship.forces import ROWS, add_terms, set_terms
+from trainer.boat.ship.forces import ROW_COUNT, add_terms, set_terms
 from trainer.boat.ship.models import model_for
 from trainer.cli.main import cli
-from trainer.config.files import ConfigError, shipped
+from trainer.config.files import ConfigError, shipped_path
 from trainer.config.ship import load_ship, parse_ship
 from trainer.identify.ships.vehicle import IdentifiedShip
 
@@ -147,7 +147,7 @@ class Mariner:
 
 
 def ship(manoeuvre: Manoeuvre, step: float = 0.1) -> tuple[Flight, dict[str, float | None]]:
-    flight = fly(Mariner(step), manoeuvre, 7.7175)
+    flight = fly_manoeuvre(Mariner(step), manoeuvre, 7.7175)
     return flight, {one.name: one.value for one in manoeuvre.measures(flight)}
 
 
@@ -197,9 +197,9 @@ def test_a_ship_unstable_on_course_turns_by_itself_and_the_reverse_spiral_shows_
 
 def shipped_rates(state: np.ndarray, rudder: float) -> np.ndarray:
     """Return du/dt, dv/dt and dr/dt of the shipped file's ship."""
-    file = load_ship(shipped("ships", "mariner"))
+    file = load_ship(shipped_path("ships", "mariner"))
     model = model_for(file, "abkowitz", wind=False)
-    work, out = np.empty((ROWS, 1)), np.empty((3, 1))
+    work, out = np.empty((ROW_COUNT, 1)), np.empty((3, 1))
     inputs = np.array([rudder, 1.25, 0.0, 0.0])
     set_terms(work, np.array(file.constants), state, inputs, np.zeros(5))
     add_terms(work, model.terms, model.whole(file.coefficients), np.array(file.constants), out)
@@ -222,9 +222,9 @@ def test_the_shipped_cargo_ship_accelerates_as_published(rudder: float) -> None:
 def test_the_shipped_cargo_ship_turns_from_the_rudder_that_holds_it_straight(
     angle: float, advance: float, tactical: float, steady: float
 ) -> None:
-    vessel = IdentifiedShip(load_ship(shipped("ships", "mariner")))
+    vessel = IdentifiedShip(load_ship(shipped_path("ships", "mariner")))
     turn = Turn(angle, 900.0)
-    found = {one.name: one.value for one in turn.measures(fly(vessel, turn, SHIP["U0"]))}
+    found = {one.name: one.value for one in turn.measures(fly_manoeuvre(vessel, turn, SHIP["U0"]))}
 
     # 1.2 degrees of rudder to port hold it straight, and angles count from there
     assert found["advance"] == pytest.approx(advance, rel=0.03)
@@ -269,7 +269,7 @@ def test_the_page_takes_the_shipped_cargo_ship_through_identification(
 def test_a_ship_whose_polynomial_is_not_whole_is_refused(
     there: str, instead: str, said: str
 ) -> None:
-    path = shipped("ships", "mariner")
+    path = shipped_path("ships", "mariner")
     text = path.read_text(encoding="utf-8").replace(there, instead, 1)
 
     with pytest.raises(ConfigError, match=said):

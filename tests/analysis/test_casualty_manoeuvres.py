@@ -7,7 +7,7 @@ import pytest
 
 from trainer.analysis.guide.programme import own_method
 from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam, RudderJam
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.speeds import Backing
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.vehicle import DIVE, PORT, RISE
@@ -30,7 +30,7 @@ def test_a_jam_to_dive_goes_down_and_one_to_rise_up_and_both_are_brought_level(
     sdv: Submarine,
 ) -> None:
     jams = {way: PlaneJam(5.0, 2.0, direction=way) for way in (DIVE, RISE)}
-    flown = {way: fly(sdv, jam, 3.0 * KNOT) for way, jam in jams.items()}
+    flown = {way: fly_manoeuvre(sdv, jam, 3.0 * KNOT) for way, jam in jams.items()}
     told = {way: figures(jams[way], flight) for way, flight in flown.items()}
 
     assert (told[DIVE]["largest pitch"] or 0.0) < 0.0 < (told[RISE]["largest pitch"] or 0.0)
@@ -48,7 +48,7 @@ def test_a_jammed_rudder_is_measured_alike_to_either_side_and_the_engine_is_stop
     sdv: Submarine,
 ) -> None:
     to_starboard, to_port = RudderJam(angle_deg=15.0), RudderJam(angle_deg=15.0, side=PORT)
-    flown = [fly(sdv, jam, 3.0 * KNOT) for jam in (to_starboard, to_port)]
+    flown = [fly_manoeuvre(sdv, jam, 3.0 * KNOT) for jam in (to_starboard, to_port)]
     one, other = (figures(jam, f) for jam, f in zip((to_starboard, to_port), flown, strict=True))
 
     assert flown[0].column("psi")[-1] > 0.5
@@ -65,7 +65,7 @@ def test_a_heavy_boat_sinks_through_the_water_and_a_light_one_does_the_opposite(
     sdv: Submarine,
 ) -> None:
     loads = [OutOfBalance(share=share, keep=()) for share in (0.002, -0.002)]
-    heavy, light = (figures(load, fly(sdv, load, 3.0 * KNOT)) for load in loads)
+    heavy, light = (figures(load, fly_manoeuvre(sdv, load, 3.0 * KNOT)) for load in loads)
 
     assert (heavy["w after 0.17 of it"] or 0.0) > 0.005
     for part in np.arange(1, 7) / 6:
@@ -76,7 +76,7 @@ def test_a_heavy_boat_sinks_through_the_water_and_a_light_one_does_the_opposite(
 
 def test_backing_gathers_sternway_to_a_steady_speed(sdv: Submarine) -> None:
     backing = Backing(duration_s=200.0)
-    flight = fly(sdv, backing, 0.0)
+    flight = fly_manoeuvre(sdv, backing, 0.0)
     told: dict[str, Any] = figures(backing, flight)
 
     assert flight.column("u_c")[-1] == pytest.approx(sdv.controls["engine"].low, rel=0.01)

@@ -11,18 +11,24 @@ import pytest
 from helpers.places import DATA, ROOT
 
 from trainer.analysis import check as check_module
-from trainer.analysis.check import Report, check, compare_turns, flights, round_speeds
+from trainer.analysis.check import (
+    CheckReport,
+    check_vessel,
+    compare_turns,
+    round_speeds,
+    straight_flights,
+)
 from trainer.analysis.check_page import render
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
-from trainer.boat.linear import bring_to, modes, respond
+from trainer.boat.linear import bring_to, measure_response, modes
 from trainer.boat.stability import (
-    Step,
-    culprit,
-    growth,
+    StepVerdict,
+    boat_responses,
+    growth_factors,
     largest_flown,
     largest_step,
-    responses,
+    leading_motion,
     stable_step,
     tick_map,
 )
@@ -30,8 +36,8 @@ from trainer.config.propulsion import thrust_of
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record
-from trainer.core.scheme import NAMES
-from trainer.core.state import HISTORY, MOTION
+from trainer.core.scheme import INTEGRATOR_NAMES
+from trainer.core.state import MOTION, PAST_CYCLES
 from trainer.units import KNOT
 
 INTEGRATION = json.loads((DATA / "integration.json").read_text())
@@ -54,13 +60,13 @@ def refsub() -> VesselFile:
 
 
 @pytest.fixture(scope="module")
-def bb2() -> Report:
-    return check(load_vessel("bb2"))
+def bb2() -> CheckReport:
+    return check_vessel(load_vessel("bb2"))
 
 
 @pytest.fixture(scope="module")
-def remus() -> Report:
-    return check(load_vessel("remus100"))
+def remus() -> CheckReport:
+    return check_vessel(load_vessel("remus100"))
 
 
 # --- stability regions
@@ -117,7 +123,9 @@ def test_the_manual_has_every_method_with_its_interval() -> None:
         names = re.findall(r"`(\w+)`", cells[1]) if len(cells) == 7 else []
         told |= dict(zip(names, cells[4].split(", ") if names else (), strict=True))
 
-    assert told == {name: f"{largest_step(scheme(name), -1.0 + 0j):.3f}" for name in NAMES}
+    assert told == {
+        name: f"{largest_step(scheme(name), -1.0 + 0j):.3f}" for name in INTEGRATOR_NAMES
+    }
 
 
 ORDERS = {
@@ -142,10 +150,10 @@ ORDERS = {
 
 
 def test_every_named_method_has_its_order_once_it_has_a_past() -> None:
-    assert set(ORDERS) == set(NAMES)
+    assert set(ORDERS) == set(INTEGRATOR_NAMES)
     for integrator, order in ORDERS.items():
         steps = np.array([-0.02, -0.01])
-        wrong = abs(growth(scheme(integrator), steps.astype(complex)) - np.exp(steps))
+        wrong = abs(growth_factors(scheme(integrator), steps.astype(complex)) - np.exp(steps))
         assert np.log2(wrong[0] / wrong[1]) == pytest.approx(order + 1, abs=0.35), integrator
 
 
@@ -153,7 +161,7 @@ def test_every_named_method_has_its_order_once_it_has_a_past() -> None:
 def test_the_boundary_of_adams_2_is_where_it_should_be(point: dict[str, list[float]]) -> None:
     mu = complex(*point["mu"])
 
-    assert growth(scheme("adams2"), np.array([mu]))[0] == pytest.approx(1.0, abs=1e-10)
+    assert growth_factors(scheme("adams2"), np.array([mu]))[0] == pytest.approx(1.0, abs=1e-10)
     assert largest_step(scheme("adams2"), mu) == pytest.approx(1.0, abs=1e-7)
 
 
@@ -178,7 +186,7 @@ def test_roots_are_those_of_the_published_determinants() -> None:
     # vectors/roots.json, refsub at 5 kn, w = theta = 0 and u frozen
     boat = Boat(refsub(), Method("full", "lagged", "exact", "adams2", 0.5))
     boat.state.u = boat.state.u_c = 8.4390493 * FOOT
-    response = respond(boat)
+    response = measure_response(boat)
 
     def part(*names: str) -> list[tuple[str, complex]]:
         places = [response.names.index(name) for name in names]
@@ -211,7 +219,7 @@ def test_roots_are_those_of_the_published_determinants() -> None:
 @pytest.mark.parametrize("equations", ["full", "modified", "basic", "longitudinal"])
 def test_lagging_the_accelerations_does_not_change_the_boats_nature(equations: str) -> None:
     exact, lagged = (
-        responses(flown("bb2", "adams2", 0.5, equations, rates), [5.0])[5.0]
+        boat_responses(flown("bb2", "adams2", 0.5, equations, rates), [5.0])[5.0]
         for rates in ("exact", "lagged")
     )
 
@@ -220,7 +228,7 @@ def test_lagging_the_accelerations_does_not_change_the_boats_nature(equations: s
     assert lagged.nature == pytest.approx(exact.nature, rel=1e-6, abs=1e-8)
 
 
-def test_bb2_damps_every_mode_and_rolls_in_13_4_seconds(bb2: Report) -> None:
+def test_bb2_damps_every_mode_and_rolls_in_13_4_seconds(bb2: CheckReport) -> None:
     at_10 = next(flight for flight in bb2.flights if flight.speed_kn == 10.0)
     roll = next(row for row in at_10.modes if row.name == "roll")
 
@@ -231,18 +239,18 @@ def test_bb2_damps_every_mode_and_rolls_in_13_4_seconds(bb2: Report) -> None:
     assert {row.name for row in at_10.modes} == {"surge", "pitch", "sway-yaw", "spiral", "roll"}
 
 
-def test_remus_is_unstable_by_nature_and_no_step_is_given_for_that(remus: Report) -> None:
+def test_remus_is_unstable_by_nature_and_no_step_is_given_for_that(remus: CheckReport) -> None:
     for flight in remus.flights:
         spiral = next(row for row in flight.modes if row.name == "spiral")
         assert spiral.real > 0.4
         assert not spiral.stable
         assert spiral.largest_s == {}
     assert "UNSTABLE BY NATURE" in render(remus)
-    assert "UNSTABLE BY NATURE" not in render(check(refsub()))
+    assert "UNSTABLE BY NATURE" not in render(check_vessel(refsub()))
 
 
 def test_modes_of_a_speed_without_trim_are_marked() -> None:
-    slow, fast = flights(load_vessel("remus100"), [2.0, 3.0])
+    slow, fast = straight_flights(load_vessel("remus100"), [2.0, 3.0])
 
     assert (slow.trimmed, fast.trimmed) == (False, True)
 
@@ -273,14 +281,14 @@ def test_the_map_is_what_the_core_does_to_a_small_disturbance(
 ) -> None:
     boat = flown("bb2", integrator, 0.7, equations)
     assert bring_to(boat, 6.0)
-    response = respond(boat)
+    response = measure_response(boat)
     places = [MOTION.index(name) for name in response.names]
     s = boat.state
     s.z = 1000.0
     trim = np.array(s.motion)
     s.rates[:] = s.past_rates[:] = 0.0
     s.past_motion[:] = trim
-    s.history = float(HISTORY)
+    s.history = float(PAST_CYCLES)
     tick = tick_map(response, boat.records.scheme, 0.7)
     disturbance = np.zeros(len(tick))
     disturbance[:8] = 1e-6 * np.array([1.0, -2.0, 1.5, 0.2, 0.1, -0.1, 0.3, -0.2])
@@ -324,13 +332,13 @@ def test_roll_decays_just_below_the_largest_step_and_grows_just_above(
     assert late_over_early(1.04 * limit) > 1.03
 
 
-def test_bb2_flies_at_half_and_one_second_by_adams_and_not_by_euler(bb2: Report) -> None:
+def test_bb2_flies_at_half_and_one_second_by_adams_and_not_by_euler(bb2: CheckReport) -> None:
     assert bb2.stable
     assert {(v.step_s, v.stable) for v in bb2.verdicts} == {(0.5, True), (1.0, True)}
     assert not stable_step(flown("bb2", "euler", 0.5), [5.0 * KNOT]).ok
 
 
-def test_remus_flies_at_a_twentieth_of_a_second_but_not_at_half(remus: Report) -> None:
+def test_remus_flies_at_a_twentieth_of_a_second_but_not_at_half(remus: CheckReport) -> None:
     for equations in ("full", "modified"):
         short = stable_step(flown("remus100", "adams2", 0.05, equations), REMUS_SPEEDS)
         long = stable_step(flown("remus100", "adams2", 0.5, equations), REMUS_SPEEDS)
@@ -350,7 +358,7 @@ def test_a_stiff_roll_makes_one_second_unstable() -> None:
         file, coefficients={**file.coefficients, "K_p": 30.0 * file.coefficients["K_p"]}
     )
 
-    report = check(stiff)
+    report = check_vessel(stiff)
 
     assert not report.stable
     failing = [v for v in report.verdicts if not v.stable]
@@ -363,7 +371,7 @@ def test_the_vessels_own_step_is_judged_too() -> None:
     file = load_vessel("bb2")
     slow = replace(file, run=replace(file.run, step_s=2.0))
 
-    report = check(slow)
+    report = check_vessel(slow)
 
     assert not report.stable
     assert {v.step_s for v in report.verdicts if not v.stable} == {2.0}
@@ -372,7 +380,7 @@ def test_the_vessels_own_step_is_judged_too() -> None:
 def test_an_undamped_swing_may_grow_a_little_and_not_much() -> None:
     # REMUS's roll at 2 kn has a damping ratio of 0.0014: Adams turns it beyond h = 0.036 s
     boat = flown("remus100", "adams2", 0.05, rates="exact")
-    response = responses(boat, [2.0 * KNOT])[2.0 * KNOT]
+    response = boat_responses(boat, [2.0 * KNOT])[2.0 * KNOT]
     roots = np.linalg.eigvals(tick_map(response, boat.records.scheme, 0.05))
     roll = max(abs(root) for root in roots if root.imag > 0.2)
 
@@ -382,27 +390,27 @@ def test_an_undamped_swing_may_grow_a_little_and_not_much() -> None:
 
 def test_the_root_to_blame_is_called_by_its_motion() -> None:
     boat = flown("bb2", "adams2", 0.5)
-    response = responses(boat, [10.0 * KNOT])[10.0 * KNOT]
+    response = boat_responses(boat, [10.0 * KNOT])[10.0 * KNOT]
     tick = tick_map(response, boat.records.scheme, 0.5)
     roots = np.linalg.eigvals(tick)
     groups = {"heave": "pitch", "spiral": "sway-yaw"}
 
     for mode in modes(response.nature, response.names):
         root = roots[np.argmin(abs(roots - np.exp(0.5 * mode.eigenvalue)))]
-        assert culprit(response, tick, root) == groups.get(mode.name, mode.name)
+        assert leading_motion(response, tick, root) == groups.get(mode.name, mode.name)
 
 
 def test_the_variable_method_is_stable_at_any_step() -> None:
     answer = stable_step(flown("bb2", "rkv", 1.5), [3.0 * KNOT, 20.0 * KNOT])
 
-    assert answer == Step(ok=True, largest=math.inf, worst="nothing")
+    assert answer == StepVerdict(ok=True, largest=math.inf, worst="nothing")
 
 
 def test_the_longitudinal_set_has_no_roll_to_fear() -> None:
     boat = flown("bb2", "adams2", 1.5, "longitudinal")
     answer = stable_step(boat, [3.0 * KNOT, 20.0 * KNOT])
 
-    assert respond(boat).names == ("u", "w", "q", "theta")
+    assert measure_response(boat).names == ("u", "w", "q", "theta")
     assert answer.ok
     assert answer.largest > 2.0
 
@@ -424,7 +432,7 @@ def test_asking_leaves_the_boat_as_it_was_and_takes_no_time() -> None:
 # --- the hull
 
 
-def test_bb2_has_its_margins_of_stability(bb2: Report) -> None:
+def test_bb2_has_its_margins_of_stability(bb2: CheckReport) -> None:
     assert bb2.margins["Gv"] == pytest.approx(0.452, rel=0.01)
     assert bb2.margins["Gh"] == pytest.approx(0.414, rel=0.01)
 
@@ -461,15 +469,17 @@ def test_critical_speeds_are_those_of_an_independent_program() -> None:
     )
 
 
-def test_bb2_reverses_its_stern_planes_at_4_8_knots(bb2: Report) -> None:
+def test_bb2_reverses_its_stern_planes_at_4_8_knots(bb2: CheckReport) -> None:
     assert bb2.critical_speed_kn["stern"] == pytest.approx(4.8, abs=0.05)
 
 
-def test_a_boat_without_bow_planes_has_no_critical_speed_of_them(remus: Report) -> None:
+def test_a_boat_without_bow_planes_has_no_critical_speed_of_them(remus: CheckReport) -> None:
     assert remus.critical_speed_kn["bow"] is None
 
 
-def test_absent_coefficients_are_told_apart_by_what_the_compact_set_keeps(remus: Report) -> None:
+def test_absent_coefficients_are_told_apart_by_what_the_compact_set_keeps(
+    remus: CheckReport,
+) -> None:
     assert "K_p" in remus.absent_but_kept["K"]
     assert "N_avr" in remus.absent_and_dropped["N"]
     assert "K_p" not in remus.absent_and_dropped["K"]
@@ -477,7 +487,7 @@ def test_absent_coefficients_are_told_apart_by_what_the_compact_set_keeps(remus:
     assert "a1" not in json.dumps(asdict(remus))
 
 
-def test_what_differs_between_port_and_starboard_is_listed(bb2: Report) -> None:
+def test_what_differs_between_port_and_starboard_is_listed(bb2: CheckReport) -> None:
     assert bb2.asymmetries == {"K_star": -2e-5, "K_star_eta": -2e-5}
     file = refsub()
     tilted = replace(file, hull=replace(file.hull, cg=(0.0, 0.1, 0.3), Ixy=5.0))
@@ -495,7 +505,7 @@ def test_an_impossible_mass_matrix_is_called_so() -> None:
 def test_the_lagged_sweep_forgets_at_the_rate_given() -> None:
     # contraction: the error of the lagged accelerations after ten more sweeps, per sweep
     boat = flown("bb2", "adams2", 0.5)
-    response = responses(boat, [5.0])[5.0]
+    response = boat_responses(boat, [5.0])[5.0]
     rate = check_module.inertia(load_vessel("bb2"), 0.5).contraction["full"]
     error = np.ones(8)
     sizes = []
@@ -510,7 +520,9 @@ def test_the_lagged_sweep_forgets_at_the_rate_given() -> None:
 # --- the turn, the speeds and the page
 
 
-def test_bb2_turns_as_published_by_the_full_set_and_tighter_by_the_compact(bb2: Report) -> None:
+def test_bb2_turns_as_published_by_the_full_set_and_tighter_by_the_compact(
+    bb2: CheckReport,
+) -> None:
     turn = bb2.turn
     assert turn.full is not None
     assert turn.modified is not None
@@ -539,7 +551,7 @@ def test_a_turn_that_loses_its_numbers_says_where(monkeypatch: pytest.MonkeyPatc
     assert "pdot is out of all bounds" in turn.problem
 
 
-def test_a_turn_that_never_settles_is_given_up(bb2: Report) -> None:
+def test_a_turn_that_never_settles_is_given_up(bb2: CheckReport) -> None:
     file = refsub()
     crawling = compare_turns(replace(file, run=replace(file.run, start_speed_kn=0.1)))
 
@@ -564,7 +576,7 @@ def test_speeds_are_round_between_the_ends(
 
 @pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
 def test_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
-    page = render(check(load_vessel(name)))
+    page = render(check_vessel(load_vessel(name)))
 
     assert page.isascii()
     assert max(map(len, page.splitlines())) <= 79
@@ -583,7 +595,7 @@ def test_a_body_that_nothing_damps_may_take_any_step() -> None:
         hull=replace(file.hull, cg=(0.0, 0.0, 0.0), cb=(0.0, 0.0, 0.0)),
     )
 
-    report = check(brick)
+    report = check_vessel(brick)
 
     assert report.stable
     assert report.largest_flown_s["full"]["adams2"] is None
@@ -591,7 +603,7 @@ def test_a_body_that_nothing_damps_may_take_any_step() -> None:
     assert json.dumps(asdict(report), allow_nan=False)
 
 
-def test_the_report_is_json(bb2: Report, remus: Report) -> None:
+def test_the_report_is_json(bb2: CheckReport, remus: CheckReport) -> None:
     for report in (bb2, remus):
         table = json.loads(json.dumps(asdict(report), allow_nan=False))
 
@@ -600,7 +612,7 @@ def test_the_report_is_json(bb2: Report, remus: Report) -> None:
 
 
 def test_the_page_tells_the_boat_afloat_and_the_parts_of_a_step() -> None:
-    report = check(load_vessel("bb2"))
+    report = check_vessel(load_vessel("bb2"))
     assert report.afloat.parts == {0.5: 2, 1.0: 4}
     assert report.afloat.period_s["heave"] == pytest.approx(8.83, abs=0.05)
     assert not report.clipped

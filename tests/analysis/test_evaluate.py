@@ -10,15 +10,20 @@ from helpers.places import DATA
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.analysis.programs.evaluate import ANGLES, KNOWN, NECESSARY, evaluate
+from trainer.analysis.programs.evaluate import (
+    ANGLE_KEYS,
+    KNOWN_KEYS,
+    NECESSARY_KEYS,
+    evaluate_lines,
+)
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.state import RATES
-from trainer.core.terms import KEPT
+from trainer.core.terms import COMPACT_TERMS
 
 VECTORS = DATA / "vectors"
 CASES = sorted(path.stem for path in VECTORS.glob("*.args"))
-STATE = dict.fromkeys(NECESSARY, 0.0) | {"u": 5.0, "u_c": 5.0}
+STATE = dict.fromkeys(NECESSARY_KEYS, 0.0) | {"u": 5.0, "u_c": 5.0}
 
 
 def line(**changes: object) -> str:
@@ -30,7 +35,7 @@ def boat(name: str = "full-refsub") -> VesselFile:
 
 
 def found(file: VesselFile, equations: str, rates: str, *lines: str) -> list[dict[str, float]]:
-    return [json.loads(text) for text in evaluate(file, equations, rates, "exact", lines)]
+    return [json.loads(text) for text in evaluate_lines(file, equations, rates, "exact", lines)]
 
 
 def options(case: str) -> tuple[str, str]:
@@ -46,7 +51,7 @@ def test_vectors_of_an_independent_program_are_met(case: str, rates: str) -> Non
     lines = (VECTORS / f"{case}.states.jsonl").read_text().splitlines()
     expected = (VECTORS / f"{case}.{rates}.expected.jsonl").read_text().splitlines()
 
-    answers = list(evaluate(boat(case), equations, rates, trig, lines))
+    answers = list(evaluate_lines(boat(case), equations, rates, trig, lines))
 
     assert len(answers) == len(expected) > 0
     for answer, wanted in zip(answers, expected, strict=True):
@@ -57,17 +62,19 @@ def test_vectors_of_an_independent_program_are_met(case: str, rates: str) -> Non
 
 
 def test_answers_have_the_twelve_rates_in_order_and_lose_no_digit() -> None:
-    (answer,) = evaluate(boat(), "full", "exact", "exact", [line(v=0.1, r=0.01, theta=0.3)])
+    (answer,) = evaluate_lines(boat(), "full", "exact", "exact", [line(v=0.1, r=0.01, theta=0.3)])
 
     assert list(json.loads(answer)) == RATES
-    (answer,) = evaluate(boat(), "full", "exact", "exact", [line(u=0.1 + 0.2, psi=0.0)])
+    (answer,) = evaluate_lines(boat(), "full", "exact", "exact", [line(u=0.1 + 0.2, psi=0.0)])
     assert '"xdot": 0.30000000000000004' in answer
 
 
 # Iy = Iz and nothing but what the compact set keeps: there it is the full set.
 KEEPING = replace(
     boat(),
-    coefficients={key: value if key in KEPT else 0.0 for key, value in boat().coefficients.items()},
+    coefficients={
+        key: value if key in COMPACT_TERMS else 0.0 for key, value in boat().coefficients.items()
+    },
     hull=replace(boat().hull, cg=(0.4, 0.0, 0.3)),
 )
 
@@ -165,7 +172,7 @@ def test_answers_come_before_a_later_line_is_read() -> None:
         yield line()
         raise AssertionError
 
-    assert next(evaluate(boat(), "full", "exact", "exact", lines()))
+    assert next(evaluate_lines(boat(), "full", "exact", "exact", lines()))
 
 
 @pytest.mark.parametrize(
@@ -203,7 +210,7 @@ def test_a_bad_line_is_told_number_key_and_reason(text: str, message: str) -> No
 
 def answer_or_refusal(text: str) -> str:
     try:
-        return "".join(evaluate(boat(), "full", "exact", "exact", [text]))
+        return "".join(evaluate_lines(boat(), "full", "exact", "exact", [text]))
     except ConfigError as refused:
         return str(refused)
 
@@ -214,7 +221,10 @@ def test_any_text_is_refused_by_line_or_blank(text: str) -> None:
     assert answer_or_refusal(text).startswith("line 1: ") is bool(text.strip())
 
 
-@given(size=st.floats(0, 1e300), key=st.sampled_from([key for key in KNOWN if key not in ANGLES]))
+@given(
+    size=st.floats(0, 1e300),
+    key=st.sampled_from([key for key in KNOWN_KEYS if key not in ANGLE_KEYS]),
+)
 @settings(max_examples=100)
 def test_no_size_of_number_gives_a_nan(size: float, key: str) -> None:
     answer = answer_or_refusal(line(**{key: size}))

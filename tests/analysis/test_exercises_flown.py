@@ -13,38 +13,38 @@ from helpers.givers import journalled
 from helpers.places import ROOT
 
 from trainer.analysis.exercise_page import (
-    Flown,
+    FlownExercise,
+    baseline_lines,
     baseline_of,
-    check,
+    check_exercise,
+    depends_on_seed,
     fly_at,
-    keep,
-    planned,
-    study,
-    table,
-    varies,
+    plan_exercise,
+    save_baseline,
+    study_exercise,
 )
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import insert
-from trainer.boat.reference_crew import Reaction, ReferenceCrew
+from trainer.boat.casualties import insert_casualty
+from trainer.boat.reference_crew import CrewReaction, ReferenceCrew
 from trainer.config.baseline import kept_baseline
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
 from trainer.config.reference_crew import Crew, read_crew
 from trainer.core.cache import core_digest
-from trainer.debrief.data import gather
-from trainer.debrief.judgement import judge, plain_marks
-from trainer.debrief.rehearsal import Rehearsal, fly
+from trainer.debrief.data import gather_debrief
+from trainer.debrief.judgement import judge_run, plain_marks
+from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.scoring import Scorecard
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.facts import REFERENCE_CREW, SCHEDULE
+from trainer.io.recording.facts import REFERENCE_GIVER, SCHEDULE_GIVER
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import run_boat
 
 NAMES = shipped_names("exercises")
-SEEDED = tuple(name for name in NAMES if varies(name, planned(name)))
-AT_SEA = tuple(name for name in SEEDED if planned(name).sea.path.stem != "calm")
+SEEDED = tuple(name for name in NAMES if depends_on_seed(name, plan_exercise(name)))
+AT_SEA = tuple(name for name in SEEDED if plan_exercise(name).sea.path.stem != "calm")
 # an order of each kind that changes nothing
 USELESS = {
     "turns": "turns {speed:g}",
@@ -58,14 +58,14 @@ USELESS = {
 
 
 @functools.cache
-def flown(name: str) -> Flown:
+def flown(name: str) -> FlownExercise:
     return fly_at(name)
 
 
 @functools.cache
 def by_crew(name: str) -> Rehearsal:
-    plan = planned(name)
-    return fly(plan, plan.crew)
+    plan = plan_exercise(name)
+    return fly_rehearsal(plan, plan.crew)
 
 
 def reference(name: str) -> Scorecard:
@@ -84,9 +84,9 @@ def with_ways(plan: Plan, hand: str, **ways: float) -> Crew:
     return replace(plan.crew, **{hand: replace(getattr(plan.crew, hand), **ways)})
 
 
-def marks_of(name: str, crew: Crew, reaction: Reaction | None = None) -> Scorecard:
+def marks_of(name: str, crew: Crew, reaction: CrewReaction | None = None) -> Scorecard:
     plan = flown(name).plan
-    return judge(fly(plan, crew, reaction).trajectory, plan, flown(name).nobody_marks)
+    return judge_run(fly_rehearsal(plan, crew, reaction).trajectory, plan, flown(name).nobody_marks)
 
 
 # Each at its own seed
@@ -113,7 +113,7 @@ def test_nothing_that_is_ordered_is_refused(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_check_finds_nothing_wrong_in_a_shipped_exercise(name: str) -> None:
-    lines = check(name)
+    lines = check_exercise(name)
     assert any(re.match(r"nobody  (0 marks|void), ", line) for line in lines)
     assert any(re.match(r"crew    (8[5-9]|9\d|100) marks, won", line) for line in lines)
 
@@ -137,7 +137,7 @@ def useless_cases() -> list[tuple[str, float, str]]:
     """Return exercise, moment and order of one useless answer to each casualty to be answered."""
     found = []
     for name in NAMES:
-        plan = planned(name)
+        plan = plan_exercise(name)
         onsets = {e.order.subject: e.seconds for e in plan.schedule if e.order.name == "casualty"}
         for rule in plan.scores:
             onset = onsets.get(rule.score.casualty or "")
@@ -157,7 +157,9 @@ def test_one_useless_order_at_the_right_second_earns_next_to_nothing(
 
 
 def test_every_exercise_with_an_answer_is_tried_with_a_useless_order() -> None:
-    answered = {name for name in NAMES if any(r.part == "answer" for r in planned(name).scores)}
+    answered = {
+        name for name in NAMES if any(r.part == "answer" for r in plan_exercise(name).scores)
+    }
     assert {name for name, _, _ in useless_cases()} == answered
 
 
@@ -169,7 +171,7 @@ def test_an_emergency_blow_that_is_taken_back_earns_next_to_nothing() -> None:
 
 @pytest.mark.parametrize("name", ["stern-plane-jam", "rise-jam-shallow"])
 def test_a_crew_that_answers_a_jam_15_s_late_does_not_pass(name: str) -> None:
-    late = marks_of(name, flown(name).plan.crew, Reaction(late=15.0))
+    late = marks_of(name, flown(name).plan.crew, CrewReaction(late=15.0))
     assert (late.total or 0.0) <= 60.0
 
 
@@ -202,10 +204,10 @@ def test_a_hunting_crew_is_marked_below_a_quiet_one(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_broken_gate_never_leaves_more_than_50(name: str) -> None:
-    plan = planned(name)
+    plan = plan_exercise(name)
     turns = read_crew({"crew": [{"at_s": 70, "order": "blow stop"}]}, Place("test", ""))
     for crew in (None, turns, plan.crew):
-        card = judge(fly(plan, crew).trajectory, plan, {})
+        card = judge_run(fly_rehearsal(plan, crew).trajectory, plan, {})
         assert card.verdict
         if card.verdict.gate:
             assert card.total is None or card.total <= 50.0
@@ -266,26 +268,26 @@ def test_a_limit_broken_for_two_seconds_leaves_50(tmp_path: Path) -> None:
 
 
 def test_a_limit_broken_for_less_than_two_seconds_costs_nothing(tmp_path: Path) -> None:
-    plan = planned(drill(tmp_path, f"{DIVE}[limits]\npitch_deg_max = 20\n"))
-    went = fly(plan, plan.crew).trajectory
+    plan = plan_exercise(drill(tmp_path, f"{DIVE}[limits]\npitch_deg_max = 20\n"))
+    went = fly_rehearsal(plan, plan.crew).trajectory
     for ticks, total in ((4, 100.0), (5, 50.0)):  # 5 ticks of 0.5 s are 2 s from first to last
         pitch = went.columns["theta"].copy()
         pitch[100 : 100 + ticks] = math.radians(21.0)
-        card = judge(replace(went, columns={**went.columns, "theta": pitch}), plan, {})
+        card = judge_run(replace(went, columns={**went.columns, "theta": pitch}), plan, {})
         assert card.total == total
 
 
 @pytest.mark.parametrize("text", ["allow planes", "casualty rudder-stuck"])
 def test_a_run_that_the_instructor_made_free_has_no_marks(tmp_path: Path, text: str) -> None:
-    plan = planned(drill(tmp_path, DIVE))
-    went = fly(plan, plan.crew).trajectory
+    plan = plan_exercise(drill(tmp_path, DIVE))
+    went = fly_rehearsal(plan, plan.crew).trajectory
     by_hand = journalled(99, 40, "instructor at console", text)
-    card = judge(replace(went, orders=(*went.orders, by_hand)), plan, {})
+    card = judge_run(replace(went, orders=(*went.orders, by_hand)), plan, {})
     assert (card.total, outcome(card)) == (None, "free")
     assert card.verdict
     assert card.verdict.reason == f"{text} at 0:20, by instructor at console"
-    of_the_exercise = replace(by_hand, giver=SCHEDULE)
-    assert judge(replace(went, orders=(*went.orders, of_the_exercise)), plan, {}).total == 100.0
+    of_the_exercise = replace(by_hand, giver=SCHEDULE_GIVER)
+    assert judge_run(replace(went, orders=(*went.orders, of_the_exercise)), plan, {}).total == 100.0
 
 
 def test_a_lost_exercise_leaves_25(tmp_path: Path) -> None:
@@ -298,12 +300,12 @@ def test_a_lost_exercise_leaves_25(tmp_path: Path) -> None:
 
 
 def test_a_boat_that_turned_over_has_no_marks(tmp_path: Path) -> None:
-    plan = planned(drill(tmp_path, DIVE))
-    went = fly(plan, plan.crew).trajectory
+    plan = plan_exercise(drill(tmp_path, DIVE))
+    went = fly_rehearsal(plan, plan.crew).trajectory
     pitch = went.columns["theta"].copy()
     pitch[100] = math.radians(46.0)
     over = replace(went, columns={**went.columns, "theta": pitch})
-    card = judge(over, plan, {})
+    card = judge_run(over, plan, {})
     assert card.total is None
     assert card.verdict
     assert card.verdict.void
@@ -311,9 +313,9 @@ def test_a_boat_that_turned_over_has_no_marks(tmp_path: Path) -> None:
 
 
 def test_a_run_that_ends_early_is_not_won(tmp_path: Path) -> None:
-    plan = planned(drill(tmp_path, DIVE))
-    short = fly(replace(plan, duration=200.0), plan.crew).trajectory
-    card = judge(short, plan, {})
+    plan = plan_exercise(drill(tmp_path, DIVE))
+    short = fly_rehearsal(replace(plan, duration=200.0), plan.crew).trajectory
+    card = judge_run(short, plan, {})
     assert card.verdict
     assert card.verdict.reason == "the record ends at 3:20"
 
@@ -321,22 +323,22 @@ def test_a_run_that_ends_early_is_not_won(tmp_path: Path) -> None:
 def test_in_basic_width_bands_and_zeros_are_half_as_wide_again() -> None:
     plan, nobody = flown("depth-changes").plan, flown("depth-changes").nobody_marks
     hand, ways = NOVICES["depth-changes"]
-    novice = fly(plan, with_ways(plan, hand, **ways)).trajectory
-    basic, qualified = (judge(novice, plan, nobody, width) for width in ("basic", "qualified"))
+    novice = fly_rehearsal(plan, with_ways(plan, hand, **ways)).trajectory
+    basic, qualified = (judge_run(novice, plan, nobody, width) for width in ("basic", "qualified"))
     assert (basic.total or 0.0) > (qualified.total or 0.0) + 5.0
 
 
 def test_what_nobody_gets_is_taken_off(tmp_path: Path) -> None:
-    plan = planned(drill(tmp_path, DIVE))
-    went = fly(plan, plan.crew).trajectory
+    plan = plan_exercise(drill(tmp_path, DIVE))
+    went = fly_rehearsal(plan, plan.crew).trajectory
     short = replace(went, columns={**went.columns, "z": went.columns["z"] - 3.6})  # 66.4 m
-    half = judge(short, plan, {"Deep": 40.0}).scores[0]
+    half = judge_run(short, plan, {"Deep": 40.0}).scores[0]
     assert 40.0 < (half.marks or 0.0) < 80.0
     assert half.earned == pytest.approx(100.0 * ((half.marks or 0.0) - 40.0) / 60.0)
-    assert judge(short, plan, {"Deep": 49.9}).total == pytest.approx(
+    assert judge_run(short, plan, {"Deep": 49.9}).total == pytest.approx(
         100.0 * ((half.marks or 0.0) - 49.9) / 50.1
     )
-    assert judge(went, plan, {"Deep": 60.0}).scores[0].earned is None  # nothing to be earned
+    assert judge_run(went, plan, {"Deep": 60.0}).scores[0].earned is None  # nothing to be earned
 
 
 # The same again
@@ -352,7 +354,7 @@ def test_marks_are_the_same_to_the_bit_when_flown_again() -> None:
 
 def test_a_recorded_run_has_the_marks_of_its_rehearsal(tmp_path: Path) -> None:
     orders = [
-        each for each in by_crew("depth-changes").trajectory.orders if each.giver == REFERENCE_CREW
+        each for each in by_crew("depth-changes").trajectory.orders if each.giver == REFERENCE_GIVER
     ]
     lines = [f"{each.tick * 0.5:g} {each.text}" for each in orders if "man o" not in each.text]
     (tmp_path / "crew.orders").write_text("\n".join(lines) + "\n")
@@ -366,7 +368,7 @@ def test_a_recorded_run_has_the_marks_of_its_rehearsal(tmp_path: Path) -> None:
     )
     assert run_boat(options) == 0
     recording = Recording.look(record)
-    card = gather(recording, record, None).card
+    card = gather_debrief(recording, record, None).card
     recording.close()
     assert card.total == reference("depth-changes").total
     assert [each.marks for each in card.scores] == [
@@ -378,13 +380,13 @@ def test_a_recorded_run_has_the_marks_of_its_rehearsal(tmp_path: Path) -> None:
 
 
 def test_the_crew_sees_what_the_gauges_show() -> None:
-    plan = planned("depth-gauge-failure")
+    plan = plan_exercise("depth-gauge-failure")
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     rules = read_crew({"crew": [{"when": "depth > 20", "order": "bell stop"}]}, Place("test", ""))
     aboard = ReferenceCrew(boat, rules)
     assert aboard.look() == []
-    assert isinstance(insert(boat, "depth-gauge-biased", 0.5, 0.0), str)
+    assert isinstance(insert_casualty(boat, "depth-gauge-biased", 0.5, 0.0), str)
     assert boat.tick() == 0
     assert boat.state.z < 18.0  # the boat itself has not moved
     (given,) = aboard.look()
@@ -400,9 +402,9 @@ def test_a_rule_waits_for_the_one_above_and_its_own_time() -> None:
             {"when": "time > 2", "every_s": 4, "to_s": 11, "order": "pump depth-control 1"},
         ]
     }
-    plan = replace(planned("depth-changes"), duration=20.0)
-    went = fly(plan, read_crew(table, Place("test", ""))).trajectory
-    given = [(each.tick * 0.5, each.text) for each in went.orders if each.giver == REFERENCE_CREW]
+    plan = replace(plan_exercise("depth-changes"), duration=20.0)
+    went = fly_rehearsal(plan, read_crew(table, Place("test", ""))).trajectory
+    given = [(each.tick * 0.5, each.text) for each in went.orders if each.giver == REFERENCE_GIVER]
     assert given == [
         (2.5, "pump depth-control 1 t"),
         (5.0, "rudder left 5"),
@@ -413,7 +415,7 @@ def test_a_rule_waits_for_the_one_above_and_its_own_time() -> None:
 
 
 def test_a_crew_begun_late_counts_as_given_what_the_clock_has_passed() -> None:
-    plan = planned("stern-plane-jam")
+    plan = plan_exercise("stern-plane-jam")
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     boat.state.tick = 400.0
@@ -424,7 +426,7 @@ def test_a_crew_begun_late_counts_as_given_what_the_clock_has_passed() -> None:
 
 @pytest.mark.parametrize(("name", "axis"), [("gyro-stuck", 0), ("emergency-deep", 1)])
 def test_a_crew_begun_late_gives_nothing_of_the_past_again(name: str, axis: int) -> None:
-    plan = planned(name)
+    plan = plan_exercise(name)
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     boat.state.tick = 600.0
@@ -451,8 +453,8 @@ def test_the_helmsman_turns_the_long_way_where_that_is_ordered(tmp_path: Path) -
         "hand = ['rudder']\n[[orders]]\nat_s = 10\norder = 'order course left 090'\n"
         "[[crew]]\nat_s = 1\norder = 'helmsman on'\n"
     )
-    plan = planned(str(path))
-    heading = np.degrees(fly(plan, plan.crew).trajectory.columns["psi"])
+    plan = plan_exercise(str(path))
+    heading = np.degrees(fly_rehearsal(plan, plan.crew).trajectory.columns["psi"])
     assert heading[-1] == pytest.approx(-270.0, abs=2.0)
 
 
@@ -465,7 +467,7 @@ def test_the_planesman_holds_the_angle_ordered_and_leaves_it_before_the_depth() 
 
 
 def test_reactions_are_drawn_by_their_seed() -> None:
-    draws = [[Reaction(jitter=5.0, seed=seed).delay() for _ in range(3)] for seed in (1, 1, 2)]
+    draws = [[CrewReaction(jitter=5.0, seed=seed).delay() for _ in range(3)] for seed in (1, 1, 2)]
     assert draws[0] == draws[1] != draws[2]
     assert all(0.0 <= delay <= 5.0 for each in draws for delay in each)
 
@@ -502,10 +504,10 @@ def test_a_check_refuses_what_only_a_run_would_find(
 ) -> None:
     path = drill(tmp_path, more)
     if message is None:
-        assert check(path)
+        assert check_exercise(path)
         return
     with pytest.raises(ConfigError, match=message):
-        check(path)
+        check_exercise(path)
 
 
 def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
@@ -515,7 +517,7 @@ def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
         f"hand = ['planes']\n{KEPT}"
     )
     with pytest.raises(ConfigError, match="this exercise is won by standing still"):
-        check(str(path))
+        check_exercise(str(path))
 
 
 # All seeds
@@ -524,13 +526,15 @@ def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SEEDED)
 def test_nobody_aboard_earns_little_at_any_seed(name: str) -> None:
-    assert all((each.nobody.total or 0.0) <= 40.0 for each in study(name, 20).flown)
+    assert all((each.nobody.total or 0.0) <= 40.0 for each in study_exercise(name, 20).flown)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SEEDED)
 def test_the_reference_crew_is_good_at_any_seed(name: str) -> None:
-    totals = [(each.crew.total or 0.0) if each.crew else 0.0 for each in study(name, 20).flown]
+    totals = [
+        (each.crew.total or 0.0) if each.crew else 0.0 for each in study_exercise(name, 20).flown
+    ]
     assert np.mean(totals) >= 90.0
     assert min(totals) >= 70.0
 
@@ -561,8 +565,8 @@ def test_the_page_names_every_exercise_with_its_title() -> None:
 
 def test_a_baseline_reads_back_as_it_was_written(tmp_path: Path) -> None:
     path = drill(tmp_path, DIVE)
-    found = study(path, 3)
-    assert keep(found) == tmp_path / "drill.baseline.toml"
+    found = study_exercise(path, 3)
+    assert save_baseline(found) == tmp_path / "drill.baseline.toml"
     kept = kept_baseline(Path(path))
     assert kept
     assert kept.crew
@@ -570,12 +574,12 @@ def test_a_baseline_reads_back_as_it_was_written(tmp_path: Path) -> None:
     assert kept.fits(read_text(Path(path)))
     assert kept.heading.core == baseline_of(found).heading.core
     assert plan_run(RunOptions(exercise=path)).baseline == kept
-    assert plain_marks(fly(planned(path)).trajectory, planned(path)) == pytest.approx(
-        dict(kept.marks), abs=0.01
-    )
+    assert plain_marks(
+        fly_rehearsal(plan_exercise(path)).trajectory, plan_exercise(path)
+    ) == pytest.approx(dict(kept.marks), abs=0.01)
 
 
 def test_a_baseline_of_one_seed_is_the_mean_of_one_seed() -> None:
-    lines = list(table(study("first-depth-change", 1)))
+    lines = list(baseline_lines(study_exercise("first-depth-change", 1)))
 
     assert any(line.startswith("mean of 1 seed  ") for line in lines)

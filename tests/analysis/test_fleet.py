@@ -13,7 +13,7 @@ from numba import config, float64, int64
 from numba.types import Type  # type: ignore[attr-defined]
 
 from trainer.analysis.fleet import tick as tick_module
-from trainer.analysis.fleet.block import follows, ordinary, tanks_rest
+from trainer.analysis.fleet.block import supports_boat, supports_scheme, tanks_rest
 from trainer.analysis.fleet.ensemble import (
     NO_ORDERS,
     Fleet,
@@ -21,19 +21,19 @@ from trainer.analysis.fleet.ensemble import (
     fly_members,
     orders,
 )
-from trainer.analysis.fleet.lanes import BLOCK, LANES, relaid
+from trainer.analysis.fleet.lanes import BLOCK_TYPE, LANE_COUNT, relay_kernel
 from trainer.analysis.fleet.side_by_side import new_work
 from trainer.boat import compilation
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.core import kernel
 from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import inlined
-from trainer.core.kinematics import EXACT, LINEAR, POLYNOMIAL
+from trainer.core.kinematics import EXACT_TRIGONOMETRY, LINEAR_TRIGONOMETRY, POLYNOMIAL_TRIGONOMETRY
 from trainer.core.state import STATE, new_scratch
 from trainer.core.update import update
 
 TICKS = 120
-MEMBERS = LANES + 5  # a whole block, and one that is not full
+MEMBERS = LANE_COUNT + 5  # a whole block, and one that is not full
 MakeBoat = Callable[..., Boat]
 compiled = pytest.mark.skipif(config.DISABLE_JIT, reason="without JIT every member flies alone")  # type: ignore[attr-defined]
 
@@ -119,17 +119,17 @@ def digest(states: np.ndarray) -> str:
 def names_at(difference: np.ndarray) -> set[str]:
     """Return the fields that have places where there is a difference."""
     places = set(np.nonzero(difference.any(axis=0))[0].tolist())
-    return {name for name in STATE.names or () if PLACES[name] in places}
+    return {name for name in STATE.names or () if STATE_PLACES[name] in places}
 
 
 @pytest.mark.parametrize(
     ("vessel", "equations", "trig", "step"),
     [
-        ("bb2", "modified", EXACT, 0.5),
-        ("bb2", "modified", POLYNOMIAL, 1.0),
-        ("bb2", "basic", LINEAR, 0.5),
-        ("sdv-mk9", "modified", EXACT, 0.1),
-        ("remus100", "modified", EXACT, 0.05),
+        ("bb2", "modified", EXACT_TRIGONOMETRY, 0.5),
+        ("bb2", "modified", POLYNOMIAL_TRIGONOMETRY, 1.0),
+        ("bb2", "basic", LINEAR_TRIGONOMETRY, 0.5),
+        ("sdv-mk9", "modified", EXACT_TRIGONOMETRY, 0.1),
+        ("remus100", "modified", EXACT_TRIGONOMETRY, 0.05),
     ],
 )
 def test_every_number_of_a_member_is_that_of_the_boat_flown_alone(
@@ -158,18 +158,18 @@ def test_ordinary_members_are_not_flown_alone(boat: Boat, monkeypatch: pytest.Mo
     )
     works: list = []  # type: ignore[type-arg]
 
-    fly_members(fleet_of(boat, LANES), NO_ORDERS, 10, 10, ("z",))
+    fly_members(fleet_of(boat, LANE_COUNT), NO_ORDERS, 10, 10, ("z",))
 
-    assert works[0].alone.tolist() == [0] * LANES
-    numbers = works[0].block.reshape(-1, LANES)
-    assert numbers[PLACES["tick"]].tolist() == [10.0] * LANES
+    assert works[0].alone.tolist() == [0] * LANE_COUNT
+    numbers = works[0].block.reshape(-1, LANE_COUNT)
+    assert numbers[STATE_PLACES["tick"]].tolist() == [10.0] * LANE_COUNT
 
 
 def test_members_obey_at_ticks_of_their_own(boat: Boat) -> None:
     random = np.random.default_rng(5)
     fleet = random_fleet(boat, 8)
     names = ("ordered_depth", "ordered_psi", "rudder_by_hand", "x", "sea_height", "held_depth")
-    place = random.choice([PLACES[name] for name in names], (MEMBERS, 4))
+    place = random.choice([STATE_PLACES[name] for name in names], (MEMBERS, 4))
     schedule = orders(
         random.integers(0, TICKS, (MEMBERS, 4)), place, random.uniform(0.0, 3.0, place.shape)
     )
@@ -217,10 +217,10 @@ def test_a_boat_with_more_going_on_is_no_ordinary_one_and_flies_among_them(
 ) -> None:
     fleet = fleet_of(boat, 3)
     fleet.states["sea_omega"] = 0.6
-    fleet.states[1].whole[PLACES[name]] = value
+    fleet.states[1].whole[STATE_PLACES[name]] = value
     alone, _ = flown_alone(fleet, NO_ORDERS, 30)
 
-    assert [ordinary(fleet.vessels, fleet.states[i : i + 1]) for i in range(3)] == [1, 0, 1]
+    assert [supports_boat(fleet.vessels, fleet.states[i : i + 1]) for i in range(3)] == [1, 0, 1]
     fly_members(fleet, NO_ORDERS, 30, 30, ("z",))
 
     assert digest(fleet.states) == digest(alone)
@@ -255,7 +255,7 @@ def test_a_boat_whose_buoyancy_varies_with_depth_is_no_ordinary_one(boat: Boat) 
         vessel[name] = 1.0
 
         assert tanks_rest(vessel, boat.records.state)
-        assert not ordinary(vessel, boat.records.state)
+        assert not supports_boat(vessel, boat.records.state)
 
 
 @pytest.mark.parametrize(
@@ -275,7 +275,7 @@ def test_other_ways_to_compute_a_fleet_are_flown_alone(
     fleet = random_fleet(boat, 9)
     alone, _ = flown_alone(fleet, NO_ORDERS, 20)
 
-    assert not follows(boat.records.scheme)
+    assert not supports_scheme(boat.records.scheme)
     fly_members(fleet, NO_ORDERS, 20, 20, ("z",))
 
     assert digest(fleet.states) == digest(alone)
@@ -283,7 +283,7 @@ def test_other_ways_to_compute_a_fleet_are_flown_alone(
 
 def test_armed_triggers_fire_in_a_fleet(boat: Boat) -> None:
     boat.records.scheme["trigger_kind"][0, 0] = 1.0
-    boat.records.scheme["trigger_place"][0, 0] = PLACES["tick"]
+    boat.records.scheme["trigger_place"][0, 0] = STATE_PLACES["tick"]
     boat.records.scheme["trigger_sense"][0, 0] = 1.0
     boat.records.scheme["trigger_threshold"][0, 0] = 5.0
     fleet = fleet_of(boat, 2)
@@ -310,7 +310,7 @@ def test_gains_follow_the_speed_through_the_schedule(boat: Boat) -> None:
 
 def test_a_boat_without_autopilot_may_follow_one_that_has_it(boat: Boat) -> None:
     fleet = random_fleet(boat, 11)
-    fleet.vessels["gain_count"][LANES:] = 0.0  # in lanes that had one
+    fleet.vessels["gain_count"][LANE_COUNT:] = 0.0  # in lanes that had one
     alone, _ = flown_alone(fleet, NO_ORDERS, 30)
 
     fly_members(fleet, NO_ORDERS, 30, 30, ("z",))
@@ -320,7 +320,7 @@ def test_a_boat_without_autopilot_may_follow_one_that_has_it(boat: Boat) -> None
 
 def test_an_order_acts_before_its_tick(boat: Boat) -> None:
     fleet = fleet_of(boat, 2)
-    places = [PLACES["ordered_r"], PLACES["rudder_by_hand"]]
+    places = [STATE_PLACES["ordered_r"], STATE_PLACES["rudder_by_hand"]]
     schedule = orders([3, 3], places, [[0.1, 1.0], [0.2, 1.0]])
 
     flown = fly_members(fleet, schedule, 5, 1, ("command_r", "ordered_r"))
@@ -331,7 +331,7 @@ def test_an_order_acts_before_its_tick(boat: Boat) -> None:
 
 def test_a_member_whose_numbers_are_lost_stays_and_the_others_go_on(boat: Boat) -> None:
     fleet = fleet_of(boat, 3)
-    schedule = orders(4, PLACES["q"], [[0.0], [np.inf], [0.0]])
+    schedule = orders(4, STATE_PLACES["q"], [[0.0], [np.inf], [0.0]])
 
     flown = fly_members(fleet, schedule, 10, 2, ("tick",))
 
@@ -376,7 +376,7 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
 def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
     # a cached kernel cannot be looked into
     fresh = inlined(getattr(tick_module, name).py_func)
-    fresh.compile((first, BLOCK))
+    fresh.compile((first, BLOCK_TYPE))
 
     assert re.search(r"<\d+ x double>", fresh.inspect_llvm(fresh.signatures[0]))
 
@@ -384,7 +384,7 @@ def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
 @compiled
 @pytest.mark.parametrize("function", [sine, cosine, exponential])
 def test_elementary_functions_have_the_same_bits_in_a_lane(function: Callable) -> None:  # type: ignore[type-arg]
-    in_lane = relaid(function, tick_module.COUNTED)
+    in_lane = relay_kernel(function, tick_module.LANE_KERNELS)
     random = np.random.default_rng(3)
     arguments = [
         *random.uniform(-20.0, 20.0, 3000),
@@ -404,12 +404,12 @@ def test_a_fleet_without_vector_code_is_flown_to_the_same_bits(
     fleets = [random_fleet(boat, 11) for _ in range(2)]
     schedule = orders(
         [3, 40, 40],
-        [PLACES["ordered_depth"], PLACES["ordered_r"], PLACES["ordered_psi"]],
+        [STATE_PLACES["ordered_depth"], STATE_PLACES["ordered_r"], STATE_PLACES["ordered_psi"]],
         [90.0, 0.2, 0.0],
     )
     first = fly_members(fleets[0], schedule, TICKS, 2, ("u", "z", "psi"))
 
-    monkeypatch.setattr(kernel, "TESTED", ((9, 0), (9, 1)))
+    monkeypatch.setattr(kernel, "TESTED_NUMBA", ((9, 0), (9, 1)))
     assert not compilation.known_compiler()
     monkeypatch.setitem(sys.modules, "trainer.analysis.fleet.side_by_side", None)
     second = fly_members(fleets[1], schedule, TICKS, 2, ("u", "z", "psi"))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from trainer.analysis.gains import design, design_text, regulator
+from trainer.analysis.gains import design_gains, design_text, regulator
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 
@@ -16,13 +16,13 @@ from trainer.config.vessel import load_vessel
 def test_the_gains_in_a_vessel_file_are_those_the_design_gives(vessel: str) -> None:
     file = load_vessel(vessel)
     assert file.autopilot is not None
-    for key, designed in design(file).items():
+    for key, designed in design_gains(file).items():
         assert getattr(file.autopilot, key) == pytest.approx(designed, rel=2e-3, abs=1e-9), key
 
 
 def test_the_designed_table_is_read_as_written() -> None:
     file = load_vessel("sdv-mk9")
-    assert tomllib.loads(design_text(file)) == {"autopilot": design(file)}
+    assert tomllib.loads(design_text(file)) == {"autopilot": design_gains(file)}
 
 
 def test_a_regulator_of_known_gain_is_found() -> None:
@@ -36,4 +36,4 @@ def test_a_boat_that_no_gains_hold_is_refused() -> None:
     file = load_vessel("remus100")
     slow = replace(file, surfaces=replace(file.surfaces, time_constant_s=30.0))
     with pytest.raises(ConfigError, match="no gains hold this boat"):
-        design(slow)
+        design_gains(slow)

@@ -13,15 +13,20 @@ from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import page as guide_page
 from trainer.analysis.guide import programme, trials, verdicts
-from trainer.analysis.guide.contents import GuideContents, assemble, write
+from trainer.analysis.guide.contents import GuideContents, assemble_guide, write_guide
 from trainer.analysis.guide.moves import compare_guides, leaves, load_earlier
-from trainer.analysis.guide.programme import Task, fly_all, legs, legs_of_1969
+from trainer.analysis.guide.programme import Task, fly_all, guide_legs, legs_of_1969
 from trainer.analysis.guide.summary import render
-from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judge_measure
+from trainer.analysis.guide.verdicts import (
+    BEYOND_TOLERANCE,
+    NOT_JUDGED,
+    WITHIN_TOLERANCE,
+    judge_measure,
+)
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.turns import Turn
-from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share
+from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share_measure
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.analysis.series import load_series
@@ -39,7 +44,7 @@ MADE = "2026-01-01 00:00:00 UTC"
 def book() -> GuideContents:
     """Return the whole guide of BB2, flown in this process."""
     file = load_vessel("bb2")
-    return write(file, legs(file), MADE, 1, lambda: None)
+    return write_guide(file, guide_legs(file), MADE, 1, lambda: None)
 
 
 @pytest.fixture(scope="module")
@@ -51,19 +56,19 @@ def page(book: GuideContents) -> str:
 
 
 def test_a_number_within_its_share_passes_and_one_beyond_fails() -> None:
-    full = share("advance", "m", 200.0)
+    full = share_measure("advance", "m", 200.0)
 
-    assert judge_measure(full, share("advance", "m", 209.9)).verdict == WITHIN
-    assert judge_measure(full, share("advance", "m", 189.9)).verdict == BEYOND
-    assert judge_measure(full, None).verdict == BEYOND
-    assert judge_measure(share("advance", "m", None), full).verdict == SHOWN
+    assert judge_measure(full, share_measure("advance", "m", 209.9)).verdict == WITHIN_TOLERANCE
+    assert judge_measure(full, share_measure("advance", "m", 189.9)).verdict == BEYOND_TOLERANCE
+    assert judge_measure(full, None).verdict == BEYOND_TOLERANCE
+    assert judge_measure(share_measure("advance", "m", None), full).verdict == NOT_JUDGED
 
 
 def test_a_swing_that_a_set_lacks_is_forgiven_if_it_is_small() -> None:
     small, large = (Measure("pitch peak 2", "rad", value, 0.05) for value in (0.04, 0.06))
 
-    assert judge_measure(small, None).verdict == WITHIN
-    assert judge_measure(large, None).verdict == BEYOND
+    assert judge_measure(small, None).verdict == WITHIN_TOLERANCE
+    assert judge_measure(large, None).verdict == BEYOND_TOLERANCE
 
 
 def test_the_same_flight_passes_and_a_flight_by_another_rudder_fails() -> None:
@@ -78,9 +83,9 @@ def test_the_same_flight_passes_and_a_flight_by_another_rudder_fails() -> None:
     same = {each.verdict for each in verdicts.judge(Turn(), one, one)}
     different = {each.quantity: each.verdict for each in verdicts.judge(Turn(), one, other)}
 
-    assert same == {WITHIN}
-    assert different["steady diameter"] == BEYOND
-    assert different["change of psi, 120 s"] == BEYOND
+    assert same == {WITHIN_TOLERANCE}
+    assert different["steady diameter"] == BEYOND_TOLERANCE
+    assert different["change of psi, 120 s"] == BEYOND_TOLERANCE
 
 
 # --- flights on several processors
@@ -94,7 +99,7 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
     seen: list[None] = []
 
     alone = fly_all(file.path, wanted, 1, lambda: None)
-    monkeypatch.setattr(programme, "ALONE", 0.0)
+    monkeypatch.setattr(programme, "LONE_PROCESS_S", 0.0)
     together = fly_all(file.path, wanted, 2, lambda: seen.append(None))
 
     assert len(seen) == len(wanted)
@@ -134,7 +139,7 @@ def test_the_modified_set_of_this_hull_passes_and_answers_for_the_guide(
 
 
 def test_every_manoeuvre_is_flown_both_ways_deep_and_some_near_the_surface() -> None:
-    found = legs(load_vessel("bb2"))
+    found = guide_legs(load_vessel("bb2"))
     titles = [leg.title for leg in found]
 
     for way, other in (("starboard", "port"), ("rise", "dive")):
@@ -151,16 +156,16 @@ def test_every_manoeuvre_is_flown_both_ways_deep_and_some_near_the_surface() -> 
 def test_at_a_depth_every_leg_begins_there_and_what_the_boat_cannot_is_refused() -> None:
     file = load_vessel("bb2")
 
-    assert {leg.rig.depth for leg in legs(file, 60.0)} == {60.0}
-    assert len(legs(file, 60.0)) < len(legs(file))
+    assert {leg.rig.depth for leg in guide_legs(file, 60.0)} == {60.0}
+    assert len(guide_legs(file, 60.0)) < len(guide_legs(file))
     with pytest.raises(ConfigError, match=r"begin at 11\.3 m or deeper"):
-        legs(file, 5.0)
+        guide_legs(file, 5.0)
     with pytest.raises(ConfigError, match="below max_depth_m = 250 m"):
         legs_of_1969(file, 900.0)
 
 
 def test_a_boat_without_a_diameter_does_not_feel_the_surface() -> None:
-    assert {leg.rig.depth for leg in legs(load_vessel("sdv-mk9"))} == {None}
+    assert {leg.rig.depth for leg in guide_legs(load_vessel("sdv-mk9"))} == {None}
 
 
 def test_the_programme_of_1969_has_its_forty_overshoots_and_fifteen_turns() -> None:
@@ -181,11 +186,11 @@ def test_a_compact_set_with_one_term_a_tenth_off_is_out_on_either_side(
     factors = as_filed(file)
     candidate = Candidate(file, "modified")
     candidate.take([(1.1 if name == term else 1.0) * factors[name] for name in candidate.terms])
-    turns = [leg for leg in legs(file) if leg.name == "turn" and sheet in leg.title]
+    turns = [leg for leg in guide_legs(file) if leg.name == "turn" and sheet in leg.title]
 
     judged = [judgements for _, judgements in Yardstick(file, turns).judged(candidate)]
 
-    assert any(one.verdict == BEYOND for judgements in judged for one in judgements)
+    assert any(one.verdict == BEYOND_TOLERANCE for judgements in judged for one in judgements)
 
 
 def test_without_its_factors_and_extra_terms_the_set_of_1969_is_out_in_turns(
@@ -194,7 +199,9 @@ def test_without_its_factors_and_extra_terms_the_set_of_1969_is_out_in_turns(
     path = tmp_path / "boat.toml"
     path.write_text(without_reduction(load_vessel("bb2").text), encoding="utf-8")
     file = load_vessel(str(path))
-    (leg,) = (leg for leg in legs(file) if leg.title == "turn, rudder 15 deg, starboard, 5 kn")
+    (leg,) = (
+        leg for leg in guide_legs(file) if leg.title == "turn, rudder 15 deg, starboard, 5 kn"
+    )
     flown = fly_all(path, [leg.task(file, "full"), leg.task(file, "modified")], 1, lambda: None)
     full, other = flown.values()
     assert isinstance(full, Flight)
@@ -202,7 +209,7 @@ def test_without_its_factors_and_extra_terms_the_set_of_1969_is_out_in_turns(
 
     judged = {one.quantity: one for one in verdicts.judge(leg.manoeuvre, full, other)}
 
-    assert judged["steady diameter"].verdict == BEYOND
+    assert judged["steady diameter"].verdict == BEYOND_TOLERANCE
     assert (judged["steady diameter"].difference or 0.0) < -0.3 * (
         judged["steady diameter"].full or 0.0
     )
@@ -280,7 +287,7 @@ def test_published_results_stand_beside_ours(book: GuideContents, page: str) -> 
 
 
 def test_the_same_guide_twice_is_the_same_page(book: GuideContents, page: str) -> None:
-    later = assemble(book.file, book.legs, "2026-01-01 00:00:01 UTC", book.flown)
+    later = assemble_guide(book.file, book.legs, "2026-01-01 00:00:01 UTC", book.flown)
 
     assert guide_page.render(later, None).replace("00:00:01", "00:00:00") == page
 
@@ -339,17 +346,17 @@ def unjudged(book: GuideContents, count: int) -> GuideContents:
     """Return the guide with nothing judged in its first sheets."""
     blank = tuple(replace(sheet, judgements={}) for sheet in book.guide.sheets[:count])
     sheets = (*blank, *book.guide.sheets[count:])
-    passed = verdicts.passes([sheet.passed("modified") for sheet in sheets])
+    passed = verdicts.passes_all([sheet.passed("modified") for sheet in sheets])
     return replace(book, guide=replace(book.guide, sheets=sheets, passed=passed))
 
 
 def test_a_count_tells_what_is_not_judged() -> None:
-    assert verdicts.account([True, True, None]) == "2 of 2 judged, 1 not judged"
-    assert verdicts.account([True, False]) == "1 of 2 judged"
-    assert verdicts.account([None]) == "0 of 0 judged, 1 not judged"
-    assert verdicts.passes([True, None])
-    assert not verdicts.passes([True, False])
-    assert not verdicts.passes([None])
+    assert verdicts.verdict_account([True, True, None]) == "2 of 2 judged, 1 not judged"
+    assert verdicts.verdict_account([True, False]) == "1 of 2 judged"
+    assert verdicts.verdict_account([None]) == "0 of 0 judged, 1 not judged"
+    assert verdicts.passes_all([True, None])
+    assert not verdicts.passes_all([True, False])
+    assert not verdicts.passes_all([None])
 
 
 def test_a_sheet_in_which_nothing_is_judged_is_counted_as_not_judged(book: GuideContents) -> None:

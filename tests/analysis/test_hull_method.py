@@ -15,24 +15,31 @@ from helpers.places import ROOT
 from trainer.analysis.estimate.boat_file import estimate_of, write_boat
 from trainer.analysis.estimate.coefficients import (
     Hull,
-    add,
+    add_coefficients,
     bare_masses,
     coefficients,
     hull_of,
+    lift_slope,
     on_both,
     on_panel,
     panel_masses,
     products,
     resistance,
     sail_vortex,
-    slope,
 )
 from trainer.analysis.estimate.geometry import Spheroid, integral, smooth
 from trainer.analysis.estimate.survey import fly_turns
-from trainer.analysis.estimate.uncertainty import PAIRS, Estimate, fitted, outside, rests, tables
-from trainer.config.files import shipped
+from trainer.analysis.estimate.uncertainty import (
+    TWIN_COEFFICIENTS,
+    Estimate,
+    coefficient_origins,
+    fitted_constants,
+    range_warnings,
+    tables,
+)
+from trainer.config.files import shipped_path
 from trainer.config.hull import load_hull, read_hull
-from trainer.core.terms import TABLE
+from trainer.core.terms import TERM_TABLE
 
 PRINTED = tomllib.loads((ROOT / "tests/data/estimates.toml").read_text(encoding="utf-8"))
 PARTS = {"bare": (), "sail": ("sail",), "fins": ("stern planes", "rudders")}
@@ -40,7 +47,7 @@ PARTS = {"bare": (), "sail": ("sail",), "fins": ("stern planes", "rudders")}
 
 @cache
 def shipped_hull(name: str) -> Hull:
-    return hull_of(load_hull(shipped("hulls", name)))
+    return hull_of(load_hull(shipped_path("hulls", name)))
 
 
 def hull(name: str) -> Hull:
@@ -65,7 +72,7 @@ def last_digit(printed: str) -> float:
 @pytest.mark.parametrize("name", PRINTED)
 def test_coefficients_are_those_of_an_independent_prototype(name: str) -> None:
     """Y_v and Z_w hold the drag, which is of the slanted skin here, and there up to 0.5 % less."""
-    found = coefficients(hull(name), fitted())
+    found = coefficients(hull(name), fitted_constants())
 
     for key, (value, _) in PRINTED[name].items():
         digits = 2.1 if key in ("Y_v", "Z_w") else 1.01
@@ -124,7 +131,7 @@ def test_a_long_wing_has_the_slope_of_a_section() -> None:
     panel = replace(shipped_hull("suboff").panels[0], root=0.0, tip=1e4, chords=(1.0, 1.0))
     panel = replace(panel, leading=(1.0, 1.0))
 
-    assert slope(panel) == pytest.approx(0.9 * 2.0 * math.pi, rel=1e-3)
+    assert lift_slope(panel) == pytest.approx(0.9 * 2.0 * math.pi, rel=1e-3)
 
 
 def test_a_curve_between_stations_never_overshoots() -> None:
@@ -138,7 +145,7 @@ def test_a_curve_between_stations_never_overshoots() -> None:
 
 
 def test_a_bare_body_of_revolution_is_alike_in_both_planes() -> None:
-    c = coefficients(hull("bare"), fitted())
+    c = coefficients(hull("bare"), fitted_constants())
 
     for side, down, sign in (
         *(("Y_v", "Z_w", 1), ("N_v", "M_w", -1), ("Y_r", "Z_q", -1), ("N_r", "M_q", 1)),
@@ -166,9 +173,9 @@ MIXED = (
 def test_a_hull_alike_above_and_below_has_no_roll_from_sway() -> None:
     file = shipped_hull("small-boat").file
     rows = [dict(row) for row in file.tables["surfaces"]]
-    one_sided = coefficients(changed("small-boat", surfaces=rows), fitted())
+    one_sided = coefficients(changed("small-boat", surfaces=rows), fitted_constants())
     rows[0]["angles_deg"] = [90.0, 270.0]
-    alike = coefficients(changed("small-boat", surfaces=rows), fitted())
+    alike = coefficients(changed("small-boat", surfaces=rows), fitted_constants())
 
     assert all(abs(one_sided[key]) > 1e-6 for key in MIXED)
     assert [key for key in MIXED[:9] if abs(alike[key]) > 1e-15] == []
@@ -187,8 +194,8 @@ def test_primes_do_not_depend_on_the_scale_but_for_drag() -> None:
         "speed": {"design_kn": 4.0},
         "mass": {"cb_above_cg": 0.24},
     }
-    small = coefficients(shipped_hull("small-boat"), fitted())
-    large = coefficients(changed("small-boat", **double), fitted())
+    small = coefficients(shipped_hull("small-boat"), fitted_constants())
+    large = coefficients(changed("small-boat", **double), fitted_constants())
 
     assert large == pytest.approx(small, rel=1e-9, abs=1e-15)
 
@@ -206,8 +213,8 @@ def test_an_x_tail_is_a_cruciform_one_turned() -> None:
     for name, angles in sides.items():
         control = "x" if name == "x" else "none"
         rows = [dict(fins, angles_deg=angles, control=control)]
-        found[name] = coefficients(changed("suboff", surfaces=rows), fitted())
-    cross = coefficients(hull("fins"), fitted())
+        found[name] = coefficients(changed("suboff", surfaces=rows), fitted_constants())
+    cross = coefficients(hull("fins"), fitted_constants())
 
     for key in ("Y_v", "Z_w", "M_w", "N_v", "M_q", "N_r", "K_p"):
         assert found["x"][key] == pytest.approx(found["+"][key], rel=1e-9), key
@@ -218,7 +225,7 @@ def test_an_x_tail_is_a_cruciform_one_turned() -> None:
 
 @pytest.mark.parametrize("name", ["small-boat", "suboff", "remus100"])
 def test_command_speed_is_the_speed_reached(name: str) -> None:
-    c = coefficients(hull(name), fitted())
+    c = coefficients(hull(name), fitted_constants())
 
     assert c["a1"] + c["b1"] + c["c1"] == pytest.approx(0.0, abs=1e-16)
     assert c["c1"] > 0.0 > c["c3"]
@@ -228,7 +235,7 @@ def power(c: Mapping[str, float], velocity: Mapping[str, float]) -> tuple[float,
     """Return what the forces of coefficients do a second, and the sum of the sizes of its parts."""
     along = dict(zip("XYZKMN", "uvwpqr", strict=True))
     parts = []
-    for term in TABLE:
+    for term in TERM_TABLE:
         if c.get(term.key):
             product = velocity[along[term.equation]] * c[term.key]
             for factor in term.multiplies.split():
@@ -241,7 +248,7 @@ def power(c: Mapping[str, float], velocity: Mapping[str, float]) -> tuple[float,
 def test_the_ideal_fluid_takes_no_energy() -> None:
     """Kirchhoff: the forces of added masses do no work, whatever the motion."""
     whole = shipped_hull("small-boat")
-    m = add(bare_masses(whole, 0.94), panel_masses(whole))
+    m = add_coefficients(bare_masses(whole, 0.94), panel_masses(whole))
     munk = {
         "Y_r": m["X_udot"],
         "Z_q": -m["X_udot"],
@@ -261,7 +268,7 @@ def test_the_ideal_fluid_takes_no_energy() -> None:
 
 
 def test_the_coefficients_hold_the_ideal_products_and_the_vortex_s_own() -> None:
-    c = coefficients(shipped_hull("remus100"), fitted())
+    c = coefficients(shipped_hull("remus100"), fitted_constants())
 
     assert {key: c[key] for key in products(c)} == products(c)
 
@@ -273,7 +280,7 @@ def test_the_vortex_of_a_sail_pushes_each_place_by_its_own_cross_flow() -> None:
     c = sail_vortex(whole, {"out_of_plane": 1.0})
     at, last = sail.place(0.25) / 20.0, (whole.shape.x_G - 20.0) / 20.0
     X = np.linspace(last, at, 4001)
-    strength = sail.chord / 20.0 * slope(sail)
+    strength = sail.chord / 20.0 * lift_slope(sail)
 
     for v, r in ((1.0, 0.0), (0.0, 1.0), (0.3, -0.8), (-0.5, 0.2)):
         load = strength * (v + at * r) * (v + X * r)
@@ -293,14 +300,14 @@ def test_the_vortex_of_a_sail_pushes_each_place_by_its_own_cross_flow() -> None:
 def test_every_coefficient_has_a_deviation_and_says_what_it_rests_on() -> None:
     made = estimate_of(shipped_hull("small-boat"))
 
-    assert set(made.sd) == {term.key for term in TABLE} == set(rests())
+    assert set(made.sd) == {term.key for term in TERM_TABLE} == set(coefficient_origins())
     assert [key for key, sd in made.sd.items() if not sd > 0.0] == ["b3", "X_uu"]
 
 
 def test_the_covariance_is_one() -> None:
     rows = np.array(tables()["covariance"]["rows"])
 
-    assert tables()["covariance"]["names"] == list(fitted())
+    assert tables()["covariance"]["names"] == list(fitted_constants())
     assert np.allclose(rows, rows.T, rtol=1e-4)
     assert np.linalg.eigvalsh(rows).min() > 0.0
 
@@ -314,7 +321,7 @@ def made_and_draws() -> tuple[Estimate, list[dict[str, float]]]:
 def test_draws_keep_pairs_of_added_mass_and_the_sign_of_damping() -> None:
     made, draws = made_and_draws()
 
-    assert all(draw[twin] == draw[key] for draw in draws for twin, key in PAIRS.items())
+    assert all(draw[twin] == draw[key] for draw in draws for twin, key in TWIN_COEFFICIENTS.items())
     for key in ("Y_v", "N_r", "Z_w", "M_q", "Y_vav", "N_rar", "Y_dr"):
         assert all(draw[key] * made.values[key] > 0.0 for draw in draws), key
     assert all(abs(draw["a1"] + draw["b1"] + draw["c1"]) < 1e-16 for draw in draws)
@@ -375,8 +382,8 @@ def test_outside_the_envelope_deviations_double() -> None:
     flat = {**file.tables["hull"], "height": 0.14}
     wide = changed("remus100", hull=flat)
 
-    assert outside(shipped_hull("remus100")) == ()
-    assert "breadth/height is 1.36" in outside(wide)[0]
+    assert range_warnings(shipped_hull("remus100")) == ()
+    assert "breadth/height is 1.36" in range_warnings(wide)[0]
     made = estimate_of(wide)
     assert made.sd["Y_vdot"] == pytest.approx(2.0 * 0.18 * abs(made.values["Y_vdot"]))
 

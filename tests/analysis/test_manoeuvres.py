@@ -14,8 +14,8 @@ from click.testing import CliRunner
 from helpers.places import DATA
 
 from trainer.analysis import manoeuvres
-from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjust, find_manoeuvre
-from trainer.analysis.manoeuvres.flight import Manoeuvre, fly
+from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjust_manoeuvre, find_manoeuvre
+from trainer.analysis.manoeuvres.flight import Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
 from trainer.analysis.manoeuvres.steadiness import PullOut
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
@@ -23,10 +23,10 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     PORT,
-    crossings,
     first_time,
-    peaks,
+    peaks_of,
     swing_measures,
+    zero_crossings,
 )
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
 from trainer.analysis.recording_export import panel_of
@@ -114,7 +114,7 @@ RUNS = json.loads((DATA / "vectors" / "measures.json").read_text())["runs"]
 def test_measures_are_those_of_an_independent_implementation(run: dict[str, Any]) -> None:
     boat, manoeuvre = reference_boat(run["model"]), schedule_of(run)
 
-    flight = fly(boat, manoeuvre, run.get("knots", 0.0) * REFERENCE_KNOT)
+    flight = fly_manoeuvre(boat, manoeuvre, run.get("knots", 0.0) * REFERENCE_KNOT)
 
     ours = {one.name: one for one in manoeuvre.measures(flight)}
     assert not flight.lost
@@ -176,9 +176,9 @@ def bb2() -> VesselFile:
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_every_manoeuvre_is_flown_and_measured(name: str) -> None:
     boat = boat_of("bb2")
-    manoeuvre = adjust(name, boat, {})
+    manoeuvre = adjust_manoeuvre(name, boat, {})
 
-    flight = fly(boat, manoeuvre, 0.0 if manoeuvre.from_rest else 10.0 * KNOT)
+    flight = fly_manoeuvre(boat, manoeuvre, 0.0 if manoeuvre.from_rest else 10.0 * KNOT)
     found = manoeuvre.measures(flight)
 
     assert not flight.lost
@@ -194,7 +194,7 @@ def test_every_manoeuvre_is_flown_and_measured(name: str) -> None:
 
 
 def test_a_boat_stable_on_course_keeps_no_turn_after_the_rudder_is_amidships() -> None:
-    flight = fly(boat_of("bb2"), PullOut(), 10.0 * KNOT)
+    flight = fly_manoeuvre(boat_of("bb2"), PullOut(), 10.0 * KNOT)
 
     found = {one.name: one.value for one in PullOut().measures(flight)}
 
@@ -204,8 +204,8 @@ def test_a_boat_stable_on_course_keeps_no_turn_after_the_rudder_is_amidships() -
 
 
 def test_controls_of_1969_act_at_once_and_the_boats_own_at_their_rate() -> None:
-    once = fly(boat_of("bb2", Rig(controls="once")), Turn(20.0, 12.0), 5.0)
-    own = fly(boat_of("bb2"), Turn(20.0, 12.0), 5.0)
+    once = fly_manoeuvre(boat_of("bb2", Rig(controls="once")), Turn(20.0, 12.0), 5.0)
+    own = fly_manoeuvre(boat_of("bb2"), Turn(20.0, 12.0), 5.0)
 
     angles = [abs(flight.at(6.0, "delta_r") or 0.0) for flight in (once, own)]
     assert math.degrees(angles[0]) == pytest.approx(20.0, abs=0.1)
@@ -215,13 +215,15 @@ def test_controls_of_1969_act_at_once_and_the_boats_own_at_their_rate() -> None:
 def test_a_speed_that_is_kept_is_kept_in_a_turn() -> None:
     kept = Turn(20.0, 300.0, keep=("depth", "speed"))
 
-    flight = fly(boat_of("bb2"), kept, 10.0 * KNOT)
+    flight = fly_manoeuvre(boat_of("bb2"), kept, 10.0 * KNOT)
 
     assert flight.column("u")[-1] == pytest.approx(10.0 * KNOT, rel=0.01)
 
 
 def test_a_boat_that_loops_is_lost_and_says_when() -> None:
-    flight = fly(boat_of("remus100"), adjust("meander", boat_of("remus100"), {}), 3.0 * KNOT)
+    flight = fly_manoeuvre(
+        boat_of("remus100"), adjust_manoeuvre("meander", boat_of("remus100"), {}), 3.0 * KNOT
+    )
 
     assert flight.lost.startswith("pitch is 8")
     assert flight.t[-1] < 60.0
@@ -230,11 +232,11 @@ def test_a_boat_that_loops_is_lost_and_says_when() -> None:
 def test_planes_are_clipped_to_what_the_boat_has_unless_asked_for_more(bb2: VesselFile) -> None:
     boat = Submarine(bb2, Method("full", "exact", "exact", "rk4", 0.5))
 
-    assert adjust("turning-circle", boat, {}).angle_deg == 30.0  # type: ignore[attr-defined]
+    assert adjust_manoeuvre("turning-circle", boat, {}).angle_deg == 30.0  # type: ignore[attr-defined]
     with pytest.raises(ConfigError, match=r"--angle 35: the rudder of .* goes to 30 degrees"):
-        adjust("turning-circle", boat, {"angle": 35.0})
+        adjust_manoeuvre("turning-circle", boat, {"angle": 35.0})
     with pytest.raises(ConfigError, match="--execute: turn has no such parameter; it has angle"):
-        adjust("turn", boat, {"execute": 5.0})
+        adjust_manoeuvre("turn", boat, {"execute": 5.0})
     with pytest.raises(ConfigError, match="nearest is meander"):
         find_manoeuvre("meandr")
 
@@ -252,8 +254,8 @@ def figures(
     boat: Submarine, name: str, given: dict[str, float | str], knots: float = 10.0
 ) -> dict[str, float | None]:
     """Return the measures by name."""
-    manoeuvre = adjust(name, boat, given)
-    flight = fly(boat, manoeuvre, 0.0 if manoeuvre.from_rest else knots * KNOT)
+    manoeuvre = adjust_manoeuvre(name, boat, given)
+    flight = fly_manoeuvre(boat, manoeuvre, 0.0 if manoeuvre.from_rest else knots * KNOT)
     assert not flight.lost
     return {one.name: one.value for one in manoeuvre.measures(flight)}
 
@@ -296,7 +298,7 @@ def test_a_boat_whose_sides_differ_has_other_figures_to_port(bb2: VesselFile) ->
 def test_a_turn_to_port_goes_to_port(bb2: VesselFile) -> None:
     boat = Submarine(bb2, Method("full", "exact", "exact", "rk4", bb2.run.step_s))
 
-    flight = fly(boat, Turn(duration_s=60.0, side=PORT), 10.0 * KNOT)
+    flight = fly_manoeuvre(boat, Turn(duration_s=60.0, side=PORT), 10.0 * KNOT)
 
     assert flight.column("psi")[-1] < -0.2
     assert flight.column("y")[-1] < -10.0
@@ -307,7 +309,9 @@ def test_planes_to_dive_take_the_boat_down_first(name: str) -> None:
     boat = boat_of("bb2")
     depths = {}
     for direction in ("rise", "dive"):
-        flight = fly(boat, adjust(name, boat, {"direction": direction}), 10.0 * KNOT)
+        flight = fly_manoeuvre(
+            boat, adjust_manoeuvre(name, boat, {"direction": direction}), 10.0 * KNOT
+        )
         after = flight.change("theta")[flight.t < flight.marks[0].t + 8.0]
         depths[direction] = float(after[-1])
 
@@ -326,15 +330,15 @@ def test_what_a_manoeuvre_has_not_is_refused_with_what_it_has() -> None:
     boat = boat_of("bb2")
 
     with pytest.raises(ConfigError, match=r"--dive: turn has no .* angle, duration, side\. --dive"):
-        adjust("turn", boat, {"direction": "dive"})
+        adjust_manoeuvre("turn", boat, {"direction": "dive"})
     with pytest.raises(ConfigError, match=r"--side: meander has .* rise or dive\. --side is for"):
-        adjust("meander", boat, {"side": "port"})
+        adjust_manoeuvre("meander", boat, {"side": "port"})
     with pytest.raises(ConfigError, match=r"--planes 60: the planes of .* goes to 30 degrees"):
-        adjust("climbing-turn", boat, {"planes": 60.0})
+        adjust_manoeuvre("climbing-turn", boat, {"planes": 60.0})
     with pytest.raises(ConfigError, match=r"--ahead-speed 50: the engine of .* up to 2"):
-        adjust("acceleration", boat, {"ahead_speed": 50.0})
+        adjust_manoeuvre("acceleration", boat, {"ahead_speed": 50.0})
     with pytest.raises(ConfigError, match=r"--ahead-time 90: must be less than .* 60 s"):
-        adjust("utmost-acceleration", boat, {"ahead_time": 90.0, "duration": 60.0})
+        adjust_manoeuvre("utmost-acceleration", boat, {"ahead_time": 90.0, "duration": 60.0})
 
 
 # --- accelerations
@@ -344,7 +348,7 @@ def test_an_acceleration_goes_up_and_down_in_the_steps_asked_for() -> None:
     boat = boat_of("bb2")
     given: dict[str, float | str] = {"step_speed": 3.5, "step_time": 20.0, "ahead_speed": 12.0}
 
-    flight = fly(boat, adjust("acceleration", boat, given), 0.0)
+    flight = fly_manoeuvre(boat, adjust_manoeuvre("acceleration", boat, given), 0.0)
 
     assert [mark.t for mark in flight.marks] == [20.0 * i for i in range(8)]
     ends = [flight.at(mark.t + 19.5, "u_c") or 0.0 for mark in flight.marks]
@@ -357,7 +361,7 @@ def test_an_utmost_acceleration_stops_when_it_is_told_to() -> None:
     boat = boat_of("bb2")
     given: dict[str, float | str] = {"ahead_speed": 8.0, "ahead_time": 30.0, "duration": 200.0}
 
-    flight = fly(boat, adjust("utmost-acceleration", boat, given), 0.0)
+    flight = fly_manoeuvre(boat, adjust_manoeuvre("utmost-acceleration", boat, given), 0.0)
 
     assert [tuple(mark) for mark in flight.marks] == [("ahead", 0.0), ("stop", 30.0)]
     assert flight.column("u_c").max() / KNOT == pytest.approx(8.0, rel=0.01)
@@ -369,7 +373,7 @@ def test_an_utmost_acceleration_stops_when_it_is_told_to() -> None:
 def test_a_boat_near_the_surface_is_sucked_up_and_a_deep_one_is_not() -> None:
     still = Meander(angle_deg=0.0, duration_s=60.0)
     rises = [
-        -float(fly(boat_of("bb2", Rig(depth=depth)), still, 10.0 * KNOT).change("z")[-1])
+        -float(fly_manoeuvre(boat_of("bb2", Rig(depth=depth)), still, 10.0 * KNOT).change("z")[-1])
         for depth in (20.0, 200.0)
     ]
 
@@ -389,9 +393,9 @@ def test_a_depth_that_is_no_place_for_the_boat_is_refused() -> None:
 def test_a_boat_beyond_collapse_depth_is_lost_and_one_without_a_depth_is_not() -> None:
     dive = Meander(angle_deg=20.0, execute_deg=20.0, duration_s=400.0, direction=DIVE)
 
-    lost = fly(boat_of("bb2", Rig(depth=250.0)), dive, 20.0 * KNOT)
-    at_once = fly(boat_of("bb2", Rig(depth=250.0, controls="once")), dive, 20.0 * KNOT)
-    free = fly(boat_of("bb2"), dive, 20.0 * KNOT)
+    lost = fly_manoeuvre(boat_of("bb2", Rig(depth=250.0)), dive, 20.0 * KNOT)
+    at_once = fly_manoeuvre(boat_of("bb2", Rig(depth=250.0, controls="once")), dive, 20.0 * KNOT)
+    free = fly_manoeuvre(boat_of("bb2"), dive, 20.0 * KNOT)
 
     for flight in (lost, at_once):
         assert flight.lost.startswith("collapse at 45")
@@ -402,10 +406,10 @@ def test_a_boat_beyond_collapse_depth_is_lost_and_one_without_a_depth_is_not() -
 
 def test_test_depth_passed_and_the_surface_broken_are_told() -> None:
     boat = boat_of("bb2", Rig(depth=40.0))
-    up = fly(boat, Meander(duration_s=120.0), 10.0 * KNOT)
+    up = fly_manoeuvre(boat, Meander(duration_s=120.0), 10.0 * KNOT)
     (broached,) = boat.notices(up.series.columns)
     boat = boat_of("bb2", Rig(depth=240.0))
-    down = fly(boat, Meander(duration_s=120.0, direction=DIVE), 10.0 * KNOT)
+    down = fly_manoeuvre(boat, Meander(duration_s=120.0, direction=DIVE), 10.0 * KNOT)
     (passed,) = boat.notices(down.series.columns)
 
     assert broached.startswith("BROACHED after ")
@@ -416,7 +420,7 @@ def test_test_depth_passed_and_the_surface_broken_are_told() -> None:
 def test_a_sea_is_felt_and_another_seed_is_another_sea() -> None:
     def pitch(seed: int, sea: str = "sea-state-4") -> float:
         boat = boat_of("bb2", Rig(depth=20.0, sea=sea, seed=seed))
-        return float(fly(boat, Turn(5.0, 30.0), 10.0 * KNOT).column("theta")[-1])
+        return float(fly_manoeuvre(boat, Turn(5.0, 30.0), 10.0 * KNOT).column("theta")[-1])
 
     assert pitch(1) == pitch(1)
     assert pitch(1) != pitch(2)
@@ -481,8 +485,8 @@ def test_a_flat_top_is_one_peak_and_a_hesitation_none() -> None:
     t = np.arange(8.0)
     values = np.array([0.0, 1.0, 2.0, 2.0, 1.0, 1.0, 0.0, -1.0])
 
-    assert peaks(t, values) == [(2.0, 2.0)]
-    assert crossings(t, values) == [6.0]
+    assert peaks_of(t, values) == [(2.0, 2.0)]
+    assert zero_crossings(t, values) == [6.0]
 
 
 def test_swings_are_allowed_a_share_of_the_first_and_faint_ones_no_time() -> None:
@@ -517,5 +521,5 @@ def test_depth_is_plotted_downwards(names: tuple[str, ...], *, down: bool) -> No
 
 def test_a_track_is_plotted_with_one_scale() -> None:
     curve = plots.Curve("way", np.array([0.0, 1.0]), np.array([60.0, 80.0]))
-    assert axes_of(plots.Panel(plots.TRACK, "x", "y", (curve,))).get_aspect() == 1.0
+    assert axes_of(plots.Panel(plots.TRACK_TITLE, "x", "y", (curve,))).get_aspect() == 1.0
     assert axes_of(plots.Panel("roll", "x", "y", (curve,))).get_aspect() != 1.0

@@ -11,12 +11,12 @@ import pytest
 from click.testing import CliRunner
 
 from trainer.analysis.bench import end_to_end, on_time, start_up
-from trainer.analysis.bench.end_to_end import Line
-from trainer.analysis.bench.metronome import beat
-from trainer.analysis.bench.on_time import Crowd, count_missed, entry, sail_in_crowd
+from trainer.analysis.bench.end_to_end import TerminalLine
+from trainer.analysis.bench.metronome import run_idle_loop
+from trainer.analysis.bench.on_time import CrowdLateness, account_entry, count_missed, sail_in_crowd
 from trainer.cli import main
 from trainer.config.vessel import load_vessel
-from trainer.session.time.ledger import SECOND, Spread
+from trainer.session.time.ledger import SECOND_NS, Spread
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 
@@ -29,7 +29,7 @@ the clock   priority real-time, memory locked, timer slack 1 ns
 
 
 def test_a_loop_of_the_clock_begins_every_tick_and_none_before_its_time() -> None:
-    summary = beat(0.2, 0.01)
+    summary = run_idle_loop(0.2, 0.01)
 
     assert summary.ticks == 20
     assert summary.lateness.p50_ns > 0
@@ -37,16 +37,16 @@ def test_a_loop_of_the_clock_begins_every_tick_and_none_before_its_time() -> Non
 
 @pytest.mark.process
 def test_a_loop_in_a_process_of_its_own_says_what_it_was_granted() -> None:
-    found = on_time.loop(0.1, "busy")
+    found = on_time.measure_loop(0.1, "busy")
 
     assert found.granted.startswith("priority normal, memory not locked")
     assert 0 < found.lateness.p50_ns <= found.lateness.p99_ns <= found.lateness.max_ns
 
 
 def test_missed_deadlines_are_overruns_slipped_ticks_and_gaps() -> None:
-    assert count_missed(entry(ACCOUNT, "on time")) == 6
-    assert entry(ACCOUNT, "the clock").startswith("priority real-time")
-    assert entry(ACCOUNT, "weather") == ""
+    assert count_missed(account_entry(ACCOUNT, "on time")) == 6
+    assert account_entry(ACCOUNT, "the clock").startswith("priority real-time")
+    assert account_entry(ACCOUNT, "weather") == ""
 
 
 @pytest.mark.long
@@ -61,9 +61,9 @@ def test_no_deadline_is_missed_among_busy_processes_a_console_and_a_hung_line() 
 
 
 def test_the_page_on_time_names_every_loop() -> None:
-    loop = on_time.Loop("priority real-time, memory locked", SPREAD)
-    crowd = Crowd(("2 busy processes", "a console"), "priority normal", 0.5, 30, 0, SPREAD)
-    figures = on_time.OnTime(5.0, 2, loop, loop, loop, loop, crowd)
+    loop = on_time.LoopLateness("priority real-time, memory locked", SPREAD)
+    crowd = CrowdLateness(("2 busy processes", "a console"), "priority normal", 0.5, 30, 0, SPREAD)
+    figures = on_time.TickPunctuality(5.0, 2, loop, loop, loop, loop, crowd)
 
     page = "\n".join(on_time.lines(figures))
 
@@ -74,7 +74,7 @@ def test_the_page_on_time_names_every_loop() -> None:
 # From helm to instrument
 
 
-class Helm(Line):
+class Helm(TerminalLine):
     """A line that keeps what is said on it."""
 
     def __init__(self) -> None:
@@ -91,9 +91,9 @@ def test_an_order_is_timed_until_the_rudder_moves_as_ordered(
     # at rest; left: not yet, then it moves; right: still on its way left, then back
     shown = [0.0, None, 0.0, 0.0, -1.0, None, -2.0, -2.5, -1.5, 7.0]
     readings = iter(shown)
-    monkeypatch.setattr(end_to_end, "reading", lambda *_: next(readings))
+    monkeypatch.setattr(end_to_end, "next_rudder_angle", lambda *_: next(readings))
     helm = Helm()
-    steered = end_to_end.steer(helm, Helm(), 0.01, 2)
+    steered = end_to_end.time_rudder_orders(helm, Helm(), 0.01, 2)
 
     assert next(steered) > 0
     assert helm.words == ["rudder left full"]
@@ -113,15 +113,15 @@ def test_orders_come_at_instants_spread_evenly_over_a_tick(orders: int) -> None:
 
 def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
     figures = end_to_end.summarise(
-        [int(0.04 * SECOND), int(0.06 * SECOND), int(0.21 * SECOND)], 0.5
+        [int(0.04 * SECOND_NS), int(0.06 * SECOND_NS), int(0.21 * SECOND_NS)], 0.5
     )
 
     assert figures.histogram == (1, 1, 0, 0, 1)
-    assert figures.latency.p50_ns == int(0.06 * SECOND)
+    assert figures.latency.p50_ns == int(0.06 * SECOND_NS)
     assert figures.bin_ms == pytest.approx(50.0)
     assert figures.allowed_median_ms == pytest.approx(270.0)
     page = end_to_end.lines(figures)
-    assert page[3].endswith("0 ms    1 " + "#" * end_to_end.WIDEST)
+    assert page[3].endswith("0 ms    1 " + "#" * end_to_end.MAX_BAR_LENGTH)
     assert page[5].endswith("100 ms    0")
 
 
@@ -143,7 +143,7 @@ def test_the_bench_steers_a_session_by_serial_lines() -> None:
 def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behind() -> None:
     with start_up.empty_cache() as environment:
         done = subprocess.run(
-            [*start_up.TRAINER, *start_up.RUN, start_up.SLOW, "--verbose"],  # type: ignore[attr-defined]
+            [*start_up.TRAINER_COMMAND, *start_up.RUN_WORDS, start_up.SLOW_SPEED, "--verbose"],  # type: ignore[attr-defined]
             env=os.environ | environment,
             capture_output=True,
             text=True,

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.analysis.programs.neutral import neutral, panels
-from trainer.cli.programs import PROGRAMS
+from trainer.analysis.programs.neutral import panels, report_neutral
+from trainer.cli.programs import PROGRAM_COMMANDS
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.report import plots
 
-COMMANDS: dict[str, click.Command] = {str(command.name): command for command in PROGRAMS}
+COMMANDS: dict[str, click.Command] = {str(command.name): command for command in PROGRAM_COMMANDS}
 ON_VESSELS = ["neutral", "thrust", "tanks", "modes"]
 FORMS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
@@ -85,7 +85,7 @@ def test_a_plot_has_the_form_of_its_name_and_the_same_bytes_each_time(
     drawn = []
     for i in range(2):
         path = tmp_path / f"{i}{form}"
-        plots.draw((panel, panel), path)
+        plots.draw_plot((panel, panel), path)
         drawn.append(path.read_bytes())
 
     assert drawn[0].startswith(FORMS[form])
@@ -106,7 +106,7 @@ def test_every_program_draws_its_plot_and_prints_its_page_as_well(
 
 
 def test_curves_differ_by_line_as_well_as_by_colour() -> None:
-    pairs = list(zip(plots.COLOURS * 5, plots.LINES * 7, strict=True))
+    pairs = list(zip(plots.CURVE_COLOURS * 5, plots.LINE_STYLES * 7, strict=True))
 
     assert len({str(pair) for pair in pairs}) == 35
     assert len({str(line) for _, line in pairs[:5]}) == 5
@@ -162,7 +162,7 @@ def test_without_matplotlib_the_message_says_what_to_install(
     monkeypatch.setattr(builtins, "__import__", lacking)
 
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[plot\]'"):
-        plots.draw((), tmp_path / "plot.png")
+        plots.draw_plot((), tmp_path / "plot.png")
 
 
 def test_compare_answers_with_its_exit_code(runs: dict[str, str]) -> None:
@@ -231,7 +231,7 @@ def test_thrust_at_rest_is_that_of_the_command_speed_alone(tmp_path: Path) -> No
 
 def test_the_curve_of_neutral_flights_goes_through_the_table() -> None:
     file = load_vessel("bb2")
-    report = neutral(file, [3.0, 5.0, 10.0])
+    report = report_neutral(file, [3.0, 5.0, 10.0])
     pitch = next(curve for curve in panels(file, report)[0].curves if "stern" in curve.label)
 
     for flight in (flight for flight in report.flights if flight.plane == "stern"):

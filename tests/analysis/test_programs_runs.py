@@ -13,10 +13,10 @@ from click.testing import CliRunner, Result
 from helpers.places import DATA
 
 from trainer.analysis.programs import fit as ec310
-from trainer.analysis.programs.characteristic import horizontal, vertical
+from trainer.analysis.programs.characteristic import horizontal_system, vertical_system
 from trainer.analysis.programs.compare import (
-    Comparison,
-    compare,
+    RunComparison,
+    compare_runs,
     event_apart,
     render,
 )
@@ -54,12 +54,12 @@ def test_percent_change_of_change_is_that_of_the_reference(
         path.write_text(f"t,q\n0,{case[name][0]}\n60,{case[name][1]}\n")
         runs.append(load_series(path))
 
-    (point,) = compare(*runs, ["q"]).points  # type: ignore[arg-type, call-arg]
+    (point,) = compare_runs(*runs, ["q"]).points  # type: ignore[arg-type, call-arg]
 
     assert point.percent == pytest.approx(case["percent"], rel=1e-10)
 
 
-def verdicts(report: Comparison) -> dict[str, tuple[str, bool]]:
+def verdicts(report: RunComparison) -> dict[str, tuple[str, bool]]:
     """Return by variable the point that is judged, and the verdict."""
     return {point.variable: (point.point, point.passed) for point in report.points if point.judged}
 
@@ -68,9 +68,9 @@ def test_a_peak_is_judged_by_its_height_and_not_by_its_time() -> None:
     full = run_of(theta=swing(0.1, start=0.02))
     later, higher = run_of(theta=swing(0.1, 0.027, rate=0.09)), run_of(theta=swing(0.107))
 
-    assert verdicts(compare(full, later, ["theta"])) == {"theta": ("extreme", True)}
-    assert verdicts(compare(full, higher, ["theta"])) == {"theta": ("extreme", False)}
-    peak = compare(full, higher, ["theta"]).points[0]
+    assert verdicts(compare_runs(full, later, ["theta"])) == {"theta": ("extreme", True)}
+    assert verdicts(compare_runs(full, higher, ["theta"])) == {"theta": ("extreme", False)}
+    peak = compare_runs(full, higher, ["theta"]).points[0]
     assert peak.percent == pytest.approx(-7.0, abs=1e-9)
     assert peak.t_full == pytest.approx(math.atan2(0.1, 0.03) / 0.1, abs=0.5)
 
@@ -78,20 +78,20 @@ def test_a_peak_is_judged_by_its_height_and_not_by_its_time() -> None:
 def test_a_dip_is_compared_with_a_dip() -> None:
     full, other = run_of(theta=swing(-0.1)), run_of(theta=swing(-0.1) + 0.05 * TIME)
 
-    peak = compare(full, other, ["theta"]).points[0]
+    peak = compare_runs(full, other, ["theta"]).points[0]
 
     assert peak.change_full < 0.0
     assert peak.change_reduced <= 0.0
 
 
 def test_a_change_that_goes_on_is_judged_at_the_end_of_two_minutes() -> None:
-    report = compare(run_of(z=0.5 * TIME), run_of(z=0.52 * TIME), ["z"])
+    report = compare_runs(run_of(z=0.5 * TIME), run_of(z=0.52 * TIME), ["z"])
 
     (point,) = report.points
     assert (point.point, point.t_full, point.judged) == ("at the end", 120.0, True)
     assert point.percent == pytest.approx(-4.0)
     assert report.passed
-    assert not compare(run_of(z=0.5 * TIME), run_of(z=0.53 * TIME), ["z"]).passed
+    assert not compare_runs(run_of(z=0.5 * TIME), run_of(z=0.53 * TIME), ["z"]).passed
 
 
 def test_a_value_that_settles_is_judged_as_well_as_its_overshoot() -> None:
@@ -104,7 +104,7 @@ def test_a_value_that_settles_is_judged_as_well_as_its_overshoot() -> None:
 
     judged = [
         (point.point, point.passed)
-        for point in compare(run_of(phi=good), run_of(phi=bad), ["phi"], until=200.0).points
+        for point in compare_runs(run_of(phi=good), run_of(phi=bad), ["phi"], until=200.0).points
         if point.judged
     ]
 
@@ -115,7 +115,7 @@ def test_a_value_that_settles_is_judged_as_well_as_its_overshoot() -> None:
 def test_what_is_left_of_a_swing_is_shown_and_not_judged(damping: float) -> None:
     run, other = run_of(theta=swing(0.1, damping)), run_of(theta=swing(0.1, damping, rate=0.102))
 
-    report = compare(run, other, ["theta"])
+    report = compare_runs(run, other, ["theta"])
 
     ending = report.points[-1]
     assert (ending.point, ending.judged, ending.passed) == ("at the end", False, True)
@@ -128,7 +128,9 @@ def test_a_small_value_left_after_a_large_swing_is_not_judged_though_steady() ->
     def settling(rest: float) -> np.ndarray:
         return swing(0.1, 0.08) + rest * (1.0 - np.exp(-0.1 * TIME))
 
-    report = compare(run_of(phi=settling(1e-3)), run_of(phi=settling(2e-3)), ["phi"], until=200.0)
+    report = compare_runs(
+        run_of(phi=settling(1e-3)), run_of(phi=settling(2e-3)), ["phi"], until=200.0
+    )
 
     ending = report.points[-1]
     assert (ending.point, ending.judged) == ("steady", False)
@@ -137,7 +139,7 @@ def test_a_small_value_left_after_a_large_swing_is_not_judged_though_steady() ->
 def test_a_run_is_the_same_as_itself_and_unchanged_variables_are_named() -> None:
     run = run_of(u=5.0 + 0.0 * TIME, z=swing(1.0, start=60.0), theta=swing(0.1))
 
-    report = compare(run, run, [])
+    report = compare_runs(run, run, [])
 
     assert report.passed
     assert {point.percent for point in report.points} == {0.0}
@@ -150,8 +152,8 @@ def thrown(at: float, lost: float = 1.5) -> Series:
     return run_of(u=10.0 - lost * np.clip((TIME - 8.0) / 15.0, 0.0, 1.0), delta_s=planes)
 
 
-def judged_with_events(full: Series, other: Series) -> Comparison:
-    return compare(full, other, ["u"], event=event_apart(full, other))
+def judged_with_events(full: Series, other: Series) -> RunComparison:
+    return compare_runs(full, other, ["u"], event=event_apart(full, other))
 
 
 def test_half_a_second_of_event_time_is_no_failure() -> None:
@@ -195,7 +197,7 @@ def test_a_surface_that_an_autopilot_moves_has_no_events() -> None:
 def test_runs_of_other_steps_and_lengths_are_compared_over_the_shorter() -> None:
     short = Series(Path("short.csv"), {"t": TIME[:40:2], "z": 0.5 * TIME[:40:2]})
 
-    (point,) = compare(run_of(z=0.5 * TIME), short, ["z"]).points
+    (point,) = compare_runs(run_of(z=0.5 * TIME), short, ["z"]).points
 
     assert point.t_full == point.t_reduced == 19.0
     assert point.percent == pytest.approx(0.0, abs=1e-9)
@@ -203,9 +205,9 @@ def test_runs_of_other_steps_and_lengths_are_compared_over_the_shorter() -> None
 
 def test_a_column_that_a_run_lacks_is_named_with_the_nearest() -> None:
     with pytest.raises(ConfigError, match=r'run\.csv: no column "thet"; nearest is theta'):
-        compare(run_of(theta=TIME), run_of(theta=TIME), ["thet"])
+        compare_runs(run_of(theta=TIME), run_of(theta=TIME), ["thet"])
     with pytest.raises(ConfigError, match="share no column of u, z"):
-        compare(run_of(a=TIME), run_of(b=TIME), [])
+        compare_runs(run_of(a=TIME), run_of(b=TIME), [])
 
 
 # --- files
@@ -270,7 +272,7 @@ def test_a_sum_of_damped_sinusoids_is_taken_apart_again(
 ) -> None:
     y = response(roots, sizes, 0.7)
 
-    found = ec310.fit(TIME + 30.0, y, starts)
+    found = ec310.fit_modes(TIME + 30.0, y, starts)
 
     assert found.converged
     for term, root, size in zip(found.terms, roots, sizes, strict=True):
@@ -299,7 +301,7 @@ def test_noise_moves_the_roots_by_about_their_standard_errors() -> None:
     noise = np.random.default_rng(3).standard_normal((40, len(TIME)))
     pulls = []
     for row in noise:
-        found = ec310.fit(TIME, y + 0.01 * row, HORIZONTAL)
+        found = ec310.fit_modes(TIME, y + 0.01 * row, HORIZONTAL)
         assert found.rms == pytest.approx(0.01, rel=0.2)
         for term, root in zip(found.terms, HORIZONTAL, strict=True):
             assert term.real_error is not None
@@ -319,7 +321,7 @@ def test_a_response_that_cannot_be_fitted_is_refused(
     t: np.ndarray, y: np.ndarray, said: str
 ) -> None:
     with pytest.raises(ConfigError, match=said):
-        ec310.fit(t, y, VERTICAL)
+        ec310.fit_modes(t, y, VERTICAL)
 
 
 def test_a_response_of_fewer_modes_than_asked_for_is_refused() -> None:
@@ -340,7 +342,8 @@ def test_the_response_is_the_column_less_its_rest_value_within_the_time_asked_fo
 
 
 @pytest.mark.parametrize(
-    ("column", "plane", "group"), [("phi", horizontal, "roll"), ("theta", vertical, "pitch")]
+    ("column", "plane", "group"),
+    [("phi", horizontal_system, "roll"), ("theta", vertical_system, "pitch")],
 )
 def test_a_boat_disturbed_answers_with_the_roots_of_its_characteristic_polynomial(
     make_boat: Callable[..., Boat],
@@ -361,7 +364,7 @@ def test_a_boat_disturbed_answers_with_the_roots_of_its_characteristic_polynomia
         boat.tick()
     wanted = ec310.one_of_each(plane(load_vessel("bb2"), 10.0 * KNOT).eigenvalues)
 
-    found = ec310.fit(np.array(t), np.array(y), wanted)
+    found = ec310.fit_modes(np.array(t), np.array(y), wanted)
 
     assert found.explained > 0.9999
     swung = next(root for root in wanted if root.imag > 0.0)

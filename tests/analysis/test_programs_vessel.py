@@ -19,21 +19,21 @@ from trainer.analysis.programs import characteristic, tanks, thrust
 from trainer.analysis.programs import constants as constants_program
 from trainer.analysis.programs import neutral as neutral_program
 from trainer.analysis.programs.characteristic import (
-    HORIZONTAL,
-    Law,
-    Linear,
-    Means,
+    HORIZONTAL_STATES,
+    LinearSystem,
+    MeanMotions,
+    PlaneLaw,
     depth_loop,
-    horizontal,
-    vertical,
+    horizontal_system,
+    vertical_system,
 )
 from trainer.analysis.programs.neutral import (
-    STEEPEST,
+    MAX_FLOW_SLOPE,
     fold_speeds,
     level_flight,
-    neutral,
+    report_neutral,
     required_couple,
-    sides,
+    side_equations,
     trim_at,
 )
 from trainer.boat.assemble import Method, fit_out
@@ -47,7 +47,7 @@ from trainer.core.kernel import Numbers
 from trainer.core.rates import rates
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import surface_forces
-from trainer.core.terms import COEFFICIENTS, TABLE
+from trainer.core.terms import COEFFICIENTS, TERM_TABLE
 from trainer.core.vessel import VESSEL
 from trainer.units import KNOT
 
@@ -58,13 +58,13 @@ NEUTRAL, ROOTS, TOOLS = (
 FOOT = 0.3048
 KNOT_FT = 1.68780986  # [ft/s] as the vectors have it
 PLANES = {"s": "stern", "b": "bow"}
-REPORT_LAW = Law(0.008, 3.5, 0.012, 2.0)  # in feet
+REPORT_LAW = PlaneLaw(0.008, 3.5, 0.012, 2.0)  # in feet
 SI_REFSUB = load_vessel(str(VECTORS / "full-refsub.vessel.toml"))
 
 
 def in_own_units(coefficients: dict[str, float], body: dict[str, float]) -> VesselFile:
     """Return a boat of the vectors in the units they have: the programs ask for no others."""
-    keys = {term.mnemonic: term.key for term in TABLE}
+    keys = {term.mnemonic: term.key for term in TERM_TABLE}
     by_key = {keys[name]: value for name, value in coefficients.items()}
     hull = replace(
         SI_REFSUB.hull,
@@ -182,8 +182,8 @@ def test_every_neutral_flight_of_any_hull_is_found_and_none_else(
         assert abs(force) + abs(moment) < 1e-12 * (1.0 + t * t)
     # a fine search for changes of sign misses only pairs that lie closer than it looks
     expected = 0
-    for side in sides(hull, "stern"):
-        grid = np.geomspace(1e-7, STEEPEST, 20001)
+    for side in side_equations(hull, "stern"):
+        grid = np.geomspace(1e-7, MAX_FLOW_SLOPE, 20001)
         excess = np.array([required_couple(side, t) for t in grid]) - side.couple / speed**2
         expected += int(np.count_nonzero(np.diff(np.sign(excess))))
     assert len(found) in (expected, expected + 2)
@@ -216,14 +216,16 @@ def test_a_boat_without_bow_planes_has_no_level_flight_by_them() -> None:
     file = load_vessel("remus100")
 
     assert level_flight(file, "bow", 1.5) == []
-    assert any("-2.3" in remark for remark in neutral(file, [3.0]).remarks)
+    assert any("-2.3" in remark for remark in report_neutral(file, [3.0]).remarks)
 
 
 # --- modes: EC140, EC200, EC320
 
 
 @pytest.mark.parametrize("case", ROOTS["cases"], ids=lambda case: f"{case['u']:.1f} ft/s")
-@pytest.mark.parametrize(("plane", "key"), [(vertical, "longitudinal"), (horizontal, "lateral")])
+@pytest.mark.parametrize(
+    ("plane", "key"), [(vertical_system, "longitudinal"), (horizontal_system, "lateral")]
+)
 def test_polynomials_and_roots_are_those_of_the_reference(
     case: dict[str, Any], plane: Any, key: str
 ) -> None:
@@ -239,14 +241,14 @@ def test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference(
 ) -> None:
     wanted = case["longitudinal_wbar"]
 
-    linear = vertical(boat_of(ROOTS, case["set"]), case["u"], Means(w=wanted["wbar"]))
+    linear = vertical_system(boat_of(ROOTS, case["set"]), case["u"], MeanMotions(w=wanted["wbar"]))
 
     assert linear.polynomial == pytest.approx(wanted["poly"], rel=1e-8)
 
 
 def test_the_rescue_vehicle_in_its_own_system_of_units_has_the_published_roots() -> None:
     case = ROOTS["dsrv"]
-    linear = vertical(in_own_units(case["coef"], case["phys"]), case["u"])
+    linear = vertical_system(in_own_units(case["coef"], case["phys"]), case["u"])
 
     assert linear.polynomial == pytest.approx(case["poly"], rel=1e-8)
     assert in_order(linear.eigenvalues) == pytest.approx(roots_of(case["modes"]), rel=1e-8)
@@ -274,7 +276,7 @@ def differentiated(case: dict[str, Any], step: float) -> Numbers:
     return np.transpose(changes) / (2.0 * step)
 
 
-def depth_loop_of(case: dict[str, Any]) -> Linear:
+def depth_loop_of(case: dict[str, Any]) -> LinearSystem:
     """Return the depth loop of a case of the vectors."""
     file, speed = boat_of(ROOTS, case["set"]), case["knots"] * KNOT_FT
     return depth_loop(file, speed, case["sign_ds"], case["sign_db"], REPORT_LAW)
@@ -320,13 +322,13 @@ def test_the_depth_loop_of_1969_is_what_differences_tend_to(case: dict[str, Any]
 
 def test_the_quasi_linear_coefficients_are_those_of_the_polynomials() -> None:
     file, speed = load_vessel("bb2"), 5.0
-    means = Means(v=0.4, w=0.2, p=0.03, q=0.01, r=0.02)
+    means = MeanMotions(v=0.4, w=0.2, p=0.03, q=0.01, r=0.02)
     stand_in = replace(
         file,
         coefficients={**file.coefficients, **characteristic.quasi_linear(file, speed, means)},
     )
 
-    for plane in (vertical, horizontal):
+    for plane in (vertical_system, horizontal_system):
         assert plane(stand_in, speed).polynomial == pytest.approx(
             plane(file, speed, means).polynomial, rel=1e-12
         )
@@ -341,9 +343,9 @@ def test_a_mean_rate_of_roll_damps_roll_by_its_quadratic_term() -> None:
         ROOTS["sets"]["refsub"]["phys"],
     )
     scale = 0.5 * file.fluid.rho * file.hull.length**4
-    still, rolling = (horizontal(file, 17.0, Means(p=p)) for p in (0.0, 0.05))
+    still, rolling = (horizontal_system(file, 17.0, MeanMotions(p=p)) for p in (0.0, 0.05))
 
-    change = (rolling.F - still.F)[:, HORIZONTAL.index("p")]
+    change = (rolling.F - still.F)[:, HORIZONTAL_STATES.index("p")]
 
     expected = [2e-6 * scale * 0.05, -1e-6 * scale * file.hull.length * 0.05, 0.0, 0.0]
     assert change == pytest.approx(expected, rel=1e-9)
@@ -364,7 +366,7 @@ def test_stern_planes_alone_keep_depth_above_their_critical_speed_only() -> None
 
 
 def test_roots_are_named_and_measured() -> None:
-    (at_10,) = characteristic.characteristic(load_vessel("bb2"), [10.0], Means()).speeds
+    (at_10,) = characteristic.report_modes(load_vessel("bb2"), [10.0], MeanMotions()).speeds
 
     assert [root.name for root in at_10.horizontal.roots] == ["sway-yaw", "spiral", "roll"]
     roll = at_10.horizontal.roots[-1]
@@ -382,7 +384,7 @@ def test_thrust_and_acceleration_are_those_of_the_reference(case: dict[str, Any]
     file = boat_of(TOOLS, "refsub")
     small = 1e-10 * 0.5 * file.fluid.rho * file.hull.length**2  # where thrust equals drag
 
-    found = thrust.at(file, case["u"], case["uc"])
+    found = thrust.table_entry(file, case["u"], case["uc"])
 
     assert found.row == case["row"]
     assert found.thrust_N == pytest.approx(case["thrust"], rel=1e-10, abs=small)
@@ -433,7 +435,7 @@ def test_the_reference_tanks_have_the_reference_balance_through_any_filling() ->
 def test_as_filled_at_the_start_a_boat_has_the_weight_and_centre_of_its_file() -> None:
     file = load_vessel("bb2")
 
-    now = tanks.fillings(file, {}).now
+    now = tanks.report_fillings(file, {}).now
 
     assert now.weight == pytest.approx(file.hull.weight, rel=1e-14)
     assert now.centre == pytest.approx(file.hull.cg, abs=1e-14)
@@ -443,7 +445,9 @@ def test_a_tonne_pumped_into_a_tank_weighs_a_tonne_there() -> None:
     file = load_vessel("bb2")
     share = 1000.0 / (60.0 * file.fluid.rho)  # of the auxiliary tank's 60 m3, at x = -1 m
 
-    before, after = (tanks.fillings(file, {"auxiliary": fill}).now for fill in (0.5, 0.5 + share))
+    before, after = (
+        tanks.report_fillings(file, {"auxiliary": fill}).now for fill in (0.5, 0.5 + share)
+    )
 
     assert after.weight - before.weight == pytest.approx(1000.0 * file.fluid.g)
     assert after.moments[0] - before.moments[0] == pytest.approx(-1000.0 * file.fluid.g)
@@ -451,7 +455,7 @@ def test_a_tonne_pumped_into_a_tank_weighs_a_tonne_there() -> None:
 
 def test_every_filling_lies_within_the_outline_and_every_corner_is_a_filling() -> None:
     file = load_vessel("bb2")
-    report = tanks.fillings(file, {})
+    report = tanks.report_fillings(file, {})
     pumped = [tank.full for tank in report.tanks if tank.kind == "pumped"]
     kept = [tank.contents for tank in report.tanks if tank.kind != "pumped"]
     corners = np.array(report.ranges[0].outline)
@@ -484,16 +488,16 @@ def test_every_filling_lies_within_the_outline_and_every_corner_is_a_filling() -
 )
 def test_a_filling_that_cannot_be_is_refused_by_name(fills: dict[str, float], said: str) -> None:
     with pytest.raises(ConfigError, match=said):
-        tanks.fillings(load_vessel("bb2"), fills)
+        tanks.report_fillings(load_vessel("bb2"), fills)
 
 
 def test_a_boat_without_tanks_is_said_to_have_none() -> None:
     with pytest.raises(ConfigError, match=r"remus100.toml: has no table \[ballast\]"):
-        tanks.fillings(load_vessel("remus100"), {})
+        tanks.report_fillings(load_vessel("remus100"), {})
 
 
 def test_speeds_are_in_knots_on_the_page() -> None:
-    (point,) = thrust.survey(load_vessel("bb2"), [10.0], [15.0]).points
+    (point,) = thrust.survey_thrust(load_vessel("bb2"), [10.0], [15.0]).points
 
     assert (point.u_kn, point.u_c_kn) == (pytest.approx(10.0), pytest.approx(15.0))  # type: ignore[comparison-overlap]
     assert point.thrust_N == thrust.thrust(load_vessel("bb2"), 10.0 * KNOT, 15.0 * KNOT)
@@ -503,18 +507,18 @@ def test_speeds_are_in_knots_on_the_page() -> None:
 
 
 def test_the_listing_has_every_number_of_the_vessel_record() -> None:
-    report = constants_program.constants(load_vessel("bb2"))
+    report = constants_program.list_vessel_constants(load_vessel("bb2"))
     found = {one.symbol for group in report.groups.values() for one in group}
     found |= {one.symbol for one in report.coefficients}
 
-    assert found == set(VESSEL.names or ()) - set(constants_program.BLOCKS)
+    assert found == set(VESSEL.names or ()) - set(constants_program.BLOCK_NAMES)
 
 
 @pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100", "refsub"])
 def test_a_listed_constant_is_the_one_that_is_flown(name: str) -> None:
     file = SI_REFSUB if name == "refsub" else load_vessel(name)
     flown = Boat(file, Method("full", "exact", "exact", "adams2", 0.5)).vessel
-    report = constants_program.constants(file)
+    report = constants_program.list_vessel_constants(file)
 
     for one in (one for group in report.groups.values() for one in group):
         part = np.asarray(flown[one.symbol], float)
@@ -528,7 +532,7 @@ def test_a_listed_constant_is_the_one_that_is_flown(name: str) -> None:
 
 
 def test_a_constant_says_where_it_comes_from() -> None:
-    report = constants_program.constants(load_vessel("remus100"))
+    report = constants_program.list_vessel_constants(load_vessel("remus100"))
     of = {one.symbol: one for group in report.groups.values() for one in group}
 
     assert (of["rho"].origin, of["rho"].unit, of["rho"].key) == ("file", "kg/m3", "fluid.rho")
@@ -543,17 +547,17 @@ def test_a_constant_says_where_it_comes_from() -> None:
 
 @pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
 def test_the_listing_fits_a_terminal_and_has_every_coefficient_by_both_names(name: str) -> None:
-    page = constants_program.render(constants_program.constants(load_vessel(name)))
+    page = constants_program.render(constants_program.list_vessel_constants(load_vessel(name)))
 
     assert page.isascii()
     assert max(map(len, page.splitlines())) <= 79
-    for term in TABLE:
+    for term in TERM_TABLE:
         assert re.search(rf"^  {term.key} +{term.mnemonic} ", page, re.MULTILINE)
 
 
 def test_the_compact_constants_are_those_of_both_sets() -> None:
     file = load_vessel("bb2")
-    report = {one.symbol: one for one in constants_program.constants(file).compact}
+    report = {one.symbol: one for one in constants_program.list_vessel_constants(file).compact}
     area = 0.5 * file.fluid.rho * file.hull.length**2
 
     for kept in ("modified", "basic"):
@@ -617,7 +621,7 @@ def test_a_surface_that_changes_with_speed_is_that_of_the_core(knots: float) -> 
 
 def test_modes_near_the_surface_feel_how_its_force_changes_with_depth() -> None:
     file, speed, depth = load_vessel("bb2"), 6.0 * KNOT, 16.0
-    deep = characteristic.with_depth(vertical(file, speed), speed)
+    deep = characteristic.with_depth(vertical_system(file, speed), speed)
 
     near = characteristic.under_surface(deep, file, speed, depth)
 
@@ -631,8 +635,8 @@ def test_modes_near_the_surface_feel_how_its_force_changes_with_depth() -> None:
 
 
 def test_a_boat_whose_suction_fades_downwards_leaves_her_depth_by_herself() -> None:
-    (deep,) = characteristic.characteristic(load_vessel("bb2"), [6.0], Means(), 40.0).speeds
-    (near,) = characteristic.characteristic(load_vessel("bb2"), [6.0], Means(), 20.0).speeds
+    (deep,) = characteristic.report_modes(load_vessel("bb2"), [6.0], MeanMotions(), 40.0).speeds
+    (near,) = characteristic.report_modes(load_vessel("bb2"), [6.0], MeanMotions(), 20.0).speeds
 
     assert min(root.frequency_rad_s for root in deep.vertical.roots) == pytest.approx(0.0, abs=1e-9)
     assert max(root.real for root in near.vertical.roots) > 1e-3
@@ -648,7 +652,7 @@ def test_neutral_angles_near_the_surface_balance_its_force_and_moment(
     area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
     Z, M = surface_of("bb2", speed, 15.0)
 
-    (flight,) = (one for one in neutral(file, [knots], 15.0).flights if one.plane == plane)
+    (flight,) = (one for one in report_neutral(file, [knots], 15.0).flights if one.plane == plane)
 
     assert flight.solutions
     for one in flight.solutions:
@@ -696,16 +700,16 @@ def test_a_fold_near_the_surface_is_felt_at_its_own_speed() -> None:
 )
 def test_a_depth_of_which_nothing_is_known_is_refused(name: str, depth: float, said: str) -> None:
     with pytest.raises(ConfigError, match=said):
-        neutral(load_vessel(name), [3.0], depth)
+        report_neutral(load_vessel(name), [3.0], depth)
     with pytest.raises(ConfigError, match=said):
-        characteristic.characteristic(load_vessel(name), [3.0], Means(), depth)
+        characteristic.report_modes(load_vessel(name), [3.0], MeanMotions(), depth)
 
 
 def test_where_the_tables_of_the_surface_end_it_is_said() -> None:
     file = load_vessel("bb2")
 
     above, inside, below = (
-        characteristic.characteristic(file, [6.0], Means(), depth).remarks
+        characteristic.report_modes(file, [6.0], MeanMotions(), depth).remarks
         for depth in (12.0, 20.0, 50.0)
     )
 

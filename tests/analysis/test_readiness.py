@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.places import environment
 
-from trainer.analysis.readiness import Readiness, examine, render
+from trainer.analysis.readiness import Readiness, examine_boat, render
 from trainer.cli.vessel import check
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_template import vessel_text
@@ -73,24 +73,24 @@ def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path)
 
 def test_a_change_of_length_alone_is_not_accepted() -> None:
     text = load_vessel("bb2").text
-    assert not examine(changed(text.replace("length = 70.2", "length = 60.0", 1))).passed
+    assert not examine_boat(changed(text.replace("length = 70.2", "length = 60.0", 1))).passed
 
 
 def test_a_complete_boat_lacks_nothing() -> None:
-    found = examine(load_vessel("bb2"))
+    found = examine_boat(load_vessel("bb2"))
 
     assert found.lacks == ()
     assert render(found).endswith("MISSING: nothing.")
 
 
 def test_what_is_missing_is_told_with_what_makes_it() -> None:
-    found = examine(changed(OF_AUTOPILOT.sub("", load_vessel("bb2").text)))
+    found = examine_boat(changed(OF_AUTOPILOT.sub("", load_vessel("bb2").text)))
 
     assert remedies(found) == {"gains": "trainer gains boat.toml >> boat.toml"}
 
 
 def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
-    told = remedies(examine(load_vessel("remus100")))
+    told = remedies(examine_boat(load_vessel("remus100")))
 
     assert "trainer vessel new like.toml --from bb2 --length 1.33" in told["[ballast]"]
     assert told["periscope_depth_m"] == "a line in [run]"
@@ -98,7 +98,7 @@ def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
 
 @pytest.mark.parametrize("name", BOATS)
 def test_the_end_of_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
-    page = render(examine(load_vessel(name)))
+    page = render(examine_boat(load_vessel(name)))
 
     assert page.isascii()
     assert max(map(len, page.splitlines())) <= 79
@@ -107,7 +107,7 @@ def test_the_end_of_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
 def test_the_figures_are_json() -> None:
     wrong = load_vessel("bb2").text.replace("N_r = 0.9741", "N_r = 0", 1)
 
-    assert json.dumps(asdict(examine(changed(wrong))), allow_nan=False)
+    assert json.dumps(asdict(examine_boat(changed(wrong))), allow_nan=False)
 
 
 # --- a boat without a compact set

@@ -10,50 +10,56 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.guide.programme import Leg, legs, own_method
-from trainer.analysis.guide.verdicts import BEYOND, SHOWN, Judgement, judge
+from trainer.analysis.guide.programme import Leg, guide_legs, own_method
+from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, NOT_JUDGED, Judgement, judge
 from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
-from trainer.analysis.manoeuvres.flight import Conn, fly
+from trainer.analysis.manoeuvres.flight import Conn, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Watch
 from trainer.analysis.reduce import reduction, vessel_text
-from trainer.analysis.reduce.candidates import Crew
+from trainer.analysis.reduce.candidates import CandidatePool
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
-    CONTROLS,
-    FURTHEST,
+    CONTROL_COEFFICIENTS,
+    MAX_DIFFERENCE,
     Candidate,
     Yardstick,
-    multiple,
+    allowed_multiple,
 )
 from trainer.analysis.reduce.programme import (
-    fastest,
+    fastest_legs,
     fit_legs,
     holdout_legs,
+    leg_speeds,
     legs_of_guide,
-    speeds,
-    turns,
+    turn_legs,
 )
 from trainer.analysis.reduce.search import (
-    LEASH,
-    Aim,
-    Need,
-    Point,
+    SLACKEST_LEASH,
     Search,
+    SearchAim,
+    SearchPoint,
+    SearchState,
     Slopes,
-    Standing,
-    descend,
-    rises,
-    without,
+    TermNeed,
+    cost_rises,
+    descend_slopes,
+    without_terms,
 )
-from trainer.analysis.reduce.verdict import PARTS, Checked, passes, table, verdict
+from trainer.analysis.reduce.verdict import (
+    PART_TOLERANCES,
+    LegVerdict,
+    effect_table,
+    judge_legs,
+    passes_legs,
+)
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.core.kernel import Numbers
-from trainer.core.terms import EXTRA_TERMS, KEPT
+from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS
 from trainer.units import KNOT
 
 BOATS = ("bb2", "sdv-mk9", "remus100")
@@ -135,8 +141,8 @@ def test_many_cycles_in_one_call_are_those_of_cycle_by_cycle(name: str, speed: f
     file = load_vessel("bb2")
     method = own_method(file, "modified")
 
-    swift = fly(Submarine(file, method), find_manoeuvre(name), speed * KNOT)
-    plodding = fly(Plodding(file, method), find_manoeuvre(name), speed * KNOT)
+    swift = fly_manoeuvre(Submarine(file, method), find_manoeuvre(name), speed * KNOT)
+    plodding = fly_manoeuvre(Plodding(file, method), find_manoeuvre(name), speed * KNOT)
 
     assert swift.marks == plodding.marks
     for column in Submarine.columns:
@@ -148,7 +154,7 @@ def test_a_boat_lost_in_many_cycles_is_lost_where_it_was_cycle_by_cycle() -> Non
     method = own_method(file, "full")
 
     swift, plodding = (
-        fly(kind(file, method), find_manoeuvre("meander"), 3.0 * KNOT)
+        fly_manoeuvre(kind(file, method), find_manoeuvre("meander"), 3.0 * KNOT)
         for kind in (Submarine, Plodding)
     )
 
@@ -204,7 +210,9 @@ def test_an_event_more_than_a_cycle_from_the_others_is_ones_own() -> None:
 
 def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
     file = load_vessel("bb2")
-    (leg,) = (leg for leg in legs(file) if leg.title == "overshoot, execute 5 deg, rise, 20 kn")
+    (leg,) = (
+        leg for leg in guide_legs(file) if leg.title == "overshoot, execute 5 deg, rise, 20 kn"
+    )
 
     assert leg.task(file, "full").beside is None
     assert leg.task(file, "modified").beside == leg.task(file, "full").method
@@ -216,31 +224,35 @@ def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
 def test_turns_are_to_both_sides_at_four_speeds_by_three_rudders() -> None:
     bb2, sdv = load_vessel("bb2"), load_vessel("sdv-mk9")
 
-    assert speeds(bb2) == (5.0, 10.0, 15.0, 20.0)
-    assert {leg.manoeuvre.angle_deg for leg in turns(bb2)} == {10.0, 20.0, 30.0}  # type: ignore[attr-defined]
-    assert len(turns(bb2)) == 24
-    assert sum(leg.manoeuvre.side == "port" for leg in turns(bb2)) == 12  # type: ignore[attr-defined]
-    assert max(leg.manoeuvre.angle_deg for leg in turns(sdv)) == 20.0  # type: ignore[attr-defined]
-    assert speeds(sdv) == (1.5, 3.0, 4.5, 6.0)
+    assert leg_speeds(bb2) == (5.0, 10.0, 15.0, 20.0)
+    assert {leg.manoeuvre.angle_deg for leg in turn_legs(bb2)} == {10.0, 20.0, 30.0}  # type: ignore[attr-defined]
+    assert len(turn_legs(bb2)) == 24
+    assert sum(leg.manoeuvre.side == "port" for leg in turn_legs(bb2)) == 12  # type: ignore[attr-defined]
+    assert max(leg.manoeuvre.angle_deg for leg in turn_legs(sdv)) == 20.0  # type: ignore[attr-defined]
+    assert leg_speeds(sdv) == (1.5, 3.0, 4.5, 6.0)
 
 
 def test_what_is_held_out_is_neither_fitted_nor_tried() -> None:
     for name in BOATS:
         file = load_vessel(name)
-        before = (*fit_legs(file), *fastest(file), *legs_of_guide(file))
+        before = (*fit_legs(file), *fastest_legs(file), *legs_of_guide(file))
         known = {(leg.manoeuvre, leg.speed_kn) for leg in before}
         kinds = {leg.name for leg in holdout_legs(file)}
 
         assert not known & {(leg.manoeuvre, leg.speed_kn) for leg in holdout_legs(file)}
         assert kinds == {"zigzag-15", "climbing turn", "stern-plane jam", "out of balance"}
-        seen = {leg.name.split()[0] for leg in (*fit_legs(file), *fastest(file))}
+        seen = {leg.name.split()[0] for leg in (*fit_legs(file), *fastest_legs(file))}
         assert not {"zigzag", "climbing"} & seen
 
 
 def test_no_two_flights_of_a_fit_have_one_name() -> None:
     for name in BOATS:
         file = load_vessel(name)
-        for flights in ((*fit_legs(file), *fastest(file)), legs_of_guide(file), holdout_legs(file)):
+        for flights in (
+            (*fit_legs(file), *fastest_legs(file)),
+            legs_of_guide(file),
+            holdout_legs(file),
+        ):
             assert len({leg.title for leg in flights}) == len(flights), name
 
 
@@ -248,9 +260,9 @@ def test_a_boat_out_of_balance_sinks_or_is_held_by_planes_at_an_angle() -> None:
     file = load_vessel("bb2")
     boat = Submarine(file, own_method(file, "full"))
 
-    heavy = fly(boat, OutOfBalance(share=0.002, keep=()), 5.0 * KNOT)
-    held = fly(boat, OutOfBalance(share=-0.002), 10.0 * KNOT)
-    again = fly(boat, Turn(), 10.0 * KNOT)
+    heavy = fly_manoeuvre(boat, OutOfBalance(share=0.002, keep=()), 5.0 * KNOT)
+    held = fly_manoeuvre(boat, OutOfBalance(share=-0.002), 10.0 * KNOT)
+    again = fly_manoeuvre(boat, Turn(), 10.0 * KNOT)
 
     assert heavy.change("z")[-1] > 20.0
     assert abs(held.change("z")).max() < 1.0
@@ -262,13 +274,15 @@ def test_planes_are_eased_until_the_full_set_is_not_lost_and_a_jam_until_it_is_r
     file = load_vessel("remus100")
     boat = Submarine(file, own_method(file, "full"))
 
-    flown = [(leg, fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)) for leg in fit_legs(file)]
+    flown = [
+        (leg, fly_manoeuvre(boat, leg.manoeuvre, leg.speed_kn * KNOT)) for leg in fit_legs(file)
+    ]
     jams = [leg for leg in holdout_legs(file) if isinstance(leg.manoeuvre, PlaneJam)]
 
     assert not [leg.title for leg, flight in flown if flight.lost]
     assert jams
     for leg in jams:
-        assert fly(boat, leg.manoeuvre, leg.speed_kn * KNOT).time_of("level") is not None
+        assert fly_manoeuvre(boat, leg.manoeuvre, leg.speed_kn * KNOT).time_of("level") is not None
 
 
 @pytest.mark.parametrize("name", BOATS)
@@ -288,22 +302,22 @@ def test_the_kernel_has_room_for_all_that_the_shipped_hulls_have(name: str) -> N
 
 def test_what_a_candidate_cannot_start_counts_as_furthest() -> None:
     file = load_vessel("bb2")
-    yardstick = Yardstick(file, turns(file)[:1])
+    yardstick = Yardstick(file, turn_legs(file)[:1])
     candidate = Candidate(file, "modified")
     without_planes = {"M_ds": 0.0, "M_db": 0.0, "Z_ds": 0.0, "Z_db": 0.0}
 
     candidate.take([without_planes.get(term, 1.0) for term in candidate.terms])
 
     assert [judgements for _, judgements in yardstick.judged(candidate)] == [()]
-    assert set(yardstick.differences(candidate)) == {FURTHEST}
+    assert set(yardstick.differences(candidate)) == {MAX_DIFFERENCE}
 
 
 def test_a_number_that_is_lacking_is_as_far_off_as_nothing_would_be() -> None:
-    there = Judgement("snap roll", "rad", 0.04, None, 0.01, BEYOND)
+    there = Judgement("snap roll", "rad", 0.04, None, 0.01, BEYOND_TOLERANCE)
 
-    assert multiple(there) == -4.0
-    assert multiple(replace(there, other=0.045)) == pytest.approx(0.5)
-    assert multiple(replace(there, other=9.0)) == FURTHEST
+    assert allowed_multiple(there) == -4.0
+    assert allowed_multiple(replace(there, other=0.045)) == pytest.approx(0.5)
+    assert allowed_multiple(replace(there, other=9.0)) == MAX_DIFFERENCE
 
 
 # --- the fit
@@ -318,8 +332,8 @@ def linear(size: int) -> tuple[Slopes, Numbers]:
 
 def test_a_dropped_term_is_made_up_for_as_a_fit_without_it_would() -> None:
     slopes, differences = linear(5)
-    here = Point(np.ones(5), differences)
-    gone = without(slopes, here, [3])
+    here = SearchPoint(np.ones(5), differences)
+    gone = without_terms(slopes, here, [3])
 
     # least squares of the weighted rows and the leash, by another way
     weights = np.maximum(abs(differences), 0.2) ** 2
@@ -337,7 +351,7 @@ def test_the_term_that_does_least_costs_least() -> None:
     slopes, differences = linear(4)
     slopes.table[:, 2] *= 1e-3
 
-    costs = rises(slopes, Point(np.ones(4), differences))
+    costs = cost_rises(slopes, SearchPoint(np.ones(4), differences))
 
     assert int(np.argmin(costs)) == 2
 
@@ -348,24 +362,29 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
     def fly_all(several: Sequence[Numbers]) -> list[Numbers]:
         return [slopes.table @ (factors - 1.0) - np.array([0.0, 0.0, 1.0]) for factors in several]
 
-    start = Point(np.ones(3), fly_all([np.ones(3)])[0])
-    found = descend(fly_all, slopes, start, 3, 0.8)
+    start = SearchPoint(np.ones(3), fly_all([np.ones(3)])[0])
+    found = descend_slopes(fly_all, slopes, start, 3, 0.8)
 
     assert found.worst <= 0.8
     assert found.factors[:2] == pytest.approx(np.ones(2))
     assert 1.0 < found.factors[2] < 1.45  # the optimum is 1.5
-    assert descend(fly_all, slopes, start, 3, 0.01).worst < 0.05
+    assert descend_slopes(fly_all, slopes, start, 3, 0.01).worst < 0.05
 
 
 # --- the search
 
 
 def searched(
-    file: VesselFile, standing: Standing | None = None, *, quick: bool = False
-) -> Iterator[Standing]:
+    file: VesselFile, standing: SearchState | None = None, *, quick: bool = False
+) -> Iterator[SearchState]:
     """Yield the standings of a search, round by round."""
-    with Crew(file.path, "modified", fit_legs(file), 1) as crew:
-        search = Search(file, "modified", crew, Aim(crew.legs, LEASH, CONTROLS, quick))
+    with CandidatePool(file.path, "modified", fit_legs(file), 1) as crew:
+        search = Search(
+            file,
+            "modified",
+            crew,
+            SearchAim(crew.legs, SLACKEST_LEASH, CONTROL_COEFFICIENTS, quick),
+        )
         standing = standing or search.begin()
         while not standing.done:
             standing = search.round(standing, lambda: None)
@@ -375,7 +394,7 @@ def searched(
 class Ended(NamedTuple):
     """The end of a search, and how many candidates it has flown."""
 
-    standing: Standing
+    standing: SearchState
     flown: int
 
 
@@ -384,14 +403,14 @@ def ended(tmp_path_factory: pytest.TempPathFactory) -> tuple[Ended, Ended]:
     """Return how the usual and the quick search of the boat of few terms end."""
     path = tmp_path_factory.mktemp("searched") / "slim.toml"
     path.write_text(SLIM, encoding="utf-8")
-    file, own, flown = load_vessel(str(path)), Crew.differences, [0]
+    file, own, flown = load_vessel(str(path)), CandidatePool.differences, [0]
 
-    def counted(self: Crew, several: Sequence[Numbers]) -> list[Numbers]:
+    def counted(self: CandidatePool, several: Sequence[Numbers]) -> list[Numbers]:
         flown[0] += len(several)
         return own(self, several)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Crew, "differences", counted)
+        patch.setattr(CandidatePool, "differences", counted)
         *_, usual = searched(file)
         before = flown[0]
         *_, fast = searched(file, quick=True)
@@ -457,8 +476,8 @@ def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: P
 def narrow(slim: VesselFile, monkeypatch: pytest.MonkeyPatch) -> Leg:
     """Let searches fit to three turns and a weave; return the weave at top speed."""
     slow, *_, fast = (leg for leg in fit_legs(slim) if leg.name == "weave")
-    monkeypatch.setattr(reduction, "fit_legs", lambda file: (*turns(file)[3:6], slow))
-    monkeypatch.setattr(reduction, "fastest", lambda _: (fast,))
+    monkeypatch.setattr(reduction, "fit_legs", lambda file: (*turn_legs(file)[3:6], slow))
+    monkeypatch.setattr(reduction, "fastest_legs", lambda _: (fast,))
     return fast
 
 
@@ -474,14 +493,14 @@ def test_a_set_astray_at_the_top_speed_is_searched_for_anew_with_flights_there(
     partial = tmp_path / "kept.json"
 
     once = reduction.search(slim, 1, partial, lambda _: None)
-    astray = reduction.furthest(slim, [narrow], once.factors["modified"])
+    astray = reduction.largest_difference(slim, [narrow], once.factors["modified"])
     assert searches(partial) == ["4 flights"]
 
-    monkeypatch.setattr(reduction, "ASTRAY", 0.9 * astray)
+    monkeypatch.setattr(reduction, "ASTRAY_RATIO", 0.9 * astray)
     twice = reduction.search(slim, 1, partial, lambda _: None)
 
     assert searches(partial) == ["4 flights", "5 flights"]
-    assert reduction.furthest(slim, [narrow], twice.factors["modified"]) < 0.9 * astray
+    assert reduction.largest_difference(slim, [narrow], twice.factors["modified"]) < 0.9 * astray
     assert all(factor for term, factor in twice.factors["modified"].items() if term in ADDED_MASSES)
 
 
@@ -491,10 +510,10 @@ def test_a_second_search_broken_off_ends_in_the_same_bits(
     slim: VesselFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     partial = tmp_path / "kept.json"
-    monkeypatch.setattr(reduction, "ASTRAY", 0.0)
+    monkeypatch.setattr(reduction, "ASTRAY_RATIO", 0.0)
 
     def break_off(_: int) -> None:
-        if partial.exists() and len(searches(partial)) == reduction.SEARCHES:
+        if partial.exists() and len(searches(partial)) == reduction.MAX_SEARCHES:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -509,7 +528,7 @@ def test_two_processes_find_the_bits_of_one(slim: VesselFile) -> None:
     factors = np.ones(len(Candidate(slim, "modified").terms))
     several = [factors * (1.0 + 0.01 * i) for i in range(3)]
 
-    one, two = (Crew(slim.path, "modified", fit_legs(slim), cores) for cores in (1, 2))
+    one, two = (CandidatePool(slim.path, "modified", fit_legs(slim), cores) for cores in (1, 2))
     with one, two:
         alone, together = one.differences(several), two.differences(several)
 
@@ -523,12 +542,12 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     file = parse_vessel(SLIM + "[compensation.modified]   # old\nN_r = 3.0\n", Path("boat.toml"))
     names = Candidate(file, "modified").terms
     modified = {name: 0.0 if name in {"X_qq", "Z_w"} else 1.25 for name in names}
-    needs = (Need("X_vr", 7.5, "turn, rudder 10 deg, 5 kn", "steady speed"),)
+    needs = (TermNeed("X_vr", 7.5, "turn, rudder 10 deg, 5 kn", "steady speed"),)
     tables = vessel_text.factor_tables(
         {"modified": modified, "basic": modified}, needs, {"kept": 14}
     )
 
-    text = vessel_text.rewritten(file.text, tables)
+    text = vessel_text.rewrite_vessel(file.text, tables)
     back = parse_vessel(text, Path("boat.toml"))
 
     assert back.compact.extra_terms == ("X_vr", "K_pap", "N_rar")
@@ -539,7 +558,7 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     assert "steady speed in turn, rudder 10 deg, 5 kn: 7.5 of the allowed" in text
     assert "# the hull's data begin here\n[coefficients]" in text
     assert "N_r = 3.0" not in text
-    assert vessel_text.rewritten(text, tables) == text
+    assert vessel_text.rewrite_vessel(text, tables) == text
 
 
 # --- the verdict and the command
@@ -554,9 +573,9 @@ def test_the_compact_set_of_a_shipped_boat_passes_guide_turns_and_what_it_has_no
     factors = reduction.as_filed(file)
     candidate.take([factors[term] for term in candidate.terms])
 
-    checked = verdict(file, candidate)
+    checked = judge_legs(file, candidate)
 
-    assert {one.part for one in checked} == set(PARTS)
+    assert {one.part for one in checked} == set(PART_TOLERANCES)
     assert [(one.leg, one.quantity) for one in checked if one.beyond] == []
     assert sum(factor != 0.0 for factor in factors.values()) < len(factors)
 
@@ -566,8 +585,10 @@ def test_a_boat_runs_by_the_factors_of_its_file() -> None:
     candidate = Candidate(file, "modified")
     factors = reduction.as_filed(file)
     candidate.take([factors[term] for term in candidate.terms])
-    leg = turns(file)[0]
-    own = fly(Submarine(file, own_method(file, "modified")), leg.manoeuvre, leg.speed_kn * KNOT)
+    leg = turn_legs(file)[0]
+    own = fly_manoeuvre(
+        Submarine(file, own_method(file, "modified")), leg.manoeuvre, leg.speed_kn * KNOT
+    )
 
     found = candidate.fly(leg, own)
 
@@ -581,9 +602,9 @@ def test_a_set_that_is_out_is_told_by_leg_and_quantity() -> None:
     factors = reduction.as_filed(file) | {"N_r": 0.0}
     candidate.take([factors[term] for term in candidate.terms])
 
-    checked = verdict(file, candidate)
+    checked = judge_legs(file, candidate)
 
-    assert not passes(checked)
+    assert not passes_legs(checked)
     turn = next(one for one in checked if one.leg == "turn, rudder 20 deg, port, 10 kn")
     assert turn.beyond > 0
     assert turn.worst > 1.0
@@ -593,11 +614,11 @@ def test_a_set_that_is_out_is_told_by_leg_and_quantity() -> None:
 def test_nothing_is_judged_where_the_full_set_is_lost() -> None:
     file = load_vessel("remus100")
     manoeuvre = find_manoeuvre("meander")
-    lost = fly(Submarine(file, own_method(file, "full")), manoeuvre, 3.0 * KNOT)
-    other = fly(Submarine(file, own_method(file, "modified")), manoeuvre, 3.0 * KNOT)
+    lost = fly_manoeuvre(Submarine(file, own_method(file, "full")), manoeuvre, 3.0 * KNOT)
+    other = fly_manoeuvre(Submarine(file, own_method(file, "modified")), manoeuvre, 3.0 * KNOT)
 
     assert lost.lost
-    assert {one.verdict for one in judge(manoeuvre, lost, other)} == {SHOWN}
+    assert {one.verdict for one in judge(manoeuvre, lost, other)} == {NOT_JUDGED}
 
 
 def test_a_check_tells_how_many_manoeuvres_were_judged() -> None:
@@ -615,17 +636,17 @@ def test_a_check_tells_how_many_manoeuvres_were_judged() -> None:
 
 
 def test_a_set_of_which_nothing_is_judged_does_not_pass() -> None:
-    blank = Checked("guide", "meander, 2 kn", 0, 0, 0.0, "")
+    blank = LegVerdict("guide", "meander, 2 kn", 0, 0, 0.0, "")
 
     assert blank.passed is None
-    assert not passes([blank])
-    assert passes([blank, replace(blank, judged=3)])
-    assert not passes([blank, replace(blank, judged=3, beyond=1)])
+    assert not passes_legs([blank])
+    assert passes_legs([blank, replace(blank, judged=3)])
+    assert not passes_legs([blank, replace(blank, judged=3, beyond=1)])
 
 
 def test_a_heel_that_still_swings_is_not_judged_as_steady() -> None:
     file = load_vessel("bb2")
-    flight = fly(Submarine(file, own_method(file, "full")), Turn(), 10.0 * KNOT)
+    flight = fly_manoeuvre(Submarine(file, own_method(file, "full")), Turn(), 10.0 * KNOT)
     t = flight.t
 
     def steady(rolls: Numbers) -> float | None:
@@ -639,12 +660,12 @@ def test_a_heel_that_still_swings_is_not_judged_as_steady() -> None:
 
 
 def test_sensitivities_are_those_of_the_full_set_without_the_coefficient(slim: VesselFile) -> None:
-    drops = {drop.coefficient: drop for drop in table(slim, 1, lambda: None)}
+    drops = {drop.coefficient: drop for drop in effect_table(slim, 1, lambda: None)}
     method = Method("full", "exact", "exact", "rk4", slim.run.step_s)
     less = replace(slim, coefficients={**slim.coefficients, "N_r": 0.0})
 
     def diameter(file: VesselFile) -> float:
-        flight = fly(Submarine(file, method), Turn(), file.run.start_speed_kn * KNOT)
+        flight = fly_manoeuvre(Submarine(file, method), Turn(), file.run.start_speed_kn * KNOT)
         return {one.name: one.value for one in Turn().measures(flight)}["steady diameter"] or 0.0
 
     expected = 100.0 * (diameter(less) / diameter(slim) - 1.0)
@@ -675,7 +696,7 @@ def test_the_command_finds_writes_and_then_checks_a_set(slim: VesselFile, tmp_pa
     kept = {one["term"] for one in told["kept"]}
     assert len(kept) < told["hull_terms"]
     assert kept & set(EXTRA_TERMS) == set(load_vessel(str(result)).compact.extra_terms)
-    assert kept <= {*KEPT, *EXTRA_TERMS}
+    assert kept <= {*COMPACT_TERMS, *EXTRA_TERMS}
 
 
 @pytest.mark.slow

@@ -22,12 +22,12 @@ def ask(*words: str) -> Result:
 
 
 @pytest.fixture(scope="module")
-def report() -> seaway.Report:
+def report() -> seaway.SeaReport:
     return seaway.survey(load_sea("sea-state-4"), BB2, (17.5, 18.0, 20.0), 0.5)
 
 
 def test_a_sea_says_how_high_and_long_it_is_and_which_step_it_allows(
-    report: seaway.Report,
+    report: seaway.SeaReport,
 ) -> None:
     found = report.sea
 
@@ -39,7 +39,7 @@ def test_a_sea_says_how_high_and_long_it_is_and_which_step_it_allows(
     assert found.followed_kn == pytest.approx(3.12, abs=0.01)
 
 
-def test_the_suction_on_a_boat_is_that_of_the_model_document(report: seaway.Report) -> None:
+def test_the_suction_on_a_boat_is_that_of_the_model_document(report: seaway.SeaReport) -> None:
     _, at_18, at_20 = report.depths
 
     assert at_18.suction_N == pytest.approx(7200.0, abs=100.0)
@@ -49,7 +49,7 @@ def test_the_suction_on_a_boat_is_that_of_the_model_document(report: seaway.Repo
     assert at_20.doubling_s == pytest.approx(68.0, abs=1.5)
 
 
-def test_the_series_have_the_energy_of_the_spectrum_in_every_band(report: seaway.Report) -> None:
+def test_the_series_have_the_energy_of_the_spectrum_in_every_band(report: seaway.SeaReport) -> None:
     assert report.variance == pytest.approx(1.0, abs=0.02)
     assert [band.begin for band in report.bands] == pytest.approx(np.arange(6, 20) / 10.0)
     for band in report.bands:

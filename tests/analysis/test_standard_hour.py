@@ -18,8 +18,8 @@ from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, stan
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
-from trainer.core.scheme import ADAMS, COMPACT
-from trainer.core.state import FIELDS
+from trainer.core.scheme import ADAMS, COMPACT_EQUATIONS
+from trainer.core.state import STATE_FIELDS
 
 # Another equation or another order makes it another hour: then take the new one from the failure,
 # as long as every way to compute it still agrees.
@@ -61,9 +61,9 @@ def test_the_standard_hour_ends_in_its_bits_also_without_jit(hour: Boat) -> None
 def test_the_standard_hour_is_of_the_standard_configuration_and_has_all_of_it(hour: Boat) -> None:
     start, scheme = standard_boat(), hour.records.scheme[0]
     was, now = start.records.state[0], hour.records.state[0]
-    still = {name for name in FIELDS if (was[name] == now[name]).all()}
+    still = {name for name in STATE_FIELDS if (was[name] == now[name]).all()}
 
-    assert (scheme.equations, scheme.exact, scheme.method) == (COMPACT, 0, ADAMS)
+    assert (scheme.equations, scheme.exact, scheme.method) == (COMPACT_EQUATIONS, 0, ADAMS)
     assert now.sea_cosines == now.sea_1969 == 0.0
     assert hour.time == 3600.0
     # sea, autopilot, tanks, air and pumps all had something to do

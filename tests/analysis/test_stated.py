@@ -7,18 +7,18 @@ from typing import Any
 
 import pytest
 
-from trainer.analysis.exercise_page import check
+from trainer.analysis.exercise_page import check_exercise
 from trainer.analysis.stated import fly_stated
-from trainer.boat.depths import SEEN
+from trainer.boat.depths import WATCH_CALLS
 from trainer.boat.grounding import GENTLE_SINK
 from trainer.config.baseline import digest_of
 from trainer.config.casualties import load_casualties
-from trainer.config.derived import LASTING, compile_conditions
+from trainer.config.derived import LASTING_CONDITION, compile_conditions
 from trainer.config.exercise import load_exercise, parse_exercise
 from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
-from trainer.config.reference_crew import HANDS
-from trainer.config.score_rules import MEASURES, parse_quantity
-from trainer.config.stated import JUDGED, UNITS, Figure, figures_of
+from trainer.config.reference_crew import CREW_HANDS
+from trainer.config.score_rules import SCORE_MEASURES, parse_quantity
+from trainer.config.stated import JUDGED_KINDS, TEXT_UNITS, TextFigure, figures_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 
@@ -28,8 +28,8 @@ UNITS_OF_KEYS = {"_s": "s", "_m": "m", "_kn": "kn"}
 UNITS_OF_ORDERS = {"depth": "m", "speed": "kn", "turns": "kn"}  # of a number without one
 PLACE = Place("test", "")
 LAWS = (  # what texts say of the trainer's own laws
-    (GENTLE_SINK, *UNITS["m/s"]),
-    *((above, *UNITS["m"]) for above, _ in SEEN),
+    (GENTLE_SINK, *TEXT_UNITS["m/s"]),
+    *((above, *TEXT_UNITS["m"]) for above, _ in WATCH_CALLS),
 )
 Field = tuple[float, str, float]  # number, kind, and the size [SI] of its unit
 
@@ -52,48 +52,48 @@ def of_key(key: str, number: float) -> Iterator[Field]:
     for end in ("", "_min", "_max"):
         for suffix, unit in UNITS_OF_KEYS.items():
             if key.endswith(suffix + end):
-                yield number, *UNITS[unit]
+                yield number, *TEXT_UNITS[unit]
 
 
 def of_score(row: Mapping[str, Any]) -> Iterator[Field]:
     """Yield what a score's numbers are, in the unit of its quantity or measure."""
-    unit = MEASURES[row["measure"]].unit
+    unit = SCORE_MEASURES[row["measure"]].unit
     size = 1.0
     if not unit:
         measured = parse_quantity(row["quantity"], PLACE)
         unit, size = measured.unit, measured.size
-    if unit in UNITS:
-        kind = UNITS[unit][0]
+    if unit in TEXT_UNITS:
+        kind = TEXT_UNITS[unit][0]
         for key in ("target", "band", "full", "zero"):
             if key in row:
-                yield row[key], kind, size if size != 1.0 else UNITS[unit][1]
+                yield row[key], kind, size if size != 1.0 else TEXT_UNITS[unit][1]
 
 
 def of_condition(text: str) -> Iterator[Field]:
     """Yield the thresholds of a condition, and how long it has to hold."""
-    lasting = LASTING.fullmatch(text.strip())
+    lasting = LASTING_CONDITION.fullmatch(text.strip())
     for condition in compile_conditions(lasting[1] if lasting else text, PLACE):
         measured = parse_quantity(condition.quantity, PLACE)
-        kind, size = UNITS.get(measured.unit, ("", 1.0))
+        kind, size = TEXT_UNITS.get(measured.unit, ("", 1.0))
         if kind:
             yield condition.threshold / size, kind, size
     if lasting:
-        yield float(lasting[2]), *UNITS["s"]
+        yield float(lasting[2]), *TEXT_UNITS["s"]
 
 
 def of_casualty(row: Mapping[str, Any]) -> Iterator[Field]:
     """Yield when a casualty comes at the latest, and how much it amounts to."""
     if "within_s" in row:
-        yield row["at_s"] + row["within_s"], *UNITS["s"]
+        yield row["at_s"] + row["within_s"], *TEXT_UNITS["s"]
     casualty = load_casualties()[row["name"]]
     if casualty.measure.parameter.endswith("_m"):
-        yield row.get("severity", casualty.severity) * casualty.full, *UNITS["m"]
+        yield row.get("severity", casualty.severity) * casualty.full, *TEXT_UNITS["m"]
 
 
 def of_order(text: str) -> Iterator[Field]:
     """Yield the numbers of an order, with the unit that its word gives them."""
     for figure in figures_of(text):
-        units = [UNITS[unit] for word, unit in UNITS_OF_ORDERS.items() if word in text.split()]
+        units = [TEXT_UNITS[unit] for word, unit in UNITS_OF_ORDERS.items() if word in text.split()]
         if figure.kind:
             yield figure.number, figure.kind, figure.size
         elif units:
@@ -121,7 +121,7 @@ def of_rows(key: str, rows: Sequence[Any]) -> Iterator[Field]:
 
 def of_current(table: Mapping[str, Any]) -> Iterator[Field]:
     """Yield the speeds of a current by depth."""
-    return ((row[2], *UNITS["kn"]) for row in table.get("table", ()))
+    return ((row[2], *TEXT_UNITS["kn"]) for row in table.get("table", ()))
 
 
 OF_TABLES = {"scores": of_score, "casualties": of_casualty}
@@ -146,11 +146,11 @@ def own_fields(table: Mapping[str, Any]) -> Iterator[Field]:
 def unfounded(text: str, path: Path) -> list[str]:
     """Return the figures of an exercise's texts that are neither a field nor stated."""
     table, exercise = tomllib.loads(text), parse_exercise(text, path)
-    crew = {name: vars(getattr(exercise.crew, name)) for name in HANDS}
+    crew = {name: vars(getattr(exercise.crew, name)) for name in CREW_HANDS}
     fields, stated = [*LAWS, *own_fields(table), *own_fields(crew)], exercise.stated
     texts = " ".join((table["briefing"], table.get("instructor", "")))
 
-    def founded(figure: Figure) -> bool:
+    def founded(figure: TextFigure) -> bool:
         own = any(figure.is_of(*field) for field in fields)
         return own or any(
             each.states(figure) and figure.text in " ".join(each.row.says.split())
@@ -158,7 +158,9 @@ def unfounded(text: str, path: Path) -> list[str]:
         )
 
     return [
-        figure.text for figure in figures_of(texts) if figure.kind in JUDGED and not founded(figure)
+        figure.text
+        for figure in figures_of(texts)
+        if figure.kind in JUDGED_KINDS and not founded(figure)
     ]
 
 
@@ -178,10 +180,10 @@ def test_a_boat_does_what_the_texts_state(name: str) -> None:
 def test_the_check_of_an_exercise_tells_a_stated_figure_that_is_not_flown(tmp_path: Path) -> None:
     path = tmp_path / "drift.toml"
     path.write_text(DRIFT.format(time=49), encoding="utf-8")
-    assert any(line.startswith("name") for line in check(str(path)))
+    assert any(line.startswith("name") for line in check_exercise(str(path)))
     path.write_text(DRIFT.format(time=40), encoding="utf-8")
     with pytest.raises(ConfigError) as wrong:
-        check(str(path))
+        check_exercise(str(path))
     (problem,) = wrong.value.problems
     assert "drift.toml: line 9: [stated[0]] says =" in problem
     assert "flown by nobody aboard, north > 200 is 49 s, not 40 s" in problem

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 import trainer
 from trainer.analysis.sweep.job import job_of
-from trainer.analysis.sweep.sweep import cluster
+from trainer.analysis.sweep.sweep import cluster_crew
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
@@ -113,4 +113,4 @@ def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path) -> None:
     job = job_of(str(path), None, subject_of)
 
     with pytest.raises(ConfigError, match="--scheduler wrong://x: no scheduler answers"):
-        next(cluster("wrong://x")(job, [0]))
+        next(cluster_crew("wrong://x")(job, [0]))

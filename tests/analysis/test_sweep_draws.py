@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from trainer.analysis.sweep.draws import Draws, fill_normals, strata
-from trainer.analysis.sweep.records import Sample, Vary
+from trainer.analysis.sweep.records import Sample, VaryRow
 
 NORMAL = {"distribution": "normal", "mean": 2.0, "std": 0.5}
 UNIFORM = {"distribution": "uniform", "low": -1.0, "high": 3.0}
@@ -16,7 +16,7 @@ TRIANGULAR = {"distribution": "triangular", "low": 1.0, "mode": 2.0, "high": 5.0
 
 def draws(plan: str, members: int | None, *rows: dict[str, Any], seed: int = 7) -> Draws:
     """Return the draws of variables named a, b, ..."""
-    varied = tuple(Vary(name="abcdef"[i], key="-", **row) for i, row in enumerate(rows))
+    varied = tuple(VaryRow(name="abcdef"[i], key="-", **row) for i, row in enumerate(rows))
     return Draws(Sample(plan=plan, members=members, seed=seed), varied)
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.sweep.job import member
-from trainer.analysis.sweep.manoeuvres import LANES, Manoeuvring
+from trainer.analysis.sweep.job import member_values
+from trainer.analysis.sweep.manoeuvres import MAX_FLIGHTS_HELD, ManoeuvreSubject
 from trainer.analysis.sweep.study import parse_study
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
@@ -31,12 +31,12 @@ def study_text(manoeuvre: str, varied: dict[str, str], members: int = 20, more: 
     return "\n".join([head, more, manoeuvre, SAMPLE.format(members=members), *rows])
 
 
-def manoeuvring(*told: Any, **more: Any) -> Manoeuvring:
+def manoeuvring(*told: Any, **more: Any) -> ManoeuvreSubject:
     """Return the members of such a study."""
-    return Manoeuvring(parse_study(study_text(*told, **more), Path("test.toml")))
+    return ManoeuvreSubject(parse_study(study_text(*told, **more), Path("test.toml")))
 
 
-def flown_alone(subject: Manoeuvring, drawn: dict[str, Any]) -> tuple[list[float], str | None]:
+def flown_alone(subject: ManoeuvreSubject, drawn: dict[str, Any]) -> tuple[list[float], str | None]:
     """Return a member's numbers, and why there are none."""
     try:
         return subject._alone(drawn, 0), None  # noqa: SLF001
@@ -82,7 +82,7 @@ def test_a_member_of_a_fleet_has_the_bits_of_a_flight_alone(
     batch = subject.batch(0, 6)
 
     for i in range(6):
-        numbers, trouble = flown_alone(subject, member(batch.drawn, i))
+        numbers, trouble = flown_alone(subject, member_values(batch.drawn, i))
         assert trouble is None
         assert batch.outputs[i].tobytes() == np.array(numbers).tobytes()
     assert len({row.tobytes() for row in batch.outputs}) == 6
@@ -92,7 +92,7 @@ def test_members_turn_to_the_side_that_the_study_says() -> None:
     told = SHORT.replace("90", "60"), {"manoeuvre.side": "values = ['starboard', 'port']"}
     text = study_text(*told, more="measures = ['last psi', 'heading after 60 s', 'last y']")
     text = text.replace("latin-hypercube", "grid").replace("members = 20", "")
-    subject = Manoeuvring(parse_study(text, Path("test.toml")))
+    subject = ManoeuvreSubject(parse_study(text, Path("test.toml")))
 
     batch = subject.batch(0, 2)
 
@@ -104,10 +104,13 @@ def test_members_turn_to_the_side_that_the_study_says() -> None:
 
 
 def test_fleets_of_any_size_give_the_same_bits() -> None:
-    subject = manoeuvring(SHORT.replace("90", "30"), COEFFICIENTS, members=LANES + 9)
+    subject = manoeuvring(SHORT.replace("90", "30"), COEFFICIENTS, members=MAX_FLIGHTS_HELD + 9)
 
-    whole = subject.batch(0, LANES + 9).outputs
-    assert subject.batch(LANES - 3, 7).outputs.tobytes() == whole[LANES - 3 : LANES + 4].tobytes()
+    whole = subject.batch(0, MAX_FLIGHTS_HELD + 9).outputs
+    assert (
+        subject.batch(MAX_FLIGHTS_HELD - 3, 7).outputs.tobytes()
+        == whole[MAX_FLIGHTS_HELD - 3 : MAX_FLIGHTS_HELD + 4].tobytes()
+    )
 
 
 def test_what_steers_by_how_the_boat_moves_is_flown_alone() -> None:
@@ -145,7 +148,7 @@ def test_members_that_cannot_fly_say_why_and_are_nothing_else() -> None:
 
     for i in range(12):
         assert np.isnan(batch.outputs[i]).all() == (batch.troubles[i] is not None)
-        numbers, trouble = flown_alone(subject, member(batch.drawn, i))
+        numbers, trouble = flown_alone(subject, member_values(batch.drawn, i))
         assert batch.outputs[i].tobytes() == np.array(numbers).tobytes()
         assert batch.troubles[i] == trouble
     assert any("pitch is" in (text or "") for text in batch.troubles)
@@ -236,7 +239,7 @@ def test_a_member_of_an_exercise_is_the_run_of_the_command(tmp_path: Path) -> No
     batch = subject.batch(1, 2)
 
     for i in range(2):
-        drawn = member(batch.drawn, i)
+        drawn = member_values(batch.drawn, i)
         own = tmp_path / f"own{i}.toml"
         own.write_text(
             f"""schema = "exercise/1"

@@ -15,8 +15,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from trainer.analysis.sweep.chunks import folder_of
-from trainer.analysis.sweep.job import Batch, Job, differences, fly_chunk, job_of
-from trainer.analysis.sweep.sweep import Chunks, alone, carry_out, processes
+from trainer.analysis.sweep.job import Batch, Job, fact_differences, fly_chunk, job_of
+from trainer.analysis.sweep.sweep import BatchChunks, carry_out, fly_alone, process_crew
 from trainer.cli.main import main
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
@@ -65,11 +65,11 @@ def nothing(count: int) -> None:
     """Take the progress."""
 
 
-def fly(name: Path, out: Path, crew: object = alone) -> list[int]:
+def fly(name: Path, out: Path, crew: object = fly_alone) -> list[int]:
     """Carry a study out; return the chunks that were flown for it."""
     flown: list[int] = []
 
-    def counting(job: Job, places: list[int]) -> Chunks:
+    def counting(job: Job, places: list[int]) -> BatchChunks:
         for place, batch in crew(job, places):  # type: ignore[operator]
             flown.append(place)
             yield place, batch
@@ -111,7 +111,7 @@ def test_processes_in_any_order_give_the_file_of_one(tmp_path: Path) -> None:
     path, one, two = study(tmp_path), tmp_path / "one.parquet", tmp_path / "two.parquet"
     fly(path, one)
 
-    assert fly(path, two, processes(2)) == [0, 1, 2, 3]
+    assert fly(path, two, process_crew(2)) == [0, 1, 2, 3]
     assert two.read_bytes() == one.read_bytes()
 
 
@@ -149,7 +149,7 @@ def test_a_study_is_the_same_from_wherever_it_is_typed(
         out = tmp_path / f"{len(results)}.parquet"
         with pytest.raises(ConfigError):
             fly(Path("turns.toml"), out, breaking(1))
-        assert carry_out(job_of(typed, None, subject_of), alone, out, nothing).num_rows == 600
+        assert carry_out(job_of(typed, None, subject_of), fly_alone, out, nothing).num_rows == 600
         results.append(out.read_bytes())
     assert set(results) == {results[0]}
 
@@ -172,8 +172,8 @@ def test_a_second_sweep_that_would_write_the_same_result_is_told_which_process_d
     path, out = study(tmp_path), tmp_path / "a.parquet"
     ends: list[object] = []
 
-    def meanwhile(job: Job, places: list[int]) -> Chunks:
-        for place, batch in alone(job, places):
+    def meanwhile(job: Job, places: list[int]) -> BatchChunks:
+        for place, batch in fly_alone(job, places):
             if not ends:
                 with pytest.raises(SystemExit) as end:
                     main()
@@ -361,7 +361,7 @@ def test_a_chunk_whose_writing_fails_does_not_count(
     with monkeypatch.context() as disk:
         disk.setattr("os.fsync", full)
         with pytest.raises(ConfigError, match="cannot be written: No space left on device"):
-            carry_out(job, alone, out, nothing)
+            carry_out(job, fly_alone, out, nothing)
     assert not list(job_folder.glob("*.parquet"))
     assert fly(path, out) == [0, 1]
 
@@ -371,8 +371,10 @@ def test_a_sweep_of_a_core_that_computes_the_same_bits_goes_on(
 ) -> None:
     now = {"study": "s", "members": 3, "version": "1", "core": cache.core_digest(), "files": {}}
     then = now | {"core": "of yesterday", "files": {"configs/terms_2510.toml": "long ago"}}
-    assert differences(then, now) == [f"core: 'of yesterday' then, {cache.core_digest()!r} now"]
+    assert fact_differences(then, now) == [
+        f"core: 'of yesterday' then, {cache.core_digest()!r} now"
+    ]
 
     monkeypatch.setattr(cache, "SAME_BITS", frozenset({"of yesterday"}))
 
-    assert differences(then, now) == []
+    assert fact_differences(then, now) == []

@@ -151,11 +151,11 @@ def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.Mo
 
 
 def test_without_dask_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    from trainer.analysis.sweep.sweep import cluster  # noqa: PLC0415
+    from trainer.analysis.sweep.sweep import cluster_crew  # noqa: PLC0415
 
     monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[cluster\]'"):
-        next(cluster("tcp://127.0.0.1:1")(None, [0]))  # type: ignore[arg-type]
+        next(cluster_crew("tcp://127.0.0.1:1")(None, [0]))  # type: ignore[arg-type]
 
 
 def ask(folder: Path, *words: str) -> Result:

@@ -15,7 +15,7 @@ import pytest
 from helpers.places import ROOT
 from helpers.syntax import nodes_of
 
-from trainer.analysis.workers import workers
+from trainer.analysis.workers import worker_pool
 
 POOL = """
 import multiprocessing, sys, time
@@ -105,7 +105,7 @@ def test_workers_end_with_the_process_that_started_them_though_it_is_killed(
 def test_an_interrupt_is_left_to_the_process_that_started_them() -> None:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # none inherits another
     try:
-        with workers(1) as pool:
+        with worker_pool(1) as pool:
             number = pool.submit(os.getpid).result()
             os.kill(number, signal.SIGINT)
 

@@ -9,14 +9,14 @@ import click
 sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by their own names
 
 from bench.sections import SECTIONS
-from trainer.analysis.bench.sections import Wanted, measure_sections
+from trainer.analysis.bench.sections import BenchRequest, measure_sections
 from trainer.cli.main import run_command
-from trainer.cli.options import VESSEL, VESSEL_HELP
+from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
 from trainer.config.vessel import load_vessel
 
 
 @click.command()
-@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option("--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP)
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),
@@ -43,7 +43,7 @@ def bench(*, vessel: str, seconds: int, as_json: bool, **parts: bool) -> None:
               python -m tests.bench --json > figures.json
     """
     chosen = [name for name, wanted in parts.items() if wanted] or list(SECTIONS)
-    wanted = Wanted(load_vessel(vessel), seconds)
+    wanted = BenchRequest(load_vessel(vessel), seconds)
     figures, pages = measure_sections(SECTIONS, chosen, wanted)
     click.echo(json.dumps(figures, indent=1) if as_json else "\n\n".join(pages))
 

@@ -13,7 +13,7 @@ from typing import Final
 
 from c_twin.compiler import compiler
 
-from trainer.analysis.bench.on_time import STEP, hogs, loop, row
+from trainer.analysis.bench.on_time import LOOP_STEP_S, busy_processors, measure_loop, row
 from trainer.session.time.ledger import Spread
 
 CONTROL: Final = Path(__file__).with_name("control.c")
@@ -36,9 +36,12 @@ def time_beside_c(seconds: float) -> BesideC:
     with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
         program = f"{folder}/control"
         subprocess.run([*compiler(), "-O2", "-o", program, str(CONTROL)], check=True)
-        words = [program, str(seconds), str(STEP)]
-        with hogs(count), subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as control:
-            ours = loop(seconds).lateness
+        words = [program, str(seconds), str(LOOP_STEP_S)]
+        with (
+            busy_processors(count),
+            subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as control,
+        ):
+            ours = measure_loop(seconds).lateness
             numbers, _ = control.communicate()
     in_c = Spread(*map(int, numbers.split()))
     return BesideC(seconds, count, ours, in_c, ours.p99_ns / max(in_c.p99_ns, 1))
@@ -49,7 +52,7 @@ def lines(figures: BesideC) -> list[str]:
     head = "".join(f"{name:>11}" for name in ("median", "99 %", "99.9 %", "most"))
     return [
         "",
-        f"THE CLOCK BESIDE C (loops of {1.0 / STEP:.0f} Hz for {figures.seconds:g} s)",
+        f"THE CLOCK BESIDE C (loops of {1.0 / LOOP_STEP_S:.0f} Hz for {figures.seconds:g} s)",
         f"  {'lateness [us]':<34}{head}",
         row(f"the session's, {figures.busy_processes} busy processes", figures.lateness),
         row("the same in C, then", figures.lateness_in_c),

@@ -17,8 +17,8 @@ from c_twin.compiler import BUILDS, build
 from helpers.places import tests_environment
 
 from trainer.analysis.bench.same_bits import for_level, levels_here
-from trainer.analysis.bench.standard_hour import Ticks
-from trainer.analysis.bench.tick import STANDARD, in_a_loop, ready
+from trainer.analysis.bench.standard_hour import TickRunner
+from trainer.analysis.bench.tick import STANDARD_METHOD, in_a_loop, ready_boat
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
@@ -76,7 +76,7 @@ def flight_of(boat: Boat, members: int) -> Callable[[], None]:
     return fly
 
 
-def alone_of(boat: Boat, ticks: Ticks) -> Callable[[], None]:
+def alone_of(boat: Boat, ticks: TickRunner) -> Callable[[], None]:
     """Return what takes ALONE ticks of one boat."""
 
     def run() -> None:
@@ -103,7 +103,7 @@ def fastest_s(works: Sequence[Callable[[], object]], clock: Clock) -> list[float
 
 def under_way(file: VesselFile) -> Boat:
     """Return a boat that keeps depth and course in a calm, by these equations."""
-    boat = ready(file, STANDARD, file.run.step_s)
+    boat = ready_boat(file, STANDARD_METHOD, file.run.step_s)
     boat.state.trim_by_hand = 1.0  # with water on the move it would fly alone
     return boat
 

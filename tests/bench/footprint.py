@@ -24,13 +24,13 @@ from helpers.places import tests_environment
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba import carray  # type: ignore[attr-defined]
 
-from trainer.boat.export.targets import processor
+from trainer.boat.export.targets import find_processor
 from trainer.config.files import ConfigError
 from trainer.core import wide
 from trainer.core.actuators import advance_surface
 from trainer.core.autopilot.course import course_law
 from trainer.core.autopilot.depth import depth_error, plane_law
-from trainer.core.autopilot.reference import COURSE, DEPTH, move_reference
+from trainer.core.autopilot.reference import COURSE_AXIS, DEPTH_AXIS, move_reference
 from trainer.core.autopilot.speed import follow_trim, learnt
 from trainer.core.autopilot.steering import (
     BOW,
@@ -114,7 +114,7 @@ def sections(function: Callable[..., int]) -> dict[str, tuple[int, int]]:
 
 def small_object(text: str, cpu: str) -> bytes:
     """Return LLVM text compiled for size."""
-    target = processor(cpu)
+    target = find_processor(cpu)
     machine = binding.Target.from_triple(binding.get_process_triple()).create_target_machine(
         cpu=target.name, features=target.features, opt=2, reloc="pic", codemodel="small"
     )
@@ -235,8 +235,8 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     c, s, gains, h = boat[0], now[0], work[0].gains, how[0].h
     filter_noise(work, gaussian(int(s.seed), SEA_FILTER, int(s.tick)), now)
     scheduled_gains(boat, s.u, gains)
-    for axis in range(COURSE + 1):
-        here = s.z if axis == DEPTH else s.psi
+    for axis in range(COURSE_AXIS + 1):
+        here = s.z if axis == DEPTH_AXIS else s.psi
         move_reference(axis, here, h, gains, now)
     for surface in range(BOW + 1):
         if surface == RUDDER:

@@ -19,11 +19,11 @@ import numpy as np
 from cases.reference_ships import TANKER, TANKER_RUDDER
 
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Search, stretch
+from trainer.identify.fitting.minimise import SearchOptions, stretch_cost
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.judge.validation import deterministic, draw_outputs
+from trainer.identify.judge.validation import draw_outputs, simulate_deterministic
 from trainer.identify.monte_carlo import one_run
 
 ROUNDS: Final = 25
@@ -104,7 +104,7 @@ def by_statsmodels(kalman: Any, problem: Problem, theta: Numbers) -> Value:
         model["transition"], model["design"] = mean[0, :states, :states], mean[0, states:, :states]
         model["state_cov"] = noise[0, :states, :states]
         model["obs_cov"] = noise[0, states:, states:]
-        left = outputs - deterministic(problem, theta)[:, states:]
+        left = outputs - simulate_deterministic(problem, theta)[:, states:]
         model.bind(np.ascontiguousarray(left))
         model.initialize_known(unmoved, start[:, 1:])
         return -float(model.loglike())
@@ -120,7 +120,7 @@ def likelihoods_of_a_fit(cost: Likelihood, theta: Numbers) -> int:
     """
     from scipy.optimize import minimize  # noqa: PLC0415  optional
 
-    problem = stretch(cost, theta)
+    problem = stretch_cost(cost, theta)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # differences between impossible models
         found = minimize(
@@ -216,7 +216,9 @@ def fit(problem: Problem, other: Other) -> list[Row]:
     The latter's is the likelihoods that its minimiser asks for, at what one takes it.
     """
     cost, begin = Likelihood(problem), TANKER.start()
-    works: list[Callable[[], object]] = [lambda: estimate(cost, begin, "scoring", Search())]
+    works: list[Callable[[], object]] = [
+        lambda: find_best_minimum(cost, begin, "scoring", SearchOptions())
+    ]
     asked, name = 0, "fit, of statsmodels' BFGS"
     if other.make:
         works.append(other.make(problem, begin))

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.bench.tick import STANDARD, Batches, ready, time_batches
+from trainer.analysis.bench.tick import STANDARD_METHOD, BatchCost, ready_boat, time_batches
 from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -30,7 +30,7 @@ class Peer:
     name: str
     version: str
     step_s: float  # of its own; the median where it chooses
-    step: Batches
+    step: BatchCost
     times_ours: float  # least over least, by step
     times_ours_by_time: float  # the same by the time [s] that a step takes the vehicle on
 
@@ -41,7 +41,7 @@ class Peers:
 
     vessel: str
     step_s: float
-    tick: Batches
+    tick: BatchCost
     peers: tuple[Peer, ...]
     missing: tuple[str, ...]
 
@@ -95,7 +95,7 @@ def repeat(step: Callable[[], object]) -> Callable[[int], None]:
 
 def time_peers(file: VesselFile) -> Peers:
     """Return what a step costs here and in what is installed of the others."""
-    boat = ready(file, STANDARD, file.run.step_s)
+    boat = ready_boat(file, STANDARD_METHOD, file.run.step_s)
     steps: list[Callable[[], object]] = [boat.tick]
     names, lengths = ["trainer"], [file.run.step_s]
     missing = []
@@ -106,7 +106,9 @@ def time_peers(file: VesselFile) -> Peers:
     else:
         missing.append("jsbsim")
     if integrate := library("scipy.integrate"):
-        flight = scipy_steps(integrate, ready(file, ("full", "exact", "adams2"), file.run.step_s))
+        flight = scipy_steps(
+            integrate, ready_boat(file, ("full", "exact", "adams2"), file.run.step_s)
+        )
         length = float(np.median(list(itertools.islice(flight, 100))))
         names, lengths = [*names, "scipy"], [*lengths, length]
         steps.append(flight.__next__)
@@ -142,6 +144,6 @@ def lines(figures: Peers) -> list[str]:
     ]
 
 
-def row(name: str, step: float, cost: Batches) -> str:
+def row(name: str, step: float, cost: BatchCost) -> str:
     """Return a row of the page."""
     return f"  {name:<22}{step:>10.4f}{cost.median_ns / 1e3:>13.2f}{cost.least_ns / 1e3:>12.2f}"

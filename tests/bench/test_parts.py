@@ -19,11 +19,11 @@ from bench.__main__ import bench
 from bench.fleet import SideBySide
 from trainer.analysis.bench.same_bits import levels_here
 from trainer.analysis.bench.sections import Section
-from trainer.analysis.bench.tick import Batches
-from trainer.analysis.fleet.block import follows, ordinary
+from trainer.analysis.bench.tick import BatchCost
+from trainer.analysis.fleet.block import supports_boat, supports_scheme
 from trainer.cli.main import run_command
 from trainer.config.vessel import load_vessel
-from trainer.session.time.pacer import SPIN
+from trainer.session.time.pacer import SPIN_TIME_NS
 
 OPTIONS = [f"--{name.replace('_', '-')}" for name in sections.SECTIONS]
 HALVER = """
@@ -106,7 +106,7 @@ def test_the_loop_in_c_sleeps_and_spins_as_the_clock_does() -> None:
     spin = re.search(r"#define SPIN (\d+)", control.CONTROL.read_text())
 
     assert spin
-    assert int(spin[1]) == SPIN
+    assert int(spin[1]) == SPIN_TIME_NS
 
 
 @pytest.mark.slow
@@ -205,8 +205,8 @@ def test_fleets_of_the_bench_keep_depths_and_courses_of_their_own() -> None:
     assert fleet.states["ordered_depth"].tolist() == [depth - 10.0, depth, depth + 10.0]
     assert fleet.states["ordered_psi"].tolist() == [-1.0, 0.0, 1.0]
     assert fleet.states["u"].tolist() == [boat.state.u] * 3
-    assert follows(boat.records.scheme), "what is timed is flown side by side"
-    assert ordinary(boat.records.vessel, boat.records.state)
+    assert supports_scheme(boat.records.scheme), "what is timed is flown side by side"
+    assert supports_boat(boat.records.vessel, boat.records.state)
 
 
 def test_the_fastest_of_several_flights_counts_but_never_the_first() -> None:
@@ -238,7 +238,7 @@ def test_rates_are_measured_of_fleets_alone_in_threads_and_by_level(
 
 def test_a_peer_that_is_not_installed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(peers, "library", lambda _: None)
-    cost = Batches(2.0, 1.0, 21, 9)
+    cost = BatchCost(2.0, 1.0, 21, 9)
     monkeypatch.setattr(peers, "time_batches", lambda works: [cost] * len(works))
 
     figures = peers.time_peers(load_vessel("bb2"))
@@ -252,10 +252,10 @@ def test_a_step_of_scipy_takes_the_boat_on(monkeypatch: pytest.MonkeyPatch) -> N
     known = peers.library
     monkeypatch.setattr(peers, "library", lambda name: None if name == "jsbsim" else known(name))
 
-    def timed(works: list[Any]) -> list[Batches]:
+    def timed(works: list[Any]) -> list[BatchCost]:
         for work in works:
             work(3)
-        return [Batches(1e3, 1e3, 21, 3), Batches(6e3, 5e3, 21, 3)]
+        return [BatchCost(1e3, 1e3, 21, 3), BatchCost(6e3, 5e3, 21, 3)]
 
     monkeypatch.setattr(peers, "time_batches", timed)
 

@@ -40,10 +40,10 @@ def time_hour_in_node(file: VesselFile, starts: int = STARTS) -> HourInNode:
     ticks = round(3600.0 / file.run.step_s)
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
         folder = Path(name)
-        (folder / wasm.MODULE).write_bytes(wasm.shipped(boat))
-        (folder / wasm.NUMBERS).write_text(json.dumps(wasm.numbers_of(boat)), encoding="utf-8")
-        shutil.copy(Path(wasm.__file__).with_name(wasm.HOST), folder)
-        host = str(folder / wasm.HOST)
+        (folder / wasm.MODULE_FILE).write_bytes(wasm.shipped_module(boat))
+        (folder / wasm.NUMBERS_FILE).write_text(json.dumps(wasm.numbers_of(boat)), encoding="utf-8")
+        shutil.copy(Path(wasm.__file__).with_name(wasm.HOST_FILE), folder)
+        host = str(folder / wasm.HOST_FILE)
         start, hour = (
             min(time_process(node, host, str(count)) for _ in range(starts)) for count in (0, ticks)
         )

@@ -8,7 +8,7 @@ import pytest
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.io.orders.grammar import Order, Refused, parse
@@ -38,7 +38,7 @@ def under_way(vessel: str = "bb2", speed_kn: float = 10.0, equations: str = "mod
 def answer(boat: Boat, line: str) -> str | Refused:
     order = parse(line)
     assert isinstance(order, Order), line
-    return obey(boat, order)
+    return obey_order(boat, order)
 
 
 def told(boat: Boat, *lines: str) -> None:
@@ -123,7 +123,7 @@ def test_hovering_deeper_than_the_boat_may_go_is_refused() -> None:
     before = boat.snapshot()
     order = parse("hover 900")
     assert isinstance(order, Order)
-    reply = obey(boat, order)
+    reply = obey_order(boat, order)
     assert isinstance(reply, Refused)
     assert "greatest depth is " in reply.reason
     assert boat.records.state.tobytes() == before.tobytes()

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import insert
+from trainer.boat.casualties import insert_casualty
 from trainer.boat.envelope import surface_modes
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.core.state import MOTION
 from trainer.units import KNOT
 
@@ -291,7 +291,7 @@ def test_leaving_the_range_is_called_out_once_and_can_be_a_limit(
 ) -> None:
     boat = make_boat("bb2", "full", "exact")
     boat.start(10 * KNOT, 300.0, 0.0)
-    monitor = LimitMonitor.over(boat, Limits(validity_level_max=1.0))
+    monitor = LimitMonitor.over(boat, ExerciseLimits(validity_level_max=1.0))
     assert called(boat, monitor, 30.0) == []
     in_hand(boat, -8.0)
 
@@ -336,7 +336,7 @@ def test_a_jammed_surface_is_not_told_as_the_sharing_of_an_x_tail(
     monitor = PilotMonitor.over(boat)
     in_hand(boat, 10.0, rudder=25.0)
     boat.state.ordered_s = math.radians(25.0)
-    insert(boat, "stern-hard-over", 0.4, 0.0)
+    insert_casualty(boat, "stern-hard-over", 0.4, 0.0)
 
     said = called(boat, monitor, 20.0)
 

@@ -7,8 +7,8 @@ import pytest
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
-from trainer.boat.crew_orders import standing, standing_on
-from trainer.boat.helm import obey
+from trainer.boat.crew_orders import standing_order, standing_orders
+from trainer.boat.helm import obey_order
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 
 KNOT = 1852.0 / 3600.0
@@ -34,7 +34,7 @@ def give(boat: Boat, *lines: str) -> Reply:
     for line in lines:
         order = parse(line)
         assert isinstance(order, Order), line
-        answer = obey(boat, order)
+        answer = obey_order(boat, order)
     return answer
 
 
@@ -58,7 +58,7 @@ def give(boat: Boat, *lines: str) -> Reply:
 )
 def test_an_order_stands_as_it_was_said(boat: Boat, line: str, told: str) -> None:
     assert give(boat, line) == f"ordered: {told}"
-    (only,) = standing(boat)
+    (only,) = standing_orders(boat)
     assert (str(only), only.tick) == (told, 120)
 
 
@@ -81,7 +81,7 @@ def test_what_the_boat_cannot_do_is_not_ordered(boat: Boat, line: str, why: str)
 
 def test_a_new_order_takes_the_place_of_the_old_one_on_its_axis_alone(boat: Boat) -> None:
     give(boat, "order course left 045", "order depth 80", "order course 090")
-    assert [str(each) for each in standing(boat)] == ["course 090", "depth 80 m"]
+    assert [str(each) for each in standing_orders(boat)] == ["course 090", "depth 80 m"]
 
 
 def test_an_order_to_the_crew_moves_nothing(make_boat: Callable[..., Boat]) -> None:
@@ -99,11 +99,11 @@ def test_an_order_survives_hand_steering_and_is_in_a_snapshot(boat: Boat) -> Non
     give(boat, "order course 045", "rudder left 5")
     kept = boat.records.state.copy()
     give(boat, "order clear course")
-    assert standing_on(boat, "course") is None
+    assert standing_order(boat, "course") is None
 
     boat.restore(kept)
 
-    assert str(standing_on(boat, "course")) == "course 045"
+    assert str(standing_order(boat, "course")) == "course 045"
     assert boat.state.rudder_by_hand
 
 
@@ -111,19 +111,19 @@ def test_one_order_or_all_stand_no_longer(boat: Boat) -> None:
     give(boat, "order course 045", "order depth 80", "order speed 5")
 
     assert give(boat, "order clear speed") == "no longer ordered: speed 5 kn"
-    assert [str(each) for each in standing(boat)] == ["course 045", "depth 80 m"]
+    assert [str(each) for each in standing_orders(boat)] == ["course 045", "depth 80 m"]
     assert give(boat, "order clear all") == "no longer ordered: course 045, depth 80 m"
-    assert not standing(boat)
+    assert not standing_orders(boat)
 
 
 def test_the_way_to_turn_is_by_the_compass_shown(boat: Boat) -> None:
-    assert isinstance(casualties.insert(boat, "gyro-biased", 10.0, 0.0), str)
+    assert isinstance(casualties.insert_casualty(boat, "gyro-biased", 10.0, 0.0), str)
     assert boat.tick() == 0
-    shown = casualties.readings(boat).heading
+    shown = casualties.instrument_readings(boat).heading
     assert math.degrees(shown - float(boat.state.psi)) > 15.0
 
     give(boat, "order course right 010")
 
-    course = standing_on(boat, "course")
+    course = standing_order(boat, "course")
     assert course
     assert math.degrees(course.value - shown) > 200.0  # by the true heading, 10

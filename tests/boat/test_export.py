@@ -22,16 +22,23 @@ from helpers.places import ROOT
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer import __version__
-from trainer.boat.boat import PLACES, Boat
-from trainer.boat.export.header import PUBLISHED, members
-from trainer.boat.export.library import HEADER, HOST, LIBRARY, OBJECT, add_library, export
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.export.header import PUBLISHED_NAMES, record_members
+from trainer.boat.export.library import (
+    HEADER_FILE,
+    HOST_FILE,
+    LIBRARY_FILE,
+    OBJECT_FILE,
+    add_library,
+    write_core,
+)
 from trainer.boat.export.lowering import freestanding_text
 from trainer.boat.export.targets import (
-    NATIVE,
+    NATIVE_NAME,
     Processor,
     code_words,
+    find_processor,
     object_code,
-    processor,
 )
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
@@ -57,7 +64,7 @@ pytestmark = [
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of an exported BB2 in a sea."""
     path = tmp_path_factory.mktemp("core")
-    export(boat_at_start(OPTIONS), path, "x86-64-v2")
+    write_core(boat_at_start(OPTIONS), path, "x86-64-v2")
     add_library(path)
     return path
 
@@ -65,7 +72,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def core(folder: Path) -> Core:
     """Return the exported boat at her start."""
-    return Core(folder / LIBRARY)
+    return Core(folder / LIBRARY_FILE)
 
 
 def ran(*words: str, where: Path, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -99,8 +106,8 @@ def test_after_an_hour_the_c_host_the_library_and_the_trainer_are_the_same_to_th
 ) -> None:
     boat = boat_at_start(OPTIONS)
     host, end = tmp_path / "host", tmp_path / "end.bin"
-    source = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", str(folder / HOST)]
-    subprocess.run(["cc", *source, str(folder / OBJECT), "-o", str(host)], check=True)
+    source = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", str(folder / HOST_FILE)]
+    subprocess.run(["cc", *source, str(folder / OBJECT_FILE), "-o", str(host)], check=True)
     table = subprocess.run([host, str(HOUR), end], capture_output=True, text=True, check=True)
     exported = np.frombuffer(core.state, STATE).view(np.recarray)[0]  # type: ignore[call-overload]
 
@@ -132,17 +139,17 @@ def test_every_processor_and_method_gives_the_trainers_bits(
 ) -> None:
     how = {"vessel": vessel, "equations": equations, "integrator": integrator}
     boat = boat_at_start(replace(OPTIONS, **how, sea="calm"))  # type: ignore[arg-type]
-    lacking = set(processor(cpu).needs) - set(processor(NATIVE).needs)
+    lacking = set(find_processor(cpu).needs) - set(find_processor(NATIVE_NAME).needs)
     if lacking:
         pytest.skip(f"this processor lacks {', '.join(sorted(lacking))}")
-    export(boat, tmp_path, cpu)
+    write_core(boat, tmp_path, cpu)
     add_library(tmp_path)
-    core = Core(tmp_path / LIBRARY)
+    core = Core(tmp_path / LIBRARY_FILE)
 
     for tick in range(600):
         if tick == 20:
             boat.state.ordered_depth += 4.0
-            core.state[PLACES["ordered_depth"]] += 4.0
+            core.state[STATE_PLACES["ordered_depth"]] += 4.0
         assert boat.tick() == core.tick() == 0
 
     assert bytes(core.state) == boat.records.state.tobytes()
@@ -197,10 +204,10 @@ def test_our_own_frexp_takes_numbers_apart_as_the_library_does() -> None:
 
 @needs_linux
 @pytest.mark.skipif(not shutil.which("nm"), reason="no nm here")
-@pytest.mark.parametrize("name", [OBJECT, LIBRARY])
+@pytest.mark.parametrize("name", [OBJECT_FILE, LIBRARY_FILE])
 def test_nothing_outside_is_needed(folder: Path, name: str) -> None:
     needed = subprocess.run(
-        ["nm", *(["-D"] if name == LIBRARY else []), "-u", folder / name],
+        ["nm", *(["-D"] if name == LIBRARY_FILE else []), "-u", folder / name],
         capture_output=True,
         text=True,
         check=True,
@@ -213,9 +220,12 @@ def test_nothing_outside_is_needed(folder: Path, name: str) -> None:
 @pytest.mark.skipif(not shutil.which("nm"), reason="no nm here")
 def test_only_the_five_names_of_the_header_are_seen(folder: Path) -> None:
     shown = subprocess.run(
-        ["nm", "-D", "--defined-only", folder / LIBRARY], capture_output=True, text=True, check=True
+        ["nm", "-D", "--defined-only", folder / LIBRARY_FILE],
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    header = (folder / HEADER).read_text()
+    header = (folder / HEADER_FILE).read_text()
 
     names = {line.split()[-1] for line in shown.stdout.splitlines()}
     assert len(names) == 5
@@ -231,29 +241,31 @@ def test_places_in_c_are_the_records_places(
     kind: np.dtype, name: str, folder: Path, tmp_path: Path
 ) -> None:
     prints = "\n".join(
-        f'printf("%zu\\n", offsetof(struct trainer_{name}, {PUBLISHED.get(member, member)}));'
-        for member, _, _ in members(kind)
+        f'printf("%zu\\n", offsetof(struct trainer_{name}, {PUBLISHED_NAMES.get(member, member)}));'
+        for member, _, _ in record_members(kind)
     )
-    program = f'#include <stddef.h>\n#include <stdio.h>\n#include "{HEADER}"\n'
+    program = f'#include <stddef.h>\n#include <stdio.h>\n#include "{HEADER_FILE}"\n'
     (tmp_path / "places.c").write_text(f"{program}int main(void) {{ {prints} return 0; }}\n")
     subprocess.run(["cc", "-I", folder, "places.c", "-o", "places"], cwd=tmp_path, check=True)
     printed = subprocess.run([tmp_path / "places"], capture_output=True, text=True, check=True)
 
-    assert [int(line) for line in printed.stdout.split()] == [at for _, at, _ in members(kind)]
+    assert [int(line) for line in printed.stdout.split()] == [
+        at for _, at, _ in record_members(kind)
+    ]
 
 
 @pytest.mark.parametrize("kind", [STATE, VESSEL, COMPACT])
 def test_every_number_of_a_record_has_one_name_in_c(kind: np.dtype) -> None:
-    taken = [at + 8 * i for _, at, shape in members(kind) for i in range(math.prod(shape))]
+    taken = [at + 8 * i for _, at, shape in record_members(kind) for i in range(math.prod(shape))]
 
     assert taken == list(range(0, kind.itemsize, 8))
 
 
 def test_the_header_says_what_the_numbers_are(folder: Path) -> None:
-    header = (folder / HEADER).read_text()
+    header = (folder / HEADER_FILE).read_text()
 
     assert "double ordered_depth;  /* 99 [m] */" in header.replace(
-        f"/* {PLACES['ordered_depth']} ", "/* 99 "
+        f"/* {STATE_PLACES['ordered_depth']} ", "/* 99 "
     )
     assert "double diameter;" in header
     assert "#define TRAINER_STEP_S 0.5" in header
@@ -263,7 +275,7 @@ def test_the_host_in_the_documents_compiles_and_steers(folder: Path, tmp_path: P
     page = ROOT / "docs" / "exported-core.md"
     (example,) = re.findall(r"```c\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
     (tmp_path / "example.c").write_text(example)
-    words = ["cc", "-Wall", "-Werror", "-I", str(folder), "example.c", str(folder / OBJECT)]
+    words = ["cc", "-Wall", "-Werror", "-I", str(folder), "example.c", str(folder / OBJECT_FILE)]
     subprocess.run([*words, "-o", "example"], cwd=tmp_path, check=True)
 
     said = subprocess.run([tmp_path / "example"], capture_output=True, text=True, check=True).stdout
@@ -282,7 +294,7 @@ def test_the_size_of_code_is_that_of_its_instructions() -> None:
 
 
 def test_a_processor_needs_all_that_the_ones_before_it_need() -> None:
-    levels = [set(processor(name).needs) for name in ("x86-64-v2", "x86-64-v3", "x86-64-v4")]
+    levels = [set(find_processor(name).needs) for name in ("x86-64-v2", "x86-64-v3", "x86-64-v4")]
 
     assert levels[0] < levels[1] < levels[2]
 
@@ -294,11 +306,11 @@ def test_the_card_says_what_the_library_is_of_and_where_its_columns_are(core: Co
     assert (core.card["version"], core.card["core"]) == (__version__, core_digest())
     assert core.card["boat"].startswith("Joubert BB2")
     assert float.fromhex(core.card["step"]) == 0.5
-    assert columns["z"] == str(PLACES["z"])
+    assert columns["z"] == str(STATE_PLACES["z"])
 
 
 def test_a_tick_that_fails_says_which_number_and_leaves_the_state(core: Core) -> None:
-    core.state[PLACES["u"]] = 1e5
+    core.state[STATE_PLACES["u"]] = 1e5
     before = bytes(core.state)
 
     status = core.tick()
@@ -319,8 +331,10 @@ def test_without_a_compiler_the_object_is_written_and_the_way_to_link_it_told(
 
     assert done.exit_code == 1
     assert "there is no C compiler 'no-such-compiler' here" in done.stderr
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([HOST, HEADER, OBJECT])
-    assert json.loads(done.stdout)["files"] == [OBJECT, HEADER, HOST]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        [HOST_FILE, HEADER_FILE, OBJECT_FILE]
+    )
+    assert json.loads(done.stdout)["files"] == [OBJECT_FILE, HEADER_FILE, HOST_FILE]
 
 
 def test_without_the_jit_nothing_can_be_exported(tmp_path: Path) -> None:
@@ -337,7 +351,7 @@ def test_another_version_of_the_compiler_is_refused_with_the_one_to_install(
     monkeypatch.setattr("numba.__version__", "0.99.1")
     wrong = re.escape("numba 0.99.1 was not tested with it: install 'numba>=0.68,<0.69'")
     with pytest.raises(ConfigError, match=wrong):
-        export(boat_at_start(OPTIONS), tmp_path, "x86-64-v2")
+        write_core(boat_at_start(OPTIONS), tmp_path, "x86-64-v2")
     assert not list(tmp_path.iterdir())
 
 
@@ -347,4 +361,4 @@ def test_a_folder_that_is_a_file_is_named_before_anything_is_compiled(
     (tmp_path / "core").write_text("")
 
     with pytest.raises(ConfigError, match="core: File exists"):
-        export(make_boat("bb2"), tmp_path / "core", "x86-64-v2")
+        write_core(make_boat("bb2"), tmp_path / "core", "x86-64-v2")

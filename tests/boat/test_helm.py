@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.units import KNOT
@@ -43,7 +43,7 @@ def order(line: str) -> Order:
 
 def told(boat: Boat, *lines: str) -> list[str]:
     """Return what the boat answers to orders, all of which it obeys."""
-    answers = [obey(boat, order(line)) for line in lines]
+    answers = [obey_order(boat, order(line)) for line in lines]
     assert all(isinstance(answer, str) for answer in answers), answers
     return [str(answer) for answer in answers]
 
@@ -197,7 +197,7 @@ def test_an_order_that_cannot_be_obeyed_says_why_and_changes_nothing(
     boat = make()
     before = boat.records.state.tobytes()
 
-    answer = obey(boat, order(line))
+    answer = obey_order(boat, order(line))
 
     assert isinstance(answer, Refused)
     assert reason in answer.reason
@@ -209,7 +209,7 @@ def test_a_depth_below_the_greatest_of_the_boat_is_refused() -> None:
     boat.file = replace(boat.file, hull=replace(boat.file.hull, max_depth_m=300.0))
     before = boat.records.state.tobytes()
 
-    assert obey(boat, order("depth 301")) == Refused(
+    assert obey_order(boat, order("depth 301")) == Refused(
         "this boat's greatest depth is 300 m, not 301 m"
     )
     assert boat.records.state.tobytes() == before
@@ -222,7 +222,7 @@ def test_a_bell_the_telegraph_lacks_is_refused_with_those_it_has() -> None:
     boat.file = replace(boat.file, propulsion=replace(boat.file.propulsion, bells_kn=bells))
     before = boat.records.state.tobytes()
 
-    assert obey(boat, order("ahead flank")) == Refused(
+    assert obey_order(boat, order("ahead flank")) == Refused(
         "this boat's telegraph has ahead one third, astern full and stop"
     )
     assert boat.records.state.tobytes() == before
@@ -379,7 +379,7 @@ def test_what_the_rudder_cannot_do_as_it_is_is_refused(before: str, line: str, w
     boat = under_way()
     told(boat, before)
     kept = boat.records.state.tobytes()
-    assert obey(boat, order(line)) == Refused(why)
+    assert obey_order(boat, order(line)) == Refused(why)
     assert boat.records.state.tobytes() == kept
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from trainer.boat import casualties
-from trainer.boat.boat import PLACES, Boat
-from trainer.boat.helm import obey
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.helm import obey_order
 from trainer.config.sea import load_sea
-from trainer.core.state import FIELDS
+from trainer.core.state import STATE_FIELDS
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger
@@ -32,7 +32,7 @@ def busy(make_boat: Callable[..., Boat], integrator: str = "adams2") -> Boat:
     s.blow[0], s.vent[1] = 1.0, 1.0
     s.move_trim = 3000.0
     for name, ramp in (("depth-gauge-noisy", 0.0), ("rudder-slow", 30.0), ("flooding-aft", 20.0)):
-        assert isinstance(casualties.insert(boat, name, None, ramp), str)
+        assert isinstance(casualties.insert_casualty(boat, name, None, ramp), str)
     sail(boat, 20)
     return boat
 
@@ -43,7 +43,7 @@ def sail(boat: Boat, ticks: int) -> None:
 
 
 def told(boat: Boat, name: str, word: str) -> Reply:
-    return obey(boat, Order(name, 0.0, word, f"{name} {word}"))
+    return obey_order(boat, Order(name, 0.0, word, f"{name} {word}"))
 
 
 def bits(boat: Boat) -> bytes:
@@ -55,7 +55,7 @@ def alike(one: Boat, other: Boat, but: set[str]) -> list[str]:
     blocks = {"motion", "held"}
     return [
         name
-        for name in FIELDS
+        for name in STATE_FIELDS
         if name not in but | blocks and one.state[name].tobytes() != other.state[name].tobytes()
     ]
 
@@ -263,4 +263,4 @@ def test_the_status_says_what_is_frozen(make_boat: Callable[..., Boat]) -> None:
 
 
 def test_the_places_that_a_hold_may_change_are_places_of_the_state() -> None:
-    assert set(PLACES) >= PLACE
+    assert set(STATE_PLACES) >= PLACE

@@ -11,9 +11,9 @@ from helpers.places import environment
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, load_sea, parse_sea
 from trainer.config.vessel import load_vessel
@@ -44,7 +44,7 @@ def sea_of(text: str) -> SeaFile:
 def told(boat: Boat, *lines: str) -> list[str]:
     """Return what the boat answers to orders, all of which it obeys."""
     orders = [parse(line) for line in lines]
-    answers = [obey(boat, order) for order in orders if isinstance(order, Order)]
+    answers = [obey_order(boat, order) for order in orders if isinstance(order, Order)]
     assert len(answers) == len(lines)
     assert all(isinstance(answer, str) for answer in answers), answers
     return [str(answer) for answer in answers]
@@ -251,7 +251,7 @@ def state_after(ticks: int, restore_at: int = 0) -> bytes:
             boat.restore(kept)
             tick, restore_at = restore_at, 0
         if tick in due:
-            obey(boat, due[tick])
+            obey_order(boat, due[tick])
         assert boat.tick() == 0
         tick += 1
     return bytes(boat.records.state.tobytes())
@@ -319,7 +319,7 @@ def shown(said: list[str]) -> list[str]:
 def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
     boat = boat_at(17.5, 3.0)
     boat.put_to_sea(sea_of("sea_state = 6"))
-    monitor = LimitMonitor.over(boat, Limits())
+    monitor = LimitMonitor.over(boat, ExerciseLimits())
     said = watched(boat, monitor, 900.0)
     assert any("BROACHED: the boat shows 0." in line for line in said)
     assert said[0].startswith("tick ")
@@ -328,7 +328,7 @@ def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
 
 def test_a_boat_that_is_blown_up_has_surfaced_and_not_broached_and_is_called_out_once() -> None:
     boat = boat_at(60.0, 10.0)
-    monitor = LimitMonitor.over(boat, Limits())
+    monitor = LimitMonitor.over(boat, ExerciseLimits())
     told(boat, "surface")
     said = watched(boat, monitor, 300.0)
     assert shown(said) == ["surfaced: the boat shows above the sea"]
@@ -345,7 +345,7 @@ def follow_told(said: list[str]) -> list[str]:
 
 def test_a_sea_that_follows_too_fast_for_the_filter_is_called_out_once() -> None:
     boat = boat_at(25.0, 6.0)  # nu = 0.697 rad/s x 3.1 m/s / 9.81 = 0.22
-    monitor = LimitMonitor.over(boat, Limits())
+    monitor = LimitMonitor.over(boat, ExerciseLimits())
     boat.put_to_sea(sea_of("sea_state = 5\ndirection_deg = 180"))
 
     said = (
@@ -368,7 +368,7 @@ def test_a_sea_that_the_filter_can_follow_or_that_is_not_felt_is_not_called_out(
     speed: float, depth: float, sea: str
 ) -> None:
     boat = boat_at(depth, speed)
-    monitor = LimitMonitor.over(boat, Limits())
+    monitor = LimitMonitor.over(boat, ExerciseLimits())
     boat.put_to_sea(sea_of(f"sea_state = 5\n{sea}"))
 
     assert follow_told(watched(boat, monitor, 60.0)) == []
@@ -382,7 +382,7 @@ def test_a_sea_above_nyquist_for_the_step_is_refused_by_order_and_by_file() -> N
     order = parse("sea state 1")
     assert isinstance(order, Order)
 
-    answer = obey(boat, order)
+    answer = obey_order(boat, order)
 
     assert isinstance(answer, Refused)
     assert answer.reason.startswith("a sea above Nyquist for the step: its peak of 5.6")
@@ -396,7 +396,7 @@ def test_a_sea_above_nyquist_for_the_step_is_refused_by_order_and_by_file() -> N
 def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
     boat = boat_at(60.0, 10.0)
     monitor = LimitMonitor.over(
-        boat, Limits(depth_m_max=70.0, depth_m_min=65.0, speed_kn_max=10.0)
+        boat, ExerciseLimits(depth_m_max=70.0, depth_m_min=65.0, speed_kn_max=10.0)
     )  # she starts above 65 m: no news
     assert monitor.account() == ""
     told(boat, "depth 80")
@@ -415,13 +415,15 @@ def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
 @pytest.mark.parametrize(
     ("limits", "place", "value"),
     [
-        (Limits(pitch_deg_max=10.0), "theta", -11.0 * DEGREE),
-        (Limits(heel_deg_max=10.0), "phi", -11.0 * DEGREE),
-        (Limits(speed_kn_min=4.0), "u", 3.0 * KNOT),
-        (Limits(speed_kn_max=6.0), "u", 7.0 * KNOT),
+        (ExerciseLimits(pitch_deg_max=10.0), "theta", -11.0 * DEGREE),
+        (ExerciseLimits(heel_deg_max=10.0), "phi", -11.0 * DEGREE),
+        (ExerciseLimits(speed_kn_min=4.0), "u", 3.0 * KNOT),
+        (ExerciseLimits(speed_kn_max=6.0), "u", 7.0 * KNOT),
     ],
 )
-def test_each_limit_watches_its_own_quantity(limits: Limits, place: str, value: float) -> None:
+def test_each_limit_watches_its_own_quantity(
+    limits: ExerciseLimits, place: str, value: float
+) -> None:
     boat = boat_at(60.0)
     monitor = LimitMonitor(limits)
     assert monitor.look(boat) == []

@@ -90,7 +90,7 @@ def test_without_a_known_compiler_the_tick_is_the_same(
     for boat in (known, unknown):
         boat.start(5.0, 60.0, 0.0)
     known.tick()
-    monkeypatch.setattr(kernel, "TESTED", ((9, 0), (9, 1)))
+    monkeypatch.setattr(kernel, "TESTED_NUMBA", ((9, 0), (9, 1)))
     monkeypatch.setitem(sys.modules, "trainer.boat.call", None)
 
     unknown.tick()

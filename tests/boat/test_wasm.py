@@ -21,7 +21,7 @@ from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest
 from trainer.session.options import RunOptions
 
-SHIPPED_CARD = wasm.SHIPPED.with_name(wasm.CARD)
+SHIPPED_CARD = wasm.SHIPPED_PATH.with_name(wasm.CARD_FILE)
 CARD = dict(line.split(" ", 1) for line in SHIPPED_CARD.read_text().splitlines())
 BUILD = "trainer export-core DIR --cpu wasm32 builds it; copy core.wasm and core.wasm.txt from DIR"
 AGAIN = f"core.wasm is of another core: {BUILD}"
@@ -43,7 +43,7 @@ def test_the_standard_hour_ends_in_its_bits() -> None:
 
 def test_the_shipped_module_is_of_this_core() -> None:
     assert CARD["core"] == core_digest(), AGAIN
-    assert hashlib.sha256(wasm.SHIPPED.read_bytes()).hexdigest() == CARD["sha256"]
+    assert hashlib.sha256(wasm.SHIPPED_PATH.read_bytes()).hexdigest() == CARD["sha256"]
 
 
 @pytest.mark.process
@@ -55,11 +55,11 @@ def test_the_module_imports_nothing_and_shows_what_a_host_needs() -> None:
         "WebAssembly.Module.exports(m).map(({ name }) => name)]))"
     )
     done = subprocess.run(
-        [node, "-e", script, str(wasm.SHIPPED)], capture_output=True, text=True, check=True
+        [node, "-e", script, str(wasm.SHIPPED_PATH)], capture_output=True, text=True, check=True
     )
 
     imports, exports = json.loads(done.stdout)
-    rooms = {f"trainer_{room}" for room in wasm.ROOMS}
+    rooms = {f"trainer_{room}" for room in wasm.ROOM_NAMES}
     assert imports == []
     assert set(exports) == {"memory", *wasm.FUNCTIONS, *rooms}
 
@@ -71,12 +71,12 @@ def test_the_module_is_built_again_to_the_byte(tmp_path: Path) -> None:
     built = CliRunner().invoke(cli, ["export-core", str(tmp_path), "--cpu", "wasm32", "--json"])
 
     assert built.exit_code == 0, built.output
-    card = (tmp_path / wasm.CARD).read_text()
-    same = (tmp_path / wasm.MODULE).read_bytes() == wasm.SHIPPED.read_bytes()
+    card = (tmp_path / wasm.CARD_FILE).read_text()
+    same = (tmp_path / wasm.MODULE_FILE).read_bytes() == wasm.SHIPPED_PATH.read_bytes()
     assert same, f"shipped: {CARD}; built now: {card}; {BUILD}"
     assert json.loads(built.stdout)["module_bytes"] < 200_000
     said = subprocess.run(
-        [installed("node", "nodejs"), str(tmp_path / wasm.HOST), "120"],
+        [installed("node", "nodejs"), str(tmp_path / wasm.HOST_FILE), "120"],
         capture_output=True,
         text=True,
         check=True,
@@ -96,7 +96,7 @@ def test_a_linker_that_is_missing_is_named_with_its_package(
     with pytest.raises(
         ConfigError, match=r"no linker wasm-ld here\. Debian and Ubuntu: apt install lld"
     ):
-        wasm.build(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
+        wasm.build_module(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
 
 
 def test_without_a_linker_the_module_of_the_trainer_is_exported(
@@ -107,9 +107,9 @@ def test_without_a_linker_the_module_of_the_trainer_is_exported(
     done = CliRunner().invoke(cli, ["export-core", str(tmp_path / "core"), "--cpu", "wasm32"])
 
     assert done.exit_code == 0, done.output
-    for name, shipped in ((wasm.MODULE, wasm.SHIPPED), (wasm.CARD, SHIPPED_CARD)):
+    for name, shipped in ((wasm.MODULE_FILE, wasm.SHIPPED_PATH), (wasm.CARD_FILE, SHIPPED_CARD)):
         assert (tmp_path / "core" / name).read_bytes() == shipped.read_bytes()
-    numbers = json.loads((tmp_path / "core" / wasm.NUMBERS).read_text())
+    numbers = json.loads((tmp_path / "core" / wasm.NUMBERS_FILE).read_text())
     assert numbers["boat"] == load_vessel("bb2").name
 
 
@@ -138,13 +138,13 @@ def test_a_linker_that_fails_is_told_in_one_line(
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
 
     with pytest.raises(ConfigError, match=r"wasm-ld failed: error: no room$"):
-        wasm.build(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
+        wasm.build_module(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
 
 
 def test_a_kernel_of_another_text_is_taken_as_it_is() -> None:
     text = "define i32 @other(ptr %arg.scheme.4) {\n  ret i32 0\n}\n"
 
-    assert wasm.settled(text, b"\0" * 8) == text
+    assert wasm.settle_method(text, b"\0" * 8) == text
 
 
 def test_what_the_method_settles_is_constant_and_step_and_triggers_are_not() -> None:
@@ -157,7 +157,7 @@ def test_what_the_method_settles_is_constant_and_step_and_triggers_are_not() -> 
         "}",
     ]
 
-    told = wasm.settled("\n".join(lines), b"\1\2").splitlines()
+    told = wasm.settle_method("\n".join(lines), b"\1\2").splitlines()
 
     assert told[0].startswith("@settled = internal constant [2 x i8]")
     assert "@settled, i64 40" in told[2]

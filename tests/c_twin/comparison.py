@@ -14,8 +14,14 @@ from typing import Final
 from helpers.places import tests_environment
 
 from c_twin.compiler import BUILDS, build, version
-from trainer.analysis.bench.standard_hour import Ticks
-from trainer.analysis.bench.tick import SEA, STANDARD, in_a_loop, ready, time_repetitions
+from trainer.analysis.bench.standard_hour import TickRunner
+from trainer.analysis.bench.tick import (
+    SEA_NAME,
+    STANDARD_METHOD,
+    in_a_loop,
+    ready_boat,
+    time_repetitions,
+)
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
@@ -59,12 +65,12 @@ class AgainstC:
 
 def under_way(file: VesselFile, sea: str) -> Boat:
     """Return a boat keeping depth and course in a sea."""
-    boat = ready(file, STANDARD, file.run.step_s)
+    boat = ready_boat(file, STANDARD_METHOD, file.run.step_s)
     boat.put_to_sea(load_sea(sea))
     return boat
 
 
-def batch(boat: Boat, take: Ticks) -> Callable[[int], None]:
+def batch(boat: Boat, take: TickRunner) -> Callable[[int], None]:
     """Return what takes so many ticks of a boat; ConfigError if it loses its numbers."""
 
     def run(count: int) -> None:
@@ -87,7 +93,7 @@ def time_pair(
     return min(ones) / TICKS, min(others) / TICKS, ratio
 
 
-def against(file: VesselFile, sea: str, ticks: list[Ticks]) -> tuple[Against, ...]:
+def against(file: VesselFile, sea: str, ticks: list[TickRunner]) -> tuple[Against, ...]:
     """Return the tick in a sea against each of the builds in C."""
     found = []
     for way, take in zip(BUILDS, ticks, strict=True):
@@ -100,7 +106,7 @@ def against(file: VesselFile, sea: str, ticks: list[Ticks]) -> tuple[Against, ..
 
 def interpreted_ns(vessel: str) -> float:
     """Return the time [ns] of a tick in a sea, by this process's core."""
-    run = batch(under_way(load_vessel(vessel), SEA), in_a_loop)
+    run = batch(under_way(load_vessel(vessel), SEA_NAME), in_a_loop)
     return min(time_repetitions(run, SLOW_TICKS) for _ in range(3)) / SLOW_TICKS
 
 
@@ -121,11 +127,11 @@ def without_jit(file: VesselFile) -> float:
 def against_c(file: VesselFile) -> AgainstC:
     """Return the tick against C and the interpreter; NoCompilerError without a C compiler."""
     ticks = [build(way) for way in BUILDS]
-    at_sea, calm = against(file, SEA, ticks), against(file, "calm", ticks)
+    at_sea, calm = against(file, SEA_NAME, ticks), against(file, "calm", ticks)
     slow = without_jit(file)
     return AgainstC(
         vessel=file.name,
-        sea=SEA,
+        sea=SEA_NAME,
         compiler=version(),
         pairs=PAIRS,
         ticks_a_batch=TICKS,

@@ -136,12 +136,12 @@ def header() -> str:
     lines += [
         *(_table(name, 1 * getattr(casualties, name), "int") for name in CASUALTY_TABLES),
         *(_table(name, np.array(getattr(cosine_sum, name))) for name in SUM_TABLES),
-        _table("ARCTANGENT", elementary.ARCTANGENT),
-        _table("EIGHTHS", elementary.EIGHTHS),
-        _table("SIMILAR", np.array(filter_1969.SIMILAR)),
-        _table("TAPER", np.array(forces.TAPER)),
-        _table("FADING", forces.FADING),
-        _table("TABLE", filter_1969.TABLE),
+        _table("ARCTANGENT", elementary.ARCTANGENT_COEFFICIENTS),
+        _table("EIGHTHS", elementary.ARCTANGENT_EIGHTHS),
+        _table("SIMILAR", np.array(filter_1969.SIMILAR_FREQUENCIES)),
+        _table("TAPER", np.array(forces.TAPER_DIAMETERS)),
+        _table("FADING", forces.FADING_FIT),
+        _table("TABLE", filter_1969.WIND_TABLE),
         *(_table(name, np.array(getattr(wave_filter, name))) for name in FILTER_TABLES),
     ]
     for (module, name), known in CLASHING.items():

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from c_twin.compiler import SAME_BITS, build
-from trainer.analysis.bench.standard_hour import Ticks
+from trainer.analysis.bench.standard_hour import TickRunner
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import load_vessel
-from trainer.core.envelope import EXTRAPOLATED, INSIDE, OUTSIDE, substeps
+from trainer.core.envelope import EXTRAPOLATED_RANGE, INSIDE_RANGE, OUTSIDE_RANGE, substeps
 from trainer.core.kernel import Record
 from trainer.core.sea.sea import COSINES, GAMMA, OLD, PEAKED, SUCTION
 from trainer.core.stall import is_stalled
-from trainer.core.state import FIELDS
+from trainer.core.state import STATE_FIELDS
 from trainer.units import KNOT
 
 pytestmark = [
@@ -45,7 +45,7 @@ PUSHED: Final = 40  # [ticks] after the boat was put into any motion at all
 
 
 @pytest.fixture(scope="module", params=SAME_BITS, ids=lambda way: way.name)
-def in_c(request: pytest.FixtureRequest) -> Ticks:
+def in_c(request: pytest.FixtureRequest) -> TickRunner:
     """Return the tick in C."""
     return build(request.param)
 
@@ -65,11 +65,11 @@ class Seen:
 def difference(one: Record, other: Record) -> str:
     """Return which places of two states have not the same bits."""
     a, b = one[0], other[0]
-    apart = [n for n in FIELDS if np.asarray(a[n]).tobytes() != np.asarray(b[n]).tobytes()]
+    apart = [n for n in STATE_FIELDS if np.asarray(a[n]).tobytes() != np.asarray(b[n]).tobytes()]
     return f"tick {a.tick:g}: {apart}"
 
 
-def fly_both(boat: Boat, ticks: int, in_c: Ticks) -> Seen:
+def fly_both(boat: Boat, ticks: int, in_c: TickRunner) -> Seen:
     """Fly a boat and her like in C tick by tick, the same bits after each; return what was seen.
 
     The other begins with an empty work space.
@@ -112,19 +112,21 @@ def in_hand(boat: Boat, command: float) -> None:
 
 
 @pytest.mark.parametrize("way", WAYS, ids="-".join)
-def test_bb2_backs_full_from_ten_knots(way: tuple[str, str, str, str], in_c: Ticks) -> None:
+def test_bb2_backs_full_from_ten_knots(way: tuple[str, str, str, str], in_c: TickRunner) -> None:
     boat = boat_of("bb2", way)
     boat.start(10.0 * KNOT, 300.0, 0.0)
     in_hand(boat, boat.vessel.u_c_astern)
 
     seen = fly_both(boat, 1200, in_c)
 
-    assert seen.valid == {INSIDE, EXTRAPOLATED, OUTSIDE}
+    assert seen.valid == {INSIDE_RANGE, EXTRAPOLATED_RANGE, OUTSIDE_RANGE}
     assert seen.slowest < -2.0
 
 
 @pytest.mark.parametrize("way", WAYS, ids="-".join)
-def test_sdv_rolled_and_dropped_on_the_water(way: tuple[str, str, str, str], in_c: Ticks) -> None:
+def test_sdv_rolled_and_dropped_on_the_water(
+    way: tuple[str, str, str, str], in_c: TickRunner
+) -> None:
     boat = boat_of("sdv-mk9", way)
     boat.start(3.0 * KNOT, 10.0, 0.0)
     in_hand(boat, 0.0)
@@ -141,7 +143,7 @@ def test_sdv_rolled_and_dropped_on_the_water(way: tuple[str, str, str, str], in_
 @pytest.mark.parametrize("way", WAYS, ids="-".join)
 @pytest.mark.parametrize("vessel", STEP)
 def test_a_boat_goes_through_the_vertical(
-    vessel: str, way: tuple[str, str, str, str], in_c: Ticks
+    vessel: str, way: tuple[str, str, str, str], in_c: TickRunner
 ) -> None:
     boat = boat_of(vessel, way)
     boat.start(boat.file.run.start_speed_kn * KNOT, 300.0, 0.0)
@@ -159,7 +161,7 @@ def test_a_boat_goes_through_the_vertical(
     "shares", [(0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.5, 0.5, 0.5), (1.0, 0.0, 0.0)]
 )
 def test_bb2_blown_and_afloat_in_a_sea(
-    shares: tuple[float, float, float], way: tuple[str, str, str, str], in_c: Ticks
+    shares: tuple[float, float, float], way: tuple[str, str, str, str], in_c: TickRunner
 ) -> None:
     boat = boat_of("bb2", way)
     boat.start(10.0 * KNOT, 40.0, 0.3, seed=7)
@@ -183,7 +185,7 @@ def test_bb2_blown_and_afloat_in_a_sea(
 @pytest.mark.parametrize("way", WAYS, ids="-".join)
 @pytest.mark.parametrize("vessel", STEP)
 def test_boats_put_into_any_motion_at_any_attitude_and_depth(
-    vessel: str, way: tuple[str, str, str, str], in_c: Ticks
+    vessel: str, way: tuple[str, str, str, str], in_c: TickRunner
 ) -> None:
     rng, stalled, parts = np.random.default_rng(11), 0, set()
     boat = boat_of(vessel, way)
@@ -221,7 +223,9 @@ def put_anywhere(boat: Boat, rng: np.random.Generator) -> None:
 
 
 @pytest.mark.parametrize("alone", [0, 1])
-def test_the_scheme_without_the_envelope_has_the_equations_of_1969(alone: int, in_c: Ticks) -> None:
+def test_the_scheme_without_the_envelope_has_the_equations_of_1969(
+    alone: int, in_c: TickRunner
+) -> None:
     boat = boat_of("bb2", WAYS[0])
     boat.start(10.0 * KNOT, 300.0, 0.0)
     boat.records.scheme["envelope"] = 1 - alone
@@ -229,11 +233,11 @@ def test_the_scheme_without_the_envelope_has_the_equations_of_1969(alone: int, i
 
     seen = fly_both(boat, 400, in_c)
 
-    assert OUTSIDE in seen.valid
+    assert OUTSIDE_RANGE in seen.valid
 
 
 @pytest.mark.parametrize("name", ["u", "r", "theta", "z"])
-def test_a_tick_that_loses_its_numbers_is_the_same_failure(name: str, in_c: Ticks) -> None:
+def test_a_tick_that_loses_its_numbers_is_the_same_failure(name: str, in_c: TickRunner) -> None:
     boat = boat_of("bb2", WAYS[0])
     boat.start(10.0 * KNOT, 300.0, 0.0)
     boat.state.theta = 1.5  # where the attitude is turned

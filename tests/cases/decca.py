@@ -14,16 +14,16 @@ import numpy as np
 from cases.reference_ships import SHIP_DERIVATIVES, TANKER, sequence
 from cases.ships import Figure
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.record.decca import Point, Slave, lane_at, track
 from trainer.identify.record.measurements import Samples
-from trainer.identify.record.track import along, derivative, smooth_spencer
+from trainer.identify.record.track import derivative, resolve_along, smooth_spencer
 from trainer.units import KNOT
 
 CHAIN: Final = {"red": Slave(Point(-60e3, 20e3), 440.0), "green": Slave(Point(40e3, 70e3), 590.0)}
@@ -83,11 +83,11 @@ def _integrate(rate: Numbers, step: float) -> Numbers:
 
 def fit_model(sailed: Voyage, *, smooth: bool) -> tuple[Problem, Numbers, Numbers]:
     """Return Model 1 fitted to a voyage: the problem, the estimate, its deviations."""
-    x0, y0 = along(sailed.east, sailed.north, 0.0)
+    x0, y0 = resolve_along(sailed.east, sailed.north, 0.0)
     if smooth:
         x0, y0 = smooth_spencer(x0), smooth_spencer(y0)
     v_x, v_y = (derivative(one, TANKER.period) for one in (x0, y0))
-    sway = along(v_y, v_x, np.radians(sailed.heading))[1] / KNOT
+    sway = resolve_along(v_y, v_x, np.radians(sailed.heading))[1] / KNOT
     free = tuple(name for name in TANKER.free if name != "lag")
     truth = {**TANKER.truth, "lag": 0.0}
     # neighbours differ by the error alone
@@ -98,7 +98,7 @@ def fit_model(sailed: Voyage, *, smooth: bool) -> tuple[Problem, Numbers, Number
     outputs = np.column_stack([sway, sailed.rate, sailed.heading])
     problem = problem.on(Samples(problem.samples.t, outputs, problem.samples.inputs))
     cost = Likelihood(problem)
-    theta = estimate(cost, rehearsal.start(), "scoring", Search()).theta
+    theta = find_best_minimum(cost, rehearsal.start(), "scoring", SearchOptions()).theta
     known_to = beside_bounds(uncertainty(problem.names, cost.information(theta)))
     return problem, theta, known_to.deviations
 

@@ -16,7 +16,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.model.models import Ship
-from trainer.identify.monte_carlo import Rehearsal, Run, one_run
+from trainer.identify.monte_carlo import Rehearsal, SimulatedRun, one_run
 from trainer.units import DEGREE, KNOT
 
 SHIP_DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
@@ -29,7 +29,7 @@ class Coverage:
 
     names: tuple[str, ...]
     truth: Numbers  # (f,)
-    runs: tuple[Run, ...]
+    runs: tuple[SimulatedRun, ...]
 
     @property
     def estimates(self) -> Numbers:
@@ -59,7 +59,10 @@ class Coverage:
 
 
 def study(
-    problem: Problem, truth: Numbers, seeds: range, each: Callable[[Iterator[Run]], Iterator[Run]]
+    problem: Problem,
+    truth: Numbers,
+    seeds: range,
+    each: Callable[[Iterator[SimulatedRun]], Iterator[SimulatedRun]],
 ) -> Coverage:
     """Return the runs of ``seeds``. ``each`` passes them on and may show how far it is."""
     runs = each(one_run(problem, truth, seed) for seed in seeds)

@@ -25,20 +25,20 @@ from cases.reference_ships import (
     zigzag_rudder,
 )
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Search
-from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.fitting.minimise import SearchOptions
+from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.fitting.prediction_error import Innovations, no_gain
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.judge import propagation
 from trainer.identify.judge import uncertainty as uncertainty_module
 from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
-from trainer.identify.judge.validation import deterministic, draw_outputs
+from trainer.identify.judge.validation import draw_outputs, simulate_deterministic
 from trainer.identify.kernels.nonlinear_steering import run_bent
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.model.models import Ship
-from trainer.identify.model.sampled import aside
+from trainer.identify.model.sampled import step_aside
 from trainer.identify.monte_carlo import Rehearsal
 from trainer.identify.record.measurements import Samples
 from trainer.units import DEGREE, KNOT
@@ -75,7 +75,9 @@ def _fit_records(
     for seed in range(records):
         stream = np.random.Generator(np.random.PCG64(seed))
         one = problem.on(change(draw_outputs(problem, problem.start, stream)))
-        theta = estimate(Likelihood(one), rehearsal.start(), "scoring", Search()).theta
+        theta = find_best_minimum(
+            Likelihood(one), rehearsal.start(), "scoring", SearchOptions()
+        ).theta
         found.append((one, theta))
     return found
 
@@ -140,7 +142,7 @@ def rate_only(records: int = RECORDS) -> Iterator[Figure]:
     yield from _middles("S4", found, ranges)
 
 
-def zig_zag(ship: Bent, angle: float, step: float, count: int) -> tuple[Numbers, Numbers]:
+def zig_zag(ship: BentShip, angle: float, step: float, count: int) -> tuple[Numbers, Numbers]:
     """Return rudder (n,) and yaw rate with heading (n, 2), degrees, of a zig-zag angle/angle.
 
     The rudder moves at 2.3 deg/s and is held from sample to sample.
@@ -163,7 +165,7 @@ def zig_zag(ship: Bent, angle: float, step: float, count: int) -> tuple[Numbers,
 
 def large_helm() -> Iterator[Figure]:
     """Yield S5: A K Fernstrom, unstable and bent: a linear fit to its zig-zags."""
-    bent = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)
+    bent = BentShip(0.114, -304.0, 13.4, 33.4, 1230.0)
     small = _linear(bent, 5.0)
     yield Figure("S5", "5/5: K", 0.0, small["K"], 2.0)
     yield Figure("S5", "5/5: T1", -3000.0, small["T1"], 0.0)
@@ -178,7 +180,7 @@ def large_helm() -> Iterator[Figure]:
     yield Figure("S5", "kappa 0: T1", -1.03 * 304.0, straight["T1"], -0.97 * 304.0)
 
 
-def _linear(bent: Bent, angle: float) -> dict[str, float]:
+def _linear(bent: BentShip, angle: float) -> dict[str, float]:
     """Return K, T1, T2, T3 of Model 3 fitted by output error to a zig-zag of 1500 s."""
     rudder, motion = zig_zag(bent, angle, 5.0, 300)
     ship = Ship(244.0, 14.2 * KNOT)
@@ -190,7 +192,9 @@ def _linear(bent: Bent, angle: float) -> dict[str, float]:
     rehearsal = Rehearsal("3", ship, ("yaw_rate", "heading"), 5.0, truth, free, {})
     problem = rehearsal.problem(rudder)
     problem = problem.on(replace(problem.samples, outputs=motion))
-    found = estimate(Innovations(problem, no_gain), problem.start, "scoring", Search(300))
+    found = find_best_minimum(
+        Innovations(problem, no_gain), problem.start, "scoring", SearchOptions(300)
+    )
     f = nomoto_of(problem.plant.model, problem.whole(found.theta), ship)
     return {"K": f.K, "T1": f.T1.real, "T2": f.T2.real, "T3": f.T3}
 
@@ -246,12 +250,12 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
         stream = np.random.Generator(np.random.PCG64(seed))
         samples = draw_outputs(island, island.start, stream)
         cost = Likelihood(problem.on(replace(samples, outputs=samples.outputs[:, :1])))
-        theta = estimate(cost, problem.start, "scoring", Search()).theta
+        theta = find_best_minimum(cost, problem.start, "scoring", SearchOptions()).theta
         known = beside_bounds(uncertainty(problem.names, cost.information(theta)))
         low, high = uncertainty_module.intervals(problem, theta, known.deviations).T
         inside.append(((low <= problem.start) & (problem.start <= high))[:4])
         draws = propagation.draw_parameters(
-            theta, np.nan_to_num(known.covariance), propagation.DRAWS, seed
+            theta, np.nan_to_num(known.covariance), propagation.DEFAULT_DRAWS, seed
         )
         span, truths = propagation.span_draws(told, draws)[1], told(problem.start)
         within.append((span.low <= truths) & (truths <= span.high))
@@ -274,11 +278,13 @@ def other_half() -> Iterator[Figure]:
         Samples(record.t[half], record.outputs[half], record.inputs[half])
         for half in (slice(0, 600), slice(600, 1200))
     )
-    found = estimate(Likelihood(whole.on(first)), TANKER.start(), "scoring", Search()).theta
+    found = find_best_minimum(
+        Likelihood(whole.on(first)), TANKER.start(), "scoring", SearchOptions()
+    ).theta
     errors = []
     for theta in (found, whole.start):
         problem = whole.on(second)
-        run = deterministic(problem, theta)[:, 3:]
+        run = simulate_deterministic(problem, theta)[:, 3:]
         errors.append(np.std(run - second.outputs, axis=0))
     ratio = errors[0] / errors[1]
     yield Figure("S9", "sway error, of the truth's", 0.0, float(ratio[0]), 1.5)
@@ -316,10 +322,10 @@ HULL: Final = Rehearsal("1", TANKER.ship, TANKER.outputs, TANKER.period, TRUTH, 
 def zig_zag_of(problem: Problem, angle: float) -> tuple[Numbers, Numbers]:
     """Return rudder (n,) [deg] and readings (n, 3). The bent hull makes a zig-zag angle/angle."""
     values = problem.whole(problem.start)
-    drift = problem.plant.blocks(aside(values, ())).drift[0].real[:3]
+    drift = problem.plant.blocks(step_aside(values, ())).drift[0].real[:3]
     place = problem.plant.model.place("N_v")
     # what a unit of N_v does to the rates, by sway
-    by_moment = problem.plant.blocks(aside(values, (place,))).drift[1].imag[:3, 0] * 1e100
+    by_moment = problem.plant.blocks(step_aside(values, (place,))).drift[1].imag[:3, 0] * 1e100
     weakening = -WEAKENED * values[place] * by_moment / problem.plant.ship.speed
 
     def rates(s: Numbers, helm: float) -> Numbers:
@@ -348,8 +354,8 @@ def bent_hull() -> Iterator[Figure]:
         problem = HULL.problem(np.zeros(COUNT))
         rudder, readings = zig_zag_of(problem, angle)
         samples = Samples(problem.samples.t, readings, rudder[:, None])
-        fit = estimate(
-            Innovations(problem.on(samples), no_gain), problem.start, "scoring", Search(300)
+        fit = find_best_minimum(
+            Innovations(problem.on(samples), no_gain), problem.start, "scoring", SearchOptions(300)
         )
         found[angle] = float(fit.theta[problem.names.index("N_v")]) / true
     yield Figure("S10", "N_v by 10/10, of the true", 0.0, found[10.0], 0.95)

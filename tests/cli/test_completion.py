@@ -63,8 +63,8 @@ def test_manoeuvres_and_roles_are_offered_and_are_all_there_are(tmp_path: Path) 
     assert words_of(completed(tmp_path, "manoeuvre", "")) == list(MANOEUVRES)
     assert words_of(completed(tmp_path, "manoeuvre", "turn")) == ["turn", "turning-circle"]
     assert words_of(completed(tmp_path, "station", "")) == list(ROLES)
-    assert tuple(MANOEUVRES) == guide.NAMES
-    assert tuple(ROLES) == run_commands.ROLES
+    assert tuple(MANOEUVRES) == guide.MANOEUVRE_NAMES
+    assert tuple(ROLES) == run_commands.STATION_ROLES
 
 
 @pytest.mark.process

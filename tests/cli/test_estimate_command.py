@@ -11,9 +11,9 @@ import pytest
 from click.testing import CliRunner, Result
 from helpers.places import ROOT
 
-from trainer.analysis.check import check
-from trainer.analysis.gains import design
-from trainer.analysis.readiness import examine
+from trainer.analysis.check import check_vessel
+from trainer.analysis.gains import design_gains
+from trainer.analysis.readiness import examine_boat
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.cli.estimate import estimate
@@ -78,17 +78,17 @@ def boat(written: Path) -> VesselFile:
 
 
 def test_the_boat_passes_check_at_its_own_step(boat: VesselFile) -> None:
-    report = check(boat)
+    report = check_vessel(boat)
 
     assert report.own_step_stable
-    assert examine(boat).passed
+    assert examine_boat(boat).passed
     assert report.remarks == ()
     assert report.absent_but_kept == {}
 
 
 def test_the_gains_written_are_those_of_trainer_gains(boat: VesselFile) -> None:
     assert boat.autopilot
-    told = design(boat)
+    told = design_gains(boat)
     assert list(boat.autopilot.rudder_course) == told["rudder_course"]
     assert list(boat.autopilot.stern_pitch) == told["stern_pitch"]
 
@@ -96,9 +96,9 @@ def test_the_gains_written_are_those_of_trainer_gains(boat: VesselFile) -> None:
 @pytest.mark.parametrize("name", ["suboff", "small-boat"])
 def test_the_gains_keep_depth_and_course(name: str) -> None:
     """A new depth and a new course at once, at the design speed; SUBOFF is unstable by itself."""
-    from trainer.analysis.estimate.boat_file import load, write_boat  # noqa: PLC0415
+    from trainer.analysis.estimate.boat_file import open_hull, write_boat  # noqa: PLC0415
 
-    boat = write_boat(load(name), Path("boat.toml")).file
+    boat = write_boat(open_hull(name), Path("boat.toml")).file
     length, step = boat.hull.length, boat.run.step_s
     sailing = Boat(boat, Method("full", "lagged", "exact", "adams2", boat.run.step_s))
     sailing.start(boat.run.start_speed_kn * KNOT, boat.run.start_depth_m, 0.0)
@@ -181,10 +181,10 @@ def test_a_new_hull_is_that_of_the_small_boat(tmp_path: Path) -> None:
     assert type_estimate("new", str(made)).exit_code == 0
     with pytest.raises(ConfigError, match="is there already"):
         CliRunner().invoke(estimate, ["new", str(made)], catch_exceptions=False)
-    from trainer.analysis.estimate.boat_file import estimate_of, load  # noqa: PLC0415
+    from trainer.analysis.estimate.boat_file import estimate_of, open_hull  # noqa: PLC0415
 
-    new = estimate_of(load(str(made))).values
-    assert new["N_v"] == pytest.approx(estimate_of(load("small-boat")).values["N_v"], rel=0.02)
+    new = estimate_of(open_hull(str(made))).values
+    assert new["N_v"] == pytest.approx(estimate_of(open_hull("small-boat")).values["N_v"], rel=0.02)
 
 
 def test_every_usual_value_of_the_skeleton_is_the_one_taken() -> None:
@@ -321,12 +321,12 @@ def lightly() -> Callable[[Path], Any]:
     from trainer.config.vessel import parse_vessel  # noqa: PLC0415
 
     def warn(path: Path) -> list[str]:
-        made = boat_file.estimate_of(boat_file.load(str(path)))
+        made = boat_file.estimate_of(boat_file.open_hull(str(path)))
         text = boat_file.boat_text(made, boat_file.boat_tables(made))
         file = parse_vessel(text, path)
         speeds = {plane: critical_speed(file, plane) for plane in ("stern", "bow")}
         own = {name: None if x is None else x / KNOT for name, x in speeds.items()}
-        return list(survey.warnings(boat_file.Written(made, text, file, ()), own))
+        return list(survey.warnings(boat_file.WrittenBoat(made, text, file, ()), own))
 
     return warn
 
@@ -350,13 +350,13 @@ SORTS = {
 
 @pytest.mark.parametrize("sort", SORTS)
 def test_a_boat_of_each_sort_is_written(tmp_path: Path, sort: str) -> None:
-    from trainer.analysis.estimate.boat_file import load, write_boat  # noqa: PLC0415
+    from trainer.analysis.estimate.boat_file import open_hull, write_boat  # noqa: PLC0415
 
     text, lack = SORTS[sort]
     hull = tmp_path / "hull.toml"
     hull.write_text(text, encoding="utf-8")
 
-    made = write_boat(load(str(hull)), tmp_path / "boat.toml")
+    made = write_boat(open_hull(str(hull)), tmp_path / "boat.toml")
 
     assert (made.file.autopilot is None) == bool(lack)
     assert made.file.run.step_s == 0.1  # at 0.2 s the formula feeds its roll, at 0.5 s it grows
@@ -369,15 +369,15 @@ def test_a_boat_of_each_sort_is_written(tmp_path: Path, sort: str) -> None:
 
 def test_the_step_lets_a_free_roll_die_out_by_the_compact_set_too() -> None:
     from trainer.analysis.estimate.boat_file import (  # noqa: PLC0415
-        ROLLED,
-        load,
+        MAX_ROLL_STEP_RAD,
+        open_hull,
         roll_frequency,
         write_boat,
     )
     from trainer.analysis.reduce.objective import Candidate, Yardstick  # noqa: PLC0415
     from trainer.analysis.reduce.programme import fit_legs  # noqa: PLC0415
 
-    file = write_boat(load("suboff"), Path("boat.toml")).file
+    file = write_boat(open_hull("suboff"), Path("boat.toml")).file
     leg = next(leg for leg in fit_legs(file) if leg.name == "roll-decay")
     candidate, yardstick = Candidate(file, "modified"), Yardstick(file, [leg])
     (judged,) = (judgements for _, judgements in yardstick.judged(candidate))
@@ -385,7 +385,7 @@ def test_the_step_lets_a_free_roll_die_out_by_the_compact_set_too() -> None:
 
     assert period is not None
     assert roll_frequency(file) == pytest.approx(2.0 * math.pi / period, rel=0.05)
-    assert roll_frequency(file) * file.run.step_s <= ROLLED
+    assert roll_frequency(file) * file.run.step_s <= MAX_ROLL_STEP_RAD
     assert abs(yardstick.differences(candidate)).max() < 0.5  # of what is allowed
 
 

@@ -10,11 +10,11 @@ import pytest
 import trainer
 from trainer.cli import boat, calls, guide, identify
 from trainer.cli import sweep as sweep_command
-from trainer.config.files import shipped
+from trainer.config.files import shipped_path
 from trainer.identify.options import IdentifyOptions
 from trainer.units import KNOT
 
-RECORD = shipped("records", "example").with_suffix(".csv")
+RECORD = shipped_path("records", "example").with_suffix(".csv")
 Case = tuple[Any, str, Any]  # the value given, the option, and what has to arrive there
 
 METHOD: dict[str, Case] = {
@@ -215,7 +215,7 @@ def test_an_unknown_keyword_is_told_before_its_value_is_read() -> None:
 
 def test_a_record_is_shown_alone_by_call_as_by_the_command() -> None:
     pytest.importorskip("scipy")
-    study = shipped("records", "example")
+    study = shipped_path("records", "example")
 
     seen = trainer.identify_ship(study, data_only=True)
 

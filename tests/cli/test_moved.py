@@ -7,7 +7,7 @@ import sys
 import pytest
 from helpers.places import CHECKOUT, environment
 
-from trainer.cli.moved import MOVED
+from trainer.cli.moved import MOVED_COMMANDS
 
 LINES = {
     "soak": "soak is gone: from a checkout, python -m tests.soak",
@@ -34,7 +34,7 @@ def test_a_command_that_has_gone_says_in_one_line_what_to_type_now(line: str) ->
     assert (done.returncode, done.stdout, done.stderr) == (2, "", f"trainer: {LINES[line]}\n")
 
 
-NEW = sorted({word for now in MOVED.values() for word in re.findall(r"tests\.\w+", now)})
+NEW = sorted({word for now in MOVED_COMMANDS.values() for word in re.findall(r"tests\.\w+", now)})
 
 
 @pytest.mark.process
@@ -49,6 +49,6 @@ def test_what_is_typed_now_is_there_from_a_checkout(module: str) -> None:
     )
 
     assert done.stdout.startswith(f"Usage: python -m {module} [OPTIONS]")
-    for now in MOVED.values():
+    for now in MOVED_COMMANDS.values():
         if module in now:
             assert all(option in done.stdout for option in re.findall(r"--[\w-]+", now)), now

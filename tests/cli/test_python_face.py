@@ -23,7 +23,7 @@ from trainer.cli.boat import BoatOptions
 from trainer.cli.calls import IdentifyOptions, ManoeuvreOptions, SweepOptions
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.session.header import reading
+from trainer.session.header import open_whole_recording
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session
 
@@ -239,7 +239,7 @@ def test_a_recording_by_call_replays_to_the_bit_with_its_branches(tmp_path: Path
         boat.run(30)
         assert [each["text"] for each in boat.orders] == ["course 090"]
 
-    with reading(tmp_path / "it.trainer") as recording:
+    with open_whole_recording(tmp_path / "it.trainer") as recording:
         flights = replay_anyway(recording)
     assert len(flights) == 2
     assert all(flight.same for flight in flights)

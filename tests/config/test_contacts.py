@@ -8,7 +8,7 @@ import pytest
 
 from trainer.boat.boat import Boat
 from trainer.boat.world.contacts import contacts_in
-from trainer.config.contacts import TYPES
+from trainer.config.contacts import SHIP_TYPES
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.session.options import RunOptions
@@ -121,7 +121,7 @@ def test_what_a_file_leaves_out_is_as_its_type_has_it() -> None:
     assert ship.status == "at anchor"
 
 
-@pytest.mark.parametrize("name", TYPES)
+@pytest.mark.parametrize("name", SHIP_TYPES)
 def test_every_type_of_ship_sails_and_is_seen(tmp_path: Path, name: str) -> None:
     path = write(tmp_path, SHIP.replace("cargo", name) + "speed_kn = 5\nmmsi = 211000001\n")
     plan = plan_run(RunOptions(exercise=str(path)))

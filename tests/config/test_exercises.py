@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
-from trainer.analysis.exercise_page import check
+from trainer.analysis.exercise_page import check_exercise
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import active
-from trainer.boat.helm import obey
+from trainer.boat.casualties import active_casualties
+from trainer.boat.helm import obey_order
 from trainer.config.course import course
 from trainer.config.exercise import Exercise, key_tables, load_exercise, parse_exercise
-from trainer.config.files import ConfigError, read_text, shipped, shipped_names
+from trainer.config.files import ConfigError, read_text, shipped_names, shipped_path
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
@@ -83,21 +83,21 @@ def test_a_casualty_is_as_severe_and_sudden_as_ordered_else_as_its_table_says(
     order, clear = parse(line), parse("clear propulsion-lost")
     assert isinstance(order, Order)
     assert isinstance(clear, Order)
-    assert isinstance(obey(boat, order), str)
-    (found,) = active(boat)
+    assert isinstance(obey_order(boat, order), str)
+    (found,) = active_casualties(boat)
     assert (found.kind, found.target, found.seconds) == ("propulsion-lost", amount, seconds)
 
-    assert isinstance(obey(boat, clear), str)
-    assert isinstance(obey(boat, replace(clear, subject="propulsion-stuck")), Refused)
+    assert isinstance(obey_order(boat, clear), str)
+    assert isinstance(obey_order(boat, replace(clear, subject="propulsion-stuck")), Refused)
     for _ in range(200):
         assert boat.tick() == 0
-    assert active(boat) == []
+    assert active_casualties(boat) == []
 
 
 def test_an_unknown_casualty_is_answered_with_the_nearest() -> None:
     order = parse("casualty propulsion-los")
     assert isinstance(order, Order)
-    answer = obey(bb2(), order)
+    answer = obey_order(bb2(), order)
     assert isinstance(answer, Refused)
     assert answer.reason.endswith("nearest is propulsion-lost")
 
@@ -316,7 +316,7 @@ def test_what_the_crew_works_is_put_in_hand_as_it_stands(tmp_path: Path) -> None
     ]
     assert plan.judged_by_tasks
     path.write_text(f"{SHORTEST}hand = ['rudder']\nvessel = './none.toml'\n")
-    text = read_text(shipped("vessels", "bb2"))
+    text = read_text(shipped_path("vessels", "bb2"))
     without = re.sub(r"\n\[autopilot\].*?(?=\n\[)", "", text, flags=re.DOTALL)
     (tmp_path / "none.toml").write_text(without)
     assert plan_run(RunOptions(exercise=str(path))).schedule == []
@@ -355,7 +355,7 @@ def test_files_that_an_exercise_names_are_looked_for_beside_it(tmp_path: Path) -
     boat = bb2()
     plan = replace(plan_run(OPTIONS), casualties=exercise.casualties)
     plan.start(boat)
-    assert obey(boat, exercise.schedule[0].order) == "casualty my-leak, hole 5 cm2 within 5 s"
+    assert obey_order(boat, exercise.schedule[0].order) == "casualty my-leak, hole 5 cm2 within 5 s"
 
 
 # What overrules what
@@ -520,7 +520,7 @@ MISTAKES = {  # a line of the skeleton, the line in its place, and what is told 
 def test_a_check_tells_every_mistake_of_a_file_at_once(
     kinds: tuple[str, ...], tmp_path: Path
 ) -> None:
-    text = shipped("", "exercise-skeleton").read_text(encoding="utf-8")
+    text = shipped_path("", "exercise-skeleton").read_text(encoding="utf-8")
     for kind in kinds:
         sound, wrong, _ = MISTAKES[kind]
         assert sound in text
@@ -529,7 +529,7 @@ def test_a_check_tells_every_mistake_of_a_file_at_once(
     path.write_text(text, encoding="utf-8")
 
     with pytest.raises(ConfigError) as error:
-        check(str(path))
+        check_exercise(str(path))
 
     for kind in kinds:
         *_, told = MISTAKES[kind]

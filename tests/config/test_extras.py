@@ -11,7 +11,7 @@ import pytest
 from helpers.places import ROOT, environment
 from helpers.syntax import nodes_of
 
-from trainer.config.extras import EXTRAS, PACKAGE
+from trainer.config.extras import EXTRA_BY_LIBRARY, PACKAGE_NAME
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 BROUGHT = ("llvmlite", "markupsafe", "rich")  # by numba, jinja2 and textual
@@ -101,7 +101,7 @@ def test_a_command_that_needs_an_extra_names_it_in_one_line(
     assert done.returncode == 2, done.stderr
     assert done.stderr.count("\n") == 1, done.stderr
     assert library in done.stderr
-    assert f"pip install '{PACKAGE}[{EXTRAS[library]}]'" in done.stderr
+    assert f"pip install '{PACKAGE_NAME}[{EXTRA_BY_LIBRARY[library]}]'" in done.stderr
 
 
 @pytest.mark.process
@@ -111,14 +111,14 @@ def test_a_run_without_the_viewer_says_so_and_sails(tmp_path: Path) -> None:
     done = without(("rerun",), line, tmp_path)
 
     assert done.returncode == 0, done.stderr
-    assert f"--rrd needs rerun: pip install '{PACKAGE}[rerun]'" in done.stderr
+    assert f"--rrd needs rerun: pip install '{PACKAGE_NAME}[rerun]'" in done.stderr
     assert "Traceback" not in done.stderr
 
 
 @pytest.mark.process
 def test_the_plain_install_checks_a_boat_and_flies_an_exercise(tmp_path: Path) -> None:
     for line in ("check bb2", "exercise check depth-changes", "manoeuvre turning-circle bb2"):
-        done = without(tuple(EXTRAS), line, tmp_path)
+        done = without(tuple(EXTRA_BY_LIBRARY), line, tmp_path)
 
         assert done.returncode == 0, done.stderr
 
@@ -143,10 +143,10 @@ def required(lines: list[str]) -> set[str]:
 def test_every_library_is_of_the_plain_install_or_has_an_extra() -> None:
     plain = required(PROJECT["dependencies"]) | {"trainer", *BROUGHT}
     for path in sorted((ROOT / "trainer").rglob("*.py")):
-        strangers = imported(path) - plain - set(sys.stdlib_module_names) - set(EXTRAS)
+        strangers = imported(path) - plain - set(sys.stdlib_module_names) - set(EXTRA_BY_LIBRARY)
         assert not strangers, f"{path}: {strangers}"
 
 
 def test_every_extra_that_is_told_brings_its_library() -> None:
-    for library, extra in EXTRAS.items():
+    for library, extra in EXTRA_BY_LIBRARY.items():
         assert library in required(PROJECT["optional-dependencies"][extra])

@@ -16,7 +16,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.casualties import load_casualties
 from trainer.config.exercise import load_exercise, read_exercise
-from trainer.config.files import ConfigError, shipped, shipped_names
+from trainer.config.files import ConfigError, shipped_names, shipped_path
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
@@ -88,7 +88,7 @@ each_vessel = pytest.mark.parametrize(
 
 @each_vessel
 def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Path) -> None:
-    text = shipped("vessels", name).read_text(encoding="utf-8")
+    text = shipped_path("vessels", name).read_text(encoding="utf-8")
     path = tmp_path / "boat.toml"
     for told, with_it in changed(text, ("nan", "-inf", "1e999")):
         path.write_text(with_it, encoding="utf-8")
@@ -100,7 +100,7 @@ def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Pat
 def test_a_vessel_with_a_number_that_no_boat_has_is_refused_or_flies(
     name: str, tmp_path: Path
 ) -> None:
-    text = shipped("vessels", name).read_text(encoding="utf-8")
+    text = shipped_path("vessels", name).read_text(encoding="utf-8")
     for told, vessel in check(load_vessel, tmp_path / "boat.toml", text):
         assert isinstance(vessel, VesselFile)
         boat = Boat(vessel, Method("full", "lagged", "exact", "adams2", vessel.run.step_s))
@@ -122,13 +122,13 @@ def test_a_vessel_with_a_number_that_no_boat_has_is_refused_or_flies(
 def test_a_file_with_a_number_that_none_is_like_is_refused_by_name(
     kind: str, name: str, load: Callable[[str], object], tmp_path: Path
 ) -> None:
-    text = shipped(kind, name).read_text(encoding="utf-8")
+    text = shipped_path(kind, name).read_text(encoding="utf-8")
     taken = [told for told, _ in check(load, tmp_path / "own.toml", text)]
     assert taken == []
 
 
 def test_a_table_of_casualties_with_such_a_number_is_refused_by_name(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
-    text = (shipped("casualties", "standard")).read_text(encoding="utf-8")
+    text = (shipped_path("casualties", "standard")).read_text(encoding="utf-8")
     taken = [told for told, _ in check(partial(load_casualties), path, text)]
     assert taken == []

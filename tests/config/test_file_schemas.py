@@ -14,8 +14,8 @@ from fuzz.files import SHIP
 from helpers.places import ROOT
 from jsonschema import Draft202012Validator
 
-from trainer.cli.schema import SCHEMAS, schema, schema_of
-from trainer.config.baseline import BASELINE
+from trainer.cli.schema import SCHEMA_MODULES, schema, schema_of
+from trainer.config.baseline import BASELINE_SUFFIX
 
 CONFIGS = ROOT / "configs"
 FOLDERS = {
@@ -31,7 +31,7 @@ SHIPPED = [
     (kind, path)
     for kind, folder in FOLDERS.items()
     for path in sorted((CONFIGS / folder).glob("*.toml"))
-    if not path.name.endswith(BASELINE)
+    if not path.name.endswith(BASELINE_SUFFIX)
 ]
 SHIPPED.append(("exercise", CONFIGS / "exercise-skeleton.toml"))
 SHIPPED.append(("hull", CONFIGS / "hull-skeleton.toml"))
@@ -61,7 +61,7 @@ def shipped(name: str) -> dict[str, Any]:
     return tomllib.loads((CONFIGS / name).read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("kind", SCHEMAS)
+@pytest.mark.parametrize("kind", SCHEMA_MODULES)
 def test_a_schema_is_one_of_draft_2020_12(kind: str) -> None:
     made = schema_of(kind)
 

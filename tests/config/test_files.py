@@ -17,13 +17,13 @@ from trainer.config.files import (
     collecting,
     json_text,
     read_text,
-    shipped,
     shipped_names,
+    shipped_path,
 )
 from trainer.config.schema import Quantities, kind_of
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_records import Autopilot, key_tables
-from trainer.core.terms import COEFFICIENTS, TABLE
+from trainer.core.terms import COEFFICIENTS, TERM_TABLE
 
 PLACE = Path("boat.toml")
 
@@ -134,14 +134,14 @@ def test_sdv_takes_its_cross_flow_from_the_equivalent_table() -> None:
 
 def test_there_are_131_terms_of_which_the_compact_set_keeps_60() -> None:
     # 68-C-0050-1, Tables 2 to 4 and 18: 131 less the 71 dropped. Nine of both are thrust rows.
-    assert len(TABLE) == len({term.key for term in TABLE}) == 131
-    assert sum(term.kept for term in TABLE) == 60
+    assert len(TERM_TABLE) == len({term.key for term in TERM_TABLE}) == 131
+    assert sum(term.kept for term in TERM_TABLE) == 60
     assert len(COEFFICIENTS) == 122
     assert sum(term.kept for term in COEFFICIENTS) == 51
 
 
 def test_a_path_and_a_name_load_the_same_boat() -> None:
-    path = shipped("vessels", "bb2")
+    path = shipped_path("vessels", "bb2")
 
     assert load_vessel(str(path)).coefficients == load_vessel("bb2").coefficients
     assert load_vessel("bb2").text == path.read_text(encoding="utf-8")

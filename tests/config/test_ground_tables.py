@@ -10,13 +10,20 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.config.bottom import LAND, Bottom, depths_at, is_charted, land_near, read_bottom
+from trainer.config.bottom import (
+    LAND_DEPTH_M,
+    Bottom,
+    depths_at,
+    is_charted,
+    land_near,
+    read_bottom,
+)
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, reading_recorded, remembering
 from trainer.config.soundings import (
-    CELLS,
+    MAX_CELLS,
     Grid,
-    between,
+    interpolate,
     on_the_plane,
     read_as_kept,
     read_grid,
@@ -57,7 +64,7 @@ def test_the_first_row_is_the_north_and_the_centre_is_the_sample(asc: Path) -> N
     grid = read_grid(asc)
     assert grid.values.tolist() == [[30.0, 40.0], [10.0, 20.0]]
     assert (grid.south, grid.west, grid.cell) == (0.0, 0.0, (100.0, 100.0))
-    assert between(grid.values, np.array(0.5), np.array(0.5)) == 25.0
+    assert interpolate(grid.values, np.array(0.5), np.array(0.5)) == 25.0
 
 
 def test_depths_are_those_between_the_samples_and_beyond_the_end_those_of_the_edge(
@@ -97,7 +104,7 @@ def test_a_corner_is_half_a_cell_from_the_sample_whatever_the_case_and_line_ends
         (HEAD + "10 inf 30 40", "sample 2 = inf: must be finite"),
         (
             HEAD.replace("ncols 2", "ncols 4001").replace("nrows 2", "nrows 1000"),
-            f"{CELLS} at most",
+            f"{MAX_CELLS} at most",
         ),
         (HEAD.replace("nrows 2", "nrows 1") + "10 20", "at least 2 x 2"),
     ],
@@ -161,7 +168,7 @@ def test_a_plane_deepens_the_way_it_says(asc: Path) -> None:
 def test_a_sample_without_a_value_is_land_and_how_near_it_is_can_be_told(asc: Path) -> None:
     asc.write_text(HEAD + "10 20 -9999 40")
     found = ground(asc, grid=asc.name, values="depth")
-    assert found.depth.values[0].tolist() == [LAND, 40.0]
+    assert found.depth.values[0].tolist() == [LAND_DEPTH_M, 40.0]
     assert land_near(found, 0.0, 30.0) == 30.0
     assert land_near(found, 5000.0, 0.0) == np.inf
     assert is_charted(found, 100.0, 100.0)

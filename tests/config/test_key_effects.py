@@ -15,9 +15,9 @@ from trainer.boat import stability
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, count_passed
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.boat.world.scope import periscope_of
-from trainer.config.files import ConfigError, shipped, shipped_names
+from trainer.config.files import ConfigError, shipped_names, shipped_path
 from trainer.config.vessel import (
     DOCUMENTARY_TABLES,
     VesselFile,
@@ -101,7 +101,7 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
 
     with monkeypatch.context() as patch:
         patch.setattr("trainer.session.plan.load_vessel", lambda _: file)
-        patch.setattr(stability, "responses", note_speeds)
+        patch.setattr(stability, "boat_responses", note_speeds)
         plan = plan_run(RunOptions())
         boat = Boat(plan.file, plan.method)
         plan.start(boat)
@@ -114,9 +114,9 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
     for line in ORDERS:
         order = parse(line)
         assert isinstance(order, Order), line
-        told += [obey(boat, order), boat.state.ordered_u_c, boat.state.ordered_depth]
+        told += [obey_order(boat, order), boat.state.ordered_u_c, boat.state.ordered_depth]
     if scope := periscope_of(boat):
-        told += [obey(boat, RAISE), scope.head(scope.at(10))]
+        told += [obey_order(boat, RAISE), scope.head(scope.at(10))]
     return told
 
 
@@ -142,7 +142,7 @@ each_vessel = pytest.mark.parametrize(
 def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    table = tomllib.loads(shipped("vessels", name).read_text(encoding="utf-8"))
+    table = tomllib.loads(shipped_path("vessels", name).read_text(encoding="utf-8"))
     file = reaction(table, name)
     assert isinstance(file, VesselFile)
     as_it_is, run = numbers(file), a_run(file, monkeypatch)

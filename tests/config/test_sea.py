@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
-from trainer.config.files import ConfigError, shipped, shipped_names
+from trainer.config.files import ConfigError, shipped_names, shipped_path
 from trainer.config.sea import key_table, load_sea, parse_sea, sea_settings, step_problem
 
 G = 9.81
@@ -170,7 +170,7 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
 def test_the_manual_lists_every_key_and_its_examples_load() -> None:
     manual = (ROOT / "docs" / "seas.md").read_text(encoding="utf-8")
     examples = re.findall(r"```toml\n(.*?)```", manual, re.DOTALL)
-    defaults = tomllib.loads(shipped("", "sea-defaults").read_text(encoding="utf-8"))["sea"]
+    defaults = tomllib.loads(shipped_path("", "sea-defaults").read_text(encoding="utf-8"))["sea"]
 
     assert key_table() in manual
     assert len(examples) >= 2

@@ -11,13 +11,13 @@ from helpers.places import ROOT
 
 from trainer.analysis.guide.programme import own_method
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
-from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.config.ballast_records import RECORDS as BALLAST
+from trainer.config.ballast_records import BALLAST_RECORDS as BALLAST
 from trainer.config.files import ConfigError
 from trainer.config.schema import kind_of, kinds_of
-from trainer.config.similarity import EXCEPTIONS, UNITS, law_of, law_table, power_of
-from trainer.config.vessel import RECORDS, VesselFile, load_vessel, parse_vessel
+from trainer.config.similarity import KNOWN_UNITS, LAW_EXCEPTIONS, law_of, law_table, power_of
+from trainer.config.vessel import VESSEL_RECORDS, VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_records import SurfaceRow, ThrustSet
 from trainer.config.vessel_template import vessel_text, write_new
 from trainer.units import KNOT
@@ -26,7 +26,7 @@ BOATS = ("bb2", "sdv-mk9", "remus100")
 TOLERANCE = 1e-3  # [-] of what is similar
 LIKE = ("advance", "transfer", "tactical diameter", "heading overshoot 1", "heading overshoot 2")
 TABLES = {
-    **RECORDS,
+    **VESSEL_RECORDS,
     **{name.strip("[]"): record for name, record in BALLAST.items()},
     "propulsion.sets": ThrustSet,
     "free_surface.rows": SurfaceRow,
@@ -75,14 +75,14 @@ def test_the_table_of_laws_has_every_unit_of_a_vessel_file() -> None:
         kind.form.unit
         for table, record in TABLES.items()
         for key, kind in kinds_of(record).items()
-        if (table, key) not in EXCEPTIONS
+        if (table, key) not in LAW_EXCEPTIONS
     }
 
-    assert found - {"word", "words", "table", "tables"} == {*UNITS}
+    assert found - {"word", "words", "table", "tables"} == {*KNOWN_UNITS}
 
 
 def test_every_exception_is_of_a_key_that_is_there() -> None:
-    for table, key in EXCEPTIONS:
+    for table, key in LAW_EXCEPTIONS:
         assert key in {item.name for item in fields(TABLES[table])}
 
 
@@ -109,7 +109,7 @@ def test_a_copy_is_the_boat_itself(source: str) -> None:
 def test_every_key_in_a_new_file_has_its_meaning_beside_it(source: str) -> None:
     text = vessel_text(source, 30.0, None)
 
-    for record in RECORDS.values():
+    for record in VESSEL_RECORDS.values():
         for item in fields(record):
             if hasattr(kind_of(item), "words"):
                 continue
@@ -185,7 +185,7 @@ def flown(file: VesselFile, name: str, equations: str) -> Measured:
     """Return the numbers of a manoeuvre at the boat's own speed by their names, SI."""
     boat = Submarine(file, own_method(file, equations), Rig())
     manoeuvre = within_limits(find_manoeuvre(name), boat)
-    flight = fly(boat, manoeuvre, file.run.start_speed_kn * KNOT)
+    flight = fly_manoeuvre(boat, manoeuvre, file.run.start_speed_kn * KNOT)
     numbers: Any = manoeuvre.measures(flight)
     return {one.name: (one.value, one.unit) for one in numbers if one.value is not None}
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.assemble import Method, fit_out
-from trainer.config.files import ConfigError, shipped
+from trainer.config.files import ConfigError, shipped_path
 from trainer.config.vessel import VesselFile, load_vessel, read_vessel
 from trainer.core.vessel import STRIP_PLACES, STRIP_SHARES
 
@@ -19,7 +19,7 @@ METHOD = Method("modified", "lagged", "exact", "adams2", 0.5)
 
 def bb2_with(**strips: Any) -> VesselFile:
     """Return BB2 with other entries of her table, None for none."""
-    table = tomllib.loads(shipped("vessels", "bb2").read_text(encoding="utf-8"))
+    table = tomllib.loads(shipped_path("vessels", "bb2").read_text(encoding="utf-8"))
     table["wave_strips"] |= strips
     return read_vessel(table, "", Path("mine.toml"))
 

@@ -30,19 +30,19 @@ from textual.pilot import Pilot
 from textual.strip import Strip
 
 from trainer.console.app import Console
-from trainer.console.client import Barred, Client, Item, Joined, Lost
+from trainer.console.client import Client, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.drawing.attitude import turn
 from trainer.console.drawing.chart import limits
-from trainer.console.entry import Entry, complete, hint, offer
-from trainer.console.journal import Kept, Sample, Trace
-from trainer.console.keys import KEYS, Give, Move, key_tables
+from trainer.console.entry import Entry, complete_word, hint, offer
+from trainer.console.journal import Sample, TimelineMoment, Trace
+from trainer.console.keys import KEYS, MoveAction, OrderAction, key_tables
 from trainer.console.layouts import LAYOUTS, wishes
-from trainer.console.model import Broken, SessionModel
-from trainer.console.pane import GROUND, INKS, Pane, contrast, plain
+from trainer.console.model import CasualtyOffer, SessionModel
+from trainer.console.pane import GROUND_COLOUR, INKS, Pane, contrast, plain
 from trainer.console.readings import ChannelReadings
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.session.stations.roles import ROLES, refusal
 
 STYLE = ROOT / "trainer" / "console" / "console.tcss"
@@ -81,11 +81,11 @@ KEYSTROKES = (
 def test_every_key_gives_an_order_that_its_role_may_give() -> None:
     for role, keys in KEYS.items():
         for key in keys:
-            if isinstance(key.act, Give):
+            if isinstance(key.act, OrderAction):
                 order = parse(key.act.words)
                 assert isinstance(order, Order), key
                 assert refusal(ROLES[role], order) is None, key
-            if isinstance(key.act, Move):
+            if isinstance(key.act, MoveAction):
                 order = parse(
                     f"{key.act.surface} {'right' if key.act.surface == 'rudder' else 'rise'} 1"
                 )
@@ -104,7 +104,7 @@ def test_every_key_of_a_station_sends_its_order(role: str) -> None:
     giving = [
         (name, key.act.words)
         for key in KEYS[role]
-        if isinstance(key.act, Give)
+        if isinstance(key.act, OrderAction)
         for name in key.names
     ]
     assert pressed(tuple(name for name, _ in giving), role) == [words for _, words in giving]
@@ -251,7 +251,10 @@ def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
 )
 def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None:
     moves = [
-        (key.act, name) for key in KEYS[role] if isinstance(key.act, Move) for name in key.names
+        (key.act, name)
+        for key in KEYS[role]
+        if isinstance(key.act, MoveAction)
+        for name in key.names
     ]
     for act, name in moves:
         (order,) = pressed((name,), role)
@@ -262,7 +265,7 @@ def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None
         assert math.degrees(found.value - start.value) == pytest.approx(2 * act.by)
 
 
-def opposite(moves: list[tuple[Move, str]], act: Move) -> str:
+def opposite(moves: list[tuple[MoveAction, str]], act: MoveAction) -> str:
     """Return a key that moves the same surface as far the other way."""
     return next(
         name for other, name in moves if (other.surface, other.by) == (act.surface, -act.by)
@@ -304,11 +307,11 @@ def test_completion_offers_what_the_grammar_has() -> None:
 
     assert set(offer("ru", known).words) == {"rudder", "run"}
     assert "left" in offer("rudder ", known).words
-    assert complete("rudder le", known) == "rudder left "
+    assert complete_word("rudder le", known) == "rudder left "
     assert offer("casualty ", known).words == ("stern-stuck", "rudder-slow")
     assert "a depth (0 to 2000 m)" in hint("depth ", known)
     assert offer("no such order", known) == ((), ())
-    assert complete("", known) == ""
+    assert complete_word("", known) == ""
 
 
 def test_digits_and_letters_are_typed_and_only_an_empty_line_has_keys() -> None:
@@ -415,7 +418,7 @@ def test_colours_stand_out_from_what_is_behind_them() -> None:
     for block in re.findall(r"\{([^}]*)\}", STYLE.read_text(encoding="utf-8")):
         ground = re.search(r"background: (#\w{6})", block)
         for colour in re.findall(r"(?<![\w-])color: (#\w{6})", block):
-            for behind in [ground[1]] if ground else (GROUND, "#16222a", "#1d2f3a"):
+            for behind in [ground[1]] if ground else (GROUND_COLOUR, "#16222a", "#1d2f3a"):
                 assert contrast(colour, behind) >= 4.5, block
     assert contrast("#ffffff", "#000000") == pytest.approx(21.0)
 
@@ -427,7 +430,7 @@ def test_pointers_move_between_ticks_and_no_further_than_the_next() -> None:
         sentences.state("time", 120, 60.0, values("time")),
         sentences.state("motion", 120, 60.0, values("motion")),
     ):  # fmt: skip
-        sentence = read(text)
+        sentence = parse_sentence(text)
         assert sentence
         picture.take(sentence, now)
 
@@ -436,7 +439,7 @@ def test_pointers_move_between_ticks_and_no_further_than_the_next() -> None:
     assert picture.smooth("motion", "depth", now + 9.0) == pytest.approx(60.25)
     assert picture.smooth("motion", "heading", now + 9.0) == pytest.approx(0.0)
 
-    frozen = read(sentences.state("time", 120, 60.0, values("time", time="frozen")))
+    frozen = parse_sentence(sentences.state("time", 120, 60.0, values("time", time="frozen")))
     assert frozen
     picture.take(frozen, now)
     assert picture.smooth("motion", "depth", now + 0.2) == 60.0
@@ -449,7 +452,7 @@ def test_gauges_without_rates_move_from_one_reading_to_the_next() -> None:
         (sentences.state("gauges", 1, 0.5, values("gauges", heading="359.0")), 10.0),
         (sentences.state("gauges", 2, 1.0, values("gauges", heading="1.0")), 10.5),
     ):
-        sentence = read(text)
+        sentence = parse_sentence(text)
         assert sentence
         picture.take(sentence, when)
 
@@ -526,7 +529,7 @@ def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
     talk = tape()
     model = sight_of(talk)
     model.hear()
-    model.marks.append(Kept(20.0, "M", "before"))
+    model.marks.append(TimelineMoment(20.0, "M", "before"))
     talk.facts["mark back from 60 s to 0 s"] = [("mark", "back from 60 s to 0 s")]
     model.order("mark back from 60 s to 0 s")
     model.hear()
@@ -556,7 +559,9 @@ def test_what_can_break_is_asked_of_the_session() -> None:
     model = sight_of(tape())
     model.hear()
     model.hear()
-    assert model.casualties[0] == Broken("stern-stuck", "", "The stern planes stay where they are")
+    assert model.casualties[0] == CasualtyOffer(
+        "stern-stuck", "", "The stern planes stay where they are"
+    )
     assert model.casualties[1].degree == "-1 ramp 0"
 
 
@@ -567,7 +572,7 @@ def test_what_can_break_is_asked_of_the_session() -> None:
 def test_before_the_session_is_there_nothing_is_said_of_the_boat_and_at_once_then(
     role: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.console.app.RATE", 0.01)  # no other look is in time
+    monkeypatch.setattr("trainer.console.app.REFRESH_RATE_HZ", 0.01)  # no other look is in time
     talk = tape(role)
     held, talk.items = talk.items, []
     app = Console(sight_of(talk, role))
@@ -634,12 +639,12 @@ def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
 
     async def lose(pilot: Pilot[str], app: Console) -> None:
         talk.connected = False
-        talk.items.append(Lost("the session has closed the line"))
+        talk.items.append(LineLoss("the session has closed the line"))
         await seen(pilot, app, "NO LINE: the session has closed the line; trying again")
         await pilot.press("f3")
         await seen(pilot, app, "? not sent")
         talk.connected = True
-        talk.items.append(Joined())
+        talk.items.append(RoleTaken())
         await pilot.pause(0.15)
         assert "NO LINE" not in shown(app)
         assert "the connection is back" in shown(app)
@@ -659,18 +664,18 @@ def test_while_the_next_exercise_is_made_ready_no_line_is_no_alarm() -> None:
         async with app.run_test(size=(80, 24)) as pilot:
             await seen(pilot, app, "RUNNING")
             talk.say(sentences.fact(125, 62.5, "next", ""))
-            talk.items += [Lost("the session has closed the line"), Lost(dialled)]
+            talk.items += [LineLoss("the session has closed the line"), LineLoss(dialled)]
             await seen(pilot, app, "helm the next exercise is being made ready")
             assert "line" not in shown(app)
             assert "listens" not in shown(app)
-            talk.items.append(Joined())
+            talk.items.append(RoleTaken())
             await seen(pilot, app, "the next exercise is ready")
             assert "RUNNING" in shown(app)
             talk.say(sentences.fact(125, 62.5, "next", ""))
-            talk.items.append(Lost("the session has closed the line"))
+            talk.items.append(LineLoss("the session has closed the line"))
             await seen(pilot, app, "helm the next exercise is being made ready")
             now[0] += 61.0  # it does not come
-            talk.items.append(Lost(dialled))
+            talk.items.append(LineLoss(dialled))
             await seen(pilot, app, "NO LINE")
 
     run_aside(wait())
@@ -696,7 +701,7 @@ def test_a_console_that_is_not_let_in_says_why_and_ends() -> None:
     talk = tape()
 
     async def bar(pilot: Pilot[str], _app: Console) -> None:
-        talk.items.append(Barred("wrong token"))
+        talk.items.append(RoleRefusal("wrong token"))
         await pilot.pause(0.2)
 
     assert at_the_console(bar, talk)[0].return_value == "wrong token"
@@ -789,7 +794,7 @@ def test_a_broken_line_is_dialled_again_and_says_its_role_and_wishes_again(
     assert session.attended.acquire(timeout=60.0)
     client.close(5.0)
 
-    assert [type(item) for item in client.take()] == [Joined, Lost, Joined]
+    assert [type(item) for item in client.take()] == [RoleTaken, LineLoss, RoleTaken]
     assert session.heard[: 2 * len(said)] == said * 2
 
 
@@ -806,7 +811,7 @@ def test_a_wrong_token_is_told_and_not_tried_again(harbour: tuple[Harbour, Path]
             break
     client.close(5.0)
 
-    assert told == [Barred("wrong token")]
+    assert told == [RoleRefusal("wrong token")]
     assert session.heard.count(order_sentence("role helm", "1")) == 1
 
 

@@ -7,7 +7,7 @@ from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, si
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
-from trainer.console.client import Joined, Lost
+from trainer.console.client import LineLoss, RoleTaken
 from trainer.console.pane import Pane
 from trainer.io.orders import sentences
 
@@ -163,7 +163,7 @@ def test_after_a_lost_line_only_what_is_told_again_is_new() -> None:
     model = sight_of(talk, "helm")
     model.hear()
     assert model.crew.to_repeat("helm")
-    talk.items += [Lost("the session has closed the line"), Joined()]
+    talk.items += [LineLoss("the session has closed the line"), RoleTaken()]
     model.hear()
     assert model.crew.to_repeat("helm") is None
     new(talk, "course 045")

@@ -16,9 +16,9 @@ from textual.pilot import Pilot
 from trainer.cli import run as command
 from trainer.config.course import Lesson, course
 from trainer.config.files import shipped_names
-from trainer.console.dialogs import NOTHING, Done
+from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.exercise_choice import (
-    FREELY,
+    FREE_SAILING,
     ExerciseScreen,
     choose_exercise,
     exercise_choice,
@@ -33,12 +33,12 @@ OFFERED = (
 )
 
 
-def chosen(*keys: str, size: tuple[int, int] = (80, 24)) -> tuple[Done | None, str]:
+def chosen(*keys: str, size: tuple[int, int] = (80, 24)) -> tuple[DialogOutcome | None, str]:
     """Return how the screen ends when keys are pressed, and what it showed before the last."""
     screen = ExerciseScreen(exercise_choice(OFFERED))
     text = ""
 
-    async def press(pilot: Pilot[Done]) -> None:
+    async def press(pilot: Pilot[DialogOutcome]) -> None:
         nonlocal text
         await pilot.pause(0.1)
         await pilot.press(*keys[:-1])
@@ -57,15 +57,15 @@ def chosen(*keys: str, size: tuple[int, int] = (80, 24)) -> tuple[Done | None, s
 @pytest.mark.parametrize(
     ("keys", "wanted"),
     [
-        (("enter",), Done((FREELY,))),
-        (("down", "enter"), Done(("depth-gauge-failure",))),
-        ((*typed("depth"), "enter"), Done(("first-depth-change",))),
-        ((*typed("WATCH"), "enter"), Done(("depth-gauge-failure",))),
-        (("escape",), NOTHING),
+        (("enter",), DialogOutcome((FREE_SAILING,))),
+        (("down", "enter"), DialogOutcome(("depth-gauge-failure",))),
+        ((*typed("depth"), "enter"), DialogOutcome(("first-depth-change",))),
+        ((*typed("WATCH"), "enter"), DialogOutcome(("depth-gauge-failure",))),
+        (("escape",), NO_OUTCOME),
     ],
 )
 def test_an_exercise_is_found_by_its_title_and_enter_alone_sails(
-    keys: tuple[str, ...], wanted: Done
+    keys: tuple[str, ...], wanted: DialogOutcome
 ) -> None:
     assert chosen(*keys)[0] == wanted
 
@@ -79,21 +79,25 @@ def test_the_list_shows_titles_and_briefings_and_no_file_that_tells_what_breaks(
         assert each.title in text
         assert each.name not in text
     assert "Depth changes, by hand." in text
-    assert FREELY in text
+    assert FREE_SAILING in text
 
 
 def test_letters_of_no_title_are_answered_and_do_nothing() -> None:
     done, text = chosen(*typed("xyz"), "enter", "escape")
-    assert done == NOTHING
+    assert done == NO_OUTCOME
     assert "No title has these letters" in text
 
 
 @pytest.mark.parametrize(
     ("done", "name"),
-    [(Done((FREELY,)), ""), (Done(("stern-plane-jam",)), "stern-plane-jam"), (NOTHING, None)],
+    [
+        (DialogOutcome((FREE_SAILING,)), ""),
+        (DialogOutcome(("stern-plane-jam",)), "stern-plane-jam"),
+        (NO_OUTCOME, None),
+    ],
 )
 def test_what_is_chosen_is_returned_by_its_name(
-    done: Done, name: str | None, monkeypatch: pytest.MonkeyPatch
+    done: DialogOutcome, name: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ExerciseScreen, "run", lambda _: done)
     assert choose_exercise(OFFERED) == name

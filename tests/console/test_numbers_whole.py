@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from textual.pilot import Pilot
 
-from trainer.console.app import SPANS, Console
+from trainer.console.app import CHART_SPANS_S, Console
 from trainer.console.drawing import event_log, panels
 from trainer.console.drawing.chart import strip, time_axis
 from trainer.console.layouts import LAYOUTS, Layout
@@ -150,7 +150,7 @@ def test_a_line_that_is_cut_holds_a_number_whole_or_not_at_all(
         assert number in text or not re.search("[0-9]", text)
 
 
-@pytest.mark.parametrize("span", SPANS)
+@pytest.mark.parametrize("span", CHART_SPANS_S)
 def test_the_times_below_a_chart_do_not_write_over_each_other(span: float) -> None:
     for columns in range(10, 251):
         text = "".join(part for part, _ in time_axis(span, columns))

@@ -3,9 +3,9 @@
 import pytest
 from helpers.screens import CREW, Tape, sight_of, tape, values
 
-from trainer.console.client import Joined, Lost
+from trainer.console.client import LineLoss, RoleTaken
 from trainer.console.drawing.event_log import time_at, time_line
-from trainer.console.journal import Entry, Sample, Trace
+from trainer.console.journal import JournalEntry, Sample, Trace
 from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
@@ -55,7 +55,7 @@ def test_who_returns_asks_again_if_it_has_missed_more_than_a_moment() -> None:
     talk, model = late(tick=4)
     model.hear()
     for tick, times in ((10, 0), (1200, 1)):
-        talk.items += [Lost("gone"), Joined()]
+        talk.items += [LineLoss("gone"), RoleTaken()]
         talk.tick(tick)
         model.hear()
         assert asked(talk).count("events") == times
@@ -90,7 +90,7 @@ def test_the_track_and_the_time_line_show_what_was_before() -> None:
     model.hear()
     assert [north for north, _ in model.track][:3] == [0.0, 400.0, 800.0]
     assert [(kept.sign, kept.seconds) for kept in model.marks] == [("C", 50.0), ("M", 100.0)]
-    assert Entry(50.0, "exercise", "casualty stern-stuck") in model.journal.entries
+    assert JournalEntry(50.0, "exercise", "casualty stern-stuck") in model.journal.entries
     assert model.crew.oldest is None  # what stands now is told by itself
     assert model.bells == 0
 
@@ -100,7 +100,9 @@ def test_the_past_of_the_log_comes_first_and_nothing_twice() -> None:
     model.hear()
     model.journal.add(600.0, "time", "now")
     for _ in range(2):
-        model.journal.recall([Entry(1.0, "time", "then"), Entry(600.0, "time", "now")])
+        model.journal.recall(
+            [JournalEntry(1.0, "time", "then"), JournalEntry(600.0, "time", "now")]
+        )
     assert [entry.text for entry in model.journal.entries if entry.seconds] == ["then", "now"]
     assert next(iter(model.journal.entries)).text == "then"
 

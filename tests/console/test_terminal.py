@@ -22,13 +22,13 @@ from helpers.screens import run_aside
 
 from trainer.console.app import Console
 from trainer.console.client import Client
-from trainer.console.journal import Entry
-from trainer.console.keys import KEYS, Give, Move
+from trainer.console.journal import JournalEntry
+from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.io import paths
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.orders.sentences import order_sentence, parse_sentence
 
 pytestmark = [
     pytest.mark.process,
@@ -104,7 +104,7 @@ class Ear:
         """Return the ticks of the next states."""
         found: list[int] = []
         while len(found) < count:
-            sentence = read(next(self._lines))
+            sentence = parse_sentence(next(self._lines))
             if sentence and sentence.kind == "TRS":
                 found.append(int(sentence.fields[1]))
         return found
@@ -453,7 +453,7 @@ def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: 
         client = Client(lambda: str(served), role, wishes(post))
         client.start()
         app = Console(SessionModel(client, role, post.charts))
-        keys = [key for key in KEYS[role] if isinstance(key.act, Give | Move)]
+        keys = [key for key in KEYS[role] if isinstance(key.act, OrderAction | MoveAction)]
         log = run_aside(typed(app, [key.names[0] for key in keys]))
         client.close(5.0)
 
@@ -462,7 +462,7 @@ def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: 
         assert "0 refused, 0 bad lines" in account
 
 
-async def typed(app: Console, keys: list[str]) -> list[Entry]:
+async def typed(app: Console, keys: list[str]) -> list[JournalEntry]:
     """Return the log of a screen at which keys are pressed, once all is answered."""
     wanted = set(LAYOUTS[app.model.role].channels)
     async with app.run_test() as pilot:

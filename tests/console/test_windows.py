@@ -7,7 +7,7 @@ from helpers.screens import CREW, at_the_console, seen, shown, sight_of, tape, t
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
-from trainer.console.client import Greeting, Joined, Lost
+from trainer.console.client import Greeting, LineLoss, RoleTaken
 from trainer.console.drawing.chart import (
     Plot,
     Sheet,
@@ -17,9 +17,9 @@ from trainer.console.drawing.chart import (
     time_axis,
     unwrap,
 )
-from trainer.console.drawing.gauges import WIDTH, sea
+from trainer.console.drawing.gauges import STATE_COLUMNS, sea
 from trainer.console.drawing.panels import flowed, key_at, key_rows
-from trainer.console.guide import Reading, briefing_rows, broken, by_hand, guide, paragraphs
+from trainer.console.guide import TextView, break_line, briefing_rows, by_hand, guide, paragraphs
 from trainer.console.journal import Journal
 from trainer.console.keys import KEYS, footer
 from trainer.console.layouts import LAYOUTS
@@ -69,11 +69,12 @@ def test_help_shows_every_word_of_itself_at_every_size(role: str, size: tuple[in
 
 
 def test_a_line_that_is_too_long_is_broken_between_words_below_its_own_text() -> None:
-    rows = broken(line(("   label   ", "value"), ("one two three four", "plain")), 22)
+    rows = break_line(line(("   label   ", "value"), ("one two three four", "plain")), 22)
     assert plain(rows) == "   label   one two\n           three four"
     assert [row[0][1] for row in rows] == ["value", "plain"]
     assert (
-        plain(broken(line("  1  first second third"), 16)) == "  1  first\n     second\n     third"
+        plain(break_line(line("  1  first second third"), 16))
+        == "  1  first\n     second\n     third"
     )
 
 
@@ -85,7 +86,7 @@ def test_lines_broken_for_a_page_are_one_paragraph_in_a_window() -> None:
 
 
 def test_a_window_scrolls_by_keys_no_further_than_its_end() -> None:
-    window = Reading("x", lambda: [line(f"row {n}") for n in range(30)])
+    window = TextView("x", lambda: [line(f"row {n}") for n in range(30)])
     assert "row 0\n" in plain(window.draw(20, 12))
     for _ in range(9):
         window.press("pagedown", None)
@@ -163,7 +164,7 @@ def test_who_comes_after_the_end_reads_the_marks_without_their_words() -> None:
 def test_the_instructor_is_offered_what_follows_an_exercise(
     key: str, order: str, monkeypatch: pytest.MonkeyPatch, *, clicked: bool
 ) -> None:
-    monkeypatch.setattr("trainer.console.guide.DEAF", 0.0)
+    monkeypatch.setattr("trainer.console.guide.DEAF_TIME_S", 0.0)
     talk = tape()
 
     async def end(pilot: Pilot[str], app: Console) -> None:
@@ -199,7 +200,7 @@ def test_what_was_meant_for_the_order_line_does_nothing_when_the_exercise_ends()
 
 
 def test_marks_are_released_from_a_window_that_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trainer.console.guide.DEAF", 0.0)
+    monkeypatch.setattr("trainer.console.guide.DEAF_TIME_S", 0.0)
     talk = tape()
 
     async def end(pilot: Pilot[str], app: Console) -> None:
@@ -218,7 +219,7 @@ def test_another_exercise_at_the_same_stations_begins_with_an_empty_time_line() 
     talk.say(sentences.fact(0, 0.0, "exercise", "title=Depth"))
     talk.say(sentences.fact(100, 50.0, "mark", "well done"))
     model.hear()
-    talk.items += [Lost("the session has closed the line"), Greeting("Courses"), Joined()]
+    talk.items += [LineLoss("the session has closed the line"), Greeting("Courses"), RoleTaken()]
     talk.say(sentences.fact(0, 0.0, "exercise", "title=Courses"))
     model.hear()
     assert (model.marks, model.furthest) == ([], 0.0)
@@ -588,4 +589,4 @@ def test_the_sea_s_line_has_set_drift_and_the_way_over_the_ground() -> None:
     carried = plain([sea(model)])
     assert "; set" not in still
     assert "; set 090 2.0; ground 051 11.5" in carried
-    assert len(carried.partition(" > ")[0]) <= WIDTH
+    assert len(carried.partition(" > ")[0]) <= STATE_COLUMNS

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from trainer.boat.boat import Boat
 from trainer.core.autopilot.reference import slewed_rate
 from trainer.core.autopilot.report_law import report_angle, report_law
-from trainer.core.autopilot.steering import REPORT, REPORT_LITERAL
+from trainer.core.autopilot.steering import REPORT_LAW, REPORT_LITERAL
 from trainer.core.state import new_state
 from trainer.core.vessel import VESSEL
 from trainer.units import FOOT, KNOT
@@ -134,7 +134,7 @@ def test_the_reports_law_leaves_the_boat_12_metres_deep(started: Callable[..., B
     # known of BB2 and this law: it has no integral (errata G4)
     boat = started(10.0)
     turn_by_hand(boat, 15.0)
-    boat.state.depth_law = REPORT
+    boat.state.depth_law = REPORT_LAW
     run = sail(boat, 900.0)
 
     assert last(run["depth"]).mean() == pytest.approx(12.0, abs=1.5)
@@ -476,16 +476,16 @@ def test_the_reports_law_is_the_reference_boats_law() -> None:
         s.depth_law = REPORT_LITERAL
         assert report_law(state) == pytest.approx(stern, abs=1e-9)
         assert report_angle(vessel, state, 2) == pytest.approx(bow, abs=1e-9)
-        s.depth_law = REPORT  # errata G3: bow planes the other way where Z_db < 0
+        s.depth_law = REPORT_LAW  # errata G3: bow planes the other way where Z_db < 0
         assert report_angle(vessel, state, 2) == pytest.approx(-bow, abs=1e-9)
 
 
 @pytest.mark.parametrize(
     ("law", "feet", "degrees"),
     [
-        (REPORT, 40.0, 0.32 / DEGREE),  # .008 of each foot
-        (REPORT, 60.0, 0.40 / DEGREE),  # the project's clamp at 50 ft
-        (REPORT, -400.0, -0.40 / DEGREE),
+        (REPORT_LAW, 40.0, 0.32 / DEGREE),  # .008 of each foot
+        (REPORT_LAW, 60.0, 0.40 / DEGREE),  # the project's clamp at 50 ft
+        (REPORT_LAW, -400.0, -0.40 / DEGREE),
         (REPORT_LITERAL, 60.0, 0.48 / DEGREE),  # errata G5: none in the report,
         (REPORT_LITERAL, -70.0, -0.56 / DEGREE),
         (REPORT_LITERAL, 76.0, 0.608 / DEGREE),

@@ -23,7 +23,13 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core import surfaced
 from trainer.core.ballast import air, ballast, buoyancy
-from trainer.core.ballast.tanks import ATMOSPHERE, BLOWN, PUMPED, TANKS, new_ballast
+from trainer.core.ballast.tanks import (
+    ATMOSPHERIC_PRESSURE,
+    BLOWN_TANKS,
+    PUMPED_TANKS,
+    TANKS,
+    new_ballast,
+)
 from trainer.core.kernel import Record
 from trainer.core.state import new_scratch, new_state
 
@@ -274,7 +280,7 @@ def test_a_blow_leaves_the_bank_at_the_pressure_of_the_sea_and_no_lower(
     tanks.run(3600.0)
 
     # at 400 m two banks of 7 m3 at 25 MPa cannot empty 470 m3: 2 x 7 x (25 - 4.1)/4.1 = 71 m3
-    top = ATMOSPHERE + 1025 * 9.81 * (400.0 - 0.47 - 3.5)
+    top = ATMOSPHERIC_PRESSURE + 1025 * 9.81 * (400.0 - 0.47 - 3.5)
     assert top < tanks.pressure(1) < 1.05 * top
     assert tanks.pressure(0) > top
     blown = sum(tanks.volume(i) for i in range(3))
@@ -293,7 +299,7 @@ def test_a_valve_that_empties_its_bank_within_a_tick_stops_at_equal_pressure(
     tanks.run(H)
 
     level = 60.0 - 0.47 - 3.5
-    assert tanks.pressure(0) == pytest.approx(ATMOSPHERE + 1025 * 9.81 * level)
+    assert tanks.pressure(0) == pytest.approx(ATMOSPHERIC_PRESSURE + 1025 * 9.81 * level)
     assert s.bank_main + s.air_forward - s.air_taken == pytest.approx(aboard, rel=1e-14)
 
 
@@ -368,7 +374,9 @@ def test_at_the_surface_open_vents_flood_only_to_the_level_of_the_sea(
 
     # vents 1.97 m above the water, 7 m above the ports
     assert tanks.volume(0) == pytest.approx(180.0 * 1.97 / 7.0, rel=1e-3)
-    assert s.air_forward == pytest.approx(ATMOSPHERE * tanks.volume(0) / tanks.b.gas, rel=1e-3)
+    assert s.air_forward == pytest.approx(
+        ATMOSPHERIC_PRESSURE * tanks.volume(0) / tanks.b.gas, rel=1e-3
+    )
 
 
 def test_a_full_tank_out_of_the_water_runs_down_to_the_level_of_the_sea_by_its_vent(
@@ -538,9 +546,9 @@ def test_a_sealed_compartment_stops_flooding_when_its_air_has_the_pressure_of_th
 
     tanks.run(600.0)
 
-    outside = ATMOSPHERE + 1025 * 9.81 * 90.5
+    outside = ATMOSPHERIC_PRESSURE + 1025 * 9.81 * 90.5
     full = 450.0 * 1025.0
-    assert s.flood_forward == pytest.approx(full * (1.0 - ATMOSPHERE / outside), rel=1e-9)
+    assert s.flood_forward == pytest.approx(full * (1.0 - ATMOSPHERIC_PRESSURE / outside), rel=1e-9)
     assert s.x_g > 0.5
 
 
@@ -755,7 +763,7 @@ def test_the_document_shows_the_keys_and_the_fields() -> None:
     text = (ROOT / "docs" / "ballast.md").read_text(encoding="utf-8")
 
     assert key_tables() in text
-    for name in (*BLOWN, *PUMPED):
+    for name in (*BLOWN_TANKS, *PUMPED_TANKS):
         assert f"`{name}`" in text
 
 

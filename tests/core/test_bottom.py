@@ -9,13 +9,13 @@ import pytest
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import clear, insert, readings
+from trainer.boat.casualties import clear_casualty, insert_casualty, instrument_readings
 from trainer.boat.world.bottom import Ground, chart_of, keel_of
 from trainer.config.bottom import Bottom, read_bottom
 from trainer.config.files import Place
 from trainer.config.soundings import Grid
 from trainer.core.casualties import KINDS, SOUNDER_RANGE
-from trainer.core.soundings import DISTANT, FIRST, SELDOM, sound
+from trainer.core.soundings import DISTANT_GROUND_M, FIRST_SAMPLE, SELDOM_MASK, sound
 from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
@@ -219,7 +219,7 @@ def test_no_depth_is_written_as_zero_which_would_be_no_ground(make_boat: MakeBoa
     boat.start(1.0, 5.0, 0.0)
     flat = on(Grid(np.zeros((2, 2)), 0.0, 0.0, (1.0, 1.0), degrees=False), ends=False)
     chart = chart_of(flat)
-    assert not chart[FIRST:].any()
+    assert not chart[FIRST_SAMPLE:].any()
     sound(boat.records.vessel, chart, boat.records.state)
     assert (boat.state.bottom[0] != 0.0).all()
 
@@ -230,15 +230,15 @@ def test_ground_far_below_is_sounded_seldom_and_near_ground_at_each_tick(
 ) -> None:
     boat = make_boat()
     changes = {}
-    for depth in (100.0, 400.0 + DISTANT):
+    for depth in (100.0, 400.0 + DISTANT_GROUND_M):
         boat.start(5.0 * KNOT, 60.0, 0.0)
         Ground(boat, ground(depth_m=depth, slope_percent=1, deepens_deg=0))
         seen = []
-        for _ in range(4 * (SELDOM + 1)):
+        for _ in range(4 * (SELDOM_MASK + 1)):
             assert boat.tick() == 0
             seen.append(float(boat.state.bottom[0, 2]))
         changes[depth] = len(set(seen))
-    assert list(changes.values()) == [4 * (SELDOM + 1), 4]
+    assert list(changes.values()) == [4 * (SELDOM_MASK + 1), 4]
 
 
 @pytest.mark.core
@@ -284,15 +284,15 @@ def over(boat: Boat, depth: float) -> None:
 def test_the_sounder_reads_the_ground_less_the_boat_s_depth(make_boat: MakeBoat) -> None:
     boat = make_boat()
     over(boat, 100.0)
-    assert readings(boat).sounding == pytest.approx(40.0)
-    assert isinstance(insert(boat, "sounder-biased", 1.0, 0.0), str)
-    assert readings(boat).sounding == pytest.approx(50.0)
-    assert isinstance(insert(boat, "sounder-stuck"), str)
+    assert instrument_readings(boat).sounding == pytest.approx(40.0)
+    assert isinstance(insert_casualty(boat, "sounder-biased", 1.0, 0.0), str)
+    assert instrument_readings(boat).sounding == pytest.approx(50.0)
+    assert isinstance(insert_casualty(boat, "sounder-stuck"), str)
     boat.state.z += 7.0
-    assert readings(boat).sounding == pytest.approx(50.0)
-    clear(boat, "all")
+    assert instrument_readings(boat).sounding == pytest.approx(50.0)
+    clear_casualty(boat, "all")
     boat.tick()
-    assert readings(boat).sounding == pytest.approx(33.0, abs=0.1)
+    assert instrument_readings(boat).sounding == pytest.approx(33.0, abs=0.1)
 
 
 @pytest.mark.parametrize("depth", [None, 60.0 + SOUNDER_RANGE + 1.0])
@@ -302,22 +302,22 @@ def test_no_echo_comes_from_beyond_the_range_nor_without_ground(
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     if depth is None:
-        assert isinstance(insert(boat, "sounder-noisy"), Refused)
+        assert isinstance(insert_casualty(boat, "sounder-noisy"), Refused)
     else:
         Ground(boat, ground(depth_m=depth))
-        assert isinstance(insert(boat, "sounder-noisy"), str)
-    assert readings(boat).sounding == 0.0
+        assert isinstance(insert_casualty(boat, "sounder-noisy"), str)
+    assert instrument_readings(boat).sounding == 0.0
 
 
 def test_the_sounder_s_noise_is_its_own(make_boat: MakeBoat) -> None:
     boat = make_boat()
     over(boat, 100.0)
     for name in ("sounder-noisy", "log-noisy", "depth-gauge-noisy"):
-        assert isinstance(insert(boat, name), str)
+        assert isinstance(insert_casualty(boat, name), str)
     off = []
     for _ in range(200):
         boat.tick()
-        shown, s = readings(boat), boat.state
+        shown, s = instrument_readings(boat), boat.state
         off.append((shown.sounding - (100.0 - s.z), shown.depth - s.z, shown.speed - s.u))
     noise = np.array(off)
     assert noise[:, 0].std() == pytest.approx(3.0, rel=0.2)

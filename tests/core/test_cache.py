@@ -12,7 +12,7 @@ import pytest
 
 import trainer
 from trainer.core import cache
-from trainer.core.cache import CODE, DIGEST
+from trainer.core.cache import CODE_SUFFIXES, DIGEST_SUFFIX
 
 pytestmark = pytest.mark.process
 
@@ -143,8 +143,8 @@ DAMAGE: dict[str, Callable[[Path], object]] = {
     "empty": lambda path: path.write_bytes(b""),
     "garbage": lambda path: path.write_bytes(b"cos\nsystem\n(S'exit'\ntR."),
     "a folder": a_folder,
-    "without a digest": lambda path: path.with_name(path.name + DIGEST).unlink(),
-    "with another digest": lambda path: path.with_name(path.name + DIGEST).write_text("0"),
+    "without a digest": lambda path: path.with_name(path.name + DIGEST_SUFFIX).unlink(),
+    "with another digest": lambda path: path.with_name(path.name + DIGEST_SUFFIX).write_text("0"),
 }
 
 
@@ -159,7 +159,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("ending", CODE)
+@pytest.mark.parametrize("ending", CODE_SUFFIXES)
 @pytest.mark.parametrize(
     "way",
     [
@@ -189,7 +189,7 @@ def test_damaged_machine_code_is_set_aside_and_compiled_again(
 def test_that_code_was_damaged_is_said_in_one_line(tmp_path: Path) -> None:
     cache = str(tmp_path)
     said(SINE, PACKAGE.parent, NUMBA_CACHE_DIR=cache)
-    for path in [each for each in tmp_path.rglob("*") if each.suffix in CODE]:
+    for path in [each for each in tmp_path.rglob("*") if each.suffix in CODE_SUFFIXES]:
         flipped(path)
     own = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
     ran = subprocess.run(

@@ -11,7 +11,14 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import Readings, active, arm, clear, insert, readings
+from trainer.boat.casualties import (
+    InstrumentReadings,
+    active_casualties,
+    arm_casualty,
+    clear_casualty,
+    insert_casualty,
+    instrument_readings,
+)
 from trainer.config.casualties import (
     as_json,
     key_table,
@@ -20,11 +27,11 @@ from trainer.config.casualties import (
     load_casualties,
     parse_casualties,
 )
-from trainer.config.condition import QUANTITIES
+from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import compile_condition, quantity_table
 from trainer.config.files import ConfigError, Place
 from trainer.core.casualties import KINDS
-from trainer.core.state import CASUALTIES
+from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused
 from trainer.session.status import status_lines
@@ -62,7 +69,7 @@ def run(boat: Boat, seconds: float) -> None:
 
 def begun(boat: Boat, name: str, *numbers: float | None) -> None:
     """Insert a casualty that must not be refused."""
-    answer = insert(boat, name, *numbers)
+    answer = insert_casualty(boat, name, *numbers)
     assert not isinstance(answer, Refused), answer.reason
 
 
@@ -92,11 +99,11 @@ def test_severity_ramps_on_whole_ticks_and_arrives_exactly(boat: Boat) -> None:
 def test_a_cleared_casualty_ramps_back_and_leaves_its_slot(boat: Boat) -> None:
     begun(boat, "propulsion-lost", 1.0, 0.0)
     boat.tick()
-    clear(boat, "propulsion-lost")  # in 30 s
+    clear_casualty(boat, "propulsion-lost")  # in 30 s
     left = []
     for _ in range(61):
         boat.tick()
-        left.append([each.amount for each in active(boat)])
+        left.append([each.amount for each in active_casualties(boat)])
 
     assert left[29] == pytest.approx([0.5])
     assert left[58] == pytest.approx([1 / 60])
@@ -107,7 +114,7 @@ def test_a_cleared_casualty_ramps_back_and_leaves_its_slot(boat: Boat) -> None:
 def test_a_casualty_in_half_its_ramp_is_cleared_from_there(boat: Boat) -> None:
     begun(boat, "flooding-aft", 1.0, 10.0)
     run(boat, 5.0)
-    clear(boat, "flooding-aft")  # in 30 s
+    clear_casualty(boat, "flooding-aft")  # in 30 s
     run(boat, 15.0)
 
     assert boat.state.breach_aft == pytest.approx(0.00125)
@@ -123,15 +130,15 @@ def test_the_same_casualty_again_gets_a_new_severity(boat: Boat) -> None:
 
     assert half_way == pytest.approx(0.01)
     assert boat.state.breach_aft == pytest.approx(0.015)
-    assert len(active(boat)) == 1
+    assert len(active_casualties(boat)) == 1
 
 
 def test_a_ninth_casualty_is_refused_and_changes_nothing(boat: Boat) -> None:
-    for name in KINDS[:CASUALTIES]:
+    for name in KINDS[:MAX_CASUALTIES]:
         begun(boat, name)
     before = boat.snapshot().tobytes()
 
-    told = reason(insert(boat, KINDS[CASUALTIES]))
+    told = reason(insert_casualty(boat, KINDS[MAX_CASUALTIES]))
 
     assert told.startswith("8 casualties at most: clear one of rudder-slow, ")
     assert boat.snapshot().tobytes() == before
@@ -143,10 +150,10 @@ def test_clearing_one_casualty_leaves_the_others_on_their_way(boat: Boat) -> Non
     begun(boat, "rudder-stuck")
     begun(boat, "flooding-aft", 1.0, 10.0)
     boat.tick()
-    clear(boat, "rudder-stuck")
+    clear_casualty(boat, "rudder-stuck")
     run(boat, 4.5)
 
-    assert [each.kind for each in active(boat)] == ["flooding-forward", "flooding-aft"]
+    assert [each.kind for each in active_casualties(boat)] == ["flooding-forward", "flooding-aft"]
     assert boat.state.breach_forward == pytest.approx(0.0025)
     assert boat.state.breach_aft == pytest.approx(0.0025)
 
@@ -156,13 +163,13 @@ def test_all_casualties_are_cleared_by_one_order(boat: Boat) -> None:
         begun(boat, name)
     run(boat, 1.0)
 
-    assert clear(boat, "all") == "clearing rudder-stuck, flooding-aft, gyro-stuck"
+    assert clear_casualty(boat, "all") == "clearing rudder-stuck, flooding-aft, gyro-stuck"
     run(boat, 31.0)
-    assert active(boat) == []
+    assert active_casualties(boat) == []
 
 
 def test_a_sound_boat_has_nothing_to_clear(boat: Boat) -> None:
-    assert clear(boat, "all") == "there is nothing to clear"
+    assert clear_casualty(boat, "all") == "there is nothing to clear"
 
 
 @pytest.mark.core
@@ -178,7 +185,7 @@ def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(
     run(boat, 2.0)
     snapshot = boat.snapshot()
     run(boat, 4.0)
-    read, end = readings(boat), boat.snapshot().tobytes()
+    read, end = instrument_readings(boat), boat.snapshot().tobytes()
 
     if name == KINDS[0]:
         boat = make_boat("bb2")  # nothing hides elsewhere
@@ -186,7 +193,7 @@ def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(
     run(boat, 4.0)
 
     assert boat.snapshot().tobytes() == end
-    assert readings(boat) == read
+    assert instrument_readings(boat) == read
 
 
 # Control surfaces, rudder and planes each ordered to 10 degrees by hand
@@ -207,7 +214,7 @@ def test_a_stuck_surface_stays_until_it_is_cleared(boat: Boat, surface: str) -> 
     begun(boat, f"{surface}-stuck")
     run(boat, 20.0)
     stuck = angle()
-    clear(boat, f"{surface}-stuck")
+    clear_casualty(boat, f"{surface}-stuck")
     run(boat, 10.0)
 
     assert stuck == pytest.approx(stands, abs=1e-9)
@@ -227,7 +234,7 @@ def test_a_surface_hard_over_runs_to_its_angle_at_its_own_rate(
     first = angle() - start
     run(boat, 20.0)
     jammed = angle()
-    clear(boat, f"{surface}-hard-over")
+    clear_casualty(boat, f"{surface}-hard-over")
     run(boat, 10.0)
 
     assert abs(first) <= float(boat.vessel.surface_rate) * 0.5 / DEGREE + 1e-9
@@ -300,7 +307,7 @@ def test_of_two_casualties_on_a_surface_the_jam_counts(boat: Boat) -> None:
     run(boat, 10.0)
     assert angle() == pytest.approx(stands)
 
-    clear(boat, "bow-stuck")
+    clear_casualty(boat, "bow-stuck")
     run(boat, 10.0)
     assert angle() > 15.0
 
@@ -343,7 +350,7 @@ def test_stern_planes_jammed_hard_to_dive_sink_the_boat_unless_it_is_recovered(b
                 s.speed_by_hand, s.ordered_u_c = 1.0, boat.vessel.u_c_astern
                 s.blow[:3] = 2.0
             if recovered and tick == 80:
-                clear(boat, "all")
+                clear_casualty(boat, "all")
             assert boat.tick() == 0
             depths.append(float(boat.state.z))
         deepest.append(max(depths))
@@ -359,7 +366,7 @@ def test_lost_propulsion_stops_the_boat_and_clearing_it_brings_the_way_back(boat
     begun(boat, "propulsion-lost")
     run(boat, 120.0)
     turns, slow = float(boat.state.u_c), float(boat.state.u)
-    clear(boat, "propulsion-lost")
+    clear_casualty(boat, "propulsion-lost")
     run(boat, 300.0)
 
     assert abs(turns) < 0.05
@@ -377,7 +384,7 @@ def test_stuck_revolutions_do_not_answer_the_telegraph(boat: Boat) -> None:
     begun(boat, "propulsion-lost", 0.5, 0.0)
     run(boat, 120.0)
     halved = float(boat.state.u_c)
-    clear(boat, "all")
+    clear_casualty(boat, "all")
     run(boat, 200.0)
 
     assert stuck == before
@@ -406,7 +413,7 @@ def test_a_repaired_autopilot_takes_over_without_a_bump_and_holds_its_orders(boa
     run(boat, 10.0)
     begun(boat, "autopilot-failed")
     run(boat, 15.0)
-    clear(boat, "autopilot-failed")
+    clear_casualty(boat, "autopilot-failed")
     held = s.command.copy()
     boat.tick()
     assert np.all(abs(s.command - held) < 0.5 * DEGREE)
@@ -478,14 +485,14 @@ def test_tanks_and_air_feel_a_casualty_and_recover_when_it_is_cleared(
     begun(boat, kind, None, None if boat.casualties[kind].measure.sudden else 0.0)
     run(boat, 4.0)
     suffered = float(boat.state[witness])
-    clear(boat, kind)
+    clear_casualty(boat, kind)
     run(boat, boat.casualties[kind].clear_ramp_s + 0.5)
 
     assert sign * (suffered - expected) > 1e-3 * max(abs(expected - start), 1.0)
     assert (boat.state.vent.tolist(), boat.state.blow.tolist()) == orders
     for fault in ("breach", "pump_fault", "bank_fault", "blow_fault", "vent_fault"):
         assert not boat.state[fault].any(), fault
-    assert active(boat) == []
+    assert active_casualties(boat) == []
 
 
 def test_a_vent_stuck_open_gives_its_order_back_when_it_is_cleared(bb2: Boat) -> None:
@@ -493,7 +500,7 @@ def test_a_vent_stuck_open_gives_its_order_back_when_it_is_cleared(bb2: Boat) ->
     begun(boat, "vent-mid-open")
     run(boat, 5.0)
     lost = float(boat.state.air_mid)
-    clear(boat, "vent-mid-open")
+    clear_casualty(boat, "vent-mid-open")
     run(boat, 5.0)
 
     assert boat.state.vent_mid == 0.0
@@ -504,7 +511,7 @@ def test_a_closed_breach_lets_no_more_water_in(boat: Boat) -> None:
     boat.state.trim_by_hand = 1.0
     begun(boat, "flooding-centre", 1.0, 0.0)
     run(boat, 30.0)
-    clear(boat, "flooding-centre")
+    clear_casualty(boat, "flooding-centre")
     run(boat, 30.0)
     flooded = float(boat.state.flood_centre)
     run(boat, 30.0)
@@ -540,7 +547,7 @@ def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not
 def test_instruments_of_a_sound_boat_tell_the_truth(boat: Boat) -> None:
     run(boat, 5.0)
     s = boat.state
-    assert readings(boat) == Readings(s.z, s.psi, s.u, 0.0)
+    assert instrument_readings(boat) == InstrumentReadings(s.z, s.psi, s.u, 0.0)
 
 
 @pytest.mark.parametrize(("gauge", "place"), [("depth-gauge", 0), ("gyro", 1), ("log", 2)])
@@ -550,17 +557,17 @@ def test_a_stuck_gauge_stays_at_its_reading_while_the_boat_moves_on(
     s = boat.state
     s.ordered_depth, s.ordered_psi, s.ordered_speed = 90.0, 0.6, 4.0
     begun(boat, f"{gauge}-biased", 1.0, 0.0)
-    at_onset = readings(boat)
+    at_onset = instrument_readings(boat)
     begun(boat, f"{gauge}-stuck")
     run(boat, 60.0)
     truth = (float(s.z), float(s.psi), float(s.u))
 
-    assert readings(boat)[place] == at_onset[place]
+    assert instrument_readings(boat)[place] == at_onset[place]
     assert abs(truth[place] - at_onset[place]) > 0.2
-    clear(boat, f"{gauge}-stuck")
-    clear(boat, f"{gauge}-biased")
+    clear_casualty(boat, f"{gauge}-stuck")
+    clear_casualty(boat, f"{gauge}-biased")
     run(boat, 1.0)
-    assert readings(boat) == Readings(s.z, s.psi, s.u, 0.0)
+    assert instrument_readings(boat) == InstrumentReadings(s.z, s.psi, s.u, 0.0)
 
 
 def test_a_biased_gauge_reads_too_much_by_severity_times_its_table(boat: Boat) -> None:
@@ -570,7 +577,7 @@ def test_a_biased_gauge_reads_too_much_by_severity_times_its_table(boat: Boat) -
     s = boat.state
 
     read = (s.z - 5.0, s.psi + 10.0 * DEGREE, s.u + 4.0 * KNOT, 0.0)
-    assert readings(boat) == pytest.approx(read)
+    assert instrument_readings(boat) == pytest.approx(read)
 
 
 def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time(boat: Boat) -> None:
@@ -580,7 +587,7 @@ def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time(boat: Boat) -> No
         found = []
         for _ in range(2000):
             boat.state.tick += 1.0
-            found.append(readings(boat).depth - float(boat.state.z))
+            found.append(instrument_readings(boat).depth - float(boat.state.z))
         return found
 
     bb2_boat = boat
@@ -611,7 +618,7 @@ def test_a_failed_sensor_changes_nothing_but_what_stations_read(bb2: Boat) -> No
 
 def armed(boat: Boat, text: str, name: str = "rudder-stuck", rule: str = "once") -> None:
     """Arm a trigger of the boat."""
-    arm(boat, compile_condition(text, HERE), boat.casualties[name], rule)
+    arm_casualty(boat, compile_condition(text, HERE), boat.casualties[name], rule)
 
 
 @pytest.mark.core
@@ -622,9 +629,9 @@ def test_a_trigger_fires_on_the_first_tick_whose_last_state_meets_it(
     armed(boat, text)
     for _ in range(tick - 1):
         boat.tick()
-    assert active(boat) == []
+    assert active_casualties(boat) == []
     boat.tick()
-    assert [each.kind for each in active(boat)] == ["rudder-stuck"]
+    assert [each.kind for each in active_casualties(boat)] == ["rudder-stuck"]
 
 
 @pytest.mark.parametrize(("rule", "times"), [("once", 1), ("again", 2)])
@@ -636,24 +643,24 @@ def test_a_trigger_fires_once_or_each_time_its_condition_comes_true(
     for depth in (90.0, 110.0, 120.0, 90.0, 110.0, 110.0):
         boat.state.z = depth
         boat.tick()
-        fired += len(active(boat))
-        clear(boat, "all")
+        fired += len(active_casualties(boat))
+        clear_casualty(boat, "all")
         boat.state.z = depth
         boat.tick()
-        assert active(boat) == []
+        assert active_casualties(boat) == []
 
     assert fired == times
 
 
 def test_a_trigger_waits_for_a_free_slot(boat: Boat) -> None:
-    for name in KINDS[5 : 5 + CASUALTIES]:
+    for name in KINDS[5 : 5 + MAX_CASUALTIES]:
         begun(boat, name)
     armed(boat, "depth > 10")
     boat.tick()
-    assert len(active(boat)) == CASUALTIES
-    clear(boat, "stern-stuck")
+    assert len(active_casualties(boat)) == MAX_CASUALTIES
+    clear_casualty(boat, "stern-stuck")
     run(boat, 1.0)
-    assert "rudder-stuck" in [each.kind for each in active(boat)]
+    assert "rudder-stuck" in [each.kind for each in active_casualties(boat)]
 
 
 @pytest.mark.core
@@ -666,14 +673,14 @@ def test_what_triggers_remember_is_part_of_a_snapshot(boat: Boat) -> None:
     assert boat.state.breach_aft > 0.0
 
     boat.restore(before)
-    assert active(boat) == []
+    assert active_casualties(boat) == []
     run(boat, 5.0)
     assert boat.snapshot().tobytes() == end
 
     boat.restore(fired)
-    clear(boat, "all")
+    clear_casualty(boat, "all")
     run(boat, 40.0)
-    assert active(boat) == []  # spent
+    assert active_casualties(boat) == []  # spent
 
 
 @pytest.mark.parametrize(
@@ -751,7 +758,7 @@ def test_a_trigger_about_what_the_boat_lacks_is_refused(make_boat: Callable[...,
         armed(remus, "water_aft > 1")
     with pytest.raises(ConfigError, match="nothing for flooding-aft to act on"):
         armed(remus, "depth > 10", "flooding-aft")
-    assert "nothing for leak-trim-aft" in reason(insert(remus, "leak-trim-aft"))
+    assert "nothing for leak-trim-aft" in reason(insert_casualty(remus, "leak-trim-aft"))
 
 
 def test_triggers_have_a_rule_and_are_eight_at_most(boat: Boat) -> None:
@@ -791,7 +798,7 @@ def test_a_table_of_ones_own_adds_names_and_inherits_the_rest(tmp_path: Path, bo
         -0.5 * boat.toward["rudder"] * float(boat.vessel.limit_r)
     )
     assert boat.casualties["torpedo-room"].clear_ramp_s == 30.0
-    assert clear(boat, "torpedo-room") == "clearing torpedo-room within 30 s"
+    assert clear_casualty(boat, "torpedo-room") == "clearing torpedo-room within 30 s"
     boat.casualties = load_casualties()
 
 
@@ -846,8 +853,8 @@ def test_a_wrong_order_is_refused_and_changes_nothing(
 ) -> None:
     before = boat.snapshot().tobytes()
 
-    assert told in reason(insert(boat, *order))
-    assert reason(clear(boat, "gyro-stuck")) == "there is no gyro-stuck; active: none"
+    assert told in reason(insert_casualty(boat, *order))
+    assert reason(clear_casualty(boat, "gyro-stuck")) == "there is no gyro-stuck; active: none"
     assert boat.snapshot().tobytes() == before
 
 
@@ -873,7 +880,7 @@ def test_the_manual_has_every_key_kind_and_quantity_and_its_examples_load() -> N
         parse_casualties(example, Path("example.toml"), load_casualties())
     assert len(conditions) >= 3
     for condition in conditions:
-        assert compile_condition(condition, HERE).quantity in QUANTITIES
+        assert compile_condition(condition, HERE).quantity in STATE_QUANTITIES
 
 
 def test_status_tells_a_failed_instrument_s_reading_beside_the_truth_and_names_the_casualty(
@@ -881,7 +888,7 @@ def test_status_tells_a_failed_instrument_s_reading_beside_the_truth_and_names_t
 ) -> None:
     boat = make_boat("bb2")
     boat.start(10 * KNOT, 60.0, 0.0)
-    insert(boat, "depth-gauge-biased", 0.7, 0.0)
+    insert_casualty(boat, "depth-gauge-biased", 0.7, 0.0)
     boat.tick()
     boat.tick()
     lines = status_lines(boat, Ledger(0.5).summary())

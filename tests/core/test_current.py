@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.sea import SeaFile, load_sea
-from trainer.config.words import EQUATIONS
+from trainer.config.words import EQUATION_SETS
 from trainer.core.current import carry_along
-from trainer.core.state import HISTORY, new_state
+from trainer.core.state import PAST_CYCLES, new_state
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.layout import LAYOUT
 from trainer.units import KNOT
@@ -24,7 +24,7 @@ PLACE = ("x", "y", "xdot", "ydot", "sailed_x", "sailed_y", "water_north", "water
 PAST = tuple(
     f"past_{what}[{back},{axis}]"
     for what in ("rates", "motion")
-    for back in range(HISTORY)
+    for back in range(PAST_CYCLES)
     for axis in (9, 10)
 )
 SHEAR = (-0.02, 0.01)  # [1/s]
@@ -35,7 +35,7 @@ def give(boat: Boat, *lines: str) -> None:
     for text in lines:
         order = parse(text)
         assert isinstance(order, Order)
-        assert isinstance(obey(boat, order), str)
+        assert isinstance(obey_order(boat, order), str)
 
 
 def sea_of(name: str) -> SeaFile:
@@ -65,7 +65,7 @@ def sail(boat: Boat, ticks: int) -> None:
 @pytest.mark.parametrize("sea", ["calm", "sea-state-5"])
 @pytest.mark.parametrize("integrator", ["adams2", "rk4", "best2"])
 @pytest.mark.parametrize("rates", ["lagged", "exact"])
-@pytest.mark.parametrize("equations", EQUATIONS)
+@pytest.mark.parametrize("equations", EQUATION_SETS)
 def test_a_uniform_current_changes_nothing_but_the_place(
     make_boat: Make, equations: str, rates: str, integrator: str, sea: str
 ) -> None:

@@ -7,11 +7,17 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.boat.envelope import dissipative, is_clipped
+from trainer.boat.envelope import dissipative_forces, is_clipped
 from trainer.core import wide
 from trainer.core.attitude import turned
 from trainer.core.elementary import arctangent
-from trainer.core.envelope import EXTRAPOLATED, INSIDE, OUTSIDE, validity, wide_share
+from trainer.core.envelope import (
+    EXTRAPOLATED_RANGE,
+    INSIDE_RANGE,
+    OUTSIDE_RANGE,
+    validity,
+    wide_share,
+)
 from trainer.core.rates import rates
 from trainer.core.scheme import equations_alone
 from trainer.core.state import MOTION
@@ -80,10 +86,10 @@ def test_the_three_shipped_files_feed_nothing_and_one_that_would_is_clipped(
         boat = make_boat(vessel)
         assert not is_clipped(boat.file, boat.records.vessel)
     feeding = np.array([[[-1.0, 5.0], [5.0, -1.0]]])
-    clipped, changed = dissipative(feeding, (1.0, 1.0))
+    clipped, changed = dissipative_forces(feeding, (1.0, 1.0))
     assert changed.all()
     assert np.linalg.eigvalsh(0.5 * (clipped[0] + clipped[0].T)).max() < 1e-12
-    assert not dissipative(-np.eye(2)[None], (1.0, 1.0))[1].any()
+    assert not dissipative_forces(-np.eye(2)[None], (1.0, 1.0))[1].any()
 
 
 @pytest.mark.parametrize("equations", ["full", "modified", "basic"])
@@ -136,13 +142,13 @@ def test_between_the_two_the_accelerations_are_blended_without_a_jump(
 @pytest.mark.parametrize(
     ("motion", "expected"),
     [
-        ({"u": 5.0}, INSIDE),
-        ({}, INSIDE),
-        ({"u": 5.0, "w": 5.0 * math.tan(math.radians(11.9))}, INSIDE),
-        ({"u": 5.0, "w": 5.0 * math.tan(math.radians(12.1))}, EXTRAPOLATED),
-        ({"u": 5.0, "v": 5.0 * math.tan(math.radians(35.1))}, OUTSIDE),
-        ({"u": -0.1}, OUTSIDE),
-        ({"w": 0.1}, OUTSIDE),
+        ({"u": 5.0}, INSIDE_RANGE),
+        ({}, INSIDE_RANGE),
+        ({"u": 5.0, "w": 5.0 * math.tan(math.radians(11.9))}, INSIDE_RANGE),
+        ({"u": 5.0, "w": 5.0 * math.tan(math.radians(12.1))}, EXTRAPOLATED_RANGE),
+        ({"u": 5.0, "v": 5.0 * math.tan(math.radians(35.1))}, OUTSIDE_RANGE),
+        ({"u": -0.1}, OUTSIDE_RANGE),
+        ({"w": 0.1}, OUTSIDE_RANGE),
     ],
 )
 def test_how_far_the_equations_hold_is_told(

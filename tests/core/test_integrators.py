@@ -16,7 +16,7 @@ from trainer.core.scheme import (
     PARABOLA,
     TRAPEZOID,
     Multistep,
-    Pair,
+    PredictorCorrector,
     new_scheme,
     set_multistep,
     set_pair,
@@ -157,13 +157,16 @@ def test_a_method_that_cannot_work_is_refused(method: Multistep, why: str) -> No
     ("pair", "why"),
     [
         # the predictor may be unstable by itself, but not inconsistent; the corrector neither
-        (Pair(PARABOLA, Multistep((-4.0, 5.0), (4.0, 2.0))), "not zero-stable"),
-        (Pair(PARABOLA, Multistep((1.0,), (0.5, 0.4))), "consistency needs 0"),
-        (Pair(Multistep((1.0,), (0.9,)), TRAPEZOID), "consistency needs 0"),
-        (Pair(PARABOLA, Multistep((1.0,), (0.0, 0.5, 0.5, 0.0, 0.0, 0.0))), "looks back 1 to 4"),
+        (PredictorCorrector(PARABOLA, Multistep((-4.0, 5.0), (4.0, 2.0))), "not zero-stable"),
+        (PredictorCorrector(PARABOLA, Multistep((1.0,), (0.5, 0.4))), "consistency needs 0"),
+        (PredictorCorrector(Multistep((1.0,), (0.9,)), TRAPEZOID), "consistency needs 0"),
+        (
+            PredictorCorrector(PARABOLA, Multistep((1.0,), (0.0, 0.5, 0.5, 0.0, 0.0, 0.0))),
+            "looks back 1 to 4",
+        ),
     ],
 )
-def test_a_pair_that_cannot_work_is_refused(pair: Pair, why: str) -> None:
+def test_a_pair_that_cannot_work_is_refused(pair: PredictorCorrector, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         set_pair(new_scheme(0.5, 0, exact=True, trig=0), pair)
 

@@ -16,7 +16,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.pilot import PilotMonitor
 from trainer.config.sea import parse_sea
 from trainer.config.vessel import parse_vessel
-from trainer.core.autopilot.ascent import AFLOAT, NONE, RISING
+from trainer.core.autopilot.ascent import ASCENT_AFLOAT, ASCENT_RISING, NO_ASCENT
 from trainer.core.autopilot.sections import low_pass, notch, pass_section
 from trainer.core.sea.forces import suction
 from trainer.io.orders.grammar import BadOrder, Refused, parse
@@ -74,7 +74,7 @@ def order(boat: Boat, text: str) -> str:
     asked = parse(text)
     assert asked is not None
     assert not isinstance(asked, BadOrder), asked
-    reply = helm.obey(boat, asked)
+    reply = helm.obey_order(boat, asked)
     return reply.reason if isinstance(reply, Refused) else reply
 
 
@@ -180,7 +180,7 @@ def test_an_emergency_blow_brings_the_boat_up_with_a_bubble(
     assert np.nonzero(rows[:, 0] < 6.0)[0][0] * boat.method.step < up
     assert rows[:, 1].min() / DEGREE > -10.0
     assert 9.0 < rows[:, 1].max() / DEGREE < 17.0
-    assert set(rows[:, 2]) == {RISING}
+    assert set(rows[:, 2]) == {ASCENT_RISING}
     assert rows[0, 3] == 0.0, "the after group waits for the bow to be up"
     assert rows[:, 3].max() == 2.0
     assert boat.state.ordered_depth == 0.0
@@ -194,12 +194,12 @@ def test_a_blow_broken_off_is_handed_back_without_a_jump(started: Start) -> None
     order(boat, "vent all open")
     ascent = sail(boat, 40.0, "ascent")[:, 0]
     order(boat, "vent all shut")
-    while boat.state.ascent == RISING and boat.time < 300.0:
+    while boat.state.ascent == ASCENT_RISING and boat.time < 300.0:
         planes = boat.numbers(("command_s", "command_b"))
         assert boat.tick() == 0
     after = sail(boat, 300.0, "z", "command_s", "command_b")
 
-    assert set(ascent) == {RISING}
+    assert set(ascent) == {ASCENT_RISING}
     assert boat.time < 600.0
     assert np.abs(after[0, 1:] - planes).max() < DEGREE
     assert np.abs(after[:, 0] - boat.state.ordered_depth).max() < 2.0
@@ -219,8 +219,8 @@ def test_afloat_no_depth_is_kept_until_one_is_ordered(started: Start) -> None:
     assert any("emergency ascent" in text for text in news)
     assert any("afloat" in text for text in news)
     assert resting[0] < 6.0
-    assert resting[1] == AFLOAT
-    assert boat.state.ascent == NONE
+    assert resting[1] == ASCENT_AFLOAT
+    assert boat.state.ascent == NO_ASCENT
     assert boat.state.z == pytest.approx(40.0, abs=1.0)
 
 
@@ -230,7 +230,7 @@ def test_with_the_planes_in_hand_a_blow_is_the_crews(started: Start) -> None:
     order(boat, "emergency blow")
     rows = sail(boat, 20.0, "ascent", "blow_aft", "delta_s")
 
-    assert set(rows[:, 0]) == {NONE}
+    assert set(rows[:, 0]) == {NO_ASCENT}
     assert set(rows[:, 1]) == {2.0}
     assert np.ptp(rows[:, 2]) < 1e-9
 

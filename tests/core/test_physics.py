@@ -10,7 +10,7 @@ from trainer.boat.boat import Boat
 from trainer.core import full, rates
 from trainer.core.integrators import advance
 from trainer.core.state import MOTION
-from trainer.core.terms import POWERS
+from trainer.core.terms import LENGTH_POWERS
 
 pytestmark = pytest.mark.core
 
@@ -63,7 +63,7 @@ def test_an_ideal_fluid_takes_no_energy(make_boat: Callable[..., Boat], off_cent
 def asymmetric(boat: Boat) -> None:
     """Give the boat every symmetric coefficient it may have, so that none can hide."""
     rng = np.random.default_rng(5)
-    for name in POWERS:
+    for name in LENGTH_POWERS:
         if name not in ("Y_star", "K_star", "N_star", "K_star_eta") and "dot" not in name:
             boat.vessel[name] *= rng.uniform(0.5, 1.5)
     for name in ("K_star", "K_star_eta"):

@@ -13,10 +13,17 @@ from helpers.places import DATA, TESTS
 from numba import njit
 
 from trainer.config.sea import HEIGHT_FACTOR
-from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, PART, WEIGHT, phase, prepare_sum
+from trainer.core.sea.cosine_sum import (
+    ANGLE_COS,
+    ANGLE_SIN,
+    DIRECTION_WEIGHTS,
+    VARIANCE_SHARE,
+    phase,
+    prepare_sum,
+)
 from trainer.core.sea.filter_1969 import (
     G_OF_TABLE,
-    PEAK,
+    PEAK_FACTOR,
     corner,
     filter_noise,
     filter_powers,
@@ -54,7 +61,7 @@ def sea_by(
 def by_wind(wind: float, generator: float = FILTER, direction: float = 0.0) -> np.ndarray:
     """Return the settings of a fully developed sea of ``wind`` [kn]."""
     speed = wind * KNOT
-    height, omega = HEIGHT_FACTOR * speed**2 / G, PEAK * G / speed
+    height, omega = HEIGHT_FACTOR * speed**2 / G, PEAK_FACTOR * G / speed
     return sea_by(height, omega, generator, direction=direction)
 
 
@@ -165,7 +172,7 @@ def test_the_shape_of_the_analogue_filter() -> None:
 @pytest.mark.parametrize(("case", "form"), [p for p in FILTERS if "bilinear" in str(p.id)])
 def test_the_core_uses_that_filter_in_bilinear_form(case: Any, form: Any) -> None:
     sea = new_sea()
-    prepare_filter(G_OF_TABLE, PEAK * G_OF_TABLE / (case["knots"] * KNOT), form["h"], sea)
+    prepare_filter(G_OF_TABLE, PEAK_FACTOR * G_OF_TABLE / (case["knots"] * KNOT), form["h"], sea)
     low, high = form["sections_b0b1b2a1a2"][:2]
     power = float(sea["elevation_power"][0]) / case["wl"] ** 4
 
@@ -182,7 +189,7 @@ def test_the_core_uses_that_filter_in_bilinear_form(case: Any, form: Any) -> Non
     [(45.0, 0.39, 0.21), (40.0, 0.43, 0.24), (35.0, 0.48, 0.27)],
 )
 def test_the_winds_of_the_table_have_its_frequencies(wind: float, low: float, high: float) -> None:
-    peak = PEAK * G_OF_TABLE / (wind * KNOT)
+    peak = PEAK_FACTOR * G_OF_TABLE / (wind * KNOT)
 
     assert corner(peak, G_OF_TABLE, 0) == pytest.approx(low, rel=1e-12)
     assert corner(peak, G_OF_TABLE, 1) == pytest.approx(high, rel=1e-12)
@@ -190,7 +197,7 @@ def test_the_winds_of_the_table_have_its_frequencies(wind: float, low: float, hi
 
 @pytest.mark.parametrize("wind", [10.0, 20.0, 33.9, 37.5, 46.1, 60.0])
 def test_other_winds_have_similar_frequencies(wind: float) -> None:
-    peak = PEAK * G / (wind * KNOT)
+    peak = PEAK_FACTOR * G / (wind * KNOT)
 
     assert corner(peak, G, 0) == pytest.approx(0.90 * G / (wind * KNOT), rel=1e-12)
     assert corner(peak, G, 1) == pytest.approx(0.50 * G / (wind * KNOT), rel=1e-12)
@@ -198,7 +205,7 @@ def test_other_winds_have_similar_frequencies(wind: float) -> None:
 
 def test_a_wind_that_rises_through_one_of_the_table_s_changes_the_filter_evenly() -> None:
     winds = np.linspace(33.5, 36.5, 301)
-    products = [corner(PEAK * G / (wind * KNOT), G, 0) * wind * KNOT / G for wind in winds]
+    products = [corner(PEAK_FACTOR * G / (wind * KNOT), G, 0) * wind * KNOT / G for wind in winds]
 
     assert max(abs(np.diff(products))) < 3e-4
     assert min(products) == pytest.approx(0.8806, abs=1e-3)
@@ -297,7 +304,7 @@ def test_the_sea_is_fully_there_at_the_first_tick(generator: float) -> None:
 
 
 def test_the_cosine_sum_has_the_whole_variance_in_the_report_s_shares() -> None:
-    shares = 0.5 * np.square(WEIGHT) * 10
+    shares = 0.5 * np.square(DIRECTION_WEIGHTS) * 10
 
     assert np.sum(shares) == pytest.approx(1.0, rel=1e-12)
     assert shares == pytest.approx(2.0 / np.pi * np.array(VECTORS["direction_weights"]["exact"]))
@@ -306,7 +313,7 @@ def test_the_cosine_sum_has_the_whole_variance_in_the_report_s_shares() -> None:
 def test_each_component_has_a_frequency_of_its_own_inside_its_band() -> None:
     sea = new_sea()
     prepare_sum(1.0, 5.0, sea)
-    part = np.exp(-1.25 * sea["relative"][0] ** -4.0) / PART
+    part = np.exp(-1.25 * sea["relative"][0] ** -4.0) / VARIANCE_SHARE
 
     assert np.floor(part * 10).astype(int).tolist() == [*range(10)] * 5
     assert len(set(part)) == 50

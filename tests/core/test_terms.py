@@ -6,11 +6,11 @@ from pathlib import Path
 from trainer.core.terms import (
     BASIC_DROPS,
     COEFFICIENTS,
+    COMPACT_TERMS,
     EXTRA_TERMS,
-    KEPT,
-    POWERS,
-    TABLE,
-    THRUST,
+    LENGTH_POWERS,
+    TERM_TABLE,
+    THRUST_KEYS,
     Term,
 )
 
@@ -21,7 +21,13 @@ FACTOR = re.compile(r"([uvwpqr]dot|eta|uc|d[rsb]|[uvwpqrV])(?:\^(\d))?")
 def row(term: Term) -> str:
     """Return a term's row of the page."""
     key, equation, power, multiplies, mnemonic = term
-    kept = "yes" if key in KEPT or key in THRUST else "a hull may" if key in EXTRA_TERMS else ""
+    kept = (
+        "yes"
+        if key in COMPACT_TERMS or key in THRUST_KEYS
+        else "a hull may"
+        if key in EXTRA_TERMS
+        else ""
+    )
     multiplied = multiplies.replace("|", "\\|")
     return f"| {equation} | `{key}` | {power} | {multiplied} | {mnemonic} | {kept} |"
 
@@ -29,18 +35,18 @@ def row(term: Term) -> str:
 def test_the_page_has_every_term() -> None:
     found = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if "`" in line]
     rows = [line for line in found if line.startswith("| ") and line[3] == " "]
-    assert rows == [row(term) for term in TABLE]
+    assert rows == [row(term) for term in TERM_TABLE]
 
 
 def test_the_sets_are_of_the_table() -> None:
-    assert len(COEFFICIENTS) == len(POWERS) == 131 - len(THRUST)
-    assert set(BASIC_DROPS) < set(KEPT) < set(POWERS)
-    assert set(EXTRA_TERMS) < set(POWERS) - set(KEPT)
+    assert len(COEFFICIENTS) == len(LENGTH_POWERS) == 131 - len(THRUST_KEYS)
+    assert set(BASIC_DROPS) < set(COMPACT_TERMS) < set(LENGTH_POWERS)
+    assert set(EXTRA_TERMS) < set(LENGTH_POWERS) - set(COMPACT_TERMS)
 
 
 def test_the_power_of_the_length_makes_a_force_or_a_moment() -> None:
     """rho/2 L^n times the motion is a force [N], or for K, M, N a moment [N m]."""
-    for term in TABLE:
+    for term in TERM_TABLE:
         factors = FACTOR.findall(term.multiplies)
         angular = sum(int(power or 1) for name, power in factors if name in {"p", "q", "r"})
         accelerations = [name for name, _ in factors if name.endswith("dot")]

@@ -17,7 +17,7 @@ from trainer.config.vessel import load_vessel
 from trainer.core.actuators import move_surfaces
 from trainer.core.propulsion import answer_telegraph, excess_eta, thrust
 from trainer.core.state import STATE
-from trainer.core.update import WATCHED, update
+from trainer.core.update import WATCHED_NAMES, update
 
 KNOT = 1852.0 / 3600.0
 DEGREE = math.pi / 180.0
@@ -56,7 +56,7 @@ def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
         status = boat.tick()
 
     assert boat.records.state.tobytes() == before
-    assert WATCHED[status - 1] == named
+    assert WATCHED_NAMES[status - 1] == named
     assert boat.failure(status).startswith(f"{named} is out of all bounds after tick 20 (10 s)")
 
 

@@ -13,8 +13,8 @@ from trainer.core.sea.sea import advance_sea, order_sea
 from trainer.core.sea.wave_filter import (
     FORCE_DEPTHS,
     FORCE_ROWS,
-    LENGTHS,
-    MODES,
+    LENGTH_TABLE,
+    MODE_FACTORS,
     PHASE_STEP,
     WAVE_ROWS,
 )
@@ -173,7 +173,7 @@ def test_the_quadrature_lags_by_a_quarter_of_a_period(bank: float, lag: float, s
 
 def responses(bank: int, rows: np.ndarray) -> np.ndarray:
     """Return what outputs [modes, output] make of one impulse, internal step by step."""
-    factors = MODES[bank, 0] + 1j * MODES[bank, 1]
+    factors = MODE_FACTORS[bank, 0] + 1j * MODE_FACTORS[bank, 1]
     powers = factors ** np.arange(1500)[:, None]
     return np.asarray(np.hstack([powers.real, powers.imag]) @ rows)
 
@@ -237,7 +237,7 @@ def test_at_each_tabled_depth_the_force_has_the_variance_that_is_left(bank: int)
 
         # the rows have the variance of the filter's own spectrum, which is so near to the target
         assert variance == pytest.approx(pushed(bank, kappa), rel=7e-3)
-        assert length / pushed(bank, kappa) == pytest.approx(LENGTHS[bank, row], rel=5e-3)
+        assert length / pushed(bank, kappa) == pytest.approx(LENGTH_TABLE[bank, row], rel=5e-3)
 
 
 @pytest.mark.parametrize("bank", [0, 1])

@@ -9,7 +9,7 @@ from helpers.places import DATA
 from numba import njit
 
 from trainer.core.kernel import Record
-from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, WEIGHT, phase, prepare_sum
+from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, DIRECTION_WEIGHTS, phase, prepare_sum
 from trainer.core.sea.forces import suction, wave_forces
 from trainer.core.sea.free_surface import deck_height, sail_height, surface_forces
 from trainer.core.sea.sea import advance_sea, order_sea
@@ -214,8 +214,8 @@ def test_the_cosine_sum_is_the_sum_of_its_components() -> None:
         omega = float(state["sea_omega"][0] * sea["relative"][0][i])
         angle_above = phase(sea, state, i)
         alone = one_wave(25.0, 0.4 + angle, psi=0.1, sea_omega=omega)
-        alone["sea_elevation"] = WEIGHT[i // 10] * np.cos(angle_above)
-        alone["sea_quadrature"] = WEIGHT[i // 10] * np.sin(angle_above)
+        alone["sea_elevation"] = DIRECTION_WEIGHTS[i // 10] * np.cos(angle_above)
+        alone["sea_quadrature"] = DIRECTION_WEIGHTS[i // 10] * np.sin(angle_above)
         total += force_of(alone)
 
     assert force_of(state, sea=sea) == pytest.approx(total, rel=1e-12)

@@ -28,38 +28,38 @@ from helpers.sessions import session_over
 from trainer.analysis.recording_export import export_file
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.files import ConfigError, remembering, shipped
-from trainer.config.score_rules import MEASURES
+from trainer.config.files import ConfigError, remembering, shipped_path
+from trainer.config.score_rules import SCORE_MEASURES
 from trainer.config.vessel import load_vessel
 from trainer.debrief.charts import as_it_was_come_to
-from trainer.debrief.data import DebriefData, figures, gather
+from trainer.debrief.data import DebriefData, debrief_figures, gather_debrief
 from trainer.debrief.measures import broach_rows
 from trainer.debrief.page import (
-    Asked,
-    beside,
+    DebriefRequest,
     debrief_file,
+    default_page_path,
     draw_track,
     read_dossier,
     render,
 )
 from trainer.debrief.sections import pressed_together
-from trainer.io.recording.recording import Journalled, Recording
+from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.report import pdf
-from trainer.report.html import HERE
+from trainer.report.html import PAGE_FOLDER
 from trainer.report.pdf import print_pdf
-from trainer.report.svg import Ground, clock, step_of, thin, ticks
+from trainer.report.svg import ChartGround, clock, step_of, thin_line, ticks
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
-STYLE = (HERE / "debrief.css").read_text(encoding="utf-8")
+STYLE = (PAGE_FOLDER / "debrief.css").read_text(encoding="utf-8")
 BROWSER = pdf.find_browser()
 browsing = pytest.mark.skipif(BROWSER is None, reason="no Chromium, Chrome or Edge here")
 
@@ -114,7 +114,7 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     plan.start(boat)
     recording = Recording.create(path, header_of(chosen, texts, boat), boat.records.state.tobytes())
     time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
-    sending = Promptly(Roster(StateReader(boat, time.ledger.summary)))
+    sending = PromptSender(Roster(StateReader(boat, time.ledger.summary)))
     session = session_over(
         boat,
         time,
@@ -147,7 +147,7 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     with np.errstate(all="ignore"):
         session.run()
     assert session.control.failure == "" or not crews
-    debrief = gather(recording, path or Path("memory.trainer"), None)
+    debrief = gather_debrief(recording, path or Path("memory.trainer"), None)
     recording.close()
     return Voyage(
         debrief, session.monitors.limits, [line for panel in panels for line in panel.heard]
@@ -472,7 +472,7 @@ def test_a_number_of_the_debrief_is_the_one_computed_anew_from_the_export(
 
 def test_every_measure_and_window_is_computed_anew(kept: Kept) -> None:
     around = {"aground", "closest-approach", "exposed", "exposed-raise", "time-to-detect"}
-    assert {keys["measure"] for keys in RULES} == set(MEASURES) - around  # tests/boat/world
+    assert {keys["measure"] for keys in RULES} == set(SCORE_MEASURES) - around  # tests/boat/world
     values = [each.attained.value for each in kept.voyage.debrief.card.scores]
     assert sum(value is not None and abs(value) > 1e-3 for value in values) >= 20
 
@@ -495,7 +495,7 @@ def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept
 
 def test_the_figures_for_programs_are_those_of_the_page(kept: Kept) -> None:
     debrief = kept.voyage.debrief
-    told = json.loads(json.dumps(figures(debrief)))
+    told = json.loads(json.dumps(debrief_figures(debrief)))
     assert told["total"] == debrief.card.total
     assert [each["value"] for each in told["scores"]] == [
         each.attained.value for each in debrief.card.scores
@@ -655,7 +655,7 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
 
 def press(
     second: float, text: str, *, who: str = "planes at line 2", taken: bool = True
-) -> Journalled:
+) -> RecordedOrder:
     answer = f"{text}, by hand"
     return journalled(0, round(second / 0.5), who, text, answer, accepted=taken)
 
@@ -684,7 +684,7 @@ def test_a_turning_circle_is_round_on_the_page() -> None:
     alone = SimpleNamespace(world=SimpleNamespace(parts={}))
     flown = SimpleNamespace(columns=columns, ticks=np.arange(241), boat=alone)
     debrief = SimpleNamespace(trajectory=flown)
-    drawn = draw_track(debrief, Ground(0.5 * np.arange(241.0), ((20.0, 40.0),), ()))  # type: ignore[arg-type]
+    drawn = draw_track(debrief, ChartGround(0.5 * np.arange(241.0), ((20.0, 40.0),), ()))  # type: ignore[arg-type]
     track, broken = re.findall(r'class="line (?:actual|broken)" d="M([^"]*)"', drawn)
     x, y = np.array([[float(n) for n in place.split()] for place in track.split("L")]).T
     assert np.ptp(x) == pytest.approx(np.ptp(y), rel=0.01)
@@ -765,16 +765,16 @@ def test_a_record_that_ends_early_says_so_and_what_counts(tmp_path: Path) -> Non
 def test_the_page_goes_beside_the_recording_and_is_told(
     wound_back: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    debrief_file(wound_back, None, None, Asked(), as_json=False)
+    debrief_file(wound_back, None, None, DebriefRequest(), as_json=False)
     made = wound_back.with_name("back.html")
     assert capsys.readouterr().out == f"{made}\n"
     assert made.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
-    assert beside(wound_back, 1).name == "back.branch1.html"
+    assert default_page_path(wound_back, 1).name == "back.branch1.html"
 
-    debrief_file(wound_back, None, None, Asked(), as_json=False)  # its own is made anew
+    debrief_file(wound_back, None, None, DebriefRequest(), as_json=False)  # its own is made anew
     made.write_text("my notes")
     with pytest.raises(ConfigError, match="is there and is no debrief: say --html FILE"):
-        debrief_file(wound_back, None, None, Asked(), as_json=False)
+        debrief_file(wound_back, None, None, DebriefRequest(), as_json=False)
     assert made.read_text() == "my notes"
     made.unlink()
 
@@ -783,7 +783,7 @@ def test_figures_are_printed_without_writing_a_page(
     wound_back: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before = sorted(wound_back.parent.iterdir())
-    debrief_file(wound_back, None, None, Asked(1), as_json=True)
+    debrief_file(wound_back, None, None, DebriefRequest(1), as_json=True)
     assert json.loads(capsys.readouterr().out)["branch"] == 1
     assert sorted(wound_back.parent.iterdir()) == before
 
@@ -791,7 +791,7 @@ def test_figures_are_printed_without_writing_a_page(
 def test_the_recording_is_never_written_over(wound_back: Path) -> None:
     before = wound_back.read_bytes()
     with pytest.raises(ConfigError, match="is the recording itself: give another name"):
-        debrief_file(wound_back, wound_back, None, Asked(), as_json=False)
+        debrief_file(wound_back, wound_back, None, DebriefRequest(), as_json=False)
     assert wound_back.read_bytes() == before
 
 
@@ -842,7 +842,7 @@ def test_without_a_browser_the_next_step_is_told(
 ) -> None:
     monkeypatch.setattr(pdf, "find_browser", lambda: None)
     with pytest.raises(ConfigError, match="no Chromium, Chrome or Edge is on this machine"):
-        debrief_file(wound_back, None, tmp_path / "a.pdf", Asked(), as_json=False)
+        debrief_file(wound_back, None, tmp_path / "a.pdf", DebriefRequest(), as_json=False)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -874,7 +874,7 @@ def test_a_browser_opens_the_page_without_an_error_and_prints_it(
     assert "All measures &lt;at&gt; once" in opened.stdout
     assert "CONSOLE" not in opened.stderr
 
-    debrief_file(kept.path, None, tmp_path / "debrief.pdf", Asked(), as_json=False)
+    debrief_file(kept.path, None, tmp_path / "debrief.pdf", DebriefRequest(), as_json=False)
     assert (tmp_path / "debrief.pdf").read_bytes().startswith(b"%PDF")
     assert (tmp_path / "debrief.pdf").stat().st_size > 50_000
 
@@ -901,7 +901,7 @@ def test_a_thinned_line_keeps_its_extremes() -> None:
     x = np.arange(10_000.0)
     y = np.sin(x / 700.0)
     y[4321], y[8765] = 5.0, -7.0
-    kept_x, kept_y = thin(x, y, 400)
+    kept_x, kept_y = thin_line(x, y, 400)
     assert kept_x.size <= 404
     assert {5.0, -7.0} <= set(kept_y.tolist())
     assert (kept_x[0], kept_x[-1]) == (0.0, 9999.0)
@@ -911,7 +911,7 @@ EVIL = '<script>alert("x")</script>'
 
 
 def test_names_of_anybody_s_making_come_out_as_text(tmp_path: Path) -> None:
-    boat = shipped("vessels", "bb2").read_text(encoding="utf-8")
+    boat = shipped_path("vessels", "bb2").read_text(encoding="utf-8")
     (tmp_path / "boat.toml").write_text(
         re.sub(r'(?m)^name = ".*"', f"name = '{EVIL}'", boat, count=1)
     )

@@ -15,23 +15,23 @@ from helpers.recorded import PANEL, record
 
 from trainer.config.files import ConfigError
 from trainer.debrief.charts import ground_of, runs_beside
-from trainer.debrief.data import Compared, DebriefData, figures
+from trainer.debrief.data import DebriefData, ReferenceComparison, debrief_figures
 from trainer.debrief.episodes import read_backs
 from trainer.debrief.judgement import costs
-from trainer.debrief.page import Asked, draw_track, read_compared, render
-from trainer.debrief.reference import behind, can_fly, extremes, first_fault, joined
-from trainer.io.recording.facts import REFERENCE_CREW
-from trainer.io.recording.recording import Journalled
+from trainer.debrief.page import DebriefRequest, draw_track, read_compared, render
+from trainer.debrief.reference import can_fly, first_fault, join_runs, tasks_behind, window_extremes
+from trainer.io.recording.facts import REFERENCE_GIVER
+from trainer.io.recording.recording import RecordedOrder
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 JAM = {86.0: "bell astern full", 88.0: "bow planes rise 30", 130.0: "stern planes rise 12"}
 
 
 def debriefed(path: Path, **asked: Any) -> DebriefData:
-    return read_compared(path, Asked(**asked))
+    return read_compared(path, DebriefRequest(**asked))
 
 
-def beside(debrief: DebriefData) -> Compared:
+def beside(debrief: DebriefData) -> ReferenceComparison:
     assert debrief.compared
     return debrief.compared
 
@@ -53,7 +53,9 @@ def jam(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def mastered(idle: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the recording of a crew that gave the very orders of the reference crew."""
     orders = beside(debriefed(idle)).reference.trajectory.orders
-    own = [each for each in orders if each.giver == REFERENCE_CREW and "planesman" not in each.text]
+    own = [
+        each for each in orders if each.giver == REFERENCE_GIVER and "planesman" not in each.text
+    ]
     given = [(each.tick / 2.0, each.text) for each in own]
     path = tmp_path_factory.mktemp("mastered") / "mastered.trainer"
     return record(path, "depth-changes", given)
@@ -111,8 +113,8 @@ def test_extremes_are_those_of_the_rows_about_each() -> None:
     values = np.random.default_rng(1).normal(size=40)
     for most in (0, 1, 3, 8, 40):
         padded = [values[max(i - most, 0) : i + most + 1] for i in range(40)]
-        assert list(extremes(values, most, np.minimum)) == [each.min() for each in padded]
-        assert list(extremes(values, most, np.maximum)) == [each.max() for each in padded]
+        assert list(window_extremes(values, most, np.minimum)) == [each.min() for each in padded]
+        assert list(window_extremes(values, most, np.maximum)) == [each.max() for each in padded]
 
 
 def test_an_exercise_without_an_end_in_sight_is_not_flown_for_the_page(idle: Path) -> None:
@@ -141,7 +143,7 @@ def test_a_task_that_has_no_band_is_named_where_no_moment_can_be_told(tmp_path: 
     debrief = debriefed(record(tmp_path / "back.trainer", "backing", {}))
     compared = beside(debrief)
     assert compared.fault is None
-    worse = behind(debrief.card, compared.reference.card)
+    worse = tasks_behind(debrief.card, compared.reference.card)
     assert worse
     assert f"No one moment: {', '.join(worse)} fell short" in render(debrief)
 
@@ -200,7 +202,7 @@ def test_the_reference_crew_takes_over_in_time_and_saves_the_boat(jam: Path) -> 
     taken = beside(debrief).from_here
     assert taken
 
-    orders = [each for each in taken.trajectory.orders if each.giver == REFERENCE_CREW]
+    orders = [each for each in taken.trajectory.orders if each.giver == REFERENCE_GIVER]
     assert (orders[0].text, orders[0].tick) == ("bell astern full", 2 * 82)  # 4 s after it sees
     assert taken.trajectory.ticks[0] == 156
     then = debrief.trajectory.columns["z"][156]
@@ -215,7 +217,7 @@ def test_a_run_joined_with_what_follows_has_each_tick_once(jam: Path) -> None:
     debrief = debriefed(jam, reference_from=300.0)
     taken = beside(debrief).from_here
     assert taken
-    whole = joined(debrief.trajectory, taken.trajectory)
+    whole = join_runs(debrief.trajectory, taken.trajectory)
     assert np.array_equal(whole.ticks, np.arange(1201))
     own = debrief.trajectory.columns["z"]
     assert np.array_equal(whole.columns["z"][:601], own[:601])
@@ -227,7 +229,7 @@ def test_a_run_joined_with_what_follows_has_each_tick_once(jam: Path) -> None:
 def test_what_the_reference_crew_had_done_by_then_is_not_done_again(jam: Path) -> None:
     taken = beside(debriefed(jam, reference_from=300.0)).from_here
     assert taken
-    given = [each.text for each in taken.trajectory.orders if each.giver == REFERENCE_CREW]
+    given = [each.text for each in taken.trajectory.orders if each.giver == REFERENCE_GIVER]
     assert "bell astern full" not in given
     assert any(text.startswith("stern planes") for text in given)  # its planesman is at work
 
@@ -247,7 +249,7 @@ def test_an_exercise_without_a_reference_crew_has_its_page(tmp_path: Path) -> No
     debrief = debriefed(path)
     assert debrief.compared is None
     assert "no reference crew to compare with" in render(debrief)
-    assert figures(debrief)["reference"] is None
+    assert debrief_figures(debrief)["reference"] is None
     with pytest.raises(ConfigError, match="--reference-from: this exercise has no reference crew"):
         debriefed(path, reference_from=20.0)
 
@@ -287,7 +289,7 @@ def test_the_track_of_the_reference_run_is_laid_under(idle: Path) -> None:
 # Read-backs
 
 
-def entry(number: int, second: float, who: str, text: str, answer: str) -> Journalled:
+def entry(number: int, second: float, who: str, text: str, answer: str) -> RecordedOrder:
     return journalled(number, round(2 * second), who, text, answer, accepted=bool(number))
 
 
@@ -318,7 +320,7 @@ def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path, repeat: 
 
 def test_the_page_and_the_figures_tell_who_repeated(mastered: Path) -> None:
     debrief = debriefed(mastered)
-    told = figures(debrief)["orders_to_crew"]
+    told = debrief_figures(debrief)["orders_to_crew"]
     assert [each["order"] for each in told] == ["depth 100 m", "depth 40 m"]
     assert told[0]["repeated_by"] is None
     assert "Orders to the crew" in render(debrief)
@@ -350,6 +352,6 @@ def test_the_top_says_what_was_by_hand_and_how_sure_the_mark_is(tmp_path: Path) 
     debrief = debriefed(path)
     told = render(debrief)
     assert "By hand: planes; automatic: rudder, speed, ballast; allowed: depth, periscope." in told
-    deviation = figures(debrief)["deviation"]
+    deviation = debrief_figures(debrief)["deviation"]
     assert deviation >= 0.5
     assert f"\N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone" in told

@@ -17,7 +17,7 @@ from helpers.recorded import record
 from trainer.analysis.recording_export import read_recording
 from trainer.cli.main import main
 from trainer.debrief import charts, history, sections
-from trainer.debrief.data import gather
+from trainer.debrief.data import gather_debrief
 from trainer.io.recording import queries
 from trainer.io.recording.recording import Recording
 from trainer.session.replay import replay_anyway
@@ -159,7 +159,7 @@ def test_a_name_is_forgotten_in_a_recording_that_is_too_long_to_be_read(
 def test_a_page_shows_so_many_marks_and_branches_and_tells_how_many_more(
     folder: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sections, "MOST", 10)
+    monkeypatch.setattr(sections, "MAX_TABLE_ROWS", 10)
     monkeypatch.setattr(charts, "MAX_MARKS_DRAWN", 10)
     path = lengthened(folder, "long", NOTED, 25)
     assert run("debrief", path)[0] == 0
@@ -193,7 +193,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
     "read",
     [
         lambda recording, _: replay_anyway(recording),
-        lambda recording, path: gather(recording, path, None),
+        lambda recording, path: gather_debrief(recording, path, None),
     ],
     ids=["replay", "debrief"],
 )

@@ -14,26 +14,26 @@ from helpers.recorded import record
 
 from trainer.config.files import ConfigError
 from trainer.debrief import history as history_module
-from trainer.debrief.changes import change_of, changes_path, read_changes, without
-from trainer.debrief.data import figures
+from trainer.debrief.changes import change_of, changes_path, read_changes, without_changes
+from trainer.debrief.data import debrief_figures
 from trainer.debrief.history import (
-    Came,
-    Listed,
-    forget,
-    history,
+    ListedRecording,
+    RecordedResult,
+    forget_trainee,
     history_lines,
-    latest,
+    latest_recording,
     list_lines,
-    listed,
+    list_recording,
     marks_path,
     of_trainee,
     print_list,
     recordings_in,
+    trainee_history,
 )
-from trainer.debrief.page import Asked, change_marks, debrief_file, read_compared, render
+from trainer.debrief.page import DebriefRequest, change_marks, debrief_file, read_compared, render
 from trainer.io.paths import recordings_folder
 from trainer.io.recording.recording import Recording
-from trainer.session.header import names_of, plan_of, reading, trainees_of
+from trainer.session.header import names_of, open_whole_recording, plan_of, trainees_of
 from trainer.session.options import RunOptions
 from trainer.session.run import run_boat
 
@@ -58,9 +58,9 @@ def kept(tmp_path: Path) -> Path:
 
 
 def test_names_are_kept_in_the_header_and_shown_as_text(kept: Path) -> None:
-    debrief = read_compared(kept, Asked())
+    debrief = read_compared(kept, DebriefRequest())
     assert debrief.trainees == (ANN, MARKUP)
-    assert figures(debrief)["trainees"] == [ANN, MARKUP]
+    assert debrief_figures(debrief)["trainees"] == [ANN, MARKUP]
     told = render(debrief)
     assert "<b>Bób" not in told
     assert "&lt;b&gt;Bób&lt;/b&gt; &amp; sons" in told
@@ -94,31 +94,31 @@ def test_a_header_with_damaged_names_has_none() -> None:
 def test_a_recording_is_judged_once_for_the_list(
     kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first = listed(kept)
+    first = list_recording(kept)
     assert first.came
     assert (first.came.exercise, first.came.outcome) == ("Steering, first steps", "not reached")
 
     def never(*_: object) -> None:
         raise AssertionError("judged again")
 
-    monkeypatch.setattr(history_module, "gather", never)
-    assert listed(kept) == first
+    monkeypatch.setattr(history_module, "gather_debrief", never)
+    assert list_recording(kept) == first
     (line,) = list_lines([first])
     assert line.startswith(first.started[:10])
     assert f"not reached     0   {ANN}, {MARKUP}  steady.trainer" in line
 
 
 def test_a_changed_mark_and_another_state_are_judged_anew(kept: Path) -> None:
-    before = listed(kept)
-    change_marks(kept, Asked(), ["outcome: won, the repeater was off"], [])
-    after = listed(kept)
+    before = list_recording(kept)
+    change_marks(kept, DebriefRequest(), ["outcome: won, the repeater was off"], [])
+    after = list_recording(kept)
     assert before.came
     assert after.came
     assert (before.came.outcome, after.came.outcome) == ("not reached", "won")
     assert after.came.changed
     assert "*" in next(list_lines([after]))
     marks_path(kept).write_text('{"of": 3}')
-    assert listed(kept) == after
+    assert list_recording(kept) == after
 
 
 def test_the_list_goes_on_past_what_cannot_be_read(
@@ -137,7 +137,7 @@ def test_the_list_goes_on_past_what_cannot_be_read(
     }
 
 
-LONG = Came(
+LONG = RecordedResult(
     "Periscope depth in a seaway, at night",
     3,
     "basic",
@@ -148,10 +148,16 @@ LONG = Came(
 )
 LONG_FILE = Path("periscope-depth-20261121-222343.trainer")
 LONG_ROWS = (
-    Listed(LONG_FILE, "2026-11-21T22:23:43", ("Ann O Briain", "Ann O Briain the younger"), LONG),
-    Listed(LONG_FILE, "2026-11-21T22:23:43", ("Bob",), replace(LONG, counts=True)),
-    Listed(LONG_FILE, "2026-11-21T22:23:43", (), None, "it is damaged: " + "a page is cut " * 9),
-    Listed(Path("a.trainer"), "2026-11-21T22:23:43", ("A\x1b",), replace(LONG, exercise="Mine")),
+    ListedRecording(
+        LONG_FILE, "2026-11-21T22:23:43", ("Ann O Briain", "Ann O Briain the younger"), LONG
+    ),
+    ListedRecording(LONG_FILE, "2026-11-21T22:23:43", ("Bob",), replace(LONG, counts=True)),
+    ListedRecording(
+        LONG_FILE, "2026-11-21T22:23:43", (), None, "it is damaged: " + "a page is cut " * 9
+    ),
+    ListedRecording(
+        Path("a.trainer"), "2026-11-21T22:23:43", ("A\x1b",), replace(LONG, exercise="Mine")
+    ),
 )
 
 
@@ -201,7 +207,7 @@ def test_without_recordings_the_next_step_is_told(
     print_list([], as_json=False)
     assert "trainer run EXERCISE makes one" in capsys.readouterr().out
     with pytest.raises(ConfigError, match=r"--last: no recording is in .*: trainer run EXERCISE"):
-        latest()
+        latest_recording()
     with pytest.raises(ConfigError, match="nowhere"):
         list(recordings_in([tmp_path / "nowhere"]))
 
@@ -214,7 +220,7 @@ def test_the_last_recording_is_that_written_last(
     folder.mkdir(parents=True)
     for name in ("b", "a"):
         (folder / f"{name}.trainer").write_bytes(kept.read_bytes())
-    assert latest().name == "a.trainer"
+    assert latest_recording().name == "a.trainer"
 
 
 def test_recordings_are_where_the_system_keeps_them_and_stay_where_they_were(
@@ -238,9 +244,11 @@ def test_recordings_are_where_the_system_keeps_them_and_stay_where_they_were(
 # History
 
 
-def run_of(total: float | None, seed: int = 1, width: str = "qualified", **of: object) -> Listed:
-    came = Came("Depth", seed, width, "won", total, counts=True, changed=False)
-    return Listed(Path("x.trainer"), "", (ANN,), replace(came, **of))  # type: ignore[arg-type]
+def run_of(
+    total: float | None, seed: int = 1, width: str = "qualified", **of: object
+) -> ListedRecording:
+    came = RecordedResult("Depth", seed, width, "won", total, counts=True, changed=False)
+    return ListedRecording(Path("x.trainer"), "", (ANN,), replace(came, **of))  # type: ignore[arg-type]
 
 
 def test_the_history_has_a_line_for_each_exercise_and_width_and_the_mean_of_the_last_three() -> (
@@ -254,7 +262,7 @@ def test_the_history_has_a_line_for_each_exercise_and_width_and_the_mean_of_the_
         run_of(40.0),
         run_of(0.0),
     ]
-    basic, qualified = history(newest_first)
+    basic, qualified = trainee_history(newest_first)
     assert (qualified.attempts, qualified.seeds, qualified.mean) == (5, (1, 2, 3), 70.0)
     assert (basic.width, basic.attempts, basic.mean) == ("basic", 1, 60.0)
     assert len(list(history_lines([basic, qualified]))) == 3
@@ -271,16 +279,16 @@ def test_a_trainee_is_found_however_the_name_is_written_and_else_the_nearest() -
 
 
 def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
-    change_marks(kept, Asked(), [f"outcome: won, {ANN} steered well"], [])
-    debrief_file(kept, None, None, Asked(), as_json=False)
-    listed(kept)
-    before = read_compared(kept, Asked()).trajectory
-    told = list(forget(ANN.upper(), [kept]))
+    change_marks(kept, DebriefRequest(), [f"outcome: won, {ANN} steered well"], [])
+    debrief_file(kept, None, None, DebriefRequest(), as_json=False)
+    list_recording(kept)
+    before = read_compared(kept, DebriefRequest()).trajectory
+    told = list(forget_trainee(ANN.upper(), [kept]))
 
     assert [Path(line.split(":")[0]).name for line in told] == ["steady.trainer", "steady.html"]
     for path in kept.parent.iterdir():
         assert ANN.encode() not in path.read_bytes().replace(ANN.encode() + b"son", b""), path
-    debrief = read_compared(kept, Asked())
+    debrief = read_compared(kept, DebriefRequest())
     assert debrief.trainees == (MARKUP,)
     assert [each.text for each in debrief.of_kind("mark")] == [
         "(name removed) was slow",
@@ -292,10 +300,10 @@ def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
 
 def test_a_name_that_is_nowhere_or_in_use_is_told(kept: Path) -> None:
     with pytest.raises(ConfigError, match=r"no recording has that name; nearest is Ann"):
-        list(forget("Ann Briain", [kept]))
+        list(forget_trainee("Ann Briain", [kept]))
     recording = Recording.reopen(kept)
     with pytest.raises(ConfigError, match=r"the name is still in it: .*is in use"):
-        list(forget(ANN, [kept]))
+        list(forget_trainee(ANN, [kept]))
     recording.close()
 
 
@@ -304,11 +312,11 @@ def test_a_name_that_is_nowhere_or_in_use_is_told(kept: Path) -> None:
 
 def test_a_struck_measure_and_a_weight_change_the_total_and_both_are_shown(tmp_path: Path) -> None:
     path = record(tmp_path / "turn.trainer", "steady-course", {62.0: "rudder right 3"})
-    plain = read_compared(path, Asked())
+    plain = read_compared(path, DebriefRequest())
     names = [each.name for each in plain.card.scores]
     texts = [f"{names[0]}: strike, a squall", f"{names[1].upper()}:  weight  2 , it matters, here"]
-    change_marks(path, Asked(), texts, [])
-    debrief = read_compared(path, Asked())
+    change_marks(path, DebriefRequest(), texts, [])
+    debrief = read_compared(path, DebriefRequest())
 
     assert [str(each) for each in debrief.changes] == [
         f"{names[0]}: strike (a squall)",
@@ -325,14 +333,16 @@ def test_a_struck_measure_and_a_weight_change_the_total_and_both_are_shown(tmp_p
 
 
 def test_an_outcome_and_a_width_can_be_changed_and_taken_back(kept: Path) -> None:
-    change_marks(kept, Asked(), ["outcome: won, seen by me", "width: basic, a beginner"], [])
-    debrief = read_compared(kept, Asked())
+    change_marks(
+        kept, DebriefRequest(), ["outcome: won, seen by me", "width: basic, a beginner"], []
+    )
+    debrief = read_compared(kept, DebriefRequest())
     assert debrief.final.verdict
     assert debrief.final.verdict.outcome == "won"
     assert debrief.final.scores[0].rule.score.zero != debrief.card.scores[0].rule.score.zero
-    change_marks(kept, Asked(), [], ["Outcome"])
+    change_marks(kept, DebriefRequest(), [], ["Outcome"])
     assert [each.name for each in read_changes(kept)] == ["width"]
-    change_marks(kept, Asked(), [], ["all"])
+    change_marks(kept, DebriefRequest(), [], ["all"])
     assert not changes_path(kept).exists()
 
 
@@ -354,24 +364,24 @@ def test_a_change_that_is_none_is_told_with_what_it_should_be(
     kept: Path, text: str, told: str
 ) -> None:
     with pytest.raises(ConfigError) as wrong:
-        change_marks(kept, Asked(), ["outcome: lost, first", text], [])
+        change_marks(kept, DebriefRequest(), ["outcome: lost, first", text], [])
     assert told in str(wrong.value)
     assert not changes_path(kept).exists()
 
 
 def test_nothing_changed_cannot_be_taken_back(kept: Path) -> None:
-    with reading(kept) as recording:
+    with open_whole_recording(kept) as recording:
         plan = plan_of(recording.header())
     change = change_of("outcome: won, well done", 1, plan)
     with pytest.raises(ConfigError, match="nearest is outcome"):
-        without([change], "outcomes", 1)
+        without_changes([change], "outcomes", 1)
     with pytest.raises(ConfigError, match="nothing has been changed in this run"):
-        without([change], "outcome", 2)
+        without_changes([change], "outcome", 2)
 
 
 def test_a_branch_that_is_none_is_not_changed(kept: Path) -> None:
     with pytest.raises(ConfigError, match="--branch 7: there are branches 1 only"):
-        change_marks(kept, Asked(7), ["outcome: won, well done"], [])
+        change_marks(kept, DebriefRequest(7), ["outcome: won, well done"], [])
     assert not changes_path(kept).exists()
 
 
@@ -379,25 +389,25 @@ def test_a_branch_that_is_none_is_not_changed(kept: Path) -> None:
     ("name", "what"), [("outcome", "wonn"), ("width", "wide"), ("Quiet rudder", "weight x")]
 )
 def test_a_change_written_by_hand_is_checked(kept: Path, name: str, what: str) -> None:
-    change_marks(kept, Asked(), ["outcome: won, well done"], [])
+    change_marks(kept, DebriefRequest(), ["outcome: won, well done"], [])
     path = changes_path(kept)
     text = path.read_text().replace('"outcome"', f'"{name}"').replace('"won"', f'"{what}"')
     path.write_text(text)
     with pytest.raises(ConfigError, match=rf"steady\.changes\.toml: {name}: {what}: "):
-        read_compared(kept, Asked())
+        read_compared(kept, DebriefRequest())
 
 
 def test_kept_marks_of_another_kind_are_made_anew(kept: Path) -> None:
-    first = listed(kept)
+    first = list_recording(kept)
     path = marks_path(kept)
     path.write_text(path.read_text().replace('"total": 0.0', '"total": "all"'))
-    assert listed(kept) == first
+    assert list_recording(kept) == first
 
 
 def test_a_damaged_file_of_changes_is_told(kept: Path) -> None:
     changes_path(kept).write_text('schema = "changes/1"\n[[changes]]\nbranch = 1\n')
     with pytest.raises(ConfigError, match=r"steady\.changes\.toml: .*lacks name"):
-        read_compared(kept, Asked())
+        read_compared(kept, DebriefRequest())
 
 
 @pytest.mark.process

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from helpers.recorded import record
 
-from trainer.debrief.data import DebriefData, gather
+from trainer.debrief.data import DebriefData, gather_debrief
 from trainer.io.recording.recording import Recording
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -59,7 +59,7 @@ def test_a_debrief_of_reworded_texts_decides_the_same(tmp_path: Path, exercise: 
     decisions = []
     for each in (path, other):
         with closing(Recording.look(each)) as recording:
-            decisions.append(decided(gather(recording, each, None)))
+            decisions.append(decided(gather_debrief(recording, each, None)))
     assert decisions[0] == decisions[1]
     assert decisions[0]["scores"]
     if exercise == "depth-changes":

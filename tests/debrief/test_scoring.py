@@ -13,22 +13,22 @@ from helpers.places import ROOT
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.exercise import Limits, load_exercise, parse_exercise
+from trainer.config.exercise import ExerciseLimits, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names
-from trainer.config.score_rules import Rule
+from trainer.config.score_rules import ScoreRule
 from trainer.config.vessel import load_vessel
 from trainer.core.casualties import CODES
 from trainer.debrief.scoring import (  # type: ignore[attr-defined]
-    MEASURES,
-    attain,
+    SCORE_MEASURES,
     formula_of,
     marks_of,
     measure_rows,
-    score,
+    score_rules,
+    take_measure,
     unit_of,
 )
-from trainer.debrief.trajectory import COLUMNS, SLOTS, Trajectory
-from trainer.io.recording.recording import Journalled
+from trainer.debrief.trajectory import CASUALTY_SLOTS, PASSAGE_COLUMNS, Trajectory
+from trainer.io.recording.recording import RecordedOrder
 from trainer.units import KNOT
 
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
@@ -42,23 +42,31 @@ def boat_of(vessel: str = "bb2") -> Boat:
 BB2 = boat_of()
 
 
-def trajectory(limits: Limits | None = None, orders: Any = (), **columns: Any) -> Trajectory:
+def trajectory(
+    limits: ExerciseLimits | None = None, orders: Any = (), **columns: Any
+) -> Trajectory:
     """Return a passage at 0.5 s a tick, whose columns but those given are zero."""
     given = {name: np.asarray(values, float) for name, values in columns.items()}
     count = max((values.size for values in given.values()), default=5)
     flat = np.zeros(count)
     slots = given.pop("jam", flat)
-    whole = dict.fromkeys(COLUMNS, flat) | given | {SLOTS[0]: slots * CODES["stern-stuck"]}
+    whole = (
+        dict.fromkeys(PASSAGE_COLUMNS, flat)
+        | given
+        | {CASUALTY_SLOTS[0]: slots * CODES["stern-stuck"]}
+    )
     untimed = np.full(count, np.nan)
     ticks = np.arange(count)
-    return Trajectory(BB2, limits or Limits(), tuple(orders), ticks, whole, untimed, untimed)
+    return Trajectory(
+        BB2, limits or ExerciseLimits(), tuple(orders), ticks, whole, untimed, untimed
+    )
 
 
-def rules(text: str) -> tuple[Rule, ...]:
+def rules(text: str) -> tuple[ScoreRule, ...]:
     return parse_exercise(SHORTEST + text, Path("drill.toml")).scores
 
 
-def rule(**keys: Any) -> Rule:
+def rule(**keys: Any) -> ScoreRule:
     """Return the rule with these keys."""
     given = {"name": "it", **MARKS, **keys}
     lines = [
@@ -70,11 +78,11 @@ def rule(**keys: Any) -> Rule:
 
 def taken(flown: Trajectory, **keys: Any) -> tuple[float | None, int | None]:
     """Return value and tick of a rule."""
-    found = attain(flown, rule(**keys))
+    found = take_measure(flown, rule(**keys))
     return found.value, found.tick
 
 
-def order(number: int, tick: int, text: str, who: str = "diving at panel") -> Journalled:
+def order(number: int, tick: int, text: str, who: str = "diving at panel") -> RecordedOrder:
     return journalled(number, tick, who, text)
 
 
@@ -91,7 +99,7 @@ def test_overshoot_is_how_far_it_went_beyond_seen_from_where_it_began() -> None:
 
 def test_a_target_that_is_never_reached_has_no_overshoot_and_earns_nothing() -> None:
     went = trajectory(z=[60, 90, 99, 98])
-    met = score(went, (rule(measure="overshoot", quantity="depth", target=100),))
+    met = score_rules(went, (rule(measure="overshoot", quantity="depth", target=100),))
     assert met.scores[0].attained.why == "the target was never reached"
     assert met.scores[0].marks == 0.0
     near = {"measure": "overshoot", "quantity": "depth", "target": 100, "band": 2}
@@ -104,9 +112,12 @@ def test_time_to_counts_from_the_window_to_where_it_stays_in_its_band() -> None:
     assert taken(went, **depth) == (1.5, 3)
     assert taken(went, **depth, from_s=1.0) == (0.5, 3)
     assert taken(went, **depth, to_s=1.0) == (None, None)
-    assert attain(went, rule(**depth, to_s=1.0)).why == "not in the band at the end, 9 m beyond it"
+    assert (
+        take_measure(went, rule(**depth, to_s=1.0)).why
+        == "not in the band at the end, 9 m beyond it"
+    )
     far = trajectory(z=[60, 258, 260.6])
-    assert attain(far, rule(**depth)).why == "not in the band at the end, 160 m beyond it"
+    assert take_measure(far, rule(**depth)).why == "not in the band at the end, 160 m beyond it"
 
 
 def test_to_reach_a_target_the_boat_has_to_have_been_elsewhere() -> None:
@@ -114,7 +125,7 @@ def test_to_reach_a_target_the_boat_has_to_have_been_elsewhere() -> None:
     assert taken(trajectory(z=[60, 99, 90, 99, 101]), measure="reach", **depth) == (1.5, 3)
     there = trajectory(z=[100, 90, 99, 100])
     for measure in ("reach", "settled"):
-        assert attain(there, rule(measure=measure, **depth)).why == (
+        assert take_measure(there, rule(measure=measure, **depth)).why == (
             "the boat was there when it was ordered"
         )
     assert marks_of(rule(measure="reach", **depth), None) == 0.0
@@ -164,7 +175,7 @@ def test_a_window_may_begin_with_a_casualty() -> None:
     since = {"measure": "highest", "quantity": "depth", "since": "stern-stuck"}
     assert taken(went, **since) == (70.0, 3)
     assert taken(went, **since, to_s=0.5) == (60.0, 2)
-    assert attain(trajectory(z=[1, 2]), rule(**since)).counts is False
+    assert take_measure(trajectory(z=[1, 2]), rule(**since)).counts is False
     assert "from stern-stuck on" in formula_of(rule(**since))
 
 
@@ -205,7 +216,7 @@ def test_planes_are_as_active_as_what_they_move_in_a_minute() -> None:
     assert taken(went, measure="activity") == (pytest.approx(240.0), 3)  # type: ignore[comparison-overlap]
     assert taken(went, measure="activity", quantity="bow") == (pytest.approx(80.0), 3)  # type: ignore[comparison-overlap]
     assert taken(went, measure="activity", to_s=0.5) == (pytest.approx(120.0), 1)  # type: ignore[comparison-overlap]
-    assert attain(went, rule(measure="activity", to_s=0)).counts is False
+    assert take_measure(went, rule(measure="activity", to_s=0)).counts is False
 
 
 def test_distance_is_run_only_while_the_condition_holds() -> None:
@@ -215,7 +226,7 @@ def test_distance_is_run_only_while_the_condition_holds() -> None:
 
 
 def test_limits_are_passed_for_as_long_as_they_are() -> None:
-    limits = Limits(depth_m_max=100.0, pitch_deg_max=5.0)
+    limits = ExerciseLimits(depth_m_max=100.0, pitch_deg_max=5.0)
     went = trajectory(limits, z=[99, 101, 102, 99], theta=np.radians([0, 0, -6, -6]))
     assert taken(went, measure="beyond-limits") == (1.5, 1)
     assert taken(trajectory(), measure="beyond-limits") == (0.0, None)
@@ -246,7 +257,7 @@ def test_a_boat_without_test_depth_is_not_judged_by_it(measure: str) -> None:
     boat = boat_of()
     hull = replace(boat.file.hull, test_depth_m=None)
     boat.file = replace(boat.file, hull=hull)
-    found = attain(replace(trajectory(z=[500.0]), boat=boat), rule(measure=measure))
+    found = take_measure(replace(trajectory(z=[500.0]), boat=boat), rule(measure=measure))
     assert (found.why, found.counts) == ("this boat has no test depth", False)
 
 
@@ -262,8 +273,8 @@ def test_an_answer_is_the_crews_next_order_after_the_onset() -> None:
     jam = {"measure": "response", "casualty": "stern-stuck"}
     assert taken(went, **jam) == (1.5, 4)
     assert taken(went, **jam, orders=["bow"]) == (2.0, 5)
-    assert attain(went, rule(**jam, orders=["blow"])).why == "it was not answered"
-    assert attain(trajectory(), rule(**jam)).counts is False
+    assert take_measure(went, rule(**jam, orders=["blow"])).why == "it was not answered"
+    assert take_measure(trajectory(), rule(**jam)).counts is False
 
 
 def test_in_a_freeze_an_answer_comes_at_the_tick_of_the_casualty_itself() -> None:
@@ -291,9 +302,9 @@ def test_a_boat_without_the_part_is_not_judged_by_it() -> None:
         went.lateness,
         went.work,
     )
-    found = attain(lone, rule(measure="lowest", quantity="bank_main"))
+    found = take_measure(lone, rule(measure="lowest", quantity="bank_main"))
     assert (found.why, found.counts) == ("this boat has no bank_main", False)
-    assert attain(lone, rule(measure="reserve-air")).counts is False
+    assert take_measure(lone, rule(measure="reserve-air")).counts is False
 
 
 # Marks
@@ -311,7 +322,7 @@ def test_marks_are_in_proportion_between_full_and_none(
 
 
 def test_the_total_is_by_weight_and_of_what_counts_only() -> None:
-    card = score(
+    card = score_rules(
         trajectory(z=[100, 105]),
         rules(
             "[[scores]]\nname='a'\nmeasure='highest'\nquantity='depth'\nfull=100\nzero=110\n"
@@ -327,13 +338,13 @@ def test_the_total_is_by_weight_and_of_what_counts_only() -> None:
 
 
 def test_a_condition_that_is_never_met_earns_nothing() -> None:
-    card = score(trajectory(), (rule(measure="distance", when="depth > 50", full=9, zero=0),))
+    card = score_rules(trajectory(), (rule(measure="distance", when="depth > 50", full=9, zero=0),))
     assert card.total == 0.0
     assert card.scores[0].attained.why == "never depth > 50"
 
 
 def test_a_run_without_rules_has_no_marks() -> None:
-    assert score(trajectory(), ()).total is None
+    assert score_rules(trajectory(), ()).total is None
 
 
 # What a file may say
@@ -400,7 +411,7 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
 def test_the_page_has_the_table_of_every_measure() -> None:
     page = (ROOT / "docs" / "debrief.md").read_text(encoding="utf-8")
     assert measure_rows() in page
-    assert len(MEASURES) == 23
+    assert len(SCORE_MEASURES) == 23
 
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))

@@ -21,7 +21,7 @@ from soak.session_process import Caller, GoneError
 
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Recording
-from trainer.session.stations.roles import INSTRUCTOR, Role
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role
 
 PROGRAM: Final = """
 from trainer.cli.main import main
@@ -242,7 +242,7 @@ class Session:
         return answer
 
     def order_some(
-        self, by: Caller, dice: random.Random, count: int, role: Role = INSTRUCTOR
+        self, by: Caller, dice: random.Random, count: int, role: Role = INSTRUCTOR_ROLE
     ) -> None:
         """Give random orders, of those that a role may give."""
         orders = Orders(role, dice)

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space, solve_discrete_lyapunov
 
 from trainer.core.kernel import Numbers
-from trainer.core.sea.wave_filter import FORCE_DEPTHS, MODES, PHASE_STEP, WAVE_ROWS
+from trainer.core.sea.wave_filter import FORCE_DEPTHS, MODE_FACTORS, PHASE_STEP, WAVE_ROWS
 
 Responses = NDArray[np.complex128]
 
@@ -43,7 +43,7 @@ CUTOFF: Final = 1e-13  # [-] of the largest singular value
 
 def mode_responses(bank: int, x: Numbers) -> Responses:
     """Return the responses [-] of a bank's eight numbers, by frequency over the peak's."""
-    factors = (MODES[bank, 0] + 1j * MODES[bank, 1])[:, None]
+    factors = (MODE_FACTORS[bank, 0] + 1j * MODE_FACTORS[bank, 1])[:, None]
     turn = np.exp(1j * x * PHASE_STEP)
     above, below = 1.0 / (1.0 - factors / turn), 1.0 / (1.0 - factors.conj() / turn)
     return np.asarray(np.concatenate([0.5 * (above + below), -0.5j * (above - below)]).T)
@@ -51,7 +51,7 @@ def mode_responses(bank: int, x: Numbers) -> Responses:
 
 def noise_covariance(bank: int) -> Numbers:
     """Return the covariance [-] of a bank's eight numbers under white noise of variance 1."""
-    along, across = np.diag(MODES[bank, 0]), np.diag(MODES[bank, 1])
+    along, across = np.diag(MODE_FACTORS[bank, 0]), np.diag(MODE_FACTORS[bank, 1])
     step = np.block([[along, -across], [across, along]])
     noise = np.repeat([1.0, 0.0], 4)
     return np.asarray(solve_discrete_lyapunov(step, np.outer(noise, noise)))

@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 from fits.__main__ import fits
 from fits.force_rows import all_numbers, all_rows
-from trainer.core.sea.wave_filter import FORCE_ROWS, LENGTHS
+from trainer.core.sea.wave_filter import FORCE_ROWS, LENGTH_TABLE
 
 pytestmark = pytest.mark.slow
 
@@ -18,7 +18,7 @@ def test_the_force_rows_are_made_again() -> None:
 
 
 def test_the_wave_numbers_that_are_left_are_made_again() -> None:
-    assert all_numbers() == pytest.approx(LENGTHS, rel=1e-9)
+    assert all_numbers() == pytest.approx(LENGTH_TABLE, rel=1e-9)
 
 
 def test_the_program_writes_them_as_they_stand_in_the_core() -> None:
@@ -27,5 +27,5 @@ def test_the_program_writes_them_as_they_stand_in_the_core() -> None:
     assert done.exit_code == 0, done.output
     rows = [line.split() for line in done.output.splitlines() if not line[0].isupper()]
     found = np.array([float(word) for row in rows[1:] for word in row])
-    written = np.concatenate([np.swapaxes(FORCE_ROWS, 2, 3).ravel(), LENGTHS.ravel()])
+    written = np.concatenate([np.swapaxes(FORCE_ROWS, 2, 3).ravel(), LENGTH_TABLE.ravel()])
     assert found == pytest.approx(written, rel=1e-9, abs=1e-9)

@@ -14,7 +14,7 @@ from fuzz.catalogue import choose_targets
 from fuzz.fuzz import Effort, Found
 from fuzz.fuzz import fuzz as fuzz_all
 from trainer.cli.main import run_command
-from trainer.cli.options import FILE
+from trainer.cli.options import ANY_FILE
 
 HEAD: Final = f"{'target':12}{'inputs':>12}{'paths':>7}{'kept':>7}{'seconds':>9}  verdict"
 
@@ -33,7 +33,7 @@ HEAD: Final = f"{'target':12}{'inputs':>12}{'paths':>7}{'kept':>7}{'seconds':>9}
 )
 @click.option(
     "--corpus",
-    type=FILE,
+    type=ANY_FILE,
     default=Path("fuzz-corpus"),
     show_default=True,
     help="Folder of inputs worth keeping: begun from, and added to.",

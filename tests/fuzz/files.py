@@ -23,10 +23,10 @@ from fuzz.fuzz import (
 )
 from fuzz.lines import GRAMMAR
 from trainer.analysis.estimate.boat_file import boat_tables, boat_text, estimate_of
-from trainer.analysis.estimate.boat_file import load as load_drawing
+from trainer.analysis.estimate.boat_file import open_hull as load_drawing
 from trainer.analysis.guide.moves import load_earlier
 from trainer.analysis.guide.trials import load_published
-from trainer.analysis.programs.evaluate import answers
+from trainer.analysis.programs.evaluate import evaluate_states
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.casualties import parse_casualties
@@ -38,9 +38,9 @@ from trainer.config.sea import parse_sea
 from trainer.config.ship import parse_ship, ship_text
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
-from trainer.identify.judge.fitted import resume
+from trainer.identify.judge.fitted import resume_search
 from trainer.identify.model.system_files import load_system
-from trainer.identify.record.decca import load_decca, sail
+from trainer.identify.record.decca import load_decca, solve_track
 from trainer.identify.record.sources import Column, load_record
 from trainer.identify.record.study import load_study
 from trainer.identify.ships.vehicle import IdentifiedShip
@@ -312,7 +312,7 @@ def states(data: bytes) -> None:
     records, at_rest = _bb2()
     records.state[:] = at_rest
     with suppress(ConfigError):
-        for answer in answers(records, text_of(data).splitlines()):
+        for answer in evaluate_states(records, text_of(data).splitlines()):
             if "nan" in answer or "inf" in answer:
                 raise AssertionError(f"no number: {answer}")
 
@@ -326,7 +326,7 @@ def _bb2() -> tuple[Records, Record]:
 
 def lanes(path: Path) -> None:
     """Read the lanes of a Decca study."""
-    sail(_decca(path), smooth=False)
+    solve_track(_decca(path), smooth=False)
 
 
 @functools.cache
@@ -454,7 +454,7 @@ TARGETS: Final = (
     Target(
         "checkpoint",
         "a search that was left, JSON",
-        open_proof(lambda path: resume(path, SEARCH), "search.json"),
+        open_proof(lambda path: resume_search(path, SEARCH), "search.json"),
         lambda: [CHECKPOINT],
     ),
 )

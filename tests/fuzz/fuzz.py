@@ -22,7 +22,13 @@ from typing import Final
 
 from helpers.places import tests_environment
 
-from trainer.config.files import SHIPPED, ConfigError, reading_recorded, shipped, shipped_names
+from trainer.config.files import (
+    SHIPPED_PREFIX,
+    ConfigError,
+    reading_recorded,
+    shipped_names,
+    shipped_path,
+)
 
 MEMORY: Final = Path("/dev/shm")  # noqa: S108  a file system in memory, where there is one
 TABLE: Final = re.compile(r"^\[+([\w.-]+)\]", re.MULTILINE)
@@ -64,7 +70,9 @@ def write_file(name: str, data: bytes) -> Path:
 def shipped_texts() -> dict[str, str]:
     """Return every shipped file by its key."""
     return {
-        f"{SHIPPED}{kind}/{name}.toml".replace("//", "/"): shipped(kind, name).read_text("utf-8")
+        f"{SHIPPED_PREFIX}{kind}/{name}.toml".replace("//", "/"): shipped_path(
+            kind, name
+        ).read_text("utf-8")
         for kind in KINDS
         for name in shipped_names(kind)
     }
@@ -79,7 +87,7 @@ def only(name: str, text: str) -> Iterator[Path]:
 
 def shipped_seeds(kind: str) -> list[bytes]:
     """Return the shipped files of a kind, without their comments."""
-    begin = f"{SHIPPED}{kind}/"
+    begin = f"{SHIPPED_PREFIX}{kind}/"
     return [bare(text).encode() for key, text in shipped_texts().items() if key.startswith(begin)]
 
 

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from fuzz.fuzz import Target, text_of
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.vessel import load_vessel
 from trainer.console.client import Item
 from trainer.console.model import Quantity, SessionModel
 from trainer.io import nmea
-from trainer.io.lines import LineDecoder, Overlong
+from trainer.io.lines import LineDecoder, OverlongLine
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
@@ -25,7 +25,7 @@ from trainer.io.orders.table import BOAT_ORDERS, FORMS
 from trainer.session.nmea.orders import Command, NmeaLine, meaning
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
@@ -86,8 +86,8 @@ def order(data: bytes) -> None:
 def sentence(data: bytes) -> None:
     """Hear a line as a session and as a program do."""
     text = text_of(data)
-    sentences.hear(text)
-    sentences.read(text)
+    sentences.parse_line(text)
+    sentences.parse_sentence(text)
 
 
 def stream(data: bytes) -> None:
@@ -102,8 +102,8 @@ def stream(data: bytes) -> None:
 
 def instrument(data: bytes) -> None:
     """Read a sentence of NMEA 0183. What it orders is in the words of the grammar."""
-    heard = nmea.hear(text_of(data))
-    ordered = meaning(heard) if isinstance(heard, nmea.Sentence) else None
+    heard = nmea.parse_sentence(text_of(data))
+    ordered = meaning(heard) if isinstance(heard, nmea.NmeaSentence) else None
     if isinstance(ordered, Command) and parse(ordered.words) is None:
         raise AssertionError(f"{ordered.words!r} is no line")
 
@@ -121,7 +121,7 @@ class Wire:
     dropped = 0
     room = True
 
-    def __init__(self, lines: Iterable[str | Overlong]) -> None:
+    def __init__(self, lines: Iterable[str | OverlongLine]) -> None:
         self._lines = list(lines)
 
     @property
@@ -129,7 +129,7 @@ class Wire:
         """Return whether all has been taken."""
         return not self._lines
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         """Return the oldest lines."""
         taken, self._lines = self._lines[:most], self._lines[most:]
         return taken
@@ -149,9 +149,9 @@ def boat() -> tuple[Boat, NDArray[np.void]]:
     return made, made.snapshot()
 
 
-def attend(lines: list[str | Overlong], door: Access, one: Boat) -> Station:
+def attend(lines: list[str | OverlongLine], door: Access, one: Boat) -> Station:
     """Return a station that has these lines to say. It is sent what it asks for at once."""
-    sending = Promptly(Roster(StateReader(one, Ledger(one.method.step).summary)))
+    sending = PromptSender(Roster(StateReader(one, Ledger(one.method.step).summary)))
     sending.offer(0, one.records.state.tobytes(), Pace())
     return Station(
         Wire(lines), door, sending, take_log if door.tokens else take_plain_log, lambda: 0.0
@@ -180,7 +180,7 @@ def station(data: bytes) -> None:
         attending = attend(lines, door, one)
         for asked in attending.take(ENOUGH):
             if asked.order.name in BOAT_ORDERS:
-                attending.answer(asked, obey(one, asked.order))
+                attending.answer(asked, obey_order(one, asked.order))
         attending.account()
         attending.leave()
 
@@ -191,7 +191,7 @@ def panel(data: bytes) -> None:
     line = NmeaLine(wire, threading.Event(), take_log, lambda: 0.0)
     for heard in line.take(ENOUGH):
         if isinstance(heard, str):
-            sentences.hear(heard)
+            sentences.parse_line(heard)
 
 
 class Said:
@@ -213,8 +213,8 @@ class Said:
 
 def session(data: bytes) -> None:
     """See what a session says as the instructor's screen does."""
-    lines = LineDecoder(sentences.LONGEST_ANSWER).feed(data)[:ENOUGH]
-    heard = [sentences.read(line) for line in lines if isinstance(line, str)]
+    lines = LineDecoder(sentences.MAX_ANSWER_LETTERS).feed(data)[:ENOUGH]
+    heard = [sentences.parse_sentence(line) for line in lines if isinstance(line, str)]
     model = SessionModel(
         Said([each for each in heard if each]), "instructor", (CHART,), lambda: 1.0
     )

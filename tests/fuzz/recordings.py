@@ -17,7 +17,7 @@ from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Moment, Recording, RecordingError
-from trainer.session.header import PLAN, differences, layout_of, method_of, notes, plan_of
+from trainer.session.header import PLAN_FORMAT, differences, layout_of, method_of, notes, plan_of
 from trainer.session.layout import LAYOUT
 from trainer.units import KNOT
 
@@ -44,7 +44,7 @@ OPTIONS: Final[dict[str, Any]] = {
 def header() -> dict[str, str]:
     """Return the header of a recording as this version makes it."""
     return {
-        "plan": PLAN,
+        "plan": PLAN_FORMAT,
         "trainer": "0",
         "core": "0",
         "options": json.dumps(OPTIONS),

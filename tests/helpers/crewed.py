@@ -12,23 +12,23 @@ import pytest
 from helpers.sessions import session_over
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import arm
+from trainer.boat.casualties import arm_casualty
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.world import world_of
 from trainer.config.derived import Loss, compile_condition
-from trainer.config.exercise import Armed, Limits
+from trainer.config.exercise import ConditionalCasualty, ExerciseLimits
 from trainer.config.files import Place
 from trainer.config.vessel import load_vessel
 from trainer.config.world import WorldTables
-from trainer.io.lines import Overlong
-from trainer.io.orders.schedule import Scheduled
-from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.lines import OverlongLine
+from trainer.io.orders.schedule import ScheduledOrder
+from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.exercise import Debriefing, Ending, Judgement
+from trainer.session.exercise import DebriefSource, ExerciseEnd, Judgement
 from trainer.session.history import History
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.session.time.pacer import MonotonicClock, Policy
@@ -49,10 +49,10 @@ class Typist:
     def __init__(self, name: str) -> None:
         self.name = name
         self.ended = False
-        self.typed: list[str | Overlong] = []
+        self.typed: list[str | OverlongLine] = []
         self.sent: list[str] = []
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         taken, self.typed = self.typed[:most], self.typed[most:]
         return taken
 
@@ -72,8 +72,8 @@ class Crewed:
         *,
         lost: Sequence[str] = (),
         seconds: float | None = 5.0,
-        schedule: Sequence[Scheduled] = (),
-        armed: Sequence[Armed] = (),
+        schedule: Sequence[ScheduledOrder] = (),
+        armed: Sequence[ConditionalCasualty] = (),
         world: WorldTables | None = None,
         hand: frozenset[str] = frozenset(),
     ) -> None:
@@ -84,15 +84,15 @@ class Crewed:
         self.now = 0.0
         self.wake = threading.Event()
         time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
-        self.sending = Promptly(Roster(StateReader(self.boat, Ledger(0.5).summary)))
+        self.sending = PromptSender(Roster(StateReader(self.boat, Ledger(0.5).summary)))
         history = History(self.boat, self.recording)
         for each in armed:
-            arm(self.boat, each.condition, each.casualty, each.rule)
+            arm_casualty(self.boat, each.condition, each.casualty, each.rule)
         self.session = session_over(
             *(self.boat, time, history, self.sending),
             schedule=schedule,
             armed=armed,
-            monitor=LimitMonitor.over(self.boat, Limits()),
+            monitor=LimitMonitor.over(self.boat, ExerciseLimits()),
             wake=self.wake,
             by_hand={"hand": hand},
         )
@@ -101,11 +101,11 @@ class Crewed:
             Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
             for text in lost
         ]
-        self.conduct.ending = Ending.of(self.boat, losses, seconds)
+        self.conduct.ending = ExerciseEnd.of(self.boat, losses, seconds)
         self.conduct.kept, self.conduct.scored = path, True
         self.conduct.clock = self.conduct.command.clock = lambda: self.now
         self.judged = threading.Event()
-        self.conduct.debriefing = Debriefing(self._judge, self._write)
+        self.conduct.debriefing = DebriefSource(self._judge, self._write)
         self.instructor = self.comes("instructor")
 
     def _judge(self, path: Path, branch: int) -> Judgement:
@@ -138,7 +138,7 @@ class Crewed:
         line.typed = [order_sentence(words, "7")]
         before = len(line.sent)
         self.session.attendance.listen()
-        told = [read(each) for each in line.sent[before:]]
+        told = [parse_sentence(each) for each in line.sent[before:]]
         answers = [each.fields for each in told if each and each.tag == "7"]
         self.said = [text for kind, text in answers if kind == "say"]
         return answers[-1][0], answers[-1][1]
@@ -172,7 +172,7 @@ class Crewed:
         raise AssertionError
 
     def facts(self, line: Typist, what: str) -> list[str]:
-        found = [read(each) for each in line.sent]
+        found = [parse_sentence(each) for each in line.sent]
         return [
             each.fields[3]
             for each in found
@@ -180,7 +180,7 @@ class Crewed:
         ]
 
     def events(self, line: Typist, kind: str) -> list[str]:
-        found = [read(each) for each in line.sent]
+        found = [parse_sentence(each) for each in line.sent]
         return [
             each.fields[3]
             for each in found

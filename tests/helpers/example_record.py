@@ -15,7 +15,7 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from trainer.cli.main import cli
-from trainer.identify.record.study import observe, plain_study
+from trainer.identify.record.study import observe_record, plain_study
 from trainer.units import KNOT
 
 COMMANDS = (
@@ -32,7 +32,7 @@ def rows(folder: Path) -> Iterator[str]:
         assert result.exit_code == 0, result.output
     study = plain_study(folder / "trial.trainer")
     study = replace(study, heading=replace(study.heading, every=EVERY))
-    record = observe(study).record
+    record = observe_record(study).record
     yield "time,helm,gyro,rate,sway,speed"
     yield "s,deg,deg,deg/s,kn,kn"
     degree = math.pi / 180.0

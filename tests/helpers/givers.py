@@ -2,7 +2,7 @@
 
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.format_1 import crew_fact_of, giver_of
-from trainer.io.recording.queries import Journalled
+from trainer.io.recording.queries import RecordedOrder
 
 HELM = giver_of("helm")
 
@@ -14,7 +14,7 @@ def giver_at(who: str) -> Giver:
 
 def journalled(
     number: int, tick: int, who: str, text: str, answer: str = "", *, accepted: bool = True
-) -> Journalled:
+) -> RecordedOrder:
     """Return an order of branch 1 as its words have it."""
     crew = crew_fact_of(text, answer, accepted=accepted)
-    return Journalled(number, 1, tick, giver_of(who), text, None, accepted, answer, crew)
+    return RecordedOrder(number, 1, tick, giver_of(who), text, None, accepted, answer, crew)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from trainer.io.lines import Overlong
+from trainer.io.lines import OverlongLine
 
 
 @dataclass
@@ -10,14 +10,14 @@ class Line:
     """A line typed by the test, which keeps all that it is sent."""
 
     name: str
-    waiting: list[str | Overlong] = field(default_factory=list)
+    waiting: list[str | OverlongLine] = field(default_factory=list)
     sent: list[str] = field(default_factory=list)
     trouble: str = ""
     dropped: int = 0
     room: bool = True
     ended: bool = False
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         taken, self.waiting = self.waiting[:most], self.waiting[most:]
         return taken
 

@@ -14,13 +14,19 @@ from typing import Any, Final
 
 from helpers.places import ROOT
 from helpers.recorded import record
-from trainer.cli.schema import SCHEMAS, schema_of
+from trainer.cli.schema import SCHEMA_MODULES, schema_of
 from trainer.core.casualties import KINDS
-from trainer.debrief.data import figures, gather
+from trainer.debrief.data import debrief_figures, gather_debrief
 from trainer.io.orders.sentences import FACTS
 from trainer.io.recording.file import SCHEMA
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import COLUMNS, EVENTS, ORDERS, PLACED, TIMINGS
+from trainer.io.tables import (
+    EVENT_COLUMNS,
+    MOTION_COLUMNS,
+    ORDER_COLUMNS,
+    PLACE_COLUMNS,
+    TIMING_COLUMNS,
+)
 from trainer.session import dispatch
 from trainer.session.layout import LAYOUT
 from trainer.session.stations.channels import CHANNELS
@@ -42,10 +48,16 @@ def outside_names() -> dict[str, Any]:
         },
         "casualties": list(KINDS),
         "state": sorted({name.partition("[")[0] for name in LAYOUT}),
-        "tables": [*PLACED, *TIMINGS, *ORDERS, *EVENTS, *COLUMNS],
+        "tables": [
+            *PLACE_COLUMNS,
+            *TIMING_COLUMNS,
+            *ORDER_COLUMNS,
+            *EVENT_COLUMNS,
+            *MOTION_COLUMNS,
+        ],
         "recording": {name: COLUMN.findall(body) for name, body in TABLE.findall(SCHEMA)},
         **of_a_recording(),
-        "files": {kind: keys_of(schema_of(kind)) for kind in SCHEMAS},
+        "files": {kind: keys_of(schema_of(kind)) for kind in SCHEMA_MODULES},
     }
 
 
@@ -54,7 +66,7 @@ def of_a_recording() -> dict[str, list[str]]:
     with TemporaryDirectory() as folder:
         path = record(Path(folder) / "run.trainer", "depth-changes", {61.0: "depth 100 aye"})
         with closing(Recording.look(path)) as recording:
-            debrief = figures(gather(recording, path, None))
+            debrief = debrief_figures(gather_debrief(recording, path, None))
             return {"header": sorted(recording.header()), "debrief": paths_of(debrief)}
 
 

@@ -6,14 +6,14 @@ python -m helpers.page_orders, from the folder of the tests, writes it among the
 import json
 from typing import Final
 
-from trainer.io.orders.table import FORMS, SETS, Form, heading_word, spellings
+from trainer.io.orders.table import FORMS, WORD_SETS, Form, heading_word, spellings
 from trainer.session.dispatch import ORDERS, Rule
-from trainer.session.manning import CONCERNED, WORDS
-from trainer.session.stations.past import ANEW
-from trainer.session.stations.roles import CREW, roles_with
-from trainer.web.pages import ASSETS, name_of
+from trainer.session.manning import REPEATING_ROLES, WORDS_AXIS
+from trainer.session.stations.past import RESET_WORDS
+from trainer.session.stations.roles import CREW_ROLES, roles_with
+from trainer.web.pages import ASSETS_FOLDER, name_of
 
-PAGE: Final = ASSETS / "js" / "model" / "order-table.js"
+PAGE: Final = ASSETS_FOLDER / "js" / "model" / "order-table.js"
 HEAD: Final = """\
 // Order words, as the session's own tables have them: python -m helpers.page_orders makes this.
 
@@ -23,7 +23,7 @@ HEAD: Final = """\
 
 def script() -> str:
     """Return the module: rules and heads of orders, and whose an order to the crew is."""
-    addressed = {axis: roles for axis, roles in CONCERNED.items() if axis != WORDS}
+    addressed = {axis: roles for axis, roles in REPEATING_ROLES.items() if axis != WORDS_AXIS}
     return "\n".join(
         (
             HEAD,
@@ -32,8 +32,13 @@ def script() -> str:
                 "The order that is meant, where it is not the first word.",
                 *("Record<string, string>", "HEADS", heads()),
             ),
-            _table("Orders after which nothing of their moment stands.", "string[]", "ANEW", ANEW),
-            _table("Who repeats what the crew is told in words.", "string[]", "CREW", CREW),
+            _table(
+                "Orders after which nothing of their moment stands.",
+                "string[]",
+                "ANEW",
+                RESET_WORDS,
+            ),
+            _table("Who repeats what the crew is told in words.", "string[]", "CREW", CREW_ROLES),
             _table(
                 "Who repeats an order to the crew, by its axis.",
                 *("Record<string, string[]>", "ADDRESSED", addressed),
@@ -73,7 +78,7 @@ def write() -> None:
 def _long_heads(form: Form) -> list[str]:
     """Return the head of a form with each word that may be its second."""
     second = form.pattern.split()[1].strip("[]")
-    words = {word for _, word in spellings(SETS.get(second, second))}
+    words = {word for _, word in spellings(WORD_SETS.get(second, second))}
     return [f"{heading_word(form)} {word}" for word in sorted(words)]
 
 

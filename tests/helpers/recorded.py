@@ -8,12 +8,12 @@ import numpy as np
 
 from helpers.givers import giver_at
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.files import remembering
 from trainer.debrief.rehearsal import due_orders
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
-from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE, Giver
+from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
 from trainer.io.recording.recording import Recording
 from trainer.session.crew import CrewTalk
 from trainer.session.header import header_of
@@ -56,12 +56,12 @@ def record(
     def answer_to(order: Order, by: Giver) -> Reply:
         if order.name in CREW_TALK:
             return talk.obey(order, by.role)
-        return obey(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
+        return obey_order(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
 
     with np.errstate(all="ignore"):
         for tick, places in enumerate(due_orders(plan)):
             for place in places:
-                give(SCHEDULE, plan.schedule[place].order, place)
+                give(SCHEDULE_GIVER, plan.schedule[place].order, place)
             for text in (text for when, text in given_at if when == tick):
                 order = parse(text)
                 assert isinstance(order, Order), order

@@ -13,7 +13,7 @@ OTHER: Final = "in other words"
 
 def reworded(line: str) -> str:
     """Return a line of a session, its text in other words."""
-    sentence = sentences.read(line)
+    sentence = sentences.parse_sentence(line)
     if sentence is None:
         return line if line.startswith("$") else OTHER
     if sentence.kind == "TRA":

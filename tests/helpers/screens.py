@@ -11,12 +11,12 @@ from typing import Any, TypeVar
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
-from trainer.console.client import Greeting, Item, Joined
+from trainer.console.client import Greeting, Item, RoleTaken
 from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import Pane, plain
 from trainer.io.orders import sentences
-from trainer.io.orders.sentences import read
+from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.channels import CHANNELS
 
 PATIENCE = 60.0  # [s]
@@ -61,13 +61,13 @@ class Tape:
 
     def __post_init__(self) -> None:
         self._tags = itertools.count(10)
-        self.items = [Greeting("Periscope depth"), Joined()]
+        self.items = [Greeting("Periscope depth"), RoleTaken()]
         self.say(*(names(channel) for channel in self.channels))
         self.tick(120)
 
     def say(self, *lines: str) -> None:
         for text in lines:
-            sentence = read(text)
+            sentence = parse_sentence(text)
             assert sentence, text
             self.items.append(sentence)
 

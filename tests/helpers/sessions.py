@@ -6,16 +6,16 @@ from typing import Any
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import Armed
-from trainer.io.orders.schedule import Scheduled
-from trainer.io.tables import Columns, NoFile
+from trainer.config.exercise import ConditionalCasualty
+from trainer.io.orders.schedule import ScheduledOrder
+from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.agenda import Agenda
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
 from trainer.session.parts import Monitors
-from trainer.session.session import Rows, Session
-from trainer.session.stations.subscriptions import Sending
+from trainer.session.session import ColumnFile, Session
+from trainer.session.stations.subscriptions import Sender
 from trainer.session.time.timekeeping import Timekeeping
 
 
@@ -23,11 +23,11 @@ def session_over(
     boat: Boat,
     time: Timekeeping,
     history: History,
-    sending: Sending,
+    sending: Sender,
     *,
-    rows: tuple[Columns, tuple[str, ...]] = (NoFile(), ()),
-    schedule: Sequence[Scheduled] = (),
-    armed: Sequence[Armed] = (),
+    rows: tuple[ColumnSink, tuple[str, ...]] = (NoFile(), ()),
+    schedule: Sequence[ScheduledOrder] = (),
+    armed: Sequence[ConditionalCasualty] = (),
     monitor: LimitMonitor | None = None,
     introduction: Introduction = Introduction(),  # noqa: B008  frozen
     wake: threading.Event | None = None,
@@ -41,5 +41,5 @@ def session_over(
         Monitors.over(boat, monitor or LimitMonitor()),
         wake or threading.Event(),
         introduction,
-        Rows(*rows),
+        ColumnFile(*rows),
     )

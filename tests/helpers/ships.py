@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from trainer.boat.ship.forces import ROWS, System, add_terms, set_terms
-from trainer.boat.ship.models import Model, heeling, model_of
-from trainer.config.ship import Dimensions, Records, Roll, ShipFile
+from trainer.boat.ship.forces import ROW_COUNT, System, add_terms, set_terms
+from trainer.boat.ship.models import ShipModel, model_of, with_roll
+from trainer.config.ship import Dimensions, RecordSettings, Roll, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
-from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.priors import TANKER
+from trainer.identify.ships.likelihood import ShipProblem
+from trainer.identify.ships.priors import TANKER_PRIOR
 from trainer.identify.ships.records import Trial
 
 SHIP = ShipFile(
@@ -29,7 +29,7 @@ SHIP = ShipFile(
         rudder_area_m2=112.5,
         rudder_height_m=15.8,
     ),
-    records=Records(),
+    records=RecordSettings(),
     sensors=None,
     columns=(),
 )
@@ -38,7 +38,7 @@ NOISE = np.array([0.004, 0.003, 3e-5, 0.02, 0.02, 1e-4, 5e-4])
 
 # a full tanker that keeps her course
 COEFFICIENTS = {
-    **{name: mean for name, (mean, _) in TANKER.items()},
+    **{name: mean for name, (mean, _) in TANKER_PRIOR.items()},
     "X_0": -0.05,
     "Y_0": -0.002,
     "N_0": -0.01,
@@ -73,16 +73,16 @@ def published(name: str) -> dict[str, float]:
 
 def made_record(
     name: str, change: dict[str, float] | None = None
-) -> tuple[Problem, Numbers, Numbers]:
+) -> tuple[ShipProblem, Numbers, Numbers]:
     """Return the record of section 11 with a problem, its parameters, and the ship's states."""
     values = published(name) | (change or {})
     model = model_of(name, wind=True)
     free = (*model.free, "gamma_a") if name == "mmg" else model.free
-    model = Model(name, model.names, free)
+    model = ShipModel(name, model.names, free)
     p = len(model.free)
     nothing = np.zeros(p + 7), np.full(p + 7, math.inf)
     trial = Trial("made", np.arange(0.0, 2.0 * SAMPLES, 2.0), _inputs(), (), windy=True)
-    problem = Problem(model, CONSTANTS, (trial,), *nothing, np.zeros(4))
+    problem = ShipProblem(model, CONSTANTS, (trial,), *nothing, np.zeros(4))
     begin = np.array([8.0, 0.0, 0.0, 0.0])
     a = np.concatenate([[values[each] for each in model.free], np.log(NOISE), begin])
     trial.table[:, :4] = begin  # from which the ship sails
@@ -135,9 +135,9 @@ def sailed_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     return Trial(f"zigzag {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first
 
 
-def _sailed(whole: Numbers, model: Model, state: Numbers, helm: tuple[float, float]) -> Numbers:
+def _sailed(whole: Numbers, model: ShipModel, state: Numbers, helm: tuple[float, float]) -> Numbers:
     """Return the state two seconds on, by four steps of Runge and Kutta."""
-    work, out, h = np.empty((ROWS, 1)), np.empty((3, 1)), 0.5
+    work, out, h = np.empty((ROW_COUNT, 1)), np.empty((3, 1)), 0.5
 
     def rates(x: Numbers, part: float) -> Numbers:
         inputs = np.array([helm[0] + part * (helm[1] - helm[0]), 1.5, 0.0, 0.0])
@@ -157,7 +157,7 @@ def _sailed(whole: Numbers, model: Model, state: Numbers, helm: tuple[float, flo
 def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, Numbers]:
     """Return a zig-zag of the tanker of small GM as ``sailed_zigzag`` does, with roll."""
     stream, T, rate = np.random.default_rng(seed), 2.0, math.radians(2.32)
-    model = heeling(model_of("mmg", wind=False))
+    model = with_roll(model_of("mmg", wind=False))
     whole, out, none = model.whole(HEELED), np.empty((2, 6)), np.empty((0, 1), np.int64)
     state, rudder, side = np.array([8.0, *[0.0] * 5]), 0.0, math.copysign(1.0, angle)
     table = np.zeros((samples + 1, 12))

@@ -12,10 +12,10 @@ from helpers.installation import installed
 from helpers.places import ROOT
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.analysis.boat_page import changes
+from trainer.analysis.boat_page import state_changes
 from trainer.boat.assemble import Records
-from trainer.boat.export.wasm import SHIPPED
-from trainer.web.pages import ASSETS
+from trainer.boat.export.wasm import SHIPPED_PATH
+from trainer.web.pages import ASSETS_FOLDER
 
 HOST: Final = ROOT / "tests" / "web" / "tab.mjs"
 PATIENCE: Final = 120.0  # [s]
@@ -30,11 +30,11 @@ def fly(boat: dict[str, Any], *deeds: Sequence[Any]) -> list[Any]:
     with tempfile.TemporaryDirectory() as folder:
         scripts = Path(folder) / "tab"
         scripts.mkdir()
-        for path in (ASSETS / "js" / "tab").glob("*.js"):
+        for path in (ASSETS_FOLDER / "js" / "tab").glob("*.js"):
             (scripts / path.name).write_bytes(path.read_bytes())
         (Path(folder) / "package.json").write_text('{"type": "module"}')
         done = subprocess.run(
-            [node, str(HOST), str(scripts), str(SHIPPED)],
+            [node, str(HOST), str(scripts), str(SHIPPED_PATH)],
             input=asked,
             capture_output=True,
             text=True,
@@ -55,7 +55,7 @@ def standard_hour() -> tuple[list[tuple[Any, ...]], str]:
     def take(records: Records, ticks: int) -> int:
         now = records.state["whole"][0]
         if left:
-            deeds.append(("write", changes(left.pop(), now)))
+            deeds.append(("write", state_changes(left.pop(), now)))
         deeds.append(("fly", ticks))
         status = in_a_loop(records, ticks)
         left.append(now.copy())

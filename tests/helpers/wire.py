@@ -17,11 +17,11 @@ from websockets.sync.client import ClientConnection, connect
 
 from helpers.pages import PATIENCE
 from trainer import __version__
-from trainer.io.orders.sentences import Sentence, order_sentence, read
-from trainer.io.server import WAITING
-from trainer.web.admission import Admission, Room
+from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
+from trainer.io.server import LISTEN_BACKLOG
+from trainer.web.admission import Admission, ConnectionRoom
 from trainer.web.gate import Refusals
-from trainer.web.server import Certificate, Host, application, configuration
+from trainer.web.server import Certificate, PageServer, application, configuration
 
 
 @dataclass
@@ -88,7 +88,7 @@ def ask(line: ClientConnection, words: str, tag: str = "7") -> tuple[str, ...]:
 
 def hear(line: ClientConnection) -> Sentence | None:
     """Return the next sentence that comes."""
-    return read(str(line.recv(PATIENCE)))
+    return parse_sentence(str(line.recv(PATIENCE)))
 
 
 @dataclass
@@ -116,12 +116,12 @@ class Pages:
 @contextlib.contextmanager
 def pages(
     host: str = "127.0.0.1",
-    room: Room = Room(),  # noqa: B008  never changed
+    room: ConnectionRoom = ConnectionRoom(),  # noqa: B008  never changed
     certificate: Certificate | None = None,
     **settings: object,
 ) -> Iterator[Pages]:
     """Serve the pages of a stub; ``settings`` are uvicorn's own."""
-    with socket.create_server(("127.0.0.1", 0), backlog=WAITING) as listener:
+    with socket.create_server(("127.0.0.1", 0), backlog=LISTEN_BACKLOG) as listener:
         served = Pages(listener.getsockname()[1])
         refusals = Refusals(served.told.append)
         config = configuration(application(served.reach, host, refusals), certificate)
@@ -129,7 +129,7 @@ def pages(
             setattr(config, name, value)
         admission = Admission(room, refusals)
         served.machines = admission.machines
-        server = Host(config, listener, admission, served.count_beat)
+        server = PageServer(config, listener, admission, served.count_beat)
         thread = threading.Thread(target=server.run)
         thread.start()
         try:

@@ -13,17 +13,17 @@ from helpers.studies import columns
 
 from trainer.cli.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.fitting.minimise import unheard
+from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.fitting.problem import problem_of
 from trainer.identify.judge.allowed import _draw_parameters, draw_allowed, pulse_of, step_of
-from trainer.identify.judge.fitted import fit
+from trainer.identify.judge.fitted import fit_study
 from trainer.identify.judge.propagation import draw_parameters as draws
-from trainer.identify.judge.propagation import propagate, span_draws
+from trainer.identify.judge.propagation import propagate_covariance, span_draws
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.options import IdentifyOptions, study_of
 from trainer.identify.record.measurements import Samples
-from trainer.identify.record.study import observe
+from trainer.identify.record.study import observe_record
 from trainer.identify.sheet import sheet
 from trainer.report.plots import Curve, Panel, Screen
 
@@ -69,7 +69,7 @@ def path(tmp_path_factory: Any) -> Any:
 @pytest.fixture(scope="module")
 def fitted(path: Any) -> Any:
     study = study_of(path, IdentifyOptions())
-    return fit(study, observe(study).record, unheard)
+    return fit_study(study, observe_record(study).record, ignore_news)
 
 
 def told(path: Any, *options: Any) -> Any:
@@ -84,7 +84,7 @@ def test_intervals_of_what_is_linear_are_those_of_the_delta_method() -> Any:
     def derived(one: Any) -> Any:
         return np.array([one[0] - 2.0 * one[1]])
 
-    spread = propagate(derived, theta, covariance)
+    spread = propagate_covariance(derived, theta, covariance)
     _, span = span_draws(derived, draws(theta, covariance, 20000, 1))
     half = 1.96 * spread.deviations
     # 20,000 draws know a 2.5 % quantile to 1.5 % of a deviation

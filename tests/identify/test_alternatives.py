@@ -8,9 +8,9 @@ from cases.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 from numpy.testing import assert_allclose
 
 from trainer.identify.fitting.armax import Armax, fit_armax
-from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.fitting.prediction_error import settled_gain
 from trainer.identify.judge.uncertainty import hessian, uncertainty
 from trainer.identify.judge.validation import draw_outputs
@@ -34,7 +34,7 @@ def test_standard_deviations_are_those_of_the_likelihoods_own_curvature() -> Any
     problem = TANKER.problem(TANKER_RUDDER[:600])
     problem = problem.on(draw_outputs(problem, problem.start, np.random.default_rng(2)))
     cost = Likelihood(problem)
-    theta = estimate(cost, TANKER.start(), "scoring", Search()).theta
+    theta = find_best_minimum(cost, TANKER.start(), "scoring", SearchOptions()).theta
     found = hessian(cost, theta)
     steps = 0.02 / np.sqrt(np.diag(found))
     place = np.diag(steps)

@@ -18,7 +18,7 @@ from trainer.identify.fitting.armax import (
     without_wind,
 )
 from trainer.identify.judge.orders import try_orders
-from trainer.identify.judge.residuals import examine_residuals, verdicts
+from trainer.identify.judge.residuals import describe_tests, examine_residuals
 
 DATA = ROOT.parent / "shared" / "data"  # beside the project
 HAKUSAN = DATA / "hakusan" / "hakusan.csv"
@@ -142,15 +142,16 @@ def test_dead_time_and_trend_are_taken_out() -> None:
 def test_white_residuals_pass_and_coloured_ones_are_told() -> None:
     rng = np.random.default_rng(8)
     white, rudder = rng.standard_normal(500), rng.standard_normal(500)
-    assert verdicts(examine_residuals("r", white, rudder)) == []
+    assert describe_tests(examine_residuals("r", white, rudder)) == []
     coloured = white + 0.5 * np.roll(white, 1)
-    assert "not white" in verdicts(examine_residuals("r", coloured, rudder))[0]
+    assert "not white" in describe_tests(examine_residuals("r", coloured, rudder))[0]
     driven = white + 0.5 * np.roll(rudder, 2)
     assert any(
-        "follow the rudder" in text for text in verdicts(examine_residuals("r", driven, rudder))
+        "follow the rudder" in text
+        for text in describe_tests(examine_residuals("r", driven, rudder))
     )
     steered = rudder + 0.5 * np.roll(white, 2)
-    found = verdicts(examine_residuals("r", white, steered))
+    found = describe_tests(examine_residuals("r", white, steered))
     assert found == ["r: the rudder follows the residuals: the record is of a closed loop"]
 
 

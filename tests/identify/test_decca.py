@@ -19,16 +19,16 @@ from trainer.identify.record.decca import (
     lane_number,
     load_decca,
     resolve_lane,
-    sail,
+    solve_track,
     track,
     write_track,
 )
 from trainer.identify.record.sources import Column, load_record, own_columns
 from trainer.identify.record.track import (
-    SPENCER,
-    along,
+    SPENCER_WEIGHTS,
     derivative,
     even_interval,
+    resolve_along,
     smooth_spencer,
 )
 
@@ -91,7 +91,7 @@ def test_a_missing_colour_leaves_the_other_two_and_one_alone_leaves_no_fix() -> 
 
 
 def sway_of_track(x: Any, y: Any, turned: Any) -> Any:
-    return along(derivative(y, TRACK["h"]), derivative(x, TRACK["h"]), turned)[1]
+    return resolve_along(derivative(y, TRACK["h"]), derivative(x, TRACK["h"]), turned)[1]
 
 
 def test_sway_of_a_known_track_is_found_by_five_points() -> None:
@@ -109,7 +109,7 @@ def test_spencers_points_smooth_as_published_and_keep_cubics() -> None:
     t = np.linspace(-3.0, 3.0, 40)
     cubic = 1.0 + t - 2.0 * t**2 + 0.5 * t**3
     assert smooth_spencer(cubic)[7:-7] == pytest.approx(cubic[7:-7], abs=1e-12)
-    assert SPENCER.tolist() == pytest.approx(CASES["spencer"]["weights"])
+    assert SPENCER_WEIGHTS.tolist() == pytest.approx(CASES["spencer"]["weights"])
 
 
 def test_the_derivative_is_of_fourth_order() -> Any:
@@ -132,7 +132,7 @@ def run(tmp_path: Path, antenna: Any = 0.0, extra: Any = "") -> Any:
 
 def test_lanes_of_a_known_track_give_its_sway_velocity(tmp_path: Path) -> None:
     file = run(tmp_path)
-    sailed = sail(file, smooth=False)
+    sailed = solve_track(file, smooth=False)
     true = np.array(TRACK["v_true"])
     assert all(sailed.colours)
     assert len(sailed.colours) == len(true)
@@ -142,19 +142,19 @@ def test_lanes_of_a_known_track_give_its_sway_velocity(tmp_path: Path) -> None:
 
 def test_an_antenna_ahead_feels_the_yaw_and_is_corrected(tmp_path: Path) -> None:
     file = run(tmp_path, antenna=40.0, extra="\n[ship]\nantenna_m = 40\n")
-    sailed = sail(file, smooth=False)
+    sailed = solve_track(file, smooth=False)
     true = np.array(TRACK["v_true"])
     assert sailed.sway[4:-4] == pytest.approx(true[4:-4], abs=2e-4)
 
 
 def test_a_current_is_taken_off(tmp_path: Path) -> None:
     file = run(tmp_path)
-    still = sail(file, smooth=False)
+    still = solve_track(file, smooth=False)
     text = (tmp_path / "run.toml").read_text()
     head = "current_east_kn = 1\n\n[[slaves]]"
     (tmp_path / "run.toml").write_text(text.replace("[[slaves]]", head, 1))
     moved = load_decca(tmp_path / "run.toml")
-    found = sail(moved, smooth=False)
+    found = solve_track(moved, smooth=False)
     knot = 1852.0 / 3600.0
     # a current to the east sets a ship heading north to starboard
     assert still.sway[2] - found.sway[2] == pytest.approx(knot * math.cos(still.heading[2]))
@@ -162,7 +162,7 @@ def test_a_current_is_taken_off(tmp_path: Path) -> None:
 
 def test_the_track_is_written_as_a_record(tmp_path: Path) -> None:
     file = run(tmp_path)
-    sailed = sail(file, smooth=False)
+    sailed = solve_track(file, smooth=False)
     write_track(sailed, tmp_path / "sway.csv")
     record = load_record(
         tmp_path / "sway.csv",
@@ -184,7 +184,7 @@ def test_the_track_with_a_rudder_is_a_record_to_identify(
     study = study.replace("[[slaves]]", f'positive_rudder = "{side}"\n\n[[slaves]]', 1)
     (tmp_path / "run.toml").write_text(study)
     file = load_decca(tmp_path / "run.toml")
-    sailed = sail(file, smooth=False)
+    sailed = solve_track(file, smooth=False)
     write_track(sailed, tmp_path / "sway.csv")
     record = load_record(tmp_path / "sway.csv", own_columns())
     assert record.channels == ("rudder", "heading", "yaw_rate", "sway", "speed")
@@ -193,10 +193,10 @@ def test_the_track_with_a_rudder_is_a_record_to_identify(
 
 
 def test_lanes_may_stand_between_semicolons(tmp_path: Path) -> None:
-    plain = sail(run(tmp_path), smooth=False)
+    plain = solve_track(run(tmp_path), smooth=False)
     data = tmp_path / "lanes.csv"
     data.write_text(data.read_text().replace(",", ";").replace(".", ","))
-    found = sail(load_decca(tmp_path / "run.toml"), smooth=False)
+    found = solve_track(load_decca(tmp_path / "run.toml"), smooth=False)
     assert found.east == pytest.approx(plain.east)
     assert found.heading == pytest.approx(plain.heading)
 
@@ -208,7 +208,7 @@ def test_a_wrong_lane_is_refused_by_row(tmp_path: Path) -> None:
     lines[4] = "15.0,1.0,D99.0,10.0,10.0"
     data.write_text("\n".join(lines))
     with pytest.raises(ConfigError, match=r"lanes\.csv: row 5: red lane \"D99.0\""):
-        sail(file, smooth=False)
+        solve_track(file, smooth=False)
 
 
 def test_a_study_without_width_or_with_one_slave_is_refused(tmp_path: Path) -> None:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.analysis.programs.characteristic import Means, horizontal
+from trainer.analysis.programs.characteristic import MeanMotions, horizontal_system
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.identify.experiment import (
-    Sequence,
+    BinarySequence,
     exercise_text,
     fly_trial,
     remarks,
@@ -26,12 +26,12 @@ from trainer.identify.experiment import (
     zigzag_orders,
     zigzag_told,
 )
-from trainer.identify.fitting.minimise import unheard
+from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.judge.design import prospect
-from trainer.identify.judge.fitted import fit
+from trainer.identify.judge.fitted import fit_study
 from trainer.identify.model.nomoto import Nomoto
-from trainer.identify.model.steering import steering
-from trainer.identify.pages.ship_files import averages, coefficients, rewritten
+from trainer.identify.model.steering import find_steering
+from trainer.identify.pages.ship_files import averages, coefficients, rewrite_coefficients
 from trainer.identify.record.sources import read_by
 from trainer.identify.record.study import plain_study
 from trainer.identify.record.study_records import ModelTable, Ship
@@ -50,12 +50,12 @@ def bb2() -> Any:
 @pytest.fixture(scope="module")
 def calm(bb2: Any) -> Any:
     """Return the record of 2 degrees flown by BB2 in a calm."""
-    sequence = Sequence(5, 2.0, 15.0, 1, "rudder")
+    sequence = BinarySequence(5, 2.0, 15.0, 1, "rudder")
     return fly_trial(bb2, schedule_orders(sequence.orders()), SPEED, 60.0, sequence.seconds)
 
 
 def test_orders_change_sides_with_the_sequence_and_end_on_course() -> None:
-    orders = Sequence(3, 5.0, 10.0, 1, "rudder").orders()
+    orders = BinarySequence(3, 5.0, 10.0, 1, "rudder").orders()
     # -1 -1 1 -1 1 1 1 from 30 s, a bit 10 s: positive rudder is to port
     assert orders == (
         (30.0, "rudder right 5"),
@@ -67,7 +67,7 @@ def test_orders_change_sides_with_the_sequence_and_end_on_course() -> None:
 
 
 def test_courses_are_ordered_on_both_sides_of_north() -> None:
-    orders = dict(Sequence(3, 4.5, 10.0, 1, "course").orders())
+    orders = dict(BinarySequence(3, 4.5, 10.0, 1, "course").orders())
     assert orders[30.0] == "course 004.5"
     assert orders[50.0] == "course 355.5"
     assert orders[100.0] == "course 000"
@@ -75,7 +75,7 @@ def test_courses_are_ordered_on_both_sides_of_north() -> None:
 
 def test_more_orders_than_an_exercise_takes_are_refused() -> None:
     with pytest.raises(ConfigError, match="more than the 499"):
-        Sequence(12, 5.0, 10.0, 1, "rudder").orders()
+        BinarySequence(12, 5.0, 10.0, 1, "rudder").orders()
 
 
 def test_suggestions_follow_the_time_constants() -> None:
@@ -83,20 +83,20 @@ def test_suggestions_follow_the_time_constants() -> None:
     assert 0.5 * 5.0 <= interval <= 0.2 * 40.0
     hold = suggest_hold(SHIP, interval)
     assert 0.2 * 40.0 <= hold <= 0.5 * 40.0
-    sequence = Sequence(suggest_bits(SHIP, hold), 5.0, hold, 1, "rudder")
+    sequence = BinarySequence(suggest_bits(SHIP, hold), 5.0, hold, 1, "rudder")
     assert sequence.seconds >= 20.0 * 40.0
     assert list(remarks(sequence, SHIP, interval)) == []
 
 
 def test_unwise_experiments_are_told_why() -> None:
     unstable = Nomoto(K=0.1, T1=-300.0 + 0j, T2=10.0 + 0j, T3=20.0, K_v=1.0, T3v=1.0)
-    texts = " ".join(remarks(Sequence(4, 20.0, 7.0, 1, "rudder"), unstable, 3.0))
+    texts = " ".join(remarks(BinarySequence(4, 20.0, 7.0, 1, "rudder"), unstable, 3.0))
     for part in ("much", "bits of 7 s", "is short", "--by course", "samples every", "no whole"):
         assert part in texts
 
 
 def test_the_exercise_written_is_one_the_trainer_reads() -> None:
-    orders = Sequence(5, 3.0, 15.0, 1, "rudder").orders()
+    orders = BinarySequence(5, 3.0, 15.0, 1, "rudder").orders()
     table = {"vessel": "bb2", "speed_kn": 10.0, "depth_m": 60.0, "duration_s": 500.0}
     text = exercise_text(orders, "PRBS at 10 kn", {**table, "sea": "sea-state-3"})
     exercise = parse_exercise(text, Path("trial.toml"))
@@ -123,15 +123,15 @@ def test_an_order_that_the_boat_refuses_stops_the_trial(bb2: Any) -> None:
 
 def test_steering_of_a_boat_is_that_of_its_modes(bb2: Any) -> None:
     # roll is left out, and moves the slowest root by less than a hundredth
-    form = steering(bb2, SPEED).nomoto
-    roots = horizontal(bb2, SPEED).eigenvalues
+    form = find_steering(bb2, SPEED).nomoto
+    roots = horizontal_system(bb2, SPEED).eigenvalues
     spiral = max(root.real for root in roots if root.imag == 0.0)
     assert -1.0 / form.T1.real == pytest.approx(spiral, rel=0.01)
     assert form.K < 0.0 < form.T1.real
 
 
 def test_the_boats_prime_numbers_are_those_of_its_file(bb2: Any) -> None:
-    prime = steering(bb2, SPEED).prime
+    prime = find_steering(bb2, SPEED).prime
     mass = bb2.hull.mass / (0.5 * bb2.fluid.rho * bb2.hull.length**3)
     assert prime["Y_v"] == pytest.approx(bb2.coefficients["Y_v"])
     assert prime["Y_r"] == pytest.approx(bb2.coefficients["Y_r"] - mass)
@@ -141,19 +141,21 @@ def test_the_boats_prime_numbers_are_those_of_its_file(bb2: Any) -> None:
 
 def test_identified_numbers_go_back_into_the_file_they_came_from(bb2: Any) -> None:
     # at rest nothing is taken off: the file's own numbers come back
-    values = coefficients(bb2, steering(bb2, SPEED).prime, SPEED, Means())
+    values = coefficients(bb2, find_steering(bb2, SPEED).prime, SPEED, MeanMotions())
     for key, value in values.items():
         assert value == pytest.approx(bb2.coefficients[key], abs=1e-12)
-    again = parse_vessel(rewritten(bb2.text, {"N_v": -0.0123}, "found"), Path("new.toml"))
+    again = parse_vessel(
+        rewrite_coefficients(bb2.text, {"N_v": -0.0123}, "found"), Path("new.toml")
+    )
     assert again.coefficients["N_v"] == -0.0123
     assert again.coefficients["Y_v"] == bb2.coefficients["Y_v"]
     with pytest.raises(ConfigError, match="no line N_q"):
-        rewritten(bb2.text, {"N_q": 1.0}, "found")
+        rewrite_coefficients(bb2.text, {"N_q": 1.0}, "found")
 
 
 def test_quadratic_terms_of_the_file_are_not_counted_twice(bb2: Any) -> None:
-    means = Means(v=0.3, r=0.01)
-    found = steering(bb2, SPEED, means).prime
+    means = MeanMotions(v=0.3, r=0.01)
+    found = find_steering(bb2, SPEED, means).prime
     values = coefficients(bb2, found, SPEED, means)
     for key in ("Y_v", "Y_r", "N_v", "N_r"):
         assert values[key] == pytest.approx(bb2.coefficients[key], abs=1e-12)
@@ -176,13 +178,13 @@ def test_sensors_add_white_errors_of_their_size_and_the_same_ones_again(calm: An
 @pytest.mark.slow
 def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2: Any) -> None:
     pytest.importorskip("scipy")
-    sequence = Sequence(5, 0.5, 15.0, 1, "rudder")
+    sequence = BinarySequence(5, 0.5, 15.0, 1, "rudder")
     record = fly_trial(
         bb2, schedule_orders(sequence.orders()), SPEED, 60.0, sequence.seconds
     ).every(10)
     gentle = {"sway_kn": 0.02, "yaw_rate_deg_s": 0.01, "heading_deg": 0.05}
     outputs = ("yaw_rate", "heading")
-    said = prospect(steering(bb2, SPEED), record, outputs, Sensors(**gentle), 0.0)
+    said = prospect(find_steering(bb2, SPEED), record, outputs, Sensors(**gentle), 0.0)
     study = replace(
         plain_study(Path("x.csv")),
         ship=Ship(length_m=bb2.hull.length, speed_kn=10.0),
@@ -191,14 +193,14 @@ def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2: Any) -
     found = []
     for seed in range(1, 25):
         noisy = read_by(record, Sensors(**gentle, seed=seed))
-        found.append(fit(study, noisy, unheard).told.values[0])
+        found.append(fit_study(study, noisy, ignore_news).told.values[0])
     # 24 estimates know their scatter to 15 %
     assert np.std(found, ddof=1) == pytest.approx(said.deviations["K"], rel=0.45)
 
 
 def test_a_quieter_sea_and_a_larger_helm_tell_more(bb2: Any, calm: Any) -> None:
     pytest.importorskip("scipy")
-    ship, record = steering(bb2, SPEED), calm.every(10)
+    ship, record = find_steering(bb2, SPEED), calm.every(10)
     outputs = ("sway", "yaw_rate", "heading")
     rough = prospect(ship, record, outputs, SENSORS, 0.1).deviations
     quiet = prospect(ship, record, outputs, SENSORS, 0.02).deviations
@@ -213,7 +215,7 @@ def test_a_trial_without_helm_tells_nothing(bb2: Any) -> None:
     pytest.importorskip("scipy")
     record = fly_trial(bb2, (), SPEED, 60.0, 300.0).every(10)
     with pytest.raises(ConfigError, match="cannot separate"):
-        prospect(steering(bb2, SPEED), record, ("yaw_rate", "heading"), SENSORS, 0.02)
+        prospect(find_steering(bb2, SPEED), record, ("yaw_rate", "heading"), SENSORS, 0.02)
 
 
 def test_a_zigzag_is_told_and_flown_again_by_its_orders(bb2: Any) -> None:

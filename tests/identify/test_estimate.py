@@ -11,12 +11,12 @@ from cases.reference_ships import TANKER, TANKER_RUDDER, study
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.estimate import MINIMISERS, Starts, estimate
+from trainer.identify.fitting.estimate import MINIMISER_BY_NAME, RestartOptions, find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Found, Search, unheard
+from trainer.identify.fitting.minimise import SearchOptions, SearchResult, ignore_news
 from trainer.identify.fitting.prediction_error import Innovations, MultiStep, settled_gain
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.judge.fitted import keep, resume
+from trainer.identify.judge.fitted import resume_search, save_steps
 from trainer.identify.judge.uncertainty import hessian, inseparable, intervals, uncertainty
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS, Ship
@@ -35,14 +35,14 @@ def cost() -> Any:
 
 @pytest.fixture(scope="module")
 def best(cost: Any) -> Any:
-    return estimate(cost, TANKER.start(), "bfgs", Search(most=500))
+    return find_best_minimum(cost, TANKER.start(), "bfgs", SearchOptions(most=500))
 
 
-@pytest.mark.parametrize("method", MINIMISERS)
+@pytest.mark.parametrize("method", MINIMISER_BY_NAME)
 def test_every_minimiser_comes_to_the_same_minimum(cost: Any, best: Any, method: Any) -> None:
     if method == "direct":
         pytest.importorskip("scipy")
-    found = estimate(cost, TANKER.start(), method, Search(most=60))
+    found = find_best_minimum(cost, TANKER.start(), method, SearchOptions(most=60))
     assert found.converged
     assert found.cost == pytest.approx(best.cost, abs=1e-3)
 
@@ -98,7 +98,7 @@ def test_innovations_and_longer_predictions_find_the_ship_too() -> None:
     problem = recorded(replace(TANKER, free=held), 800)
     known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
     for cost in (Innovations(problem, settled_gain), MultiStep(problem, 1, 2)):
-        found = estimate(cost, problem.start * 1.1, "bfgs", Search(most=60))
+        found = find_best_minimum(cost, problem.start * 1.1, "bfgs", SearchOptions(most=60))
         # their deviations are larger than the likelihood's, but not by much
         assert np.max(np.abs(found.theta - problem.start) / known.deviations) < 6.0
 
@@ -106,7 +106,7 @@ def test_innovations_and_longer_predictions_find_the_ship_too() -> None:
 def test_scale_changes_nothing_but_the_numbers_moved(cost: Any, best: Any) -> None:
     scale = np.geomspace(1e-3, 1e3, len(best.theta))
     scaled = Likelihood(replace(cost.problem, scale=scale))
-    found = estimate(scaled, TANKER.start() / scale, "scoring", Search())
+    found = find_best_minimum(scaled, TANKER.start() / scale, "scoring", SearchOptions())
     assert found.cost == pytest.approx(best.cost, abs=1e-4)
     assert_allclose(found.theta * scale, best.theta, rtol=2e-2, atol=2e-3)
 
@@ -115,7 +115,7 @@ def test_a_parameter_that_is_not_free_stays(cost: Any) -> None:
     problem = replace(TANKER, free=tuple(n for n in TANKER.free if n != "N_v"))
     problem = problem.problem(TANKER_RUDDER[:600]).on(cost.problem.samples)  # type: ignore[assignment]
     start = np.delete(TANKER.start(), TANKER.free.index("N_v"))
-    found = estimate(Likelihood(problem), start, "scoring", Search())  # type: ignore[arg-type]
+    found = find_best_minimum(Likelihood(problem), start, "scoring", SearchOptions())  # type: ignore[arg-type]
     place = MODELS["1"].place("N_v")
     assert problem.whole(found.theta)[place] == TANKER.truth["N_v"]  # type: ignore[attr-defined]
 
@@ -145,7 +145,7 @@ def wells() -> Any:
 
 @pytest.mark.parametrize("method", ["scoring", "bfgs"])
 def test_steps_that_overshoot_are_shortened_until_the_cost_falls(wells: Any, method: Any) -> None:
-    found = estimate(wells, np.array([1.3]), method, Search(200))
+    found = find_best_minimum(wells, np.array([1.3]), method, SearchOptions(200))
     assert found.converged
     assert wells.slope(found.theta)[1] == pytest.approx([0.0], abs=1e-3)
 
@@ -154,7 +154,7 @@ def test_the_top_between_two_minima_is_left(wells: Any) -> None:
     # the slope is nothing there, and the second derivative is below nothing
     top = np.array([0.1010313])
     assert abs(wells.slope(top)[1][0]) < 1e-3
-    found = estimate(wells, top, "scoring", Search(200))
+    found = find_best_minimum(wells, top, "scoring", SearchOptions(200))
     assert found.converged
     assert wells.slope(found.theta)[1] == pytest.approx([0.0], abs=0.1)
     assert found.cost < wells.value(top) - 2.0
@@ -180,13 +180,13 @@ class Variance:
 def test_a_variance_near_nothing_is_lifted_where_the_cost_would_fall(start: float) -> None:
     # its logarithm has no slope there: a search by slopes alone ends at once
     cost = Variance(replace(TANKER, free=("R1_Y",)).problem(TANKER_RUDDER[:10]))
-    found = estimate(cost, np.array([start]), "scoring", Search(200))
+    found = find_best_minimum(cost, np.array([start]), "scoring", SearchOptions(200))
     assert found.converged
     assert found.theta == pytest.approx([1.0], abs=1e-2)
 
 
 def test_a_search_that_may_not_go_on_has_not_settled_and_says_why(cost: Any) -> None:
-    found = estimate(cost, TANKER.start(), "direct", Search(1))
+    found = find_best_minimum(cost, TANKER.start(), "direct", SearchOptions(1))
     assert not found.converged
     assert "promises" in found.doubt or "not all positive" in found.doubt
 
@@ -194,11 +194,15 @@ def test_a_search_that_may_not_go_on_has_not_settled_and_says_why(cost: Any) -> 
 def test_a_ship_quicker_than_its_readings_is_no_minimum() -> None:
     quick = replace(TANKER, truth={**TANKER.truth, "N_r": -200.0}, free=("Y_v",), begin={})
     problem = recorded(quick, 60)
-    found = estimate(Likelihood(problem), problem.start, "scoring", Search(), Starts(restarts=2))
+    found = find_best_minimum(
+        Likelihood(problem), problem.start, "scoring", SearchOptions(), RestartOptions(restarts=2)
+    )
     assert not found.converged
     assert "a time constant of 0.0" in found.doubt
     usual = recorded(replace(TANKER, free=("Y_v",)), 60)
-    found = estimate(Likelihood(usual), usual.start, "scoring", Search(), Starts(restarts=2))
+    found = find_best_minimum(
+        Likelihood(usual), usual.start, "scoring", SearchOptions(), RestartOptions(restarts=2)
+    )
     assert found.converged
 
 
@@ -216,7 +220,7 @@ def test_a_search_passes_the_neutral_ship(K: float, T1: float) -> None:
     ship = nomoto_ship(K, T1)
     problem = recorded(ship, 200)
     assert problem.names[:4] == ("a1", "a2", "b1", "b2")
-    found = estimate(Likelihood(problem), ship.start(), "scoring", Search())
+    found = find_best_minimum(Likelihood(problem), ship.start(), "scoring", SearchOptions())
     named = dict(zip(problem.names, found.theta, strict=True))
     assert found.converged
     assert named["b2"] / named["a2"] == pytest.approx(K, rel=0.1)
@@ -233,8 +237,10 @@ def test_k_and_t_are_given_together_or_not_at_all() -> None:
 
 
 def test_restarts_leave_a_shallow_minimum(wells: Any) -> None:
-    shallow = estimate(wells, np.array([0.94]), "bfgs", Search(200))
-    deep = estimate(wells, np.array([0.94]), "bfgs", Search(200), Starts(restarts=8, seed=3))
+    shallow = find_best_minimum(wells, np.array([0.94]), "bfgs", SearchOptions(200))
+    deep = find_best_minimum(
+        wells, np.array([0.94]), "bfgs", SearchOptions(200), RestartOptions(restarts=8, seed=3)
+    )
     assert shallow.theta[0] > 0.5
     assert deep.theta[0] == pytest.approx(-1.047, abs=0.01)
     assert deep.cost < shallow.cost
@@ -244,25 +250,27 @@ def test_progress_is_told_and_a_search_resumes_where_it_stopped(
     cost: Any, best: Any, tmp_path: Path
 ) -> None:
     path = tmp_path / "search.json"
-    short = estimate(cost, TANKER.start(), "direct", Search(1, keep(path, cost.problem)))
+    short = find_best_minimum(
+        cost, TANKER.start(), "direct", SearchOptions(1, save_steps(path, cost.problem))
+    )
     assert not short.converged
-    assert_allclose(resume(path, cost.problem), short.theta, rtol=1e-15)
+    assert_allclose(resume_search(path, cost.problem), short.theta, rtol=1e-15)
 
-    found = estimate(cost, resume(path, cost.problem), "scoring", Search())
+    found = find_best_minimum(cost, resume_search(path, cost.problem), "scoring", SearchOptions())
     assert found.converged
     assert found.cost == pytest.approx(best.cost, abs=1e-5)
 
 
 def test_a_checkpoint_of_something_else_is_refused(cost: Any, tmp_path: Path) -> None:
     path = tmp_path / "search.json"
-    keep(path, cost.problem)(Found(cost.problem.start, 1.0, 1, converged=False))
+    save_steps(path, cost.problem)(SearchResult(cost.problem.start, 1.0, 1, converged=False))
     more = TANKER.freed("v2_0").problem(TANKER_RUDDER[:600])
     with pytest.raises(ConfigError, match="lacks v2_0"):
-        resume(path, more)
+        resume_search(path, more)
     for text in ("{", "[" * 100_000, '{"model": "x", "parameters": 1}'):
         path.write_text(text)
         with pytest.raises(ConfigError, match="no checkpoint"):
-            resume(path, cost.problem)
+            resume_search(path, cost.problem)
 
 
 @pytest.mark.parametrize("value", ["null", '"x"', "true", "1e999", "NaN"])
@@ -270,13 +278,13 @@ def test_a_checkpoint_s_parameter_that_is_no_number_is_refused_by_name(
     cost: Any, tmp_path: Path, value: Any
 ) -> None:
     path = tmp_path / "search.json"
-    keep(path, cost.problem)(Found(cost.problem.start, 1.0, 1, converged=False))
+    save_steps(path, cost.problem)(SearchResult(cost.problem.start, 1.0, 1, converged=False))
     name = cost.problem.names[0]
     told = json.loads(path.read_text())
     told["parameters"][name] = "here"
     path.write_text(json.dumps(told).replace('"here"', value))
     with pytest.raises(ConfigError, match=f"{name} = .*: must be a number"):
-        resume(path, cost.problem)
+        resume_search(path, cost.problem)
 
 
 @pytest.mark.parametrize(
@@ -379,7 +387,7 @@ def test_a_free_variance_that_starts_at_nothing_is_refused(cost: Any) -> None:
     start = TANKER.start()
     start[TANKER.free.index("R2_r")] = 0.0
     with pytest.raises(ConfigError, match="R2_r: a free variance cannot start at 0"):
-        estimate(cost, start, "scoring", Search())
+        find_best_minimum(cost, start, "scoring", SearchOptions())
 
 
 def test_a_start_that_is_no_model_is_refused() -> None:
@@ -388,7 +396,7 @@ def test_a_start_that_is_no_model_is_refused() -> None:
     values[MODELS["1"].place("P12")] = 1.0
     hopeless = Likelihood(replace(hopeless, values=values))
     with pytest.raises(ConfigError, match="start values are no model"):
-        estimate(hopeless, TANKER.start(), "scoring", Search())
+        find_best_minimum(hopeless, TANKER.start(), "scoring", SearchOptions())
 
 
 def test_runs_are_their_seeds_own() -> None:
@@ -413,4 +421,4 @@ def test_angles_and_variances_that_mean_the_same_are_folded_together() -> None:
 
 
 def test_nobody_need_listen(best: Any) -> None:
-    assert unheard(best) is None  # type: ignore[func-returns-value]
+    assert ignore_news(best) is None  # type: ignore[func-returns-value]

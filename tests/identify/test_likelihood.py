@@ -24,8 +24,8 @@ from trainer.identify.fitting.prediction_error import (
     run_filter,
     settled_gain,
 )
-from trainer.identify.judge.validation import deterministic, draw_outputs
-from trainer.identify.kernels.covariance_filter import settle
+from trainer.identify.judge.validation import draw_outputs, simulate_deterministic
+from trainer.identify.kernels.covariance_filter import settle_gain
 from trainer.identify.record.measurements import Samples
 
 PERIOD = TANKER.period
@@ -83,7 +83,7 @@ def settled_from_the_first() -> Any:
     problem = question(300)
     mean, noise, start = problem.sampled(problem.start).at(0)
     steady, gain = start[:, 1:].astype(complex), np.empty((3, 3), complex)
-    settle(mean[0].astype(complex), noise[0].astype(complex), steady, 1e-15, 2000, gain)
+    settle_gain(mean[0].astype(complex), noise[0].astype(complex), steady, 1e-15, 2000, gain)
     P = {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 0), (1, 1), (2, 2))}
     P |= {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 1), (0, 2), (1, 2))}
     return TANKER.freed(**P).problem(TANKER_RUDDER[:300])
@@ -320,7 +320,7 @@ def test_scaled_parameters_have_scaled_slopes() -> None:
 def test_a_model_left_alone_is_its_transfer_function_in_the_long_run() -> None:
     problem = question(2000)
     samples = replace(problem.samples, inputs=np.full((2000, 1), 2.0))
-    steady = deterministic(problem.on(samples), problem.start)[-1]
+    steady = simulate_deterministic(problem.on(samples), problem.start)[-1]
     drift = problem.plant.blocks(problem.values.astype(complex)[None]).drift[0].real
     rest = np.linalg.solve(drift[:2, :2], -drift[:2, 3] * 2.0 - drift[:2, 4])
     assert steady[:2] == pytest.approx(rest, rel=1e-9)

@@ -9,9 +9,9 @@ import pytest
 from helpers.places import DATA
 
 from trainer.config.files import ConfigError
-from trainer.identify.experiment import TAPS, hold_bits, prbs
+from trainer.identify.experiment import REGISTER_TAPS, hold_bits, prbs
 from trainer.identify.fitting.armax import Armax, rounding_poles, without_wind
-from trainer.identify.judge.propagation import draw_parameters, propagate
+from trainer.identify.judge.propagation import draw_parameters, propagate_covariance
 from trainer.identify.judge.residuals import aic_of_loss, f_test, ratio_test
 from trainer.identify.model.nomoto import levers, nomoto, scale, solve_motion, transfer
 
@@ -152,7 +152,7 @@ def autocorrelation(sequence: Any) -> Any:
 
 def test_a_sequence_looks_like_white_noise_of_its_period() -> None:
     case = vectors("prbs")
-    for bits in TAPS:
+    for bits in REGISTER_TAPS:
         own = autocorrelation(prbs(bits))
         assert own[1:] == pytest.approx(np.full(2**bits - 2, -1.0 / (2**bits - 1)), abs=1e-12)
     assert autocorrelation(prbs(6)).tolist() == pytest.approx(case["period63_autocorrelation"])
@@ -176,7 +176,7 @@ def test_an_empty_register_is_refused() -> None:
 def test_uncertainty_of_a_product_is_that_of_its_factors() -> None:
     # var(xy) = y^2 var x + x^2 var y + 2 x y cov, to first order
     theta, covariance = np.array([3.0, -2.0]), np.array([[0.04, 0.01], [0.01, 0.09]])
-    found = propagate(lambda t: np.array([t[0] * t[1]]), theta, covariance)
+    found = propagate_covariance(lambda t: np.array([t[0] * t[1]]), theta, covariance)
     expected = 4.0 * 0.04 + 9.0 * 0.09 + 2.0 * 3.0 * -2.0 * 0.01
     assert found.deviations[0] ** 2 == pytest.approx(expected, rel=1e-7)
 

@@ -13,21 +13,21 @@ from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import load_nomoto
 from trainer.identify.fitting.nonlinear import (
-    CURVE,
-    LINEAR,
-    Bent,
+    CURVE_NAMES,
+    LINEAR_NAMES,
+    BentShip,
     bend_from_records,
     curve_from_turns,
-    predict,
+    predict_turning,
 )
 from trainer.identify.record.measurements import Record
 
-STABLE = Bent(-0.05, 40.0, 8.0, 15.0, 400.0)
-UNSTABLE = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section 8
+STABLE = BentShip(-0.05, 40.0, 8.0, 15.0, 400.0)
+UNSTABLE = BentShip(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section 8
 
 
 def record_of(ship: Any, rudder: Any, step: Any = 2.0, noise: Any = 0.0, seed: int = 4) -> Any:
-    run = predict(ship, rudder, step, np.zeros(2))
+    run = predict_turning(ship, rudder, step, np.zeros(2))
     rate = run[:, 0] + noise * np.random.default_rng(seed).standard_normal(len(rudder))
     t = step * np.arange(len(rudder))
     return Record(
@@ -43,7 +43,7 @@ def helm(angle: Any, count: Any = 400, hold: Any = 50) -> Any:
 @pytest.mark.parametrize("ship", [STABLE, UNSTABLE])
 def test_a_long_turn_ends_on_the_spiral(ship: Any) -> None:
     rudder = np.full(4000, np.radians(20.0))
-    rate = predict(ship, rudder, 2.0, np.zeros(2))[-1, 0]
+    rate = predict_turning(ship, rudder, 2.0, np.zeros(2))[-1, 0]
     assert float(ship.helm(np.array([rate]))[0]) == pytest.approx(np.radians(20.0), rel=1e-9)
 
 
@@ -59,20 +59,20 @@ def test_the_loop_of_the_unstable_ship_by_hand() -> None:
 def test_without_kappa_it_is_the_linear_ship() -> None:
     # r of K (1 + T3 s)/((1 + T1 s)(1 + T2 s)) to a step: the textbook's two exponentials
     ship, t = replace(STABLE, kappa=0.0), 3.0 * np.arange(60)
-    rate = predict(ship, np.full(60, 0.1), 3.0, np.zeros(2))[:, 0]
+    rate = predict_turning(ship, np.full(60, 0.1), 3.0, np.zeros(2))[:, 0]
     a = (ship.T1 - ship.T3) / (ship.T1 - ship.T2)
     b = (ship.T3 - ship.T2) / (ship.T1 - ship.T2)
     expected = ship.K * 0.1 * (1.0 - a * np.exp(-t / ship.T1) - b * np.exp(-t / ship.T2))
     # in steady change at the first sample: T3 of the step is felt before it
-    late = predict(ship, np.append(0.0, np.full(59, 0.1)), 3.0, np.zeros(2))[1:, 0]
+    late = predict_turning(ship, np.append(0.0, np.full(59, 0.1)), 3.0, np.zeros(2))[1:, 0]
     assert late == pytest.approx(expected[:59], abs=1e-8)
     assert rate[-1] == pytest.approx(expected[-1], rel=0.05)
 
 
 def test_port_and_starboard_are_mirrors() -> None:
     rudder = helm(15.0)
-    left = predict(UNSTABLE, rudder, 2.0, np.zeros(2))
-    right = predict(UNSTABLE, -rudder, 2.0, np.zeros(2))
+    left = predict_turning(UNSTABLE, rudder, 2.0, np.zeros(2))
+    right = predict_turning(UNSTABLE, -rudder, 2.0, np.zeros(2))
     assert left == pytest.approx(-right, abs=1e-15)
 
 
@@ -88,7 +88,7 @@ def test_h_comes_back_from_steady_turns_with_the_terms_that_it_has(curve: Any) -
     found = curve_from_turns(STABLE, "spiral", ship.helm(RATES), RATES)
     assert found.ship.curve == pytest.approx(curve, rel=1e-6)
     assert found.ship.delta_0 == pytest.approx(0.01)
-    names = [name for name, value in zip(CURVE, curve, strict=True) if value]
+    names = [name for name, value in zip(CURVE_NAMES, curve, strict=True) if value]
     assert list(found.deviations) == [*names, "delta_0"]
 
 
@@ -131,22 +131,24 @@ def test_kappa_comes_back_from_a_manoeuvre(ship: Any) -> None:
 
 def test_h_comes_back_from_a_manoeuvre_of_an_unstable_ship() -> None:
     record = record_of(CUBIC, helm(20.0), noise=1e-4)
-    found = bend_from_records(replace(CUBIC, H=None, kappa=1500.0), [record], CURVE)
-    for name, value, true in zip(CURVE, found.ship.curve, CUBIC.curve, strict=True):
+    found = bend_from_records(replace(CUBIC, H=None, kappa=1500.0), [record], CURVE_NAMES)
+    for name, value, true in zip(CURVE_NAMES, found.ship.curve, CUBIC.curve, strict=True):
         assert abs(value - true) < 4.0 * found.deviations[name], name
     # her turns are known to a tenth of the noise, though the three terms are alike
     start = np.array([found.rate_0, 0.0])
-    told = predict(found.ship, helm(20.0), 2.0, start)[:, 0]
+    told = predict_turning(found.ship, helm(20.0), 2.0, start)[:, 0]
     assert np.std(told - record_of(CUBIC, helm(20.0)).yaw_rate) < 3e-5
 
 
 @pytest.mark.parametrize("ship", [STABLE, UNSTABLE])
 def test_kappa_and_the_linear_constants_come_back_together_from_two_records(ship: Any) -> None:
     records = [record_of(ship, helm(angle), noise=1e-4, seed=int(angle)) for angle in (5, 25)]
-    wrong = ship.changed((*LINEAR, "kappa"), [1.2 * x for x in (*ship.numbers[:4], ship.kappa)])
-    found = bend_from_records(wrong, records, (*LINEAR, "kappa"))
-    assert list(found.deviations) == [*LINEAR, "kappa", "delta_0"]
-    for name in (*LINEAR, "kappa"):
+    wrong = ship.changed(
+        (*LINEAR_NAMES, "kappa"), [1.2 * x for x in (*ship.numbers[:4], ship.kappa)]
+    )
+    found = bend_from_records(wrong, records, (*LINEAR_NAMES, "kappa"))
+    assert list(found.deviations) == [*LINEAR_NAMES, "kappa", "delta_0"]
+    for name in (*LINEAR_NAMES, "kappa"):
         true, value = getattr(ship, name), getattr(found.ship, name)
         assert abs(value - true) < 4.0 * found.deviations[name], name
         assert found.deviations[name] < 0.2 * abs(true)
@@ -155,7 +157,7 @@ def test_kappa_and_the_linear_constants_come_back_together_from_two_records(ship
 def test_what_a_record_does_not_tell_is_refused() -> None:
     still = record_of(STABLE, np.zeros(100))
     with pytest.raises(ConfigError, match="run: this record does not tell H1, H2, H3"):
-        bend_from_records(STABLE, [still], CURVE)
+        bend_from_records(STABLE, [still], CURVE_NAMES)
 
 
 def test_the_loop_of_a_cubic_ship_is_where_her_helm_is_nothing() -> None:
@@ -211,8 +213,8 @@ def ran(study: Path, *options: Any) -> Any:
     ("options", "free"),
     [
         (("--kappa", "large.csv"), ["kappa"]),
-        (("--kappa", "large.csv", "--joint"), [*LINEAR, "kappa"]),
-        (("--bech", "large.csv"), [*CURVE]),
+        (("--kappa", "large.csv", "--joint"), [*LINEAR_NAMES, "kappa"]),
+        (("--bech", "large.csv"), [*CURVE_NAMES]),
         (("--spiral", "turns.csv"), ["H1", "H2"]),
     ],
 )

@@ -14,8 +14,8 @@ from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
-from trainer.identify.model.sampled import STEP, aside
-from trainer.identify.model.system_files import key_tables, load_system, parse
+from trainer.identify.model.sampled import COMPLEX_STEP, step_aside
+from trainer.identify.model.system_files import key_tables, load_system, parse_expression
 
 pytest.importorskip("scipy")
 
@@ -81,11 +81,11 @@ def test_slopes_of_a_program_are_exact_or_by_differences(
     path = tmp_path / "system.py"
     path.write_text("import math\nimport numpy as np\n" + PROGRAM.replace("-(w**2)", f"-({body})"))
     system = load_system(path)
-    found = system.matrices(aside(system.starts))["A"]
+    found = system.matrices(step_aside(system.starts))["A"]
     assert system.how == how
     assert_allclose(found[0].real, [[0.0, 1.0], [-0.36, -0.24]], rtol=1e-12)
-    assert_allclose(found[1].imag / STEP, [[0.0, 0.0], [-1.2, -0.4]], rtol=1e-7)
-    assert_allclose(found[2].imag / STEP, [[0.0, 0.0], [0.0, -1.2]], rtol=1e-7, atol=1e-12)
+    assert_allclose(found[1].imag / COMPLEX_STEP, [[0.0, 0.0], [-1.2, -0.4]], rtol=1e-7)
+    assert_allclose(found[2].imag / COMPLEX_STEP, [[0.0, 0.0], [0.0, -1.2]], rtol=1e-7, atol=1e-12)
 
 
 def test_matrices_of_one_step_are_found_too(tmp_path: Path) -> None:
@@ -163,8 +163,8 @@ def test_what_an_expression_says_is_what_it_is() -> None:
         plain = compile(text.replace("abs", "np.abs").replace("pi", "np.pi"), "", "eval")
         functions = {"np": np, "sqrt": np.sqrt, "exp": np.exp, "cos": np.cos}
         expected = eval(plain, functions, values)  # noqa: S307
-        assert parse(text, ("a", "b"))(values) == pytest.approx(expected, rel=1e-14)
-    stepped = parse("abs(b)**3 * a", ("a", "b"))({"a": 0.7, "b": -2.0 + 1e-100j})
+        assert parse_expression(text, ("a", "b"))(values) == pytest.approx(expected, rel=1e-14)
+    stepped = parse_expression("abs(b)**3 * a", ("a", "b"))({"a": 0.7, "b": -2.0 + 1e-100j})
     assert stepped.imag == pytest.approx(-3 * 4 * 0.7 * 1e-100)
 
 
@@ -201,12 +201,12 @@ def test_what_an_expression_says_is_what_it_is() -> None:
 )
 def test_an_expression_that_is_none_is_refused(text: str) -> None:
     with pytest.raises(ConfigError):
-        parse(text, ("a", "b"))
+        parse_expression(text, ("a", "b"))
 
 
 def test_a_power_without_end_is_no_number() -> None:
     with np.errstate(all="ignore"):
-        assert parse("9**9**9**9", ())({}) == np.inf
+        assert parse_expression("9**9**9**9", ())({}) == np.inf
 
 
 def test_expressions_are_never_run() -> None:

@@ -14,9 +14,9 @@ from trainer.config import nomoto
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.record import decca
-from trainer.identify.record.findings import examine, follows_motion, unwrap_heading
+from trainer.identify.record.findings import examine_record, follows_motion, unwrap_heading
 from trainer.identify.record.sources import Column, factor, load_record, own_columns
-from trainer.identify.record.study import load_study, observe, plain_study, speed_of
+from trainer.identify.record.study import load_study, observe_record, plain_study, speed_of
 from trainer.identify.record.study_records import key_tables
 
 STUDY = """
@@ -59,7 +59,7 @@ def cell(value: Any) -> Any:
 
 
 def observed(path: Any, columns: Any, text: Any = STUDY) -> Any:
-    return observe(load_study(write(path, columns, text)))
+    return observe_record(load_study(write(path, columns, text)))
 
 
 def test_units_become_si_and_the_heading_does_not_jump(tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ def test_words_in_a_column_of_numbers_are_refused_by_row_and_column(tmp_path: Pa
     lines[3] = lines[3].replace(lines[3].split(",")[1], "port")
     data.write_text("\n".join(lines))
     with pytest.raises(ConfigError, match=r'row 4: helm = "port": must be a number'):
-        observe(load_study(path))
+        observe_record(load_study(path))
 
 
 def test_a_rudder_at_rest_is_refused(tmp_path: Path) -> None:
@@ -283,4 +283,4 @@ def test_examination_needs_a_rudder(tmp_path: Path) -> None:
     write(tmp_path, table())
     record = load_record(tmp_path / "trial.csv", {"yaw_rate": Column("rot", "rad/s")})
     with pytest.raises(ConfigError, match="no rudder was recorded; there is yaw_rate"):
-        examine(record)
+        examine_record(record)

@@ -15,20 +15,20 @@ from helpers.studies import columns
 
 from trainer.cli.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.fitting.minimise import unheard
-from trainer.identify.fitting.nonlinear import Bend, Bent
+from trainer.identify.fitting.minimise import ignore_news
+from trainer.identify.fitting.nonlinear import BendEstimate, BentShip
 from trainer.identify.fitting.problem import problem_of
 from trainer.identify.judge.allowed import draw_allowed
-from trainer.identify.judge.fitted import fit
-from trainer.identify.judge.validation import deterministic, draw_outputs
+from trainer.identify.judge.fitted import fit_study
+from trainer.identify.judge.validation import draw_outputs, simulate_deterministic
 from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.pages.identify import screens
-from trainer.identify.pages.results import describe
+from trainer.identify.pages.results import describe_fit
 from trainer.identify.pages.series import bent_terms, matrices_of, series_of, terms_of
 from trainer.identify.record.measurements import Samples
-from trainer.identify.record.study import load_study, observe
+from trainer.identify.record.study import load_study, observe_record
 from trainer.identify.sheet import MAX_PANELS
-from trainer.report.panels import draw
+from trainer.report.panels import draw_panel
 from trainer.report.plots import Curve, Panel
 
 pytest.importorskip("scipy")
@@ -100,7 +100,7 @@ def fitted_as(path: Path, kind: str = "1", noise: str | None = None) -> Any:
     rows = study.parameters if kind == "1" else ()
     table = replace(study.model, kind=kind, outputs=outputs, noise=noise, restarts=2)  # type: ignore[type-var]
     study = replace(study, model=table, parameters=rows)
-    return fit(study, observe(study).record, unheard)
+    return fit_study(study, observe_record(study).record, ignore_news)
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +110,7 @@ def fitted(path: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def described(fitted: Any) -> Any:
-    return describe(fitted)
+    return describe_fit(fitted)
 
 
 def told(path: Path, *options: Any) -> Any:
@@ -132,7 +132,7 @@ def test_series_of_every_noise_model_add_up(path: Any, noise: Any) -> None:
     bias = fitted.values[fitted.problem.plant.model.place("r_0")]
     states = np.degrees(found["state_r"]) + bias
     assert states == pytest.approx(found["yaw_rate_predicted_deg_s"], abs=1e-9)
-    alone = deterministic(fitted.problem, fitted.found.theta)
+    alone = simulate_deterministic(fitted.problem, fitted.found.theta)
     assert found["yaw_rate_model_deg_s"] == pytest.approx(alone[:, 2])
 
 
@@ -160,7 +160,7 @@ def test_a_csv_that_cannot_be_written_is_told(path: Any, tmp_path: Path) -> None
 
 def test_terms_of_the_yaw_acceleration_make_the_motion(path: Any) -> None:
     fitted = fitted_as(path, "nomoto1", "output-error")
-    states = deterministic(fitted.problem, fitted.found.theta)[:, :2]
+    states = simulate_deterministic(fitted.problem, fitted.found.theta)[:, :2]
     parts = terms_of(fitted, states)
     assert {key[0] for key in parts} == {"yaw acceleration"}
     T = fitted.values[fitted.problem.plant.model.place("T")]
@@ -261,7 +261,7 @@ def test_the_band_of_a_bode_figure_is_about_its_middle(fitted: Any) -> None:
 
 def test_a_figure_of_decades_labels_ones_twos_and_fives() -> None:
     x = np.geomspace(0.01, 1.0, 30)
-    drawn = draw(Panel("gain", "rad/s", "dB", (Curve("a", x, np.log10(x)),), decades=True))
+    drawn = draw_panel(Panel("gain", "rad/s", "dB", (Curve("a", x, np.log10(x)),), decades=True))
     labels = re.findall(r'<text class="tick middle"[^>]*>([^<]*)</text>', drawn)
     assert labels[:7] == ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1"]
     places = [float(x) for x in re.findall(r'<text class="tick middle" x="([^"]*)"', drawn)[:7]]
@@ -298,5 +298,5 @@ def test_a_pdf_has_a_page_for_each_screen(path: Any, tmp_path: Path) -> None:
 
 
 def test_large_manoeuvres_have_no_terms_of_turns(described: Any) -> None:
-    turns = Bend("x", Bent(-0.05, 20.0, 5.0, 4.0), {}, 0.0)
+    turns = BendEstimate("x", BentShip(-0.05, 20.0, 5.0, 4.0), {}, 0.0)
     assert bent_terms(turns, described.fitted.record) == {}

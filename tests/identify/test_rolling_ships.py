@@ -21,20 +21,20 @@ from helpers.ships import (
     rolled_zigzag,
 )
 
-from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.turns import Turn
-from trainer.boat.ship.models import MODELS, heeling, model_for, model_of
+from trainer.boat.ship.models import MODELS, model_for, model_of, with_roll
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.config.ship import Result as Fitted
+from trainer.config.ship import FitResult as Fitted
 from trainer.config.ship import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.ships import vehicle
-from trainer.identify.ships.fit import Fit, fit, pose, search
-from trainer.identify.ships.likelihood import Problem
+from trainer.identify.ships.fit import ShipFit, fit_ship, pose_problem, search_minimum
+from trainer.identify.ships.likelihood import ShipProblem
 from trainer.identify.ships.priors import prior_of
 from trainer.identify.ships.records import Trial, load_trial
-from trainer.identify.ships.results import predict
+from trainer.identify.ships.results import predict_record
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.units import KNOT
 
@@ -42,10 +42,10 @@ PLAIN = replace(ROLLING, dimensions=replace(ROLLING.dimensions, beam_m=None))
 STEP = 0.5
 
 
-def rolling_problem(name: str) -> tuple[Problem, Numbers]:
+def rolling_problem(name: str) -> tuple[ShipProblem, Numbers]:
     """Return the record of section 11 with a roll that was read, and where it is looked at."""
     plain, a, _ = made_record(name)
-    model = heeling(plain.model)
+    model = with_roll(plain.model)
     values = published(name) | {"K_0": 0.1, "K_v": 12.0, "K_r": -5.0, "K_F": 4.0, "K_d": 3.0}
     values |= {"K_w": 0.01, "K_phi": -1.1, "K_p": -0.2, "Y_phi": 0.3, "N_phi": -0.4}
     trial = plain.trials[0]
@@ -55,7 +55,7 @@ def rolling_problem(name: str) -> tuple[Problem, Numbers]:
     trial = replace(trial, table=np.column_stack([trial.table, rolls]))
     count = len(model.free) + len(model.noises)
     nothing = np.zeros(count), np.full(count, math.inf), np.zeros(6)
-    problem = Problem(model, np.array(ROLLING.constants), (trial,), *nothing)
+    problem = ShipProblem(model, np.array(ROLLING.constants), (trial,), *nothing)
     first = [*a[-4:], 1e-3, 0.02]
     noise = ROLL_NOISE * [1, 1, 1, 3, 1, 1, 1, 1, 5, 5]
     return problem, np.array([*(values[each] for each in model.free), *np.log(noise), *first])
@@ -99,16 +99,18 @@ def test_without_coupling_roll_changes_nothing_of_the_rest() -> None:
 
 
 @pytest.fixture(scope="module")
-def found() -> Fit:
+def found() -> ShipFit:
     """Return the fit to a zig-zag of a known ship whose roll angle was read, and no rate."""
     trial, _ = rolled_zigzag(20.0, seed=1)
     trial.table[:, 10] = math.nan
-    model = heeling(model_of("mmg", wind=False))
-    problem, begin = pose(model, np.array(PLAIN.constants), [trial], prior_of(model, PLAIN)[0], 0.5)
-    return fit(problem, begin, lambda *_: None)
+    model = with_roll(model_of("mmg", wind=False))
+    problem, begin = pose_problem(
+        model, np.array(PLAIN.constants), [trial], prior_of(model, PLAIN)[0], 0.5
+    )
+    return fit_ship(problem, begin, lambda *_: None)
 
 
-def test_a_fit_finds_the_ship_and_her_roll(found: Fit) -> None:
+def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
     free = found.problem.model.free
     truth = np.array([HEELED[name] for name in free])
     away = (found.a[: len(free)] - truth) / found.deviations[: len(free)]
@@ -124,10 +126,10 @@ def test_a_fit_finds_the_ship_and_her_roll(found: Fit) -> None:
     assert share["Y_phi"] > 0.5  # a roll that follows the turning tells little of its own
 
 
-def test_a_fit_predicts_the_roll_of_runs_that_it_has_not_seen(found: Fit) -> None:
+def test_a_fit_predicts_the_roll_of_runs_that_it_has_not_seen(found: ShipFit) -> None:
     for angle in (-10.0, -20.0):
         other, _ = rolled_zigzag(angle, seed=7)
-        told = predict(found.problem, found.found.a, other, "held back").explained
+        told = predict_record(found.problem, found.found.a, other, "held back").explained
         assert told[5] is not None
         assert told[5] > 90.0, angle
         assert (told[2] or 0.0) > 97.0, angle
@@ -238,7 +240,7 @@ def known(name: str = "mmg", **change: float) -> ShipFile:
 def test_a_steady_turn_heels_as_its_moments_balance() -> None:
     linear = {"Y_v": -0.8, "N_v": -1.0, "N_r": -1.5, "X_vv": -0.5}
     ship = IdentifiedShip(known("linear", **linear))
-    flight = fly(ship, Turn(angle_deg=15.0, duration_s=2500.0), 15.0 * KNOT)
+    flight = fly_manoeuvre(ship, Turn(angle_deg=15.0, duration_s=2500.0), 15.0 * KNOT)
     u, v, r, phi, rudder = (float(flight.column(x)[-1]) for x in ("u", "v", "r", "phi", "delta_r"))
     size, L = math.hypot(u, v), 320.0
     moment = 0.05 + 14.0 * v / size - 6.0 * r * L / size - 2.0 * rudder
@@ -273,7 +275,7 @@ def asked(*words: object) -> Result:
 def test_a_ship_is_fitted_written_and_sailed_with_her_heel(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(vehicle, "DRAWS", 20)
+    monkeypatch.setattr(vehicle, "MAX_DRAWS", 20)
     names = ("known.toml", "ship.toml", "found.toml", "20.csv", "10.csv", "c.csv", "fit.html")
     sailing, ship, result, record, other, table, page = (tmp_path / name for name in names)
     sailing.write_text(ship_text(known(), ""), encoding="utf-8")
@@ -327,10 +329,12 @@ def test_a_trial_says_what_it_would_tell_of_roll(tmp_path: Path) -> None:
 def test_a_search_from_the_truth_stays_there() -> None:
     trial, first = rolled_zigzag(20.0, seed=3)
     model = model_for(ROLLING, "mmg", wind=False)
-    problem, _ = pose(model, np.array(ROLLING.constants), [trial], prior_of(model, PLAIN)[0], 0.5)
+    problem, _ = pose_problem(
+        model, np.array(ROLLING.constants), [trial], prior_of(model, PLAIN)[0], 0.5
+    )
     truth = np.array([*(HEELED[name] for name in model.free), *np.log(ROLL_NOISE), *first])
 
-    end = search(problem, truth, lambda *_: None)
+    end = search_minimum(problem, truth, lambda *_: None)
 
     assert end.settled
     assert problem.cost(truth) - end.cost < 45.0  # half of 50 parameters, and what books add

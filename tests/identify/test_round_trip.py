@@ -13,11 +13,11 @@ import pytest
 from click.testing import CliRunner
 from helpers.places import ROOT
 
-from trainer.analysis.programs.characteristic import horizontal
+from trainer.analysis.programs.characteristic import horizontal_system
 from trainer.cli.guide import manoeuvre
 from trainer.cli.identify import identify, prbs
 from trainer.config.vessel import load_vessel
-from trainer.identify.model.steering import steering
+from trainer.identify.model.steering import find_steering
 from trainer.units import KNOT
 
 pytestmark = pytest.mark.process
@@ -66,7 +66,9 @@ def found(trial: Any) -> Any:
 def test_the_roots_found_are_those_of_trainer_modes(found: Any, model: Any) -> None:
     ship = {one["name"]: (one["value"], one["deviation"]) for one in found[model]["ship"]}
     speed = found[model]["speed_kn"] * KNOT
-    roots = sorted(-s.real for s in horizontal(load_vessel("bb2"), speed).eigenvalues if not s.imag)
+    roots = sorted(
+        -s.real for s in horizontal_system(load_vessel("bb2"), speed).eigenvalues if not s.imag
+    )
     for name, rate in zip(("T1", "T2"), roots, strict=True):
         value, deviation = ship[name]
         assert abs(value - 1.0 / rate) < 3.0 * deviation + BENT / rate
@@ -77,7 +79,8 @@ def test_the_boat_written_steers_like_the_boat_flown(found: Any, trial: Any) -> 
     speed = found["1"]["speed_kn"] * KNOT
     deviations = {one["name"]: one["deviation"] for one in found["1"]["ship"]}
     true, again = (
-        steering(load_vessel(one), speed).nomoto for one in ("bb2", str(trial / "bb2-found.toml"))
+        find_steering(load_vessel(one), speed).nomoto
+        for one in ("bb2", str(trial / "bb2-found.toml"))
     )
     for name in ("K", "T1", "T2", "T3", "K_v", "T3v"):
         linear = getattr(true, name)

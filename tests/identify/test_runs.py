@@ -14,11 +14,11 @@ from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.fitting.prediction_error import Innovations, MultiStep, no_gain, settled_gain
-from trainer.identify.fitting.problem import Problem, Run
+from trainer.identify.fitting.problem import FurtherRun, Problem
 from trainer.identify.judge.uncertainty import hessian
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS
@@ -43,7 +43,7 @@ def runs(count: int, speeds: tuple[float, ...] = (1.0, 0.8)) -> tuple[list[Probl
         values[list(places)] *= seed
         alone.append(drawn(replace(problem, values=values), seed))
     first, *further = alone
-    others = tuple(Run(one.plant, one.samples, one.values) for one in further)
+    others = tuple(FurtherRun(one.plant, one.samples, one.values) for one in further)
     scale = np.ones(len(first.free) + len(places) * len(others))
     return alone, replace(first, others=others, own=places, scale=scale)
 
@@ -97,8 +97,8 @@ def test_errors_of_all_runs_have_one_covariance_with_a_gain(gains: Any) -> None:
 
 def test_two_runs_at_two_speeds_tell_more_than_one() -> None:
     (first, _), both = runs(300)
-    found = estimate(Likelihood(both), both.start, "scoring", Search())
-    alone = estimate(Likelihood(first), first.start, "scoring", Search())
+    found = find_best_minimum(Likelihood(both), both.start, "scoring", SearchOptions())
+    alone = find_best_minimum(Likelihood(first), first.start, "scoring", SearchOptions())
     ours, theirs = (
         np.sqrt(np.diag(np.linalg.inv(hessian(Likelihood(problem), one.theta))))
         for problem, one in ((both, found), (first, alone))

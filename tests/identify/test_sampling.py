@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from trainer.config.files import ConfigError
 from trainer.identify.model.models import MODEL_1, MODELS, Blocks, Plant, Ship
 from trainer.identify.model.nomoto import nomoto, transfer
-from trainer.identify.model.sampled import STEP, aside, sample
+from trainer.identify.model.sampled import COMPLEX_STEP, sample_systems, step_aside
 
 VECTORS = json.loads((DATA / "identification" / "discretisation.json").read_text())
 A, B, R1 = (np.array(VECTORS[key]) for key in ("A", "B", "R1"))
@@ -77,7 +77,9 @@ def plant(name: Any, period: Any = 6.0) -> Any:
 
 @pytest.mark.parametrize("case", VECTORS["cosdy"], ids=lambda case: f"lag {case['tau']}")
 def test_a_rudder_that_lags_inside_the_interval_is_sampled_exactly(case: Any) -> None:
-    found = sample(blocks(A, B, NO_OUTPUT, R1, case["tau"]), np.array([30.0]), "instantaneous")
+    found = sample_systems(
+        blocks(A, B, NO_OUTPUT, R1, case["tau"]), np.array([30.0]), "instantaneous"
+    )
     mean = found.mean[0, 0].real
     assert_allclose(mean[:, :3], case["Phi"], rtol=1e-11, atol=1e-20)
     assert_allclose(mean[:, 3:5], case["Gamma1"], rtol=1e-11, atol=1e-20)
@@ -86,14 +88,14 @@ def test_a_rudder_that_lags_inside_the_interval_is_sampled_exactly(case: Any) ->
 
 @pytest.mark.parametrize("case", VECTORS["noise_cov"], ids=lambda case: f"{case['T']} s")
 def test_noise_gathered_over_an_interval_is_exact(case: Any) -> None:
-    found = sample(blocks(A, B, NO_OUTPUT, R1), np.array([case["T"]]), "instantaneous")
+    found = sample_systems(blocks(A, B, NO_OUTPUT, R1), np.array([case["T"]]), "instantaneous")
     assert_allclose(found.noise[0, 0].real, case["Q"], rtol=1e-10, atol=1e-25)
 
 
 def test_an_unstable_ship_is_sampled_as_well() -> None:
     case = VECTORS["unstable"]
     system = blocks(np.array(case["A"]), B, NO_OUTPUT, np.array(case["R1"]))
-    found = sample(system, np.array([case["T"]]), "instantaneous")
+    found = sample_systems(system, np.array([case["T"]]), "instantaneous")
     assert_allclose(found.mean[0, 0, :, :3].real, case["Phi"], rtol=1e-11, atol=1e-20)
     assert_allclose(found.noise[0, 0].real, case["Q"], rtol=1e-11)
 
@@ -102,7 +104,7 @@ def test_readings_summed_over_the_interval_are_exact() -> None:
     case = VECTORS["integrating"]
     readings = {key: np.array(case[key]) for key in ("C", "D", "R12")}
     system = blocks(A, B, readings, R1, R2=np.array(case["R2"]))
-    found = sample(system, np.array([VECTORS["T"]]), "integrating")
+    found = sample_systems(system, np.array([VECTORS["T"]]), "integrating")
     mean, noise, out = found.mean[0, 0].real, found.noise[0, 0].real, case["out"]
     for name, value in (
         *(("Phi", mean[:3, :3]), ("Gam", mean[:3, 5:7]), ("C", mean[3:, :3])),
@@ -116,9 +118,9 @@ def test_a_lag_inside_an_interval_of_summed_readings_is_two_intervals() -> None:
     case = VECTORS["integrating"]
     readings = {key: np.array(case[key]) for key in ("C", "D", "R12")}
     whole = blocks(A, B, readings, R1, lag=12.0, R2=np.array(case["R2"]))
-    lagging = sample(whole, np.array([30.0]), "integrating").mean[0, 0].real
+    lagging = sample_systems(whole, np.array([30.0]), "integrating").mean[0, 0].real
     part = blocks(A, B, readings, R1, R2=np.array(case["R2"]))
-    old, new = sample(part, np.array([12.0, 18.0]), "integrating").mean[0].real
+    old, new = sample_systems(part, np.array([12.0, 18.0]), "integrating").mean[0].real
 
     assert_allclose(lagging[3:, 3:5], old[3:, 5:7] + new[3:, :3] @ old[:3, 5:7], rtol=1e-11)
     assert_allclose(lagging[3:, :3], old[3:, :3] + new[3:, :3] @ old[:3, :3], rtol=1e-11)
@@ -130,7 +132,9 @@ def test_sampling_agrees_with_the_matrix_exponential_of_scipy() -> None:
     for _ in range(20):
         matrix, inputs = stream.normal(size=(3, 3)), stream.normal(size=(3, 2))
         step = float(stream.uniform(0.01, 8.0))
-        found = sample(blocks(matrix, inputs, NO_OUTPUT, R1), np.array([step]), "instantaneous")
+        found = sample_systems(
+            blocks(matrix, inputs, NO_OUTPUT, R1), np.array([step]), "instantaneous"
+        )
         whole = np.zeros((5, 5))
         whole[:3, :3], whole[:3, 3:] = matrix, inputs
         expected = linalg.expm(whole * step)
@@ -140,7 +144,7 @@ def test_sampling_agrees_with_the_matrix_exponential_of_scipy() -> None:
 
 def test_matrices_that_are_discrete_already_are_taken_as_they_are() -> None:
     system = blocks(A, B, NO_OUTPUT, R1)
-    found = sample(system, np.array([1.0, 2.0]), "discrete")
+    found = sample_systems(system, np.array([1.0, 2.0]), "discrete")
     for m in range(2):
         assert_allclose(found.mean[0, m, :, :3].real, A)
         assert_allclose(found.mean[0, m, :, 5:7].real, B)
@@ -149,7 +153,7 @@ def test_matrices_that_are_discrete_already_are_taken_as_they_are() -> None:
 
 def test_times_that_do_not_rise_are_refused() -> None:
     with pytest.raises(ConfigError, match="later than the one before"):
-        sample(blocks(A, B, NO_OUTPUT, R1), np.array([1.0, 0.0]), "instantaneous")
+        sample_systems(blocks(A, B, NO_OUTPUT, R1), np.array([1.0, 0.0]), "instantaneous")
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -158,16 +162,16 @@ def test_slopes_of_the_sampled_matrices_are_those_of_differences(name: Any, samp
     ship, theta = plant(name), FULL[name]
     intervals = np.array([6.0, 11.0])
     places = [place for place in range(len(theta)) if theta[place] != 0.0]
-    found = sample(ship.blocks(aside(theta, places)), intervals, sampling)
+    found = sample_systems(ship.blocks(step_aside(theta, places)), intervals, sampling)
     for row, place in enumerate(places, start=1):
         step = 1e-3 * abs(theta[place])
         sides = []
         for side in (2, 1, -1, -2):
             moved = theta.astype(complex)
             moved[place] += side * step
-            sides.append(sample(ship.blocks(moved[None]), intervals, sampling).mean[0].real)
+            sides.append(sample_systems(ship.blocks(moved[None]), intervals, sampling).mean[0].real)
         expected = (8 * (sides[1] - sides[2]) - (sides[0] - sides[3])) / (12 * step)
-        slope = found.mean[row].imag / STEP
+        slope = found.mean[row].imag / COMPLEX_STEP
         # the differences' own rounding, and their error of order step^4
         noise = 1e-12 * np.max(np.abs(found.mean[0])) / step
         size = np.max(np.abs(expected))

@@ -16,8 +16,8 @@ from helpers.places import ROOT
 from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
 
 import trainer
-from trainer.analysis.manoeuvres.catalogue import adjust
-from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.catalogue import adjust_manoeuvre
+from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.page import ManoeuvreOptions
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
@@ -26,13 +26,20 @@ from trainer.boat.ship.models import model_of
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
-from trainer.config.ship import Records, ShipColumn, ShipFile, load_ship, parse_ship, ship_text
-from trainer.config.ship import Result as Fitted
+from trainer.config.ship import FitResult as Fitted
+from trainer.config.ship import (
+    RecordSettings,
+    ShipColumn,
+    ShipFile,
+    load_ship,
+    parse_ship,
+    ship_text,
+)
 from trainer.core.kernel import Numbers
 from trainer.identify.ships import fit, vehicle
-from trainer.identify.ships.likelihood import Problem
+from trainer.identify.ships.likelihood import ShipProblem
 from trainer.identify.ships.records import load_trial
-from trainer.identify.ships.vehicle import IdentifiedShip, draws, fly_ship
+from trainer.identify.ships.vehicle import IdentifiedShip, draw_ships, fly_ship
 from trainer.units import KNOT
 
 PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
@@ -92,7 +99,7 @@ def test_velocities_over_ground_are_turned_into_the_ship_where_the_water_stands(
 
     with pytest.raises(ConfigError, match=r'over ground.*current = "none"'):
         load_trial(path, ship)
-    trial = load_trial(path, replace(ship, records=Records(current="none")))
+    trial = load_trial(path, replace(ship, records=RecordSettings(current="none")))
 
     assert trial.table[:, 0] == pytest.approx(u)
     assert trial.table[:, 1] == pytest.approx(v, abs=1e-9)
@@ -229,7 +236,7 @@ def test_a_symmetric_ship_turns_alike_to_both_sides(known: ShipFile) -> None:
     even = {**known.coefficients, "Y_0": 0.0, "N_0": 0.0}
     ship = IdentifiedShip(replace(known, coefficients=even))
     turns = [
-        fly(ship, Turn(angle_deg=35.0, duration_s=400.0, side=side), 7.0)
+        fly_manoeuvre(ship, Turn(angle_deg=35.0, duration_s=400.0, side=side), 7.0)
         for side in (STARBOARD, PORT)
     ]
 
@@ -251,7 +258,7 @@ def test_a_file_without_a_result_cannot_sail() -> None:
 
 def test_ships_are_drawn_from_the_covariance(known: ShipFile) -> None:
     drawn = np.array(
-        [[one.coefficients[name] for name in known.uncertain] for one in draws(known, 4000)]
+        [[one.coefficients[name] for name in known.uncertain] for one in draw_ships(known, 4000)]
     )
 
     assert drawn.mean(axis=0) == pytest.approx([1.2, -0.2], abs=0.004)
@@ -261,7 +268,7 @@ def test_ships_are_drawn_from_the_covariance(known: ShipFile) -> None:
 def test_a_manoeuvre_says_its_band_and_what_is_beyond_the_records(
     known: ShipFile, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(vehicle, "DRAWS", 30)
+    monkeypatch.setattr(vehicle, "MAX_DRAWS", 30)
 
     report, _ = fly_ship(known, "turning-circle", ManoeuvreOptions())
 
@@ -321,8 +328,8 @@ def test_a_member_is_the_ship_sailed_alone(known: ShipFile, tmp_path: Path) -> N
 
     hull = replace(known.dimensions, rudder_rate_deg_s=3.0)
     ship = IdentifiedShip(replace(known, dimensions=hull))
-    turn = adjust("turning-circle", ship, {"duration": 80.0})
-    flight = fly(ship, turn, 15.0 * KNOT)
+    turn = adjust_manoeuvre("turning-circle", ship, {"duration": 80.0})
+    flight = fly_manoeuvre(ship, turn, 15.0 * KNOT)
     alone = {one.name: one.value for one in turn.measures(flight)}
 
     assert fast == alone["heading after 60 s"]
@@ -405,7 +412,7 @@ def test_a_fit_that_has_no_slope_answers_null_and_says_why(
     ship.write_text(ship_text(SHIP, ""), encoding="utf-8")
     own = fit.held_slopes
 
-    def no_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
+    def no_slopes(problem: ShipProblem, a: Numbers) -> tuple[Numbers, Numbers]:
         return tuple(math.nan * one for one in own(problem, a))  # type: ignore[return-value]
 
     monkeypatch.setattr(fit, "held_slopes", no_slopes)
@@ -440,7 +447,7 @@ def test_the_page_leads_from_a_record_to_a_turning_circle(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(vehicle, "DRAWS", 30)
+    monkeypatch.setattr(vehicle, "MAX_DRAWS", 30)
     ship, known_ship, bands = blocks("toml")[:3]
     Path("ship.toml").write_text(ship, encoding="utf-8")
     Path("known.toml").write_text(known_ship, encoding="utf-8")

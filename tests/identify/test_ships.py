@@ -14,14 +14,21 @@ from helpers.ships import (
     sailed_zigzag,
 )
 
-from trainer.boat.ship.models import FURTHER, model_for, model_of
+from trainer.boat.ship.models import FURTHER_NAMES, model_for, model_of
 from trainer.config.ship import key_tables
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record
-from trainer.identify.ships.fit import Fit, Found, fit, pose, promise_of, search
-from trainer.identify.ships.likelihood import Problem
-from trainer.identify.ships.priors import TANKER, kijima, prior_of
-from trainer.identify.ships.results import explained, predict, untold
+from trainer.identify.ships.fit import (
+    SearchResult,
+    ShipFit,
+    fit_ship,
+    pose_problem,
+    promise_of,
+    search_minimum,
+)
+from trainer.identify.ships.likelihood import ShipProblem
+from trainer.identify.ships.priors import TANKER_PRIOR, kijima, prior_of
+from trainer.identify.ships.results import explain_variance, find_unknown, predict_record
 
 # of two programs of different build, which agree: states at the last sample, -log L, slopes by
 # N_v, X_T, ln sigma_w_r, ln sigma_e_psi and v_0, information of N_v and X_T
@@ -76,7 +83,7 @@ def test_gradient_and_information_are_the_published_ones(name: str) -> None:
     assert (H[N_v, N_v], H[X_T, X_T]) == pytest.approx(information, abs=1e-5)
 
 
-def differences(problem: Problem, a: Numbers, unit: Numbers) -> Numbers:
+def differences(problem: ShipProblem, a: Numbers, unit: Numbers) -> Numbers:
     """Return the gradient by differences of fourth order, ``unit`` the step of each parameter."""
     found = []
     for e in np.diag(unit):
@@ -86,15 +93,15 @@ def differences(problem: Problem, a: Numbers, unit: Numbers) -> Numbers:
 
 
 def test_the_gradient_holds_for_each_further_term_of_a_polynomial() -> None:
-    further = {name: 0.3 * (-1) ** i for i, name in enumerate(FURTHER)}
+    further = {name: 0.3 * (-1) ** i for i, name in enumerate(FURTHER_NAMES)}
     hull = replace(SHIP.dimensions, advance_m=5.0)
     ship = replace(SHIP, dimensions=hull, coefficients={**further, "X_u": -0.4})
     plain, first, _ = made_record("abkowitz")
     model = model_for(ship, "abkowitz", wind=True)
-    model = replace(model, free=(*plain.model.free, *FURTHER))
+    model = replace(model, free=(*plain.model.free, *FURTHER_NAMES))
     p = len(model.free)
     limits = np.zeros(p + 7), np.full(p + 7, math.inf), np.zeros(4)
-    problem = Problem(model, np.array(ship.constants), plain.trials, *limits)
+    problem = ShipProblem(model, np.array(ship.constants), plain.trials, *limits)
     a = np.concatenate([first[: p - len(further)], [*further.values()], first[p - len(further) :]])
     _, g, H = problem.slopes(a)
     known = np.sqrt(np.diag(H))
@@ -158,9 +165,9 @@ def test_steps_between_samples_converge_at_fourth_order() -> None:
 def test_the_prior_by_form_is_near_that_of_tankers() -> None:
     form = kijima(SHIP.dimensions)
 
-    assert form["X_T"][0] == pytest.approx(TANKER["X_T"][0], rel=0.01)
+    assert form["X_T"][0] == pytest.approx(TANKER_PRIOR["X_T"][0], rel=0.01)
     for name, (mean, width) in form.items():
-        assert abs(mean - TANKER[name][0]) < 1.2 * width, name
+        assert abs(mean - TANKER_PRIOR[name][0]) < 1.2 * width, name
 
 
 def test_what_is_known_before_is_weaker_without_a_book() -> None:
@@ -170,27 +177,27 @@ def test_what_is_known_before_is_weaker_without_a_book() -> None:
     linear, _ = prior_of(model_of("linear", wind=False), SHIP)
 
     assert "tankers" in source
-    assert known["kappa"] == TANKER["kappa"]
+    assert known["kappa"] == TANKER_PRIOR["kappa"]
     assert "N_v" not in linear  # the slope of a line is not that of a cubic at nothing
 
 
 @pytest.fixture(scope="module")
-def found() -> Fit:
+def found() -> ShipFit:
     """Return the fit to a zig-zag of a known ship."""
     model = model_of("mmg", wind=False)
     plain = replace(SHIP, dimensions=replace(SHIP.dimensions, beam_m=None))
     trial, _ = sailed_zigzag(20.0, seed=1)
-    problem, begin = pose(model, CONSTANTS, [trial], prior_of(model, plain)[0], 0.5)
-    return fit(problem, begin, lambda *_: None)
+    problem, begin = pose_problem(model, CONSTANTS, [trial], prior_of(model, plain)[0], 0.5)
+    return fit_ship(problem, begin, lambda *_: None)
 
 
-def test_a_fit_settles_where_all_its_starts_do(found: Fit) -> None:
+def test_a_fit_settles_where_all_its_starts_do(found: ShipFit) -> None:
     assert found.found.settled
     assert max(found.others) - min(found.others) < 0.1
     assert min(found.others) == pytest.approx(found.found.cost, abs=1e-4)
 
 
-def test_a_fit_finds_the_ship(found: Fit) -> None:
+def test_a_fit_finds_the_ship(found: ShipFit) -> None:
     free = found.problem.model.free
     truth = np.array([COEFFICIENTS[name] for name in free])
     away = (found.a[: len(free)] - truth) / found.deviations[: len(free)]
@@ -200,15 +207,15 @@ def test_a_fit_finds_the_ship(found: Fit) -> None:
     assert found.a[free.index("N_F")] == pytest.approx(1.2, abs=0.15)
 
 
-def test_a_fit_predicts_runs_that_it_has_not_seen(found: Fit) -> None:
+def test_a_fit_predicts_runs_that_it_has_not_seen(found: ShipFit) -> None:
     for angle in (10.0, -10.0, -20.0):
         other, _ = sailed_zigzag(angle, seed=7)
-        told = predict(found.problem, found.found.a, other, "held back")
+        told = predict_record(found.problem, found.found.a, other, "held back")
         assert told.explained[2] is not None
         assert told.explained[2] > 97.0, angle
 
 
-def test_the_book_knows_the_lever_and_the_record_the_rudder(found: Fit) -> None:
+def test_the_book_knows_the_lever_and_the_record_the_rudder(found: ShipFit) -> None:
     share = dict(zip(found.problem.names, found.prior_share, strict=True))
 
     assert share["l"] > 0.9
@@ -217,15 +224,15 @@ def test_the_book_knows_the_lever_and_the_record_the_rudder(found: Fit) -> None:
     assert all(0.0 <= x <= 1.0 + 1e-9 for x in share.values())
 
 
-def test_what_zigzags_do_not_tell_apart_is_named(found: Fit) -> None:
-    worst = untold(found)
+def test_what_zigzags_do_not_tell_apart_is_named(found: ShipFit) -> None:
+    worst = find_unknown(found)
 
     assert worst[0].eigenvalue < 1e-5
     assert {"N_vrr", "N_vvr"} <= set(worst[0].parts)
     assert any({"X_vr", "X_rr"} <= set(one.parts) for one in worst)
 
 
-def test_freedom_widens_the_disturbances(found: Fit) -> None:
+def test_freedom_widens_the_disturbances(found: ShipFit) -> None:
     p = len(found.problem.model.free)
     wider = found.a[p : p + 3] - found.found.a[p : p + 3]
 
@@ -235,14 +242,14 @@ def test_freedom_widens_the_disturbances(found: Fit) -> None:
 
 
 def test_a_search_that_is_stopped_does_not_say_it_settled(
-    found: Fit, monkeypatch: pytest.MonkeyPatch
+    found: ShipFit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.identify.ships.fit.STEPS", 2)
+    monkeypatch.setattr("trainer.identify.ships.fit.MAX_STEPS", 2)
     begin = found.found.a.copy()
     begin[found.problem.model.free.index("N_F")] += 0.5
 
-    assert not search(found.problem, begin, lambda *_: None).settled
-    assert not Found(begin, 0.0, math.inf, 0).settled
+    assert not search_minimum(found.problem, begin, lambda *_: None).settled
+    assert not SearchResult(begin, 0.0, math.inf, 0).settled
 
 
 def test_a_promise_is_that_of_the_parabola() -> None:
@@ -270,8 +277,10 @@ def test_several_records_share_coefficients_and_have_first_states_of_their_own()
 def test_a_perfect_prediction_explains_all_and_the_mean_nothing() -> None:
     y = np.column_stack([np.sin(np.arange(50.0) + i) for i in range(4)])
 
-    assert explained(y, y)[0] == pytest.approx([100.0] * 4)
-    assert explained(y, np.broadcast_to(y.mean(axis=0), y.shape))[0] == pytest.approx([0.0] * 4)
+    assert explain_variance(y, y)[0] == pytest.approx([100.0] * 4)
+    assert explain_variance(y, np.broadcast_to(y.mean(axis=0), y.shape))[0] == pytest.approx(
+        [0.0] * 4
+    )
 
 
 @pytest.mark.slow
@@ -282,12 +291,12 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         stream = np.random.default_rng(5000 + i)
         prior = {
             name: (COEFFICIENTS[name] + width * stream.standard_normal(), width)
-            for name, (_, width) in TANKER.items()
+            for name, (_, width) in TANKER_PRIOR.items()
             if name in model.free
         }
         trial, first = sailed_zigzag(20.0, seed=1000 + i)
-        problem, begin = pose(model, CONSTANTS, [trial], prior, 1.0)
-        one = fit(problem, begin, lambda *_: None)
+        problem, begin = pose_problem(model, CONSTANTS, [trial], prior, 1.0)
+        one = fit_ship(problem, begin, lambda *_: None)
         assert one.found.settled
         p = len(model.free)
         truth = np.array([*(COEFFICIENTS[name] for name in model.free)])
@@ -309,9 +318,9 @@ def test_an_error_of_readings_stops_at_its_floor_and_the_fit_settles() -> None:
     smooth = np.convolve(trial.table[:, 2], np.ones(25) / 25.0, mode="same")
     exact.table[:, 2] = smooth  # published readings are often smoothed
     model = model_of("linear", wind=False)
-    problem, begin = pose(model, CONSTANTS, [exact], prior_of(model, SHIP)[0], 0.5)
+    problem, begin = pose_problem(model, CONSTANTS, [exact], prior_of(model, SHIP)[0], 0.5)
 
-    end = search(problem, begin, lambda *_: None)
+    end = search_minimum(problem, begin, lambda *_: None)
 
     assert end.settled
     assert (end.a >= problem.lowest).all()

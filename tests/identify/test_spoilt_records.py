@@ -11,7 +11,7 @@ import pytest
 
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.record.study import load_study, observe
+from trainer.identify.record.study import load_study, observe_record
 
 Columns = dict[str, Any]
 STEP, LENGTH, SPEED = 2.0, 100.0, 12.0
@@ -56,7 +56,7 @@ def study(folder: Path, columns: Columns, units: dict[str, str], more: str = "")
     ship = f"\n[ship]\nlength_m = {LENGTH}\nspeed_kn = {SPEED}\nbow_log_m = 30\nstern_log_m = 20\n"
     head = f'schema = "identify/1"\nname = "trial"\ndata = "trial.csv"\n{more}'
     (folder / "trial.toml").write_text(head + rows + ship)
-    return observe(load_study(folder / "trial.toml"))
+    return observe_record(load_study(folder / "trial.toml"))
 
 
 def text(columns: Columns, separator: str = ",", form: str = "") -> str:

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from helpers.places import ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
-from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
@@ -22,10 +22,10 @@ from trainer.cli.identify import steering
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, nomoto_text_of
 from trainer.config.vessel import load_vessel
-from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.model.derived import arms_of, nomoto_of
 from trainer.identify.model.models import MODELS
-from trainer.identify.model.steering import steering as steering_of
+from trainer.identify.model.steering import find_steering as steering_of
 from trainer.identify.pages.steering import of_nomoto, panels
 from trainer.units import DEGREE, KNOT
 
@@ -99,7 +99,9 @@ def test_a_first_order_ship_follows_its_exponential() -> None:
 
 
 def test_a_nomoto_ship_flies_a_zigzag_like_any_vehicle() -> None:
-    flight = fly(NomotoShip(nomoto_file()), ZigZag(angle_deg=10.0, execute_deg=10.0), SPEED)
+    flight = fly_manoeuvre(
+        NomotoShip(nomoto_file()), ZigZag(angle_deg=10.0, execute_deg=10.0), SPEED
+    )
     assert len([mark for mark in flight.marks if mark.name == "execute"]) > 2
     assert flight.lost == ""
 
@@ -157,7 +159,7 @@ def test_the_file_of_an_identified_ship_flies_a_manoeuvre(tmp_path: Path) -> Non
     result = sailed(tmp_path, "zigzag-10", "--json", "--step", "0.25")
     report = json.loads(result.stdout)
     measures = {one["name"]: one["value"] for one in report["measures"]}
-    flight = fly(NomotoShip(nomoto_file(step_s=0.25)), find_manoeuvre("zigzag-10"), SPEED)
+    flight = fly_manoeuvre(NomotoShip(nomoto_file(step_s=0.25)), find_manoeuvre("zigzag-10"), SPEED)
     assert report["speed_kn"] == pytest.approx(10.0)
     assert measures["heading peak 1"] == pytest.approx(
         next(
@@ -218,7 +220,7 @@ def test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa(tmp_path: Path
     assert direct["yaw rate at +0 deg"] / DEGREE == pytest.approx(rate, rel=0.03)
     assert direct["width of the loop"] / DEGREE == pytest.approx(2.0 * rate, rel=0.03)
     reverse = flown("reverse-spiral", path)
-    bent = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)
+    bent = BentShip(0.114, -304.0, 13.4, 33.4, 1230.0)
     for share in ("67 %", "33 %", "17 %", "-17 %", "-33 %", "-67 %"):
         (held,) = bent.helm(np.array([reverse[f"yaw rate at {share}"]]))
         assert reverse[f"rudder at {share}"] == pytest.approx(-held, abs=0.1 * DEGREE)

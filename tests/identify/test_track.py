@@ -11,7 +11,7 @@ from helpers.studies import columns
 
 from trainer.config.files import ConfigError
 from trainer.config.tables import read_table
-from trainer.identify.record.study import load_study, observe
+from trainer.identify.record.study import load_study, observe_record
 from trainer.identify.record.track import ground_velocity
 from trainer.units import KNOT
 
@@ -68,7 +68,7 @@ def write(folder: Path, run: Any, cells: Any, **more: str) -> Any:
     (folder / "track.csv").write_text("\n".join(["t,helm,gyro,lat,lon", *rows]) + "\n")
     texts = {"more": "", "unit": "deg", "tables": ""} | more
     (folder / "study.toml").write_text(STUDY.format(**texts))
-    return observe(load_study(folder / "study.toml"))
+    return observe_record(load_study(folder / "study.toml"))
 
 
 def plain(latitude: float, longitude: float) -> str:
@@ -137,11 +137,11 @@ def test_a_track_without_heading_or_beside_a_sway_is_refused(tmp_path: Path) -> 
     heading = '[[columns]]\nchannel = "heading"\ncolumn = "gyro"\nunit = "deg"\n'
     path.write_text(text.replace(heading, ""))
     with pytest.raises(ConfigError, match="no heading was recorded"):
-        observe(load_study(path))
+        observe_record(load_study(path))
     more = '\n[[columns]]\nchannel = "sway"\ncolumn = "helm"\nunit = "kn"\n'
     path.write_text(text + more)
     with pytest.raises(ConfigError, match="has both helm and a track: take one"):
-        observe(load_study(path))
+        observe_record(load_study(path))
 
 
 @pytest.mark.parametrize(

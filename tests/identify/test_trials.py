@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.places import ROOT
 
-from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
@@ -20,15 +20,15 @@ from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile, parse_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import prbs
-from trainer.identify.record.sources import USUAL
-from trainer.identify.ships.fit import problem_of, search
+from trainer.identify.record.sources import USUAL_SENSORS
+from trainer.identify.ships.fit import problem_of, search_minimum
 from trainer.identify.ships.trials import (
-    LEAD,
+    LEAD_TIME_S,
     BinaryHelm,
-    Design,
+    TrialDesign,
     TrialOptions,
     TrialShip,
-    design,
+    design_trials,
     flown_trial,
     sensors_of,
 )
@@ -55,12 +55,12 @@ def known() -> ShipFile:
 
 
 @pytest.fixture(scope="module")
-def pair(known: ShipFile) -> Design:
+def pair(known: ShipFile) -> TrialDesign:
     """Return a zig-zag, one with fewer revolutions, and both in the same time."""
-    return design(known, replace(OPTIONS, speeds=WEAK))
+    return design_trials(known, replace(OPTIONS, speeds=WEAK))
 
 
-def deviations(found: Design, name: str) -> list[float]:
+def deviations(found: TrialDesign, name: str) -> list[float]:
     """Return the expected standard deviation of a coefficient, by plan."""
     return [
         one.deviation
@@ -72,7 +72,7 @@ def deviations(found: Design, name: str) -> list[float]:
 
 @pytest.mark.parametrize("name", ["kappa", "N_F", "c_w"])
 def test_two_speeds_of_propeller_tell_the_slipstream_from_the_rudder(
-    pair: Design, name: str
+    pair: TrialDesign, name: str
 ) -> None:
     alone, slow, both = deviations(pair, name)
     plans = pair.report.plans
@@ -85,18 +85,20 @@ def test_two_speeds_of_propeller_tell_the_slipstream_from_the_rudder(
 
 def test_two_speeds_with_revolutions_of_their_own_do_not(known: ShipFile) -> None:
     # the propeller advances alike at both: the slower is the same trial, read worse
-    plain = design(known, replace(OPTIONS, speeds=((15.0, 15.0), (8.0, 8.0))))
+    plain = design_trials(known, replace(OPTIONS, speeds=((15.0, 15.0), (8.0, 8.0))))
     alone, slow, both = deviations(plain, "kappa")
 
     assert alone < both < slow
 
 
-def test_better_instruments_and_a_longer_trial_tell_more(known: ShipFile, pair: Design) -> None:
+def test_better_instruments_and_a_longer_trial_tell_more(
+    known: ShipFile, pair: TrialDesign
+) -> None:
     first = replace(OPTIONS, speeds=WEAK[:1])
     half = {name: 0.5 * value for name, value in vars(SENSORS).items() if value}
-    sharp = design(known, replace(first, sensors=Sensors(**half), unrest=0.005))
-    longer = design(known, replace(first, seconds=1600.0))
-    blind = design(known, replace(first, outputs=("sway", "heading")))
+    sharp = design_trials(known, replace(first, sensors=Sensors(**half), unrest=0.005))
+    longer = design_trials(known, replace(first, seconds=1600.0))
+    blind = design_trials(known, replace(first, outputs=("sway", "heading")))
     assert deviations(blind, "N_r")[0] > 1.02 * deviations(pair, "N_r")[0]
     for name in ("N_F", "Y_v", "kappa"):
         usual = deviations(pair, name)[0]
@@ -104,9 +106,11 @@ def test_better_instruments_and_a_longer_trial_tell_more(known: ShipFile, pair: 
         assert 0.5 * usual < deviations(longer, name)[0] < 0.9 * usual
 
 
-def test_the_book_s_share_falls_where_the_book_is_weak(known: ShipFile, pair: Design) -> None:
-    firm = design(known, replace(OPTIONS, speeds=WEAK, prior_strength=0.5)).report.plans[2]
-    none = design(known, replace(OPTIONS, speeds=WEAK[:1], prior_strength=0.0)).report.plans[0]
+def test_the_book_s_share_falls_where_the_book_is_weak(known: ShipFile, pair: TrialDesign) -> None:
+    firm = design_trials(known, replace(OPTIONS, speeds=WEAK, prior_strength=0.5)).report.plans[2]
+    none = design_trials(known, replace(OPTIONS, speeds=WEAK[:1], prior_strength=0.0)).report.plans[
+        0
+    ]
     weak = pair.report.plans[2]
 
     assert "l" in firm.from_book
@@ -135,7 +139,7 @@ class ShakenShip(TrialShip):
         self.now = self.now._replace(state=(*moved, *others))
 
 
-def scatter(known: ShipFile, found: Design, count: int) -> Numbers:
+def scatter(known: ShipFile, found: TrialDesign, count: int) -> Numbers:
     """Return the errors of made records over what was expected (count, coefficients).
 
     They are fitted with a prior drawn about the truth, so that it is one more honest reading.
@@ -149,7 +153,7 @@ def scatter(known: ShipFile, found: Design, count: int) -> Numbers:
         trials = []
         for i, (speed, held) in enumerate(WEAK):
             ship = ShakenShip(known, held * KNOT, noise[:3], 10 * seed + i)
-            flight = fly(ship, ZigZag(duration_s=400.0), speed * KNOT)
+            flight = fly_manoeuvre(ship, ZigZag(duration_s=400.0), speed * KNOT)
             every = round(found.report.interval_s / flight.step)
             trial = flown_trial(known, flight, every, found.report.outputs)
             trial.table[:, :4] += noise[3:] * stream.standard_normal((len(trial.t), 4))
@@ -162,13 +166,13 @@ def scatter(known: ShipFile, found: Design, count: int) -> Numbers:
             if math.isfinite(width)
         }
         posed = problem_of(problem.model, problem.constants, trials, prior, 1.0)
-        end = search(posed, expected.a, lambda *_: None)
+        end = search_minimum(posed, expected.a, lambda *_: None)
         assert end.settled
         away.append((end.a[:p] - expected.a[:p]) / expected.deviations[:p])
     return np.array(away)
 
 
-def test_made_records_scatter_as_was_expected(known: ShipFile, pair: Design) -> None:
+def test_made_records_scatter_as_was_expected(known: ShipFile, pair: TrialDesign) -> None:
     away = scatter(known, pair, 4)
 
     assert 0.6 < np.sqrt(np.mean(away**2)) < 1.5
@@ -176,7 +180,7 @@ def test_made_records_scatter_as_was_expected(known: ShipFile, pair: Design) -> 
 
 
 @pytest.mark.slow
-def test_many_made_records_scatter_as_was_expected(known: ShipFile, pair: Design) -> None:
+def test_many_made_records_scatter_as_was_expected(known: ShipFile, pair: TrialDesign) -> None:
     away = scatter(known, pair, 60)
     size = np.sqrt(np.mean(away**2, axis=0))  # a size of 60 has itself a deviation of 0.09
 
@@ -248,10 +252,10 @@ def test_the_rudder_follows_the_register_again_and_again_from_where_it_held(
     known: ShipFile,
 ) -> None:
     helm = BinaryHelm(angle_deg=10.0, hold_s=30.0, bits=3, duration_s=400.0)
-    flight = fly(TrialShip(known, 15.0 * KNOT), helm, 15.0 * KNOT)
+    flight = fly_manoeuvre(TrialShip(known, 15.0 * KNOT), helm, 15.0 * KNOT)
 
     rudder = np.degrees(flight.change("delta_r"))
-    ends = LEAD + 30.0 * np.arange(1, 14) - 1.0  # by then it has swung over
+    ends = LEAD_TIME_S + 30.0 * np.arange(1, 14) - 1.0  # by then it has swung over
     seen = np.interp(ends, flight.t, rudder)
 
     assert flight.t[-1] == pytest.approx(400.0, abs=1.0)
@@ -261,7 +265,7 @@ def test_the_rudder_follows_the_register_again_and_again_from_where_it_held(
 
 def test_bits_and_register_fit_the_ship_and_the_time(known: ShipFile) -> None:
     alone = replace(OPTIONS, zigzag=None, amplitude=15.0, seconds=900.0)
-    (helm,) = design(known, alone).report.helms
+    (helm,) = design_trials(known, alone).report.helms
 
     assert helm.hold_s == pytest.approx(320.0 / (15.5 * KNOT))
     assert helm.bits == 5  # 22 bits of it, of a period of 31
@@ -304,7 +308,7 @@ def test_what_is_no_boat_is_told_before_its_speeds() -> None:
 
 def test_a_ship_without_a_fit_cannot_be_tried(known: ShipFile) -> None:
     with pytest.raises(ConfigError, match=r"known.toml: lacks \[result\]"):
-        design(replace(known, result=None), OPTIONS)
+        design_trials(replace(known, result=None), OPTIONS)
 
 
 def test_instruments_are_those_asked_for_then_the_file_s_then_usual_ones(known: ShipFile) -> None:
@@ -314,4 +318,4 @@ def test_instruments_are_those_asked_for_then_the_file_s_then_usual_ones(known: 
     found = sensors_of(file, asked, {"yaw_rate"})
 
     assert (found.sway_kn, found.yaw_rate_deg_s, found.heading_deg) == (0.01, 0.3, 0.1)
-    assert sensors_of(replace(known, sensors=None), USUAL, ()) == USUAL
+    assert sensors_of(replace(known, sensors=None), USUAL_SENSORS, ()) == USUAL_SENSORS

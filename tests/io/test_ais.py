@@ -5,11 +5,11 @@ from typing import Any
 import pytest
 
 from trainer.io import ais
-from trainer.io.ais import Particulars, Report
+from trainer.io.ais import PositionReport, ShipParticulars
 
-SEEN = Report(211000001, 25.0123, -45.0456, 14.2, 271.4, 270.0, -13.0, 13, 0)
+SEEN = PositionReport(211000001, 25.0123, -45.0456, 14.2, 271.4, 270.0, -13.0, 13, 0)
 KNOWN = "!AIVDM,1,1,,A,139>Jh@sj>Lik30>CvU:V`LJ0000,0*7F"
-SHIP = Particulars(211000001, "north star", 80, 150, 50, 16, 16, 11.0, "DABC")
+SHIP = ShipParticulars(211000001, "north star", 80, 150, 50, 16, 16, 11.0, "DABC")
 
 
 def decode(*lines: str) -> dict[str, Any]:

@@ -9,10 +9,10 @@ import pytest
 
 from trainer.io.recording import file, format_1
 from trainer.io.recording.facts import (
-    GUARD,
+    GUARD_GIVER,
     NO_CREW_FACT,
-    REFERENCE_CREW,
-    SCHEDULE,
+    REFERENCE_GIVER,
+    SCHEDULE_GIVER,
     BranchCause,
     CrewFact,
     CrewNews,
@@ -30,7 +30,7 @@ SAID = (  # who, text, answer, accepted, what it is
         "order depth 100 m",
         "ordered: depth 100 m",
         1,
-        SCHEDULE,
+        SCHEDULE_GIVER,
         (ORDERED, "depth 100 m"),
     ),
     (
@@ -45,9 +45,9 @@ SAID = (  # who, text, answer, accepted, what it is
         *("instructor at plan 12", "casualty stern-stuck", "now", 1),
         *(plan_of("instructor", 12), NO_CREW_FACT),
     ),
-    ("guard", "planes auto", "planes auto", 1, GUARD, NO_CREW_FACT),
+    ("guard", "planes auto", "planes auto", 1, GUARD_GIVER, NO_CREW_FACT),
     ("helm meeting her", "rudder amidships", "0", 1, meeting("helm"), NO_CREW_FACT),
-    ("reference crew", "order speed 99 kn", "too fast", 0, REFERENCE_CREW, NO_CREW_FACT),
+    ("reference crew", "order speed 99 kn", "too fast", 0, REFERENCE_GIVER, NO_CREW_FACT),
     (
         "helm at x",
         "tell look out",
@@ -65,7 +65,9 @@ def old(tmp_path: Path) -> Path:
     """Return a recording as programs of format 1 wrote it, with words of every kind."""
     path = tmp_path / "old.trainer"
     with closing(sqlite3.connect(path, isolation_level=None)) as connection:
-        connection.executescript(file.FORMATS[1].replace("user_version = 2", "user_version = 1"))
+        connection.executescript(
+            file.FORMAT_SCHEMAS[1].replace("user_version = 2", "user_version = 1")
+        )
         branch = "INSERT INTO branches VALUES (?, ?, ?, 0, 0, ?, ?, '')"
         connection.execute(branch, (1, None, 0, "the start", b"begun"))
         connection.execute(branch, (2, 1, 2, "backtrack 60, by instructor at x", b"back"))
@@ -108,7 +110,7 @@ def test_a_recording_that_is_gone_on_with_is_brought_to_the_format_of_today(old:
         assert recording.orders(3)[-1].crew == CrewFact(ORDERED, "depth 60 m")
         assert recording.branches()[-1].cause is BranchCause.JUMP
     with closing(sqlite3.connect(old)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (file.FORMAT,)
+        assert connection.execute("PRAGMA user_version").fetchone() == (file.FILE_FORMAT,)
         assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
 
 

@@ -2,7 +2,13 @@
 
 import pytest
 
-from trainer.io.noise_log import ENTRY_RETURN_S, MAX_SUM_PAUSE_S, MOST, WHILE, CrowdLog
+from trainer.io.noise_log import (
+    ENTRY_PERIOD_S,
+    ENTRY_RETURN_S,
+    MAX_ENTRIES,
+    MAX_SUM_PAUSE_S,
+    CrowdLog,
+)
 
 WRONG = "stranger: wrong token"
 
@@ -31,12 +37,14 @@ def crowd() -> Crowd:
 
 def test_a_crowd_writes_twenty_entries_and_then_their_number(crowd: Crowd) -> None:
     crowd.make_noise(4.5, 120)
-    assert len(crowd.passed) == MOST
+    assert len(crowd.passed) == MAX_ENTRIES
 
-    crowd.now += WHILE
+    crowd.now += ENTRY_PERIOD_S
     crowd.log.settle()
 
-    assert crowd.passed[MOST:] == [("refused", "520 more of the same, not written one by one")]
+    assert crowd.passed[MAX_ENTRIES:] == [
+        ("refused", "520 more of the same, not written one by one")
+    ]
     assert crowd.log.wait == float("inf")
 
 
@@ -48,7 +56,7 @@ def test_each_kind_is_summed_up_by_itself(crowd: Crowd) -> None:
 
     sums = [(kind, text.partition(" ")[0]) for kind, text in crowd.passed if "more of" in text]
     assert sums == [("station", "30"), ("refused", "10")]
-    assert sum(kind == "refused" for kind, _ in crowd.passed) == MOST + 1
+    assert sum(kind == "refused" for kind, _ in crowd.passed) == MAX_ENTRIES + 1
 
 
 def test_hours_of_noise_do_not_push_all_else_out_of_a_log_of_500(crowd: Crowd) -> None:
@@ -56,7 +64,8 @@ def test_hours_of_noise_do_not_push_all_else_out_of_a_log_of_500(crowd: Crowd) -
     crowd.make_noise(hours * 3600.0, 2)
 
     assert (
-        len(crowd.passed) < MOST + hours * 3600.0 * (1 / ENTRY_RETURN_S + 1 / MAX_SUM_PAUSE_S) + 8
+        len(crowd.passed)
+        < MAX_ENTRIES + hours * 3600.0 * (1 / ENTRY_RETURN_S + 1 / MAX_SUM_PAUSE_S) + 8
     )
     assert len(crowd.passed) < 250
 
@@ -65,18 +74,18 @@ def test_after_a_rest_entries_are_written_again_and_sums_come_soon(crowd: Crowd)
     crowd.make_noise(3600.0, 2)
     crowd.log.close()
     crowd.passed.clear()
-    crowd.now += 2.0 * MAX_SUM_PAUSE_S + MOST * ENTRY_RETURN_S
+    crowd.now += 2.0 * MAX_SUM_PAUSE_S + MAX_ENTRIES * ENTRY_RETURN_S
 
     crowd.make_noise(1.0, 40)
 
-    assert [text for _, text in crowd.passed] == [f"{WRONG} {i}" for i in range(MOST)]
-    assert crowd.log.wait <= WHILE
+    assert [text for _, text in crowd.passed] == [f"{WRONG} {i}" for i in range(MAX_ENTRIES)]
+    assert crowd.log.wait <= ENTRY_PERIOD_S
 
 
 def test_it_is_known_when_the_next_sum_is_due(crowd: Crowd) -> None:
     assert crowd.log.wait == float("inf")
-    for i in range(MOST + 3):
+    for i in range(MAX_ENTRIES + 3):
         crowd.log.log("refused", str(i))
-    assert crowd.log.wait == WHILE
+    assert crowd.log.wait == ENTRY_PERIOD_S
     crowd.now += 4.0
-    assert crowd.log.wait == WHILE - 4.0
+    assert crowd.log.wait == ENTRY_PERIOD_S - 4.0

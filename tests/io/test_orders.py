@@ -12,18 +12,27 @@ from hypothesis import strategies as st
 from trainer.io.lines import LineDecoder
 from trainer.io.orders import grammar
 from trainer.io.orders.grammar import (
-    LONGEST,
-    READINGS,
+    FORM_READINGS,
+    MAX_LINE_LETTERS,
     BadOrder,
     Order,
-    Said,
-    match,
+    TokenReading,
+    match_place,
     parse,
     tokenise,
 )
-from trainer.io.orders.help import WIDTH, help_text, page
-from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
-from trainer.io.orders.table import FORMS, MEANT, SESSION, TOPICS, Place, Word, heading_word, place
+from trainer.io.orders.help import HELP_WIDTH, help_text, page
+from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
+from trainer.io.orders.table import (
+    FORMS,
+    MEANT_ORDERS,
+    SESSION_TOPIC,
+    TOPICS,
+    Place,
+    Word,
+    heading_word,
+    place,
+)
 from trainer.session.dispatch import ORDERS
 
 KNOT = 1852 / 3600
@@ -266,7 +275,7 @@ def test_a_blank_line_is_no_order_and_no_error(line: str) -> None:
 
 
 def test_a_line_of_the_longest_length_is_read() -> None:
-    assert isinstance(parse("depth 80 #".ljust(LONGEST, "x")), Order)
+    assert isinstance(parse("depth 80 #".ljust(MAX_LINE_LETTERS, "x")), Order)
 
 
 @given(st.text(max_size=100) | st.text(alphabet=" $*#.,-+1/3adehopstu", max_size=100))
@@ -336,11 +345,11 @@ def test_a_line_is_compared_with_the_orders_of_its_first_word_alone(
 ) -> None:
     compared: list[Place] = []
 
-    def listed(head: Place, token: str) -> Iterable[Said]:
+    def listed(head: Place, token: str) -> Iterable[TokenReading]:
         compared.append(head)
-        return match(head, token)
+        return match_place(head, token)
 
-    monkeypatch.setattr(grammar, "match", listed)
+    monkeypatch.setattr(grammar, "match_place", listed)
     for first in ("rudder", "rud", "course", "co", "depth"):
         compared.clear()
         parse(first)
@@ -350,7 +359,7 @@ def test_a_line_is_compared_with_the_orders_of_its_first_word_alone(
             assert any(said.startswith(first) for said, _ in head.spellings), (first, head)
 
 
-@given(st.sampled_from([row[0] for row in UNDERSTOOD] + sorted(MEANT)), st.data())
+@given(st.sampled_from([row[0] for row in UNDERSTOOD] + sorted(MEANT_ORDERS)), st.data())
 @settings(max_examples=300)
 def test_an_answer_is_the_one_that_all_orders_together_give(line: str, data: st.DataObject) -> None:
     letters = st.text(st.sampled_from("abcdefghijklmnopqrstuvwxyz0123456789-/ "), max_size=2)
@@ -359,17 +368,19 @@ def test_an_answer_is_the_one_that_all_orders_together_give(line: str, data: st.
     mistyped = line[:begin] + data.draw(letters) + line[end:]
     answer = parse(mistyped)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(grammar, "OPENINGS", dict.fromkeys(tokenise(mistyped)[:1], READINGS))
+        patch.setattr(
+            grammar, "HEAD_READINGS", dict.fromkeys(tokenise(mistyped)[:1], FORM_READINGS)
+        )
         assert parse(mistyped) == answer
 
 
 def test_what_people_say_first_is_no_order_and_leads_to_one() -> None:
     heads = {heading_word(form) for form in FORMS}
-    assert set(MEANT.values()) <= heads
-    for said in MEANT:
+    assert set(MEANT_ORDERS.values()) <= heads
+    for said in MEANT_ORDERS:
         found = parse(said)
         assert isinstance(found, BadOrder), found
-        assert found.reason == f'"{said}" is no order; did you mean {MEANT[said]}?'
+        assert found.reason == f'"{said}" is no order; did you mean {MEANT_ORDERS[said]}?'
 
 
 def test_the_page_of_orders_is_that_of_the_table() -> None:
@@ -379,7 +390,7 @@ def test_the_page_of_orders_is_that_of_the_table() -> None:
     assert path.read_text(encoding="utf-8") == made
 
 
-@pytest.mark.parametrize("topic", ["", SESSION])
+@pytest.mark.parametrize("topic", ["", SESSION_TOPIC])
 def test_a_list_of_orders_fits_a_small_screen(topic: str) -> None:
     assert len(help_text(topic)) <= 24
 
@@ -391,12 +402,12 @@ def test_every_order_is_in_one_of_the_two_lists() -> None:
 
 
 def test_help_is_narrow_and_plain() -> None:
-    topics = ["", SESSION, *(head for topic in TOPICS for head in topic.heads)]
+    topics = ["", SESSION_TOPIC, *(head for topic in TOPICS for head in topic.heads)]
     faults = [
         f"{topic}: {line}"
         for topic in topics
         for line in help_text(topic)
-        if len(line) > WIDTH or not line.isascii()
+        if len(line) > HELP_WIDTH or not line.isascii()
     ]
 
     assert not faults
@@ -494,7 +505,7 @@ def test_a_schedule_is_sorted_by_time_and_keeps_the_order_of_the_file() -> None:
     schedule = parse_schedule(text, "orders.txt")
 
     assert isinstance(schedule, list)
-    assert all(isinstance(entry, Scheduled) for entry in schedule)
+    assert all(isinstance(entry, ScheduledOrder) for entry in schedule)
     assert [(e.seconds, e.order.text, e.line_number) for e in schedule] == [
         (0.5, "depth 80 m", 4),
         (600.0, "rudder right 15", 2),

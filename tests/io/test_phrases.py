@@ -4,10 +4,10 @@ import pytest
 
 from trainer.io.orders.grammar import BadOrder, Order, parse, to_the_crew
 from trainer.io.orders.phrases import (
-    BY_FIRST_WORD,
-    COMPILED,
-    DIGIT,
+    ANY_DIGIT,
+    COMPILED_PHRASES,
     PHRASES,
+    PHRASES_BY_WORD,
     as_tokens,
     numerals,
     phrase_table,
@@ -171,18 +171,18 @@ def test_a_doubtful_phrase_is_refused_with_the_nearest(said: str, hint: str) -> 
 def test_every_row_has_an_example_of_its_own_that_no_other_row_takes() -> None:
     for phrase in PHRASES:
         text = plain_text(as_tokens(phrase.example))
-        taken = [row for expression, row in COMPILED if expression.fullmatch(f"{text} ")]
+        taken = [row for expression, row in COMPILED_PHRASES if expression.fullmatch(f"{text} ")]
         assert taken == [phrase]
 
 
 def test_a_phrase_is_looked_for_among_those_of_its_first_word() -> None:
     for words in (*(words for words, _ in SAID), *(phrase.example for phrase in PHRASES)):
         text = plain_text(as_tokens(words))
-        first = DIGIT if text[0].isdigit() else text.partition(" ")[0]
-        tried = BY_FIRST_WORD.get(first, [])
-        fitting = [row for row in COMPILED if row[0].fullmatch(f"{text} ")]
+        first = ANY_DIGIT if text[0].isdigit() else text.partition(" ")[0]
+        tried = PHRASES_BY_WORD.get(first, [])
+        fitting = [row for row in COMPILED_PHRASES if row[0].fullmatch(f"{text} ")]
         assert [row for row in tried if row in fitting] == fitting, words
-    assert max(len(rows) for rows in BY_FIRST_WORD.values()) < len(COMPILED) / 5
+    assert max(len(rows) for rows in PHRASES_BY_WORD.values()) < len(COMPILED_PHRASES) / 5
 
 
 def test_every_row_stands_in_the_page() -> None:

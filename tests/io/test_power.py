@@ -24,7 +24,7 @@ from helpers.givers import HELM
 from trainer.io.recording import durability
 from trainer.io.recording import recording as recording_module
 from trainer.io.recording.recording import Moment, Recording
-from trainer.session.event_log import SAFE, UNSAFE
+from trainer.session.event_log import SAFE_TEXT, UNSAFE_TEXT
 
 LAYER = Path(__file__).parents[1] / "helpers" / "synced_alone.c"
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -411,8 +411,8 @@ def test_a_disk_that_is_behind_is_told_once_and_its_end_too_though_time_is_froze
         assert within(WAIT_S, lambda: len(news()) > 1)
         time.sleep(2 * durability.QUIET_S)  # there is no more of it
         assert news() == [
-            f"THE DISK IS BEHIND: it is slow; {UNSAFE}",
-            f"the disk has caught up: {SAFE}",
+            f"THE DISK IS BEHIND: it is slow; {UNSAFE_TEXT}",
+            f"the disk has caught up: {SAFE_TEXT}",
         ]
 
 

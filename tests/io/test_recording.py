@@ -29,10 +29,10 @@ from trainer.io.recording import file as file_module
 from trainer.io.recording import recording as recording_module
 from trainer.io.recording.facts import BranchCause
 from trainer.io.recording.recording import (
-    FORMAT,
+    FILE_FORMAT,
     Branch,
-    Journalled,
     Moment,
+    RecordedOrder,
     Recording,
     RecordingError,
 )
@@ -93,8 +93,10 @@ def check_filled(recording: Recording) -> None:
         Branch(1, None, 0, 0, 0, "the start", state_of(0), BranchCause.START)
     ]
     assert recording.orders(1) == [
-        Journalled(1, 1, 0, HELM, "rudder left 15", None, accepted=True, answer="rudder left 15"),
-        Journalled(2, 1, 2, giver_at("ballast"), "blow all", 4, accepted=False, answer="no air"),
+        RecordedOrder(
+            1, 1, 0, HELM, "rudder left 15", None, accepted=True, answer="rudder left 15"
+        ),
+        RecordedOrder(2, 1, 2, giver_at("ballast"), "blow all", 4, accepted=False, answer="no air"),
     ]
     assert list(recording.states(1)) == [(tick, state_of(tick)) for tick in range(4)]
     assert list(recording.ledger(1)) == [(1, 100, 1000), (2, 200, 2000), (3, 300, 3000)]
@@ -146,8 +148,8 @@ def test_a_tick_flown_again_on_its_branch_does_not_replace_the_first(path: Path)
 
 
 def test_rows_are_gathered_and_go_out_together(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recording_module, "BATCH", 10)
-    monkeypatch.setattr(checkpoint, "EVERY", 1000.0)
+    monkeypatch.setattr(recording_module, "BATCH_ROWS", 10)
+    monkeypatch.setattr(checkpoint, "LOOK_PERIOD_S", 1000.0)
     with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
         for tick in range(1, 15):
             recording.state(tick, state_of(tick))
@@ -538,8 +540,8 @@ def test_one_program_alone_may_go_on_with_a_recording(
 def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checkpoint, "WORTHWHILE", 100_000)
-    monkeypatch.setattr(checkpoint, "EVERY", 0.002)
+    monkeypatch.setattr(checkpoint, "MIN_CHECKPOINT_BYTES", 100_000)
+    monkeypatch.setattr(checkpoint, "LOOK_PERIOD_S", 0.002)
     ahead = path.with_name(path.name + "-wal")
     with closing(begin(path)) as recording:
         for tick in range(1, 500):
@@ -557,7 +559,7 @@ def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
 def test_what_is_written_without_a_pause_is_not_written_ahead_without_end(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checkpoint, "FAR", 2_000_000)
+    monkeypatch.setattr(checkpoint, "MAX_AHEAD_BYTES", 2_000_000)
     ahead, most = path.with_name(path.name + "-wal"), 0
     with closing(begin(path)) as recording:
         for tick in range(1, 8_000):
@@ -579,7 +581,7 @@ class Bringing(sqlite3.Connection):
     written = threading.Event()
 
     def execute(self, sql: str, /, *values: Any) -> sqlite3.Cursor:
-        if sql != checkpoint.BRING_HOME:
+        if sql != checkpoint.CHECKPOINT_STATEMENT:
             return super().execute(sql, *values)
         Bringing.at_it += 1
         Bringing.together += Bringing.at_it > 1
@@ -595,9 +597,9 @@ class Bringing(sqlite3.Connection):
 def test_a_writer_far_ahead_waits_for_what_is_being_brought_home(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checkpoint, "WORTHWHILE", 100_000)
-    monkeypatch.setattr(checkpoint, "EVERY", 0.002)
-    monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
+    monkeypatch.setattr(checkpoint, "MIN_CHECKPOINT_BYTES", 100_000)
+    monkeypatch.setattr(checkpoint, "LOOK_PERIOD_S", 0.002)
+    monkeypatch.setattr(checkpoint, "MAX_AHEAD_BYTES", 1_000_000)
     monkeypatch.setattr(sqlite3, "connect", functools.partial(sqlite3.connect, factory=Bringing))
     ahead = path.with_name(path.name + "-wal")
     with closing(begin(path)) as recording:
@@ -620,7 +622,10 @@ class Slow(sqlite3.Connection):
     begun = 0
 
     def execute(self, sql: str, /, *values: Any) -> sqlite3.Cursor:
-        if sql == checkpoint.BRING_HOME and threading.current_thread().name != "checkpoints":
+        if (
+            sql == checkpoint.CHECKPOINT_STATEMENT
+            and threading.current_thread().name != "checkpoints"
+        ):
             Slow.begun += 1
             time.sleep(0.3)
         return super().execute(sql, *values)
@@ -629,8 +634,8 @@ class Slow(sqlite3.Connection):
 def test_a_slow_disk_that_the_run_waits_for_is_not_out_of_reach(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checkpoint, "EVERY", 0.002)  # the thread looks while the run waits
-    monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
+    monkeypatch.setattr(checkpoint, "LOOK_PERIOD_S", 0.002)  # the thread looks while the run waits
+    monkeypatch.setattr(checkpoint, "MAX_AHEAD_BYTES", 1_000_000)
     monkeypatch.setattr(sqlite3, "connect", functools.partial(sqlite3.connect, factory=Slow))
     with closing(begin(path)) as recording:
         for tick in range(1, 6_000):
@@ -657,8 +662,8 @@ class Held(sqlite3.Connection):
 def test_a_disk_that_answers_again_is_written_to_at_once(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checkpoint, "EVERY", 0.002)
-    monkeypatch.setattr(recording_module, "AGAIN", 1000.0)
+    monkeypatch.setattr(checkpoint, "LOOK_PERIOD_S", 0.002)
+    monkeypatch.setattr(recording_module, "RETRY_PERIOD_S", 1000.0)
     monkeypatch.setattr(sqlite3, "connect", functools.partial(sqlite3.connect, factory=Held))
     with closing(begin(path)) as recording:
         recording.state(1, state_of(1))
@@ -674,9 +679,11 @@ def test_a_disk_that_answers_again_is_written_to_at_once(
 def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
-    monkeypatch.setattr(recording_module, "BATCH", 20)
-    monkeypatch.setattr(recording_module, "PATIENCE", 60.0)  # a session goes on sooner, without
+    monkeypatch.setattr(checkpoint, "MAX_AHEAD_BYTES", 1_000_000)
+    monkeypatch.setattr(recording_module, "BATCH_ROWS", 20)
+    monkeypatch.setattr(
+        recording_module, "WRITE_TIMEOUT_S", 60.0
+    )  # a session goes on sooner, without
     asked: list[str] = []
     connect = file_module.connect
 
@@ -721,9 +728,9 @@ def small_disk() -> Iterator[None]:
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a recording out of reach be tried again at once."""
-    monkeypatch.setattr(recording_module, "AGAIN", 0.01)
-    monkeypatch.setattr(recording_module, "PATIENCE", 0.1)
-    monkeypatch.setattr(checkpoint, "EVERY", 0.01)
+    monkeypatch.setattr(recording_module, "RETRY_PERIOD_S", 0.01)
+    monkeypatch.setattr(recording_module, "WRITE_TIMEOUT_S", 0.1)
+    monkeypatch.setattr(checkpoint, "LOOK_PERIOD_S", 0.01)
 
 
 def fly(recording: Recording, first: int, last: int) -> None:
@@ -784,7 +791,7 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
             began = time.monotonic()
             fly(recording, 11, 100)
             recording.event(100, "mark", "helm", "here")
-            assert time.monotonic() - began < 10 * recording_module.BRIEFLY
+            assert time.monotonic() - began < 10 * recording_module.CALLER_WAIT_S
             assert "locked" in recording.trouble
             other.execute("COMMIT")
         assert within(60.0, lambda: not recording.trouble)
@@ -797,7 +804,7 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
 def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(recording_module, "ROOM", 50_000)
+    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
         with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
@@ -859,7 +866,7 @@ def foreign(path: Path) -> None:
 def newer(path: Path) -> None:
     begin(path).close()
     with contextlib.closing(sqlite3.connect(path)) as connection:
-        connection.execute(f"PRAGMA user_version = {FORMAT + 1}")
+        connection.execute(f"PRAGMA user_version = {FILE_FORMAT + 1}")
 
 
 def truncated(path: Path) -> None:
@@ -881,7 +888,10 @@ STRANGERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "empty": (Path.touch, "is not a recording: it is empty"),
     "text": (lambda path: path.write_text("depth 80\n" * 500), "is not a recording: file is not a"),
     "database": (foreign, "is not a recording: it is another program's database"),
-    "newer": (newer, rf"of format {FORMAT + 1}, and this trainer knows format {FORMAT}; use"),
+    "newer": (
+        newer,
+        rf"of format {FILE_FORMAT + 1}, and this trainer knows format {FILE_FORMAT}; use",
+    ),
     "capitals": (in_capitals, "its table .* is not as in a recording"),
     "truncated": (truncated, r"is damaged: .*malformed.*\.recover"),
 }
@@ -1064,7 +1074,7 @@ def test_parquet_has_the_same_rows_with_their_types(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
-    monkeypatch.setattr("trainer.io.tables.ROWS", 2)
+    monkeypatch.setattr("trainer.io.tables.BATCH_ROWS", 2)
     branched(path)
     with closing(Recording.look(path)) as recording:
         written = export_parquet(recording, LAYOUT, tmp_path / "out.parquet", branch=1)

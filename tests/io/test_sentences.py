@@ -7,10 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.io.lines import LineDecoder, Overlong, line_bytes, plain
+from trainer.io.lines import LineDecoder, OverlongLine, line_bytes, plain
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse
-from trainer.io.orders.sentences import Heard, Sentence, checksum, hear, order_sentence, read
+from trainer.io.orders.grammar import MAX_LINE_LETTERS, BadOrder, Order, parse
+from trainer.io.orders.sentences import (
+    Message,
+    Sentence,
+    checksum,
+    order_sentence,
+    parse_line,
+    parse_sentence,
+)
 
 
 def framed(body: str) -> str:
@@ -28,18 +35,21 @@ def test_a_program_and_a_person_say_the_same_words() -> None:
 
     assert line == "$TRO,rudder left 15*6A"
     assert isinstance(order, Order)
-    assert hear(line) == hear(line[:-2] + "6a\r\n") == Heard(order, machine=True)
-    assert hear("rudder left 15") == Heard(order)
+    assert parse_line(line) == parse_line(line[:-2] + "6a\r\n") == Message(order, machine=True)
+    assert parse_line("rudder left 15") == Message(order)
 
 
 @pytest.mark.parametrize("line", ["", "   \t", "# only a comment", "\r\n"])
 def test_a_blank_line_is_nothing(line: str) -> None:
-    assert hear(line) is None
+    assert parse_line(line) is None
 
 
 @pytest.mark.parametrize("tag", ["1", "07", "123456"])
 def test_a_tag_is_heard_with_the_order_and_with_words_that_are_none(tag: str) -> None:
-    good, bad = hear(order_sentence("depth 80", tag)), hear(order_sentence("dpeth 80", tag))
+    good, bad = (
+        parse_line(order_sentence("depth 80", tag)),
+        parse_line(order_sentence("dpeth 80", tag)),
+    )
 
     assert good
     assert good.tag == tag
@@ -65,13 +75,13 @@ def test_a_tag_is_heard_with_the_order_and_with_words_that_are_none(tag: str) ->
         (framed("TRO,1234567,depth 80"), "a tag is one to six digits"),
         (framed("TRO,,depth 80"), "a tag is one to six digits"),
         (framed("TRO,x1,depth 80"), "a tag is one to six digits"),
-        (framed("TRO,depth 80" + " " * LONGEST), "the longest is 80"),
+        (framed("TRO,depth 80" + " " * MAX_LINE_LETTERS), "the longest is 80"),
         ("$TRO,depth \u0668*00", "plain ASCII"),
         ("$TRO,depth\t80*00", "plain ASCII"),
     ],
 )
 def test_a_damaged_sentence_says_what_is_wrong(line: str, reason: str) -> None:
-    heard = hear(line)
+    heard = parse_line(line)
 
     assert heard
     assert heard.machine
@@ -85,21 +95,21 @@ def test_every_single_corrupted_character_is_noticed() -> None:
 
     for i in range(len(line)):
         corrupted = line[:i] + chr(ord(line[i]) ^ 1) + line[i + 1 :]
-        heard = hear(corrupted)
+        heard = parse_line(corrupted)
         assert heard
         assert isinstance(heard.order, BadOrder), corrupted
 
 
 def test_a_token_in_a_damaged_sentence_is_told_nowhere() -> None:
     for line in ("$TRO,12,role helm Secret1*00", "$TRO,role helm Secret1", "$X,role hlem Secret1*"):
-        heard = hear(line)
+        heard = parse_line(line)
         assert heard
         assert isinstance(heard.order, BadOrder)
         assert "ecret" not in repr(heard)
 
 
 def test_a_token_with_a_role_arrives_as_it_was_sent() -> None:
-    heard = hear(order_sentence("role helm Se-cRet1", "12"))
+    heard = parse_line(order_sentence("role helm Se-cRet1", "12"))
 
     assert heard
     assert getattr(heard.order, "subject", "") == "Se-cRet1"
@@ -118,7 +128,7 @@ def test_answers_names_states_and_events_read_back() -> None:
         sentences.event(120, 60.0, "order", "helm: rudder left 15, by hand"),
     ]
 
-    assert [read(line) for line in lines] == [
+    assert [parse_sentence(line) for line in lines] == [
         Sentence("TRA", "12", ("say", "a first line, with a comma")),
         Sentence("TRA", "12", ("ok", "keeping depth 80 m")),
         Sentence("TRA", "", ("no", "this boat's greatest depth is 300 m, not 400 m")),
@@ -129,7 +139,7 @@ def test_answers_names_states_and_events_read_back() -> None:
 
 
 def test_a_state_is_not_taken_for_one_with_a_tag() -> None:
-    assert read(sentences.state("7", 120, 60.0, ["1"])) == Sentence(
+    assert parse_sentence(sentences.state("7", 120, 60.0, ["1"])) == Sentence(
         "TRS", "", ("7", "120", "60.000", "1")
     )
 
@@ -150,7 +160,7 @@ def test_a_state_is_not_taken_for_one_with_a_tag() -> None:
     ],
 )
 def test_what_is_no_whole_sentence_is_not_read(line: str) -> None:
-    assert read(line) is None
+    assert parse_sentence(line) is None
 
 
 @given(st.text(max_size=200), st.from_regex(r"([0-9]{1,6})?", fullmatch=True), st.booleans())
@@ -160,7 +170,7 @@ def test_any_text_makes_a_sentence_that_reads_back(text: str, tag: str, accepted
 
     assert line.isascii()
     assert line.isprintable()
-    found, event = read(line), read(told)
+    found, event = parse_sentence(line), parse_sentence(told)
     assert found
     assert (found.tag, found.fields[0]) == (tag, "ok" if accepted else "no")
     assert len(found.fields[1]) == len(text)
@@ -169,7 +179,7 @@ def test_any_text_makes_a_sentence_that_reads_back(text: str, tag: str, accepted
 
 
 def test_a_comma_within_a_field_is_told_as_a_semicolon() -> None:
-    found = read(sentences.state("orders", 1, 0.5, ["mind the sea, come up", "2"]))
+    found = parse_sentence(sentences.state("orders", 1, 0.5, ["mind the sea, come up", "2"]))
     assert found
     assert found.fields[3:] == ("mind the sea; come up", "2")
 
@@ -179,8 +189,8 @@ def test_a_comma_within_a_field_is_told_as_a_semicolon() -> None:
 )
 def test_no_text_makes_either_reader_raise(text: str) -> None:
     for line in (text, f"${text}*00", framed("TRO," + text.encode("ascii", "ignore").decode())):
-        assert isinstance(hear(line), Heard | None)
-        assert isinstance(read(line), Sentence | None)
+        assert isinstance(parse_line(line), Message | None)
+        assert isinstance(parse_sentence(line), Sentence | None)
 
 
 # Noise
@@ -212,12 +222,12 @@ GOOD = [
 def test_lines_of_noise_are_survived_in_flat_memory(lines: int) -> None:
     source = random.Random(1967)  # noqa: S311  noise, not a secret
     decoder = LineDecoder()
-    heard = {Order: 0, BadOrder: 0, Overlong: 0}
+    heard = {Order: 0, BadOrder: 0, OverlongLine: 0}
 
     def feed(count: int) -> None:
         for _ in range(count):
             for line in decoder.feed(noise(source)):
-                found = hear(line) if isinstance(line, str) else Heard(BadOrder("", ""))
+                found = parse_line(line) if isinstance(line, str) else Message(BadOrder("", ""))
                 kind = type(found.order) if found and isinstance(line, str) else type(line)
                 heard[kind] = heard.get(kind, 0) + 1
 
@@ -229,7 +239,7 @@ def test_lines_of_noise_are_survived_in_flat_memory(lines: int) -> None:
     after, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
 
-    assert min(heard[Order], heard[BadOrder], heard[Overlong]) > 300
+    assert min(heard[Order], heard[BadOrder], heard[OverlongLine]) > 300
     assert after - settled < 20_000
     assert peak < 500_000
 
@@ -239,7 +249,7 @@ def test_lines_of_noise_are_survived_in_flat_memory(lines: int) -> None:
     ["TRS,motion,3,[[1]],60", "TRS,motion,x,1.5,60", "TRS,motion,3,nan,60", "TRE,3,1e5,time,over"],
 )
 def test_a_sentence_that_does_not_tell_when_in_numbers_is_none(words: str) -> None:
-    assert read(framed(words)) is None
+    assert parse_sentence(framed(words)) is None
 
 
 @pytest.mark.parametrize(

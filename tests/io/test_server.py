@@ -20,18 +20,18 @@ from trainer.io import connection
 from trainer.io import server as server_module
 from trainer.io.client import dial, over_serial
 from trainer.io.connection import (
-    MOST_BYTES,
-    MOST_HEARD,
-    MOST_SAID,
+    MAX_OUTGOING_BYTES,
+    MAX_OUTGOING_LINES,
+    MAX_WAITING_LINES,
     Connection,
     carried_for,
 )
-from trainer.io.line import Direct, Joined, Line
-from trainer.io.lines import Overlong
+from trainer.io.line import DirectSender, JoinedLine, Line
+from trainer.io.lines import OverlongLine
 from trainer.io.machine import machine_of
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.io.server import ROOM, STRANGERS, TURNED_AWAY, Server
+from trainer.io.server import MAX_CONNECTIONS, MAX_REFUSED_LINES, MAX_STRANGERS, Server
 
 PATIENCE = 60.0  # [s]  far beyond what any wait here needs
 needs_local = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
@@ -67,9 +67,9 @@ class Desk:
         self.attached += found
         return found
 
-    def heard(self, line: Line, count: int) -> list[str | Overlong]:
+    def heard(self, line: Line, count: int) -> list[str | OverlongLine]:
         """Return so many lines that a client says."""
-        found: list[str | Overlong] = []
+        found: list[str | OverlongLine] = []
 
         def enough() -> bool:
             found.extend(line.take(count - len(found)))
@@ -132,11 +132,11 @@ def test_a_newcomer_wakes_whoever_waits() -> None:
 
 def test_lines_are_taken_oldest_first_and_no_more_than_asked_for() -> None:
     with control() as here, client(here) as (far, line):
-        far.sendall(b"a\nb\nc\nd\n" + b"x" * (LONGEST + 1) + b"\n")
+        far.sendall(b"a\nb\nc\nd\n" + b"x" * (MAX_LINE_LETTERS + 1) + b"\n")
         assert here.wait(lambda: len(line._heard) == 5)  # noqa: SLF001  take() would empty it
 
         assert line.take(2) == ["a", "b"]
-        assert line.take(10) == ["c", "d", Overlong(LONGEST)]
+        assert line.take(10) == ["c", "d", OverlongLine(MAX_LINE_LETTERS)]
         assert line.take(10) == []
 
 
@@ -186,8 +186,8 @@ def test_a_hung_client_loses_its_own_lines_only_and_they_are_counted() -> None:
         assert seen == [b"state %d" % i for i in range(0, said, 100)]
         assert other.dropped == 0
         assert hung.dropped > said / 2
-        assert len(hung._said) <= MOST_SAID  # noqa: SLF001  the bound itself
-        assert hung._said_bytes <= MOST_BYTES  # noqa: SLF001
+        assert len(hung._said) <= MAX_OUTGOING_LINES  # noqa: SLF001  the bound itself
+        assert hung._said_bytes <= MAX_OUTGOING_BYTES  # noqa: SLF001
 
 
 def test_a_line_has_room_while_little_waits_to_go_out() -> None:
@@ -198,7 +198,7 @@ def test_a_line_has_room_while_little_waits_to_go_out() -> None:
             sent += 1
 
         assert line.dropped == 0
-        news = MOST_SAID // 4
+        news = MAX_OUTGOING_LINES // 4
         for _ in range(news):  # all else still goes out
             line.send("news")
         assert line.dropped == 0
@@ -245,7 +245,7 @@ def test_a_line_sent_in_parts_arrives_whole_and_one_cut_off_is_counted() -> None
         line.send(f"line {i}")
 
     for _ in range(9):  # 63 of 80 bytes
-        line.serve(connection.WRITE)
+        line.serve(connection.WRITE_EVENT)
     assert far.taken == b"".join(b"line %d\r\n" % i for i in range(7)) + b"line 7\r"
     line.dispose()
     assert line.dropped == 3
@@ -258,7 +258,7 @@ def test_an_answer_goes_out_at_once_and_what_comes_after_by_the_hub() -> None:
     with near:
         near.settimeout(PATIENCE)
         near.sendall(b"who\r\n")
-        line.serve(connection.READ)
+        line.serve(connection.READ_EVENT)
         assert line.take(1) == ["who"]
         line.send("answer")
         assert near.recv(100) == b"answer\r\n"
@@ -268,7 +268,7 @@ def test_an_answer_goes_out_at_once_and_what_comes_after_by_the_hub() -> None:
         assert stirred
         line.take(1)  # nothing has come: nobody asks
         line.send("more")
-        line.serve(connection.WRITE)
+        line.serve(connection.WRITE_EVENT)
         assert near.recv(100) == b"news\r\nmore\r\n"
         line.dispose()
 
@@ -278,11 +278,11 @@ def test_a_flood_is_held_back_at_its_source_and_nothing_of_it_is_lost() -> None:
         count = 3000
         flood = threading.Thread(target=far.sendall, args=(b"depth 80\n" * count,))
         flood.start()
-        assert here.wait(lambda: len(line._heard) >= MOST_HEARD)  # noqa: SLF001
+        assert here.wait(lambda: len(line._heard) >= MAX_WAITING_LINES)  # noqa: SLF001
         calm.sendall(b"run\n")
         assert here.heard(other, 1) == ["run"]
 
-        assert len(line._heard) < MOST_HEARD + connection.CHUNK / 9  # noqa: SLF001
+        assert len(line._heard) < MAX_WAITING_LINES + connection.CHUNK_BYTES / 9  # noqa: SLF001
         assert here.heard(line, count) == ["depth 80"] * count
         flood.join(PATIENCE)
 
@@ -294,17 +294,21 @@ def test_a_flood_is_read_no_faster_than_the_pace() -> None:
         with suppress(BlockingIOError):
             while True:
                 far.send(b"x" * 65536)
-        assert here.wait(lambda: line._read_until > start + connection.BURST / connection.PACE)  # noqa: SLF001
+        pause = connection.BURST_BYTES / connection.MAX_READ_RATE
+        assert here.wait(lambda: line._read_until > start + pause)  # noqa: SLF001
 
         due = line._read_until - start  # noqa: SLF001  what was read, in seconds at the pace
         assert (
-            due < time.monotonic() - start + (connection.BURST + connection.CHUNK) / connection.PACE
+            due
+            < time.monotonic()
+            - start
+            + (connection.BURST_BYTES + connection.CHUNK_BYTES) / connection.MAX_READ_RATE
         )
-        assert line.take(10) == [Overlong(LONGEST)]
+        assert line.take(10) == [OverlongLine(MAX_LINE_LETTERS)]
 
 
 def test_noise_on_a_socket_keeps_memory_flat(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(connection, "PACE", 1e9)
+    monkeypatch.setattr(connection, "MAX_READ_RATE", 1e9)
     source = random.Random(1967)  # noqa: S311  noise, not a secret
 
     with control() as here, client(here) as (far, line):
@@ -374,7 +378,7 @@ def test_silent_strangers_give_way_and_keep_nobody_out_of_the_local_socket(
     with control() as here, ExitStack() as guests:
         here.hub.listen_here(tmp_path / "s")
         talking = guest(here, guests)
-        silent = [guests.enter_context(client(here)) for _ in range(STRANGERS + 5)]
+        silent = [guests.enter_context(client(here)) for _ in range(MAX_STRANGERS + 5)]
         for far, _ in silent[:5]:
             assert b"your place is needed" in read_lines(far, 1)[0]
         with socket.socket(socket.AF_UNIX) as own:
@@ -391,7 +395,7 @@ def test_silent_strangers_give_way_and_keep_nobody_out_of_the_local_socket(
 def test_strangers_who_have_hung_up_or_guessed_wrong_give_way_before_the_oldest() -> None:
     with control() as here, ExitStack() as guests:
         here.hub._introduction = 600.0  # noqa: SLF001  who they are is asked for
-        came = [guests.enter_context(client(here)) for _ in range(STRANGERS)]
+        came = [guests.enter_context(client(here)) for _ in range(MAX_STRANGERS)]
         guesser, gone = came[-1], came[-2]
         guesser[1].grant(0.0)
         gone[0].shutdown(socket.SHUT_WR)
@@ -433,7 +437,7 @@ def test_one_client_too_many_is_told_so_and_room_is_made_when_one_leaves() -> No
     with control() as here, ExitStack() as guests:
         where = ("127.0.0.1", here.port)
         first = guest(here, guests)
-        for _ in range(ROOM - 1):
+        for _ in range(MAX_CONNECTIONS - 1):
             guest(here, guests)
         with socket.create_connection(where, timeout=PATIENCE) as late:
             late.sendall(b"run\n")
@@ -452,10 +456,10 @@ def test_one_client_too_many_is_told_so_and_room_is_made_when_one_leaves() -> No
 def test_a_crowd_at_the_door_is_cut_off_and_the_clients_are_still_served(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("trainer.io.server.LAST_WORDS", PATIENCE)
+    monkeypatch.setattr("trainer.io.server.REFUSAL_TIMEOUT_S", PATIENCE)
     with control() as here, ExitStack() as guests:
         far, line = guest(here, guests)
-        for _ in range(ROOM - 1):
+        for _ in range(MAX_CONNECTIONS - 1):
             guest(here, guests)
         crowd = [
             guests.enter_context(
@@ -464,7 +468,7 @@ def test_a_crowd_at_the_door_is_cut_off_and_the_clients_are_still_served(
             for _ in range(100)
         ]
 
-        assert sum(late.recv(100) != b"" for late in crowd) == TURNED_AWAY
+        assert sum(late.recv(100) != b"" for late in crowd) == MAX_REFUSED_LINES
         far.sendall(b"run\n")
         assert here.heard(line, 1) == ["run"]
         assert here.hub.newcomers() == []
@@ -482,7 +486,7 @@ def test_a_page_in_a_browser_gives_no_orders() -> None:
 def test_a_system_without_room_for_a_connection_is_asked_again_later(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("trainer.io.server.DEAF", 0.02)
+    monkeypatch.setattr("trainer.io.server.FULL_PAUSE_S", 0.02)
     asked: list[float] = []
 
     class Full:
@@ -832,13 +836,13 @@ def test_a_serial_line_is_a_line_whose_losses_are_counted() -> None:
     near, far = os.openpty()
     tty.setraw(far)
     wake = threading.Event()
-    line = over_serial("panel", SerialLine(os.ttyname(far)), wake, LONGEST)
+    line = over_serial("panel", SerialLine(os.ttyname(far)), wake, MAX_LINE_LETTERS)
     os.close(far)
     os.write(near, b"rudder left 15\rrun\r" + b"x" * 81)
     assert wake.wait(PATIENCE)
     with control() as here:
         assert here.heard(line, 1) == ["rudder left 15"]
-        assert here.heard(line, 2) == ["run", Overlong(LONGEST)]
+        assert here.heard(line, 2) == ["run", OverlongLine(MAX_LINE_LETTERS)]
         line.send("state")
         assert os.read(near, 100) == b"state\r\n"
 
@@ -853,7 +857,7 @@ def test_a_serial_line_is_a_line_whose_losses_are_counted() -> None:
 
 def test_a_line_that_hears_nothing_has_ended_and_still_speaks() -> None:
     said: list[bytes] = []
-    line = Joined("printer", None, Direct(said.append, b"\n"))
+    line = JoinedLine("printer", None, DirectSender(said.append, b"\n"))
 
     line.send("depth 80")
     assert line.take(10) == []

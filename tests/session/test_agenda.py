@@ -6,10 +6,10 @@ import pytest
 from helpers.crewed import PLACE, Crewed, Typist
 
 from trainer.config.derived import compile_condition
-from trainer.config.exercise import Armed
+from trainer.config.exercise import ConditionalCasualty
 from trainer.core.casualties import KINDS
-from trainer.io.orders.schedule import Scheduled, parse_schedule
-from trainer.io.orders.sentences import read
+from trainer.io.orders.schedule import ScheduledOrder, parse_schedule
+from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.roles import ROLES
 
 Begin = Callable[..., Crewed]
@@ -22,14 +22,14 @@ def broken(ship: Crewed) -> list[str]:
 
 def planned(ship: Crewed, line: Typist | None = None) -> list[str]:
     """Return the list of what is ahead as a program has it now."""
-    facts = [read(each) for each in (line or ship.instructor).sent]
+    facts = [parse_sentence(each) for each in (line or ship.instructor).sent]
     told = [each.fields[2:4] for each in facts if each and each.kind == "TRF"]
     begins = max(at for at, (what, _) in enumerate(told) if what == "plans")
     count = int(told[begins][1])
     return [subject for what, subject in told[begins + 1 :] if what == "planned"][:count]
 
 
-def scheduled(text: str) -> list[Scheduled]:
+def scheduled(text: str) -> list[ScheduledOrder]:
     """Return the orders of a schedule."""
     made = parse_schedule(text, "test")
     assert isinstance(made, list)
@@ -157,7 +157,9 @@ def test_the_exercise_s_own_events_are_told_to_the_instructor_alone(crewed: Begi
     first = crewed()
     casualty = first.boat.casualties["rudder-stuck"]
     waits = [
-        Armed(condition=compile_condition(text, PLACE), casualty=casualty, rule="once")
+        ConditionalCasualty(
+            condition=compile_condition(text, PLACE), casualty=casualty, rule="once"
+        )
         for text in ("depth > 61", "time > 400 s")
     ]
     ship = crewed(seconds=None, schedule=scheduled("5 order depth 80"), armed=waits)

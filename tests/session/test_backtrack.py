@@ -15,11 +15,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import active
+from trainer.boat.casualties import active_casualties
 from trainer.config.files import remembering
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError
-from trainer.io.tables import COLUMNS, NoFile
+from trainer.io.tables import MOTION_COLUMNS, NoFile
 from trainer.session.header import header_of, layout_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
@@ -146,7 +146,7 @@ class Ship:
         time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
         self.session = session_over(
             *(self.boat, time, self.history, self.bridge),
-            rows=(NoFile(), COLUMNS),
+            rows=(NoFile(), MOTION_COLUMNS),
             schedule=self.plan.schedule,
             wake=self.bridge.wake,
         )
@@ -227,7 +227,7 @@ def plain(exercise: Path) -> list[bytes]:
         s = ship.boat.state
         assert s.flood_aft > 100.0
         assert s.casualty_amount.any()
-        assert "rudder-slow" in [each.kind for each in active(ship.boat)]
+        assert "rudder-slow" in [each.kind for each in active_casualties(ship.boat)]
         assert s.sea_height > 1.0
         assert not s.stern_by_hand
         assert s.shear_north != 0.0  # the current of the file has not gone yet

@@ -11,7 +11,7 @@ from helpers.sessions import session_over
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import AXES, load_exercise
+from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS, load_exercise
 from trainer.config.files import shipped_names
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, parse
@@ -23,15 +23,15 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of, situation
 from trainer.session.stations.briefing import (
-    EXERCISE,
-    RANGES,
+    EXERCISE_KEYS,
+    RANGE_KEYS,
     hint,
     key_table,
     ranges,
 )
-from trainer.session.stations.roles import CREW, INSTRUCTOR, ROLES, STRANGER, Access
+from trainer.session.stations.roles import CREW_ROLES, INSTRUCTOR_ROLE, ROLES, STRANGER_ROLE, Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
@@ -50,14 +50,14 @@ class Attended:
         self.plan = plan
         told = briefing_of(plan, options)
         time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
-        sending = Promptly(Roster(StateReader(self.boat, time.ledger.summary)))
+        sending = PromptSender(Roster(StateReader(self.boat, time.ledger.summary)))
         here = situation(plan, self.boat, "")
         self.session = session_over(
             *(self.boat, time, History(self.boat, NoRecording()), sending),
             schedule=plan.schedule,
             monitor=LimitMonitor.over(self.boat, plan.limits),
             introduction=Introduction(
-                (*told.heading(INSTRUCTOR), *here), (*told.heading(STRANGER), *here), told
+                (*told.heading(INSTRUCTOR_ROLE), *here), (*told.heading(STRANGER_ROLE), *here), told
             ),
             by_hand={
                 "hand": frozenset(plan.hand),
@@ -84,13 +84,13 @@ class Attended:
 
     def facts(self, role: str, what: str) -> list[tuple[str, str]]:
         """Return the keys and values of a kind of fact that a line was told."""
-        found = [sentences.read(line) for line in self.lines[role].sent]
+        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
         told = [each.fields for each in found if each and each.kind == "TRF"]
         return [tuple(each[3].split("=", 1)) for each in told if each[2] == what]  # type: ignore[misc]
 
     def facts_of(self, role: str, what: str) -> list[str]:
         """Return the subjects of a kind of fact that a line was told."""
-        found = [sentences.read(line) for line in self.lines[role].sent]
+        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
         return [e.fields[3] for e in found if e and e.kind == "TRF" and e.fields[2] == what]
 
     def answer(self, role: str, words: str) -> str:
@@ -99,7 +99,7 @@ class Attended:
         before = len(line.sent)
         line.waiting.append(sentences.order_sentence(words))
         self.session.attendance.listen()
-        found = [sentences.read(each) for each in line.sent[before:]]
+        found = [sentences.parse_sentence(each) for each in line.sent[before:]]
         return next(each.fields[1] for each in found if each and each.kind == "TRA")
 
 
@@ -124,7 +124,7 @@ def secrets(plan: Plan, name: str) -> set[str]:
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))
 def test_no_line_of_a_crew_holds_a_hidden_word(name: str) -> None:
-    here = attended(name, *CREW, "observer")
+    here = attended(name, *CREW_ROLES, "observer")
     here.ask("briefing", "help", "log", "status")
     here.enter()
     topics = [head for topic in TOPICS for head in topic.heads]
@@ -162,7 +162,7 @@ def test_a_program_is_told_exercise_and_vessel_with_its_role() -> None:
     assert ("name", "stern-plane-jam") in whole
     assert ("wins", "First answer") in whole
     assert any("cure" in value for key, value in whole if key == "line")
-    assert {key for key, _ in whole} <= set(EXERCISE)
+    assert {key for key, _ in whole} <= set(EXERCISE_KEYS)
 
     limits = here.facts("planes", "range")
     assert ("rudder", "30") in limits
@@ -226,8 +226,8 @@ def test_an_older_exercise_that_hides_something_is_briefed_to_the_instructor_alo
     old = briefing_of(plan, RunOptions(exercise="stern-plane-jam"))
     shown = old.__class__(**{**old.__dict__, "instructor": (), "hides": True})
 
-    assert shown.heading(STRANGER) == ()
-    assert "Passage, fast and deep (stern-plane-jam)" in shown.heading(INSTRUCTOR)
+    assert shown.heading(STRANGER_ROLE) == ()
+    assert "Passage, fast and deep (stern-plane-jam)" in shown.heading(INSTRUCTOR_ROLE)
     assert not {"title", "line"} & {key for key, _ in shown.facts(ROLES["helm"], 0.0)}
 
 
@@ -239,7 +239,10 @@ def test_without_an_exercise_nothing_is_told_of_one(make_boat: Callable[..., Boa
     assert dict(here.facts("helm", "range"))["stern"] == "30"
     assert dict(here.facts("helm", "range"))["trim-arm"] == "52"
     remus = make_boat("remus100")
-    assert {key for key, _ in ranges(remus, INSTRUCTOR)} <= set(RANGES) - {"trim-arm", "tank"}
+    assert {key for key, _ in ranges(remus, INSTRUCTOR_ROLE)} <= set(RANGE_KEYS) - {
+        "trim-arm",
+        "tank",
+    }
 
 
 def test_an_observer_is_told_the_ranges_when_it_says_what_it_is() -> None:
@@ -253,7 +256,7 @@ def test_an_observer_is_told_the_ranges_when_it_says_what_it_is() -> None:
 def test_the_page_has_the_tables_of_ranges_and_of_the_exercise() -> None:
     page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
 
-    for table in (key_table("range", RANGES), key_table("exercise", EXERCISE)):
+    for table in (key_table("range", RANGE_KEYS), key_table("exercise", EXERCISE_KEYS)):
         assert table in page, f"docs/stations.md lacks this, from briefing.py:\n{table}"
 
 
@@ -301,7 +304,9 @@ def test_alerts_of_what_has_not_come_yet_are_forgotten() -> None:
 
 
 @pytest.mark.parametrize("role", ROLES)
-@pytest.mark.parametrize("hand", [(), ("rudder", "planes"), ("speed", "ballast"), tuple(AXES)])
+@pytest.mark.parametrize(
+    "hand", [(), ("rudder", "planes"), ("speed", "ballast"), tuple(AUTOMATIC_ORDERS_BY_AXIS)]
+)
 def test_whoever_comes_is_offered_orders_that_he_may_give(role: str, hand: tuple[str, ...]) -> None:
     offered = hint(ROLES[role], frozenset(hand))
     assert len(offered) <= 79

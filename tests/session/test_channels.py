@@ -9,16 +9,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat import casualties
-from trainer.boat.boat import PLACES, Boat
-from trainer.boat.crew_orders import AXES
-from trainer.boat.helm import obey
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.crew_orders import CREW_AXES
+from trainer.boat.helm import obey_order
 from trainer.core.sea.free_surface import sail_height
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.sentences import read
-from trainer.session.stations.channels import CHANNELS, TELETYPE, tables
-from trainer.session.stations.display import Display, Sentences, Teletype, Words, panel
-from trainer.session.stations.roles import PANELS, ROLES
+from trainer.io.orders.sentences import parse_sentence
+from trainer.session.stations.channels import CHANNELS, TELETYPE_CHANNEL, tables
+from trainer.session.stations.display import (
+    Display,
+    SentenceDisplay,
+    TeletypeDisplay,
+    WordDisplay,
+    panel,
+)
+from trainer.session.stations.roles import PANEL_NAMES, ROLES
 from trainer.session.stations.subscriptions import display
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.status import status_lines
@@ -76,7 +82,7 @@ def values(frame: Frame, channel: str) -> dict[str, str]:
 
 def everything_stations_get(frame: Frame) -> list[str]:
     """Return the lines of every channel of every role but the instructor's, in every form."""
-    displays: list[Display] = [display(TELETYPE, OBSERVER, machine=False)]
+    displays: list[Display] = [display(TELETYPE_CHANNEL, OBSERVER, machine=False)]
     for channel in STATIONS:
         displays += [display(channel, OBSERVER, machine=machine) for machine in (False, True)]
     lines = [line for each in displays for line in each.lines(frame)]
@@ -93,7 +99,7 @@ def everything_stations_get(frame: Frame) -> list[str]:
 
 def stick_gauges(boat: Boat) -> None:
     for gauge in ("depth-gauge", "gyro", "log"):
-        assert isinstance(casualties.insert(boat, f"{gauge}-stuck"), str)
+        assert isinstance(casualties.insert_casualty(boat, f"{gauge}-stuck"), str)
     assert boat.tick() == 0
 
 
@@ -106,12 +112,12 @@ def test_a_casualty_of_a_gauge_shows_in_every_channel_that_has_it(
 ) -> None:
     # changed under the gauge, so that a stuck one differs too
     severity = 1.0 if fault == "stuck" else 10.0
-    assert isinstance(casualties.insert(boat, f"{gauge}-{fault}", severity, 0.0), str)
+    assert isinstance(casualties.insert_casualty(boat, f"{gauge}-{fault}", severity, 0.0), str)
     assert boat.tick() == 0
     boat.state.z += 7.0
     boat.state.psi += 0.3
     boat.state.u += 1.5
-    reading = casualties.readings(boat)
+    reading = casualties.instrument_readings(boat)
     expected = {
         "depth": reading.depth,
         "heading": math.degrees(reading.heading) % 360.0,
@@ -138,10 +144,10 @@ def test_the_teletype_of_a_station_shows_the_gauges_and_the_instructors_the_trut
     boat.state.z = 123.4
     frame = frame_of(boat)
 
-    station = display(TELETYPE, ROLES["helm"], machine=False).lines(frame)[-1]
-    instructor = display(TELETYPE, ROLES["instructor"], machine=False).lines(frame)[-1]
+    station = display(TELETYPE_CHANNEL, ROLES["helm"], machine=False).lines(frame)[-1]
+    instructor = display(TELETYPE_CHANNEL, ROLES["instructor"], machine=False).lines(frame)[-1]
 
-    assert f"{casualties.readings(boat).depth:.1f}>" in station
+    assert f"{casualties.instrument_readings(boat).depth:.1f}>" in station
     assert "123.4" not in station
     assert "123.4>" in instructor
 
@@ -156,7 +162,7 @@ def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(boat:
     showing = []
 
     for place in hidden:
-        first = PLACES[place]
+        first = STATE_PLACES[place]
         for i in range(first, first + boat.records.state[place].size):
             if i not in spared:
                 whole[i] += 0.77
@@ -169,7 +175,7 @@ def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(boat:
 
 
 def places(boat: Boat, name: str) -> range:
-    return range(PLACES[name], PLACES[name] + boat.records.state[name].size)
+    return range(STATE_PLACES[name], STATE_PLACES[name] + boat.records.state[name].size)
 
 
 @given(st.floats(-50.0, 50.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0), st.floats(-1e3, 1e3))
@@ -189,7 +195,7 @@ def test_two_states_with_the_same_readings_give_a_station_the_same_lines(
 
 
 def test_a_biased_gauge_hides_the_depth_that_it_makes_up_for(boat: Boat) -> None:
-    assert isinstance(casualties.insert(boat, "depth-gauge-biased", 1.0), str)
+    assert isinstance(casualties.insert_casualty(boat, "depth-gauge-biased", 1.0), str)
     assert boat.tick() == 0
     before = everything_stations_get(frame_of(boat))
 
@@ -322,8 +328,8 @@ def test_what_is_held_still_has_no_rate(boat: Boat) -> None:
 
 
 def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None:
-    assert isinstance(casualties.insert(boat, "rudder-slow", 0.5, 10.0), str)
-    assert isinstance(casualties.insert(boat, "depth-gauge-stuck"), str)
+    assert isinstance(casualties.insert_casualty(boat, "rudder-slow", 0.5, 10.0), str)
+    assert isinstance(casualties.insert_casualty(boat, "depth-gauge-stuck"), str)
     for _ in range(10):
         assert boat.tick() == 0
     shown = values(frame_of(boat), "casualties")
@@ -337,9 +343,9 @@ def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None
 
 
 def test_a_casualty_being_cleared_is_on_its_way_to_nothing(boat: Boat) -> None:
-    assert isinstance(casualties.insert(boat, "flooding-aft", 1.0, 0.0), str)
+    assert isinstance(casualties.insert_casualty(boat, "flooding-aft", 1.0, 0.0), str)
     assert boat.tick() == 0
-    assert isinstance(casualties.clear(boat, "flooding-aft"), str)
+    assert isinstance(casualties.clear_casualty(boat, "flooding-aft"), str)
     boat.state.casualty_ticks[0] = -8.0
     shown = values(frame_of(boat), "casualties")
 
@@ -369,7 +375,7 @@ def test_a_casualty_being_cleared_is_on_its_way_to_nothing(boat: Boat) -> None:
 def test_a_casualty_is_told_with_its_unit_and_side(
     boat: Boat, name: str, severity: float | None, says: str
 ) -> None:
-    told = casualties.insert(boat, name, severity, None if severity is None else 0.0)
+    told = casualties.insert_casualty(boat, name, severity, None if severity is None else 0.0)
     assert told == f"casualty {name}{f', {says}' if says else ''}"
     assert boat.tick() == 0
     assert values(frame_of(boat), "casualties")["casualty_1_says"] == says
@@ -378,9 +384,9 @@ def test_a_casualty_is_told_with_its_unit_and_side(
 
 def test_a_stuck_surface_and_a_stuck_gauge_are_told_where_they_stand(boat: Boat) -> None:
     for name in ("rudder-stuck", "depth-gauge-stuck"):
-        casualties.insert(boat, name)
+        casualties.insert_casualty(boat, name)
     boat.tick()
-    shown_depth = casualties.readings(boat).depth
+    shown_depth = casualties.instrument_readings(boat).depth
     shown = values(frame_of(boat), "casualties")
     angle = math.degrees(float(boat.state.delta_r)) * boat.toward["rudder"]
     assert shown["casualty_1_says"] == f"{abs(angle):.1f} deg {'right' if angle > 0 else 'left'}"
@@ -388,14 +394,14 @@ def test_a_stuck_surface_and_a_stuck_gauge_are_told_where_they_stand(boat: Boat)
 
 
 def test_the_line_of_state_shows_what_the_crew_is_ordered(boat: Boat) -> None:
-    *_, line = Teletype(lambda frame: frame.readings).lines(frame_of(boat))
+    *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
     assert ">60.0" in line
     for words in ("order depth 75", "order course right 045", "planes manual", "rudder left 5"):
         order = parse(words)
         assert isinstance(order, Order)
-        assert isinstance(obey(boat, order), str)
+        assert isinstance(obey_order(boat, order), str)
     boat.tick()
-    *_, line = Teletype(lambda frame: frame.readings).lines(frame_of(boat))
+    *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
     assert ">75.0" in line
     assert ">045" in line
 
@@ -461,14 +467,14 @@ def test_a_course_just_short_of_north_is_shown_as_north(boat: Boat) -> None:
 
 
 def test_a_program_gets_names_and_units_once_and_then_values_in_their_order(boat: Boat) -> None:
-    shown = Sentences(CHANNELS["steering"])
+    shown = SentenceDisplay(CHANNELS["steering"])
     frame = frame_of(boat)
 
     first, second = shown.lines(frame), shown.lines(frame)
 
-    kinds = [sentence.kind for line in (*first, *second) if (sentence := read(line))]
+    kinds = [sentence.kind for line in (*first, *second) if (sentence := parse_sentence(line))]
     assert kinds == ["TRN", "TRS", "TRS"]
-    names, state = read(first[0]), read(first[1])
+    names, state = parse_sentence(first[0]), parse_sentence(first[1])
     assert names
     assert state
     assert names.fields[0] == state.fields[0] == "steering"
@@ -490,7 +496,7 @@ def test_words_for_a_reader_fit_79_columns_and_keep_value_and_unit_together(
         if value and not field.packed
     ]
 
-    lines = Words(CHANNELS[channel]).lines(frame)
+    lines = WordDisplay(CHANNELS[channel]).lines(frame)
 
     assert all(any(each in line for line in lines) for each in told)
     assert lines[0].startswith(f"{channel}, 60 s: ")
@@ -500,7 +506,7 @@ def test_words_for_a_reader_fit_79_columns_and_keep_value_and_unit_together(
 
 def test_the_teletype_has_its_headings_every_twenty_lines(boat: Boat) -> None:
     frame = frame_of(boat)
-    shown = Teletype(lambda frame: frame.readings)
+    shown = TeletypeDisplay(lambda frame: frame.readings)
 
     lengths = [len(shown.lines(frame)) for _ in range(45)]
 
@@ -519,7 +525,7 @@ def ordered(boat: Boat, *lines: str) -> dict[str, str]:
     for line in lines:
         order = parse(line)
         assert isinstance(order, Order), line
-        assert isinstance(obey(boat, order), str), line
+        assert isinstance(obey_order(boat, order), str), line
     boat.state.tick += 4.0
     return values(frame_of(boat), "orders")
 
@@ -536,7 +542,7 @@ def test_the_orders_to_the_crew_show_what_is_to_go_with_its_sign(boat: Boat) -> 
     assert (shown["depth"], shown["depth_unit"], shown["depth_error"]) == ("61.0", "ft", "1.0")
     assert (shown["speed"], shown["speed_error"]) == ("8.0", "-2.0")
     assert (shown["pitch"], shown["pitch_error"]) == ("5.0", "7.0")
-    assert {shown[f"{axis}_since"] for axis in AXES} == {"2"}
+    assert {shown[f"{axis}_since"] for axis in CREW_AXES} == {"2"}
 
 
 @pytest.mark.parametrize(
@@ -585,8 +591,8 @@ def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:
 
 
 def test_the_panels_cover_what_the_observer_sees() -> None:
-    assert set(PANELS) <= set(OBSERVER.channels)
-    assert set(PANELS) <= set(CHANNELS)
+    assert set(PANEL_NAMES) <= set(OBSERVER.channels)
+    assert set(PANEL_NAMES) <= set(CHANNELS)
 
 
 def test_the_page_has_the_tables_of_the_channels() -> None:

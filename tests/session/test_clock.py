@@ -14,21 +14,21 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from trainer.session.time.ledger import SECOND, Histogram, Ledger
+from trainer.session.time.ledger import SECOND_NS, Histogram, Ledger
 from trainer.session.time.pacer import (
     MAX_CATCH_UP,
-    SLOWEST,
-    Event,
-    Happening,
+    MIN_TIME_SPEED,
+    FreePacer,
     MonotonicClock,
     Pacer,
+    PacerEvent,
+    PacerEventKind,
     Policy,
-    Unpaced,
-    Waited,
+    WaitResult,
 )
 from trainer.session.time.timekeeping import Timekeeping
 
-PERIOD = SECOND // 2  # [ns] of the step 0.5 s at speed 1, which most tests use
+PERIOD = SECOND_NS // 2  # [ns] of the step 0.5 s at speed 1, which most tests use
 
 
 class FakeClock:
@@ -93,11 +93,11 @@ class Bench:
         self.starts: list[int] = []
         self.pacer.run()
 
-    def tick(self, *works: int) -> list[Event]:
+    def tick(self, *works: int) -> list[PacerEvent]:
         """Do ticks of these lengths [ns]; return the events."""
-        events: list[Event] = []
+        events: list[PacerEvent] = []
         for work in works:
-            assert self.pacer.wait(self.wake) is Waited.DUE
+            assert self.pacer.wait(self.wake) is WaitResult.DUE
             self.pacer.begin()
             self.starts.append(self.clock.time - self.begun)
             self.clock.work(work)
@@ -129,7 +129,7 @@ def test_every_deadline_is_the_exact_product_rounded_down(step: float, speed: fl
     bench = Bench(step=step, speed=speed)
     bench.tick(*[0] * 500)
 
-    period = Fraction(str(step)) / Fraction(str(speed)) * SECOND
+    period = Fraction(str(step)) / Fraction(str(speed)) * SECOND_NS
     assert bench.starts == [int(k * period) for k in range(500)]
 
 
@@ -147,13 +147,13 @@ def test_nothing_is_due_before_run_and_in_a_freeze() -> None:
     wake.set()
 
     assert pacer.frozen
-    assert pacer.wait(wake) is Waited.WOKEN
+    assert pacer.wait(wake) is WaitResult.WOKEN
     pacer.run()
     assert not pacer.frozen
-    assert pacer.wait(wake) is Waited.DUE
+    assert pacer.wait(wake) is WaitResult.DUE
     pacer.freeze()
     clock.stand_still(periods(10))
-    assert pacer.wait(wake) is Waited.WOKEN
+    assert pacer.wait(wake) is WaitResult.WOKEN
 
 
 def test_an_order_wakes_the_wait_and_leaves_the_deadline_alone() -> None:
@@ -161,7 +161,7 @@ def test_an_order_wakes_the_wait_and_leaves_the_deadline_alone() -> None:
     bench.tick(0)
     bench.wake.set()
     bench.clock.work(periods(0.4))
-    assert bench.pacer.wait(bench.wake) is Waited.WOKEN
+    assert bench.pacer.wait(bench.wake) is WaitResult.WOKEN
     bench.wake.clear()
     bench.tick(0)
 
@@ -172,7 +172,7 @@ def test_an_hour_of_freeze_is_followed_by_the_rest_of_the_period_and_no_burst() 
     bench = Bench()
     bench.tick(periods(0.25))
     bench.pacer.freeze()
-    bench.clock.stand_still(3600 * SECOND)
+    bench.clock.stand_still(3600 * SECOND_NS)
     bench.pacer.run()
     events = bench.tick(0, 0, 0)
 
@@ -230,7 +230,7 @@ def test_slip_gives_up_the_deadlines_that_passed_and_goes_on_from_there() -> Non
     events = bench.tick(0, periods(2.5), 0, 0)
 
     assert bench.spacings() == [1.0, 2.5, 1.0]
-    assert [(e.what, e.length) for e in events] == [(Happening.SLIPPED, periods(1.5))]
+    assert [(e.what, e.length) for e in events] == [(PacerEventKind.SLIPPED, periods(1.5))]
     summary = bench.ledger.summary()
     assert (summary.overruns, summary.skipped, summary.caught_up) == (1, 2, 0)
 
@@ -269,7 +269,7 @@ def test_catch_up_stops_after_five_ticks_slips_and_says_so() -> None:
 
     # Five back to back, then a full period; deadlines 6, 7 and 8 had passed and are given up.
     assert bench.spacings() == [8.5, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]
-    assert [(e.what, e.length) for e in events] == [(Happening.SLIPPED, periods(2.5))]
+    assert [(e.what, e.length) for e in events] == [(PacerEventKind.SLIPPED, periods(2.5))]
     summary = bench.ledger.summary()
     assert (summary.overruns, summary.skipped, summary.caught_up) == (1, 3, MAX_CATCH_UP)
 
@@ -280,7 +280,7 @@ def test_an_overload_for_good_counts_every_tick_and_keeps_slipping() -> None:
 
     assert set(bench.spacings()) == {2.0}
     # The second tick is just one period late, the next five are caught up; then all over again.
-    assert [e.tick for e in events if e.what is Happening.SLIPPED] == [7, 14]
+    assert [e.tick for e in events if e.what is PacerEventKind.SLIPPED] == [7, 14]
     summary = bench.ledger.summary()
     assert (summary.overruns, summary.caught_up) == (14, 2 * MAX_CATCH_UP)
 
@@ -289,7 +289,7 @@ def test_freeze_on_overrun_stops_says_so_and_runs_on_without_a_burst() -> None:
     bench = Bench(Policy.FREEZE)
     events = bench.tick(0, periods(1.5))
 
-    assert [(e.what, e.length) for e in events] == [(Happening.FROZE, periods(0.5))]
+    assert [(e.what, e.length) for e in events] == [(PacerEventKind.FROZE, periods(0.5))]
     assert str(events[0]) == "tick 2: froze: the deadline had passed by 0.250 s"
     assert bench.pacer.frozen
     bench.clock.stand_still(periods(20))
@@ -304,14 +304,14 @@ def test_freeze_on_overrun_stops_says_so_and_runs_on_without_a_burst() -> None:
 def test_a_process_stopped_in_the_wait_goes_on_without_a_burst(step: float, policy: Policy) -> None:
     bench = Bench(policy, step)
     bench.tick(0, 0)
-    bench.clock.oversleep = 5 * SECOND
+    bench.clock.oversleep = 5 * SECOND_NS
     events = bench.tick(0, 0, 0)
 
-    own = step * SECOND / PERIOD
+    own = step * SECOND_NS / PERIOD
     assert bench.spacings() == [own, own + 10.0, own, own]
-    assert [(e.what, e.length) for e in events] == [(Happening.GAP, 5 * SECOND)]
+    assert [(e.what, e.length) for e in events] == [(PacerEventKind.GAP, 5 * SECOND_NS)]
     summary = bench.ledger.summary()
-    assert (summary.gaps, summary.gap_ns) == (1, 5 * SECOND)
+    assert (summary.gaps, summary.gap_ns) == (1, 5 * SECOND_NS)
     assert (summary.overruns, summary.caught_up, summary.skipped) == (0, 0, 0)
 
 
@@ -321,13 +321,13 @@ def test_a_process_stopped_in_the_work_goes_on_without_a_burst(step: float) -> N
     bench.pacer.wait(bench.wake)
     bench.pacer.begin()
     bench.clock.work(1000)
-    bench.clock.stand_still(5 * SECOND)
+    bench.clock.stand_still(5 * SECOND_NS)
     end = bench.clock.time - bench.begun
     events = bench.pacer.end()
     bench.tick(0, 0)
 
-    assert bench.starts[0] - end == step * SECOND
-    assert [(e.what, e.length) for e in events] == [(Happening.GAP, 5 * SECOND)]
+    assert bench.starts[0] - end == step * SECOND_NS
+    assert [(e.what, e.length) for e in events] == [(PacerEventKind.GAP, 5 * SECOND_NS)]
     summary = bench.ledger.summary()
     assert (summary.gaps, summary.overruns, summary.work.max_ns) == (1, 0, 1000)
 
@@ -338,7 +338,7 @@ def test_a_process_stopped_while_an_order_is_handled_goes_on_without_a_burst() -
     bench.wake.set()
     bench.pacer.wait(bench.wake)
     bench.wake.clear()
-    bench.clock.stand_still(5 * SECOND)
+    bench.clock.stand_still(5 * SECOND_NS)
     bench.tick(0, 0, 0)
 
     assert bench.spacings() == [10.0, 1.0, 1.0]
@@ -394,10 +394,10 @@ def test_a_single_step_in_a_freeze_is_recorded_on_time() -> None:
 
 def test_unpaced_ticks_are_always_due_and_their_work_is_still_measured() -> None:
     clock, wake, ledger = FakeClock(), threading.Event(), Ledger(0.5)
-    pacer = Unpaced(clock, ledger)
+    pacer = FreePacer(clock, ledger)
     pacer.run()
     for _ in range(10):
-        assert pacer.wait(wake) is Waited.DUE
+        assert pacer.wait(wake) is WaitResult.DUE
         pacer.begin()
         clock.work(periods(0.2))
         assert pacer.end() == ()
@@ -408,15 +408,15 @@ def test_unpaced_ticks_are_always_due_and_their_work_is_still_measured() -> None
 
 def test_unpaced_hears_orders_and_freezes() -> None:
     wake = threading.Event()
-    pacer = Unpaced(MonotonicClock(), Ledger(0.5))
+    pacer = FreePacer(MonotonicClock(), Ledger(0.5))
     pacer.run()
     wake.set()
-    assert pacer.wait(wake) is Waited.WOKEN
+    assert pacer.wait(wake) is WaitResult.WOKEN
 
     pacer.freeze()
     wake.clear()
     threading.Timer(0.05, wake.set).start()
-    assert pacer.wait(wake) is Waited.WOKEN
+    assert pacer.wait(wake) is WaitResult.WOKEN
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.09, 100.1, -1.0, float("nan"), float("inf")])
@@ -467,12 +467,12 @@ def test_an_empty_ledger_has_a_summary_and_any_summary_is_json() -> None:
 
 def test_the_real_wait_ends_at_the_deadline_or_when_woken() -> None:
     clock, wake = MonotonicClock(), threading.Event()
-    deadline = clock.now() + SECOND // 50
+    deadline = clock.now() + SECOND_NS // 50
     assert deadline <= clock.wait_until(deadline, wake) <= clock.now()
 
     timer = threading.Timer(0.05, wake.set)
     timer.start()
-    far = clock.now() + 60 * SECOND
+    far = clock.now() + 60 * SECOND_NS
     assert not clock.wait_until(far, wake)
     assert clock.now() < far
     assert clock.wait_until(deadline, wake), "an order that comes with the deadline does not win"
@@ -546,7 +546,7 @@ def test_a_real_process_stopped_for_five_seconds_has_a_gap_and_no_burst() -> Non
     assert (gaps, caught_up, skipped) == (1, 0, 0)
     assert [apart[0], *apart[2:]] == [PERIOD, PERIOD, PERIOD]  # after the gap as before it
     assert apart[1] == PERIOD + gap_ns
-    assert gap_ns / SECOND == pytest.approx(away - 0.4, abs=0.8)  # 0.4 s it slept by rights
+    assert gap_ns / SECOND_NS == pytest.approx(away - 0.4, abs=0.8)  # 0.4 s it slept by rights
 
 
 def overloaded(
@@ -559,7 +559,7 @@ def overloaded(
     told: list[tuple[str, str]] = []
     wake = threading.Event()
     for _ in range(ticks):
-        assert keeping.pacer.wait(wake) is Waited.DUE
+        assert keeping.pacer.wait(wake) is WaitResult.DUE
         keeping.pacer.begin()
         clock.work(periods(cost / 100))
         told += keeping.judge(keeping.pacer.end())
@@ -571,7 +571,7 @@ def test_a_late_tick_waits_for_what_has_arrived_but_not_for_a_flood_of_it() -> N
     bench.tick(periods(3))  # every tick is late from here on
     for _ in range(3):
         bench.wake.set()  # and never cleared: there is always more
-        assert bench.pacer.wait(bench.wake) is Waited.WOKEN
+        assert bench.pacer.wait(bench.wake) is WaitResult.WOKEN
         bench.tick(periods(3))
 
 
@@ -579,9 +579,9 @@ def test_what_was_heard_before_a_deadline_does_not_make_its_tick_later() -> None
     bench = Bench()
     bench.tick(0)
     bench.wake.set()
-    assert bench.pacer.wait(bench.wake) is Waited.WOKEN
+    assert bench.pacer.wait(bench.wake) is WaitResult.WOKEN
     bench.clock.work(periods(1.1))  # hearing it took beyond the deadline
-    assert bench.pacer.wait(bench.wake) is Waited.DUE
+    assert bench.pacer.wait(bench.wake) is WaitResult.DUE
 
 
 @pytest.mark.parametrize("policy", [Policy.SLIP, Policy.CATCH_UP])
@@ -598,7 +598,7 @@ def test_the_speed_falls_to_what_the_machine_holds_and_that_is_said_once(policy:
 
 def test_a_machine_that_holds_no_more_than_the_slowest_speed_goes_on_at_that() -> None:
     keeping, _ = overloaded(Policy.CATCH_UP, cost=4000.0, ticks=100)
-    assert keeping.speed == SLOWEST
+    assert keeping.speed == MIN_TIME_SPEED
 
 
 def test_a_machine_that_stumbles_keeps_its_speed() -> None:

@@ -26,7 +26,7 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
@@ -89,7 +89,7 @@ class Watch:
         self.boat.start(10.0 * KNOT, 60.0, 0.0)
         self.recording = Recording.create(None, {}, self.boat.records.state.tobytes())
         time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
-        sending = Promptly(Roster(StateReader(self.boat, time.ledger.summary)))
+        sending = PromptSender(Roster(StateReader(self.boat, time.ledger.summary)))
         history = History(self.boat, self.recording)
         self.session = session_over(self.boat, time, history, sending)
         control, wake = self.session.control, self.session.wake

@@ -10,13 +10,20 @@ import numpy as np
 import pytest
 from helpers.crewed import PLACE, Crewed, Typist
 
-from trainer.config.derived import EVERY, Condition
+from trainer.config.derived import ALL_QUANTITIES, Condition
 from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.core.state import STATE
-from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.session.alarm import Alarm
-from trainer.session.exercise import Debriefing, Ending, Following, Judgement, is_met, quantity_of
+from trainer.session.exercise import (
+    DebriefSource,
+    ExerciseEnd,
+    Judgement,
+    NextExercises,
+    is_met,
+    quantity_of,
+)
 from trainer.session.stations.roles import ROLES
 
 # The end of an exercise
@@ -26,7 +33,7 @@ from trainer.session.stations.roles import ROLES
 def test_what_loses_a_shipped_exercise_is_watched(crewed: Callable[..., Crewed], name: str) -> None:
     exercise = load_exercise(name)
     boat = crewed().boat
-    ending = Ending.of(boat, exercise.lost, exercise.heading.duration_s)
+    ending = ExerciseEnd.of(boat, exercise.lost, exercise.heading.duration_s)
     assert ending.watched
     boat.state.z = 30.0
     assert not ending.look(boat)
@@ -38,7 +45,7 @@ def test_what_loses_a_shipped_exercise_is_watched(crewed: Callable[..., Crewed],
     assert any(looked) is bool(exercise.lost)
 
 
-@pytest.mark.parametrize("quantity", EVERY)
+@pytest.mark.parametrize("quantity", ALL_QUANTITIES)
 def test_any_quantity_of_a_condition_can_lose_an_exercise(
     crewed: Callable[..., Crewed], quantity: str
 ) -> None:
@@ -262,7 +269,7 @@ def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Callable[..., Cr
     def fail(path: Path, branch: int) -> Judgement:
         raise ValueError(f"{path.name} {branch}")
 
-    ship.conduct.debriefing = Debriefing(fail, ship._write)  # noqa: SLF001
+    ship.conduct.debriefing = DebriefSource(fail, ship._write)  # noqa: SLF001
     ship.fly(20)
     ship.settle(lambda: "no marks: 0.trainer 1" in ship.events(ship.instructor, "exercise"))
     assert "no marks yet" in ship.refused("release marks")
@@ -275,7 +282,7 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
     helm = ship.comes("helm")
     assert "quit, then trainer run backing" in ship.refused("next backing")
     problem = {"backing": "", "nothing": "no exercise nothing"}
-    ship.conduct.following = Following(problem.__getitem__, "")
+    ship.conduct.following = NextExercises(problem.__getitem__, "")
     assert "end exercise" in ship.refused("next backing")
     ship.fly(20)
     assert ship.refused("next nothing") == "no exercise nothing"
@@ -458,7 +465,7 @@ def test_command_that_the_session_s_only_instructor_has_cannot_be_given(
 
 def past(ship: Crewed, line: Typist, channel: str) -> list[tuple[str, ...]]:
     """Return the rows of a channel between the marks of its past."""
-    sent = [read(each) for each in line.sent]
+    sent = [parse_sentence(each) for each in line.sent]
     marks = [
         place
         for place, each in enumerate(sent)
@@ -482,7 +489,9 @@ def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(
     ship.order("freeze")
     ship.recording.flush()
     live = {
-        each.fields[1]: each.fields for each in map(read, watch.sent) if each and each.kind == "TRS"
+        each.fields[1]: each.fields
+        for each in map(parse_sentence, watch.sent)
+        if each and each.kind == "TRS"
     }
     late = ship.comes("helm")
     ship.say(late, "subscribe gauges")
@@ -699,7 +708,7 @@ def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(
     begun = time.monotonic()
     for _ in range(20):
         ship.session.attendance.listen()
-    answers = [each for each in map(read, visitor.sent) if each and each.tag == "8"]
+    answers = [each for each in map(parse_sentence, visitor.sent) if each and each.tag == "8"]
     passed = time.monotonic() - begun
     assert len(answers) <= 100 + 20 * (passed + 1.0)
     assert passed > 5.0 or len(answers) < 300

@@ -18,8 +18,8 @@ from typing import Any
 import pytest
 from helpers.places import environment
 
-from trainer.io.orders.sentences import order_sentence, read
-from trainer.io.recording.recording import Journalled, Recording
+from trainer.io.orders.sentences import order_sentence, parse_sentence
+from trainer.io.recording.recording import RecordedOrder, Recording
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills and forks of POSIX")
 
@@ -327,7 +327,7 @@ def drive(line: socket.socket, answers: int, dice: random.Random) -> tuple[list[
     for tag, words in zip(range(answers + 1), orders, strict=False):
         line.sendall(f"{order_sentence(words, str(tag))}\n".encode("ascii"))
         for text in lines:
-            said = read(text)
+            said = parse_sentence(text)
             if said and (said.kind, said.tag) == ("TRA", str(tag)) and said.fields[0] != "say":
                 break
         assert said
@@ -338,7 +338,7 @@ def drive(line: socket.socket, answers: int, dice: random.Random) -> tuple[list[
     return answered, kept
 
 
-def journal(path: Path) -> tuple[list[Journalled], list[Journalled]]:
+def journal(path: Path) -> tuple[list[RecordedOrder], list[RecordedOrder]]:
     """Return all orders of a recording, and those of the past of its latest branch."""
     with contextlib.closing(Recording.look(path)) as recording:
         every = {o.id: o for b in recording.branches() for o in recording.orders(b.id)}

@@ -15,15 +15,15 @@ from trainer.boat.depths import DepthGuard
 from trainer.io.orders import grammar, sentences
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
-from trainer.io.recording.queries import Journalled, Past
+from trainer.io.recording.queries import Past, RecordedOrder
 from trainer.io.recording.recording import Recording
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
-from trainer.session.standing import Standing
+from trainer.session.standing import StandRecord
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
@@ -41,7 +41,7 @@ class Crew:
         time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
         entries = parse_schedule(schedule, "orders.txt")
         assert isinstance(entries, list)
-        sending = Promptly(Roster(StateReader(boat, time.ledger.summary)))
+        sending = PromptSender(Roster(StateReader(boat, time.ledger.summary)))
         history = History(boat, recording)
         self.session = session_over(*(boat, time, history, sending), schedule=entries, by_hand=more)
         self.lines: dict[str, Line] = {}
@@ -65,12 +65,12 @@ class Crew:
     def program(self, role: str, words: str) -> str:
         """Say something as a program does; return the answer."""
         self.say(role, sentences.order_sentence(words))
-        found = [sentences.read(line) for line in self.lines[role].sent]
+        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
         return next(each.fields[1] for each in reversed(found) if each and each.kind == "TRA")
 
     def facts(self, role: str) -> list[str]:
         """Return the facts that a program has been told, but who spoke, and forget them."""
-        found = [sentences.read(line) for line in self.lines[role].sent]
+        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
         self.lines[role].sent.clear()
         facts = [each.fields[2:] for each in found if each and each.kind == "TRF"]
         return [f"{what}: {subject}" for what, subject in facts if what != "said"]
@@ -172,11 +172,11 @@ def test_a_jump_reads_and_understands_no_order_however_many_were_given(
         order for order in map(parse, ("backtrack 4 s", "branch 1")) if isinstance(order, Order)
     ]
     understood: list[str] = []
-    read: list[Journalled] = []
+    read: list[RecordedOrder] = []
     orders = Past.orders
     monkeypatch.setattr(grammar, "refuse_unreadable", understood.append)  # begins every parse
 
-    def read_orders(*past_of: Any) -> list[Journalled]:
+    def read_orders(*past_of: Any) -> list[RecordedOrder]:
         read.extend(orders(*past_of))
         return read
 
@@ -202,7 +202,7 @@ def test_what_stands_after_a_jump_is_what_the_journal_tells_from_its_beginning(
     session = here.session
     for jump in ("backtrack 2 s", "branch 1", "backtrack 5 s", "reset", "branch 3", "branch 1"):
         here.say("instructor", jump)
-        afresh = Standing(CrewTalk(here.boat), Agenda(here.boat), session.history)
+        afresh = StandRecord(CrewTalk(here.boat), Agenda(here.boat), session.history)
         afresh.go_back()
         assert session.crew.talk == afresh.crew.talk, jump
         assert session.agenda.plans == afresh.agenda.plans, jump

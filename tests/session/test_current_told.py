@@ -11,24 +11,24 @@ import pytest
 
 from trainer.analysis.boat_page import boat_of
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
-from trainer.boat.limits import LimitMonitor, chased
+from trainer.boat.helm import obey_order
+from trainer.boat.limits import LimitMonitor, following_speed_ratio
 from trainer.boat.world.world import World
 from trainer.cli.boat import Boat as Ship
 from trainer.cli.export import boat_at_start
 from trainer.config.derived import compile_conditions
-from trainer.config.exercise import Limits, parse_exercise
+from trainer.config.exercise import ExerciseLimits, parse_exercise
 from trainer.config.files import ConfigError, Place
 from trainer.config.sea import load_sea
 from trainer.debrief.measures import rows_beyond
-from trainer.debrief.rehearsal import Departure, fly
-from trainer.io.chart import DEFAULT
+from trainer.debrief.rehearsal import Departure, fly_rehearsal
+from trainer.io.chart import DEFAULT_CHART
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.queries import Moment
 from trainer.session.exercise import is_met
 from trainer.session.layout import LAYOUT
-from trainer.session.nmea.readings import sight
-from trainer.session.nmea.sentences import USUAL, choose_instruments
+from trainer.session.nmea.readings import read_fields
+from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
@@ -85,7 +85,7 @@ def plan(tmp_path: Path) -> Plan:
 
 
 def test_programs_are_told_set_drift_and_both_ways(make_boat: Callable[..., Boat]) -> None:
-    seen = sight(carried(make_boat()), DEFAULT, START)
+    seen = read_fields(carried(make_boat()), DEFAULT_CHART, START)
     vtg, vdr, vbw = choose_instruments(("VDR", "VBW", "VTG"))
     assert vtg.sentence(seen).startswith("$INVTG,50.58,T,,M,11.47,N,")
     assert vdr.sentence(seen) == "$INVDR,90.0,T,,M,2.00,N*1B"
@@ -93,8 +93,8 @@ def test_programs_are_told_set_drift_and_both_ways(make_boat: Callable[..., Boat
 
 
 def test_what_a_trainee_is_to_find_is_sent_only_where_it_is_named() -> None:
-    assert "VTG" in USUAL
-    assert {"VDR", "VBW"}.isdisjoint(USUAL)
+    assert "VTG" in USUAL_NAMES
+    assert {"VDR", "VBW"}.isdisjoint(USUAL_NAMES)
 
 
 def test_the_instructor_alone_sees_the_current_and_the_way_over_the_ground(
@@ -146,7 +146,7 @@ def test_speed_over_the_ground_is_a_quantity_and_a_limit(make_boat: Callable[...
     ):
         (condition,) = compile_conditions(text, Place("my.toml", ""))
         assert is_met(condition, boat) is holds
-    monitor = LimitMonitor(Limits(speed_over_ground_kn_max=11.4))
+    monitor = LimitMonitor(ExerciseLimits(speed_over_ground_kn_max=11.4))
     assert "LIMIT: faster than 11.4 kn over the ground" in monitor.look(boat)[0]
     boat.state.held_position = 1.0
     (condition,) = compile_conditions("speed_over_ground < 0.1", Place("my.toml", ""))
@@ -154,7 +154,7 @@ def test_speed_over_the_ground_is_a_quantity_and_a_limit(make_boat: Callable[...
 
 
 def test_a_debrief_has_the_speed_over_the_ground_of_each_tick(plan: Plan) -> None:
-    flown = fly(plan).trajectory
+    flown = fly_rehearsal(plan).trajectory
     speed = flown.series("speed_over_ground")
     step = plan.method.step
     way = np.hypot(np.diff(flown.columns["x"]), np.diff(flown.columns["y"])) / step
@@ -180,32 +180,32 @@ def test_a_boat_carried_along_is_not_chased_by_the_waves(make_boat: Callable[...
     boat.start(3.0 * KNOT, 17.5, math.pi)  # with waves from the north
     boat.put_to_sea(load_sea("sea-state-5"))
     boat.tick()
-    slow = chased(boat)
+    slow = following_speed_ratio(boat)
     assert slow > 0.1
     boat.state.current[0] = -8.0 * KNOT
     for _ in range(2):
         boat.tick()
     assert boat.state.xdot < -10.0 * KNOT
-    assert chased(boat) == pytest.approx(slow, rel=0.1)
+    assert following_speed_ratio(boat) == pytest.approx(slow, rel=0.1)
 
 
 # Taken over from
 
 
 def test_who_takes_over_finds_the_current_as_it_was_ordered(plan: Plan) -> None:
-    whole = fly(plan).trajectory
+    whole = fly_rehearsal(plan).trajectory
     boat, order = Boat(plan.file, plan.method), plan.schedule[0].order
     plan.start(boat)
     for tick in range(40):
         if tick == 10:
-            obey(boat, order)
+            obey_order(boat, order)
         boat.tick()
     moment = Moment(1, 40, boat.records.state.tobytes(), 1, 1)
     since = Departure(moment, LAYOUT, {}, ((10, order),))
-    taken = fly(plan, since=since).trajectory
+    taken = fly_rehearsal(plan, since=since).trajectory
     for name, column in whole.columns.items():
         assert np.array_equal(column[40:], taken.columns[name]), name
-    forgotten = fly(plan, since=replace(since, to_world=())).trajectory
+    forgotten = fly_rehearsal(plan, since=replace(since, to_world=())).trajectory
     assert not np.array_equal(forgotten.columns["x"], taken.columns["x"])
 
 

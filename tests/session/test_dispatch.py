@@ -7,10 +7,10 @@ from helpers.crewed import Crewed
 from helpers.places import ROOT
 
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.schedule import Scheduled
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED
+from trainer.io.orders.schedule import ScheduledOrder
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED_WORDS
 from trainer.session import dispatch
-from trainer.session.dispatch import GATES, ORDERS, Gate, Obeyer, order_table, refusal
+from trainer.session.dispatch import ORDER_GATES, ORDERS, Gate, Obeyer, order_table, refusal
 from trainer.session.stations import roles
 from trainer.session.stations.station import Station
 
@@ -23,8 +23,8 @@ def understood(words: str) -> Order:
 
 
 def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
-    words = [word for _, group in dispatch.GROUPS for word in group]
-    assert sorted(words) == sorted(roles.ORDERS)
+    words = [word for _, group in dispatch.RULE_GROUPS for word in group]
+    assert sorted(words) == sorted(roles.ALL_ORDERS)
     assert len(words) == len(ORDERS)
 
 
@@ -33,7 +33,7 @@ def test_a_schedule_goes_on_past_what_has_no_place_in_it(
     crewed: Callable[..., Crewed], words: str
 ) -> None:
     orders = [understood(text) for text in (words, "rudder right 10")]
-    ship = crewed(seconds=5, schedule=[Scheduled(1.0, order, 1) for order in orders])
+    ship = crewed(seconds=5, schedule=[ScheduledOrder(1.0, order, 1) for order in orders])
     ship.fly(10)
     assert ship.session.dispatch.refused == [
         f"1 s: {words}: refused: {words} has no place in a schedule"
@@ -43,7 +43,7 @@ def test_a_schedule_goes_on_past_what_has_no_place_in_it(
 
 def test_no_schedule_is_read_that_holds_what_nobody_may_schedule() -> None:
     passed_on = {word for word, rule in ORDERS.items() if rule.passed_on}
-    assert set(ORDERS) - passed_on <= UNSCHEDULED <= set(ORDERS)
+    assert set(ORDERS) - passed_on <= UNSCHEDULED_WORDS <= set(ORDERS)
 
 
 def test_whatever_is_not_passed_on_has_somebody_who_answers_it(
@@ -68,10 +68,10 @@ def test_the_page_on_stations_has_the_table_of_order_words() -> None:
 def shut(ship: Crewed, words: str, station: Station) -> list[Gate]:
     """Return all gates that are shut to an order."""
     order = understood(words)
-    return [gate for gate in GATES if gate(order, station, ship.session)]
+    return [gate for gate in ORDER_GATES if gate(order, station, ship.session)]
 
 
-@pytest.mark.parametrize("gate", GATES, ids=lambda gate: gate.__name__)
+@pytest.mark.parametrize("gate", ORDER_GATES, ids=lambda gate: gate.__name__)
 def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
     gate: Gate, crewed: Callable[..., Crewed]
 ) -> None:
@@ -105,7 +105,7 @@ def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Callable[..., 
     ship.order("end exercise")
     station = next(each for each in ship.session.event_log.stations if each.line is second)
 
-    answers = [gate(understood("run"), station, ship.session) for gate in GATES]
+    answers = [gate(understood("run"), station, ship.session) for gate in ORDER_GATES]
     reasons: Sequence[str] = list(filter(None, answers))
     assert len(reasons) == 2
     found = refusal(understood("run"), station, ship.session)

@@ -24,7 +24,7 @@ from trainer.config.files import shipped_names
 from trainer.core.cache import cache_folder
 from trainer.io.recording.recording import Recording
 from trainer.session import first_start, run, warm_up
-from trainer.session.exercise import Work
+from trainer.session.exercise import BackgroundTask
 from trainer.session.options import RunOptions
 
 HERE = Path(trainer.__file__).parents[1]
@@ -50,7 +50,7 @@ def compiled_by_another(cache: Path) -> Iterator[None]:
 @contextlib.contextmanager
 def compiled_by_another_in(folder: Path) -> Iterator[None]:
     """Hold the lock of the process that fills a version's folder of the cache."""
-    with (folder / compilation.LOCK).open("wb") as lock:
+    with (folder / compilation.LOCK_NAME).open("wb") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
 
@@ -111,11 +111,11 @@ def all_but_the_mark(cache: Path) -> Iterator[Callable[[], None]]:
     """
     if not compilation.is_kept():
         trained("run", "--headless", "--duration", "1", "--speed", "max")
-    marks = [compilation.mark("tick").name, compilation.mark("complete").name]
+    marks = [compilation.mark_path("tick").name, compilation.mark_path("complete").name]
     folder = cache / cache_folder().name
-    unmarked = shutil.ignore_patterns(compilation.LOCK, "complete-*", "tick-*")
+    unmarked = shutil.ignore_patterns(compilation.LOCK_NAME, "complete-*", "tick-*")
     shutil.copytree(cache_folder(), folder, copy_function=os.symlink, ignore=unmarked)
-    with (folder / compilation.LOCK).open("wb") as lock:
+    with (folder / compilation.LOCK_NAME).open("wb") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
 
         def complete() -> None:
@@ -174,7 +174,9 @@ def test_a_first_run_whose_compilation_fails_goes_on_interpreted_and_says_so(
     )
     with compiled_by_another(tmp_path / "cache"):
         run.start()
-        once_at_sea(record, lambda: (folder / compilation.COMPLAINTS).write_text("no space left"))
+        once_at_sea(
+            record, lambda: (folder / compilation.ERROR_LOG_NAME).write_text("no space left")
+        )
     run.join()
 
     with contextlib.closing(Recording.look(record)) as recording:
@@ -225,7 +227,7 @@ def test_what_an_exercise_says_counts_unless_the_user_says_otherwise(tmp_path: P
 def empty_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """Return an empty cache folder of this process, which looks at it without waiting."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(compilation, "LOOK", 0.01)
+    monkeypatch.setattr(compilation, "POLL_PERIOD_S", 0.01)
     return tmp_path
 
 
@@ -236,7 +238,7 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(compilation, "is_settled", lambda: False)
     monkeypatch.setattr(compilation, "is_interpreted", lambda: False)
-    monkeypatch.setattr(compilation, "do_without", lambda: done.append("interpreted"))
+    monkeypatch.setattr(compilation, "use_interpreter", lambda: done.append("interpreted"))
     monkeypatch.setattr(subprocess, "Popen", process_of(done))
     return done
 
@@ -255,10 +257,10 @@ def process_of(done: list[str]) -> Callable[..., Any]:
 
 
 def test_one_process_compiles_however_many_are_started(started: list[str]) -> None:
-    first = first_start.prepare(OPTIONS)
-    with compilation.compiling():
+    first = first_start.prepare_core(OPTIONS)
+    with compilation.compilation_lock():
         compilation.write_progress(40)
-        second = first_start.prepare(OPTIONS)
+        second = first_start.prepare_core(OPTIONS)
 
     assert "(0 %)" in first
     assert "(40 %)" in second
@@ -278,18 +280,18 @@ def test_who_makes_a_page_is_told_that_the_boat_is_compiled_and_once(tmp_path: P
 
 
 def test_a_run_after_the_cache_is_full_says_nothing(started: list[str]) -> None:
-    compilation.keep()
+    compilation.mark_compiled()
 
-    assert first_start.prepare(OPTIONS) == ""
+    assert first_start.prepare_core(OPTIONS) == ""
     assert started == []
 
 
 def test_what_went_wrong_beside_is_done_again_where_it_is_seen(
     started: list[str], tmp_path: Path
 ) -> None:
-    (tmp_path / compilation.COMPLAINTS).write_text("OSError: no space left")
+    (tmp_path / compilation.ERROR_LOG_NAME).write_text("OSError: no space left")
 
-    assert first_start.prepare(OPTIONS) == ""
+    assert first_start.prepare_core(OPTIONS) == ""
     assert started == []
 
 
@@ -305,11 +307,11 @@ def test_what_is_compiled_beside_is_what_runs_and_not_what_lies_in_the_folder(
     folder = tmp_path / "cache" / cache_folder().name
     folder.mkdir(parents=True)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(folder))
-    compilation.keep()  # it ends when it finds that
+    compilation.mark_compiled()  # it ends when it finds that
     first_start.compile_beside()
     await_compilers()
 
-    assert (cache_folder() / compilation.COMPLAINTS).read_text() == ""
+    assert (cache_folder() / compilation.ERROR_LOG_NAME).read_text() == ""
 
 
 def await_compilers() -> None:
@@ -322,9 +324,9 @@ def await_compilers() -> None:
 def test_who_starts_once_the_tick_is_there_is_told_so_and_compiles_the_rest_beside(
     started: list[str],
 ) -> None:
-    compilation.keep("tick")
+    compilation.mark_compiled("tick")
 
-    assert first_start.prepare(OPTIONS) == first_start.NEARLY_READY
+    assert first_start.prepare_core(OPTIONS) == first_start.NEARLY_READY
     assert started == ["interpreted", "process"]
 
 
@@ -344,7 +346,7 @@ def test_a_process_that_compiles_holds_the_lock_until_it_ends_whoever_started_it
     monkeypatch.setattr(subprocess, "Popen", start)
     first_start.compile_beside()
     first_start.compile_beside()
-    with compilation.compiling() as lock:
+    with compilation.compilation_lock() as lock:
         assert lock is None
     assert len(begun) == 1
 
@@ -369,14 +371,14 @@ def test_a_compiling_process_that_died_is_begun_again_a_few_times_at_most() -> N
 @pytest.mark.usefixtures("empty_cache")
 def test_what_was_begun_again_and_succeeds_is_gone_over_to() -> None:
     there = compilation.await_tick(
-        threading.Event(), lambda _: None, lambda: compilation.keep("tick")
+        threading.Event(), lambda _: None, lambda: compilation.mark_compiled("tick")
     )
 
     assert there
 
 
 def test_a_compilation_that_complained_is_not_begun_again(empty_cache: Path) -> None:
-    (empty_cache / compilation.COMPLAINTS).write_text("OSError: no space left")
+    (empty_cache / compilation.ERROR_LOG_NAME).write_text("OSError: no space left")
     begun: list[int] = []
 
     assert not compilation.await_tick(threading.Event(), lambda _: None, lambda: begun.append(1))
@@ -391,7 +393,7 @@ def test_how_far_it_is_only_grows_and_ends_at_a_hundred_though_it_is_begun_again
     def go_on() -> None:
         percent = next(ahead, None)
         if percent is None:
-            compilation.keep("tick")
+            compilation.mark_compiled("tick")
         else:
             compilation.write_progress(percent)
 
@@ -427,7 +429,7 @@ def test_a_line_tells_each_fifth_of_the_way(
 
 def stand_in(told: list[str]) -> Any:
     """Return what of a session waits for machine code; what it tells goes to the list."""
-    work = Work(lambda: None)
+    work = BackgroundTask(lambda: None)
     log = SimpleNamespace(tell=lambda _kind, text: told.append(text))
     return SimpleNamespace(conduct=SimpleNamespace(work=work), event_log=log, boat=None)
 
@@ -465,7 +467,7 @@ def test_the_tick_compiled_alone_is_what_a_run_goes_over_to(tmp_path: Path) -> N
     )
     before = {path.name for path in tmp_path.rglob("*.nb*")}
     (mark,) = tmp_path.rglob("tick-*")
-    assert (mark.parent / compilation.PROGRESS).read_text() == "100"
+    assert (mark.parent / compilation.PROGRESS_NAME).read_text() == "100"
 
     exercise = ("run", "periscope-depth", "--headless", "--verbose", "--duration", "20", "--speed")
     with compiled_by_another_in(mark.parent):
@@ -483,7 +485,7 @@ def test_without_a_folder_that_lasts_nothing_is_compiled_for_later(
 ) -> None:
     monkeypatch.setattr(first_start, "cache_lasts", lambda: False)
 
-    assert "NUMBA_CACHE_DIR" in first_start.prepare(OPTIONS)
+    assert "NUMBA_CACHE_DIR" in first_start.prepare_core(OPTIONS)
     assert started == ["interpreted"]
 
 
@@ -491,7 +493,7 @@ def test_a_cache_speaks_for_the_files_it_was_made_from_alone(
     started: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     del started
-    compilation.keep()
+    compilation.mark_compiled()
     assert compilation.is_kept()
 
     monkeypatch.setenv("NUMBA_CPU_NAME", "x86-64")
@@ -508,7 +510,7 @@ def test_the_process_beside_compiles_all_that_a_run_needs_and_ends(tmp_path: Pat
 
     assert done.stderr == ""
     assert {path.name for path in tmp_path.rglob("*.nb*")} == before
-    assert not list(tmp_path.rglob(compilation.COMPLAINTS))
+    assert not list(tmp_path.rglob(compilation.ERROR_LOG_NAME))
 
 
 @pytest.mark.process

@@ -10,17 +10,17 @@ from helpers.crewed import Crewed
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
-from trainer.boat.grounding import GroundMonitor, Touch, clearance
+from trainer.boat.grounding import GroundMonitor, GroundTouch, clearance
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.bottom import Ground, keel_of
 from trainer.boat.world.world import World
 from trainer.config.bottom import Bottom, read_bottom
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import Place, remembering
 from trainer.debrief.groundings import groundings
-from trainer.debrief.judgement import judge, plain_marks
-from trainer.debrief.rehearsal import Rehearsal, fly
-from trainer.io.chart import DEFAULT
+from trainer.debrief.judgement import judge_run, plain_marks
+from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
+from trainer.io.chart import DEFAULT_CHART
 from trainer.session.header import differences, header_of, plan_of
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_instruments
 from trainer.session.options import RunOptions
@@ -101,14 +101,14 @@ def test_a_fast_one_is_hard_aground(make_boat: MakeBoat) -> None:
 @pytest.mark.parametrize(
     ("touch", "kind", "hard"),
     [
-        (Touch(0.51, 0.0, 0.51, 0.0), "mud", True),
-        (Touch(0.49, 3.0, 0.49, 0.0), "sand", False),
-        (Touch(0.1, 2.1 * KNOT, 0.1, 0.0), "rock", True),
-        (Touch(0.1, 1.9 * KNOT, 0.1, 0.0), "rock", False),
+        (GroundTouch(0.51, 0.0, 0.51, 0.0), "mud", True),
+        (GroundTouch(0.49, 3.0, 0.49, 0.0), "sand", False),
+        (GroundTouch(0.1, 2.1 * KNOT, 0.1, 0.0), "rock", True),
+        (GroundTouch(0.1, 1.9 * KNOT, 0.1, 0.0), "rock", False),
     ],
 )
 def test_hard_is_fast_into_the_ground_or_way_over_rock(
-    touch: Touch, kind: str, *, hard: bool
+    touch: GroundTouch, kind: str, *, hard: bool
 ) -> None:
     assert touch.is_hard(kind) is hard
 
@@ -154,7 +154,7 @@ def test_clearance_is_the_keel_s_and_a_limit(make_boat: MakeBoat) -> None:
     s.theta = s.phi = 0.0
     level = 40.0 - keel_of(boat.vessel)
     assert clearance(boat) == pytest.approx(level)
-    monitor = LimitMonitor.over(boat, Limits(clearance_m_min=level - 3.0))
+    monitor = LimitMonitor.over(boat, ExerciseLimits(clearance_m_min=level - 3.0))
     assert monitor.look(boat) == []
     s.theta = math.radians(-10.0)  # bow down
     assert clearance(boat) == pytest.approx(level - 0.45 * 70.2 * math.sin(0.17453), abs=0.2)
@@ -192,7 +192,9 @@ def frame(boat: Boat) -> Frame:
 def sentences(boat: Boat) -> dict[str, str]:
     """Return the sentences of depths of a boat by their beginning."""
     chosen = choose_instruments(["DBT", "DPT", "XDR"])
-    lines = InstrumentSet(chosen, DEFAULT, datetime(2026, 1, 1, tzinfo=UTC)).lines(frame(boat))
+    lines = InstrumentSet(chosen, DEFAULT_CHART, datetime(2026, 1, 1, tzinfo=UTC)).lines(
+        frame(boat)
+    )
     return {line[1:8]: line for line in lines}
 
 
@@ -268,7 +270,7 @@ def drill(folder: Path, kind: str) -> Path:
 def flown(folder: Path, kind: str) -> tuple[Plan, Rehearsal]:
     """Return the drill flown by nobody."""
     plan = plan_run(RunOptions(exercise=str(drill(folder, kind))))
-    return plan, fly(plan)
+    return plan, fly_rehearsal(plan)
 
 
 @pytest.mark.parametrize(("kind", "hard"), [("sand", False), ("rock", True)])
@@ -281,7 +283,7 @@ def test_a_grounding_is_counted_and_a_hard_one_leaves_no_marks(
     assert found.at_fault
     assert found.touch.way > 2.0 * KNOT
     assert plain_marks(nobody.trajectory, plan) == {"Off the ground": 0.0}
-    verdict = judge(nobody.trajectory, plan, {}).verdict
+    verdict = judge_run(nobody.trajectory, plan, {}).verdict
     assert verdict is not None
     assert verdict.cap == (0.0 if hard else None)
     assert verdict.outcome == ("lost" if hard else "not reached")

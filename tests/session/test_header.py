@@ -18,14 +18,14 @@ from trainer.config.files import (
     read_text,
     reading_recorded,
     remembering,
-    shipped,
     shipped_names,
+    shipped_path,
 )
 from trainer.config.sea import load_sea
 from trainer.core import cache
 from trainer.session import header as header_module
 from trainer.session.header import differences, header_of, layout_of, method_of, notes, plan_of
-from trainer.session.layout import LAYOUT, read_state, unlike
+from trainer.session.layout import LAYOUT, read_state, state_difference
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 
@@ -115,7 +115,7 @@ def recorded_run(options: RunOptions) -> tuple[Plan, Boat, dict[str, str]]:
 def drill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RunOptions:
     """Return options of an exercise in the present folder, every file of it the user's own."""
     monkeypatch.chdir(tmp_path)
-    bb2 = shipped("vessels", "bb2").read_text(encoding="utf-8")
+    bb2 = shipped_path("vessels", "bb2").read_text(encoding="utf-8")
     for name, text in (
         ("boat.toml", bb2),
         ("swell.toml", SWELL),
@@ -177,10 +177,10 @@ def test_recorded_texts_are_read_and_nothing_else(tmp_path: Path) -> None:
     texts = {"configs/seas/gale.toml": "a gale", "mine.toml": "mine"}
     with reading_recorded(texts):
         assert shipped_names("seas") == ("gale",)
-        assert read_text(shipped("seas", "gale")) == "a gale"
+        assert read_text(shipped_path("seas", "gale")) == "a gale"
         assert read_text(Path("mine.toml")) == "mine"
         with pytest.raises(ConfigError, match="no shipped file 'calm' among seas"):
-            shipped("seas", "calm")
+            shipped_path("seas", "calm")
         with pytest.raises(ConfigError, match=r"new.toml: is not among the files recorded: conf"):
             read_text(tmp_path / "new.toml")
     assert "calm" in shipped_names("seas")
@@ -426,11 +426,11 @@ def test_two_states_are_unlike_at_the_first_bit_that_differs(
     boat.state.past_rates[1, 3] = -0.0
     boat.state.z += 1e-14
     boat.state.water[4] = 0.5
-    found = unlike(one.tobytes(), boat.records.state.tobytes())
+    found = state_difference(one.tobytes(), boat.records.state.tobytes())
 
     assert found is not None
     assert (found.name, found.recorded, found.numbers) == ("z", 60.0, 3)
-    assert unlike(one.tobytes(), one.tobytes()) is None
+    assert state_difference(one.tobytes(), one.tobytes()) is None
     assert len(set(LAYOUT)) == len(LAYOUT) == boat.records.state.itemsize // 8
     assert {"u", "past_rates[1,3]", "water_trim_forward", "casualty[7]"} <= set(LAYOUT)
 

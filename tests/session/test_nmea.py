@@ -13,29 +13,29 @@ from hypothesis import strategies as st
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
-from trainer.io.chart import DEFAULT, Chart, chart_at
-from trainer.io.lines import Overlong
+from trainer.io.chart import DEFAULT_CHART, Chart, chart_at
+from trainer.io.lines import OverlongLine
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea import page as nmea_page
 from trainer.session.nmea.orders import (
-    AGAIN,
-    READERS,
-    TELEGRAPH,
+    REPEAT_PERIOD_S,
+    SENTENCE_READERS,
+    TELEGRAPH_BELLS,
     Command,
     NmeaLine,
-    Useless,
+    UnusableSentence,
     meaning,
 )
 from trainer.session.nmea.outlets import parse_names
-from trainer.session.nmea.readings import WIDEST
+from trainer.session.nmea.readings import WIDEST_READINGS
 from trainer.session.nmea.sentences import (
     INSTRUMENTS,
     InstrumentSet,
-    Sampled,
+    SampledDisplay,
     choose_instruments,
     widest,
 )
@@ -58,7 +58,7 @@ def give(boat: Boat, *lines: str) -> None:
     for line in lines:
         order = parse(line)
         assert isinstance(order, Order)
-        assert isinstance(obey(boat, order), str)
+        assert isinstance(obey_order(boat, order), str)
 
 
 def seen(boat: Boat) -> Frame:
@@ -66,12 +66,12 @@ def seen(boat: Boat) -> Frame:
     return lookout.frame(Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace()))
 
 
-def told(boat: Boat, chart: Chart = DEFAULT) -> dict[str, tuple[str, ...]]:
+def told(boat: Boat, chart: Chart = DEFAULT_CHART) -> dict[str, tuple[str, ...]]:
     """Return the fields of the set of a boat, by address and, of our own, page."""
     fields = {}
     for line in InstrumentSet(INSTRUMENTS, chart, START).lines(seen(boat)):
-        heard = nmea.hear(line)
-        assert isinstance(heard, nmea.Sentence)
+        heard = nmea.parse_sentence(line)
+        assert isinstance(heard, nmea.NmeaSentence)
         name = heard.talker + heard.formatter
         page = heard.fields[0] if name == "PXSC" else ""
         page = "DEPTH" if heard.fields[-1] == "DEPTH" else page
@@ -85,8 +85,8 @@ def told(boat: Boat, chart: Chart = DEFAULT) -> dict[str, tuple[str, ...]]:
 def test_a_sentence_is_framed_as_the_worlds_best_known_example() -> None:
     # the GGA that every description of NMEA 0183 shows, with its checksum 47
     known = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47"
-    heard = nmea.hear(known)
-    assert isinstance(heard, nmea.Sentence)
+    heard = nmea.parse_sentence(known)
+    assert isinstance(heard, nmea.NmeaSentence)
     assert (heard.talker, heard.formatter) == ("GP", "GGA")
     assert nmea.sentence("GPGGA", *heard.fields) == known
 
@@ -107,15 +107,15 @@ def test_a_sentence_of_80_characters_and_its_line_end_passes_and_one_more_is_ref
     ],
 )
 def test_a_damaged_sentence_says_what_is_wrong(line: str, reason: str) -> None:
-    heard = nmea.hear(line)
-    assert isinstance(heard, nmea.Damaged)
+    heard = nmea.parse_sentence(line)
+    assert isinstance(heard, nmea.DamagedSentence)
     assert reason in heard.reason
 
 
 @given(st.text(max_size=90))
 def test_no_line_raises(text: str) -> None:
     for line in (text, f"${text}", f"${text}*00"):
-        assert not isinstance(nmea.hear(line), nmea.Sentence) or "*" in line
+        assert not isinstance(nmea.parse_sentence(line), nmea.NmeaSentence) or "*" in line
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_a_longitude_has_three_digits_of_degrees_and_nought_has_no_sign() -> Non
 
 def test_every_sentence_fits_with_the_widest_values_and_has_the_fields_it_is_said_to_have() -> None:
     for instrument in INSTRUMENTS:
-        sent = instrument.sentence(WIDEST)
+        sent = instrument.sentence(WIDEST_READINGS)
         assert len(sent) <= 80
         assert len(instrument.fields) == sent.count(",")
 
@@ -150,7 +150,7 @@ def test_every_sentence_fits_with_the_widest_values_and_has_the_fields_it_is_sai
 def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
     boat = under_way(15.0)
     give(boat, "rudder right full", "stern planes dive 25", "bell ahead flank")
-    shown = InstrumentSet(INSTRUMENTS, DEFAULT, START)
+    shown = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START)
     for _ in range(300):
         if boat.tick():
             break
@@ -205,7 +205,7 @@ def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
     assert float(wrong["INGGA"][8]) == pytest.approx(-s.z - off, abs=0.01)
     assert float(wrong["INHDT"][0]) - math.degrees(s.psi) > 1.0
     assert wrong["PASHR"][1] == wrong["INVHW"][0] == wrong["INHDT"][0]
-    position = DEFAULT.position(s.x, s.y)
+    position = DEFAULT_CHART.position(s.x, s.y)
     assert wrong["INRMC"][2:4] == nmea.latitude(position[0])
     assert wrong["INRMC"][4:6] == nmea.longitude(position[1])
     assert sound["INHDT"][0] == "90.00"
@@ -241,7 +241,7 @@ def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
     boat = under_way()
 
     def sent(names: str | None) -> dict[str, str]:
-        shown = InstrumentSet(choose_instruments(parse_names(names)), DEFAULT, START)
+        shown = InstrumentSet(choose_instruments(parse_names(names)), DEFAULT_CHART, START)
         return {line[1:6]: line for line in shown.lines(seen(boat))}
 
     usual = sent(None)
@@ -255,7 +255,7 @@ def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
 
 def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:
     boat = under_way()
-    sampled = Sampled(InstrumentSet(choose_instruments(["HDT"]), DEFAULT, START), 1.0)
+    sampled = SampledDisplay(InstrumentSet(choose_instruments(["HDT"]), DEFAULT_CHART, START), 1.0)
     start = boat.snapshot()
     counts = []
     for _ in range(5):
@@ -348,9 +348,9 @@ def test_an_origin_is_two_numbers_within_bounds() -> None:
 # Sentences that order
 
 
-def heard(address: str, fields: str) -> nmea.Sentence:
-    found = nmea.hear(nmea.sentence(address, *fields.split(",")))
-    assert isinstance(found, nmea.Sentence)
+def heard(address: str, fields: str) -> nmea.NmeaSentence:
+    found = nmea.parse_sentence(nmea.sentence(address, *fields.split(",")))
+    assert isinstance(found, nmea.NmeaSentence)
     return found
 
 
@@ -404,28 +404,31 @@ def test_a_sentence_orders_what_the_helm_may_order(
 )
 def test_a_sentence_that_orders_nothing_says_why(address: str, fields: str, reason: str) -> None:
     found = meaning(heard(address, fields))
-    assert isinstance(found, Useless)
+    assert isinstance(found, UnusableSentence)
     assert reason in found.reason
 
 
 def test_other_sentences_mean_nothing_here() -> None:
     assert meaning(heard("GPRMC", "1,2,3")) is None
-    assert meaning(nmea.Sentence("P", "HTC", ("V",) * 14)) is None
-    assert set(READERS) == {"HTC", "HSC", "ROR", "ETL", "PRC"}
+    assert meaning(nmea.NmeaSentence("P", "HTC", ("V",) * 14)) is None
+    assert set(SENTENCE_READERS) == {"HTC", "HSC", "ROR", "ETL", "PRC"}
 
 
-@pytest.mark.parametrize("bell", sorted(set(TELEGRAPH.values())))
+@pytest.mark.parametrize("bell", sorted(set(TELEGRAPH_BELLS.values())))
 def test_a_bell_rung_is_told_by_the_position_that_orders_it(bell: str) -> None:
     boat = under_way()
     give(boat, f"bell {bell}")
-    assert TELEGRAPH[told(boat)["INETL"][2]] == bell
+    assert TELEGRAPH_BELLS[told(boat)["INETL"][2]] == bell
 
 
-@given(st.sampled_from(sorted(READERS)), st.lists(st.text("0123456789.-+ALRMTCHOVS", max_size=5)))
+@given(
+    st.sampled_from(sorted(SENTENCE_READERS)),
+    st.lists(st.text("0123456789.-+ALRMTCHOVS", max_size=5)),
+)
 def test_no_fields_raise_and_every_command_is_an_order_or_refused(
     formatter: str, fields: list[str]
 ) -> None:
-    found = meaning(nmea.Sentence("AG", formatter, tuple(fields)))
+    found = meaning(nmea.NmeaSentence("AG", formatter, tuple(fields)))
     assert found is not None
     if isinstance(found, Command):
         assert parse(found.words) is not None
@@ -439,11 +442,11 @@ class Wire:
 
     name, ended, trouble, dropped, room = "nmea wire", False, "", 3, True
 
-    def __init__(self, *lines: str | Overlong) -> None:
+    def __init__(self, *lines: str | OverlongLine) -> None:
         self.lines = list(lines)
         self.sent: list[str] = []
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         taken, self.lines = self.lines[:most], self.lines[most:]
         return taken
 
@@ -465,7 +468,7 @@ class Told:
         self.log.append(text)
 
 
-def line_of(*lines: str | Overlong) -> tuple[NmeaLine, Wire, Told]:
+def line_of(*lines: str | OverlongLine) -> tuple[NmeaLine, Wire, Told]:
     wire, told_of = Wire(*lines), Told()
     line = NmeaLine(wire, threading.Event(), told_of.write, lambda: told_of.now)
     return line, wire, told_of
@@ -480,7 +483,7 @@ def test_a_command_sent_all_the_time_is_one_order_and_is_given_anew_after_a_whil
     line, wire, told_of = line_of(LEFT, LEFT, HALF, LEFT)
     assert line.take(10) == ["rudder left 5.0", "bell ahead standard"]
     wire.lines = [LEFT, HALF]
-    told_of.now += AGAIN - 0.1
+    told_of.now += REPEAT_PERIOD_S - 0.1
     assert line.take(10) == []
     wire.lines = [nmea.sentence("APHSC", "90", "T", "", ""), LEFT]  # the same control: both
     assert line.take(10) == ["course 90", "rudder left 5.0"]
@@ -511,15 +514,15 @@ def test_the_log_of_ignored_sentences_is_bounded() -> None:
 
 def test_a_damaged_line_is_handed_on_to_be_counted_as_bad() -> None:
     bad = LEFT.replace("5", "6", 1)
-    line, _, _ = line_of(bad, Overlong(82))
-    assert line.take(10) == [bad, Overlong(82)]
+    line, _, _ = line_of(bad, OverlongLine(82))
+    assert line.take(10) == [bad, OverlongLine(82)]
     assert line.ignored == 0
 
 
 def test_an_echo_of_what_is_sent_here_is_no_order() -> None:
     boat = under_way()
     give(boat, "rudder left 5", "bell ahead full")
-    echo = InstrumentSet(INSTRUMENTS, DEFAULT, START).lines(seen(boat))
+    echo = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START).lines(seen(boat))
     line, _, _ = line_of(*echo)
     assert line.take(50) == []
     assert line.ignored == len(echo)

@@ -30,17 +30,17 @@ from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
-from trainer.io.chart import DEFAULT
+from trainer.io.chart import DEFAULT_CHART
 from trainer.io.line import Outbox
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import COLUMNS, NoFile
+from trainer.io.tables import MOTION_COLUMNS, NoFile
 from trainer.session.history import History
-from trainer.session.nmea.outlets import Steady, open_outlets
+from trainer.session.nmea.outlets import SteadySubscription, open_outlets
 from trainer.session.nmea.sentences import INSTRUMENTS
 from trainer.session.options import RunOptions
 from trainer.session.ports import Ports
-from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
+from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.session.time.pacer import MonotonicClock, Policy
@@ -114,7 +114,9 @@ class Deck:
         keeping = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
         history = History(self.boat, self.recording)
         self.session = session_over(
-            *(self.boat, keeping, history, self.publisher), rows=(NoFile(), COLUMNS), wake=wake
+            *(self.boat, keeping, history, self.publisher),
+            rows=(NoFile(), MOTION_COLUMNS),
+            wake=wake,
         )
         ports = Ports(wake, self.publisher, self.session.event_log.log, stack)
         self.stations = open_outlets(ports, self.recording, given)
@@ -256,7 +258,7 @@ def off(angle: float, degrees: float) -> float:
 
 
 def place_of(row: dict[str, float]) -> tuple[float, float]:
-    return DEFAULT.position(row["x"], row["y"])
+    return DEFAULT_CHART.position(row["x"], row["y"])
 
 
 @pytest.mark.process
@@ -287,7 +289,9 @@ def test_no_set_is_cut_short_by_a_reader_that_keeps_up(stream: Stream, way: str)
     addresses = [each.address for each in ALONE]
     for one in sets(stream.lines[way]):
         assert [line[1:].split(",")[0] for line in one] == addresses
-    assert all(isinstance(nmea.hear(line), nmea.Sentence) for line in stream.lines[way])
+    assert all(
+        isinstance(nmea.parse_sentence(line), nmea.NmeaSentence) for line in stream.lines[way]
+    )
 
 
 @pytest.mark.process
@@ -580,13 +584,15 @@ def test_a_panel_on_a_serial_line_steers_and_hears_and_is_not_missed_when_unplug
 def test_a_hung_line_never_holds_up_who_offers_a_tick_and_loses_what_is_too_much() -> None:
     boat, let_go = under_way(), threading.Event()
     outbox = Outbox(lambda _data: let_go.wait(60.0), capacity=4)
-    promptly = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)), iter(range(1000)).__next__)
+    promptly = PromptSender(
+        Roster(StateReader(boat, Ledger(0.5).summary)), iter(range(1000)).__next__
+    )
 
     class Twice:
         def lines(self, frame: object) -> list[str]:
             return [f"{frame!r:.1}", "second"]
 
-    promptly.add(Steady(outbox, "nmea", 1.0, Twice()))
+    promptly.add(SteadySubscription(outbox, "nmea", 1.0, Twice()))
     for _ in range(20):
         boat.tick()
         promptly.offer(int(boat.state.tick), boat.records.state.tobytes(), Pace())
@@ -639,7 +645,7 @@ def picture(tick: int, *, frozen: bool = False) -> Picture:
 
 
 def test_a_set_is_sent_at_its_rate_and_the_last_again_after_a_second_of_silence() -> None:
-    subscription = Steady(None, "nmea", 4.0, None)  # type: ignore[arg-type]
+    subscription = SteadySubscription(None, "nmea", 4.0, None)  # type: ignore[arg-type]
     assert subscription.wait(picture(1), 10.0) == 0.0
     subscription.seen, subscription.due = picture(1), 10.25
     assert subscription.wait(picture(2), 10.0) == pytest.approx(0.25)
@@ -667,7 +673,7 @@ def test_time_and_date_go_on_from_when_the_recording_was_begun(
 def refused(given: RunOptions) -> str:
     boat = under_way()
     with contextlib.ExitStack() as stack:
-        publisher = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
+        publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack)
         with pytest.raises(ConfigError) as wrong:
             open_outlets(ports, NoRecording(), given)
@@ -686,7 +692,7 @@ def test_the_rate_that_is_advised_fits() -> None:
     rate = float(said.partition("--nmea-rate ")[2].split()[0])
     with contextlib.ExitStack() as stack:
         boat = under_way()
-        publisher = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
+        publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack)
         given = options("loop://", nmea_baud=4800, nmea_rate=rate)
         stations = open_outlets(ports, NoRecording(), given)

@@ -14,11 +14,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.io.line import Direct, Inbox, Outbox, Sender, reader, writer
-from trainer.io.lines import LineDecoder, Overlong
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.line import DirectSender, Inbox, Outbox, Sender, reader, writer
+from trainer.io.lines import LineDecoder, OverlongLine
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.io.status_line import View, header, state_line
+from trainer.io.status_line import StatusView, header, state_line
 
 PATIENCE = 60.0  # [s]  far beyond what any wait here needs
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
@@ -52,13 +52,13 @@ def test_an_endless_line_is_given_up_once_and_the_next_line_is_read() -> None:
 
     found = [line for _ in range(1000) for line in decoder.feed(b"x" * 1000)]
 
-    assert found == [Overlong(LONGEST)]
+    assert found == [OverlongLine(MAX_LINE_LETTERS)]
     assert decoder.held == 0
     assert decoder.feed(b"tail\ndepth 80\n") == ["depth 80"]
 
 
 def test_a_line_of_the_longest_length_passes() -> None:
-    assert LineDecoder().feed(b"x" * LONGEST + b"\n") == ["x" * LONGEST]
+    assert LineDecoder().feed(b"x" * MAX_LINE_LETTERS + b"\n") == ["x" * MAX_LINE_LETTERS]
 
 
 def test_random_bytes_keep_the_buffer_bounded() -> None:
@@ -67,7 +67,7 @@ def test_random_bytes_keep_the_buffer_bounded() -> None:
 
     for _ in range(10_000):
         decoder.feed(source.randbytes(7))
-        assert decoder.held <= LONGEST
+        assert decoder.held <= MAX_LINE_LETTERS
     # At most: ends a telnet command cut short, ends the line, then reads afresh.
     assert decoder.feed(b"\r\ndepth 80\r\n")[-1] == "depth 80"
 
@@ -140,8 +140,8 @@ def broken(_data: bytes) -> None:
     raise BrokenPipeError(32, "Broken pipe")
 
 
-@pytest.mark.parametrize("kind", [Outbox, Direct])
-def test_a_dead_port_is_remembered_with_its_reason(kind: type[Outbox] | type[Direct]) -> None:
+@pytest.mark.parametrize("kind", [Outbox, DirectSender])
+def test_a_dead_port_is_remembered_with_its_reason(kind: type[Outbox] | type[DirectSender]) -> None:
     sender: Sender = kind(broken)
 
     sender.send("one")
@@ -155,7 +155,7 @@ def test_a_dead_port_is_remembered_with_its_reason(kind: type[Outbox] | type[Dir
 
 def test_direct_has_written_when_it_returns() -> None:
     taken: list[bytes] = []
-    direct = Direct(taken.append)
+    direct = DirectSender(taken.append)
 
     direct.send("60.0 m \N{DEGREE SIGN}")
 
@@ -178,7 +178,7 @@ def test_a_pipe_is_read_to_its_end_with_nothing_lost() -> None:
         writer(far)(b"".join(b"depth %d\n" % i for i in range(500)) + b"quit")
         os.close(far)
 
-        lines: list[str | Overlong] = []
+        lines: list[str | OverlongLine] = []
         while not inbox.ended or inbox._lines:  # noqa: SLF001  take() would empty it
             assert arrived.wait(PATIENCE)
             lines += inbox.take()
@@ -247,8 +247,8 @@ def serving(line: SerialLine) -> Iterator[tuple[Inbox, Outbox]]:
         inbox.close(PATIENCE)
 
 
-def taken(inbox: Inbox, count: int) -> list[str | Overlong]:
-    lines: list[str | Overlong] = []
+def taken(inbox: Inbox, count: int) -> list[str | OverlongLine]:
+    lines: list[str | OverlongLine] = []
 
     def enough() -> bool:
         lines.extend(inbox.take())
@@ -342,7 +342,7 @@ def test_a_refused_connection_and_a_silly_baud_rate_are_told() -> None:
 
 # The plain console
 
-VIEW = View(
+VIEW = StatusView(
     time_s=83.0,
     depth_m=60.02,
     course_deg=0.0,
@@ -398,8 +398,8 @@ def test_a_quantity_is_shown_readably(fields: dict[str, Any], shown: str) -> Non
 ANY = st.floats(allow_nan=True, allow_infinity=True)
 
 
-@given(st.builds(View, *[ANY] * 10, *[st.none() | ANY] * 2, *[st.booleans()] * 4))
-def test_no_value_breaks_the_columns(view: View) -> None:
+@given(st.builds(StatusView, *[ANY] * 10, *[st.none() | ANY] * 2, *[st.booleans()] * 4))
+def test_no_value_breaks_the_columns(view: StatusView) -> None:
     line = state_line(view)
 
     assert len(line) == len(header()) == 79

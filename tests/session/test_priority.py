@@ -7,9 +7,14 @@ import threading
 import pytest
 
 from trainer.session.time import timekeeping
-from trainer.session.time.ledger import SECOND
-from trainer.session.time.pacer import SPIN, MonotonicClock, Policy
-from trainer.session.time.timekeeping import REFUSED, SWITCH, Punctuality, Timekeeping
+from trainer.session.time.ledger import SECOND_NS
+from trainer.session.time.pacer import SPIN_TIME_NS, MonotonicClock, Policy
+from trainer.session.time.timekeeping import (
+    NOT_PERMITTED,
+    SWITCH_INTERVAL_S,
+    Punctuality,
+    Timekeeping,
+)
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="as Linux has it")
 
@@ -41,9 +46,9 @@ def test_every_thread_is_raised_the_ticking_one_above_the_others_and_all_are_put
     over.set()
     other.join()
 
-    assert raised[os.getpid()] == (os.SCHED_FIFO, timekeeping.FIRST)
-    assert raised[other.native_id or 0] == (os.SCHED_FIFO, timekeeping.REST)
-    assert timekeeping.FIRST > timekeeping.REST
+    assert raised[os.getpid()] == (os.SCHED_FIFO, timekeeping.TICK_PRIORITY)
+    assert raised[other.native_id or 0] == (os.SCHED_FIFO, timekeeping.OTHER_PRIORITY)
+    assert timekeeping.TICK_PRIORITY > timekeeping.OTHER_PRIORITY
     assert set(policies.values()) == {(os.SCHED_OTHER, 0)}
 
 
@@ -58,7 +63,7 @@ def test_what_is_not_permitted_is_said_and_done_without(monkeypatch: pytest.Monk
     asked.relax()
 
     assert asked.granted
-    assert f"priority normal (real-time: {REFUSED})" in asked.granted.line()
+    assert f"priority normal (real-time: {NOT_PERMITTED})" in asked.granted.line()
 
 
 def test_the_interpreter_changes_hands_sooner_while_time_is_kept_and_not_after() -> None:
@@ -69,13 +74,13 @@ def test_the_interpreter_changes_hands_sooner_while_time_is_kept_and_not_after()
     during = sys.getswitchinterval()
     asked.relax()
 
-    assert during == pytest.approx(SWITCH)
+    assert during == pytest.approx(SWITCH_INTERVAL_S)
     assert sys.getswitchinterval() == before
 
 
 def test_sleep_ends_early_enough_to_get_the_interpreter_from_a_busy_thread() -> None:
-    # it asks after SWITCH, and a busy thread asks for it back after as long again
-    assert SWITCH * SECOND < SPIN < 3 * SWITCH * SECOND
+    # it asks after SWITCH_INTERVAL_S, and a busy thread asks for it back after as long again
+    assert SWITCH_INTERVAL_S * SECOND_NS < SPIN_TIME_NS < 3 * SWITCH_INTERVAL_S * SECOND_NS
 
 
 def test_a_run_that_goes_as_fast_as_it_can_has_no_precedence_over_others() -> None:
@@ -133,12 +138,12 @@ def test_a_wake_is_heeded_in_the_last_moment_before_a_deadline_too(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock = MonotonicClock()
-    readings = iter(range(0, SPIN, 1000))
+    readings = iter(range(0, SPIN_TIME_NS, 1000))
     monkeypatch.setattr(clock, "now", lambda: next(readings))
     wake = Set(after=3)
 
-    assert not clock.wait_until(SPIN, wake)
-    assert next(readings) < SPIN // 2
+    assert not clock.wait_until(SPIN_TIME_NS, wake)
+    assert next(readings) < SPIN_TIME_NS // 2
 
 
 class Set(threading.Event):

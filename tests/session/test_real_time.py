@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 from helpers.places import environment
 
-from trainer.io.orders.sentences import order_sentence, read
-from trainer.io.recording.recording import Noted, Recording
+from trainer.io.orders.sentences import order_sentence, parse_sentence
+from trainer.io.recording.recording import RecordedEvent, Recording
 
 pytestmark = [
     pytest.mark.process,
@@ -72,7 +72,7 @@ class Client:
         self.line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
         said: list[str] = []
         for text in self._lines:
-            found = read(text)
+            found = parse_sentence(text)
             if found and (found.kind, found.tag) == ("TRA", tag):
                 verdict, rest = found.fields
                 if verdict != "say":
@@ -136,7 +136,7 @@ class Served:
         assert found
         return int(found[1])
 
-    def events(self, kind: str) -> list[Noted]:
+    def events(self, kind: str) -> list[RecordedEvent]:
         with contextlib.closing(Recording.look(self.recording)) as recording:
             return [each for each in recording.events() if each.kind == kind]
 

@@ -18,7 +18,7 @@ from helpers.givers import giver_at
 
 from trainer.analysis.recording_export import table_layout
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError, remembering
 from trainer.core.update import update
 from trainer.io.orders.grammar import Order, Refused, parse
@@ -28,7 +28,7 @@ from trainer.session.header import differences, header_of
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
-from trainer.session.replay import Flight, replay_anyway
+from trainer.session.replay import ReplayFlight, replay_anyway
 
 EXERCISE = """
 schema = "exercise/1"
@@ -98,7 +98,7 @@ class Run:
         if place is not None:
             self.place = place + 1
         if order.name in BOAT_ORDERS:
-            answer = obey(self.boat, order)
+            answer = obey_order(self.boat, order)
             refused = isinstance(answer, Refused)
             self.recording.answered(number, str(answer), not refused)
 
@@ -153,7 +153,7 @@ def spoil(path: Path, tick: int, field: str, change: float) -> None:
     file.close()
 
 
-def looked_at(path: Path) -> list[Flight]:
+def looked_at(path: Path) -> list[ReplayFlight]:
     """Return how a recording flies that another program has written."""
     recording = Recording.look(path)
     flights = replay_anyway(recording)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
@@ -19,22 +19,22 @@ from trainer.session.options import RunOptions
 from trainer.session.rerun import feed as feeds
 from trainer.session.rerun.batch import (
     Batch,
+    BatchCollector,
     Block,
     Changes,
-    Gathering,
-    Heard,
     Subject,
-    Taken,
+    TakenNews,
+    TakenPicture,
     Times,
     Track,
     states,
 )
 from trainer.session.rerun.charts import casualty_lanes, charts_of, lanes_of, ledger_columns
-from trainer.session.rerun.feed import CHUNK, ROOM, Feed, Log
-from trainer.session.rerun.request import PORT, open_log, parse_place
+from trainer.session.rerun.feed import CHUNK_STATES, MAX_WAITING_STATES, Feed, Log
+from trainer.session.rerun.request import VIEWER_PORT, open_log, parse_place
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.session.stations.station import News
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 
@@ -64,10 +64,12 @@ def state_of(tick: int, **places: float) -> bytes:
     return whole.tobytes()
 
 
-def taken(tick: int, timed: int | None = None, pace: Pace = RUNNING, **places: float) -> Taken:
+def taken(
+    tick: int, timed: int | None = None, pace: Pace = RUNNING, **places: float
+) -> TakenPicture:
     """Return a picture as a tick hands it over, the work of tick n being n us."""
     timed = tick - 1 if timed is None else timed
-    return Taken(tick, state_of(tick, **places), pace, timed, 0, 1000 * timed)
+    return TakenPicture(tick, state_of(tick, **places), pace, timed, 0, 1000 * timed)
 
 
 # The shape
@@ -295,7 +297,7 @@ def test_a_change_is_found_across_batches_of_one_row() -> None:
 
 
 def test_the_work_of_a_tick_is_entered_at_that_tick() -> None:
-    gathering = Gathering(0.5)
+    gathering = BatchCollector(0.5)
 
     batches = [gathering.batch([taken(0, 0), taken(1)]), gathering.batch([taken(2), taken(2, 2)])]
 
@@ -312,9 +314,9 @@ def test_the_work_of_a_tick_is_entered_at_that_tick() -> None:
 
 def test_time_in_the_viewer_goes_on_when_the_run_is_wound_back() -> None:
     again = Pace(branch=2)
-    news = Heard(1, "moment", "wound back")
+    news = TakenNews(1, "moment", "wound back")
 
-    batch = Gathering(0.5).batch(
+    batch = BatchCollector(0.5).batch(
         [taken(1), taken(2), taken(1, pace=again), news, taken(2, pace=again)]
     )
 
@@ -325,7 +327,7 @@ def test_time_in_the_viewer_goes_on_when_the_run_is_wound_back() -> None:
 
 
 def test_ticks_that_were_lost_leave_their_time() -> None:
-    batch = Gathering(0.5).batch([taken(1), taken(5)])
+    batch = BatchCollector(0.5).batch([taken(1), taken(5)])
 
     assert batch.block.times.seconds.tolist() == [0.5, 2.5]
 
@@ -333,7 +335,7 @@ def test_ticks_that_were_lost_leave_their_time() -> None:
 def test_a_freeze_adds_nothing() -> None:
     frozen = Pace(frozen=True)
 
-    batch = Gathering(0.5).batch([taken(3), taken(3, 3, frozen), taken(3, 3)])
+    batch = BatchCollector(0.5).batch([taken(3), taken(3, 3, frozen), taken(3, 3)])
 
     assert batch.block.times.ticks.tolist() == [3]
 
@@ -378,11 +380,11 @@ class Bucket:
 def test_a_feed_carries_every_tick_in_order_and_closes_its_sink() -> None:
     bucket = Bucket()
     feed = Feed(bucket, 0.5)
-    for tick in range(3 * CHUNK):
+    for tick in range(3 * CHUNK_STATES):
         feed.hand(taken(tick, pace=HURRIED))
     feed.close()
 
-    assert bucket.ticks == list(range(3 * CHUNK))
+    assert bucket.ticks == list(range(3 * CHUNK_STATES))
     assert bucket.closed
     assert feed.trouble == ""
 
@@ -391,18 +393,20 @@ def fill(feed: Feed, pace: Pace, count: int) -> None:
     """Hand over so many ticks; they share one state, so that a test needs no memory."""
     state = state_of(1)
     for tick in range(count):
-        feed.hand(Taken(tick, state, pace, 0, 0, 0))
+        feed.hand(TakenPicture(tick, state, pace, 0, 0, 0))
 
 
 def test_where_time_is_kept_a_hung_sink_costs_ticks_their_picture_and_no_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(feeds, "LONGEST", 10.0 * PATIENCE)  # no tick may wait for room
+    monkeypatch.setattr(feeds, "MAX_TICK_WAIT_S", 10.0 * PATIENCE)  # no tick may wait for room
     bucket = Bucket()
     bucket.open_.clear()
     feed = Feed(bucket, 0.5)
 
-    ticks = threading.Thread(target=fill, args=(feed, RUNNING, ROOM + 2 * CHUNK), daemon=True)
+    ticks = threading.Thread(
+        target=fill, args=(feed, RUNNING, MAX_WAITING_STATES + 2 * CHUNK_STATES), daemon=True
+    )
     ticks.start()
     ticks.join(0.5 * PATIENCE)
     waited = ticks.is_alive()
@@ -410,8 +414,8 @@ def test_where_time_is_kept_a_hung_sink_costs_ticks_their_picture_and_no_time(
     feed.close()
 
     assert not waited
-    assert 0 < feed.lost <= 2 * CHUNK
-    assert len(bucket.ticks) + feed.lost == ROOM + 2 * CHUNK
+    assert 0 < feed.lost <= 2 * CHUNK_STATES
+    assert len(bucket.ticks) + feed.lost == MAX_WAITING_STATES + 2 * CHUNK_STATES
     assert f"{feed.lost} ticks are missing" in feed.trouble
 
 
@@ -421,18 +425,18 @@ def test_at_full_speed_the_tick_waits_for_room_and_nothing_is_lost() -> None:
     feed = Feed(bucket, 0.5)
     threading.Timer(0.2, bucket.open_.set).start()
 
-    fill(feed, HURRIED, ROOM + 2 * CHUNK)
+    fill(feed, HURRIED, MAX_WAITING_STATES + 2 * CHUNK_STATES)
     feed.close()
 
     assert feed.lost == 0
-    assert len(bucket.ticks) == ROOM + 2 * CHUNK
+    assert len(bucket.ticks) == MAX_WAITING_STATES + 2 * CHUNK_STATES
 
 
 @pytest.mark.parametrize("pace", [RUNNING, HURRIED])
 def test_a_sink_that_fails_is_told_in_one_line_and_the_run_goes_on(pace: Pace) -> None:
     feed = Feed(Bucket(leaks="no space\nleft at all"), 0.5)
 
-    fill(feed, pace, ROOM + CHUNK)
+    fill(feed, pace, MAX_WAITING_STATES + CHUNK_STATES)
     feed.close()
 
     assert feed.trouble == "bucket: no space; nothing more goes there"
@@ -454,7 +458,7 @@ def test_a_feed_that_hangs_at_the_end_is_left_behind() -> None:
 def log_to(boat: Boat, *sinks: Bucket) -> Log:
     """Return a log before a publisher that sends promptly."""
     ledger = Ledger(0.5)
-    publisher = Promptly(Roster(StateReader(boat, ledger.summary)))
+    publisher = PromptSender(Roster(StateReader(boat, ledger.summary)))
     return Log(publisher, ledger, [Feed(sink, 0.5) for sink in sinks])
 
 
@@ -480,12 +484,12 @@ def test_one_sink_that_fails_leaves_the_other_its_ticks(
 
 @pytest.fixture
 def subject(make_boat: Make) -> Subject:
-    return Subject(make_boat("bb2"), Limits(), "a drill")
+    return Subject(make_boat("bb2"), ExerciseLimits(), "a drill")
 
 
 def asked(subject: Subject, **options: Any) -> Log | None:
     ledger = Ledger(0.5)
-    publisher = Promptly(Roster(StateReader(subject.boat, ledger.summary)))
+    publisher = PromptSender(Roster(StateReader(subject.boat, ledger.summary)))
     return open_log(publisher, ledger, subject, RunOptions(**options))
 
 
@@ -512,8 +516,8 @@ def test_a_missing_library_is_one_line_and_the_run_goes_on(
 @pytest.mark.parametrize(
     ("text", "place"),
     [
-        ("", ("127.0.0.1", PORT)),
-        ("debrief-room", ("debrief-room", PORT)),
+        ("", ("127.0.0.1", VIEWER_PORT)),
+        ("debrief-room", ("debrief-room", VIEWER_PORT)),
         (":9999", ("127.0.0.1", 9999)),
         ("[::1]:9999", ("::1", 9999)),
     ],

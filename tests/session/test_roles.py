@@ -5,16 +5,16 @@ from helpers.places import ROOT
 
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.table import FORMS, heading_word
-from trainer.session.stations.channels import CHANNELS, TELETYPE
+from trainer.session.stations.channels import CHANNELS, TELETYPE_CHANNEL
 from trainer.session.stations.roles import (
-    COMMON,
-    CONTROLS,
-    KINDS,
+    COMMON_ORDERS,
+    EVENT_KINDS,
+    ROLE_CONTROLS,
     ROLES,
-    STRANGER,
-    blind,
+    STRANGER_ROLE,
+    channel_refusal,
     event_table,
-    hears,
+    hears_kind,
     refusal,
     role_table,
 )
@@ -63,7 +63,7 @@ def test_a_role_gives_the_orders_of_the_table_and_no_others() -> None:
 
 
 def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None:
-    named = {name for control in CONTROLS for name in control.orders} | COMMON
+    named = {name for control in ROLE_CONTROLS for name in control.orders} | COMMON_ORDERS
 
     assert named <= set(GRAMMAR)
 
@@ -118,15 +118,15 @@ def test_the_autopilot_is_given_surfaces_one_by_one_by_whose_they_are(line: str)
 
 
 def test_a_line_that_owes_a_token_may_only_say_who_it_is_ask_for_help_or_go() -> None:
-    free = {name for name in GRAMMAR if refusal(STRANGER, Order(name, 0.0, "", name)) is None}
+    free = {name for name in GRAMMAR if refusal(STRANGER_ROLE, Order(name, 0.0, "", name)) is None}
 
     assert free == {"role", "help", "detach"}
-    assert all(blind(STRANGER, channel) for channel in CHANNELS)
-    assert not any(hears(STRANGER, kind) for kind in KINDS)
+    assert all(channel_refusal(STRANGER_ROLE, channel) for channel in CHANNELS)
+    assert not any(hears_kind(STRANGER_ROLE, kind) for kind in EVENT_KINDS)
 
 
 def test_every_channel_of_a_role_exists_and_the_instructor_has_all() -> None:
-    there = {*CHANNELS, TELETYPE}
+    there = {*CHANNELS, TELETYPE_CHANNEL}
 
     assert set(ROLES["instructor"].channels) == there
     assert all(set(role.channels) <= there for role in ROLES.values())
@@ -134,23 +134,26 @@ def test_every_channel_of_a_role_exists_and_the_instructor_has_all() -> None:
 
 @pytest.mark.parametrize("channel", ["motion", "sea", "casualties", "ledger"])
 def test_the_truth_is_for_the_instructor_alone(channel: str) -> None:
-    assert blind(ROLES["instructor"], channel) is None
-    assert all(channel in (blind(ROLES[role], channel) or "") for role in TRAINEES)
+    assert channel_refusal(ROLES["instructor"], channel) is None
+    assert all(channel in (channel_refusal(ROLES[role], channel) or "") for role in TRAINEES)
 
 
 @pytest.mark.parametrize("kind", ["exercise", "watch", "refused", "trouble", "never heard of"])
 def test_what_the_exercise_has_in_store_is_told_to_the_instructor_alone(kind: str) -> None:
-    assert hears(ROLES["instructor"], kind)
-    assert not any(hears(ROLES[role], kind) for role in TRAINEES)
+    assert hears_kind(ROLES["instructor"], kind)
+    assert not any(hears_kind(ROLES[role], kind) for role in TRAINEES)
 
 
 def test_orders_given_are_told_to_those_who_watch_and_not_to_the_other_stations() -> None:
-    assert {role for role in ROLES if hears(ROLES[role], "order")} == {"instructor", "observer"}
+    assert {role for role in ROLES if hears_kind(ROLES[role], "order")} == {
+        "instructor",
+        "observer",
+    }
 
 
 @pytest.mark.parametrize("kind", ["time", "moment", "station"])
 def test_everybody_hears_when_time_stands_or_goes_back_and_who_comes_and_goes(kind: str) -> None:
-    assert all(hears(role, kind) for role in ROLES.values())
+    assert all(hears_kind(role, kind) for role in ROLES.values())
 
 
 def test_the_page_has_the_tables_of_roles_and_of_events() -> None:

@@ -15,11 +15,11 @@ from helpers.sessions import session_over
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
-from trainer.io.lines import Overlong
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.lines import OverlongLine
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import COLUMNS
+from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.attendance import Introduction
 from trainer.session.history import History
 from trainer.session.session import Session
@@ -27,7 +27,7 @@ from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
-from trainer.session.time.pacer import MonotonicClock, Pacer, Policy, Unpaced
+from trainer.session.time.pacer import FreePacer, MonotonicClock, Pacer, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
@@ -46,7 +46,7 @@ def under_way() -> Boat:
 class Script:
     """A line that types one batch each time it is asked, and keeps what it is sent."""
 
-    batches: list[list[str | Overlong]]
+    batches: list[list[str | OverlongLine]]
     wake: threading.Event = field(default_factory=threading.Event)
     heard: list[str] = field(default_factory=list)
     shown: list[tuple[int, bool]] = field(default_factory=list)  # tick, frozen
@@ -59,7 +59,7 @@ class Script:
     def ended(self) -> bool:
         return not self.batches
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         assert most > 10
         if len(self.batches) > 1:
             self.wake.set()  # as an inbox does when there is more to take
@@ -126,7 +126,7 @@ def session_of(
     recording = Recording.create(None, {}, boat.records.state.tobytes())
     OPENED.append(recording)
     history = History(boat, recording)
-    rows = recorder or Rows(), COLUMNS
+    rows = recorder or Rows(), MOTION_COLUMNS
     session = session_over(
         *(boat, time, history, script), rows=rows, schedule=entries, wake=script.wake
     )
@@ -235,12 +235,12 @@ def test_quit_ends_the_session_with_what_was_typed_before_it_done() -> None:
 
 def test_time_is_paced_or_as_fast_as_it_goes_as_ordered() -> None:
     session = session_of(Script([["time 100"]]), 4)
-    assert isinstance(session.time.pacer, Unpaced)
+    assert isinstance(session.time.pacer, FreePacer)
     session.run()
     assert isinstance(session.time.pacer, Pacer)
     assert session.time.ledger.summary().ticks == 4
     session.time.change(math.inf)
-    assert isinstance(session.time.pacer, Unpaced)
+    assert isinstance(session.time.pacer, FreePacer)
     assert not session.time.pacer.frozen
 
 
@@ -251,11 +251,11 @@ def test_a_change_of_time_in_a_freeze_stays_frozen() -> None:
 
 
 def test_garbage_and_an_overlong_line_are_answered_and_change_nothing() -> None:
-    script = Script([["depht 80", Overlong(LONGEST), "\x00\xff", "", "# a remark"]])
+    script = Script([["depht 80", OverlongLine(MAX_LINE_LETTERS), "\x00\xff", "", "# a remark"]])
     session = run(script, 1)
     assert [line[0] for line in script.heard] == ["?"] * 3
     assert "did you mean depth" in script.heard[0]
-    assert str(LONGEST) in script.heard[1]
+    assert str(MAX_LINE_LETTERS) in script.heard[1]
     untouched = run(Script([]), 1)
     assert session.boat.records.state.tobytes() == untouched.boat.records.state.tobytes()
 
@@ -281,7 +281,7 @@ def test_a_scheduled_order_acts_on_the_first_tick_not_before_its_time() -> None:
     session = session_of(script, 6, "1.2 rudder right 10\n2 rudder left 40\n")
     session.run()
     assert isinstance(session.rows.recorder, Rows)
-    rudder = [row[COLUMNS.index("delta_r")] for row in session.rows.recorder.kept]
+    rudder = [row[MOTION_COLUMNS.index("delta_r")] for row in session.rows.recorder.kept]
     # 1.2 s is within the third tick: the order acts at the start of the fourth
     assert rudder[:4] == [rudder[0]] * 4
     assert rudder[4] == pytest.approx(rudder[0] - 3.55 * DEGREE)

@@ -13,9 +13,9 @@ from helpers.line import Line
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
-from trainer.io.lines import Overlong
+from trainer.io.lines import OverlongLine
 from trainer.io.orders.grammar import Order, Refused
-from trainer.io.orders.sentences import Heard, hear, order_sentence, read
+from trainer.io.orders.sentences import Message, order_sentence, parse_line, parse_sentence
 from trainer.io.server import Server
 from trainer.session.stations.roles import (
     FIRST_WAIT_S,
@@ -26,7 +26,7 @@ from trainer.session.stations.roles import (
     GuessWaits,
 )
 from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
-from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 
@@ -46,7 +46,9 @@ class Post:
         self.line = Line(NAME)
         self.log: list[tuple[str, str]] = []
         self.boat = boat
-        self.sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)), lambda: self.now)
+        self.sending = PromptSender(
+            Roster(StateReader(boat, Ledger(0.5).summary)), lambda: self.now
+        )
         self.station = Station(
             self.line,
             access,
@@ -55,7 +57,7 @@ class Post:
             lambda: self.now,
         )
 
-    def type(self, *lines: str | Overlong) -> list[str]:
+    def type(self, *lines: str | OverlongLine) -> list[str]:
         """Type lines; return the texts of the orders handed on."""
         self.line.waiting += lines
         return [asked.order.text for asked in self.station.take(MANY)]
@@ -91,7 +93,7 @@ def post(boat: Boat) -> Callable[..., Post]:
 
 
 def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
-    sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
+    sending = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
     line = Line(NAME)
     line.waiting = ["subscribe gauges", "nonsense", "role helm", "rudder left 5"]
     station = Station(line, Access(), sending, lambda *_: None)
@@ -151,7 +153,7 @@ def test_a_program_gets_its_tag_back_with_every_answer(post: Callable[..., Post]
     helm.station.answer(first, "done", "one", "two")
     helm.station.answer(last, "done")
 
-    heard = [(found.tag, *found.fields) for line in helm.said() if (found := read(line))]
+    heard = [(found.tag, *found.fields) for line in helm.said() if (found := parse_sentence(line))]
     whose = "main ballast is the ballast station's or the diving officer's; you have the helm"
     assert heard == [
         ("18", "no", whose),
@@ -174,7 +176,7 @@ def test_a_line_that_is_no_order_is_answered_counted_and_logged(post: Callable[.
 
 
 def test_a_damaged_sentence_is_answered_as_a_sentence(post: Callable[..., Post]) -> None:
-    found = read(post("helm").answer_to("$TRO,5,rudder left 5*00"))
+    found = parse_sentence(post("helm").answer_to("$TRO,5,rudder left 5*00"))
 
     assert found
     assert (found.tag, found.fields[0]) == ("", "no")
@@ -183,7 +185,7 @@ def test_a_damaged_sentence_is_answered_as_a_sentence(post: Callable[..., Post])
 def test_an_overlong_line_is_told_so_and_the_next_is_heard(post: Callable[..., Post]) -> None:
     helm = post("helm")
 
-    handed_on = helm.type(Overlong(80), "rudder left 5")
+    handed_on = helm.type(OverlongLine(80), "rudder left 5")
 
     assert helm.said() == ["? longer than 80 characters; nothing done"]
     assert handed_on == ["rudder left 5"]
@@ -237,7 +239,7 @@ def test_help_is_answered_at_the_station(post: Callable[..., Post]) -> None:
     assert not helm.type("help rudder")
     assert helm.said()[0] == "rudder, in full:"
     assert not helm.type(order_sentence("help rudder", "3"))
-    answers = [found.fields[0] for line in helm.said() if (found := read(line))]
+    answers = [found.fields[0] for line in helm.said() if (found := parse_sentence(line))]
     assert answers[0] == "say"
     assert answers[-1] == "ok"
     assert set(answers[:-1]) == {"say"}
@@ -530,7 +532,7 @@ def test_a_channel_is_answered_first_and_then_sent(post: Callable[..., Post]) ->
 
     helm.type(order_sentence("subscribe steering at 5 hz", "9"))
 
-    kinds = [found.kind for line in helm.said() if (found := read(line))]
+    kinds = [found.kind for line in helm.said() if (found := parse_sentence(line))]
     assert kinds == ["TRA", "TRN", "TRS"]
 
 
@@ -681,7 +683,7 @@ def test_a_program_gets_events_as_sentences(post: Callable[..., Post]) -> None:
     helm.station.tell(News(4, 2.0, "time", "frozen"))
 
     (line,) = helm.said()
-    found = read(line)
+    found = parse_sentence(line)
     assert found
     assert found.fields == ("4", "2.000", "time", "frozen")
 
@@ -722,9 +724,9 @@ def test_every_sentence_on_the_page_has_its_checksum_and_is_one() -> None:
 
     assert len(lines) > 10
     for line in lines:
-        found = hear(line) if line.startswith("$TRO") else read(line)
+        found = parse_line(line) if line.startswith("$TRO") else parse_sentence(line)
         assert found, line
-        assert not isinstance(found, Heard) or isinstance(found.order, Order), line
+        assert not isinstance(found, Message) or isinstance(found.order, Order), line
 
 
 def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) -> None:
@@ -748,7 +750,7 @@ def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) 
 
 def tend(hub: Server, wake: threading.Event, boat: Boat, program: threading.Thread) -> list[Order]:
     """Be a session until its client has given an order and gone; return its orders."""
-    sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
+    sending = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
     sending.offer(0, boat.records.state.tobytes(), Pace())
     obeyed: list[Order] = []
     stations: list[Station] = []

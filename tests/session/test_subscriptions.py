@@ -8,8 +8,8 @@ import pytest
 
 from trainer.boat.boat import Boat
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.display import Sentences
-from trainer.session.stations.subscriptions import Promptly, Publisher, Roster, Subscription
+from trainer.session.stations.display import SentenceDisplay
+from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster, Subscription
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
@@ -340,7 +340,7 @@ def test_subscriptions_that_come_and_go_leave_nothing_in_memory(roster: Roster) 
 def test_a_run_that_keeps_no_time_shows_every_tick_in_the_callers_thread(
     roster: Roster, boat: Boat
 ) -> None:
-    sending = Promptly(roster)
+    sending = PromptSender(roster)
     to, subscription = ticks()
     sending.add(subscription)
 
@@ -354,7 +354,7 @@ def test_a_run_that_keeps_no_time_shows_every_tick_in_the_callers_thread(
 def test_promptly_too_gives_a_late_subscriber_the_present_picture(
     roster: Roster, boat: Boat
 ) -> None:
-    sending = Promptly(roster)
+    sending = PromptSender(roster)
     sending.offer(4, state_at(boat, 4), FROZEN)
     to, subscription = ticks()
 
@@ -368,7 +368,7 @@ def test_promptly_too_gives_a_late_subscriber_the_present_picture(
 
 def test_promptly_keeps_to_a_rate_of_the_clock(roster: Roster, boat: Boat) -> None:
     now = iter([0.0, 0.1, 0.2, 0.5, 0.6])
-    sending = Promptly(roster, lambda: next(now))
+    sending = PromptSender(roster, lambda: next(now))
     to, subscription = ticks(2.0)
     sending.add(subscription)
 
@@ -384,7 +384,7 @@ def test_a_program_that_subscribes_gets_the_names_before_the_first_state(
     to = Receiver()
     publisher.offer(2, state_at(boat, 2), RUNNING)
 
-    publisher.add(Subscription(to, "steering", 10.0, Sentences(CHANNELS["steering"])))
+    publisher.add(Subscription(to, "steering", 10.0, SentenceDisplay(CHANNELS["steering"])))
 
     names, state = to.await_lines(2)[:2]
     assert names.startswith("$TRN,steering,heading:deg,")

@@ -17,8 +17,8 @@ from trainer.boat.world.contacts import contacts_in
 from trainer.cli.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables, read_world
-from trainer.debrief.rehearsal import fly
-from trainer.debrief.ships_met import meet
+from trainer.debrief.rehearsal import fly_rehearsal
+from trainer.debrief.ships_met import meet_ships
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat
@@ -193,9 +193,9 @@ def test_the_instructor_is_sent_the_nearest_ships(crewed: Callable[..., Crewed])
 
 
 def test_a_rehearsal_ends_with_the_collision_that_loses_it(tmp_path: Path) -> None:
-    flown = fly(plan_run(RunOptions(exercise=str(wall_ahead(tmp_path, "end")))))
+    flown = fly_rehearsal(plan_run(RunOptions(exercise=str(wall_ahead(tmp_path, "end")))))
     assert flown.lost == "collision with wall"
-    met = meet(flown.trajectory)
+    met = meet_ships(flown.trajectory)
     assert [name for _, name in met.collisions] == ["wall"]
     assert met.nearest.min() == pytest.approx(met.closest["wall"][0])
     # the hull is below the keel: the sail, 7 m ahead of the origin, meets a side 16 m from it

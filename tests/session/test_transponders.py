@@ -12,13 +12,13 @@ from typing import Any
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.vessel import load_vessel
-from trainer.io.chart import DEFAULT
+from trainer.io.chart import DEFAULT_CHART
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea.sentences import InstrumentSet, choose_instruments
-from trainer.session.nmea.transponders import HEARD, Transponders, antenna, interval
+from trainer.session.nmea.transponders import RADIO_RANGE_M, Transponders, antenna, report_interval
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
@@ -75,7 +75,7 @@ class Sailed:
 
     def heard(self, seconds: float, every: float = 1.0) -> list[str]:
         """Return all that is heard from the start on, in frames so far apart."""
-        receiver, told = Transponders(DEFAULT, START), []
+        receiver, told = Transponders(DEFAULT_CHART, START), []
         step = self.boat.method.step
         for i in range(round(seconds / every) + 1):
             told += receiver.lines(self.frame(round(i * every / step)))
@@ -126,7 +126,7 @@ def test_what_is_told_is_where_the_ship_is(sail: Callable[..., Sailed]) -> None:
     found = [each for each in read(sail(17.5).heard(60.0)) if each["mmsi"] == 211000001]
     last = found[-1]
     speed = 12.0 * 1852.0 / 3600.0
-    places = [DEFAULT.position(5000.0, speed * seconds) for seconds in range(61)]
+    places = [DEFAULT_CHART.position(5000.0, speed * seconds) for seconds in range(61)]
     assert any(
         math.isclose(last["lon"], longitude, abs_tol=2e-6)
         and math.isclose(last["lat"], latitude, abs_tol=2e-6)
@@ -142,9 +142,9 @@ def test_a_turning_ship_reports_three_times_as_often(sail: Callable[..., Sailed]
     order = parse("contact big course 270")
     assert contacts is not None
     assert isinstance(order, Order)
-    straight = interval(contacts.seen(0)[0])
-    obey(sailed.boat, order)
-    assert interval(contacts.seen(20)[0]) == pytest.approx(straight / 3.0)
+    straight = report_interval(contacts.seen(0)[0])
+    obey_order(sailed.boat, order)
+    assert report_interval(contacts.seen(20)[0]) == pytest.approx(straight / 3.0)
 
 
 @pytest.mark.parametrize(("depth", "heard"), [(17.5, True), (20.0, False), (60.0, False)])
@@ -168,7 +168,7 @@ def test_with_a_periscope_what_is_heard_is_heard_by_its_head(
     if words:
         order = parse(f"scope {words}")
         assert isinstance(order, Order)
-        obey(sailed.boat, order)
+        obey_order(sailed.boat, order)
     assert antenna(sailed.frame(200)) == (
         pytest.approx(19.45 - depth, abs=0.1) if words else -math.inf
     )
@@ -177,7 +177,7 @@ def test_with_a_periscope_what_is_heard_is_heard_by_its_head(
 
 def test_a_ship_is_heard_as_far_as_both_antennas_let_it_be(sail: Callable[..., Sailed]) -> None:
     height = antenna(sail(17.5).frame())
-    reach = HEARD * (math.sqrt(height) + math.sqrt(40.0))
+    reach = RADIO_RANGE_M * (math.sqrt(height) + math.sqrt(40.0))
     for beyond, heard in ((-50.0, True), (50.0, False)):
         one = f"""[[contact]]
 name = "far"
@@ -190,7 +190,7 @@ points = [[{reach + beyond}, 0]]
 
 def test_nothing_is_sent_again_after_a_jump_back(sail: Callable[..., Sailed]) -> None:
     sailed = sail(17.5)
-    receiver = Transponders(DEFAULT, START)
+    receiver = Transponders(DEFAULT_CHART, START)
     for tick in range(0, 200, 2):
         receiver.lines(sailed.frame(tick))
     assert receiver.lines(sailed.frame(0)) == []
@@ -200,7 +200,9 @@ def test_nothing_is_sent_again_after_a_jump_back(sail: Callable[..., Sailed]) ->
 
 def test_ais_follows_the_set_of_instruments(sail: Callable[..., Sailed]) -> None:
     sailed = sail(17.5)
-    shown = InstrumentSet(choose_instruments(["HDT"]), DEFAULT, START, Transponders(DEFAULT, START))
+    shown = InstrumentSet(
+        choose_instruments(["HDT"]), DEFAULT_CHART, START, Transponders(DEFAULT_CHART, START)
+    )
     told = [shown.lines(sailed.frame(tick)) for tick in range(0, 100, 2)]
     assert all(each[0].startswith("$INHDT") for each in told)
     assert any(len(each) > 1 and each[1].startswith("!AIVDM") for each in told)

@@ -13,7 +13,7 @@ from soak import stress as stressing
 from soak.soak import Plan, page, soaked_as_json
 from soak.soak import soak as soak_session
 from trainer.cli.main import run_command
-from trainer.cli.options import RECORDING
+from trainer.cli.options import RECORDING_FILE
 
 
 @click.command()
@@ -33,7 +33,7 @@ from trainer.cli.options import RECORDING
     help="Of the clock, with --real-time.",
 )
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), default=1, show_default=True)
-@click.option("--keep", type=RECORDING, default=None, help="Keep the recording in this file.")
+@click.option("--keep", type=RECORDING_FILE, default=None, help="Keep the recording in this file.")
 @click.option(
     "--stress",
     type=click.IntRange(1),

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from trainer.io.recording.recording import Journalled, Recording
+from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.replay import replay_anyway
 
 
@@ -27,7 +27,7 @@ class Answered:
     mark: bool = False
 
 
-def journal(recording: Recording) -> list[Journalled]:
+def journal(recording: Recording) -> list[RecordedOrder]:
     """Return every order of a recording, on all branches, in the order they were given."""
     branches = recording.branches()
     every = {order.id: order for each in branches for order in recording.orders(each.id)}

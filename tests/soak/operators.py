@@ -9,9 +9,9 @@ from typing import Final
 
 from soak.audit import Answered
 from soak.session_process import Caller, GoneError, SessionProcess
-from trainer.boat.world.world import PARTS
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.casualties import load_casualties
-from trainer.io.orders.grammar import LONGEST, Order, parse
+from trainer.io.orders.grammar import MAX_LINE_LETTERS, Order, parse
 from trainer.io.orders.quantities import Number
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.orders.table import (
@@ -25,10 +25,10 @@ from trainer.io.orders.table import (
     heading_word,
     variants,
 )
-from trainer.session.stations.roles import INSTRUCTOR, ROLES, Role
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, Role
 
-AROUND: Final = {*PARTS} - {"scope"}  # orders to what is around the boat
-LONGEST_WORDS: Final = LONGEST - len(order_sentence("", "999999"))  # [characters]
+AROUND: Final = {*WORLD_PARTS} - {"scope"}  # orders to what is around the boat
+LONGEST_WORDS: Final = MAX_LINE_LETTERS - len(order_sentence("", "999999"))  # [characters]
 
 
 class Orders:
@@ -152,7 +152,7 @@ def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
     One who does not go back, since time is kept, holds a boat that would be lost where it is.
     """
     dice = Random(seed)  # noqa: S311  choices, not secrets
-    orders = Orders(INSTRUCTOR, dice)
+    orders = Orders(INSTRUCTOR_ROLE, dice)
     given = 0
     with contextlib.ExitStack() as left, contextlib.suppress(GoneError):
         by = bill.session.caller("instructor")

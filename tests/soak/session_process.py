@@ -16,11 +16,11 @@ from typing import Final
 import click
 from helpers.places import tests_environment
 
-from trainer.io.orders.sentences import Sentence, order_sentence, read
+from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat
-from trainer.session.time.ledger import SECOND
+from trainer.session.time.ledger import SECOND_NS
 from trainer.session.time.pacer import Clock, MonotonicClock
 
 ANSWER: Final = 30.0  # [s] for an answer
@@ -59,7 +59,7 @@ class Caller:
         try:
             self._line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
             for text in self._lines:
-                said = read(text)
+                said = parse_sentence(text)
                 if said and (said.kind, said.tag) == ("TRA", tag) and said.fields[0] != "say":
                     return said.fields[0] == "ok", said.fields[1]
                 self._take(said, tag)
@@ -269,7 +269,7 @@ def options_of(serve: click.Command, words: list[str]) -> RunOptions:
 def attest(serve: click.Command) -> None:
     """Serve as the arguments say. Print what the clock was asked for; leave with its exit code."""
     options = options_of(serve, sys.argv[1:])
-    period = Fraction(str(plan_run(options).method.step)) * SECOND
+    period = Fraction(str(plan_run(options).method.step)) * SECOND_NS
     witness = WatchedClock(MonotonicClock(), period)
     code = run_boat(options, witness)
     click.echo(json.dumps(asdict(witness.deadlines)))

@@ -17,7 +17,7 @@ from typing import Any, Final
 from soak.audit import Check, audit
 from soak.operators import Watchbill, attend, instruct
 from soak.session_process import SessionProcess
-from trainer.config.files import read_text, shipped
+from trainer.config.files import read_text, shipped_path
 
 STEP: Final = 0.5  # [s]
 OPERATORS: Final = 8
@@ -105,7 +105,7 @@ def soak(plan: Plan, keep: Path | None, progress: Callable[[str, int], None]) ->
 
 def endless_boat() -> str:
     """Return BB2's file without its depths: random orders would make its hull collapse."""
-    lines = read_text(shipped("vessels", "bb2")).split("\n")
+    lines = read_text(shipped_path("vessels", "bb2")).split("\n")
     depths = ("max_depth_m", "test_depth_m", "collapse_depth_m")
     return "\n".join(line for line in lines if not line.startswith(depths))
 

@@ -10,20 +10,20 @@ import numpy as np
 
 from soak.operators import Orders
 from trainer.boat.assemble import Method
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.depths import collapse_of
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.files import shipped_names
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core import full, wide
 from trainer.core.envelope import wide_share
 from trainer.core.kernel import Numbers, Record
-from trainer.core.kinematics import EXACT
+from trainer.core.kinematics import EXACT_TRIGONOMETRY
 from trainer.core.propulsion import thrust, thrust_astern
 from trainer.core.rigid_body import add_weight, body_forces
 from trainer.core.stall import write_stalled
 from trainer.io.orders.grammar import Order, parse
-from trainer.session.stations.roles import INSTRUCTOR
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.units import KNOT
 
 SETS: Final = (
@@ -32,7 +32,7 @@ SETS: Final = (
     ("basic", "lagged"),
     ("longitudinal", "exact"),
 )
-THETA: Final = PLACES["theta"]
+THETA: Final = STATE_PLACES["theta"]
 RIGHTS: Final = ("clear all", "release all", "blow stop")
 SURVEY: Final = 20  # ticks between two looks at the energy
 FEEDS: Final = 2e-3  # [-] of rho/2 l^2 U^3, allowed inside the range (docs/envelope.md)
@@ -60,7 +60,7 @@ def water_forces(boat: Boat) -> Numbers:
     body_forces(vessel, state, own)
     add_weight(vessel, state, own)
     if share < 1.0:
-        full.forces(vessel, EXACT, state, inside)
+        full.forces(vessel, EXACT_TRIGONOMETRY, state, inside)
         write_stalled(vessel, stalled, state, stalled)
         inside += stalled
     if share > 0.0:
@@ -115,14 +115,14 @@ def stress_one(
     dice = Random(seed)  # noqa: S311  choices, not secrets
     boat = Boat(file, Method(way[0], way[1], "exact", "adams2", file.run.step_s))
     found = Stressed(file.name, way[0])
-    given = Orders(INSTRUCTOR, dice)
+    given = Orders(INSTRUCTOR_ROLE, dice)
     start(boat, file, dice)
     between = max(round(seconds / orders / boat.method.step), 1)
     for number in range(orders):
         words = dice.choice(RIGHTS) if number % 50 == 49 else given.next()
         order = parse(words)
         if isinstance(order, Order):
-            obey(boat, order)
+            obey_order(boat, order)
             found.orders += 1
         _fly(boat, dice.randrange(1, 2 * between + 1), found, dice)
     return found

@@ -21,15 +21,15 @@ from trainer.web.admission import (
     MAX_CONNECTIONS,
     MAX_CONNECTIONS_OF_MACHINE,
     MAX_FAREWELLS,
-    Room,
+    ConnectionRoom,
 )
-from trainer.web.bridge import A_MACHINE
-from trainer.web.gate import HEADERS
+from trainer.web.bridge import MAX_PAGES_OF_MACHINE
+from trainer.web.gate import SECURITY_HEADERS
 from trainer.web.server import MAX_LINE_BYTES_AT_ONCE, Certificate
 
 ANOTHER = "127.0.0.2"  # stands for another machine, where `many_machines` is asked for
 THIRD = "127.0.0.3"
-FEW = Room(here=6, elsewhere=6, machine=4)
+FEW = ConnectionRoom(here=6, elsewhere=6, machine=4)
 SHORT_S = 1.0
 
 
@@ -268,7 +268,7 @@ def test_a_machine_without_a_place_is_told_why_and_the_others_are_not_shut_out()
 
     assert head.startswith("HTTP/1.1 503 ")
     assert "Retry-After: 10" in head
-    assert all(f"{name}: {value}" in head for name, value in HEADERS.items())
+    assert all(f"{name}: {value}" in head for name, value in SECURITY_HEADERS.items())
     assert body == "4 connections of your machine are open: close one of its pages\n"
     assert any("turned away: 4 connections" in text for text in stub.told)
 
@@ -299,7 +299,7 @@ def test_this_machine_takes_no_place_of_others() -> None:
 def test_a_page_that_is_turned_away_by_tls_is_told_why(tmp_path: Path) -> None:
     cert, key = make_certificate(tmp_path)
     context = ssl.create_default_context(cafile=str(cert))
-    room = Room(here=1, elsewhere=1, machine=1)
+    room = ConnectionRoom(here=1, elsewhere=1, machine=1)
     with (
         pages(room=room, certificate=Certificate(cert, key)) as stub,
         dialled(stub.port, scheme="wss", ssl=context),
@@ -326,9 +326,9 @@ def test_a_crowd_that_comes_and_goes_leaves_nothing_behind() -> None:
 def test_who_says_he_speaks_for_another_machine_is_counted_as_himself() -> None:
     forwarded = {"X-Forwarded-For": "192.0.2.1", "X-Forwarded-Proto": "https"}
     with pages() as stub, contextlib.ExitStack() as lines:
-        for _ in range(A_MACHINE + 1):
+        for _ in range(MAX_PAGES_OF_MACHINE + 1):
             lines.enter_context(dialled(stub.port, headers=forwarded))
-        wait_until(lambda: len(stub.sessions) == A_MACHINE + 1)
+        wait_until(lambda: len(stub.sessions) == MAX_PAGES_OF_MACHINE + 1)
         assert set(stub.machines) == {THIS_MACHINE}
         origin = f"http://127.0.0.1:{stub.port}"
         kept = request(
@@ -364,8 +364,8 @@ def test_a_machine_is_counted_once_under_whichever_address(
 
 
 def test_few_descriptors_make_few_places_and_many_make_no_more_than_are_meant() -> None:
-    assert Room.of(100_000) == Room()
+    assert ConnectionRoom.of(100_000) == ConnectionRoom()
     for descriptors in (0, 64, 256, 1023):
-        room = Room.of(descriptors)
+        room = ConnectionRoom.of(descriptors)
         assert 1 <= room.machine <= MAX_CONNECTIONS_OF_MACHINE
         assert 2 * (room.here + room.elsewhere) <= max(descriptors, 4)

@@ -11,7 +11,7 @@ from helpers.wire import Pages, dialled, hear, pages, request
 from websockets.sync.client import ClientConnection
 
 from trainer.io.orders.sentences import fact
-from trainer.web.bridge import SHELVED, Shelf, is_here
+from trainer.web.bridge import MAX_DEBRIEFS, DebriefShelf, is_here
 from trainer.web.gate import hash_of, policy_of
 
 PAGE = '<h1>Debrief</h1><style>i{display:block}</style><i style="width:30%"></i><script>1</script>'
@@ -118,7 +118,7 @@ def test_what_is_no_debrief_here_has_no_address(served: Pages, told: str) -> Non
 def test_a_link_to_another_file_has_no_address(tmp_path: Path) -> None:
     link = tmp_path / "a.html"
     link.symlink_to("/etc/passwd")
-    assert Shelf().keep(str(link)) == ""
+    assert DebriefShelf().keep(str(link)) == ""
 
 
 def test_words_about_a_debrief_are_none(served: Pages, debrief: Path) -> None:
@@ -139,13 +139,13 @@ def test_a_path_beyond_plain_ascii_is_found(served: Pages, tmp_path: Path) -> No
 
 
 def test_the_oldest_debrief_gives_way(tmp_path: Path) -> None:
-    shelf = Shelf()
+    shelf = DebriefShelf()
     addresses = []
-    for number in range(SHELVED + 1):
+    for number in range(MAX_DEBRIEFS + 1):
         path = tmp_path / f"{number}.html"
         path.write_text(PAGE)
         addresses.append(shelf.keep(str(path)))
-    assert len(shelf.files) == SHELVED
+    assert len(shelf.files) == MAX_DEBRIEFS
     assert addresses[0].split("/")[2] not in shelf.files
     assert addresses[-1].split("/")[2] in shelf.files
 

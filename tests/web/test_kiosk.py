@@ -16,7 +16,7 @@ from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
 from trainer.config.files import ConfigError
-from trainer.web.pages import ASSETS, HERE, catalogues, read_catalogue
+from trainer.web.pages import ASSETS_FOLDER, WEB_FOLDER, catalogues, read_catalogue
 
 Look = Callable[..., Page]
 UPRIGHT = "1080x1920"
@@ -41,9 +41,9 @@ CUT = """() => [...document.querySelectorAll("main *")].filter((each) => {
     || (style.overflowX === "visible" ? false : each.scrollWidth > each.clientWidth + 1);
 }).map((each) => each.outerHTML.slice(0, 80))"""
 SOURCES = (
-    *(ASSETS / "js" / "kiosk").glob("*.js"),
-    ASSETS / "js" / "stations" / "kiosk.js",
-    HERE / "templates" / "kiosk.html",
+    *(ASSETS_FOLDER / "js" / "kiosk").glob("*.js"),
+    ASSETS_FOLDER / "js" / "stations" / "kiosk.js",
+    WEB_FOLDER / "templates" / "kiosk.html",
 )
 
 

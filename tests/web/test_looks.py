@@ -7,7 +7,7 @@ import pytest
 from helpers.pages import PALETTES, SIZES, Served
 from playwright.sync_api import Page, expect
 
-from trainer.web.pages import ASSETS, PAGES
+from trainer.web.pages import ASSETS_FOLDER, PAGES
 
 Look = Callable[..., Page]
 NAMES = [page.name for page in PAGES]
@@ -45,7 +45,7 @@ PAIRS = {
 
 def tokens(palette: str) -> dict[str, str]:
     """Return the colours of a palette, by name."""
-    sheet = (ASSETS / "css" / "tokens.css").read_text(encoding="utf-8")
+    sheet = (ASSETS_FOLDER / "css" / "tokens.css").read_text(encoding="utf-8")
     found: dict[str, str] = {}
     for selector, block in re.findall(r"(:root[^{]*)\{([^}]*)\}", sheet):
         if "data-palette" not in selector or f'"{palette}"' in selector:

@@ -38,22 +38,22 @@ from trainer import __version__
 from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
-from trainer.io.noise_log import MOST, WHILE
-from trainer.io.orders.sentences import read
+from trainer.io.noise_log import ENTRY_PERIOD_S, MAX_ENTRIES
+from trainer.io.orders.sentences import parse_sentence
 from trainer.session.page_server import SILENCE_TIMEOUT_S
-from trainer.web.address import Address, announce
+from trainer.web.address import Address, announce_address
 from trainer.web.bridge import (
-    A_MACHINE,
-    ELSEWHERE,
-    NO_SESSION,
-    OLDER_PAGE,
-    REFUSED,
+    MAX_PAGES_OF_MACHINE,
+    MAX_REMOTE_PAGES,
+    NO_SESSION_CODE,
+    OLDER_PAGE_CODE,
+    REFUSED_CODE,
     Bridge,
     RefusedError,
 )
-from trainer.web.gate import HEADERS, Door, Refusals
+from trainer.web.gate import SECURITY_HEADERS, Refusals, ServerNames
 from trainer.web.pages import PAGES
-from trainer.web.server import LONGEST_WORD
+from trainer.web.server import MAX_TOKEN_LETTERS
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
@@ -133,7 +133,7 @@ def test_every_answer_says_what_a_browser_may_do_with_it(shared: Served, what: s
     got = request(shared.port, path, method, context=None, **headers)
 
     assert got.status == status
-    assert {name: got.headers.get(name.casefold()) for name in HEADERS} == HEADERS
+    assert {name: got.headers.get(name.casefold()) for name in SECURITY_HEADERS} == SECURITY_HEADERS
 
 
 def test_an_address_without_a_page_shows_the_way_back(shared: Served) -> None:
@@ -188,15 +188,15 @@ def test_a_name_that_is_none_of_its_own_is_refused(shared: Served, name: str) ->
 
 @pytest.mark.parametrize("name", ["127.0.0.1:17880", "localhost", "LOCALHOST:1", "[::1]:17880"])
 def test_this_machine_has_three_names(name: str) -> None:
-    assert Door.at("127.0.0.1").admits(name)
+    assert ServerNames.at("127.0.0.1").admits(name)
 
 
 def test_a_server_for_all_addresses_answers_to_numbers_and_to_its_own_name_alone() -> None:
-    door = Door.at("0.0.0.0")  # noqa: S104
+    door = ServerNames.at("0.0.0.0")  # noqa: S104
     assert door.admits("192.168.1.10:8080")
     assert door.admits(f"{socket.gethostname()}.local:8080")
     assert not door.admits("evil.example:8080")
-    assert not Door.at("192.168.1.10").admits("192.168.1.11")
+    assert not ServerNames.at("192.168.1.10").admits("192.168.1.11")
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", None, "https://127.0.0.1:{}"])
@@ -241,7 +241,7 @@ def test_a_word_is_kept_where_no_script_and_no_other_site_has_it(guarded: Served
     "body",
     [
         *("", "helm", "captain word", "helm a b", "helm a\nb", "helm \x00", "helm a$b", "helm é"),
-        *("helm " + "x" * (LONGEST_WORD + 1), "x" * 100_000),
+        *("helm " + "x" * (MAX_TOKEN_LETTERS + 1), "x" * 100_000),
     ],
 )
 def test_what_can_be_no_word_is_not_kept(guarded: Served, body: str) -> None:
@@ -270,7 +270,7 @@ def test_a_role_is_given_for_its_own_word_alone(guarded: Served) -> None:
 
 @pytest.mark.process
 def test_a_longest_word_still_fits_a_line(guarded: Served) -> None:
-    word = "w" * LONGEST_WORD
+    word = "w" * MAX_TOKEN_LETTERS
     assert keep(guarded, f"instructor {word}w").status == 400
     with dialled(guarded.port, cookies=f"word-helm={word}") as line:
         answer = ask(line, "role helm", tag="999999")
@@ -283,7 +283,7 @@ def test_three_wrong_words_close_the_line(guarded: Served) -> None:
     with dialled(guarded.port, cookies="word-helm=wrong") as line:
         for _ in range(3):
             assert ask(line, "role helm")[0] == "no"
-        assert refused(line) == NO_SESSION
+        assert refused(line) == NO_SESSION_CODE
 
 
 def test_wrong_words_of_pages_are_those_of_their_browsers_machine(serve: Serve) -> None:
@@ -410,7 +410,7 @@ def test_a_frame_that_can_be_no_order_closes_its_line(shared: Served, frame: str
     with dialled(shared.port) as other, dialled(shared.port) as line:
         line.send(frame)
 
-        assert refused(line) == REFUSED
+        assert refused(line) == REFUSED_CODE
         assert ask(other, "role observer")[0] == "ok"
     assert "\x1b" not in said(shared)
 
@@ -440,8 +440,8 @@ def test_ten_thousand_frames_and_refusals_move_no_tick_and_fill_no_log(serve: Se
     assert session.process.wait(PATIENCE) == 0
 
     told = said(session)
-    whiles = (time.monotonic() - begun) // WHILE + 1
-    assert len(told.splitlines()) < FEW + whiles * (MOST + 1), told
+    whiles = (time.monotonic() - begun) // ENTRY_PERIOD_S + 1
+    assert len(told.splitlines()) < FEW + whiles * (MAX_ENTRIES + 1), told
     assert "frames a second: its line is closed" in told
     assert "more of the same" in told
     assert "\x9b" not in told
@@ -486,7 +486,7 @@ def test_a_forged_or_replayed_sentence_gives_no_role_no_word_and_no_debrief(
         assert ask(line, "role helm")[0] == "ok"
         assert ask(line, "quit")[0] == "no"
 
-    sentences = [sentence for sentence in map(read, heard) if sentence]
+    sentences = [sentence for sentence in map(parse_sentence, heard) if sentence]
     answers = [sentence.fields[0] for sentence in sentences if sentence.kind == "TRA"]
     assert set(answers) == {"no"}  # the third wrong word may close the line before its answer
     assert not any("debrief-page" in sentence.fields for sentence in sentences)
@@ -512,11 +512,11 @@ def test_another_machine_has_so_many_lines_and_no_more() -> None:
     with contextlib.ExitStack() as stack:
         for _ in range(100):
             stack.enter_context(bridge.place("127.0.0.1"))
-        for _ in range(A_MACHINE):
+        for _ in range(MAX_PAGES_OF_MACHINE):
             stack.enter_context(bridge.place("192.0.2.1"))
         with pytest.raises(RefusedError, match="close one"), bridge.place("192.0.2.1"):
             pass
-        for number in range(ELSEWHERE - A_MACHINE):
+        for number in range(MAX_REMOTE_PAGES - MAX_PAGES_OF_MACHINE):
             stack.enter_context(bridge.place(f"192.0.2.{10 + number}"))
         with pytest.raises(RefusedError, match="no room"), bridge.place("192.0.2.99"):
             pass
@@ -546,7 +546,7 @@ def test_a_page_that_does_not_read_loses_its_own_lines_alone() -> None:
 
 def test_a_page_of_another_version_is_told_so(shared: Served, look: Look) -> None:
     with dialled(shared.port, version="0.0.9") as line:
-        assert refused(line) == OLDER_PAGE
+        assert refused(line) == OLDER_PAGE_CODE
 
     page = look(shared)
     page.add_init_script(OLDER)
@@ -721,7 +721,7 @@ def test_the_end_of_a_session_is_the_end_of_its_pages(serve: Serve) -> None:
     with dialled(session.port) as line:
         assert ask(line, "role instructor")[0] == "ok"
         leave(line)
-        assert refused(line) in {NO_SESSION, 1012}
+        assert refused(line) in {NO_SESSION_CODE, 1012}
 
     assert session.process.wait(PATIENCE) == 0
     assert is_free(session.port)
@@ -791,7 +791,7 @@ def test_a_server_of_its_own_serves_one_session_after_the_other(
         first.process.terminate()
         first.process.wait(PATIENCE)
         with dialled(port) as line:
-            assert refused(line) == NO_SESSION
+            assert refused(line) == NO_SESSION_CODE
         second = serve()
         first.socket.unlink(missing_ok=True)
         os.link(second.socket, first.socket)
@@ -867,11 +867,11 @@ def test_a_session_without_a_token_is_not_carried_beyond_this_machine(
 
 
 def test_beyond_this_machine_a_camera_reads_the_address_and_no_token() -> None:
-    told = announce(Address("192.0.2.7", 8080))
+    told = announce_address(Address("192.0.2.7", 8080))
 
     assert told.startswith("pages at http://192.0.2.7:8080/\n")
     assert "█" in told
-    assert "█" not in announce(Address("127.0.0.1", 8080))
+    assert "█" not in announce_address(Address("127.0.0.1", 8080))
 
 
 @pytest.mark.process

@@ -7,7 +7,7 @@ import pytest
 from helpers import node
 from helpers.places import ROOT
 
-from trainer.web.pages import ASSETS
+from trainer.web.pages import ASSETS_FOLDER
 
 MOST = 250_000  # [bytes] packed: all that a browser can ask for
 
@@ -21,13 +21,13 @@ def test_types_fit() -> None:
 def test_rules_are_kept() -> None:
     rules = str(ROOT / "tests/web/eslint.config.js")
 
-    assert not node.run("eslint/bin/eslint.js", "--config", rules, str(ASSETS / "js"))
+    assert not node.run("eslint/bin/eslint.js", "--config", rules, str(ASSETS_FOLDER / "js"))
 
 
 def test_assets_are_small() -> None:
     packed = {
-        path.relative_to(ASSETS): len(gzip.compress(path.read_bytes()))
-        for path in ASSETS.rglob("*")
+        path.relative_to(ASSETS_FOLDER): len(gzip.compress(path.read_bytes()))
+        for path in ASSETS_FOLDER.rglob("*")
         if path.is_file()
     }
     assert packed
@@ -35,16 +35,18 @@ def test_assets_are_small() -> None:
 
 
 def test_assets_are_our_own_scripts_styles_and_words() -> None:
-    kinds = {path.suffix for path in ASSETS.rglob("*") if path.is_file()}
+    kinds = {path.suffix for path in ASSETS_FOLDER.rglob("*") if path.is_file()}
 
     assert kinds <= {".js", ".css", ".svg", ".json"}
-    assert not [path for path in ASSETS.rglob("*") if ".min." in path.name or path.is_symlink()]
+    assert not [
+        path for path in ASSETS_FOLDER.rglob("*") if ".min." in path.name or path.is_symlink()
+    ]
 
 
 def test_nothing_is_fetched_from_elsewhere() -> None:
-    paths = sorted(ASSETS.rglob("*.[jc]s*"))
+    paths = sorted(ASSETS_FOLDER.rglob("*.[jc]s*"))
     fetched = [
-        f"{path.relative_to(ASSETS)}: {address}"
+        f"{path.relative_to(ASSETS_FOLDER)}: {address}"
         for path in paths
         for address in foreign_addresses(path.read_text(encoding="utf-8"))
     ]

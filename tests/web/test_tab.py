@@ -15,14 +15,14 @@ from helpers.tab import fly
 
 from trainer.analysis.boat_page import boat_for_page, boat_of
 from trainer.boat.boat import Boat
-from trainer.boat.export.orders import rows
-from trainer.boat.helm import obey
+from trainer.boat.export.orders import order_rows
+from trainer.boat.helm import obey_order
 from trainer.cli.export import boat_at_start
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.past import PRESENT
+from trainer.session.stations.past import PRESENT_CHANNELS
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
@@ -41,14 +41,14 @@ def told(boat: Boat, words: str) -> str:
     """Return what the helm answers, having done it."""
     order = parse(words)
     assert isinstance(order, Order), words
-    answer = obey(boat, order)
+    answer = obey_order(boat, order)
     return answer.reason if isinstance(answer, Refused) else answer
 
 
 def wordings(boat: Boat) -> list[str]:
     """Return orders of every row of a boat, with some numbers where one is taken."""
     found = []
-    for row in map(Row, rows(boat)):
+    for row in map(Row, order_rows(boat)):
         low, high = row.typed
         numbers = {max(low, 0.0), *(math.floor(part * high) / 1000.0 for part in (370, 1000))}
         numbers |= {-1.0} if low < 0.0 else set()
@@ -159,7 +159,7 @@ def test_every_channel_shows_what_a_station_shows(vessel: str) -> None:
         boat.tick()
     reader = StateReader(boat, Ledger(boat.method.step).summary)
     frame = reader.frame(Picture(300, boat.records.state.tobytes(), Pace()))
-    shown = [name for name in CHANNELS if name not in PRESENT]  # nor is there a periscope
+    shown = [name for name in CHANNELS if name not in PRESENT_CHANNELS]  # nor is there a periscope
     deeds = [("order", words) for words in orders]
 
     values = fly(page, *deeds, ("fly", 300), *(("values", name) for name in shown))

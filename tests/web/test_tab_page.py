@@ -32,8 +32,8 @@ from playwright.sync_api import Browser, Page, expect
 from trainer.analysis.bench.standard_hour import standard_boat
 from trainer.analysis.boat_page import page_of, write_page
 from trainer.cli.export import boat_at_start, page_text
-from trainer.config.files import ConfigError, read_text, shipped
-from trainer.debrief.page import Asked, debrief_file
+from trainer.config.files import ConfigError, read_text, shipped_path
+from trainer.debrief.page import DebriefRequest, debrief_file
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
 from trainer.web import single_file as maker
@@ -189,7 +189,7 @@ def test_an_import_of_an_unknown_kind_is_not_bundled(
 ) -> None:
     (tmp_path / "one.js").write_text('import whole from "./two.js";\n')
     (tmp_path / "two.js").write_text("export default 3;\n")
-    monkeypatch.setattr(maker, "ASSETS", tmp_path)
+    monkeypatch.setattr(maker, "ASSETS_FOLDER", tmp_path)
 
     with pytest.raises(maker.UnknownPageError, match=r"(two|one)\.js"):
         maker.bundle("one.js")
@@ -321,7 +321,7 @@ severity = 1.0
 def attacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a recording whose every text is hostile, in a file of a hostile name."""
     folder = tmp_path_factory.mktemp("attacked")
-    hull = read_text(shipped("vessels", "bb2"))
+    hull = read_text(shipped_path("vessels", "bb2"))
     name = json.dumps(HOSTILE[0])
     hull = re.sub(r'^name = "Joubert.*$', lambda _: f"name = {name}", hull, flags=re.MULTILINE)
     (folder / "hull.toml").write_text(hull, encoding="utf-8")
@@ -384,7 +384,9 @@ def test_a_page_on_a_telephone_fits(opened: Open, boat_page: str) -> None:
 
 def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path) -> None:
     out = tmp_path / "debrief.html"
-    debrief_file(drill, out, None, Asked(boat=page_text(None, drill, "instructor")), as_json=False)
+    debrief_file(
+        drill, out, None, DebriefRequest(boat=page_text(None, drill, "instructor")), as_json=False
+    )
 
     page = opened(out.read_text(encoding="utf-8"))
 

@@ -14,7 +14,7 @@ from helpers.rewording import reworded
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
 from trainer.io.orders.grammar import Order, parse
-from trainer.web.pages import ASSETS
+from trainer.web.pages import ASSETS_FOLDER
 
 pytestmark = pytest.mark.process
 
@@ -84,7 +84,7 @@ def decisions(sources: dict[str, str]) -> set[tuple[str, str]]:
 
 
 def test_no_page_decides_on_english() -> None:
-    folder = ASSETS / "js"
+    folder = ASSETS_FOLDER / "js"
     paths = sorted(folder.rglob("*.js"))
     sources = {path.relative_to(folder).as_posix(): path.read_text("utf-8") for path in paths}
     found = decisions(sources)
@@ -115,7 +115,7 @@ READ: Final = (  # an order as it is told, which the pages are to read as the se
 
 def evaluated(module: str, names: str, code: str) -> object:
     """Return what code makes of what a module of the pages exports."""
-    address = (ASSETS / "js" / module).as_uri()
+    address = (ASSETS_FOLDER / "js" / module).as_uri()
     script = f'import {{ {names} }} from "{address}"; console.log(JSON.stringify({code}));'
     words = ["node", "--input-type=module", "-e", script]
     done = subprocess.run(words, capture_output=True, text=True, check=True)

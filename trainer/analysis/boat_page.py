@@ -15,13 +15,13 @@ import numpy as np
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import GAUGE_UNITS, SHARES, SIDES
-from trainer.boat.crew_orders import AXES
+from trainer.boat.casualties import AMOUNT_SHARES, GAUGE_UNITS, SURFACE_SIDES
+from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.export.header import places_of
-from trainer.boat.export.wasm import numbers_of, shipped
-from trainer.boat.helm import obey
+from trainer.boat.export.wasm import numbers_of, shipped_module
+from trainer.boat.helm import obey_order
 from trainer.boat.sea_orders import fully_developed, standing_sea
-from trainer.boat.world.world import PARTS
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
 from trainer.config.sea import peak_frequency, significant_height, step_problem
@@ -29,14 +29,14 @@ from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.casualties import KINDS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.sea import HEIGHT, OMEGA
-from trainer.core.state import CASUALTIES, SCRATCH, VALVES
+from trainer.core.state import MAX_CASUALTIES, SCRATCH, VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.io.atomic_write import write_whole
 from trainer.io.lines import plain
-from trainer.io.orders.quantities import NUMBERS
-from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAMES, SETS, SIGNS
-from trainer.io.recording.recording import Branch, Journalled, Recording
-from trainer.session.header import differences, layout_of, plan_of, reading
+from trainer.io.orders.quantities import NUMBER_KINDS
+from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAME_PLACES, SIDE_SIGNS, WORD_SETS
+from trainer.io.recording.recording import Branch, RecordedOrder, Recording
+from trainer.session.header import differences, layout_of, open_whole_recording, plan_of
 from trainer.session.history import order_of
 from trainer.session.layout import read_state
 from trainer.session.plan import Plan
@@ -44,11 +44,11 @@ from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES
 from trainer.session.stations.view import Fittings
-from trainer.session.warm_up import warm
+from trainer.session.warm_up import warm_boat
 from trainer.units import KNOT
 
 SEA_STATES: Final = range(9)
-Writes = list[tuple[int, float]]  # places of the state, and what is written there
+StateWrites = list[tuple[int, float]]  # places of the state, and what is written there
 
 
 def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
@@ -63,8 +63,8 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
         },
         "ranges": list(ranges(boat, ROLES[role])),
         "casualties": [
-            offer(boat, boat.casualties[name], degree)
-            for name, degree, _ in casualties.available(boat)
+            casualty_numbers(boat, boat.casualties[name], degree)
+            for name, degree, _ in casualties.available_casualties(boat)
         ],
         "calms": developed_seas(boat),
         "ramp_s": boat.sea.sea.ramp_s,
@@ -88,16 +88,16 @@ def fittings(boat: Boat) -> dict[str, Any]:
         "valves": VALVES,
         "compressor": bool(boat.vessel.compressor_rate),
         "kinds": KINDS,
-        "slots": CASUALTIES,
-        "axes": AXES,
-        "sides": SIDES,
+        "slots": MAX_CASUALTIES,
+        "axes": CREW_AXES,
+        "sides": SURFACE_SIDES,
         "gauge_units": GAUGE_UNITS,
-        "shares": SHARES,
+        "shares": AMOUNT_SHARES,
         "knot": KNOT,
     }
 
 
-def offer(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
+def casualty_numbers(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
     """Return the numbers of a casualty; ``limit`` is of a surface hard over."""
     limits = [
         boat.toward[surface] * float(boat.vessel.limit[place])
@@ -122,7 +122,7 @@ def offer(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
         "sudden": measure.sudden,
         "degree": degree,
         "usual": usual.fields if usual else "",
-        "told": "" if measure.sudden else casualties.describe(boat, casualty.kind, amount),
+        "told": "" if measure.sudden else casualties.describe_amount(boat, casualty.kind, amount),
     }
 
 
@@ -147,7 +147,7 @@ def grammar() -> dict[str, Any]:
             {"pattern": f.pattern, "name": f.name, "value": f.value, "refusal": f.refusal}
             for f in FORMS
         ],
-        "sets": SETS,
+        "sets": WORD_SETS,
         "numbers": {
             name: {
                 "says": number.says,
@@ -156,10 +156,10 @@ def grammar() -> dict[str, Any]:
                 ],
                 **{key: getattr(number, key) for key in ("prefix", "low", "high", "decimals")},
             }
-            for name, number in NUMBERS.items()
+            for name, number in NUMBER_KINDS.items()
         },
-        "names": {name: place.says for name, place in NAMES.items()},
-        "signs": SIGNS,
+        "names": {name: place.says for name, place in NAME_PLACES.items()},
+        "signs": SIDE_SIGNS,
     }
 
 
@@ -171,13 +171,13 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
 
     ConfigError where it is damaged, or not of this version.
     """
-    with reading(path) as recording, np.errstate(all="ignore"):
+    with open_whole_recording(path) as recording, np.errstate(all="ignore"):
         header = recording.header()
         for each in differences(header)[:1]:
             raise ConfigError(f"{path.name}: {each}: in a page it would not be the same run")
         plan = plan_of(header)
         boat = Boat(plan.file, plan.method)
-        warm(boat)
+        warm_boat(boat)
         layout = layout_of(header)
         plan.start(boat)
         refuse_world(recording, plan, path.name)
@@ -187,7 +187,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         branches = recording.branches()
         told = {
             "from": plain(path.name),
-            "branches": [fly(recording, each, boat, plan, layout) for each in branches],
+            "branches": [fly_branch(recording, each, boat, plan, layout) for each in branches],
             "orders": [
                 (each.branch, each.tick, plain(each.text))
                 for branch in branches
@@ -208,13 +208,13 @@ def refuse_world(recording: Recording, plan: Plan, name: str) -> None:
     around = [f"[{table}]" for table in (*plan.sea.world, *plan.world)]
     for branch in recording.branches():
         own = recording.orders(branch.id, branch.after)
-        around += [each.text for each in own if each.text.partition(" ")[0] in PARTS]
+        around += [each.text for each in own if each.text.partition(" ")[0] in WORLD_PARTS]
     if around:
         told = f"has a world around the boat, {around[0]}, and a page has none"
         raise ConfigError(f"{name}: {told}; look at it by trainer debrief")
 
 
-def fly(
+def fly_branch(
     recording: Recording, branch: Branch, boat: Boat, plan: Plan, layout: tuple[str, ...]
 ) -> dict[str, Any]:
     """Return one branch for a page, flown from its beginning beside the recorded states."""
@@ -222,21 +222,21 @@ def fly(
     boat.restore(read_state(branch.state, layout, standing))
     begun = standing.tobytes()
     orders = deque(recording.orders(branch.id, branch.after))
-    before: list[tuple[int, Writes]] = []
-    after: list[tuple[int, Writes]] = []
+    before: list[tuple[int, StateWrites]] = []
+    after: list[tuple[int, StateWrites]] = []
     last = branch.tick
     for tick, state in recording.states(branch.id):
         if tick <= branch.tick:  # of before its beginning
             continue
-        if written := given(orders, tick - 1, boat, plan):
+        if written := apply_orders(orders, tick - 1, boat, plan):
             before.append((tick - 1, written))
         boat.tick()
         there = read_state(state, layout, standing)["whole"][0]
-        if changed := changes(boat.state.whole, there):
+        if changed := state_changes(boat.state.whole, there):
             after.append((tick, changed))
             boat.state.whole[:] = there
         last = tick
-    if written := given(orders, last, boat, plan):
+    if written := apply_orders(orders, last, boat, plan):
         before.append((last, written))
     return {
         "number": branch.id,
@@ -250,17 +250,17 @@ def fly(
     }
 
 
-def given(orders: deque[Journalled], tick: int, boat: Boat, plan: Plan) -> Writes:
+def apply_orders(orders: deque[RecordedOrder], tick: int, boat: Boat, plan: Plan) -> StateWrites:
     """Give the boat the orders of a tick; return what they have written."""
     was = boat.state.whole.copy()
     while orders and orders[0].tick <= tick:
         order = order_of(orders.popleft(), plan.schedule)
         if order is not None and order.name in BOAT_ORDERS:
-            obey(boat, order)
-    return changes(was, boat.state.whole)
+            obey_order(boat, order)
+    return state_changes(was, boat.state.whole)
 
 
-def changes(was: Numbers, now: Numbers) -> Writes:
+def state_changes(was: Numbers, now: Numbers) -> StateWrites:
     """Return the places where two states differ, and what the second has."""
     places = np.flatnonzero(was.view(np.int64) != np.ascontiguousarray(now).view(np.int64))
     return [(int(place), float(now[place])) for place in places]
@@ -269,7 +269,7 @@ def changes(was: Numbers, now: Numbers) -> Writes:
 # The page
 
 
-class Parts(NamedTuple):
+class PageParts(NamedTuple):
     """The boat as a page knows it, the core, and the title of the page."""
 
     boat: dict[str, Any]
@@ -277,17 +277,17 @@ class Parts(NamedTuple):
     title: str
 
 
-def page_of(boat: Boat | None, recording: Path | None, role: str) -> Parts:
+def page_of(boat: Boat | None, recording: Path | None, role: str) -> PageParts:
     """Return the parts of a page: of a boat, or of a recording."""
     told = None
     if recording is not None:
         boat, told = boat_of(recording)
     if boat is None:
         raise ValueError("a page has a boat or a recording")
-    core = shipped(boat)
+    core = shipped_module(boat)
     numbers = boat_for_page(boat, role) | {"recording": told}
     title = boat.file.name if told is None else f"{boat.file.name}: {told['from']}"
-    return Parts(numbers, core, title)
+    return PageParts(numbers, core, title)
 
 
 def write_page(path: Path, text: str, recording: Path | None) -> None:

@@ -9,8 +9,14 @@ import numpy as np
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.envelope import is_clipped, surface_modes
-from trainer.boat.linear import Mode, bring_to, modes, respond
-from trainer.boat.stability import largest_flown, largest_step, responses, stable_at, worst_motion
+from trainer.boat.linear import Mode, bring_to, measure_response, modes
+from trainer.boat.stability import (
+    boat_responses,
+    largest_flown,
+    largest_step,
+    stable_at,
+    worst_motion,
+)
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core import full
@@ -18,22 +24,27 @@ from trainer.core.envelope import substeps
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
-RUDDER = 15.0  # [deg]
-LENGTHS = 90.0  # boat lengths at the first speed: long enough to settle,
-LAST = 20.0  # the last of which are averaged
-MOST_TICKS = 20_000  # at whatever speed
-SPREAD = 0.02  # [-] of the yaw rate over them: more is not steady
-PLANES = ("stern", "bow")
-SIDED = ("Y_star", "K_star", "N_star", "K_star_eta")  # [ASSES] equations (2), (4), (6)
-EQUATIONS = ("full", "modified", "basic")
-REGIONS = ("adams2", "euler")
-STEPS = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set
-UNITS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [kn]
-INTERVALS = 5
+TURN_RUDDER_DEG = 15.0  # [deg]
+TURN_LENGTHS = 90.0  # boat lengths at the first speed: long enough to settle,
+AVERAGED_LENGTHS = 20.0  # the last of which are averaged
+MAX_TURN_TICKS = 20_000  # at whatever speed
+MAX_YAW_RATE_SPREAD = 0.02  # [-] of the yaw rate over them: more is not steady
+PLANE_NAMES = ("stern", "bow")
+ASYMMETRIC_COEFFICIENTS = (
+    "Y_star",
+    "K_star",
+    "N_star",
+    "K_star_eta",
+)  # [ASSES] equations (2), (4), (6)
+EQUATION_SETS = ("full", "modified", "basic")
+STABILITY_METHODS = ("adams2", "euler")
+STEPS_1969_S = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set
+CHECKED_SPEEDS_KN = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [kn]
+SPEED_INTERVALS = 5
 
 
 @dataclass(frozen=True)
-class Turn:
+class SteadyTurn:
     """A steady turn."""
 
     diameter_m: float
@@ -43,19 +54,19 @@ class Turn:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class TurnComparison:
     """The same turn by both sets. Without either when it did not settle, ``problem`` saying why."""
 
     rudder_deg: float
     speed_kn: float
     depth: str  # how it was kept
-    full: Turn | None
-    modified: Turn | None
+    full: SteadyTurn | None
+    modified: SteadyTurn | None
     percent: dict[str, float]  # modified less full, of full
     problem: str
 
 
-def steady_turn(file: VesselFile, equations: str, rudder: float) -> Turn:
+def steady_turn(file: VesselFile, equations: str, rudder: float) -> SteadyTurn:
     """Return the turn with ``rudder`` [rad] at the vessel's start speed, command speed constant.
 
     ConfigError if it does not trim, diverges or does not become steady.
@@ -66,29 +77,33 @@ def steady_turn(file: VesselFile, equations: str, rudder: float) -> Turn:
     s = boat.state
     s.speed_by_hand = s.rudder_by_hand = 1.0
     s.ordered_r = rudder
-    ticks = min(math.ceil(LENGTHS * file.hull.length / speed / boat.method.step), MOST_TICKS)
+    ticks = min(
+        math.ceil(TURN_LENGTHS * file.hull.length / speed / boat.method.step), MAX_TURN_TICKS
+    )
     seen = np.zeros((ticks, 4))
     for tick in range(ticks):
         status = boat.tick()
         if status:
             raise ConfigError(f"{equations}: {boat.failure(status)}")
         seen[tick] = s.u, s.v, s.psidot, s.phi
-    last = seen[-math.ceil(ticks * LAST / LENGTHS) :]
+    last = seen[-math.ceil(ticks * AVERAGED_LENGTHS / TURN_LENGTHS) :]
     u, v, yaw, heel = (float(mean) for mean in last.mean(axis=0))
-    if np.ptp(last[:, 2]) >= SPREAD * abs(yaw):
+    if np.ptp(last[:, 2]) >= MAX_YAW_RATE_SPREAD * abs(yaw):
         raise ConfigError(f"{equations}: the turn is not steady after {boat.time:.0f} s")
     through = math.hypot(u, v)
-    return Turn(2.0 * through / abs(yaw), through / KNOT, math.degrees(yaw), math.degrees(heel))
+    return SteadyTurn(
+        2.0 * through / abs(yaw), through / KNOT, math.degrees(yaw), math.degrees(heel)
+    )
 
 
-def compare_turns(file: VesselFile) -> Comparison:
+def compare_turns(file: VesselFile) -> TurnComparison:
     """Return the starboard turn by the full and modified sets.
 
     The rudder is at 15 deg, or its limit.
     """
-    rudder = min(RUDDER, file.surfaces.rudder_limit_deg)
+    rudder = min(TURN_RUDDER_DEG, file.surfaces.rudder_limit_deg)
     to_starboard = -1.0 if file.coefficients["N_dr"] <= 0.0 else 1.0
-    found: dict[str, Turn | None] = {"full": None, "modified": None}
+    found: dict[str, SteadyTurn | None] = {"full": None, "modified": None}
     problem = ""
     for equations in found:
         try:
@@ -106,10 +121,10 @@ def compare_turns(file: VesselFile) -> Comparison:
         }
     depth = "by the autopilot" if file.autopilot else "not kept, planes as trimmed"
     speed = file.run.start_speed_kn
-    return Comparison(rudder, speed, depth, full, modified, percent, problem)
+    return TurnComparison(rudder, speed, depth, full, modified, percent, problem)
 
 
-def absent(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
+def absent_coefficients(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
     """Return by equation the coefficients not given; ``kept``: that the compact set would keep."""
     found: dict[str, list[str]] = {}
     for term in COEFFICIENTS:
@@ -121,7 +136,7 @@ def absent(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
 def asymmetries(file: VesselFile) -> dict[str, float]:
     """Return by name what makes port and starboard differ: coefficients [-], [m] and [kg m2]."""
     hull = file.hull
-    sided = {name: file.coefficients[name] for name in SIDED}
+    sided = {name: file.coefficients[name] for name in ASYMMETRIC_COEFFICIENTS}
     sided |= {"y_G": hull.cg[1], "y_B": hull.cb[1], "I_xy": hull.Ixy, "I_yz": hull.Iyz}
     return {name: value for name, value in sided.items() if value != 0.0}
 
@@ -142,7 +157,7 @@ def inertia(file: VesselFile, step: float) -> Inertia:
     for equations in ("full", "modified"):
         boat = Boat(file, Method(equations, "lagged", "exact", "adams2", step))
         boat.state.u = boat.state.u_c = 1.0
-        contraction[equations] = float(abs(np.linalg.eigvals(respond(boat).G)).max())
+        contraction[equations] = float(abs(np.linalg.eigvals(measure_response(boat).G)).max())
     matrix = np.zeros((6, 6))
     boat = Boat(file, Method("full", "exact", "exact", "adams2", step))
     full.inertia(boat.records.vessel, boat.records.state, matrix)
@@ -187,24 +202,24 @@ def critical_speed(file: VesselFile, plane: str) -> float | None:
 
 def critical_speeds(file: VesselFile) -> dict[str, float | None]:
     """Return the critical speeds [kn] by plane, None where there is none."""
-    speeds = {plane: critical_speed(file, plane) for plane in PLANES}
+    speeds = {plane: critical_speed(file, plane) for plane in PLANE_NAMES}
     return {plane: None if speed is None else speed / KNOT for plane, speed in speeds.items()}
 
 
 @dataclass(frozen=True)
-class Afloat:
+class SurfaceCheck:
     """The boat at its lightest at the surface, and the divisions of a step there."""
 
     period_s: dict[str, float]  # by mode
     parts: dict[float, int]  # by step [s], of a multistep method
 
 
-def afloat(file: VesselFile) -> Afloat:
+def afloat(file: VesselFile) -> SurfaceCheck:
     """Return the modes of the boat afloat and the parts of the steps in question."""
     boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
     modes = surface_modes(boat.records.vessel)
-    steps = sorted({*STEPS, file.run.step_s})
-    return Afloat(
+    steps = sorted({*STEPS_1969_S, file.run.step_s})
+    return SurfaceCheck(
         {name: 2.0 * math.pi / float(rate[0]) for name, rate in modes.items() if rate[0] > 0.0},
         {step: substeps(boat.records.vessel, step, 1, boat.records.state) for step in steps},
     )
@@ -225,7 +240,7 @@ class ModeRow:
 
 
 @dataclass(frozen=True)
-class Flight:
+class StraightFlight:
     """Straight flight at one speed by the full set."""
 
     speed_kn: float
@@ -237,7 +252,7 @@ class Flight:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class StepVerdict:
     """One step of 2nd-order Adams with lagged accelerations, over all speeds."""
 
     equations: str
@@ -248,7 +263,7 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Report:
+class CheckReport:
     """All that ``trainer check`` says about a vessel; as JSON by ``dataclasses.asdict``."""
 
     vessel: str
@@ -261,11 +276,11 @@ class Report:
     inertia: Inertia
     margins: dict[str, float | None]
     critical_speed_kn: dict[str, float | None]
-    flights: tuple[Flight, ...]
+    flights: tuple[StraightFlight, ...]
     largest_flown_s: dict[str, dict[str, float | None]]  # by equation set, by method; None: any
-    verdicts: tuple[Verdict, ...]
-    turn: Comparison
-    afloat: Afloat
+    verdicts: tuple[StepVerdict, ...]
+    turn: TurnComparison
+    afloat: SurfaceCheck
     clipped: bool  # what would feed the boat beyond the range is left out
     stable: bool  # at every step looked at
     own_step_s: float
@@ -274,14 +289,16 @@ class Report:
 
 def round_speeds(low: float, high: float) -> tuple[float, ...]:
     """Return ``low``, ``high`` [kn] and the round speeds between, about five."""
-    unit = next((u for u in UNITS if (high - low) / u <= INTERVALS), UNITS[-1])
+    unit = next(
+        (u for u in CHECKED_SPEEDS_KN if (high - low) / u <= SPEED_INTERVALS), CHECKED_SPEEDS_KN[-1]
+    )
     between = (unit * i for i in range(math.ceil(low / unit), math.ceil(high / unit)))
     return tuple(sorted({low, *(round(speed, 9) for speed in between if speed > low), high}))
 
 
 def _row(mode: Mode) -> ModeRow:
     """Return one mode and the steps its decay allows."""
-    schemes = {name: Method("full", "exact", "exact", name, 1.0) for name in REGIONS}
+    schemes = {name: Method("full", "exact", "exact", name, 1.0) for name in STABILITY_METHODS}
     return ModeRow(
         name=mode.name,
         real=mode.real,
@@ -298,15 +315,15 @@ def _row(mode: Mode) -> ModeRow:
     )
 
 
-def flights(file: VesselFile, speeds: Iterable[float]) -> tuple[Flight, ...]:
+def straight_flights(file: VesselFile, speeds: Iterable[float]) -> tuple[StraightFlight, ...]:
     """Return trim and modes of the full set at ``speeds`` [kn]."""
     boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
     found = []
     for speed in speeds:
         trimmed = bring_to(boat, speed * KNOT)
-        flight = respond(boat)
+        flight = measure_response(boat)
         found.append(
-            Flight(
+            StraightFlight(
                 speed_kn=speed,
                 trimmed=trimmed,
                 pitch_deg=math.degrees(boat.state.theta),
@@ -318,37 +335,37 @@ def flights(file: VesselFile, speeds: Iterable[float]) -> tuple[Flight, ...]:
     return tuple(found)
 
 
-def check(file: VesselFile) -> Report:
+def check_vessel(file: VesselFile) -> CheckReport:
     """Return the report on ``file``; ``stable`` is False if any of the verdicts is."""
     speeds = round_speeds(*file.run.speed_range_kn)
     own = file.run.step_s
     boat = Boat(file, Method("full", "exact", "exact", "adams2", own))
     largest: dict[str, dict[str, float | None]] = {}
     verdicts = []
-    for equations in EQUATIONS:
+    for equations in EQUATION_SETS:
         lagged = Boat(file, Method(equations, "lagged", "exact", "adams2", own))
-        flown = responses(lagged, (speed * KNOT for speed in speeds))
+        flown = boat_responses(lagged, (speed * KNOT for speed in speeds))
         largest[equations] = {}
-        for integrator in REGIONS:
+        for integrator in STABILITY_METHODS:
             scheme = scheme_record(Method(equations, "lagged", "exact", integrator, 1.0))
             step = largest_flown(flown.values(), scheme)
             largest[equations][integrator] = None if math.isinf(step) else step
         adams = scheme_record(Method(equations, "lagged", "exact", "adams2", 1.0))
-        for step in sorted({*STEPS, own}):
+        for step in sorted({*STEPS_1969_S, own}):
             stable = stable_at(flown.values(), adams, step)
-            verdicts.append(Verdict(equations, step, stable, *worst_motion(flown, adams, step)))
-    return Report(
+            verdicts.append(StepVerdict(equations, step, stable, *worst_motion(flown, adams, step)))
+    return CheckReport(
         vessel=file.name,
         path=str(file.path),
         defaulted=file.defaulted,
         remarks=file.remarks,
-        absent_but_kept=absent(file, kept=True),
-        absent_and_dropped=absent(file, kept=False),
+        absent_but_kept=absent_coefficients(file, kept=True),
+        absent_and_dropped=absent_coefficients(file, kept=False),
         asymmetries=asymmetries(file),
         inertia=inertia(file, own),
         margins=margins(file),
         critical_speed_kn=critical_speeds(file),
-        flights=flights(file, speeds),
+        flights=straight_flights(file, speeds),
         largest_flown_s=largest,
         verdicts=tuple(verdicts),
         turn=compare_turns(file),

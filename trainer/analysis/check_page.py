@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
-from trainer.analysis.check import REGIONS, Comparison, Flight, Report
-from trainer.boat.linear import NEUTRAL
-from trainer.boat.stability import BARELY
-from trainer.report.text import INDENT, WIDTH, cut, figure, wrap
+from trainer.analysis.check import STABILITY_METHODS, CheckReport, StraightFlight, TurnComparison
+from trainer.boat.linear import NEUTRAL_TOLERANCE
+from trainer.boat.stability import BLAMED_GROWTH
+from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, wrap
 
-LABELS = {
+TURN_LABELS = {
     "diameter_m": "diameter [m]",
     "speed_kn": "speed [kn]",
     "yaw_rate_deg_s": "yaw rate [deg/s]",
@@ -15,7 +15,7 @@ LABELS = {
 }
 
 
-def _coefficients(report: Report) -> list[str]:
+def _coefficients(report: CheckReport) -> list[str]:
     """Return what is absent and what makes the sides differ."""
     lines = ["", "COEFFICIENTS (absent ones count as zero)"]
     for title, groups in (
@@ -29,7 +29,7 @@ def _coefficients(report: Report) -> list[str]:
     return lines + wrap("port and starboard differ by: " + (sides or "nothing"))
 
 
-def _hull(report: Report) -> list[str]:
+def _hull(report: CheckReport) -> list[str]:
     """Return inertia, margins of stability and critical speeds."""
     inertia = report.inertia
     definite = "positive definite" if inertia.definite else "NOT POSITIVE DEFINITE"
@@ -38,7 +38,7 @@ def _hull(report: Report) -> list[str]:
         f"{plane} planes {'none' if speed is None else f'{speed:.1f} kn'}"
         for plane, speed in report.critical_speed_kn.items()
     )
-    margins = ", ".join(f"{name} {figure(value)}" for name, value in report.margins.items())
+    margins = ", ".join(f"{name} {format_number(value)}" for name, value in report.margins.items())
     return [
         "",
         "HULL",
@@ -49,7 +49,7 @@ def _hull(report: Report) -> list[str]:
     ]
 
 
-def _flight(flight: Flight) -> Iterator[str]:
+def _flight(flight: StraightFlight) -> Iterator[str]:
     """Yield trim and modes at one speed."""
     trim = (
         f"pitch {flight.pitch_deg:+.2f}, stern planes {flight.stern_planes_deg:+.2f}, "
@@ -59,17 +59,18 @@ def _flight(flight: Flight) -> Iterator[str]:
     )
     yield f"{INDENT}{flight.speed_kn:g} kn: {trim}"
     for row in flight.modes:
-        steps = "".join(f"{row.largest_s.get(name, 0.0):>8.3g}" for name in REGIONS)
+        steps = "".join(f"{row.largest_s.get(name, 0.0):>8.3g}" for name in STABILITY_METHODS)
         if not row.stable:
-            steps = f"{'unstable' if row.real > NEUTRAL else 'neutral':>16}"
+            steps = f"{'unstable' if row.real > NEUTRAL_TOLERANCE else 'neutral':>16}"
         root = f"{row.real:+.4f}" + (f" +-{row.imaginary:.4f}i" if row.imaginary else "")
         yield (
-            f"{2 * INDENT}{row.name:<9}{root:<20}{figure(row.period_s, '.1f'):>8}"
-            f"{figure(row.damping_ratio):>8}{figure(row.time_constant_s, '.1f'):>9}{steps}"
+            f"{2 * INDENT}{row.name:<9}{root:<20}{format_number(row.period_s, '.1f'):>8}"
+            f"{format_number(row.damping_ratio):>8}"
+            f"{format_number(row.time_constant_s, '.1f'):>9}{steps}"
         )
 
 
-def _modes(report: Report) -> list[str]:
+def _modes(report: CheckReport) -> list[str]:
     """Return the modes by speed, and what the boat does not damp."""
     lines = [
         "",
@@ -81,7 +82,7 @@ def _modes(report: Report) -> list[str]:
     for flight in report.flights:
         lines += _flight(flight)
         for row in flight.modes:
-            if row.real > NEUTRAL:
+            if row.real > NEUTRAL_TOLERANCE:
                 wild.setdefault(row.name, []).append((row.real, flight.speed_kn))
     phrases = []
     for name, entries in wild.items():
@@ -91,16 +92,17 @@ def _modes(report: Report) -> list[str]:
     return lines + (wrap(told) if phrases else [])
 
 
-def _steps(report: Report) -> list[str]:
+def _steps(report: CheckReport) -> list[str]:
     """Return the largest steps of the map flown, and the verdicts."""
     lines = ["", "STEPS (as flown, lagged accelerations; what grows by nature is not counted)"]
     lines += wrap(
-        f"stable: nothing grows; only a swing that the boat damps by less than {BARELY:.0%} may, "
-        f"by {BARELY:.0%} of its frequency"
+        "stable: nothing grows; only a swing that the boat damps by less than "
+        f"{BLAMED_GROWTH:.0%} may, "
+        f"by {BLAMED_GROWTH:.0%} of its frequency"
     )
     for equations, limits in report.largest_flown_s.items():
         adams, euler = (
-            "any" if limits[name] is None else f"{limits[name]:.3f} s" for name in REGIONS
+            "any" if limits[name] is None else f"{limits[name]:.3f} s" for name in STABILITY_METHODS
         )
         lines.append(f"{INDENT}{equations:<9} largest: Adams 2 {adams}, Euler {euler}")
     for verdict in report.verdicts:
@@ -110,7 +112,7 @@ def _steps(report: Report) -> list[str]:
     return lines
 
 
-def _turn_lines(turn: Comparison) -> Iterator[str]:
+def _turn_lines(turn: TurnComparison) -> Iterator[str]:
     """Yield the compact turn beside the full one."""
     yield ""
     yield f"TURN ({turn.rudder_deg:g} deg rudder at {turn.speed_kn:g} kn; depth {turn.depth})"
@@ -118,13 +120,13 @@ def _turn_lines(turn: Comparison) -> Iterator[str]:
         yield from wrap("cannot be compared: " + turn.problem)
         return
     yield f"{INDENT}{'':<18}{'full':>10}{'compact':>10}{'change':>10}"
-    for name, label in LABELS.items():
+    for name, label in TURN_LABELS.items():
         change = f"{turn.percent[name]:+.1f} %" if name in turn.percent else "-"
         full, compact = getattr(turn.full, name), getattr(turn.modified, name)
         yield f"{INDENT}{label:<18}{full:>10.3f}{compact:>10.3f}{change:>10}"
 
 
-def render(report: Report) -> str:
+def render(report: CheckReport) -> str:
     """Return the report as text."""
     periods = ", ".join(f"{name} {period:.1f} s" for name, period in report.afloat.period_s.items())
     parts = ", ".join(f"{step:g} s in {count}" for step, count in report.afloat.parts.items())
@@ -135,7 +137,7 @@ def render(report: Report) -> str:
     verdict = f"Not every step above is stable; the boat's own, {report.own_step_s:g} s, {own}."
     lines = [
         report.vessel,
-        INDENT + cut(report.path, WIDTH - len(INDENT)),
+        INDENT + cut_text(report.path, PAGE_WIDTH - len(INDENT)),
         *(line for text in texts for line in wrap(text)),
         *_coefficients(report),
         *_hull(report),

@@ -1,4 +1,4 @@
-"""The commands ``trainer exercise new``, ``check`` and ``baseline``.
+"""The commands ``trainer exercise new``, ``check_exercise`` and ``baseline``.
 
 A check flies the exercise with nobody aboard and with its reference crew, and tells what a run
 would refuse.
@@ -20,9 +20,9 @@ import click
 from trainer.analysis.stated import fly_stated
 from trainer.boat.boat import Boat
 from trainer.config.baseline import (
-    SCHEMA,
+    BASELINE_SCHEMA,
     Baseline,
-    Heading,
+    BaselineHeading,
     Totals,
     baseline_path,
     digest_of,
@@ -33,30 +33,30 @@ from trainer.config.files import (
     ConfigError,
     Place,
     as_typed,
-    beside,
     collecting,
-    numbered,
+    number_problems,
     parse_toml,
     path_named,
     read_text,
-    shipped,
+    relative_name,
+    shipped_path,
     write_once,
     write_over,
 )
-from trainer.config.score_rules import Rule
+from trainer.config.score_rules import ScoreRule
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest
-from trainer.debrief.judgement import MOST_NOBODY, judge, plain_marks
-from trainer.debrief.rehearsal import Rehearsal, fly
+from trainer.debrief.judgement import MAX_NOBODY_PERCENT, judge_run, plain_marks
+from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.scoring import Scorecard, formula_of
-from trainer.debrief.trajectory import lacks
-from trainer.io.recording.facts import REFERENCE_CREW
+from trainer.debrief.trajectory import missing_quantities
+from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.units import KNOT
 
-SKELETON: Final = "exercise-skeleton"
-COMMENTS: Final = {
+SKELETON_NAME: Final = "exercise-skeleton"
+TABLE_COMMENTS: Final = {
     "[initial]": "Where the boat starts; what is left out is the vessel file's.",
     "[sea]": "As in docs/seas.md; without it a calm.",
     "[[orders]]": "What is ordered, as it is typed: `order ...` and `tell ...` go to the crew.",
@@ -67,11 +67,11 @@ COMMENTS: Final = {
     "[planesman]": "How it works the planes; all keys in docs/exercises.md.",
     "[helmsman]": "How it steers.",
 }
-NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
+NAME_LINE: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Flown:
+class FlownExercise:
     """One exercise at one seed: what nobody aboard and the reference crew get."""
 
     plan: Plan
@@ -82,25 +82,25 @@ class Flown:
 
 
 @dataclass(frozen=True)
-class Study:
+class ExerciseStudy:
     """One exercise at some seeds, its own first."""
 
     path: Path
     seeds: tuple[int, ...]
-    flown: tuple[Flown, ...]
+    flown: tuple[FlownExercise, ...]
 
     @property
-    def own(self) -> Flown:
+    def own(self) -> FlownExercise:
         """Return what was flown at the exercise's own seed."""
         return self.flown[0]
 
 
-def fly_at(name: str, seed: int | None = None) -> Flown:
+def fly_at(name: str, seed: int | None = None) -> FlownExercise:
     """Return an exercise flown at a seed, or at its own. ConfigError if it cannot be."""
-    return fly_both(planned(name, seed))
+    return fly_both(plan_exercise(name, seed))
 
 
-def planned(name: str, seed: int | None = None) -> Plan:
+def plan_exercise(name: str, seed: int | None = None) -> Plan:
     """Return the plan of an exercise at a seed, or at its own. ConfigError if it has no end."""
     options = RunOptions(exercise=name)
     if seed is not None:
@@ -111,40 +111,40 @@ def planned(name: str, seed: int | None = None) -> Plan:
     return plan
 
 
-def fly_both(plan: Plan) -> Flown:
+def fly_both(plan: Plan) -> FlownExercise:
     """Return a plan flown by nobody, and by its reference crew if it has one."""
-    flights = {"nobody": fly(plan)}
+    flights = {"nobody": fly_rehearsal(plan)}
     if plan.crew.rules:
-        flights["crew"] = fly(plan, plan.crew)
+        flights["crew"] = fly_rehearsal(plan, plan.crew)
     marks = plain_marks(flights["nobody"].trajectory, plan)
-    cards = {name: judge(flight.trajectory, plan, marks) for name, flight in flights.items()}
-    return Flown(plan, marks, cards["nobody"], cards.get("crew"), flights)
+    cards = {name: judge_run(flight.trajectory, plan, marks) for name, flight in flights.items()}
+    return FlownExercise(plan, marks, cards["nobody"], cards.get("crew"), flights)
 
 
-def study(name: str, count: int) -> Study:
+def study_exercise(name: str, count: int) -> ExerciseStudy:
     """Return an exercise flown at its own seed and others.
 
     There are ``count`` where seeds matter.
     """
     own = replace(fly_at(name), flights={})
     seeds = [own.plan.seed]
-    if varies(name, own.plan):
+    if depends_on_seed(name, own.plan):
         others = (seed for seed in range(1, count + 1) if seed != own.plan.seed)
         seeds += list(others)[: count - 1]
     flown = (own, *(replace(fly_at(name, seed), flights={}) for seed in seeds[1:]))
-    return Study(path_named(name, "exercises"), tuple(seeds), flown)
+    return ExerciseStudy(path_named(name, "exercises"), tuple(seeds), flown)
 
 
-def varies(name: str, plan: Plan) -> bool:
+def depends_on_seed(name: str, plan: Plan) -> bool:
     """Return whether anything depends on the seed: a sea, or what it draws."""
     return plan.sea.path.stem != "calm" or bool(load_exercise(name).drawn)
 
 
-def baseline_of(found: Study) -> Baseline:
+def baseline_of(found: ExerciseStudy) -> Baseline:
     """Return the baseline to be kept."""
     crews = [each.crew for each in found.flown if each.crew is not None]
-    heading = Heading(
-        schema=SCHEMA,
+    heading = BaselineHeading(
+        schema=BASELINE_SCHEMA,
         exercise=digest_of(read_text(found.path)),
         core=core_digest(),
         seed=found.seeds[0],
@@ -171,7 +171,7 @@ def totals(cards: list[Scorecard]) -> Totals:
     )
 
 
-def table(found: Study) -> Iterator[str]:
+def baseline_lines(found: ExerciseStudy) -> Iterator[str]:
     """Yield the lines that tell a baseline."""
     kept, own = baseline_of(found), found.own
     crew = {each.name: each.marks for each in own.crew.scores} if own.crew else {}
@@ -196,7 +196,7 @@ def _number(value: float | None, digits: int = 0) -> str:
     return f"{'-':>6}" if value is None else f"{value:6.{digits}f}"
 
 
-def keep(found: Study) -> Path:
+def save_baseline(found: ExerciseStudy) -> Path:
     """Write the baseline beside its exercise; return where. ConfigError if it cannot be."""
     path = baseline_path(found.path)
     write_over(path, write_baseline(baseline_of(found)))
@@ -208,9 +208,11 @@ def write_new(path: Path, name: str | None, source: str | None) -> None:
 
     ConfigError if the file is there or cannot be made, or no exercise has that name.
     """
-    text = _copy(source) if source else read_text(shipped("", SKELETON))
+    text = _copy(source) if source else read_text(shipped_path("", SKELETON_NAME))
     if name is not None:
-        text = NAMED.sub(lambda _: f"name = {json.dumps(name, ensure_ascii=False)}", text, count=1)
+        text = NAME_LINE.sub(
+            lambda _: f"name = {json.dumps(name, ensure_ascii=False)}", text, count=1
+        )
     parse_exercise(text, path)
     write_once(path, text)
     click.echo(f"{path} written; next: trainer exercise check {as_typed(path)}")
@@ -218,21 +220,21 @@ def write_new(path: Path, name: str | None, source: str | None) -> None:
 
 def _copy(source: str) -> str:
     """Return the text of a shipped exercise, with what each part is for above it."""
-    text = read_text(shipped("exercises", source))
+    text = read_text(shipped_path("exercises", source))
     lines = [f"# Copied from {source}. Try it with: trainer exercise check FILE"]
     told: set[str] = set()
     for line in text.splitlines():
         if line.startswith("lesson = "):  # its place among the shipped ones
             continue
         head = line.split("#")[0].strip()
-        if head in COMMENTS and head not in told:
+        if head in TABLE_COMMENTS and head not in told:
             told.add(head)
-            lines.append(f"# {COMMENTS[head]}")
+            lines.append(f"# {TABLE_COMMENTS[head]}")
         lines.append(line)
     return "\n".join(lines) + "\n"
 
 
-def check(name: str) -> list[str]:
+def check_exercise(name: str) -> list[str]:
     """Return what an exercise is, a line each. ConfigError with all that is wrong in it."""
     problems: list[str] = []
     with collecting(problems):
@@ -242,7 +244,7 @@ def check(name: str) -> list[str]:
             path = path_named(name, "exercises")
             vessel = parse_toml(read_text(path), path.name).get("vessel")
             if isinstance(vessel, str):
-                load_vessel(beside(path, vessel))
+                load_vessel(relative_name(path, vessel))
         raise ConfigError(*dict.fromkeys(problems))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
@@ -256,11 +258,11 @@ def check(name: str) -> list[str]:
                 said = figure.stated.row.says
                 problems.append(place.inside(f"stated[{i}]").wrong("says", said, figure.difference))
         if problems:
-            raise ConfigError(*numbered(problems, read_text(path), path.name))
+            raise ConfigError(*number_problems(problems, read_text(path), path.name))
     return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
 
 
-def _refused(checked: Flown, place: Place) -> Iterator[str]:
+def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
     """Yield what a run would refuse, and what makes the marks worth nothing."""
     plan = checked.plan
     for each in checked.flights["nobody"].refused:
@@ -271,7 +273,7 @@ def _refused(checked: Flown, place: Place) -> Iterator[str]:
         key = "name" if broken else "order"
         yield at.wrong(key, entry.order.subject or each.text, f"a run refuses it: {each.answer}")
     crew = checked.flights["crew"].refused if checked.crew else ()
-    refused = {each.text: each.answer for each in crew if each.giver == REFERENCE_CREW}
+    refused = {each.text: each.answer for each in crew if each.giver == REFERENCE_GIVER}
     for i, reaction in enumerate(plan.crew.rules):
         if reaction.order.text in refused:
             told = f"the boat refuses it: {refused[reaction.order.text]}"
@@ -280,8 +282,8 @@ def _refused(checked: Flown, place: Place) -> Iterator[str]:
         return
     for i, rule in enumerate(plan.scores):
         free = checked.nobody_marks.get(rule.score.name, 0.0)
-        if rule.part != "keeping" and free > MOST_NOBODY:
-            told = f"gives {free:.0f} marks with nobody aboard, {MOST_NOBODY:.0f} at most: "
+        if rule.part != "keeping" and free > MAX_NOBODY_PERCENT:
+            told = f"gives {free:.0f} marks with nobody aboard, {MAX_NOBODY_PERCENT:.0f} at most: "
             told += 'have it be won, or part = "keeping"'
             yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, told)
     verdict = checked.nobody.verdict
@@ -289,7 +291,7 @@ def _refused(checked: Flown, place: Place) -> Iterator[str]:
         yield place.problem("[[scores]]: this exercise is won by standing still")
 
 
-def _lines(plan: Plan, boat: Boat, checked: Flown | None) -> Iterator[tuple[str, str]]:
+def _lines(plan: Plan, boat: Boat, checked: FlownExercise | None) -> Iterator[tuple[str, str]]:
     """Yield what an exercise is, a word and a text each."""
     s, method = boat.state, plan.method
     yield "name", plan.title
@@ -313,7 +315,7 @@ def _lines(plan: Plan, boat: Boat, checked: Flown | None) -> Iterator[tuple[str,
     yield from (("note", text) for text in _notes(plan, boat))
 
 
-def _marks(checked: Flown) -> Iterator[tuple[str, str]]:
+def _marks(checked: FlownExercise) -> Iterator[tuple[str, str]]:
     """Yield what nobody and the reference crew get."""
     plan = checked.plan
     for word, card in (("nobody", checked.nobody), ("crew", checked.crew)):
@@ -339,7 +341,7 @@ def _scores(plan: Plan) -> Iterator[str]:
         yield f"{share:.0f} %{part} {rule.score.name}: {formula_of(rule)}"
 
 
-def _kept(rule: Rule) -> bool:
+def _kept(rule: ScoreRule) -> bool:
     return rule.part == "keeping"
 
 
@@ -351,7 +353,7 @@ def _notes(plan: Plan, boat: Boat) -> Iterator[str]:
     for rule in plan.scores:
         if end is not None and (rule.score.from_s or 0.0) > end:
             yield f"score {rule.score.name}: begins after the end"
-        for name in lacks(boat, rule):
+        for name in missing_quantities(boat, rule):
             yield f"score {rule.score.name}: this boat has no {name}; it will not count"
     for entry in plan.schedule:
         if end is not None and entry.seconds >= end:

@@ -13,50 +13,52 @@ import numpy as np
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.linear import Linear, Matrix, at_speed
+from trainer.boat.linear import LinearModel, Matrix, linearise_at_speed
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Record
 from trainer.core.vessel import GAINS, PLANE_GAINS
 from trainer.units import KNOT
 
-SPEEDS = 10  # in the schedule, geometrically spaced
+GAIN_SPEED_COUNT = 10  # in the schedule, geometrically spaced
 
 # Errors as bad as surfaces at their limits. Lengths and times of passing a length are the units.
-DEPTH = 0.04  # [lengths]
-PITCH = math.radians(12.0)  # [rad]
-COURSE = math.radians(6.0)  # [rad]
-DEPTH_TIME = 8.0  # [lengths run] for which a DEPTH error may last before it counts twice
-COURSE_TIME = 10.0  # [lengths run] likewise of a COURSE error
+DEPTH_ERROR_LENGTHS = 0.04  # [lengths]
+PITCH_ERROR_RAD = math.radians(12.0)  # [rad]
+COURSE_ERROR_RAD = math.radians(6.0)  # [rad]
+DEPTH_ERROR_RUN = (
+    8.0  # [lengths run] for which a DEPTH_ERROR_LENGTHS error may last before it counts twice
+)
+COURSE_ERROR_RUN = 10.0  # [lengths run] likewise of a COURSE_ERROR_RAD error
 
-SWING = 0.25  # [lengths run] how long a surface may take to go that far
+SURFACE_SWING_RUN = 0.25  # [lengths run] how long a surface may take to go that far
 
 # Slewing of the references
-GLIDE = math.radians(6.0)  # steepest path of a depth change
+MAX_GLIDE_RAD = math.radians(6.0)  # steepest path of a depth change
 PLANE_SHARE = 0.4  # of the limits, for a steady depth rate
-TURN = 0.2  # [1/lengths] yaw rate per speed: a circle of ten lengths
+SLEW_TURN_RATE = 0.2  # [1/lengths] yaw rate per speed: a circle of ten lengths
 RUDDER_SHARE = 0.3  # of the limit, for a steady turn
 DEPTH_RUN = 4.0  # [lengths run] while a depth rate is taken up
 COURSE_RUN = 2.5  # [lengths run] while a yaw rate is taken up
 
-RELIEF = 0.3  # [1/lengths] of a lasting bow plane angle, where the stern planes do it all
-STRAIGHT = 0.02  # [1/lengths] yaw rate per speed up to which speed trim is learnt
-MARGINS = (0.5, 1.0, 2.0)  # the loop must be stable with surfaces so many times as effective
+RELIEF_RATE = 0.3  # [1/lengths] of a lasting bow plane angle, where the stern planes do it all
+STRAIGHT_TURN_RATE = 0.02  # [1/lengths] yaw rate per speed up to which speed trim is learnt
+EFFECT_MARGINS = (0.5, 1.0, 2.0)  # the loop must be stable with surfaces so many times as effective
 
-UNITS = {  # key and factor in the vessel file, of gains whose unit is another there
+GAIN_UNITS = {  # key and factor in the vessel file, of gains whose unit is another there
     "depth_rate": ("depth_rate_m_s", 1.0),
     "depth_acceleration": ("depth_acceleration_m_s2", 1.0),
     "course_rate": ("course_rate_deg_s", math.degrees(1.0)),
     "course_acceleration": ("course_acceleration_deg_s2", math.degrees(1.0)),
 }
 
-VERTICAL = ("w", "q", "theta", "z")
-LATERAL = ("v", "r", "psi")
-CONTROLLED = (*LATERAL, *VERTICAL)  # roll is left to itself
-SURFACES = ("delta_r", "delta_s", "delta_b")
+VERTICAL_STATES = ("w", "q", "theta", "z")
+LATERAL_STATES = ("v", "r", "psi")
+CONTROLLED_STATES = (*LATERAL_STATES, *VERTICAL_STATES)  # roll is left to itself
+SURFACE_COLUMNS = ("delta_r", "delta_s", "delta_b")
 
 
-def discrete(a: Matrix, b: Matrix, h: float) -> tuple[Matrix, Matrix]:
+def discretise(a: Matrix, b: Matrix, h: float) -> tuple[Matrix, Matrix]:
     """Return the matrices of one step ``h`` [s] with the input held.
 
     They are exponential series.
@@ -101,53 +103,56 @@ def with_integral(a: Matrix, b: Matrix) -> tuple[Matrix, Matrix]:
     return longer, np.vstack([b, np.zeros((1, b.shape[1]))])
 
 
-def reach(vessel: Record, speed: float) -> Matrix:
+def surface_reach(vessel: Record, speed: float) -> Matrix:
     """Return the angles [rad] of rudder, stern planes and bow planes that count as much.
 
-    Their limits, or how far they get while the boat runs SWING of its length: more would be asked
-    of them than they can follow, and a large disturbance would end in swinging from stop to stop.
+    Their limits, or how far they get while the boat runs SURFACE_SWING_RUN of its length: more
+    would be asked of them than they can follow, and a large disturbance would end in swinging from
+    stop to stop.
     """
-    swing = SWING * vessel["surface_rate"][0] * vessel["ell"][0] / speed
+    swing = SURFACE_SWING_RUN * vessel["surface_rate"][0] * vessel["ell"][0] / speed
     return np.asarray(np.minimum(vessel["limit"][0], swing))
 
 
-def plane_gains(model: Linear, speed: float, vessel: Record, h: float) -> Matrix:
+def plane_gains(model: LinearModel, speed: float, vessel: Record, h: float) -> Matrix:
     """Return depth, depth rate, pitch, pitch rate and integral gains [SI], stern row, bow row."""
-    planes = SURFACES[1:]
-    a, b = with_integral(model.part(*VERTICAL), model.inputs(VERTICAL, planes))
-    depth = DEPTH * vessel["ell"][0]
-    lasting = depth * DEPTH_TIME * vessel["ell"][0] / speed
-    cost = np.diag([0.0, 0.0, PITCH**-2, depth**-2, lasting**-2])
-    w, q, theta, z, integral = regulator(*discrete(a, b, h), cost, reach(vessel, speed)[1:]).T
+    planes = SURFACE_COLUMNS[1:]
+    a, b = with_integral(model.part(*VERTICAL_STATES), model.inputs(VERTICAL_STATES, planes))
+    depth = DEPTH_ERROR_LENGTHS * vessel["ell"][0]
+    lasting = depth * DEPTH_ERROR_RUN * vessel["ell"][0] / speed
+    cost = np.diag([0.0, 0.0, PITCH_ERROR_RAD**-2, depth**-2, lasting**-2])
+    w, q, theta, z, integral = regulator(
+        *discretise(a, b, h), cost, surface_reach(vessel, speed)[1:]
+    ).T
     # heave as the depth rate shows it: zdot = a w + b theta
     depth_rate = w / a[3, 0]
     return np.column_stack([z, depth_rate, a[3, 2] * depth_rate - theta, -q, integral])
 
 
-def depth_rates(model: Linear) -> Matrix:
+def depth_rates(model: LinearModel) -> Matrix:
     """Return the steady depth rate [m/s] per angle [rad] of both pairs of planes.
 
     Below the critical speed of a pair its sign is turned.
     """
-    motion = VERTICAL[:3]
-    steady = -np.linalg.solve(model.part(*motion), model.inputs(motion, SURFACES[1:]))
-    return np.asarray(model.part(*VERTICAL)[3, :3] @ steady)
+    motion = VERTICAL_STATES[:3]
+    steady = -np.linalg.solve(model.part(*motion), model.inputs(motion, SURFACE_COLUMNS[1:]))
+    return np.asarray(model.part(*VERTICAL_STATES)[3, :3] @ steady)
 
 
-def slews(model: Linear, speed: float, vessel: Record) -> list[float]:
+def slew_limits(model: LinearModel, speed: float, vessel: Record) -> list[float]:
     """Return the rates and accelerations [SI] that depth and course references may have."""
     time = vessel["ell"][0] / speed
     possible = PLANE_SHARE * float(np.abs(depth_rates(model)) @ vessel["limit"][0, 1:])
-    climb = min(speed * math.sin(GLIDE), possible)
-    turn = TURN / time
-    hull, force = model.part("v", "r"), model.inputs(("v", "r"), SURFACES[:1])
+    climb = min(speed * math.sin(MAX_GLIDE_RAD), possible)
+    turn = SLEW_TURN_RATE / time
+    hull, force = model.part("v", "r"), model.inputs(("v", "r"), SURFACE_COLUMNS[:1])
     if np.linalg.eigvals(hull).real.max() < 0.0:
         most = RUDDER_SHARE * vessel["limit_r"][0]
         turn = min(turn, most * abs(np.linalg.solve(hull, force)[1, 0]))
     return [climb, climb / (DEPTH_RUN * time), turn, turn / (COURSE_RUN * time)]
 
 
-def relief(model: Linear, speed: float, vessel: Record) -> tuple[float, float]:
+def relief_rate(model: LinearModel, speed: float, vessel: Record) -> tuple[float, float]:
     """Return the rate [1/s] at which the stern planes take the bow planes' angle.
 
     In the ratio that leaves the depth rate alone, the faster the better the stern planes are at it.
@@ -157,30 +162,34 @@ def relief(model: Linear, speed: float, vessel: Record) -> tuple[float, float]:
     stronger = stern * vessel["limit_s"][0]
     if weaker == 0.0 or stronger <= weaker:
         return 0.0, 0.0
-    rate = RELIEF * speed / vessel["ell"][0] * (1.0 - weaker / stronger)
+    rate = RELIEF_RATE * speed / vessel["ell"][0] * (1.0 - weaker / stronger)
     return rate * bow / stern, -rate
 
 
-def gains_at(model: Linear, speed: float, vessel: Record, h: float) -> list[float]:
+def gains_at(model: LinearModel, speed: float, vessel: Record, h: float) -> list[float]:
     """Return the gains [SI] at one speed in the order of GAINS."""
     stern, bow = plane_gains(model, speed, vessel, h)
-    taken, given = relief(model, speed, vessel)
-    a, b = with_integral(model.part(*LATERAL), model.inputs(LATERAL, SURFACES[:1]))
-    lasting = COURSE * COURSE_TIME * vessel["ell"][0] / speed
-    cost = np.diag([0.0, 0.0, COURSE**-2, lasting**-2])
-    v, r, psi, integral = regulator(*discrete(a, b, h), cost, reach(vessel, speed)[:1])[0]
-    return [*stern, taken, *bow, given, psi, r, -v, integral, *slews(model, speed, vessel)]
+    taken, given = relief_rate(model, speed, vessel)
+    a, b = with_integral(
+        model.part(*LATERAL_STATES), model.inputs(LATERAL_STATES, SURFACE_COLUMNS[:1])
+    )
+    lasting = COURSE_ERROR_RAD * COURSE_ERROR_RUN * vessel["ell"][0] / speed
+    cost = np.diag([0.0, 0.0, COURSE_ERROR_RAD**-2, lasting**-2])
+    v, r, psi, integral = regulator(*discretise(a, b, h), cost, surface_reach(vessel, speed)[:1])[0]
+    return [*stern, taken, *bow, given, psi, r, -v, integral, *slew_limits(model, speed, vessel)]
 
 
-def close_loop(model: Linear, row: list[float], vessel: Record, h: float) -> Matrix:
+def close_loop(model: LinearModel, row: list[float], vessel: Record, h: float) -> Matrix:
     """Return the matrix of one tick of boat, surfaces and integrals under the gains ``row``.
 
     As the trainer does it: a command acts a tick later, through the lag of the surfaces.
     """
-    drift, force = discrete(model.part(*CONTROLLED), model.inputs(CONTROLLED, SURFACES), h)
-    n = len(CONTROLLED)
+    drift, force = discretise(
+        model.part(*CONTROLLED_STATES), model.inputs(CONTROLLED_STATES, SURFACE_COLUMNS), h
+    )
+    n = len(CONTROLLED_STATES)
     law, learn = np.zeros((3, n)), np.zeros((3, n + 6))
-    depth_rate = model.part(*CONTROLLED)[n - 1]
+    depth_rate = model.part(*CONTROLLED_STATES)[n - 1]
     for surface in (1, 2):
         first = len(PLANE_GAINS) * (surface - 1)
         depth, rate, pitch, pitch_rate, integral, relieved = row[first : first + len(PLANE_GAINS)]
@@ -200,9 +209,9 @@ def close_loop(model: Linear, row: list[float], vessel: Record, h: float) -> Mat
     return np.vstack([np.hstack([drift, force, np.zeros((n, 3))]), surfaces, integrals])
 
 
-def holds(model: Linear, row: list[float], vessel: Record, h: float) -> bool:
+def holds_boat(model: LinearModel, row: list[float], vessel: Record, h: float) -> bool:
     """Return whether the gains hold the boat, with surfaces weaker and stronger than modelled."""
-    others = (Linear(model.A, margin * model.B) for margin in MARGINS)
+    others = (LinearModel(model.A, margin * model.B) for margin in EFFECT_MARGINS)
     loops = (np.linalg.eigvals(close_loop(other, row, vessel, h)) for other in others)
     return not any(np.abs(roots).max() >= 1.0 + 1e-9 for roots in loops)
 
@@ -212,7 +221,7 @@ def round_digits(value: float) -> float:
     return float(f"{value:.4g}") + 0.0
 
 
-def design(file: VesselFile) -> dict[str, list[float] | float]:
+def design_gains(file: VesselFile) -> dict[str, list[float] | float]:
     """Return the [autopilot] table, keys and units of the file; ConfigError if nothing holds it.
 
     Speeds at which the boat cannot fly straight and level are left out.
@@ -222,12 +231,12 @@ def design(file: VesselFile) -> dict[str, list[float] | float]:
     speeds: list[float] = []
     rows: list[list[float]] = []
     surge = 0.0
-    for knots in np.geomspace(*file.run.speed_range_kn, SPEEDS):
-        model = at_speed(boat, knots * KNOT)
+    for knots in np.geomspace(*file.run.speed_range_kn, GAIN_SPEED_COUNT):
+        model = linearise_at_speed(boat, knots * KNOT)
         if model is None:
             continue
         row = gains_at(model, knots * KNOT, vessel, boat.method.step)
-        if not holds(model, row, vessel, boat.method.step):
+        if not holds_boat(model, row, vessel, boat.method.step):
             raise ConfigError(
                 f"{file.path.name}: no gains hold this boat at {knots:.3g} kn with a step of "
                 f"{boat.method.step:g} s; give [run] a smaller step_s or another speed_range_kn"
@@ -239,10 +248,10 @@ def design(file: VesselFile) -> dict[str, list[float] | float]:
         raise ConfigError(
             f"{file.path.name}: no straight level flight within [run] speed_range_kn: no autopilot"
         )
-    turning = STRAIGHT * speeds[0] * KNOT / file.hull.length
+    turning = STRAIGHT_TURN_RATE * speeds[0] * KNOT / file.hull.length
     columns: dict[str, list[float] | float] = {"speed_kn": speeds}
     for place, name in enumerate(GAINS):
-        key, factor = UNITS.get(name, (name, 1.0))
+        key, factor = GAIN_UNITS.get(name, (name, 1.0))
         columns[key] = [round_digits(factor * row[place]) for row in rows]
     return columns | {
         "speed_integral": round_digits(surge),
@@ -252,5 +261,5 @@ def design(file: VesselFile) -> dict[str, list[float] | float]:
 
 def design_text(file: VesselFile) -> str:
     """Return the [autopilot] table as text for the vessel file."""
-    lines = [f"{key} = {value}" for key, value in design(file).items()]
+    lines = [f"{key} = {value}" for key, value in design_gains(file).items()]
     return "\n".join(["[autopilot]", *lines])

@@ -8,20 +8,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.analysis.guide.programme import Leg, legs
-from trainer.analysis.guide.verdicts import BEYOND, Judgement
-from trainer.analysis.manoeuvres.vehicle import PERCENT
-from trainer.analysis.reduce.objective import FURTHEST, Candidate, Yardstick, multiple
+from trainer.analysis.guide.programme import Leg, guide_legs
+from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, Judgement
+from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
+from trainer.analysis.reduce.objective import MAX_DIFFERENCE, Candidate, Yardstick, allowed_multiple
 from trainer.analysis.reduce.reduction import as_filed
-from trainer.config.files import SHIPPED, as_typed, key_of
+from trainer.config.files import SHIPPED_PREFIX, as_typed, key_of
 from trainer.config.vessel import VesselFile
 
-FLOWN: Final = ("turn", "overshoot", "zigzag-10")  # of the guide
-WIDTH: Final = 79
+FLOWN_MANOEUVRES: Final = ("turn", "overshoot", "zigzag-10")  # of the guide
+LINE_WIDTH: Final = 79
 
 
 @dataclass(frozen=True)
-class Worst:
+class WorstNumber:
     """The number of one flight that is furthest off. SI and radians."""
 
     leg: str
@@ -33,7 +33,7 @@ class Worst:
 
 
 @dataclass(frozen=True)
-class Lack:
+class MissingEntry:
     """Something that a file does not say, and what to type or write."""
 
     what: str
@@ -45,8 +45,8 @@ class Readiness:
     """The end of ``trainer check``."""
 
     own_compact_set: bool
-    compact: tuple[Worst, ...]  # none without a compact set
-    lacks: tuple[Lack, ...]
+    compact: tuple[WorstNumber, ...]  # none without a compact set
+    lacks: tuple[MissingEntry, ...]
 
     @property
     def passed(self) -> bool:
@@ -54,51 +54,55 @@ class Readiness:
         return all(one.of_allowed <= 1.0 for one in self.compact)
 
 
-def examine(file: VesselFile) -> Readiness:
+def examine_boat(file: VesselFile) -> Readiness:
     """Return how ready a boat is."""
     compact = tuple(_compared(file)) if file.has_compact_set else ()
     found = Readiness(file.has_compact_set, compact, ())
     return Readiness(file.has_compact_set, compact, tuple(_lacks(file, found)))
 
 
-def _compared(file: VesselFile) -> Iterator[Worst]:
+def _compared(file: VesselFile) -> Iterator[WorstNumber]:
     """Yield the worst number of each flight, by the compact set as it is filed."""
     candidate = Candidate(file, "modified")
     factors = as_filed(file)
     candidate.take([factors[name] for name in candidate.terms])
-    wanted = [leg for leg in legs(file) if leg.name in FLOWN]
+    wanted = [leg for leg in guide_legs(file) if leg.name in FLOWN_MANOEUVRES]
     for leg, judgements in Yardstick(file, wanted).judged(candidate):
         yield _worst(leg, judgements)
 
 
-def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> Worst:
+def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> WorstNumber:
     """Return the number of a flight that is furthest off."""
     if not judgements:
-        return Worst(leg.title, "it cannot start", "", None, None, FURTHEST)
-    judged = (one for one in judgements if one.allowed or one.verdict == BEYOND)
-    sizes = {one: abs(multiple(one)) for one in judged}
+        return WorstNumber(leg.title, "it cannot start", "", None, None, MAX_DIFFERENCE)
+    judged = (one for one in judgements if one.allowed or one.verdict == BEYOND_TOLERANCE)
+    sizes = {one: abs(allowed_multiple(one)) for one in judged}
     if not sizes:
-        return Worst(leg.title, "", "", None, None, 0.0)
+        return WorstNumber(leg.title, "", "", None, None, 0.0)
     one = max(sizes, key=lambda each: sizes[each])
-    return Worst(leg.title, one.quantity, one.unit, one.full, one.other, sizes[one])
+    return WorstNumber(leg.title, one.quantity, one.unit, one.full, one.other, sizes[one])
 
 
-def _lacks(file: VesselFile, found: Readiness) -> Iterator[Lack]:
+def _lacks(file: VesselFile, found: Readiness) -> Iterator[MissingEntry]:
     """Yield what the file lacks, the most needed first."""
     typed = typed_name(file)
     example = f"take it from trainer vessel new like.toml --from bb2 --length {file.hull.length:g}"
     if not file.has_compact_set:
-        yield Lack("a compact set: the full set is flown", f"trainer reduce {typed} --write")
+        yield MissingEntry(
+            "a compact set: the full set is flown", f"trainer reduce {typed} --write"
+        )
     elif not found.passed:
-        yield Lack("a compact set within tolerance", f"trainer reduce {typed} --write")
+        yield MissingEntry("a compact set within tolerance", f"trainer reduce {typed} --write")
     if file.autopilot is None:
-        yield Lack("gains: it is steered by hand", f"trainer gains {typed} >> {typed}")
+        yield MissingEntry("gains: it is steered by hand", f"trainer gains {typed} >> {typed}")
     if file.ballast is None:
-        yield Lack("[ballast]: it has no tanks, and does not surface by air", example)
+        yield MissingEntry("[ballast]: it has no tanks, and does not surface by air", example)
     if file.wave_strips is None:
-        yield Lack("[wave_strips]: waves push on a usual hull of its length", example)
+        yield MissingEntry("[wave_strips]: waves push on a usual hull of its length", example)
     if file.free_surface is None:
-        yield Lack("[free_surface]: it does not feel a calm surface", "docs/vessel-files.md")
+        yield MissingEntry(
+            "[free_surface]: it does not feel a calm surface", "docs/vessel-files.md"
+        )
     for key, value in (
         ("test_depth_m", file.hull.test_depth_m),
         ("collapse_depth_m", file.hull.collapse_depth_m),
@@ -106,13 +110,13 @@ def _lacks(file: VesselFile, found: Readiness) -> Iterator[Lack]:
     ):
         if value is None:
             table = "run" if key.startswith("periscope") else "vessel"
-            yield Lack(f"{key}: none is known", f"a line in [{table}]")
+            yield MissingEntry(f"{key}: none is known", f"a line in [{table}]")
 
 
 def typed_name(file: VesselFile) -> str:
     """Return the boat as the commands take it."""
     key = key_of(file.path)
-    return file.path.stem if key.startswith(SHIPPED) else as_typed(file.path)
+    return file.path.stem if key.startswith(SHIPPED_PREFIX) else as_typed(file.path)
 
 
 def render(found: Readiness) -> str:
@@ -126,7 +130,7 @@ def _compact_lines(found: Readiness) -> Iterator[str]:
     if not found.own_compact_set:
         yield "COMPACT SET: the file has none of its own; the full set is flown."
         return
-    yield f"COMPACT SET (flights of the guide beside the full set's; {PERCENT:g} % allowed)"
+    yield f"COMPACT SET (flights of the guide beside the full set's; {ALLOWED_PERCENT:g} % allowed)"
     yield f"  {'flight':<43}{'full':>10}{'compact':>10}{'of allowed':>12}"
     for one in found.compact:
         mark = " BEYOND" if one.of_allowed > 1.0 else ""
@@ -153,5 +157,7 @@ def _lack_lines(found: Readiness) -> Iterator[str]:
         return
     yield "MISSING, and what makes it"
     for lack in found.lacks:
-        yield from textwrap.wrap(lack.what, WIDTH, initial_indent="  ", subsequent_indent="    ")
+        yield from textwrap.wrap(
+            lack.what, LINE_WIDTH, initial_indent="  ", subsequent_indent="    "
+        )
         yield f"    {lack.remedy}"

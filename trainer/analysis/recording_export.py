@@ -9,7 +9,7 @@ from typing import Any, Final
 import click
 import numpy as np
 
-from trainer.analysis.series import FEWEST, Series, load_series
+from trainer.analysis.series import MIN_ROWS, Series, load_series
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
@@ -24,11 +24,11 @@ from trainer.io.tables import (
     states_table,
 )
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
-from trainer.report.plots import Curve, Panel, draw
-from trainer.session.header import layout_of, method_of, reading, trainees_of
+from trainer.report.plots import Curve, Panel, draw_plot
+from trainer.session.header import layout_of, method_of, open_whole_recording, trainees_of
 from trainer.session.layout import numbers_of
 
-USUAL: Final = ("z", "theta", "u")  # drawn unless other columns are asked for
+USUAL_COLUMNS: Final = ("z", "theta", "u")  # drawn unless other columns are asked for
 
 
 def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | None) -> None:
@@ -43,7 +43,7 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
     if path.suffix.lower() == ".csv":
         raise ConfigError(f"{path}: is a table already; of a CSV file only --plot FILE is made")
     written: list[Path] = []
-    with reading(path) as recording:
+    with open_whole_recording(path) as recording:
         for form, out in chosen.items():
             if form == "rrd":
                 require_library("rerun", "--rrd")
@@ -70,11 +70,11 @@ def draw_run(path: Path, out: Path, columns: Sequence[str], branch: int | None) 
     Names with commas between share a panel. ConfigError if there is no such column, or no plot
     can be written.
     """
-    shown = [[name.strip() for name in names.split(",")] for names in columns or USUAL]
+    shown = [[name.strip() for name in names.split(",")] for names in columns or USUAL_COLUMNS]
     wanted = list(dict.fromkeys(name for names in shown for name in names))
     table = path.suffix.lower() == ".csv"
     series = load_series(path) if table else recorded_series(path, wanted, branch)
-    draw(tuple(panel_of(series, names) for names in shown), out)
+    draw_plot(tuple(panel_of(series, names) for names in shown), out)
     click.echo(str(out))
 
 
@@ -83,7 +83,7 @@ def recorded_series(path: Path, names: Sequence[str], branch: int | None) -> Ser
 
     ConfigError if it has no such column, or fewer than two states.
     """
-    with reading(path) as recording:
+    with open_whole_recording(path) as recording:
         layout = table_layout(recording)
         for name in names:
             if name not in layout.columns:
@@ -94,8 +94,8 @@ def recorded_series(path: Path, names: Sequence[str], branch: int | None) -> Ser
         for flown in recording.flown(recording.branch if branch is None else branch):
             numbers = layout.numbers(flown.state)
             rows.append([flown.tick * layout.step, *(numbers[i] for i in places)])
-    if len(rows) < FEWEST:
-        raise ConfigError(f"{path}: has {len(rows)} states; a plot needs {FEWEST} or more")
+    if len(rows) < MIN_ROWS:
+        raise ConfigError(f"{path}: has {len(rows)} states; a plot needs {MIN_ROWS} or more")
     table = np.array(rows).T
     return Series(path, {"t": table[0], **dict(zip(names, table[1:], strict=True))})
 
@@ -175,7 +175,7 @@ def read_recording(path: str | Path, branch: int | None = None) -> Recording:
     ``path`` is a file that ``trainer run --record`` or ``Boat(record=...)`` has written.
     TrainerError if it cannot be read, or has no such branch.
     """
-    with reading(Path(path)) as recording:
+    with open_whole_recording(Path(path)) as recording:
         layout = table_layout(recording)
         chosen = recording.branch if branch is None else branch
         states = states_table(recording, layout, chosen)

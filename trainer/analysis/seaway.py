@@ -15,7 +15,7 @@ from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
-from trainer.core.sea.forces import SHALLOWEST, suction
+from trainer.core.sea.forces import MIN_KAPPA, suction
 from trainer.core.sea.sea import (
     COSINES,
     DIRECTION,
@@ -30,20 +30,22 @@ from trainer.core.sea.wave_filter import STEEPEST_TURN
 from trainer.core.state import new_sea, new_state
 from trainer.core.vessel import VESSEL
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, figure, part, plain, table, wrap
+from trainer.report.text import INDENT, ascii_text, format_number, table, titled_table, wrap
 from trainer.units import KNOT
 
-BANDS: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the peak frequency
-WIDTH: Final = 0.1  # [-] of a band
-SERIES: Final = 20
-HOURS: Final = 3.0  # of each
-SHOWN: Final = 300.0  # [s] of the first
-CHASED: Final = 0.15  # [-] speed with the waves over the peak's, beyond which the filter is untrue
-DEPTHS: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0)  # [m]
-SLOW: Final = 1e-6  # [1/s2] a departure that doubles in ten minutes or more is none
-FAINT: Final = 3.0  # [-] depth times the peak's number, beyond which little is left
-HIGHEST: Final = 1.86  # [-] of the significant height: sqrt(ln 1000/2), Rayleigh's
-GRID: Final = np.linspace(0.25, 12.0, 20_001)  # [-] of integrals over frequency
+BAND_EDGES: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the peak frequency
+BAND_WIDTH: Final = 0.1  # [-] of a band
+SERIES_COUNT: Final = 20
+SERIES_HOURS: Final = 3.0  # of each
+SHOWN_SERIES_S: Final = 300.0  # [s] of the first
+MAX_CHASE_RATIO: Final = (
+    0.15  # [-] speed with the waves over the peak's, beyond which the filter is untrue
+)
+USUAL_DEPTHS_M: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0)  # [m]
+MIN_DEPARTURE_RATE: Final = 1e-6  # [1/s2] a departure that doubles in ten minutes or more is none
+MAX_WAVE_DEPTH: Final = 3.0  # [-] depth times the peak's number, beyond which little is left
+HIGHEST_WAVE_RATIO: Final = 1.86  # [-] of the significant height: sqrt(ln 1000/2), Rayleigh's
+FREQUENCY_GRID: Final = np.linspace(0.25, 12.0, 20_001)  # [-] of integrals over frequency
 DEPTH_HEADS: Final = (
     *("depth\n[m]", "swell\n[m/s]", "suction\n[N]"),
     *("water\n[kg]", "less by\n[N/m]", "doubles\n[s]"),
@@ -68,7 +70,7 @@ class Seaway:
 
 
 @dataclass(frozen=True)
-class AtDepth:
+class DepthEffect:
     """The effect of the sea on a boat held at a depth of its origin."""
 
     depth_m: float
@@ -80,7 +82,7 @@ class AtDepth:
 
 
 @dataclass(frozen=True)
-class Band:
+class SpectrumBand:
     """The energy of many series in a band, over that of the spectrum."""
 
     begin: float  # [-] times the peak frequency
@@ -88,15 +90,15 @@ class Band:
 
 
 @dataclass(frozen=True)
-class Report:
+class SeaReport:
     """All that ``trainer sea`` says about a sea. A calm has no depths and no bands."""
 
     sea: Seaway
     vessel: str
     step_s: float
-    depths: tuple[AtDepth, ...]
+    depths: tuple[DepthEffect, ...]
     variance: float | None  # of the series, over the ordered one
-    bands: tuple[Band, ...]
+    bands: tuple[SpectrumBand, ...]
 
 
 def spectrum(x: Numbers, gamma: float) -> Numbers:
@@ -117,12 +119,12 @@ def spectrum(x: Numbers, gamma: float) -> Numbers:
 def water_speed(settings: Numbers, g: float, depth: float) -> float:
     """Return the rms vertical speed of the water [m/s] at a depth [m]."""
     number = settings[OMEGA] ** 2 / g
-    left = GRID**2 * np.exp(-2.0 * number * depth * GRID**2)
-    energy = float(np.trapezoid(left * spectrum(GRID, settings[GAMMA]), GRID))
+    left = FREQUENCY_GRID**2 * np.exp(-2.0 * number * depth * FREQUENCY_GRID**2)
+    energy = float(np.trapezoid(left * spectrum(FREQUENCY_GRID, settings[GAMMA]), FREQUENCY_GRID))
     return float(0.25 * settings[HEIGHT] * settings[OMEGA]) * math.sqrt(energy)
 
 
-def describe(file: SeaFile, settings: Numbers, g: float) -> Seaway:
+def describe_sea(file: SeaFile, settings: Numbers, g: float) -> Seaway:
     """Return the sea by its settings [SI]."""
     omega = float(settings[OMEGA])
     filtered = settings[COSINES] + settings[OLD] == 0.0
@@ -137,23 +139,23 @@ def describe(file: SeaFile, settings: Numbers, g: float) -> Seaway:
         generator=file.sea.generator,
         suction=file.sea.suction == "on",
         longest_step_s=STEEPEST_TURN / omega if filtered else None,
-        followed_kn=CHASED * g / omega / KNOT if filtered else None,
+        followed_kn=MAX_CHASE_RATIO * g / omega / KNOT if filtered else None,
     )
 
 
-def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> AtDepth:
+def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> DepthEffect:
     """Return what the sea is to a boat at a depth [m]. The suction is Pierson-Moskowitz's."""
     added = 0.5 * vessel.fluid.rho * vessel.hull.length**3 * vessel.coefficients["Z_wdot"]
     g, mass = vessel.fluid.g, vessel.hull.buoyancy / vessel.fluid.g - added
     height, omega = float(settings[HEIGHT]), float(settings[OMEGA])
     lift, slope = suction(g, omega, height, depth)
-    return AtDepth(
+    return DepthEffect(
         depth_m=depth,
         water_m_s=water_speed(settings, g, depth),
         suction_N=mass * lift,
         suction_kg=mass * lift / g,
         slope_N_m=mass * slope,
-        doubling_s=math.log(2.0) / math.sqrt(slope) if slope > SLOW else None,
+        doubling_s=math.log(2.0) / math.sqrt(slope) if slope > MIN_DEPARTURE_RATE else None,
     )
 
 
@@ -170,7 +172,7 @@ def make_series(settings: Numbers, g: float, step: float, count: int, hours: flo
     return np.asarray(found / (0.25 * settings[HEIGHT]))
 
 
-def energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Numbers]:
+def band_energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Numbers]:
     """Return frequency over the peak's [-], and the mean variance of series by frequency [-]."""
     window = np.hanning(found.shape[1])
     power = np.mean(abs(np.fft.rfft(found * window)) ** 2, axis=0)
@@ -179,28 +181,30 @@ def energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Numbers]
     return np.asarray(frequency, float), np.asarray(variance, float)
 
 
-def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[Band, ...]:
+def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[SpectrumBand, ...]:
     """Return the bands; one beyond what the step can show has no energy."""
     bands = []
-    for begin in BANDS:
-        inside = np.linspace(begin, begin + WIDTH, 201)
+    for begin in BAND_EDGES:
+        inside = np.linspace(begin, begin + BAND_WIDTH, 201)
         target = float(np.trapezoid(spectrum(inside, gamma), inside))
-        ratio = float(np.sum(variance[(x >= begin) & (x < begin + WIDTH)])) / target
-        bands.append(Band(float(begin), ratio if begin + WIDTH <= math.pi / step else None))
+        ratio = float(np.sum(variance[(x >= begin) & (x < begin + BAND_WIDTH)])) / target
+        bands.append(
+            SpectrumBand(float(begin), ratio if begin + BAND_WIDTH <= math.pi / step else None)
+        )
     return tuple(bands)
 
 
-def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: float) -> Report:
+def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: float) -> SeaReport:
     """Return the sea, its effect on a boat at ``depths`` [m], and its series."""
     settings = sea_settings(file, vessel.fluid.g)
     if problem := step_problem(settings, step):
         raise ConfigError(f"{file.path.name}: {problem}")
-    sea = describe(file, settings, vessel.fluid.g)
+    sea = describe_sea(file, settings, vessel.fluid.g)
     if sea.height_m == 0.0:
-        return Report(sea, vessel.name, step, (), None, ())
-    found = make_series(settings, vessel.fluid.g, step, SERIES, HOURS)
-    x, variance = energy(found, step, sea.omega_rad_s)
-    return Report(
+        return SeaReport(sea, vessel.name, step, (), None, ())
+    found = make_series(settings, vessel.fluid.g, step, SERIES_COUNT, SERIES_HOURS)
+    x, variance = band_energy(found, step, sea.omega_rad_s)
+    return SeaReport(
         sea,
         vessel.name,
         step,
@@ -212,19 +216,19 @@ def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: flo
 
 def usual_depths(vessel: VesselFile) -> tuple[float, ...]:
     """Return depths [m] that the boat may be at, its periscope depth among them."""
-    deepest = vessel.hull.max_depth_m or DEPTHS[-1]
+    deepest = vessel.hull.max_depth_m or USUAL_DEPTHS_M[-1]
     periscope = vessel.run.periscope_depth_m
     own = () if periscope is None else (periscope,)
-    return tuple(sorted({*own, *(depth for depth in DEPTHS if depth <= deepest)}))
+    return tuple(sorted({*own, *(depth for depth in USUAL_DEPTHS_M if depth <= deepest)}))
 
 
-def render(report: Report) -> str:
+def render(report: SeaReport) -> str:
     """Return the report as text."""
     sea = report.sea
     if sea.height_m == 0.0:
-        return plain(f"{sea.name}: no waves")
+        return ascii_text(f"{sea.name}: no waves")
     shape = "Pierson-Moskowitz" if sea.gamma == 1.0 else f"JONSWAP, peak raised {sea.gamma:g} times"
-    highest = HIGHEST * sea.height_m
+    highest = HIGHEST_WAVE_RATIO * sea.height_m
     facts = [
         f"height       {sea.height_m:.3g} m significant, one in 1000 {highest:.2g} m",
         f"peak         {sea.period_s:.1f} s, {sea.omega_rad_s:.3f} rad/s",
@@ -237,32 +241,42 @@ def render(report: Report) -> str:
         facts.append(
             f"following    above {sea.followed_kn:.2g} kn with the waves it is untrue: take cosines"
         )
-    lines = [plain(sea.name), *(INDENT + fact for fact in facts)]
-    lines += part(plain(f"AT REST IN {report.vessel}"), DEPTH_HEADS, map(_depth_row, report.depths))
+    lines = [ascii_text(sea.name), *(INDENT + fact for fact in facts)]
+    lines += titled_table(
+        ascii_text(f"AT REST IN {report.vessel}"), DEPTH_HEADS, map(_depth_row, report.depths)
+    )
     if not sea.suction:
         lines += wrap("suction is off in this sea: the boat does not feel it")
-    lines += ["", f"ENERGY BY BAND, {SERIES} series of {HOURS:g} h over the spectrum's"]
+    lines += [
+        "",
+        f"ENERGY BY BAND, {SERIES_COUNT} series of {SERIES_HOURS:g} h over the spectrum's",
+    ]
     half = (len(report.bands) + 1) // 2
     for bands in (report.bands[:half], report.bands[half:]):
         heads = ["from", *(f"{band.begin:.1f}" for band in bands)]
-        lines += table(heads, [["energy", *(figure(band.ratio, ".2f") for band in bands)]])
+        lines += table(heads, [["energy", *(format_number(band.ratio, ".2f") for band in bands)]])
     return "\n".join(lines)
 
 
-def _depth_row(one: AtDepth) -> tuple[str, ...]:
+def _depth_row(one: DepthEffect) -> tuple[str, ...]:
     """Return one depth as a line of the table."""
     numbers = (one.suction_N, one.suction_kg, one.slope_N_m)
     forces = (f"{number:.0f}" for number in numbers)
-    return (f"{one.depth_m:g}", f"{one.water_m_s:.3f}", *forces, figure(one.doubling_s, ".0f"))
+    return (
+        f"{one.depth_m:g}",
+        f"{one.water_m_s:.3f}",
+        *forces,
+        format_number(one.doubling_s, ".0f"),
+    )
 
 
-def panels(file: SeaFile, vessel: VesselFile, report: Report) -> tuple[Panel, ...]:
+def panels(file: SeaFile, vessel: VesselFile, report: SeaReport) -> tuple[Panel, ...]:
     """Return a series, the spectrum and the suction by depth; ConfigError of a calm."""
     sea = report.sea
     if sea.height_m == 0.0:
         raise ConfigError(f"--plot: {file.path.name} is a calm: there is nothing to draw")
     settings, step = sea_settings(file, vessel.fluid.g), report.step_s
-    series = make_series(settings, vessel.fluid.g, step, 1, SHOWN / 3600.0)[0]
+    series = make_series(settings, vessel.fluid.g, step, 1, SHOWN_SERIES_S / 3600.0)[0]
     seconds = step * np.arange(1, series.size + 1)
     return (
         Panel(
@@ -277,20 +291,20 @@ def panels(file: SeaFile, vessel: VesselFile, report: Report) -> tuple[Panel, ..
     )
 
 
-def _spectrum_panel(sea: Seaway, bands: Sequence[Band]) -> Panel:
+def _spectrum_panel(sea: Seaway, bands: Sequence[SpectrumBand]) -> Panel:
     """Return the target and the energy of series by band [m2 s/rad]."""
     scale = (0.25 * sea.height_m) ** 2 / sea.omega_rad_s
     x = np.linspace(0.4, 2.4, 401)
     middle, density = [], []
     for band in bands:
-        inside = np.linspace(band.begin, band.begin + WIDTH, 51)
-        target = float(np.trapezoid(spectrum(inside, sea.gamma), inside)) / WIDTH
-        middle.append(band.begin + 0.5 * WIDTH)
+        inside = np.linspace(band.begin, band.begin + BAND_WIDTH, 51)
+        target = float(np.trapezoid(spectrum(inside, sea.gamma), inside)) / BAND_WIDTH
+        middle.append(band.begin + 0.5 * BAND_WIDTH)
         density.append(math.nan if band.ratio is None else target * band.ratio)
     curves = (
         Curve("spectrum", sea.omega_rad_s * x, scale * spectrum(x, sea.gamma)),
         Curve(
-            f"{SERIES} series",
+            f"{SERIES_COUNT} series",
             sea.omega_rad_s * np.array(middle),
             scale * np.array(density),
             points=True,
@@ -299,11 +313,11 @@ def _spectrum_panel(sea: Seaway, bands: Sequence[Band]) -> Panel:
     return Panel("energy by frequency", "frequency [rad/s]", "density [m2 s/rad]", curves)
 
 
-def _suction_panel(vessel: VesselFile, settings: Numbers, report: Report) -> Panel:
+def _suction_panel(vessel: VesselFile, settings: Numbers, report: SeaReport) -> Panel:
     """Return the mean suction by depth, where it is known."""
     number = settings[OMEGA] ** 2 / vessel.fluid.g
-    deepest = min(max(one.depth_m for one in report.depths), FAINT / number)
-    depths = np.linspace(min(SHALLOWEST / number, 0.5 * deepest), deepest, 101)
+    deepest = min(max(one.depth_m for one in report.depths), MAX_WAVE_DEPTH / number)
+    depths = np.linspace(min(MIN_KAPPA / number, 0.5 * deepest), deepest, 101)
     lifts = [1e-3 * at_depth(vessel, settings, float(depth)).suction_N for depth in depths]
     curve = Curve("mean", depths, np.array(lifts))
     periscope = vessel.run.periscope_depth_m

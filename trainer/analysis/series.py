@@ -9,7 +9,7 @@ from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 
-FEWEST = 2  # rows
+MIN_ROWS = 2  # rows
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,10 @@ def load_series(path: Path) -> Series:
     table = read_table(path)
     if not table.has("t"):
         raise ConfigError(f"{path}: the first line must name the columns, t [s] among them")
-    if len(table.cells) < FEWEST:
-        raise ConfigError(f"{path}: has {len(table.cells)} rows of numbers; needs {FEWEST} or more")
+    if len(table.cells) < MIN_ROWS:
+        raise ConfigError(
+            f"{path}: has {len(table.cells)} rows of numbers; needs {MIN_ROWS} or more"
+        )
     series = Series(path, {name: table.known(i) for i, name in enumerate(table.names)})
     if not (late := np.diff(series.t) > 0.0).all():
         row = int(np.argmin(late)) + 1

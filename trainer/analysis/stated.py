@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trainer.config.stated import Stated
-from trainer.debrief.rehearsal import Rehearsal, fly
+from trainer.config.stated import StatedValue
+from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.trajectory import Trajectory
 from trainer.session.plan import Plan
 
@@ -15,7 +15,7 @@ from trainer.session.plan import Plan
 class StatedFigure:
     """One stated figure and its flight."""
 
-    stated: Stated
+    stated: StatedValue
     flown: float | None  # [s] or in the quantity's unit; None: it did not come, or cannot be flown
     tolerance: float
 
@@ -36,7 +36,7 @@ class StatedFigure:
 
 
 def fly_stated(
-    plan: Plan, stated: tuple[Stated, ...], flights: Mapping[str, Rehearsal]
+    plan: Plan, stated: tuple[StatedValue, ...], flights: Mapping[str, Rehearsal]
 ) -> list[StatedFigure]:
     """Return stated figures flown. ``flights`` has those by nobody and the crew that are there."""
     flights = dict(flights)
@@ -47,7 +47,7 @@ def fly_stated(
         if way not in flights:
             schedule = sorted([*plan.schedule, *entry.orders], key=lambda order: order.seconds)
             crew = plan.crew if entry.row.by == "crew" else None
-            flights[way] = fly(replace(plan, schedule=schedule), crew)
+            flights[way] = fly_rehearsal(replace(plan, schedule=schedule), crew)
         trajectory = flights[way].trajectory
         step = trajectory.boat.method.step if entry.measured is None else 0.0
         figures.append(
@@ -56,7 +56,7 @@ def fly_stated(
     return figures
 
 
-def _measured(stated: Stated, trajectory: Trajectory) -> float | None:
+def _measured(stated: StatedValue, trajectory: Trajectory) -> float | None:
     """Return what the boat does, None if it never does."""
     row, measured = stated.row, stated.measured
     names = [condition.quantity for condition in stated.conditions]

@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import connection, get_context, parent_process
 
 
-def workers(count: int) -> ProcessPoolExecutor:
+def worker_pool(count: int) -> ProcessPoolExecutor:
     """Return a pool of ``count`` processes. They end with this one even if it is killed."""
     return ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_go_with)
 

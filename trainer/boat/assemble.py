@@ -8,24 +8,24 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.envelope import write_envelope
-from trainer.config.ballast_records import Ballast, BlownTank, Compartment, PumpedTank, Sea
+from trainer.config.ballast_records import Ballast, BlownTank, Compartment, HullBuoyancy, PumpedTank
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core import kinematics, scheme, state, vessel
-from trainer.core.ballast.tanks import BANKS, BLOWN, STATIONS, TANKS, new_ballast
+from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, HULL_STATIONS, TANKS, new_ballast
 from trainer.core.kernel import Record
-from trainer.core.terms import BASIC_DROPS, KEPT
+from trainer.core.terms import BASIC_DROPS, COMPACT_TERMS
 from trainer.units import KNOT
 
 GAS_CONSTANT: Final = 287.05  # [J/(kg K)] of air
-ADIABATIC: Final = 1.4  # [-] of air
+ADIABATIC_INDEX: Final = 1.4  # [-] of air
 ZERO_CELSIUS: Final = 273.15  # [K]
 
 # Stations along the hull in lengths from the centre of buoyancy, and their shares of the buoyancy:
 # a full middle and finer ends, project's own. Their radius of gyration is 0.235 lengths.
 STATION_PLACES: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
 STATION_SHARES: Final = (0.11, 0.25, 0.28, 0.25, 0.11)
-PRISMATIC: Final = 0.75  # [-] fullness of a hull whose file gives no breadth
+PRISMATIC_COEFFICIENT: Final = 0.75  # [-] fullness of a hull whose file gives no breadth
 
 
 def ballast_record(file: VesselFile) -> Record:
@@ -34,14 +34,14 @@ def ballast_record(file: VesselFile) -> Record:
     # write the circle that emerges at the surface: keel to deck, or as the displacement is
     hull = file.hull
     volume = hull.buoyancy / (file.fluid.rho * file.fluid.g)
-    diameter = math.sqrt(4.0 * volume / (math.pi * PRISMATIC * hull.length))
+    diameter = math.sqrt(4.0 * volume / (math.pi * PRISMATIC_COEFFICIENT * hull.length))
     axis = hull.cb[2]
     if hull.height_to_deck and hull.height_to_sail_top and hull.cg_below_sail_top:
         diameter = hull.height_to_deck
         keel = hull.cg[2] - hull.cg_below_sail_top + hull.height_to_sail_top
         axis = keel - 0.5 * diameter
     record["hull_diameter"], record["hull_axis"] = diameter, axis
-    for i in range(STATIONS):
+    for i in range(HULL_STATIONS):
         record["station_x"][0, i] = hull.cb[0] + STATION_PLACES[i] * hull.length
         record["station_share"][0, i] = STATION_SHARES[i]
     if file.ballast is None:
@@ -70,7 +70,7 @@ def _write_tanks(ballast: Ballast, rho: float, record: Record) -> None:
             record[axis][0, place] = centre
         record["start"][0, place] = capacity * getattr(row, "start_fill", 0.0)
     for row in ballast.blown:
-        place = BLOWN.index(row.name)
+        place = BLOWN_TANKS.index(row.name)
         record["height"][0, place] = row.height_m
         record["port"][0, place] = row.flood_port_m2
         record["vent_area"][0, place] = row.vent_cm2 * 1e-4
@@ -83,8 +83,10 @@ def _write_air(ballast: Ballast, record: Record) -> None:
     gas = GAS_CONSTANT * (ballast.air.temperature_c + ZERO_CELSIUS)
     record["gas"] = gas
     # St. Venant's choked nozzle
-    exponent = (ADIABATIC + 1.0) / (2.0 * (ADIABATIC - 1.0))
-    record["choked"] = math.sqrt(ADIABATIC / gas) * (2.0 / (ADIABATIC + 1.0)) ** exponent
+    exponent = (ADIABATIC_INDEX + 1.0) / (2.0 * (ADIABATIC_INDEX - 1.0))
+    record["choked"] = (
+        math.sqrt(ADIABATIC_INDEX / gas) * (2.0 / (ADIABATIC_INDEX + 1.0)) ** exponent
+    )
     record["compressor_rate"] = ballast.air.compressor_kg_s
     for row in ballast.banks:
         place = BANKS.index(row.name)
@@ -92,7 +94,7 @@ def _write_air(ballast: Ballast, record: Record) -> None:
         record["bank_full"][0, place] = row.pressure_mpa * 1e6 * row.volume_m3 / gas
 
 
-def _write_sea(sea: Sea, record: Record) -> None:
+def _write_sea(sea: HullBuoyancy, record: Record) -> None:
     """Write how buoyancy changes with depth."""
     count = len(sea.layer_depth_m)
     record["compressibility"] = sea.compressibility_kg_m
@@ -128,7 +130,7 @@ class Records:
         return iter((self.vessel, self.compact, self.scheme, self.state, self.scratch))
 
 
-def body(file: VesselFile) -> dict[str, float]:
+def body_values(file: VesselFile) -> dict[str, float]:
     """Return size, mass and balance [SI] by the core's names."""
     hull = file.hull
     return {
@@ -168,7 +170,7 @@ def compact_coefficients(file: VesselFile, equations: str) -> dict[str, float]:
     """Return the coefficients that the compact set keeps, compensated."""
     factors = file.compensation["basic" if equations == "basic" else "modified"]
     dropped = BASIC_DROPS if equations == "basic" else ()
-    kept = [*KEPT, *file.compact.extra_terms]
+    kept = [*COMPACT_TERMS, *file.compact.extra_terms]
     return {
         name: file.coefficients[name] * factors.get(name, 1.0)
         for name in kept
@@ -259,7 +261,7 @@ def _write_strips(file: VesselFile, record: Record) -> None:
         record["strips"][0] = vessel.strips(places, *masses)
 
 
-def read_integrator(text: str) -> scheme.Multistep | scheme.Pair:
+def read_integrator(text: str) -> scheme.Multistep | scheme.PredictorCorrector:
     """Return the method written ``a=1;b=1.5,-0.5``; ConfigError if it is not one.
 
     With ``c`` and ``d`` as well it is a pair: they are the a_i and b_i of what corrects.
@@ -276,9 +278,10 @@ def read_integrator(text: str) -> scheme.Multistep | scheme.Pair:
         return scheme.Multistep(numbers["a"], numbers["b"])
     if set(numbers) == set("abcd"):
         a, b, c, d = (numbers[name] for name in "abcd")
-        return scheme.Pair(scheme.Multistep(a, b), scheme.Multistep(c, d))
+        return scheme.PredictorCorrector(scheme.Multistep(a, b), scheme.Multistep(c, d))
     raise ConfigError(
-        f"--integrator {text!r}: give one of {', '.join(scheme.NAMES)}, or the coefficients of a "
+        f"--integrator {text!r}: give one of {', '.join(scheme.INTEGRATOR_NAMES)}, or the "
+        "coefficients of a "
         "multistep method such as 'a=1;b=1.5,-0.5', with those of its corrector "
         "'a=1;b=1.5,-0.5;c=1;d=0.5,0.5'"
     )
@@ -286,13 +289,14 @@ def read_integrator(text: str) -> scheme.Multistep | scheme.Pair:
 
 def scheme_record(method: Method) -> Record:
     """Return the scheme of ``method``; ConfigError if its integrator is none."""
-    trig = kinematics.EXACT
+    trig = kinematics.EXACT_TRIGONOMETRY
     if method.trig == "report":
-        trig = {"modified": kinematics.POLYNOMIAL, "basic": kinematics.LINEAR}.get(
-            method.equations, kinematics.EXACT
-        )
-    equations = {"full": scheme.FULL, "longitudinal": scheme.LONGITUDINAL}.get(
-        method.equations, scheme.COMPACT
+        trig = {
+            "modified": kinematics.POLYNOMIAL_TRIGONOMETRY,
+            "basic": kinematics.LINEAR_TRIGONOMETRY,
+        }.get(method.equations, kinematics.EXACT_TRIGONOMETRY)
+    equations = {"full": scheme.FULL_EQUATIONS, "longitudinal": scheme.LONGITUDINAL_EQUATIONS}.get(
+        method.equations, scheme.COMPACT_EQUATIONS
     )
     record = scheme.new_scheme(method.step, equations, exact=method.rates == "exact", trig=trig)
     set_integrator(record, method.integrator)
@@ -306,7 +310,7 @@ def set_integrator(record: Record, name: str) -> None:
         return
     found = scheme.INTEGRATORS.get(name) or scheme.PAIRS.get(name) or read_integrator(name)
     try:
-        if isinstance(found, scheme.Pair):
+        if isinstance(found, scheme.PredictorCorrector):
             scheme.set_pair(record, found)
         else:
             scheme.set_multistep(record, found)
@@ -316,7 +320,7 @@ def set_integrator(record: Record, name: str) -> None:
 
 def fit_out(file: VesselFile, method: Method) -> Records:
     """Return the records of a boat at rest at the origin. Weight and balance are its file's."""
-    hull = body(file)
+    hull = body_values(file)
     rows, eta = thrust_rows(file)
     full = vessel.vessel_record(hull, {**file.coefficients, **rows}, eta)
     for name, value in _control(file).items():

@@ -9,33 +9,33 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import Boat
-from trainer.boat.crew_orders import beyond
+from trainer.boat.crew_orders import limit_refusal
 from trainer.core.ballast.ballast import balance
-from trainer.core.ballast.hover import SURE, WAY, is_hovering, wanted_pump
+from trainer.core.ballast.hover import MAX_WAY_SPEED, SURE_PUMP_SHARE, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
-    BLOWN,
+    BLOWN_TANKS,
     COMPARTMENTS,
     DEPTH_CONTROL_PUMP,
     FIRST_DRY,
     MAIN_BANK,
-    NEGATIVE,
-    PUMPED,
+    NEGATIVE_TANK,
+    PUMPED_TANKS,
     TANKS,
 )
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-MAIN: Final = BLOWN[:NEGATIVE]
-SPACES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
+MAIN_TANKS: Final = BLOWN_TANKS[:NEGATIVE_TANK]
+SPACE_NAMES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
 
 
-TRIM: Final = ("trim_forward", "trim_aft")
-TANKS_OF: Final = (TRIM, ("auxiliary",), ("depth_control",))  # by pump
+TRIM_TANKS: Final = ("trim_forward", "trim_aft")
+TANKS_OF: Final = (TRIM_TANKS, ("auxiliary",), ("depth_control",))  # by pump
 PUMPED_BY: Final = ("trim", "auxiliary", "depth control")
 PUMP_OF: Final = {name: pump for pump, names in enumerate(TANKS_OF) for name in names}
-WAYS: Final = {0: ("forward", "aft")}
-DEEP: Final = 300.0  # [m] below all waves
-EMPTY: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
+PUMP_DIRECTIONS: Final = {0: ("forward", "aft")}
+WAVELESS_DEPTH_M: Final = 300.0  # [m] below all waves
+EMPTY_BANK_SHARE: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
 
 def order_ballast(boat: Boat, order: Order) -> Reply:
@@ -52,13 +52,15 @@ def _lacking(boat: Boat, order: Order) -> str:
         return "compressor"
     held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
     missing = [name for name in _needs(order) if not held[name]]
-    return missing[0].replace("_", " ") + (" tank" * (missing[0] in PUMPED)) if missing else ""
+    return (
+        missing[0].replace("_", " ") + (" tank" * (missing[0] in PUMPED_TANKS)) if missing else ""
+    )
 
 
 def _needs(order: Order) -> tuple[str, ...]:
     """Return the tanks that an order cannot do without."""
     if order.word.startswith("trim"):
-        return PUMPED[:2]
+        return PUMPED_TANKS[:2]
     if order.name == "drain":
         return () if order.word == "stop" else (f"compartment_{order.word}",)
     named = {"negative": "negative", "hover": "depth_control"}.get(order.name)
@@ -78,19 +80,19 @@ def _blow(boat: Boat, order: Order) -> Reply:
         boat.state.blow[:] = 0.0
         boat.state.negative_flood = 0.0
         return "all blow valves shut"
-    groups = MAIN if order.word == "all" else (order.word,)
+    groups = MAIN_TANKS if order.word == "all" else (order.word,)
     _main_ballast(boat, groups=groups, blow=1.0, vent=0.0)
     return f"blowing {' and '.join(groups)} main ballast, vents shut"
 
 
 def _emergency(boat: Boat, _order: Order) -> Reply:
-    _main_ballast(boat, groups=MAIN, blow=2.0, vent=0.0)
+    _main_ballast(boat, groups=MAIN_TANKS, blow=2.0, vent=0.0)
     return "emergency blow: all main ballast, both banks"
 
 
 def _vent(boat: Boat, order: Order) -> Reply:
     group, _, position = order.word.partition("_")
-    for name in MAIN if group == "all" else (group,):
+    for name in MAIN_TANKS if group == "all" else (group,):
         boat.state[f"vent_{name}"] = float(position == "open")
     return f"{group} main vents {position}"
 
@@ -99,7 +101,7 @@ def _negative(boat: Boat, order: Order) -> Reply:
     s = boat.state
     flooding = order.word == "flood"
     s.negative_flood = 1.0
-    s.vent[NEGATIVE], s.blow[NEGATIVE] = float(flooding), float(not flooding)
+    s.vent[NEGATIVE_TANK], s.blow[NEGATIVE_TANK] = float(flooding), float(not flooding)
     return f"negative tank {'flooding' if flooding else 'being blown'}"
 
 
@@ -125,7 +127,7 @@ def _waits_for(boat: Boat, tank: str, sign: float) -> str:
     """Return what an order to a pump waits for, "" where it works at once."""
     place = int(boat.state.drained) - 1
     if tank == "auxiliary" and place >= 0:
-        return f"waits, its pump drains the {SPACES[place]} compartment; drain stop frees it"
+        return f"waits, its pump drains the {SPACE_NAMES[place]} compartment; drain stop frees it"
     if sign < 0.0 and boat.state.z >= boat.vessel.shutoff_depth:
         return f"waits, the pump delivers nothing below {boat.vessel.shutoff_depth:g} m"
     return ""
@@ -136,7 +138,7 @@ def _drain(boat: Boat, order: Order) -> Reply:
     if order.word == "stop":
         s.drained = 0.0
         return "draining stopped"
-    place = SPACES.index(order.word)
+    place = SPACE_NAMES.index(order.word)
     s.drained = 1.0 + place
     tonnes = float(s.water[FIRST_DRY + place]) / 1000.0
     return f"draining the {order.word} compartment, {tonnes:.1f} t in it"
@@ -153,14 +155,16 @@ def _hover(boat: Boat, order: Order) -> Reply:
         s.hover = s.move_depth_control = 0.0
         return "hovering off"
     depth = float(s.z) if order.word else order.value
-    too_deep = None if order.word else beyond(boat, "depth", depth)
+    too_deep = None if order.word else limit_refusal(boat, "depth", depth)
     if refusal := too_deep or cannot_hover(boat, depth):
         return refusal
     s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0
     s.ordered_depth = depth
     at = "this depth" if order.word else f"{depth:g} m"
     if not is_hovering(boat.records.state):
-        return f"hovering below {WAY / KNOT:.0f} knots; until then the planes keep the depth"
+        return (
+            f"hovering below {MAX_WAY_SPEED / KNOT:.0f} knots; until then the planes keep the depth"
+        )
     if s.sea_height > 0.0 and s.sea_suction == 0.0:
         return f"hovering at {at}; this sea has no suction, so it is easier than at sea"
     return f"hovering at {at}"
@@ -169,11 +173,11 @@ def _hover(boat: Boat, order: Order) -> Reply:
 def cannot_hover(boat: Boat, depth: float) -> Refused | None:
     """Return why the depth-control pump cannot hold a depth [m] here, "" if it can."""
     records = boat.records
-    sure = SURE * float(boat.vessel.pump_rate[DEPTH_CONTROL_PUMP])
+    sure = SURE_PUMP_SHARE * float(boat.vessel.pump_rate[DEPTH_CONTROL_PUMP])
     wanted = wanted_pump(records.vessel, depth, records.state)
     if wanted <= sure:
         return None
-    deepest = boat.file.hull.max_depth_m or DEEP
+    deepest = boat.file.hull.max_depth_m or WAVELESS_DEPTH_M
     for deeper in range(math.ceil(depth), math.floor(deepest) + 1):
         if wanted_pump(records.vessel, float(deeper), records.state) <= sure:
             held = f"go to {deeper} m, or make 3 knots"
@@ -187,11 +191,11 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
 
 
 def _surface(boat: Boat, _order: Order) -> Reply:
-    _main_ballast(boat, groups=MAIN, blow=1.0, vent=0.0)
+    _main_ballast(boat, groups=MAIN_TANKS, blow=1.0, vent=0.0)
     boat.state.ordered_depth = 0.0
     boat.state.hover = 0.0
     bank = float(boat.state.bank_main / boat.vessel.bank_full[MAIN_BANK])
-    if bank < EMPTY:
+    if bank < EMPTY_BANK_SHARE:
         return f"surfacing: the main bank has {bank:.0%} of its air; emergency blow has its own"
     return "surfacing: blowing all main ballast; type blow stop when the boat is up"
 
@@ -199,7 +203,7 @@ def _surface(boat: Boat, _order: Order) -> Reply:
 def _dive(boat: Boat, _order: Order) -> Reply:
     """Open the vents; keep at least periscope depth, or the planes would hold the boat up."""
     s = boat.state
-    _main_ballast(boat, groups=MAIN, blow=0.0, vent=1.0)
+    _main_ballast(boat, groups=MAIN_TANKS, blow=0.0, vent=1.0)
     s.ordered_depth = max(s.ordered_depth, boat.file.run.periscope_depth_m or 0.0)
     return f"diving: main vents open, keeping depth {s.ordered_depth:g} m"
 
@@ -246,7 +250,7 @@ class PumpMonitor:
             if now:
                 continue
             del self.asked[pump]
-            inward, outward = WAYS.get(pump, ("in", "out"))
+            inward, outward = PUMP_DIRECTIONS.get(pump, ("in", "out"))
             way, whole = inward if asked > 0.0 else outward, abs(asked) / 1000.0
             stops = [name for name in TANKS_OF[pump] if _at_an_end(boat, name)]
             if abs(before) <= float(boat.vessel.pump_rate[pump]) * boat.method.step + 1e-6:

@@ -25,23 +25,24 @@ from trainer.core.soundings import sound
 from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE
 from trainer.core.surfaces import SURFACES
-from trainer.core.update import WATCHED, update
+from trainer.core.update import WATCHED_NAMES, update
 from trainer.units import KNOT
 
-PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
-TICK = PLACES["tick"]
+STATE_PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
+TICK_PLACE = STATE_PLACES["tick"]
 
 
 @functools.cache
 def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
     """Return what takes the named places from plain numbers; ``t`` is the tick until it is told."""
-    return itemgetter(*(TICK if name == "t" else PLACES[name] for name in names))
+    return itemgetter(*(TICK_PLACE if name == "t" else STATE_PLACES[name] for name in names))
 
 
 class Boat:
     """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back.
 
-    ``plain`` is the same as floats by their PLACES, which are read in a twentieth of the time.
+    ``plain`` is the same as floats by their STATE_PLACES, which are read in a twentieth of the
+    time.
     """
 
     def __init__(self, file: VesselFile, method: Method) -> None:
@@ -77,12 +78,12 @@ class Boat:
     @property
     def time(self) -> float:
         """Return the time [s] since the start."""
-        return self.plain[TICK] * self.method.step
+        return self.plain[TICK_PLACE] * self.method.step
 
     @property
     def ticks(self) -> int:
         """Return the number of ticks done."""
-        return int(self.plain[TICK])
+        return int(self.plain[TICK_PLACE])
 
     @property
     def automatic(self) -> bool:
@@ -199,9 +200,9 @@ class Boat:
     def advance(self) -> Callable[[], int]:
         """Advance by one step, the world as the state has it."""
         if compilation.known_compiler():
-            from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
+            from trainer.boat.call import bind_update  # noqa: PLC0415  it reaches into the compiler
 
-            return bind(tuple(self.records), self.chart)
+            return bind_update(tuple(self.records), self.chart)
         if self.chart is None:
             return functools.partial(update, *self.records)
         return functools.partial(self._sounded, self.chart)
@@ -213,15 +214,15 @@ class Boat:
     def compiled_tick(self) -> Callable[[], int]:
         """Return ``advance`` as machine code of this machine, the core being interpreted."""
         with compilation.machine_code():
-            from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
+            from trainer.boat.call import bind_update  # noqa: PLC0415  it reaches into the compiler
 
-            return bind(tuple(self.records), self.chart)
+            return bind_update(tuple(self.records), self.chart)
 
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""
         s = self.state
         return (
-            f"{WATCHED[status - 1]} is out of all bounds after tick {int(s.tick)} "
+            f"{WATCHED_NAMES[status - 1]} is out of all bounds after tick {int(s.tick)} "
             f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
             f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, "
             f"depth {s.z:.4g} m"

@@ -27,7 +27,7 @@ from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
 Addresses = NDArray[np.int64]
-ROW: Final = types.Array(types.float64, 1, "C")
+ROW_TYPE: Final = types.Array(types.float64, 1, "C")
 
 
 def _record_at(kind: np.dtype) -> Any:
@@ -62,7 +62,7 @@ def _row_at(_context: Any, _address: Any, _count: Any) -> Any:
     """Return a function for kernels: from an address so many numbers there, not copied."""
 
     def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        numbers = context.make_array(ROW)(context, builder)
+        numbers = context.make_array(ROW_TYPE)(context, builder)
         arrayobj.populate_array(
             numbers,
             data=builder.inttoptr(arguments[0], numbers.data.type),
@@ -73,7 +73,7 @@ def _row_at(_context: Any, _address: Any, _count: Any) -> Any:
         )
         return numbers._getvalue()  # noqa: SLF001  numba has no other way
 
-    return ROW(types.int64, types.int64), code
+    return ROW_TYPE(types.int64, types.int64), code
 
 
 row_at: Any = intrinsic(_row_at)
@@ -96,7 +96,7 @@ def update_at(addresses: Addresses) -> int:
     )
 
 
-def bind(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[[], int]:
+def bind_update(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[[], int]:
     """Return ``update`` of these records, compiled, the chart of the ground sounded before it.
 
     The caller keeps them, where they are.

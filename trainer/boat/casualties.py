@@ -4,21 +4,25 @@ import math
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.config.casualties import Casualty, severity_rule
-from trainer.config.condition import QUANTITIES
+from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
 from trainer.config.files import ConfigError, nearest
 from trainer.core import casualties as casualties_module
-from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
+from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, PUMPS, TANKS
 from trainer.core.casualties import KINDS, instruments
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-RULES: Final = ("once", "again")
-LONGEST: Final = 3600.0  # [s] ramp
-SIDES: Final = {"rudder": ("right", "left"), "stern": ("rise", "dive"), "bow": ("rise", "dive")}
+TRIGGER_RULES: Final = ("once", "again")
+MAX_RAMP_S: Final = 3600.0  # [s] ramp
+SURFACE_SIDES: Final = {
+    "rudder": ("right", "left"),
+    "stern": ("rise", "dive"),
+    "bow": ("rise", "dive"),
+}
 OFFSETS: Final = ("too little", "too much")  # what a gauge shows
 GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
     "depth-gauge": ("m", 1.0),
@@ -26,7 +30,7 @@ GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
     "log": ("kn", KNOT),
     "sounder": ("m", 1.0),
 }
-SHARES: Final = {  # of kinds that begin or end so: what the amount is a share of
+AMOUNT_SHARES: Final = {  # of kinds that begin or end so: what the amount is a share of
     "-slow": "of the rate lost",
     "-free": "of its rate",
     "-open": "open",
@@ -39,7 +43,7 @@ SHARES: Final = {  # of kinds that begin or end so: what the amount is a share o
 
 
 @dataclass(frozen=True)
-class Active:
+class ActiveCasualty:
     """One casualty that the boat suffers."""
 
     kind: str
@@ -75,7 +79,7 @@ class Degree(NamedTuple):
         return ",".join((self.name, *amounts, size.unit, size.side, *size.sides))
 
 
-class Readings(NamedTuple):
+class InstrumentReadings(NamedTuple):
     """The readings of a station's instruments."""
 
     depth: float  # [m]
@@ -84,7 +88,7 @@ class Readings(NamedTuple):
     sounding: float  # [m] from the origin's depth down to the ground, 0 without an echo
 
 
-def find(boat: Boat, name: str) -> Casualty | Refused:
+def find_casualty(boat: Boat, name: str) -> Casualty | Refused:
     """Return the casualty of that name; spaces and underscores count as dashes."""
     key = name.strip().casefold().replace(" ", "-").replace("_", "-")
     if key in boat.casualties:
@@ -92,7 +96,7 @@ def find(boat: Boat, name: str) -> Casualty | Refused:
     return Refused(f"no casualty {name!r}{nearest(key, boat.casualties)}")
 
 
-def insert(
+def insert_casualty(
     boat: Boat, name: str, severity: float | None = None, ramp_s: float | None = None
 ) -> Reply:
     """Begin a casualty at the next tick. A value that is not given is as in its table."""
@@ -102,13 +106,13 @@ def insert(
     found, wanted, ramp = chosen
     amount = _amount(boat, found, wanted)
     if not casualties_module.begin(found.code, amount, _ticks(boat, ramp), boat.records.state):
-        there = active(boat)
+        there = active_casualties(boat)
         return Refused(f"{len(there)} casualties at most: clear one of {_names(there)}")
-    degree = "" if found.measure.sudden else f", {describe(boat, found.kind, amount)}"
+    degree = "" if found.measure.sudden else f", {describe_amount(boat, found.kind, amount)}"
     return f"casualty {found.name}{degree}{_within(ramp)}"
 
 
-def ordered(order: Order) -> tuple[str, float | None, float | None]:
+def ordered_casualty(order: Order) -> tuple[str, float | None, float | None]:
     """Return name, severity and ramp of an order ``casualty``; None for what it leaves out."""
     given = list(order.numbers)
     ramp = given.pop() if order.word == "ramp" else None
@@ -117,7 +121,7 @@ def ordered(order: Order) -> tuple[str, float | None, float | None]:
 
 def problem_of(boat: Boat, order: Order) -> str:
     """Return why an order ``casualty`` would be refused at any time, '' if not."""
-    chosen = _chosen(boat, *ordered(order))
+    chosen = _chosen(boat, *ordered_casualty(order))
     return chosen.reason if isinstance(chosen, Refused) else ""
 
 
@@ -125,7 +129,7 @@ def _chosen(
     boat: Boat, name: str, severity: float | None, ramp_s: float | None
 ) -> tuple[Casualty, float, float] | Refused:
     """Return a casualty with its severity and ramp, or why it cannot happen to the boat."""
-    found = find(boat, name)
+    found = find_casualty(boat, name)
     if isinstance(found, Refused):
         return found
     wanted = found.severity if severity is None else severity
@@ -134,26 +138,26 @@ def _chosen(
     return Refused(wrong) if wrong else (found, wanted, ramp)
 
 
-def clear(boat: Boat, name: str) -> Reply:
+def clear_casualty(boat: Boat, name: str) -> Reply:
     """Clear a casualty, or ``all`` of them. Each takes the time of its table."""
     if name.strip().casefold() in ("all", "casualties"):
-        there = active(boat)
+        there = active_casualties(boat)
         for each in there:
             _end(boat, boat.casualties[each.kind])
         return f"clearing {_names(there)}" if there else "there is nothing to clear"
-    found = find(boat, name)
+    found = find_casualty(boat, name)
     if isinstance(found, Refused):
         return found
     if not _end(boat, found):
-        return Refused(f"there is no {found.kind}; active: {_names(active(boat))}")
+        return Refused(f"there is no {found.kind}; active: {_names(active_casualties(boat))}")
     return f"clearing {found.name}{_within(found.clear_ramp_s)}"
 
 
-def active(boat: Boat) -> list[Active]:
+def active_casualties(boat: Boat) -> list[ActiveCasualty]:
     """Return what the boat suffers, in the order of the slots."""
     s, step = boat.state, boat.method.step
     return [
-        Active(
+        ActiveCasualty(
             kind=KINDS[int(s.casualty[i]) - 1],
             amount=float(s.casualty_amount[i]),
             target=float(s.casualty_target[i]) if s.casualty_ticks[i] >= 0.0 else 0.0,
@@ -165,7 +169,7 @@ def active(boat: Boat) -> list[Active]:
     ]
 
 
-def describe(boat: Boat, kind: str, amount: float) -> str:
+def describe_amount(boat: Boat, kind: str, amount: float) -> str:
     """Return an amount [SI] of a casualty with its unit and side: 6 deg dive."""
     size = size_of(boat, kind, amount)
     return f"{size.before}{size.amount} {size.unit} {size.side}".rstrip() if size else ""
@@ -182,7 +186,7 @@ def size_of(boat: Boat, kind: str, amount: float) -> Size | None:
         # an angle [rad] of a surface with its side, right and rise positive
         angle = amount * boat.toward[surface]
         size = round(math.degrees(angle), 1) + 0.0
-        more, less = SIDES[surface]
+        more, less = SURFACE_SIDES[surface]
         sides = (less, more) if size else ()
         return Size(f"{abs(size):g}", "deg", side=less if size < 0.0 else more, sides=sides)
     if what in GAUGE_UNITS:
@@ -198,25 +202,31 @@ def size_of(boat: Boat, kind: str, amount: float) -> Size | None:
         return Size(f"{abs(shown):.3g}", unit, before="reads ", side=side, sides=OFFSETS)
     if kind.startswith(("leak-", "flooding-")):
         return Size(f"{1e4 * amount:.3g}", "cm2", before="hole ")
-    share = next((s for end, s in SHARES.items() if kind.startswith(end) or kind.endswith(end)), "")
+    share = next(
+        (s for end, s in AMOUNT_SHARES.items() if kind.startswith(end) or kind.endswith(end)), ""
+    )
     return Size(f"{100.0 * amount:.3g}", f"% {share}") if share else None
 
 
-def listing(boat: Boat) -> list[str]:
+def casualty_listing(boat: Boat) -> list[str]:
     """Return what the boat can suffer.
 
     Each has the word of the order ``casualty``, then its meaning.
     """
     lines = []
-    for name, degree, says in available(boat):
+    for name, degree, says in available_casualties(boat):
         casualty = boat.casualties[name]
         whole = _amount(boat, casualty, casualty.severity)
-        told = "" if casualty.measure.sudden else f"    ({describe(boat, casualty.kind, whole)})"
+        told = (
+            ""
+            if casualty.measure.sudden
+            else f"    ({describe_amount(boat, casualty.kind, whole)})"
+        )
         lines += [f"{name} {degree}".rstrip() + told, f"    {says}"]
     return lines
 
 
-def available(boat: Boat) -> list[tuple[str, str, str]]:
+def available_casualties(boat: Boat) -> list[tuple[str, str, str]]:
     """Return the casualties of the boat.
 
     Each has its name, its degree as ordered and its meaning.
@@ -234,7 +244,7 @@ def available(boat: Boat) -> list[tuple[str, str, str]]:
 
 def degrees(boat: Boat) -> list[Degree]:
     """Return the usual degrees of the casualties that have any other degree."""
-    found = (degree_of(boat, boat.casualties[name]) for name, _, _ in available(boat))
+    found = (degree_of(boat, boat.casualties[name]) for name, _, _ in available_casualties(boat))
     return [degree for degree in found if degree]
 
 
@@ -246,13 +256,13 @@ def degree_of(boat: Boat, casualty: Casualty) -> Degree | None:
     return Degree(casualty.name, casualty.severity, casualty.ramp_s, size) if size else None
 
 
-def readings(boat: Boat) -> Readings:
+def instrument_readings(boat: Boat) -> InstrumentReadings:
     """Return what the instruments of a station show at this tick."""
     instruments(boat.records.state, boat.records.scratch)
-    return Readings(*boat.records.scratch["reading"][0].tolist())
+    return InstrumentReadings(*boat.records.scratch["reading"][0].tolist())
 
 
-def arm(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once") -> None:
+def arm_casualty(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once") -> None:
     """Begin ``casualty`` when the state meets ``condition``.
 
     It begins once, or ``again`` each time.
@@ -261,8 +271,8 @@ def arm(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once"
     what either is about, or has no trigger left.
     """
     where = condition.place
-    if rule not in RULES:
-        raise ConfigError(where.wrong("rule", rule, f"must be {' or '.join(RULES)}"))
+    if rule not in TRIGGER_RULES:
+        raise ConfigError(where.wrong("rule", rule, f"must be {' or '.join(TRIGGER_RULES)}"))
     wrong = _wrong(boat, casualty, casualty.severity, casualty.ramp_s)
     if wrong:
         raise ConfigError(where.problem(f"casualty {casualty.name}: {wrong}"))
@@ -276,7 +286,7 @@ def arm(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once"
     if factor == 0.0:
         told = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
         raise ConfigError(condition.place.problem(told))
-    m.trigger_place[i] = PLACES[QUANTITIES[condition.quantity].place]
+    m.trigger_place[i] = STATE_PLACES[STATE_QUANTITIES[condition.quantity].place]
     m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
     m.trigger_threshold[i] = _whole(condition.threshold * factor)
     m.trigger_strict[i] = condition.strict
@@ -286,7 +296,7 @@ def arm(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once"
     m.trigger_kind[i] = casualty.code
 
 
-def _names(casualties: list[Active]) -> str:
+def _names(casualties: list[ActiveCasualty]) -> str:
     """Return what there is, in words."""
     return ", ".join(each.kind for each in casualties) or "none"
 
@@ -349,8 +359,8 @@ def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> str:
         return f"{boat.file.path.name} has nothing for {casualty.kind} to act on"
     if severity not in casualty.measure.limits:
         return f"severity {severity:g}: {severity_rule(casualty.kind)}"
-    if not 0.0 <= ramp <= LONGEST:
-        return f"ramp {ramp:g} s: must be 0 to {LONGEST:g} s"
+    if not 0.0 <= ramp <= MAX_RAMP_S:
+        return f"ramp {ramp:g} s: must be 0 to {MAX_RAMP_S:g} s"
     if casualty.measure.sudden and ramp:
         return f"{casualty.kind} comes at once: it has no ramp"
     return ""
@@ -366,8 +376,8 @@ def _carries(boat: Boat, kind: str) -> bool:
     parts = {
         "pump": (c.pump_rate, PUMPS, part),
         "bank": (c.bank_volume, BANKS, part),
-        "blow": (c.capacity, BLOWN, part),
-        "vent": (c.capacity, BLOWN, part),
+        "blow": (c.capacity, BLOWN_TANKS, part),
+        "vent": (c.capacity, BLOWN_TANKS, part),
         "flooding": (c.capacity, TANKS, f"compartment_{rest}"),
         "leak": (c.capacity, TANKS, rest.replace("-", "_")),
     }

@@ -18,36 +18,36 @@ from typing import Final
 
 from trainer.core.cache import cache_folder, sources
 
-KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
-LOCK: Final = "compiling"
-LOOK: Final = 0.5  # [s] between looks at whether that is done
-COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
-PROGRESS: Final = "compiling.percent"  # of the tick alone; gone when all is done
+KERNEL_MODULE: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
+LOCK_NAME: Final = "compiling"
+POLL_PERIOD_S: Final = 0.5  # [s] between looks at whether that is done
+ERROR_LOG_NAME: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
+PROGRESS_NAME: Final = "compiling.percent"  # of the tick alone; gone when all is done
 MAX_RESTARTS: Final = 3  # of a compilation beside a run that died without a word
 
 
 def is_kept() -> bool:
     """Return whether everything that a run needs has been compiled on this machine before."""
-    return mark("complete").exists()
+    return mark_path("complete").exists()
 
 
 def is_tick_kept() -> bool:
     """Return whether the tick alone has been compiled: a boat at sea needs nothing else."""
-    return mark("tick").exists() or is_kept()
+    return mark_path("tick").exists() or is_kept()
 
 
-def keep(name: str = "complete", *folders: str) -> None:
+def mark_compiled(name: str = "complete", *folders: str) -> None:
     """Note that everything that a run needs has been compiled; nothing where that cannot be."""
     with contextlib.suppress(OSError):
-        mark(name, *folders).touch()
+        mark_path(name, *folders).touch()
 
 
 def is_settled() -> bool:
     """Return whether it is too late to choose between machine code and none."""
-    return KERNELS in sys.modules
+    return KERNEL_MODULE in sys.modules
 
 
-def do_without() -> None:
+def use_interpreter() -> None:
     """Set the interpreter to run the kernels, which must not have been imported yet."""
     import numba  # noqa: PLC0415
 
@@ -76,7 +76,7 @@ def is_interpreted() -> bool:
 
 
 @contextlib.contextmanager
-def announced(
+def announce_compiling(
     what: str, tell: Callable[[str], None], name: str = "complete", *folders: str
 ) -> Iterator[None]:
     """Tell what is compiled in the block, where this machine has not kept it yet.
@@ -84,13 +84,13 @@ def announced(
     ``name`` is that of the mark that a block leaves which succeeds, for the kernels in folders of
     the package; of the core, where none is named.
     """
-    if is_interpreted() or mark(name, *folders).exists():
+    if is_interpreted() or mark_path(name, *folders).exists():
         yield
         return
     tell(f"compiling {what} ...")
     with interruptible():
         yield
-    keep(name, *folders)
+    mark_compiled(name, *folders)
 
 
 @contextlib.contextmanager
@@ -105,7 +105,7 @@ def machine_code() -> Iterator[None]:
     try:
         yield
     finally:
-        do_without()
+        use_interpreter()
 
 
 def await_tick(
@@ -119,12 +119,12 @@ def await_tick(
     restarts = 0
     furthest = -1
     while not is_tick_kept():
-        if given_up.wait(LOOK):
+        if given_up.wait(POLL_PERIOD_S):
             return False
-        if progress() > furthest:
-            furthest = progress()
+        if tick_progress() > furthest:
+            furthest = tick_progress()
             tell(furthest)
-        with compiling() as free:
+        with compilation_lock() as free:
             died = free and not is_tick_kept()
         if died and (has_complained() or restarts == MAX_RESTARTS):
             return False
@@ -137,14 +137,14 @@ def await_tick(
 
 def has_complained() -> bool:
     """Return whether compiling beside a run has failed, and has said why."""
-    path = cache_folder() / COMPLAINTS
+    path = cache_folder() / ERROR_LOG_NAME
     return path.exists() and path.stat().st_size > 0
 
 
-def progress() -> int:
+def tick_progress() -> int:
     """Return how much of the tick has been compiled [%]."""
     try:
-        return min(int((cache_folder() / PROGRESS).read_text(encoding="ascii") or 0), 100)
+        return min(int((cache_folder() / PROGRESS_NAME).read_text(encoding="ascii") or 0), 100)
     except (OSError, ValueError):
         return 0
 
@@ -152,7 +152,7 @@ def progress() -> int:
 def write_progress(percent: int) -> None:
     """Note how much of the tick has been compiled [%]."""
     with contextlib.suppress(OSError):
-        (cache_folder() / PROGRESS).write_text(f"{percent}", encoding="ascii")
+        (cache_folder() / PROGRESS_NAME).write_text(f"{percent}", encoding="ascii")
 
 
 @contextlib.contextmanager
@@ -180,14 +180,14 @@ def interruptible() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def compiling() -> Iterator[int | None]:
+def compilation_lock() -> Iterator[int | None]:
     """Yield the lock of whoever alone compiles into the cache, inside the block; else None.
 
     A process that inherits the lock holds it until it ends, however it ends.
     """
     import fcntl  # noqa: PLC0415  not everywhere
 
-    with (cache_folder() / LOCK).open("wb") as lock:
+    with (cache_folder() / LOCK_NAME).open("wb") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -196,7 +196,7 @@ def compiling() -> Iterator[int | None]:
             yield lock.fileno()
 
 
-def mark(name: str, *folders: str) -> Path:
+def mark_path(name: str, *folders: str) -> Path:
     """Return the path of a mark for the kernels in folders, else in the core."""
     import numba  # noqa: PLC0415
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415

@@ -8,29 +8,29 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import Readings, readings
-from trainer.boat.crew_orders import AXES
+from trainer.boat.casualties import InstrumentReadings, instrument_readings
+from trainer.boat.crew_orders import CREW_AXES
 from trainer.config.reference_crew import Helmsman, Planesman
 
-KEPT: Final = 601.0  # [s] of gauges that are remembered
-RATE_OVER: Final = 2.0  # [s] over which a rate is seen on a gauge
-SLACK: Final = 1e-6  # [s] rounding of a sum of steps
+GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered
+RATE_PERIOD_S: Final = 2.0  # [s] over which a rate is seen on a gauge
+TIME_ROUNDING_S: Final = 1e-6  # [s] rounding of a sum of steps
 
 
 @dataclass
-class Gauges:
+class GaugeHistory:
     """The readings of the gauges over some minutes."""
 
     boat: Boat
-    seen: deque[tuple[float, Readings]] = field(default_factory=deque)
+    seen: deque[tuple[float, InstrumentReadings]] = field(default_factory=deque)
 
     def look(self) -> None:
         """Read the gauges at this tick."""
-        self.seen.append((self.boat.time, readings(self.boat)))
-        while self.seen[-1][0] - self.seen[0][0] > KEPT:
+        self.seen.append((self.boat.time, instrument_readings(self.boat)))
+        while self.seen[-1][0] - self.seen[0][0] > GAUGE_MEMORY_S:
             self.seen.popleft()
 
-    def now(self) -> Readings:
+    def now(self) -> InstrumentReadings:
         """Return what they show."""
         return self.seen[-1][1]
 
@@ -40,7 +40,7 @@ class Gauges:
 
     def rate(self, name: str, seconds: float) -> float:
         """Return how fast a gauge moves [1/s], by the two halves of the last seconds."""
-        times, values = self._last(name, max(seconds, RATE_OVER))
+        times, values = self._last(name, max(seconds, RATE_PERIOD_S))
         half = len(times) // 2
         if not half:
             return 0.0
@@ -49,7 +49,7 @@ class Gauges:
 
     def _last(self, name: str, seconds: float) -> tuple[list[float], list[float]]:
         """Return times and values of the last seconds, the latest first."""
-        begin = self.seen[-1][0] - seconds + SLACK
+        begin = self.seen[-1][0] - seconds + TIME_ROUNDING_S
         times, values = [self.seen[-1][0]], [getattr(self.seen[-1][1], name)]
         for i in range(len(self.seen) - 2, -1, -1):
             if self.seen[i][0] < begin:
@@ -60,7 +60,7 @@ class Gauges:
 
 
 @dataclass
-class Known:
+class KnownOrder:
     """The order to the crew on one axis. A hand knows it some seconds after it came."""
 
     axis: str
@@ -71,12 +71,12 @@ class Known:
 
     def look(self, boat: Boat) -> None:
         """Take an order that stands for long enough."""
-        s, place = boat.state, AXES.index(self.axis)
+        s, place = boat.state, CREW_AXES.index(self.axis)
         stamp = float(s.crew_order_tick[place])
         if stamp != self.stamp:
             self.stamp, self.since = stamp, boat.time
             self.since = min(self.since, (stamp - 1.0) * boat.method.step if stamp else math.inf)
-        if boat.time - self.since >= self.answer - SLACK:
+        if boat.time - self.since >= self.answer - TIME_ROUNDING_S:
             self.value = float(s.crew_order[place]) if stamp else None
 
 
@@ -88,23 +88,23 @@ class PlanesHand:
     ways: Planesman
     late: float = 0.0  # [s] beyond the ways
     looked: float = -math.inf  # [s]
-    depth: Known = field(init=False)
-    pitch: Known = field(init=False)
+    depth: KnownOrder = field(init=False)
+    pitch: KnownOrder = field(init=False)
     stern: int = 0  # [deg] rise, as ordered last
     bow: int = 0
 
     def __post_init__(self) -> None:
         answer = self.ways.answer_s + self.late
-        self.depth, self.pitch = Known("depth", answer), Known("pitch", answer)
+        self.depth, self.pitch = KnownOrder("depth", answer), KnownOrder("pitch", answer)
         s, toward = self.boat.state, self.boat.toward
         self.stern = round(math.degrees(toward["stern"] * float(s.delta_s)))
         self.bow = round(math.degrees(toward["bow"] * float(s.delta_b)))
 
-    def look(self, gauges: Gauges) -> list[str]:
+    def look(self, gauges: GaugeHistory) -> list[str]:
         """Return what is ordered at this tick."""
         self.depth.look(self.boat)
         self.pitch.look(self.boat)
-        if self.boat.time - self.looked < self.ways.look_s - SLACK:
+        if self.boat.time - self.looked < self.ways.look_s - TIME_ROUNDING_S:
             return []
         self.looked = self.boat.time
         aim = self.depth.value
@@ -151,18 +151,18 @@ class RudderHand:
     ways: Helmsman
     late: float = 0.0  # [s] beyond the ways
     looked: float = -math.inf  # [s]
-    course: Known = field(init=False)
+    course: KnownOrder = field(init=False)
     rudder: int = 0  # [deg] right, as ordered last
 
     def __post_init__(self) -> None:
-        self.course = Known("course", self.ways.answer_s + self.late)
+        self.course = KnownOrder("course", self.ways.answer_s + self.late)
         s = self.boat.state
         self.rudder = round(math.degrees(self.boat.toward["rudder"] * float(s.delta_r)))
 
-    def look(self, gauges: Gauges) -> list[str]:
+    def look(self, gauges: GaugeHistory) -> list[str]:
         """Return what is ordered at this tick."""
         self.course.look(self.boat)
-        if self.boat.time - self.looked < self.ways.look_s - SLACK:
+        if self.boat.time - self.looked < self.ways.look_s - TIME_ROUNDING_S:
             return []
         self.looked = self.boat.time
         error = self._to_go(gauges.now().heading)

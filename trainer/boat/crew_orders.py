@@ -8,13 +8,13 @@ import math
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import readings
+from trainer.boat.casualties import instrument_readings
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, CrewNews
 from trainer.units import KNOT
 
-AXES: Final = ("course", "depth", "speed", "pitch")  # in the order of the state's crew_order
-SIDES: Final = {"left": -1.0, "right": 1.0}
+CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # in the order of the state's crew_order
+SIDE_SIGNS: Final = {"left": -1.0, "right": 1.0}
 
 
 class CrewOrder(NamedTuple):
@@ -40,8 +40,8 @@ class CrewOrder(NamedTuple):
         return f"pitch {abs(angle):g} {'up' if angle > 0.0 else 'down'}" if angle else "pitch zero"
 
 
-def standing(boat: Boat) -> tuple[CrewOrder, ...]:
-    """Return the orders to the crew that stand, in the order of AXES."""
+def standing_orders(boat: Boat) -> tuple[CrewOrder, ...]:
+    """Return the orders to the crew that stand, in the order of CREW_AXES."""
     s = boat.state
     return tuple(
         CrewOrder(
@@ -51,7 +51,7 @@ def standing(boat: Boat) -> tuple[CrewOrder, ...]:
             float(s.crew_course_side) if axis == "course" else 0.0,
             float(s.crew_depth_unit) if axis == "depth" else 1.0,
         )
-        for i, axis in enumerate(AXES)
+        for i, axis in enumerate(CREW_AXES)
         if s.crew_order_tick[i]
     )
 
@@ -68,7 +68,7 @@ def order_crew(boat: Boat, order: Order) -> Reply:
         if depth is None:
             return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
         return _stand(boat, "depth", depth)
-    return beyond(boat, what, order.value) or _order_amount(boat, what, order)
+    return limit_refusal(boat, what, order.value) or _order_amount(boat, what, order)
 
 
 def _order_amount(boat: Boat, what: str, order: Order) -> str:
@@ -80,8 +80,8 @@ def _order_amount(boat: Boat, what: str, order: Order) -> str:
 
 def _order_course(boat: Boat, course: float, way: str) -> str:
     """Let a course stand; ``way`` is left, right, "" the shorter, or steady: the heading shown."""
-    heading = readings(boat).heading
-    side = SIDES.get(way, 0.0)
+    heading = instrument_readings(boat).heading
+    side = SIDE_SIGNS.get(way, 0.0)
     change = 0.0 if way == "steady" else math.remainder(course - heading, math.tau)
     if change * side < 0.0:
         change += side * math.tau
@@ -91,7 +91,7 @@ def _order_course(boat: Boat, course: float, way: str) -> str:
     return _stand(boat, "course", heading + change)
 
 
-def beyond(boat: Boat, what: str, value: float) -> Refused | None:
+def limit_refusal(boat: Boat, what: str, value: float) -> Refused | None:
     """Return why a depth or a speed cannot be ordered, None where it can."""
     deepest = boat.file.hull.max_depth_m
     if what == "depth" and deepest is not None and value > deepest:
@@ -104,12 +104,12 @@ def beyond(boat: Boat, what: str, value: float) -> Refused | None:
 
 def _stand(boat: Boat, axis: str, value: float, unit: float = 1.0) -> str:
     """Let an order stand; return it as the crew is told."""
-    place = AXES.index(axis)
+    place = CREW_AXES.index(axis)
     boat.state.crew_order[place] = value
     boat.state.crew_order_tick[place] = boat.ticks + 1.0
     if axis == "depth":
         boat.state.crew_depth_unit = unit
-    return f"ordered: {standing_on(boat, axis)}"
+    return f"ordered: {standing_order(boat, axis)}"
 
 
 def ordered_fact(boat: Boat, order: Order) -> CrewFact:
@@ -117,21 +117,21 @@ def ordered_fact(boat: Boat, order: Order) -> CrewFact:
     if order.name == "tell":
         return CrewFact(CrewNews.ORDERED, order.subject)
     axis = order.word.partition("_")[0].replace("periscope", "depth")
-    standing = standing_on(boat, axis) if order.name == "order" and axis in AXES else None
+    standing = standing_order(boat, axis) if order.name == "order" and axis in CREW_AXES else None
     return CrewFact(CrewNews.ORDERED, str(standing)) if standing else NO_CREW_FACT
 
 
-def standing_on(boat: Boat, axis: str) -> CrewOrder | None:
+def standing_order(boat: Boat, axis: str) -> CrewOrder | None:
     """Return the order that stands on one axis, None without."""
-    return next((each for each in standing(boat) if each.axis == axis), None)
+    return next((each for each in standing_orders(boat) if each.axis == axis), None)
 
 
 def _clear(boat: Boat, axis: str) -> Reply:
     """Let one order, or all of them, stand no longer; what is left of them is nothing."""
-    had = [each for each in standing(boat) if axis in (each.axis, "all")]
+    had = [each for each in standing_orders(boat) if axis in (each.axis, "all")]
     for each in had:
-        boat.state.crew_order_tick[AXES.index(each.axis)] = 0.0
-        boat.state.crew_order[AXES.index(each.axis)] = 0.0
+        boat.state.crew_order_tick[CREW_AXES.index(each.axis)] = 0.0
+        boat.state.crew_order[CREW_AXES.index(each.axis)] = 0.0
     if not had:
         return Refused(f"the crew has no order{'' if axis == 'all' else f' on {axis}'}")
     return f"no longer ordered: {', '.join(map(str, had))}"

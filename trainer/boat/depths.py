@@ -12,38 +12,38 @@ from typing import Any, Final, NamedTuple, TypeVar
 import numpy as np
 
 from trainer.boat.assemble import ballast_record
-from trainer.boat.boat import PLACES, Boat
-from trainer.boat.limits import surfacing
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.limits import is_surfacing
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, parse
 from trainer.units import KNOT
 
-SLOPE: Final = 0.01  # [m] of depth either way, for the slopes of the surface's tables
-REACH: Final = 0.4  # [-] of the length: ends of the pressure hull before and abaft the origin
-NEAR: Final = 30.0  # [m] above test depth, where the first call is
-FURTHER: Final = 25.0  # [m] from each call beyond test depth to the next
+SLOPE_STEP_M: Final = 0.01  # [m] of depth either way, for the slopes of the surface's tables
+HULL_REACH: Final = 0.4  # [-] of the length: ends of the pressure hull before and abaft the origin
+FIRST_CALL_M: Final = 30.0  # [m] above test depth, where the first call is
+CALL_SPACING_M: Final = 25.0  # [m] from each call beyond test depth to the next
 AT_TEST_DEPTH: Final = 1  # place of test depth among the depths to be called, from 0
-RISEN: Final = 5.0  # [m] to come up before the same depth is called again
-RAISED: Final = 1.5  # [m] about periscope depth, where the mast is raised
-LOWERED: Final = 5.0  # [m] below it, where the mast is lowered
-SUNK: Final = 1.0  # [m] to go down before the same is seen again
-SEEN: Final = (  # [m] above periscope depth, and what the periscope watch calls then
+RECALL_RISE_M: Final = 5.0  # [m] to come up before the same depth is called again
+MAST_RAISED_M: Final = 1.5  # [m] about periscope depth, where the mast is raised
+MAST_LOWERED_M: Final = 5.0  # [m] below it, where the mast is lowered
+RECALL_SINK_M: Final = 1.0  # [m] to go down before the same is seen again
+WATCH_CALLS: Final = (  # [m] above periscope depth, and what the periscope watch calls then
     (2.0, "Periscope watch: 2 m more of the mast is out than should be"),
     (4.0, "Periscope watch: the sail is close below the surface"),
 )
-AHEAD: Final = 30.0  # [s] that a guard looks ahead
-LEVELLED: Final = 20.0  # [m] above the guarded depth, where the boat is kept meanwhile
-SETTLED: Final = 5.0  # [m] above the guarded depth, from where the planes are given back
-LEVEL: Final = math.radians(3.0)  # [rad] of pitch that is level enough for it
-Z, THETA, HELD = PLACES["z"], PLACES["theta"], PLACES["held_depth"]
+GUARD_AHEAD_S: Final = 30.0  # [s] that a guard looks ahead
+GUARD_MARGIN_M: Final = 20.0  # [m] above the guarded depth, where the boat is kept meanwhile
+RELEASE_MARGIN_M: Final = 5.0  # [m] above the guarded depth, from where the planes are given back
+LEVEL_PITCH: Final = math.radians(3.0)  # [rad] of pitch that is level enough for it
+Z, THETA, HELD_DEPTH_PLACE = STATE_PLACES["z"], STATE_PLACES["theta"], STATE_PLACES["held_depth"]
 
 Depths = TypeVar("Depths", float, Numbers)  # of a moment, or of each tick
 
 
 @dataclass(frozen=True)
-class Surface:
+class SurfaceForces:
     """The forces of the calm surface at one speed and depth, by the vessel file."""
 
     speed_kn: float
@@ -89,17 +89,20 @@ def _stars(file: VesselFile, speed: float, depth: float) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def surface_at(file: VesselFile, speed: float, depth: float) -> Surface:
+def surface_at(file: VesselFile, speed: float, depth: float) -> SurfaceForces:
     """Return what the calm surface adds at ``speed`` [m/s] and ``depth`` [m] of the origin."""
     Z, M = _stars(file, speed, depth)
-    below, above = _stars(file, speed, depth + SLOPE), _stars(file, speed, depth - SLOPE)
+    below, above = (
+        _stars(file, speed, depth + SLOPE_STEP_M),
+        _stars(file, speed, depth - SLOPE_STEP_M),
+    )
     area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
-    return Surface(
+    return SurfaceForces(
         speed_kn=speed / KNOT,
         Z_star=Z,
         M_star=M,
-        Z_star_slope=(below[0] - above[0]) / (2.0 * SLOPE),
-        M_star_slope=(below[1] - above[1]) / (2.0 * SLOPE),
+        Z_star_slope=(below[0] - above[0]) / (2.0 * SLOPE_STEP_M),
+        M_star_slope=(below[1] - above[1]) / (2.0 * SLOPE_STEP_M),
         Z_N=area * Z,
         M_N_m=area * file.hull.length * M,
     )
@@ -124,7 +127,7 @@ def surface_remarks(file: VesselFile, depth: float | None) -> tuple[str, ...]:
     return (f"the surface is not felt from {last:g} m down",) if depth >= last else ()
 
 
-class Passed(NamedTuple):
+class PassedDepth(NamedTuple):
     """A depth that has been passed, down, or up at the periscope."""
 
     depth: float  # [m]
@@ -138,7 +141,7 @@ def lowest_depth(depth: Depths, pitch: Depths, length: float) -> Depths:
     ``depth`` [m] is the origin's, ``pitch`` in rad, ``length`` in m. An estimate: the ends are
     points of the boat's axis, so that heel does not move them.
     """
-    lowest: Any = depth + REACH * length * np.abs(np.sin(pitch))
+    lowest: Any = depth + HULL_REACH * length * np.abs(np.sin(pitch))
     return lowest  # type: ignore[no-any-return]
 
 
@@ -153,7 +156,7 @@ def collapse_of(boat: Boat) -> str:
     It holds where the file gives no collapse depth, and as long as the depth is frozen.
     """
     limit = boat.file.hull.collapse_depth_m
-    if limit is None or boat.plain[HELD]:
+    if limit is None or boat.plain[HELD_DEPTH_PLACE]:
         return ""
     depth = hull_depth(boat)
     return f"collapse at {depth:.0f} m" if depth >= limit else ""
@@ -162,20 +165,20 @@ def collapse_of(boat: Boat) -> str:
 def count_passed(test_depth: float, depth: float) -> int:
     """Return how many depths to call are at a depth [m] or above it."""
     if depth < test_depth:
-        return int(depth >= test_depth - NEAR)
-    return 2 + math.floor((depth - test_depth) / FURTHER)
+        return int(depth >= test_depth - FIRST_CALL_M)
+    return 2 + math.floor((depth - test_depth) / CALL_SPACING_M)
 
 
-def called_depth(test_depth: float, place: int) -> Passed:
+def called_depth(test_depth: float, place: int) -> PassedDepth:
     """Return the depth to call at a place, 0 the shallowest, and its words."""
     if place == 0:
-        depth = test_depth - NEAR
-        return Passed(depth, f"Passing {depth:g} m, {NEAR:g} m above test depth")
-    beyond = FURTHER * (place - 1)
+        depth = test_depth - FIRST_CALL_M
+        return PassedDepth(depth, f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth")
+    beyond = CALL_SPACING_M * (place - 1)
     depth = test_depth + beyond
     if place == AT_TEST_DEPTH:
-        return Passed(depth, f"Passing test depth, {depth:g} m")
-    return Passed(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth", too_deep=True)
+        return PassedDepth(depth, f"Passing test depth, {depth:g} m")
+    return PassedDepth(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth", too_deep=True)
 
 
 @dataclass
@@ -184,7 +187,7 @@ class DepthMonitor:
 
     passed: int = 0
     raised: bool = False  # the mast of the periscope
-    seen: int = 0  # how much of SEEN has been called
+    seen: int = 0  # how much of WATCH_CALLS has been called
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
 
     @classmethod
@@ -202,35 +205,37 @@ class DepthMonitor:
         self.raised = False
         self._look_out(boat)
 
-    def look(self, boat: Boat) -> Passed | None:
+    def look(self, boat: Boat) -> PassedDepth | None:
         """Return the deepest depth passed since the last look, or what the periscope shows.
 
         None if there is nothing to call.
         """
         return self._look_down(boat) or self._look_out(boat)
 
-    def _look_out(self, boat: Boat) -> Passed | None:
+    def _look_out(self, boat: Boat) -> PassedDepth | None:
         """Return how far the boat has risen above periscope depth, if that is news."""
         depth, now = boat.file.run.periscope_depth_m, boat.plain[Z]
-        if depth is None or now > depth + LOWERED or surfacing(boat):
+        if depth is None or now > depth + MAST_LOWERED_M or is_surfacing(boat):
             self.raised, self.seen = False, 0
             return None
-        self.raised = self.raised or abs(now - depth) < RAISED
+        self.raised = self.raised or abs(now - depth) < MAST_RAISED_M
         if not self.raised:
             return None
-        high, before = sum(now < depth - above for above, _ in SEEN), self.seen
-        self.seen = max(high, min(before, sum(now < depth - above + SUNK for above, _ in SEEN)))
-        return Passed(now, SEEN[high - 1][1]) if high > before else None
+        high, before = sum(now < depth - above for above, _ in WATCH_CALLS), self.seen
+        self.seen = max(
+            high, min(before, sum(now < depth - above + RECALL_SINK_M for above, _ in WATCH_CALLS))
+        )
+        return PassedDepth(now, WATCH_CALLS[high - 1][1]) if high > before else None
 
-    def _look_down(self, boat: Boat) -> Passed | None:
+    def _look_down(self, boat: Boat) -> PassedDepth | None:
         """Return the deepest depth passed since the last look, None if none was."""
         test_depth = boat.file.hull.test_depth_m
-        if test_depth is None or boat.plain[HELD]:
+        if test_depth is None or boat.plain[HELD_DEPTH_PLACE]:
             return None
         depth, before = hull_depth(boat), self.passed
         now = count_passed(test_depth, depth)
         # the next one is called again only after the boat has come up from it
-        near = depth > called_depth(test_depth, now).depth - RISEN
+        near = depth > called_depth(test_depth, now).depth - RECALL_RISE_M
         self.passed = max(now, min(before, now + near))
         if now <= before:
             return None
@@ -253,10 +258,10 @@ class DepthGuard:
         if math.isinf(self.deepest):
             return False
         s = boat.state
-        coming = float(s.z) + AHEAD * max(float(s.zdot), 0.0)
+        coming = float(s.z) + GUARD_AHEAD_S * max(float(s.zdot), 0.0)
         if s.stern_by_hand or s.bow_by_hand:
             return coming > self.deepest
-        return coming > self.deepest - SETTLED or abs(float(s.theta)) > LEVEL
+        return coming > self.deepest - RELEASE_MARGIN_M or abs(float(s.theta)) > LEVEL_PITCH
 
     def order(self, boat: Boat) -> Order | None:
         """Return the order by which it takes the planes or gives them back. None: neither."""
@@ -265,5 +270,5 @@ class DepthGuard:
         by_hand = bool(boat.state.stern_by_hand or boat.state.bow_by_hand)
         if by_hand is not self.holds(boat):
             return None
-        given = parse(f"depth {self.deepest - LEVELLED:g}" if by_hand else "lever zero")
+        given = parse(f"depth {self.deepest - GUARD_MARGIN_M:g}" if by_hand else "lever zero")
         return given if isinstance(given, Order) else None

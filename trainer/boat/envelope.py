@@ -13,23 +13,25 @@ from numpy.typing import NDArray
 
 from trainer.config.vessel import VesselFile
 from trainer.core.ballast.buoyancy import segment
-from trainer.core.ballast.tanks import NEGATIVE
+from trainer.core.ballast.tanks import NEGATIVE_TANK
 from trainer.core.kernel import Numbers, Record
 from trainer.units import KNOT
 
-TESTED: Final = 12.0  # [deg]
-HANDOVER: Final = (35.0, 55.0)  # [deg]
+TESTED_FLOW_DEG: Final = 12.0  # [deg]
+HANDOVER_DEG: Final = (35.0, 55.0)  # [deg]
 HULL_SHARE: Final = 0.5  # [-]
 ASTERN_EFFECT: Final = 0.6  # [-]
 STALL_ASTERN: Final = (18.0, 18.0, 18.0)  # [deg]
-NEVER: Final = (90.0, 90.0, 90.0)  # [deg]
-EVEN: Final = (1.0, 1.0, 1.0, 1.0, 1.0)
+NO_STALL_DEG: Final = (90.0, 90.0, 90.0)  # [deg]
+EVEN_SHARES: Final = (1.0, 1.0, 1.0, 1.0, 1.0)
 SURFACE_DAMPING: Final = 0.03  # [-]
 CROSS_ARM: Final = 0.3  # [-] of the length
 WAVE_DRAG: Final = 1.8e-3  # [-] at a Froude number of 0.25
-FROUDE: Final = 0.25
-LIGHT: Final = 0.05  # [-] of the weight that a boat without tanks is taken to be lighter
-HALVINGS: Final = 60
+WAVE_DRAG_FROUDE: Final = 0.25
+TANKLESS_LIGHTNESS: Final = (
+    0.05  # [-] of the weight that a boat without tanks is taken to be lighter
+)
+HALVING_COUNT: Final = 60
 LEAST_INDUCED: Final = 0.25  # [-] a plane's drag over its lift slope, so that it cannot feed a boat
 # Torque of B4-70, P/D 1, in n^2, n u/D, (u/D)^2, for a K_Q(0) of 0.0638 (docs/envelope.md)
 KQ_OF_ROWS: Final = 0.0638
@@ -40,20 +42,20 @@ TORQUE_ASTERN: Final = (0.0591, -0.0143, -0.0502)
 def write_envelope(file: VesselFile, vessels: Record) -> None:
     """Write the constants of the envelope to vessel records [member], which have the rest."""
     said, length = file.envelope, file.hull.length
-    low, high = said.handover_deg or HANDOVER
-    vessels["tested"] = _tan_squared(_or(said.tested_deg, TESTED))
+    low, high = said.handover_deg or HANDOVER_DEG
+    vessels["tested"] = _tan_squared(_or(said.tested_deg, TESTED_FLOW_DEG))
     vessels["handover_from"], vessels["handover_to"] = _tan_squared(low), _tan_squared(high)
     vessels["cross_arm"] = (CROSS_ARM * length) ** 2
     for name, value in added_masses(vessels).items():
         vessels[name] = value
     for way, shares in enumerate(((0.0, 0.0), hull_shares(file))):
-        lateral, vertical = viscous(vessels, shares)
-        vessels["lateral"][:, way] = dissipative(lateral, (1.0, length, length))[0]
-        vessels["vertical"][:, way] = dissipative(vertical, (1.0, length))[0]
+        lateral, vertical = viscous_part(vessels, shares)
+        vessels["lateral"][:, way] = dissipative_forces(lateral, (1.0, length, length))[0]
+        vessels["vertical"][:, way] = dissipative_forces(vertical, (1.0, length))[0]
     _write_strips(file, vessels)
     # write how rudder, stern and bow planes stall, work astern, and what they cost
     said = file.envelope
-    vessels["stall_ahead"] = np.radians(said.stall_deg or NEVER)
+    vessels["stall_ahead"] = np.radians(said.stall_deg or NO_STALL_DEG)
     vessels["stall_slope"] = said.stall_slope or (0.0, 0.0, 0.0)
     vessels["stall_astern"] = np.radians(said.stall_astern_deg or STALL_ASTERN)
     vessels["astern_effect"] = _or(said.plane_effect_astern, ASTERN_EFFECT)
@@ -110,7 +112,7 @@ def _matrices(rows: Sequence[Sequence[Any]]) -> Numbers:
     return np.moveaxis(np.array(rows, float), -1, 0)
 
 
-def viscous(c: Record, shares: tuple[float, float]) -> tuple[Numbers, Numbers]:
+def viscous_part(c: Record, shares: tuple[float, float]) -> tuple[Numbers, Numbers]:
     """Return the viscous part of the linear coefficients. Y K N are by v p r, Z M by w q.
 
     A coefficient of u and a velocity holds an ideal part, which is taken off. ``shares`` [-] of
@@ -133,7 +135,9 @@ def viscous(c: Record, shares: tuple[float, float]) -> tuple[Numbers, Numbers]:
     return _matrices(lateral), _matrices(vertical)
 
 
-def dissipative(forces: Numbers, lengths: tuple[float, ...]) -> tuple[Numbers, NDArray[np.bool_]]:
+def dissipative_forces(
+    forces: Numbers, lengths: tuple[float, ...]
+) -> tuple[Numbers, NDArray[np.bool_]]:
     """Return forces by velocities [member, row, column] that never feed a boat, and where changed.
 
     The symmetric part, scaled by ``lengths`` [m], loses its positive eigenvalues.
@@ -151,16 +155,18 @@ def dissipative(forces: Numbers, lengths: tuple[float, ...]) -> tuple[Numbers, N
 def is_clipped(file: VesselFile, vessel: Record) -> bool:
     """Return whether the file's own viscous coefficients would feed the boat."""
     length = file.hull.length
-    pairs = (viscous(vessel, (0.0, 0.0)), viscous(vessel, hull_shares(file)))
+    pairs = (viscous_part(vessel, (0.0, 0.0)), viscous_part(vessel, hull_shares(file)))
     sizes = ((1.0, length, length), (1.0, length))
-    return any(dissipative(m, sizes[i])[1].any() for pair in pairs for i, m in enumerate(pair))
+    return any(
+        dissipative_forces(m, sizes[i])[1].any() for pair in pairs for i, m in enumerate(pair)
+    )
 
 
 def _write_strips(file: VesselFile, c: Record) -> None:
     """Write the cross-flow drag [N s2/m2] of hull, tail and sail, and the damping of roll."""
     said = file.envelope
     area = 0.5 * file.fluid.rho * file.hull.length**2
-    width = np.array(said.strip_width or EVEN)
+    width = np.array(said.strip_width or EVEN_SHARES)
     width /= width.sum()
     tail_y, tail_z = area * (said.tail_y or 0.0), area * (said.tail_z or 0.0)
     sail = area * (said.sail_y or 0.0)
@@ -207,7 +213,7 @@ def _write_surface(file: VesselFile, c: Record) -> None:
     area = 0.5 * file.fluid.rho * length**2
     c["surface_line"] = abs(c["station_x"]).max(axis=1) + c["hull_diameter"]
     c["surface_damping"] = _or(file.envelope.surface_damping, SURFACE_DAMPING)
-    c["wave_drag"] = area * WAVE_DRAG / (FROUDE**4 * (file.fluid.g * length) ** 2)
+    c["wave_drag"] = area * WAVE_DRAG / (WAVE_DRAG_FROUDE**4 * (file.fluid.g * length) ** 2)
     c["surface_mode"] = np.maximum.reduce(list(surface_modes(c).values()))
 
 
@@ -230,9 +236,9 @@ def _write_engine(file: VesselFile, c: Record) -> None:
 
 def lightness(c: Record) -> Numbers:
     """Return the share of the buoyancy [-] above the water at the lightest. It is at most half."""
-    blown = c["start"][:, :NEGATIVE].sum(axis=1) * c["g"] * (c["fitted"] != 0.0)
+    blown = c["start"][:, :NEGATIVE_TANK].sum(axis=1) * c["g"] * (c["fitted"] != 0.0)
     light = (c["buoyancy"] - c["weight"] + blown) / c["buoyancy"]
-    return np.where(light > 0.0, np.minimum(light, 0.5), LIGHT)
+    return np.where(light > 0.0, np.minimum(light, 0.5), TANKLESS_LIGHTNESS)
 
 
 def float_height(share: float) -> float:
@@ -241,7 +247,7 @@ def float_height(share: float) -> float:
     It is given by its share.
     """
     low, high = 0.0, 0.5
-    for _ in range(HALVINGS):
+    for _ in range(HALVING_COUNT):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if segment(middle) < share else (low, middle)
     return 0.5 * (low + high)

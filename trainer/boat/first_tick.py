@@ -11,7 +11,7 @@ from numba.extending import is_jitted
 from trainer.boat.call import update_at
 
 
-class Progress(event.Listener):
+class CompileProgress(event.Listener):
     """How many of the kernels below an entry have been compiled."""
 
     def __init__(self, entry: Any, tell: Callable[[int], None]) -> None:
@@ -50,5 +50,5 @@ def callees(function: Any) -> set[Any]:
 
 def compile_tick(tell: Callable[[int], None]) -> None:
     """Compile the tick; ``tell`` is called with how far that is [%]."""
-    with event.install_listener("numba:compile", Progress(update_at, tell)):
+    with event.install_listener("numba:compile", CompileProgress(update_at, tell)):
         update_at.compile((types.Array(types.int64, 1, "C"),))

@@ -5,39 +5,42 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
 from trainer.config.bottom import Bottom, is_charted
-from trainer.core.bottom import PLACES as STATIONS
-from trainer.core.state import SOUNDINGS
+from trainer.core.bottom import SOUNDING_PLACES as STATIONS
+from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT
 
-BOTTOM: Final = tuple(f"bottom[{row},{i}]" for row in range(3) for i in range(SOUNDINGS))
-NAMES: Final = (
-    *BOTTOM,
+BOTTOM_NAMES: Final = tuple(f"bottom[{row},{i}]" for row in range(3) for i in range(SOUNDING_COUNT))
+STATE_NAMES: Final = (
+    *BOTTOM_NAMES,
     "bottom_load",
     "aground",
     "q",
     "xdot",
     "ydot",
 )  # beside those of conditions
-AGROUND: Final = 2.0  # [-] ticks in a row in which the ground carries the boat
-AFLOAT: Final = 30.0  # [s] off the ground, after which touching it is news again
-HARD: Final = 0.5  # [m/s] into the ground, from which grounding is hard
+AGROUND_TICKS: Final = 2.0  # [-] ticks in a row in which the ground carries the boat
+RECALL_AFLOAT_S: Final = 30.0  # [s] off the ground, after which touching it is news again
+HARD_SINK_SPEED: Final = 0.5  # [m/s] into the ground, from which grounding is hard
 HARD_WAY: Final = 2.0 * KNOT  # [m/s] over rock
 GENTLE_WAY, GENTLE_SINK, GENTLE_PITCH = 0.5, 0.15, math.radians(2.0)  # of a boat laid down on it
-LAID: Final = 300.0  # [s] within which it then lies there
-LIGHTEST, HEAVIEST = 5.0, 30.0  # [t] that the ground then carries
-STOPPED: Final = 0.1  # [m/s] command speed of a screw that stands
+SETTLING_TIME_S: Final = 300.0  # [s] within which it then lies there
+MIN_GROUND_LOAD_T, MAX_GROUND_LOAD_T = 5.0, 30.0  # [t] that the ground then carries
+STOPPED_SCREW_SPEED: Final = 0.1  # [m/s] command speed of a screw that stands
 
-Read = Callable[[str], float]  # a number of one moment's state [SI], by its name in the layout
+StateReader = Callable[
+    [str], float
+]  # a number of one moment's state [SI], by its name in the layout
 _PLACES: Final = {
-    name: PLACES[name.partition("[")[0]] + (BOTTOM.index(name) if name in BOTTOM else 0)
-    for name in (*NAMES, "theta", "zdot")
+    name: STATE_PLACES[name.partition("[")[0]]
+    + (BOTTOM_NAMES.index(name) if name in BOTTOM_NAMES else 0)
+    for name in (*STATE_NAMES, "theta", "zdot")
 }
 
 
-class Touch(NamedTuple):
+class GroundTouch(NamedTuple):
     """How a boat came to the ground."""
 
     normal: float  # [m/s] into it
@@ -47,7 +50,7 @@ class Touch(NamedTuple):
 
     def is_hard(self, kind: str) -> bool:
         """Return whether the hull suffered on ground of that kind."""
-        return self.normal > HARD or (kind == "rock" and self.way > HARD_WAY)
+        return self.normal > HARD_SINK_SPEED or (kind == "rock" and self.way > HARD_WAY)
 
     @property
     def faults(self) -> list[str]:
@@ -65,7 +68,7 @@ def clearance(boat: Boat) -> float:
     return height_of_keel(boat.plain, float(boat.vessel.ell), keel_of(boat.vessel))
 
 
-def touch_of(read: Read, length: float) -> Touch:
+def touch_of(read: StateReader, length: float) -> GroundTouch:
     """Return how a boat of that ``length`` [m] comes to the ground, a moment before."""
     pitch = read("theta")
     north, east = read("xdot"), read("ydot")
@@ -75,15 +78,15 @@ def touch_of(read: Read, length: float) -> Touch:
         slopes = read(f"bottom[1,{i}]"), read(f"bottom[2,{i}]")
         into = down - slopes[0] * north - slopes[1] * east
         closing = max(closing, into / math.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2))
-    return Touch(closing, math.hypot(north, east), read("zdot"), pitch)
+    return GroundTouch(closing, math.hypot(north, east), read("zdot"), pitch)
 
 
 def lies_well(load_t: float, u_c: float) -> bool:
     """Return whether a boat lies on the ground well, by load and command speed [m/s]."""
-    return LIGHTEST <= load_t <= HEAVIEST and abs(u_c) < STOPPED
+    return MIN_GROUND_LOAD_T <= load_t <= MAX_GROUND_LOAD_T and abs(u_c) < STOPPED_SCREW_SPEED
 
 
-class Call(NamedTuple):
+class GroundCall(NamedTuple):
     """One call about the ground."""
 
     text: str
@@ -96,7 +99,7 @@ class GroundMonitor:
     """The watch for the ground: off the chart, aground, laid down on it."""
 
     boat: Boat
-    touch: Touch | None = None  # of the last moment off the ground
+    touch: GroundTouch | None = None  # of the last moment off the ground
     off_since: float | None = None  # [s] the ground, having been told aground
     down_since: float | None = None  # [s] told to be aground
     laid: bool = False  # told whether it lies well
@@ -110,32 +113,32 @@ class GroundMonitor:
     def settle(self) -> None:
         """Take the boat as it is, after a jump in time. Nothing of it is news."""
         bottom, plain = self.bottom, self.boat.plain
-        down = plain[PLACES["aground"]] >= AGROUND
+        down = plain[STATE_PLACES["aground"]] >= AGROUND_TICKS
         self.down_since = self.boat.time if down else None
         self.laid, self.touch, self.off_since = down, None, None
         self.beyond = bottom is not None and not self._charted(bottom)
 
-    def look(self) -> Sequence[Call]:
+    def look(self) -> Sequence[GroundCall]:
         """Return what there is to call out after a tick."""
         bottom = self.bottom
         if bottom is None:
             return ()
         calls = [*self._edge(bottom)]
-        ticks = self.boat.plain[PLACES["aground"]]
+        ticks = self.boat.plain[STATE_PLACES["aground"]]
         if ticks == 0.0:
             self._afloat()
-        elif ticks >= AGROUND:
+        elif ticks >= AGROUND_TICKS:
             calls += self._lying() if self.down_since is not None else self._aground(bottom)
         return [call._replace(how=bottom.grounding) for call in calls]
 
     def _charted(self, bottom: Bottom) -> bool:
         plain = self.boat.plain
-        return is_charted(bottom, plain[PLACES["x"]], plain[PLACES["y"]])
+        return is_charted(bottom, plain[STATE_PLACES["x"]], plain[STATE_PLACES["y"]])
 
-    def _edge(self, bottom: Bottom) -> list[Call]:
+    def _edge(self, bottom: Bottom) -> list[GroundCall]:
         was, self.beyond = self.beyond, not self._charted(bottom)
         if self.beyond and not was:
-            return [Call("BEYOND THE CHART: the ground is taken as at its edge")]
+            return [GroundCall("BEYOND THE CHART: the ground is taken as at its edge")]
         return []
 
     def _afloat(self) -> None:
@@ -146,38 +149,39 @@ class GroundMonitor:
         if self.down_since is None:
             return
         self.off_since = boat.time if self.off_since is None else self.off_since
-        if boat.time - self.off_since > AFLOAT:
+        if boat.time - self.off_since > RECALL_AFLOAT_S:
             self.down_since = self.off_since = None
 
-    def _aground(self, bottom: Bottom) -> list[Call]:
-        boat, touch = self.boat, self.touch or Touch(0.0, 0.0, 0.0, 0.0)
+    def _aground(self, bottom: Bottom) -> list[GroundCall]:
+        boat, touch = self.boat, self.touch or GroundTouch(0.0, 0.0, 0.0, 0.0)
         self.down_since, self.laid = boat.time, not bottom.bottoming
         load = self._load()
         how = f"{touch.normal:.2f} m/s into {bottom.kind}, way {touch.way / KNOT:.1f} kn, "
         how += f"load {load:.0f} t"
         if touch.is_hard(bottom.kind):
-            return [Call(f"HARD AGROUND: {how}", aground=True)]
+            return [GroundCall(f"HARD AGROUND: {how}", aground=True)]
         if not bottom.bottoming:
-            return [Call(f"AGROUND: {how}", aground=True)]
+            return [GroundCall(f"AGROUND: {how}", aground=True)]
         faults = ", ".join(touch.faults)
         self.laid = bool(faults)
-        return [Call(f"on the ground: {how}: {faults or 'well done'}", aground=bool(faults))]
+        return [GroundCall(f"on the ground: {how}: {faults or 'well done'}", aground=bool(faults))]
 
-    def _lying(self) -> list[Call]:
+    def _lying(self) -> list[GroundCall]:
         """Return whether a boat that was laid down lies as it should, once that can be said."""
         self.off_since = None
         if self.laid or self.down_since is None:
             return []
-        load, u_c = self._load(), self.boat.plain[PLACES["u_c"]]
-        told = f"{load:.0f} t on the ground, screw {'stopped' if abs(u_c) < STOPPED else 'turns'}"
+        load, u_c = self._load(), self.boat.plain[STATE_PLACES["u_c"]]
+        screw = "stopped" if abs(u_c) < STOPPED_SCREW_SPEED else "turns"
+        told = f"{load:.0f} t on the ground, screw {screw}"
         if lies_well(load, u_c):
             self.laid = True
-            return [Call(f"lies on the ground: {told}")]
-        if self.boat.time - self.down_since > LAID:
+            return [GroundCall(f"lies on the ground: {told}")]
+        if self.boat.time - self.down_since > SETTLING_TIME_S:
             self.laid = True
-            return [Call(f"does not lie on the ground within 5 min: {told}", aground=True)]
+            return [GroundCall(f"does not lie on the ground within 5 min: {told}", aground=True)]
         return []
 
     def _load(self) -> float:
         """Return what the ground carries [t]."""
-        return self.boat.plain[PLACES["bottom_load"]] / float(self.boat.vessel.g) / 1000.0
+        return self.boat.plain[STATE_PLACES["bottom_load"]] / float(self.boat.vessel.g) / 1000.0

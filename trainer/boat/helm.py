@@ -7,29 +7,32 @@ from dataclasses import replace
 from trainer.boat import ballast_orders, casualties, crew_orders, sea_orders
 from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import order_sea
-from trainer.boat.world.world import PARTS
-from trainer.core.autopilot.steering import OWN, REPORT, REPORT_LITERAL
+from trainer.boat.world.world import WORLD_PARTS
+from trainer.core.autopilot.steering import OWN_LAW, REPORT_LAW, REPORT_LITERAL
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-LAWS = {
-    "trainer": (OWN, "this trainer's own law"),
-    "report": (REPORT, "the report's law"),
+DEPTH_LAWS = {
+    "trainer": (OWN_LAW, "this trainer's own law"),
+    "report": (REPORT_LAW, "the report's law"),
     "literal": (REPORT_LITERAL, "the report's law as it is printed"),
 }
-SWINGING = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to meet
-MEETING = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
-NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
+SWING_RATE = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to meet
+MEETING_RUDDER = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
+SURFACE_NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
 # what the autopilot alone can do; a depth that no boat of this kind keeps is refused first
-AUTOPILOTS = frozenset({"course", "course-to", "course-by", "speed", "autopilot", "trim"})
-LEVER = {"stern": 0.6, "bow": 1.0}  # the share of one lever's angle that each pair of planes has
+AUTOPILOT_WORDS = frozenset({"course", "course-to", "course-by", "speed", "autopilot", "trim"})
+LEVER_SHARES = {
+    "stern": 0.6,
+    "bow": 1.0,
+}  # the share of one lever's angle that each pair of planes has
 
 
-def obey(boat: Boat, order: Order) -> Reply:
+def obey_order(boat: Boat, order: Order) -> Reply:
     """Carry ``order`` out; return what now holds, or why it was refused."""
-    if order.name in AUTOPILOTS and not boat.automatic:
+    if order.name in AUTOPILOT_WORDS and not boat.automatic:
         return _without_autopilot(boat)
     return _DUTIES[order.name](boat, order)
 
@@ -51,12 +54,12 @@ def _surface(boat: Boat, order: Order) -> Reply:
     sign = boat.toward[order.name]
     limit = float(boat.vessel[f"limit_{SURFACES[order.name]}"])
     if not boat.carries(order.name):
-        return Refused(f"this boat has no {NAMES[order.name]}")
+        return Refused(f"this boat has no {SURFACE_NAMES[order.name]}")
     if order.word == "auto":
         return _automatic(boat, order.name)
     if order.word == "manual":
         _by_hand(boat, order.name, float(boat.state[f"delta_{SURFACES[order.name]}"]))
-        return f"{NAMES[order.name]} by hand"
+        return f"{SURFACE_NAMES[order.name]} by hand"
     told, angle = order.text, order.value
     if order.word in ("ease", "shift", "meet"):
         meant = _by_the_rudder(boat, order)
@@ -67,7 +70,7 @@ def _surface(boat: Boat, order: Order) -> Reply:
         angle = math.copysign(limit, angle)
     if abs(angle) > limit + 1e-12:
         return Refused(
-            f"the limit of the {NAMES[order.name]} is {math.degrees(limit):g} degrees, "
+            f"the limit of the {SURFACE_NAMES[order.name]} is {math.degrees(limit):g} degrees, "
             f"not {math.degrees(abs(angle)):g}"
         )
     _by_hand(boat, order.name, sign * angle)
@@ -79,10 +82,10 @@ def _by_the_rudder(boat: Boat, order: Order) -> float | Refused:
     s = boat.state
     angle = boat.toward["rudder"] * float(s.ordered_r if s.rudder_by_hand else s.delta_r)
     if order.word == "meet":
-        if abs(s.psidot) < SWINGING:
+        if abs(s.psidot) < SWING_RATE:
             return Refused("the boat does not swing: there is nothing to meet")
         most = float(boat.vessel.limit_r)
-        return -math.copysign(min(max(abs(angle), MEETING), most), float(s.psidot))
+        return -math.copysign(min(max(abs(angle), MEETING_RUDDER), most), float(s.psidot))
     if abs(angle) < 1e-9:
         return Refused(f"the rudder is amidships: nothing to {order.word}")
     if order.word == "shift":
@@ -111,7 +114,7 @@ def _automatic(boat: Boat, *surfaces: str) -> Reply:
     if "rudder" in given:
         # the ordered course is steered the short way, however often the boat has turned
         s.ordered_psi = s.psi + math.remainder(s.ordered_psi - s.psi, math.tau)
-    return " and ".join(NAMES[surface] for surface in given) + " automatic"
+    return " and ".join(SURFACE_NAMES[surface] for surface in given) + " automatic"
 
 
 def _planes(boat: Boat, order: Order) -> Reply:
@@ -127,19 +130,19 @@ def _planes(boat: Boat, order: Order) -> Reply:
 
 def _lever(boat: Boat, order: Order) -> Reply:
     """Both pairs of planes by hand, by one lever. The boat's limits hold."""
-    carried = [surface for surface in LEVER if boat.carries(surface)]
+    carried = [surface for surface in LEVER_SHARES if boat.carries(surface)]
     if not carried:
         return Refused("this boat has no planes")
     for surface in carried:
         limit = float(boat.vessel[f"limit_{SURFACES[surface]}"])
-        angle = min(max(LEVER[surface] * order.value, -limit), limit)
+        angle = min(max(LEVER_SHARES[surface] * order.value, -limit), limit)
         _by_hand(boat, surface, boat.toward[surface] * angle)
     return f"{order.text}, by hand"
 
 
 def _depth(boat: Boat, order: Order) -> Reply:
     """Keep a depth, with both pairs of planes automatic."""
-    if order.word != "auto" and (refusal := crew_orders.beyond(boat, "depth", order.value)):
+    if order.word != "auto" and (refusal := crew_orders.limit_refusal(boat, "depth", order.value)):
         return refusal
     if not boat.automatic:
         return _without_autopilot(boat)
@@ -167,7 +170,7 @@ def _course(boat: Boat, order: Order) -> Reply:
     s = boat.state
     _automatic(boat, "rudder")
     if order.word == "steady":
-        s.ordered_psi = casualties.readings(boat).heading
+        s.ordered_psi = casualties.instrument_readings(boat).heading
     elif order.word != "auto":
         s.ordered_psi = s.psi + math.remainder(order.value - s.psi, math.tau)
     return f"keeping course {_degrees(s.ordered_psi)}"
@@ -186,7 +189,7 @@ def _course_by(boat: Boat, order: Order) -> Reply:
     """Change the course kept, or the heading if the rudder is by hand, the way ordered."""
     s = boat.state
     # by hand it is the compass that the change starts from
-    start = casualties.readings(boat).heading if s.rudder_by_hand else s.ordered_psi
+    start = casualties.instrument_readings(boat).heading if s.rudder_by_hand else s.ordered_psi
     _automatic(boat, "rudder")
     s.ordered_psi = start + order.value
     return f"{order.text}: keeping course {_degrees(s.ordered_psi)}"
@@ -201,7 +204,7 @@ def _speed(boat: Boat, order: Order) -> Reply:
     """Keep a speed; the propeller answers like an engine order."""
     s = boat.state
     if order.word != "auto":
-        if refusal := crew_orders.beyond(boat, "speed", order.value):
+        if refusal := crew_orders.limit_refusal(boat, "speed", order.value):
             return refusal
         s.ordered_speed = order.value
     s.speed_by_hand = 0.0
@@ -235,8 +238,8 @@ def _bell(boat: Boat, order: Order) -> Reply:
 def _autopilot(boat: Boat, order: Order) -> Reply:
     """Everything automatic or by hand, or another law of depth keeping."""
     s = boat.state
-    if order.word in LAWS:
-        s.depth_law, law = LAWS[order.word]
+    if order.word in DEPTH_LAWS:
+        s.depth_law, law = DEPTH_LAWS[order.word]
         return f"depth is kept by {law}"
     if order.word == "on":
         s.speed_by_hand = s.trim_by_hand = 0.0
@@ -255,7 +258,7 @@ def _trim(boat: Boat, order: Order) -> Reply:
 
 
 _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
-    **dict.fromkeys(PARTS, lambda boat, order: boat.world.obey(order, boat.ticks)),
+    **dict.fromkeys(WORLD_PARTS, lambda boat, order: boat.world.obey(order, boat.ticks)),
     "depth": _depth,
     "course": _course,
     "course-by": _course_by,
@@ -276,9 +279,11 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "trim": _trim,
     "order": crew_orders.order_crew,
     "sea": order_sea,
-    "casualty": lambda boat, order: casualties.insert(boat, *casualties.ordered(order)),
-    "clear": lambda boat, order: casualties.clear(boat, order.subject),
-    "hold": sea_orders.hold,
-    "release": sea_orders.release,
+    "casualty": lambda boat, order: casualties.insert_casualty(
+        boat, *casualties.ordered_casualty(order)
+    ),
+    "clear": lambda boat, order: casualties.clear_casualty(boat, order.subject),
+    "hold": sea_orders.hold_part,
+    "release": sea_orders.release_part,
     **dict.fromkeys(ballast_orders.ORDERS, ballast_orders.order_ballast),
 }

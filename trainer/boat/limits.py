@@ -5,36 +5,45 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.grounding import clearance
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.scope import periscope_of
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.core.sea.free_surface import deck_height, sail_height
 from trainer.units import KNOT
 
-COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
-Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
-SPEED = PLACES["u"]
-NORTHWARD, EASTWARD = PLACES["through_north"], PLACES["through_east"]  # as waves see it
-HEIGHT, OMEGA, DIRECTION, COSINES = (
-    PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
+RECALL_COVER_M: Final = 1.0  # [m] of water over it before the same can be called out again
+Z, WAVE_PLACE, VALIDITY_PLACE = (
+    STATE_PLACES["z"],
+    STATE_PLACES["eta_wave"],
+    STATE_PLACES["validity"],
 )
-FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
+SPEED_PLACE = STATE_PLACES["u"]
+NORTH_PLACE, EAST_PLACE = (
+    STATE_PLACES["through_north"],
+    STATE_PLACES["through_east"],
+)  # as waves see it
+HEIGHT_PLACE, OMEGA_PLACE, DIRECTION_PLACE, COSINES_PLACE = (
+    STATE_PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
+)
+FULL_BALLAST_SHARE: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
 
 
-SETTLED: Final = 30.0  # [s] inside the equations' range before leaving it is news again
-RANGES: Final = ("", "equations extrapolated", "outside the equations")
-FOLLOWED: Final = "followed by a sea that the filter cannot follow"
-CHASED: Final = 0.15  # [-] speed with the waves over that of the peak's, from which it is told
-SHAKEN: Final = "faster than the mast stands"
-FELT: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
-REASONS: Final = (
+RANGE_REENTRY_S: Final = 30.0  # [s] inside the equations' range before leaving it is news again
+RANGE_WORDS: Final = ("", "equations extrapolated", "outside the equations")
+FOLLOWING_SEA_TEXT: Final = "followed by a sea that the filter cannot follow"
+FOLLOWING_SPEED_RATIO: Final = (
+    0.15  # [-] speed with the waves over that of the peak's, from which it is told
+)
+MAST_SPEED_TEXT: Final = "faster than the mast stands"
+WAVE_FELT_DEPTH: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
+RANGE_REASONS: Final = (
     "",
     "the flow is further off the bow than the boat was ever tested",
     "the boat goes astern or across the flow; what it does now is an estimate",
 )
-BEYOND: Final = {  # what passing each limit is called; depth grows downwards
+LIMIT_WORDS: Final = {  # what passing each limit is called; depth grows downwards
     "depth_m_max": "deeper than {:g} m",
     "depth_m_min": "shallower than {:g} m",
     "pitch_deg_max": "pitch more than {:g} deg",
@@ -53,7 +62,7 @@ def over_ground(s: Any) -> float:
     return 0.0 if s.held_position else math.hypot(s.xdot, s.ydot)
 
 
-SEEN: Final[dict[str, Callable[[Any], float]]] = {
+LIMIT_READERS: Final[dict[str, Callable[[Any], float]]] = {
     "depth_m": lambda s: float(s.z),
     "pitch_deg": lambda s: abs(math.degrees(s.theta)),
     "heel_deg": lambda s: abs(math.degrees(s.phi)),
@@ -63,35 +72,35 @@ SEEN: Final[dict[str, Callable[[Any], float]]] = {
 }
 
 
-def showing(boat: Boat) -> float:
+def height_showing(boat: Boat) -> float:
     """Return the height [m] of the highest part of sail and deck above the sea."""
     records = boat.records
     sail = sail_height(records.vessel, records.state)
     return float(max(sail, deck_height(records.vessel, records.state)))
 
 
-def deep(boat: Boat) -> bool:
+def is_deep(boat: Boat) -> bool:
     """Return whether nothing of the boat can be near the surface, whatever its attitude."""
-    return boat.plain[Z] + boat.plain[WAVE] > boat.reach + COVERED
+    return boat.plain[Z] + boat.plain[WAVE_PLACE] > boat.reach + RECALL_COVER_M
 
 
-def chased(boat: Boat) -> float:
+def following_speed_ratio(boat: Boat) -> float:
     """Return the boat's speed with the waves over the peak wave's [-]. 0: no filtered waves."""
     plain = boat.plain
-    if plain[HEIGHT] == 0.0 or plain[COSINES] == 1.0:
+    if plain[HEIGHT_PLACE] == 0.0 or plain[COSINES_PLACE] == 1.0:
         return 0.0
-    omega, way, g = plain[OMEGA], plain[DIRECTION], float(boat.vessel.g)
-    if plain[Z] * omega * omega > FELT * g:
+    omega, way, g = plain[OMEGA_PLACE], plain[DIRECTION_PLACE], float(boat.vessel.g)
+    if plain[Z] * omega * omega > WAVE_FELT_DEPTH * g:
         return 0.0
-    return omega / g * (plain[NORTHWARD] * math.cos(way) + plain[EASTWARD] * math.sin(way))
+    return omega / g * (plain[NORTH_PLACE] * math.cos(way) + plain[EAST_PLACE] * math.sin(way))
 
 
-def surfacing(boat: Boat) -> bool:
+def is_surfacing(boat: Boat) -> bool:
     """Return whether main ballast is being blown, or blown."""
     if not boat.vessel.fitted:
         return False
     s = boat.state
-    held = float(s.water[:3].sum()) < FULL * float(boat.vessel.capacity[:3].sum())
+    held = float(s.water[:3].sum()) < FULL_BALLAST_SHARE * float(boat.vessel.capacity[:3].sum())
     return held or bool(s.blow[:3].any())
 
 
@@ -99,7 +108,7 @@ def surfacing(boat: Boat) -> bool:
 class LimitMonitor:
     """The limits that the boat stands beyond, how often, and since when."""
 
-    limits: Limits = field(default_factory=Limits)
+    limits: ExerciseLimits = field(default_factory=ExerciseLimits)
     beyond: set[str] = field(default_factory=set)
     shows: bool = False
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
@@ -117,7 +126,7 @@ class LimitMonitor:
         self._set = tuple((name, limit) for name, limit in every if limit is not None)
 
     @classmethod
-    def over(cls, boat: Boat, limits: Limits) -> "LimitMonitor":
+    def over(cls, boat: Boat, limits: ExerciseLimits) -> "LimitMonitor":
         """Return the watch over a boat. What shows or is beyond its limit now is no news."""
         monitor = cls(limits, encounters=EncounterMonitor.over(boat))
         monitor.settle(boat)
@@ -134,10 +143,10 @@ class LimitMonitor:
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
         met = self.encounters.look(boat)
-        usual = boat.plain[VALIDITY] == 0.0 and self.validity == 0
-        usual = usual and boat.plain[HEIGHT] == 0.0
+        usual = boat.plain[VALIDITY_PLACE] == 0.0 and self.validity == 0
+        usual = usual and boat.plain[HEIGHT_PLACE] == 0.0
         shaking = self._shaking_mast(boat)
-        if usual and not self._set and not self.shows and not shaking and deep(boat):
+        if usual and not self._set and not self.shows and not shaking and is_deep(boat):
             return met
         news = shaking + self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
         news += self._following_sea(boat)
@@ -155,7 +164,7 @@ class LimitMonitor:
                 self.beyond.discard(name)
             elif name not in self.beyond:
                 self.beyond.add(name)
-                said = BEYOND[name].format(limit)
+                said = LIMIT_WORDS[name].format(limit)
                 news.append((said, f"LIMIT: {said}"))
         return news
 
@@ -163,25 +172,25 @@ class LimitMonitor:
         """Return what a limit is of, in its unit."""
         if key == "clearance_m":
             return clearance(boat)
-        return self.encounters.nearest[1] if key == "cpa_m" else SEEN[key](boat.state)
+        return self.encounters.nearest[1] if key == "cpa_m" else LIMIT_READERS[key](boat.state)
 
     def _out_of_range(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that the equations are extrapolated or at their end, if that is news."""
-        now = int(boat.plain[VALIDITY])
+        now = int(boat.plain[VALIDITY_PLACE])
         if now > 0:
             self.inside_since = boat.time
-        elif boat.time - self.inside_since > SETTLED:
+        elif boat.time - self.inside_since > RANGE_REENTRY_S:
             self.validity = 0
         if now <= self.validity:
             return []
         self.validity = now
-        return [(RANGES[now], f"{RANGES[now].upper()}: {REASONS[now]}")]
+        return [(RANGE_WORDS[now], f"{RANGE_WORDS[now].upper()}: {RANGE_REASONS[now]}")]
 
     def _following_sea(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that the sea follows too fast for the wave filter, if that is news."""
-        chase = chased(boat)
-        if chase <= CHASED:
-            if boat.time - self.followed_since > SETTLED:
+        chase = following_speed_ratio(boat)
+        if chase <= FOLLOWING_SPEED_RATIO:
+            if boat.time - self.followed_since > RANGE_REENTRY_S:
                 self.followed = False
             return []
         self.followed_since = boat.time
@@ -192,32 +201,32 @@ class LimitMonitor:
             f"FOLLOWING SEA: at {chase:.2f} of the waves' speed the filter puts energy into wrong "
             'bands; a sea with generator = "cosines" does not'
         )
-        return [(FOLLOWED, said)]
+        return [(FOLLOWING_SEA_TEXT, said)]
 
     def _shaking_mast(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that the mast is out at a speed that it does not stand, if that is news."""
-        scope, speed = periscope_of(boat), float(boat.plain[SPEED])
+        scope, speed = periscope_of(boat), float(boat.plain[SPEED_PLACE])
         if scope is None or not scope.acts or not scope.shakes(speed, scope.at(boat.ticks)):
-            if boat.time - self.shaken_since > SETTLED:
+            if boat.time - self.shaken_since > RANGE_REENTRY_S:
                 self.shaken = False
             return []
         self.shaken_since = boat.time
         if self.shaken:
             return []
         self.shaken = True
-        return [(SHAKEN, f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured")]
+        return [(MAST_SPEED_TEXT, f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured")]
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that sail or deck has come out of the sea, if it has."""
-        if deep(boat):
+        if is_deep(boat):
             self.shows = False
             return []
-        height = showing(boat)
+        height = height_showing(boat)
         if self.shows or height <= 0.0:
-            self.shows = self.shows and height > -COVERED
+            self.shows = self.shows and height > -RECALL_COVER_M
             return []
         self.shows = True
-        if surfacing(boat):
+        if is_surfacing(boat):
             return [("surfaced", "surfaced: the boat shows above the sea")]
         return [("broached", f"BROACHED: the boat shows {height:.1f} m above the sea")]
 

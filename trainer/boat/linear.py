@@ -15,13 +15,13 @@ from trainer.core.state import MOTION, new_sea, new_state
 
 CONTROLS = ("delta_r", "delta_s", "delta_b", "u_c")
 # What the rates depend on; heading and position only follow.
-INTERNAL = ("u", "v", "w", "p", "q", "r", "phi", "theta")
-LONGITUDINAL = ("u", "w", "q", "theta")
-ACCELERATED = MOTION[:6]
-VERTICAL = (*LONGITUDINAL, "z")
+INTERNAL_MOTION = ("u", "v", "w", "p", "q", "r", "phi", "theta")
+LONGITUDINAL_MOTION = ("u", "w", "q", "theta")
+BODY_VELOCITIES = MOTION[:6]
+VERTICAL_MOTION = (*LONGITUDINAL_MOTION, "z")
 
 Matrix = NDArray[np.float64]
-GROUPS = {
+MODE_GROUPS = {
     "surge": ("u",),
     "pitch": ("w", "q", "theta"),
     "roll": ("p", "phi"),
@@ -29,11 +29,11 @@ GROUPS = {
 }
 # [1/s] An eigenvalue this near the imaginary axis neither grows nor decays: it is as large as the
 # difference quotients' own error.
-NEUTRAL = 1e-7
+NEUTRAL_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
-class Linear:
+class LinearModel:
     """Matrices of d(motion)/dt = A motion + B controls, by MOTION and CONTROLS, SI."""
 
     A: Matrix
@@ -50,7 +50,7 @@ class Linear:
         return self.B[np.ix_(rows, [CONTROLS.index(name) for name in controls])]
 
 
-def linearise(boat: Boat, nudge: float = 1e-5) -> Linear:
+def linearise(boat: Boat, nudge: float = 1e-5) -> LinearModel:
     """Return the matrices at the boat's present state, by central differences, exact solve.
 
     The terms with |.| have no second derivative at zero; their slope there is the mean of the two
@@ -70,13 +70,13 @@ def linearise(boat: Boat, nudge: float = 1e-5) -> Linear:
         state[name] = centre
         return np.asarray((slopes[0] - slopes[1]) / (2.0 * nudge))
 
-    return Linear(
+    return LinearModel(
         np.column_stack([column(name) for name in MOTION]),
         np.column_stack([column(name) for name in CONTROLS]),
     )
 
 
-def at_speed(boat: Boat, speed: float) -> Linear | None:
+def linearise_at_speed(boat: Boat, speed: float) -> LinearModel | None:
     """Return the matrices in trim at ``speed`` [m/s], None if there is no such trim."""
     if not boat.trimmed(speed):
         return None
@@ -114,7 +114,9 @@ def head_waves(boat: Boat, omega: float, depth: float, speed: float) -> NDArray[
     return np.asarray(found[0] - 1j * found[1])
 
 
-def in_head_waves(boat: Boat, forces: NDArray[np.complex128], omega: float) -> tuple[float, float]:
+def head_wave_response(
+    boat: Boat, forces: NDArray[np.complex128], omega: float
+) -> tuple[float, float]:
     """Return heave [-] and pitch [rad/m] over the amplitude of regular waves from ahead.
 
     Linear, planes fixed, about the boat's present trim in deep water; ``forces`` [N, N m] are
@@ -126,19 +128,23 @@ def in_head_waves(boat: Boat, forces: NDArray[np.complex128], omega: float) -> t
     scheme["exact"] = 1
     rates(vessel, compact, scheme, state, scratch)
     still = state["rates"][0].copy()
-    pushed = np.zeros(len(VERTICAL), complex)
-    places = [MOTION.index(name) for name in VERTICAL]
+    pushed = np.zeros(len(VERTICAL_MOTION), complex)
+    places = [MOTION.index(name) for name in VERTICAL_MOTION]
     for part, unit in ((forces.real, 1.0), (forces.imag, 1j)):
         scratch["external"][0] = part
         rates(vessel, compact, scheme, state, scratch)
         pushed += unit * (state["rates"][0] - still)[places]
     met = omega + omega * omega / float(boat.vessel.g) * float(boat.state.u)
-    motion = np.linalg.solve(1j * met * np.eye(len(VERTICAL)) - linear.part(*VERTICAL), pushed)
-    return float(abs(motion[VERTICAL.index("z")])), float(abs(motion[VERTICAL.index("theta")]))
+    motion = np.linalg.solve(
+        1j * met * np.eye(len(VERTICAL_MOTION)) - linear.part(*VERTICAL_MOTION), pushed
+    )
+    return float(abs(motion[VERTICAL_MOTION.index("z")])), float(
+        abs(motion[VERTICAL_MOTION.index("theta")])
+    )
 
 
 @dataclass(frozen=True)
-class Response:
+class RateResponse:
     """The boat's scheme gives rates = J motion + G last rates, in ``names``, SI.
 
     With the exact solve G is zero; with lagged accelerations it is the matrix of the sweep.
@@ -159,11 +165,11 @@ class Response:
         return np.asarray(np.linalg.eigvals(self.nature), complex)
 
 
-def respond(boat: Boat, nudge: float = 1e-5) -> Response:
+def measure_response(boat: Boat, nudge: float = 1e-5) -> RateResponse:
     """Return how the rates follow motion and last rates about the boat's present state."""
     vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
     scheme = equations_alone(scheme)
-    names = LONGITUDINAL if boat.method.equations == "longitudinal" else INTERNAL
+    names = LONGITUDINAL_MOTION if boat.method.equations == "longitudinal" else INTERNAL_MOTION
     places = [MOTION.index(name) for name in names]
 
     def slope(field: str, place: int, size: float) -> Matrix:
@@ -182,9 +188,9 @@ def respond(boat: Boat, nudge: float = 1e-5) -> Response:
     G = np.zeros_like(J)
     if boat.method.rates == "lagged":
         for column, name in enumerate(names):
-            if name in ACCELERATED:  # the sweep is linear in them: any size does
+            if name in BODY_VELOCITIES:  # the sweep is linear in them: any size does
                 G[:, column] = slope("rates", places[column], 1.0)
-    return Response(names, J, G)
+    return RateResponse(names, J, G)
 
 
 @dataclass(frozen=True)
@@ -218,23 +224,25 @@ class Mode:
     @property
     def time_constant(self) -> float | None:
         """Return the time [s] of change by a factor e. None: there is no change."""
-        return 1.0 / abs(self.real) if abs(self.real) > NEUTRAL else None
+        return 1.0 / abs(self.real) if abs(self.real) > NEUTRAL_TOLERANCE else None
 
 
 def decays(eigenvalue: complex) -> bool:
     """Return whether ``eigenvalue`` [1/s] decays."""
-    return eigenvalue.real < -NEUTRAL
+    return eigenvalue.real < -NEUTRAL_TOLERANCE
 
 
-def group(names: tuple[str, ...], shares: NDArray[np.float64]) -> str:
+def mode_group(names: tuple[str, ...], shares: NDArray[np.float64]) -> str:
     """Return the motion that takes part most, given the share of each of ``names``."""
     part = dict(zip(names, shares, strict=True))
-    return max(GROUPS, key=lambda motion: sum(part.get(name, 0.0) for name in GROUPS[motion]))
+    return max(
+        MODE_GROUPS, key=lambda motion: sum(part.get(name, 0.0) for name in MODE_GROUPS[motion])
+    )
 
 
 def _name(names: tuple[str, ...], shares: NDArray[np.float64], imaginary: float) -> str:
     """Return the name of one mode; a real one of the vertical plane is heave if w leads in it."""
-    motion = group(names, shares)
+    motion = mode_group(names, shares)
     if motion == "pitch" and imaginary == 0.0:
         part = dict(zip(names, shares, strict=True))
         return "heave" if part["w"] > part["q"] + part["theta"] else "pitch"

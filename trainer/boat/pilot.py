@@ -4,16 +4,16 @@ import math
 from dataclasses import dataclass, field
 from typing import Final
 
-from trainer.boat.boat import PLACES, Boat
-from trainer.boat.casualties import active
-from trainer.core.autopilot.ascent import AFLOAT, NONE
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.casualties import active_casualties
+from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
 from trainer.core.autopilot.depth import LEAST_ASTERN
-from trainer.core.autopilot.steering import ASTERN
-from trainer.core.ballast.tanks import AUXILIARY, TRIM_AFT, TRIM_FORWARD
+from trainer.core.autopilot.steering import ASTERN_SPEED
+from trainer.core.ballast.tanks import AUXILIARY_TANK, TRIM_AFT, TRIM_FORWARD
 from trainer.units import KNOT
 
-LACKING: Final = 60.0  # [s] of the engine at its most before that is told
-GIVEN_UP: Final = {  # what is not kept, and why
+ENGINE_LACK_S: Final = 60.0  # [s] of the engine at its most before that is told
+GIVEN_UP_TEXTS: Final = {  # what is not kept, and why
     "emergency ascent": "emergency ascent: bow up, the after group held back; no depth is kept",
     "afloat": "afloat: no depth is kept until one is ordered",
     "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
@@ -22,33 +22,33 @@ GIVEN_UP: Final = {  # what is not kept, and why
     "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
 }
-ASCENT, SPEED = PLACES["ascent"], PLACES["u"]
-SHORT, LOST = PLACES["speed_short"], PLACES["hover_lost"]
-FLOOD, FORWARD = PLACES["trim_flood"], PLACES["trim_forward"]
-TOUCHING: Final = math.radians(0.5)  # [rad] short of the limit that rudder and planes share
-TAKEN: Final = math.radians(3.0)  # [rad] of an order that is not given, to be told
-SETTLED: Final = 30.0  # [s] with all that is ordered, before a lack is news again
-SHARING: Final = {  # of an X-tail: in words, where it stands and where it is ordered to
-    "rudder": ("rudder has", PLACES["delta_r"], PLACES["command_r"]),
-    "stern": ("stern planes have", PLACES["delta_s"], PLACES["command_s"]),
+ASCENT_PLACE, SPEED_PLACE = STATE_PLACES["ascent"], STATE_PLACES["u"]
+SPEED_SHORT_PLACE, HOVER_LOST_PLACE = STATE_PLACES["speed_short"], STATE_PLACES["hover_lost"]
+TRIM_FLOOD_PLACE, TRIM_FORWARD_PLACE = STATE_PLACES["trim_flood"], STATE_PLACES["trim_forward"]
+LIMIT_MARGIN: Final = math.radians(0.5)  # [rad] short of the limit that rudder and planes share
+MIN_LACK_ANGLE: Final = math.radians(3.0)  # [rad] of an order that is not given, to be told
+LACK_RECALL_S: Final = 30.0  # [s] with all that is ordered, before a lack is news again
+SHARED_SURFACES: Final = {  # of an X-tail: in words, where it stands and where it is ordered to
+    "rudder": ("rudder has", STATE_PLACES["delta_r"], STATE_PLACES["command_r"]),
+    "stern": ("stern planes have", STATE_PLACES["delta_s"], STATE_PLACES["command_s"]),
 }
 
 
 def lacks_water(boat: Boat) -> bool:
     """Return whether automatic trim asks for water or room that is not there."""
-    flood, forward = boat.plain[FLOOD], boat.plain[FORWARD]
+    flood, forward = boat.plain[TRIM_FLOOD_PLACE], boat.plain[TRIM_FORWARD_PLACE]
     if flood == 0.0 and forward == 0.0:
         return False
     water, capacity = boat.state.water, boat.vessel.capacity
     first, last = (TRIM_AFT, TRIM_FORWARD) if forward > 0.0 else (TRIM_FORWARD, TRIM_AFT)
     moved = forward != 0.0 and (water[first] <= 0.0 or water[last] >= capacity[last])
-    end = capacity[AUXILIARY] if flood > 0.0 else 0.0
-    return bool(moved or (flood != 0.0 and water[AUXILIARY] == end))
+    end = capacity[AUXILIARY_TANK] if flood > 0.0 else 0.0
+    return bool(moved or (flood != 0.0 and water[AUXILIARY_TANK] == end))
 
 
 def is_broken(boat: Boat, surface: str) -> bool:
     """Return whether a casualty acts on a surface."""
-    return any(each.kind.startswith(f"{surface}-") for each in active(boat))
+    return any(each.kind.startswith(f"{surface}-") for each in active_casualties(boat))
 
 
 @dataclass
@@ -63,17 +63,17 @@ class TailMonitor:
     def look(self, boat: Boat) -> list[tuple[str, str]]:
         """Return what there is to say after a tick, by names for the account."""
         c, plain = boat.vessel, boat.plain
-        given = sum(abs(plain[place]) for _, place, _ in SHARING.values())
-        if c.x_tail == 0.0 or given < c.limit_s - TOUCHING:
+        given = sum(abs(plain[place]) for _, place, _ in SHARED_SURFACES.values())
+        if c.x_tail == 0.0 or given < c.limit_s - LIMIT_MARGIN:
             return []
         news = []
-        for name, (has, place, command) in SHARING.items():
+        for name, (has, place, command) in SHARED_SURFACES.items():
             stands, asked = abs(plain[place]), abs(plain[command])
-            if asked - stands <= TAKEN or is_broken(boat, name):
+            if asked - stands <= MIN_LACK_ANGLE or is_broken(boat, name):
                 continue
             last = self.lacking.get(name, -math.inf)
             self.lacking[name] = boat.time
-            if boat.time - last > SETTLED:
+            if boat.time - last > LACK_RECALL_S:
                 told = f"{math.degrees(stands):.0f} of {math.degrees(asked):.0f} deg"
                 words = f"X-TAIL: the {has} {told}: rudder and stern planes share the fins"
                 news.append((f"{name} short on the X-tail", words))
@@ -119,10 +119,10 @@ class PilotMonitor:
         if not self.given_up and not self._is_unusual(boat):
             return []
         now = self._left_undone(boat)
-        news = [GIVEN_UP[name] for name in sorted(now - self.given_up)]
+        news = [GIVEN_UP_TEXTS[name] for name in sorted(now - self.given_up)]
         for name in now - self.given_up:
             self.times.setdefault(name, []).append(boat.time)
-        if "emergency ascent" in self.given_up and boat.plain[ASCENT] == NONE:
+        if "emergency ascent" in self.given_up and boat.plain[ASCENT_PLACE] == NO_ASCENT:
             news.append(f"the ascent is over: keeping depth {boat.state.ordered_depth:.0f} m")
         self.given_up = now
         return news
@@ -130,24 +130,28 @@ class PilotMonitor:
     def _is_unusual(self, boat: Boat) -> bool:
         """Return whether anything could be given up."""
         plain = boat.plain
-        lost = plain[LOST] != 0.0 or plain[SHORT] > LACKING
-        lost = lost or boat.time - self.trimmed > LACKING
-        return lost or plain[ASCENT] != NONE or plain[SPEED] < ASTERN
+        lost = plain[HOVER_LOST_PLACE] != 0.0 or plain[SPEED_SHORT_PLACE] > ENGINE_LACK_S
+        lost = lost or boat.time - self.trimmed > ENGINE_LACK_S
+        return lost or plain[ASCENT_PLACE] != NO_ASCENT or plain[SPEED_PLACE] < ASTERN_SPEED
 
     def _left_undone(self, boat: Boat) -> set[str]:
-        """Return what is given up, of GIVEN_UP."""
+        """Return what is given up, of GIVEN_UP_TEXTS."""
         plain, s = boat.plain, boat.state
         found = set()
-        if plain[ASCENT] != NONE:
-            found.add("afloat" if plain[ASCENT] == AFLOAT else "emergency ascent")
-        if plain[SPEED] < ASTERN and plain[ASCENT] == NONE and boat.automatic:
-            slow = plain[SPEED] > -LEAST_ASTERN or "astern" in self.given_up  # told once
+        if plain[ASCENT_PLACE] != NO_ASCENT:
+            found.add("afloat" if plain[ASCENT_PLACE] == ASCENT_AFLOAT else "emergency ascent")
+        if (
+            plain[SPEED_PLACE] < ASTERN_SPEED
+            and plain[ASCENT_PLACE] == NO_ASCENT
+            and boat.automatic
+        ):
+            slow = plain[SPEED_PLACE] > -LEAST_ASTERN or "astern" in self.given_up  # told once
             if slow and (s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0):
                 found.add("astern")
-        if plain[SHORT] > LACKING:
+        if plain[SPEED_SHORT_PLACE] > ENGINE_LACK_S:
             found.add("speed not reached")
-        if boat.time - self.trimmed > LACKING:
+        if boat.time - self.trimmed > ENGINE_LACK_S:
             found.add("trim short")
-        if plain[LOST] != 0.0:
+        if plain[HOVER_LOST_PLACE] != 0.0:
             found.add("hover lost")
         return found

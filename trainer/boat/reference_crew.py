@@ -10,20 +10,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import scale_of
-from trainer.boat.crew_hands import SLACK, Gauges, PlanesHand, RudderHand
-from trainer.boat.crew_orders import AXES
-from trainer.boat.helm import obey
-from trainer.boat.limits import showing
+from trainer.boat.crew_hands import TIME_ROUNDING_S, GaugeHistory, PlanesHand, RudderHand
+from trainer.boat.crew_orders import CREW_AXES
+from trainer.boat.helm import obey_order
+from trainer.boat.limits import height_showing
 from trainer.boat.world.scope import eye_height
-from trainer.config.condition import QUANTITIES
+from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
-from trainer.config.reference_crew import HANDS, MARK, Crew, CrewRule
+from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRule
 from trainer.io.orders.grammar import Order, Reply, parse
 
 
-class Given(NamedTuple):
+class GivenOrder(NamedTuple):
     """An order that the crew gave at this tick, and what was answered."""
 
     text: str
@@ -32,7 +32,7 @@ class Given(NamedTuple):
 
 
 @dataclass
-class Reaction:
+class CrewReaction:
     """How slow a crew is beyond its rules."""
 
     late: float = 0.0  # [s] added to every reaction
@@ -49,7 +49,7 @@ class Reaction:
 
 
 @dataclass
-class Followed:
+class RuleProgress:
     """One rule as it is followed."""
 
     rule: CrewRule
@@ -62,24 +62,24 @@ class Followed:
 class ReferenceCrew:
     """The reference crew of one exercise aboard one boat, from this moment on."""
 
-    def __init__(self, boat: Boat, crew: Crew, reaction: Reaction | None = None) -> None:
+    def __init__(self, boat: Boat, crew: Crew, reaction: CrewReaction | None = None) -> None:
         """Take the boat as it is: what the rules order by the clock before counts as ordered."""
         self.boat = boat
         self.crew = crew
-        self.reaction = reaction or Reaction()
-        self.gauges = Gauges(boat)
-        self.followed = [Followed(rule) for rule in crew.rules]
+        self.reaction = reaction or CrewReaction()
+        self.gauges = GaugeHistory(boat)
+        self.followed = [RuleProgress(rule) for rule in crew.rules]
         self.hands: dict[str, PlanesHand | RudderHand] = {}
         self._skip_past()
 
-    def look(self) -> list[Given]:
+    def look(self) -> list[GivenOrder]:
         """Follow the rules and the hands at this tick; return the orders given."""
         self.gauges.look()
         given = []
         for i, each in enumerate(self.followed):
             if not each.over and each.due is None:
                 self._notice(each, self.followed[i - 1] if each.rule.row.then else None)
-            if each.due is not None and self.boat.time >= each.due - SLACK:
+            if each.due is not None and self.boat.time >= each.due - TIME_ROUNDING_S:
                 given.append(self._carry_out(each, i))
         for hand in list(self.hands.values()):
             given += [self._give(text) for text in hand.look(self.gauges)]
@@ -110,10 +110,10 @@ class ReferenceCrew:
         mean = rule.row.mean_s or 0.0
         return bool(rule.conditions) and all(self._shows(one, mean) for one in rule.conditions)
 
-    def _count(self, each: Followed, given: float) -> None:
+    def _count(self, each: RuleProgress, given: float) -> None:
         """Count a rule as carried out at a time [s], its hand put to work."""
         each.given, each.over = given, each.rule.row.every_s is None
-        if each.rule.order.name in HANDS:
+        if each.rule.order.name in CREW_HANDS:
             self._switch(each.rule.order)
 
     def _skip_past(self) -> None:
@@ -121,14 +121,14 @@ class ReferenceCrew:
         before = None
         for each in self.followed:
             due = self._due_by_clock(each, before)
-            if due is not None and due < self.boat.time - SLACK:
+            if due is not None and due < self.boat.time - TIME_ROUNDING_S:
                 each.given, each.over = due, each.rule.row.ordered is None
                 each.noticed = self._stamp(each.rule.row.ordered)
-                if each.rule.order.name in HANDS:
+                if each.rule.order.name in CREW_HANDS:
                     self._switch(each.rule.order)
             before = each
 
-    def _due_by_clock(self, each: Followed, before: Followed | None) -> float | None:
+    def _due_by_clock(self, each: RuleProgress, before: RuleProgress | None) -> float | None:
         """Return when a rule was due [s]; None if it waits for a condition, or another rule."""
         row, begun = each.rule.row, 0.0
         if row.when is not None:
@@ -148,9 +148,9 @@ class ReferenceCrew:
 
     def _stamp(self, axis: str | None) -> float:
         """Return which order to the crew stands on an axis, by its tick in the state; 0 none."""
-        return float(self.boat.state.crew_order_tick[AXES.index(axis)]) if axis else 0.0
+        return float(self.boat.state.crew_order_tick[CREW_AXES.index(axis)]) if axis else 0.0
 
-    def _notice(self, each: Followed, before: Followed | None) -> None:
+    def _notice(self, each: RuleProgress, before: RuleProgress | None) -> None:
         """Set when a rule's order is due, if what it waits for has come."""
         if before is not None and before.given is None:
             return
@@ -162,11 +162,11 @@ class ReferenceCrew:
         due = begun + (each.rule.row.after_s or 0.0) + self.reaction.delay()
         each.due = max(due, self.boat.time)
 
-    def _begun(self, each: Followed) -> float | None:
+    def _begun(self, each: RuleProgress) -> float | None:
         """Return since when [s] what a rule waits for is there, None if it is not."""
         row, now = each.rule.row, self.boat.time
         if row.at_s is not None:
-            return row.at_s if now >= row.at_s - SLACK else None
+            return row.at_s if now >= row.at_s - TIME_ROUNDING_S else None
         if row.ordered is not None:
             stamp = self._stamp(row.ordered)
             if stamp in (0.0, each.noticed):
@@ -178,7 +178,11 @@ class ReferenceCrew:
         begins = row.from_s or 0.0
         if row.every_s is not None and each.given is not None:
             begins = max(begins, each.given + row.every_s)
-        if not begins - SLACK <= now <= (math.inf if row.to_s is None else row.to_s) + SLACK:
+        if (
+            not begins - TIME_ROUNDING_S
+            <= now
+            <= (math.inf if row.to_s is None else row.to_s) + TIME_ROUNDING_S
+        ):
             return None
         mean = row.mean_s or 0.0
         return now if all(self._shows(one, mean) for one in each.rule.conditions) else None
@@ -197,23 +201,27 @@ class ReferenceCrew:
         if quantity == "course":
             return self.gauges.now().heading % math.tau
         if quantity == "showing":
-            return showing(self.boat)
+            return height_showing(self.boat)
         if quantity == "eye":
             return eye_height(self.boat)
         factor = scale_of(self.boat, quantity)
-        return self.boat.plain[PLACES[QUANTITIES[quantity].place]] / factor if factor else 0.0
+        return (
+            self.boat.plain[STATE_PLACES[STATE_QUANTITIES[quantity].place]] / factor
+            if factor
+            else 0.0
+        )
 
-    def _carry_out(self, each: Followed, place: int) -> Given:
+    def _carry_out(self, each: RuleProgress, place: int) -> GivenOrder:
         """Give the order of a rule; have it wait again if it is to come again."""
         row, order = each.rule.row, each.rule.order
         each.given, each.due = self.boat.time, None
         each.over = row.ordered is None and row.every_s is None
-        if order.name in HANDS:
+        if order.name in CREW_HANDS:
             self._switch(order)
-            return Given(order.text, order.text, place)
-        if order.name == MARK:
-            return Given(order.text, f"marked at {self.boat.time:g} s", place)
-        return Given(order.text, obey(self.boat, order), place)
+            return GivenOrder(order.text, order.text, place)
+        if order.name == MARK_ORDER:
+            return GivenOrder(order.text, f"marked at {self.boat.time:g} s", place)
+        return GivenOrder(order.text, obey_order(self.boat, order), place)
 
     def _switch(self, order: Order) -> None:
         """Put a hand on planes or rudder, or take it off."""
@@ -227,7 +235,7 @@ class ReferenceCrew:
                 self.boat, self.crew.helmsman, self.reaction.delay()
             )
 
-    def _give(self, text: str) -> Given:
+    def _give(self, text: str) -> GivenOrder:
         order = parse(text)
         assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
-        return Given(text, obey(self.boat, order), None)
+        return GivenOrder(text, obey_order(self.boat, order), None)

@@ -13,7 +13,7 @@ from trainer.core.sea.sea import DIRECTION, GAMMA, HEIGHT, OMEGA, PEAKED
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-PARTS: Final = ("depth", "position", "tanks")
+FREEZABLE_PARTS: Final = ("depth", "position", "tanks")
 
 
 def order_sea(boat: Boat, order: Order) -> Reply:
@@ -68,7 +68,7 @@ def sea_text(quantities: Numbers) -> str:
     return f"{quantities[HEIGHT]:.3g} m, peak at {period:.1f} s, from {origin:03d}"
 
 
-def hold(boat: Boat, order: Order) -> Reply:
+def hold_part(boat: Boat, order: Order) -> Reply:
     """Freeze the part that is the order's word from the next tick on."""
     if order.word == "tanks" and not boat.vessel.fitted:
         return Refused(f"{boat.file.path.name} has no [ballast] table: this boat has no tanks")
@@ -76,7 +76,7 @@ def hold(boat: Boat, order: Order) -> Reply:
     return f"{order.word} frozen{_where(boat, order.word)}"
 
 
-def release(boat: Boat, order: Order) -> Reply:
+def release_part(boat: Boat, order: Order) -> Reply:
     """Release the part that is the order's word, or ``all`` that is frozen."""
     frozen = parts_held(boat)
     parts = frozen if order.word == "all" else [order.word]
@@ -89,7 +89,7 @@ def release(boat: Boat, order: Order) -> Reply:
 
 def parts_held(boat: Boat) -> list[str]:
     """Return the parts that stand still."""
-    return [part for part in PARTS if boat.state[f"held_{part}"]]
+    return [part for part in FREEZABLE_PARTS if boat.state[f"held_{part}"]]
 
 
 def describe_held(boat: Boat) -> str:

@@ -13,23 +13,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
-from trainer.boat.linear import NEUTRAL, Matrix, Response, bring_to, group, respond
-from trainer.core.integrators import SMALLEST
+from trainer.boat.linear import (
+    NEUTRAL_TOLERANCE,
+    Matrix,
+    RateResponse,
+    bring_to,
+    measure_response,
+    mode_group,
+)
+from trainer.core.integrators import MIN_STEP_S
 from trainer.core.kernel import Record
-from trainer.core.scheme import MULTISTEPS, PREDICTOR_CORRECTOR, VARIABLE_RUNGE_KUTTA
+from trainer.core.scheme import MULTISTEP_CODES, PREDICTOR_CORRECTOR, VARIABLE_RUNGE_KUTTA
 from trainer.units import KNOT
 
-ROUNDING = 1e-9  # [-] growth per step that is only rounding
+ROUNDING_GROWTH = 1e-9  # [-] growth per step that is only rounding
 # [-] A swing with less than this damping ratio is barely damped: any explicit method and any lag
 # may turn it, and a step is blamed only for growth of more than this, which doubles in 11 swings.
-BARELY = 0.01
-FURTHEST = 30.0  # [-] |h lambda| beyond which no explicit method of four cycles is stable
-SHORTEST, LONGEST = 1e-3, 128.0  # [s] steps looked at
-HALVINGS = 20
-MOST = 300.0  # [-] exponent beyond which growth is simply large
+BLAMED_GROWTH = 0.01
+MAX_STEP_EIGENVALUE = (
+    30.0  # [-] |h lambda| beyond which no explicit method of four cycles is stable
+)
+MIN_SEARCH_STEP_S, MAX_SEARCH_STEP_S = 1e-3, 128.0  # [s] steps looked at
+HALVING_COUNT = 20
+MAX_EXPONENT = 300.0  # [-] exponent beyond which growth is simply large
 
 
-class Step(NamedTuple):
+class StepVerdict(NamedTuple):
     """Whether the step is stable, the largest stable one [s], and what fails beyond it."""
 
     ok: bool
@@ -37,13 +46,13 @@ class Step(NamedTuple):
     worst: str
 
 
-def growth(scheme: Record, mu: NDArray[np.complex128]) -> NDArray[np.float64]:
+def growth_factors(scheme: Record, mu: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return the largest factor [-] per step for each h lambda in ``mu``.
 
     The characteristic roots of the multistep method or of the pair, or Runge-Kutta's polynomial.
     """
     how = scheme[0]
-    if how.method not in (*MULTISTEPS, PREDICTOR_CORRECTOR):
+    if how.method not in (*MULTISTEP_CODES, PREDICTOR_CORRECTOR):
         slope, total = mu, 0.0 * mu
         for i in range(int(how.stages)):
             total += how.weight[i] / how.weight_sum * slope
@@ -65,10 +74,10 @@ def largest_step(scheme: Record, eigenvalue: complex) -> float:
     Every smaller step is stable too: the ray from the origin is searched outwards, then finer.
     """
     direction = eigenvalue / abs(eigenvalue)
-    inside, outside = 0.0, FURTHEST
+    inside, outside = 0.0, MAX_STEP_EIGENVALUE
     for _ in range(7):
         radii = np.linspace(inside, outside, 151)[1:]
-        stable = growth(scheme, np.asarray(radii * direction, np.complex128)) <= 1.0 + 1e-13
+        stable = growth_factors(scheme, np.asarray(radii * direction, np.complex128)) <= 1.0 + 1e-13
         if stable.all():
             break
         first = int(np.argmin(stable))
@@ -77,7 +86,7 @@ def largest_step(scheme: Record, eigenvalue: complex) -> float:
     return inside / abs(eigenvalue)
 
 
-def multistep_map(response: Response, scheme: Record, h: float) -> Matrix:
+def multistep_map(response: RateResponse, scheme: Record, h: float) -> Matrix:
     """Return the map of a tick of ``h`` [s]. It takes motions and rates, each newest first."""
     how = scheme[0]
     n = len(response.J)
@@ -99,7 +108,7 @@ def multistep_map(response: Response, scheme: Record, h: float) -> Matrix:
     return tick
 
 
-def runge_kutta_map(response: Response, scheme: Record, h: float) -> Matrix:
+def runge_kutta_map(response: RateResponse, scheme: Record, h: float) -> Matrix:
     """Return the map of a tick of ``h`` [s], lagged inside the stages.
 
     It takes motion and last rates.
@@ -115,7 +124,7 @@ def runge_kutta_map(response: Response, scheme: Record, h: float) -> Matrix:
     return np.vstack([now + h / how.weight_sum * total, rate])
 
 
-def pair_map(response: Response, scheme: Record, h: float) -> Matrix:
+def pair_map(response: RateResponse, scheme: Record, h: float) -> Matrix:
     """Return the map of a tick of ``h`` [s].
 
     It takes motions (newest first), last rates and past rates.
@@ -142,9 +151,9 @@ def pair_map(response: Response, scheme: Record, h: float) -> Matrix:
     return tick
 
 
-def tick_map(response: Response, scheme: Record, h: float) -> Matrix:
+def tick_map(response: RateResponse, scheme: Record, h: float) -> Matrix:
     """Return the matrix of one tick of ``h`` [s]. The first rows are the present motion."""
-    if scheme[0].method in MULTISTEPS:
+    if scheme[0].method in MULTISTEP_CODES:
         return multistep_map(response, scheme, h)
     if scheme[0].method == PREDICTOR_CORRECTOR:
         return pair_map(response, scheme, h)
@@ -154,14 +163,14 @@ def tick_map(response: Response, scheme: Record, h: float) -> Matrix:
 def allowed_rate(eigenvalue: complex) -> float:
     """Return the growth [1/s] that a step may show where the boat itself has ``eigenvalue``.
 
-    None if the boat damps it well; else twice the boat's own and BARELY of the frequency.
+    None if the boat damps it well; else twice the boat's own and BLAMED_GROWTH of the frequency.
     """
-    if eigenvalue.real < -max(BARELY * abs(eigenvalue), NEUTRAL):
+    if eigenvalue.real < -max(BLAMED_GROWTH * abs(eigenvalue), NEUTRAL_TOLERANCE):
         return 0.0
-    return float(2.0 * max(eigenvalue.real, 0.0) + BARELY * abs(eigenvalue))
+    return float(2.0 * max(eigenvalue.real, 0.0) + BLAMED_GROWTH * abs(eigenvalue))
 
 
-def added_growth(response: Response, tick: Matrix, h: float) -> tuple[float, complex]:
+def added_growth(response: RateResponse, tick: Matrix, h: float) -> tuple[float, complex]:
     """Return the largest spurious factor [-] per tick of ``h`` [s], and its root.
 
     Left out for each mode the boat does not damp well is the root nearest to exp(h lambda), unless
@@ -171,61 +180,61 @@ def added_growth(response: Response, tick: Matrix, h: float) -> tuple[float, com
     for eigenvalue in response.eigenvalues:
         exponent = h * allowed_rate(eigenvalue)
         if exponent > 0.0:
-            own = np.exp(min(h * eigenvalue.real, MOST) + 1j * h * eigenvalue.imag)
+            own = np.exp(min(h * eigenvalue.real, MAX_EXPONENT) + 1j * h * eigenvalue.imag)
             nearest = int(np.argmin(abs(np.array(roots) - own)))
-            if abs(roots[nearest]) <= np.exp(min(exponent, MOST)) + ROUNDING:
+            if abs(roots[nearest]) <= np.exp(min(exponent, MAX_EXPONENT)) + ROUNDING_GROWTH:
                 roots.pop(nearest)
     worst = max(roots, key=abs)
     return float(abs(worst)), complex(worst)
 
 
-def culprit(response: Response, tick: Matrix, root: complex) -> str:
+def leading_motion(response: RateResponse, tick: Matrix, root: complex) -> str:
     """Return the motion that takes part most in a root of the map."""
     shares = np.ones(len(tick))
     for matrix in (tick, tick.T):
         values, vectors = np.linalg.eig(matrix)
         shares *= abs(vectors[:, int(np.argmin(abs(values - root)))])
     n = len(response.names)
-    return group(response.names, shares.reshape(-1, n).sum(axis=0))
+    return mode_group(response.names, shares.reshape(-1, n).sum(axis=0))
 
 
-def responses(boat: Boat, speeds: Iterable[float]) -> dict[float, Response]:
+def boat_responses(boat: Boat, speeds: Iterable[float]) -> dict[float, RateResponse]:
     """Return the boat's response at each of ``speeds`` [m/s]; the boat's state is not changed."""
     before = boat.snapshot()
     found = {}
     for speed in speeds:
         bring_to(boat, speed)
-        found[speed] = respond(boat)
+        found[speed] = measure_response(boat)
     boat.restore(before)
     return found
 
 
-def substep(scheme: Record, h: float) -> float:
+def inner_step(scheme: Record, h: float) -> float:
     """Return the step [s] inside a tick. The variable method goes down to its shortest."""
-    return min(h, SMALLEST) if scheme[0].method == VARIABLE_RUNGE_KUTTA else h
+    return min(h, MIN_STEP_S) if scheme[0].method == VARIABLE_RUNGE_KUTTA else h
 
 
-def stable_at(flights: Iterable[Response], scheme: Record, h: float) -> bool:
+def stable_at(flights: Iterable[RateResponse], scheme: Record, h: float) -> bool:
     """Return whether ticks of ``h`` [s] make nothing grow but what grows by nature."""
-    h = substep(scheme, h)
+    h = inner_step(scheme, h)
     return all(
-        added_growth(flight, tick_map(flight, scheme, h), h)[0] <= 1.0 + ROUNDING
+        added_growth(flight, tick_map(flight, scheme, h), h)[0] <= 1.0 + ROUNDING_GROWTH
         for flight in flights
     )
 
 
-def largest_flown(flights: Iterable[Response], scheme: Record) -> float:
+def largest_flown(flights: Iterable[RateResponse], scheme: Record) -> float:
     """Return the largest stable step [s] of the map. 0: none is stable; infinite: all are."""
     flights = list(flights)
-    if not stable_at(flights, scheme, SHORTEST):
+    if not stable_at(flights, scheme, MIN_SEARCH_STEP_S):
         return 0.0
-    stable = SHORTEST
+    stable = MIN_SEARCH_STEP_S
     while stable_at(flights, scheme, 2.0 * stable):
         stable *= 2.0
-        if stable >= LONGEST:
+        if stable >= MAX_SEARCH_STEP_S:
             return math.inf
     unstable = 2.0 * stable
-    for _ in range(HALVINGS):
+    for _ in range(HALVING_COUNT):
         middle = 0.5 * (stable + unstable)
         if stable_at(flights, scheme, middle):
             stable = middle
@@ -234,25 +243,25 @@ def largest_flown(flights: Iterable[Response], scheme: Record) -> float:
     return stable
 
 
-def worst_motion(flights: dict[float, Response], scheme: Record, h: float) -> tuple[float, str]:
+def worst_motion(flights: dict[float, RateResponse], scheme: Record, h: float) -> tuple[float, str]:
     """Return the largest spurious factor [-] per tick of ``h`` [s], and its name."""
-    h = substep(scheme, h)
+    h = inner_step(scheme, h)
     found = []
     for speed, flight in flights.items():
         tick = tick_map(flight, scheme, h)
         found.append((*added_growth(flight, tick, h), speed, flight, tick))
     factor, root, speed, flight, tick = max(found, key=lambda entry: entry[0])
-    return factor, f"{culprit(flight, tick, root)} at {speed / KNOT:.3g} kn"
+    return factor, f"{leading_motion(flight, tick, root)} at {speed / KNOT:.3g} kn"
 
 
-def stable_step(boat: Boat, speeds: Iterable[float]) -> Step:
+def stable_step(boat: Boat, speeds: Iterable[float]) -> StepVerdict:
     """Return whether the boat's own step is stable in straight flight at ``speeds`` [m/s]."""
-    flights = responses(boat, speeds)
+    flights = boat_responses(boat, speeds)
     scheme = boat.records.scheme
     largest = largest_flown(flights.values(), scheme)
     step = boat.method.step
     stable = stable_at(flights.values(), scheme, step)
     if math.isinf(largest):
-        return Step(stable, largest, "nothing")
+        return StepVerdict(stable, largest, "nothing")
     beyond = 1.001 * largest if stable else step
-    return Step(stable, largest, worst_motion(flights, scheme, beyond)[1])
+    return StepVerdict(stable, largest, worst_motion(flights, scheme, beyond)[1])

@@ -9,15 +9,15 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.options import together
+from trainer.cli.options import combine_options
 from trainer.cli.types import File
 
-PLOT: Final = File(".png", ".svg", ".pdf", dir_okay=False)
-outputs = together(  # how the answer is shown
+PLOT_FILE: Final = File(".png", ".svg", ".pdf", dir_okay=False)
+outputs = combine_options(  # how the answer is shown
     click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
     click.option(
         "--plot",
-        type=PLOT,
+        type=PLOT_FILE,
         metavar="FILE",
         help="Draw a plot, .png, .svg or .pdf by the name's ending.",
     ),
@@ -35,8 +35,8 @@ class Number(click.FloatRange):
         return number
 
 
-AHEAD: Final = Number(0.0, 60.0, min_open=True)  # [kn]
-SPEED: Final = Number(0.0, 60.0)  # [kn] rest included
+AHEAD_SPEED_KN: Final = Number(0.0, 60.0, min_open=True)  # [kn]
+SPEED_RANGE_KN: Final = Number(0.0, 60.0)  # [kn] rest included
 
 
 def json_of(value: Any) -> str:
@@ -46,7 +46,7 @@ def json_of(value: Any) -> str:
     return json_text(value, indent=1)
 
 
-def show(
+def show_report(
     report: Any,
     page: Callable[[Any], str],
     panels: Callable[[], tuple[Any, ...]],
@@ -56,13 +56,13 @@ def show(
     from dataclasses import asdict
 
     if how["plot"]:
-        from trainer.report.plots import draw
+        from trainer.report.plots import draw_plot
 
-        draw(panels(), how["plot"])
+        draw_plot(panels(), how["plot"])
     click.echo(json_of(asdict(report)) if how["as_json"] else page(report))
 
 
-def tell(text: str) -> None:
+def print_note(text: str) -> None:
     """Print a line beside the answer."""
     click.echo(text, err=True)
 
@@ -86,7 +86,7 @@ def write_text(path: Path, text: str, option: str = "") -> None:
 
 
 @contextmanager
-def bar(length: int, label: str) -> Iterator[Callable[[int], None]]:
+def show_progress(length: int, label: str) -> Iterator[Callable[[int], None]]:
     """Show a progress bar on a terminal, on stderr; give what moves it on."""
     hidden = not sys.stderr.isatty()
     with click.progressbar(length=length, label=label, file=sys.stderr, hidden=hidden) as shown:

@@ -2,11 +2,11 @@
 
 import click
 
-from trainer.cli.options import VESSEL, VESSEL_HELP
+from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
 
 
 @click.command()
-@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option("--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP)
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),
@@ -54,7 +54,7 @@ def bench(
     chosen = [name for name, wanted in parts.items() if wanted or everything]
     figures, pages = {}, []
     if everything or not chosen:
-        from trainer.analysis.bench.bench import bench as measure
+        from trainer.analysis.bench.bench import bench_boat as measure
         from trainer.analysis.bench.bench import render
 
         standard = measure(file, seconds or 10)
@@ -63,11 +63,11 @@ def bench(
     if chosen:
         from trainer.analysis.bench.sections import (
             SECTIONS,
-            Wanted,
+            BenchRequest,
             measure_sections,
         )
 
-        wanted = Wanted(file, seconds or 10, minutes, seconds or 60)
+        wanted = BenchRequest(file, seconds or 10, minutes, seconds or 60)
         more_figures, more_pages = measure_sections(SECTIONS, chosen, wanted)
         figures |= more_figures
         pages += more_pages

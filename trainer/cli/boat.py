@@ -17,21 +17,21 @@ import numpy as np
 
 from trainer.analysis.recording_export import frame_of
 from trainer.boat.limits import LimitMonitor
-from trainer.cli.keywords import parsed
+from trainer.cli.keywords import parse_options
 from trainer.cli.options import run_options
 from trainer.cli.run import run as run_command
-from trainer.config.exercise import Initial
+from trainer.config.exercise import StartState
 from trainer.config.files import ConfigError, Place, quote, remembering
 from trainer.config.schema import kind_of
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
-from trainer.io.orders.schedule import LATEST
+from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
-from trainer.io.recording.absence import OrdersAlone
+from trainer.io.recording.absence import OrderMemory
 from trainer.io.recording.facts import station
-from trainer.io.recording.queries import Journalled, Moment
+from trainer.io.recording.queries import Moment, RecordedOrder
 from trainer.io.status_line import course
-from trainer.io.tables import COLUMNS, Cell
+from trainer.io.tables import MOTION_COLUMNS, Cell
 from trainer.session.agenda import Agenda
 from trainer.session.header import header_of, refusing_damage
 from trainer.session.history import History
@@ -39,8 +39,8 @@ from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.parts import Monitors
 from trainer.session.plan import Plan, plan_run, refuse_depth
-from trainer.session.run import create_recording, crew_talk, open_publisher, ready
-from trainer.session.session import Rows, Session
+from trainer.session.run import create_recording, crew_talk, open_publisher, ready_boat
+from trainer.session.session import ColumnFile, Session
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
@@ -49,9 +49,9 @@ if TYPE_CHECKING:
     from trainer.io.recording.recording import Recording
     from trainer.session.stations.station import News
 
-GIVER: Final = station("instructor", "python")  # of the orders, for the record
-BEGIN: Final = {"speed": "speed_kn", "depth": "depth_m", "course": "course_deg"}
-WIDTH: Final = len(COLUMNS)
+ORDER_GIVER: Final = station("instructor", "python")  # of the orders, for the record
+INITIAL_KEYS: Final = {"speed": "speed_kn", "depth": "depth_m", "course": "course_deg"}
+ROW_WIDTH: Final = len(MOTION_COLUMNS)
 
 
 class BoatOptions(TypedDict, total=False):
@@ -106,7 +106,7 @@ class Boat:
 
     def __init__(self, vessel: str | Path | None = None, **options: Unpack[BoatOptions]) -> None:
         given: dict[str, Any] = {"vessel": vessel, **options}
-        begin = {name: given.pop(name, None) for name in BEGIN}
+        begin = {name: given.pop(name, None) for name in INITIAL_KEYS}
         chosen = _options_of(given)
         with remembering() as texts:
             self._plan = _begun_at(plan_run(chosen), begin)
@@ -115,17 +115,17 @@ class Boat:
                 "record=: a recorded run begins as its exercise or vessel file says, so that it "
                 "can be replayed; leave out speed, depth and course, or write an exercise"
             )
-        self._boat = ready(self._plan, chosen)
+        self._boat = ready_boat(self._plan, chosen)
         state = self._boat.records.state.tobytes()
-        keeper: Recording | OrdersAlone = OrdersAlone()
+        keeper: Recording | OrderMemory = OrderMemory()
         if chosen.record:
             header = header_of(chosen, texts, self._boat)
             _, keeper = create_recording((chosen.record,), header, state)
         self._keeper = keeper
         self._lock = threading.Lock()
-        self._rows = _Rows()
+        self._rows = _TickRows()
         self._events: list[News] = []
-        self._closing: list[Journalled] | None = None  # the orders, once the boat is closed
+        self._closing: list[RecordedOrder] | None = None  # the orders, once the boat is closed
         self._session = self._begin(chosen)
 
     def _begin(self, chosen: RunOptions) -> Session:
@@ -140,11 +140,11 @@ class Boat:
             Agenda(boat, plan.schedule),
             crew_talk(plan, boat),
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
-            rows=Rows(self._rows, COLUMNS),
+            rows=ColumnFile(self._rows, MOTION_COLUMNS),
         )
         session.conduct.scored = bool(plan.scores)
         session.event_log.hearers.append(self._events.append)
-        self._rows.row(boat.numbers(COLUMNS))
+        self._rows.row(boat.numbers(MOTION_COLUMNS))
         return session
 
     def order(self, words: str) -> str:
@@ -170,7 +170,7 @@ class Boat:
             )
         with self._alone(), np.errstate(all="ignore"):
             self._refuse_closed()
-            answer = self._session.give(order, GIVER)
+            answer = self._session.give(order, ORDER_GIVER)
         if isinstance(answer, Refused):
             raise ConfigError(answer.reason)
         return answer
@@ -204,8 +204,8 @@ class Boat:
         if not isinstance(seconds, Real):
             given = type(seconds).__name__
             raise ConfigError(f"run(): give a number of seconds, such as run(900), not {given}")
-        if not 0.0 < seconds <= LATEST:
-            longest = f"a run lasts longer than 0 s, and ends, within {LATEST:g} s"
+        if not 0.0 < seconds <= MAX_TIME_S:
+            longest = f"a run lasts longer than 0 s, and ends, within {MAX_TIME_S:g} s"
             raise ConfigError(f"run({quote(seconds)}): {longest}")
         return self._boat.ticks + max(round(seconds / step), 1)
 
@@ -251,7 +251,7 @@ class Boat:
             for each in journal
         ]
 
-    def _journal(self) -> list[Journalled]:
+    def _journal(self) -> list[RecordedOrder]:
         """Return the orders of the present branch; those at the end once the boat is closed."""
         if self._closing is not None:
             return self._closing
@@ -283,7 +283,7 @@ class Boat:
             raise ConfigError("restore: this is no snapshot, or one of another boat")
         with self._alone(), np.errstate(all="ignore"):
             self._refuse_closed()
-            self._session.return_to(snapshot._moment, f"restore, by {GIVER}")  # noqa: SLF001
+            self._session.return_to(snapshot._moment, f"restore, by {ORDER_GIVER}")  # noqa: SLF001
             self._rows.cut(self._boat.ticks)
             self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
 
@@ -329,7 +329,7 @@ class Boat:
         return f"{self._boat.file.name}: {self.time:g} s, {where}"
 
 
-class _Rows:
+class _TickRows:
     """The columns of each tick, in memory; the place of a row is its tick."""
 
     trouble = ""
@@ -339,17 +339,17 @@ class _Rows:
 
     def row(self, values: Sequence[float]) -> None:
         """Take the columns of one tick, unless they are here."""
-        if len(self._numbers) == int(values[0]) * WIDTH:
+        if len(self._numbers) == int(values[0]) * ROW_WIDTH:
             self._numbers.extend(values)
 
     def cut(self, tick: int) -> None:
         """Forget what is later than a tick."""
-        del self._numbers[(tick + 1) * WIDTH :]
+        del self._numbers[(tick + 1) * ROW_WIDTH :]
 
     def columns(self) -> dict[str, Numbers]:
         """Return a copy, by name."""
-        table = np.array(self._numbers).reshape(-1, WIDTH)
-        return {name: table[:, place].copy() for place, name in enumerate(COLUMNS)}
+        table = np.array(self._numbers).reshape(-1, ROW_WIDTH)
+        return {name: table[:, place].copy() for place, name in enumerate(MOTION_COLUMNS)}
 
 
 def _options_of(given: Mapping[str, Any]) -> RunOptions:
@@ -357,16 +357,18 @@ def _options_of(given: Mapping[str, Any]) -> RunOptions:
     keywords = {name: value for name, value in given.items() if name != "exercise"}
     known = {"vessel", *BoatOptions.__annotations__}
     exercise = given.get("exercise")
-    with parsed(run_command, [] if exercise is None else [exercise], keywords, known) as asked:
+    with parse_options(
+        run_command, [] if exercise is None else [exercise], keywords, known
+    ) as asked:
         del asked["teletype"]
         return replace(run_options(asked), headless=True, speed=math.inf)
 
 
 def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
     """Return the plan with the speed, depth and course given; ConfigError if one cannot be."""
-    kinds = {item.name: kind_of(item) for item in fields(Initial)}
+    kinds = {item.name: kind_of(item) for item in fields(StartState)}
     given: dict[str, Any] = {
-        BEGIN[name]: kinds[BEGIN[name]].read(name, _number(value), Place("Boat", ""))
+        INITIAL_KEYS[name]: kinds[INITIAL_KEYS[name]].read(name, _number(value), Place("Boat", ""))
         for name, value in begin.items()
         if value is not None
     }

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unp
 
 from trainer.cli import guide, identify
 from trainer.cli import sweep as sweep_command
-from trainer.cli.keywords import parsed
+from trainer.cli.keywords import parse_options
 from trainer.cli.options import record_of
 from trainer.config.extras import require_library
 from trainer.config.files import json_text, shipped_names
@@ -20,14 +20,12 @@ from trainer.config.files import json_text, shipped_names
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from trainer.analysis.manoeuvres.page import Report as ManoeuvreReport
+    from trainer.analysis.manoeuvres.page import ManoeuvreReport
     from trainer.analysis.manoeuvres.vehicle import Measure
-    from trainer.analysis.sweep.report import Report as SweepReport
-    from trainer.analysis.sweep.report import Spread
-    from trainer.identify.pages.record import Channel
-    from trainer.identify.pages.record import Report as RecordReport
+    from trainer.analysis.sweep.report import Spread, SweepReport
+    from trainer.identify.pages.record import ChannelSummary, RecordReport
     from trainer.identify.pages.results import Estimate, ShipNumber
-    from trainer.identify.pages.results import Report as FitReport
+    from trainer.identify.pages.results import IdentifyReport as FitReport
 
 Report = TypeVar("Report")
 Figure = TypeVar("Figure")
@@ -107,7 +105,7 @@ def manoeuvre(
     from trainer.analysis.manoeuvres.page import render
 
     known = ManoeuvreOptions.__annotations__
-    with parsed(guide.manoeuvre, [name, vessel], options, known) as asked:
+    with parse_options(guide.manoeuvre, [name, vessel], options, known) as asked:
         del asked["name"], asked["vessel"]
         report, flight = guide.fly(str(vessel), name, asked)
     return Answer(
@@ -143,7 +141,7 @@ def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, 
     from trainer.cli.subjects import subject_of
 
     given = {"jobs": 1, **options}
-    with parsed(sweep_command.sweep, [study], given, SweepOptions.__annotations__) as asked:
+    with parse_options(sweep_command.sweep, [study], given, SweepOptions.__annotations__) as asked:
         check_pyarrow()
         job = job_of(str(study), asked["members"], subject_of)
         with tempfile.TemporaryDirectory() as folder:
@@ -187,7 +185,7 @@ class IdentifyOptions(TypedDict, total=False):
 @overload
 def identify_ship(
     record: File, *, data_only: Literal[True], **options: Unpack[IdentifyOptions]
-) -> "Answer[RecordReport, Channel]": ...
+) -> "Answer[RecordReport, ChannelSummary]": ...
 
 
 @overload
@@ -218,7 +216,7 @@ def identify_ship(
         {"data_only": data_only, **options},
         ("data_only", *IdentifyOptions.__annotations__),
     )
-    with parsed(identify.identify, [record], given, known) as words:
+    with parse_options(identify.identify, [record], given, known) as words:
         asked = record_of(studies.IdentifyOptions, words)
         study = studies.study_of(Path(record), asked)
         if asked.data_only:

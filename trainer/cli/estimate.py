@@ -6,20 +6,20 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import bar, json_of, write_text
-from trainer.cli.options import HTML, TOML
+from trainer.cli.answers import json_of, show_progress, write_text
+from trainer.cli.options import HTML_FILE, TOML_FILE
 from trainer.cli.types import Name
 
-NEW: Final = "new"  # the word before the name of a hull to be written
-SKELETON: Final = "hull-skeleton"
+NEW_HULL: Final = "new"  # the word before the name of a hull to be written
+HULL_SKELETON: Final = "hull-skeleton"
 
 
 @click.command()
 @click.argument("hull", type=Name("hulls"))
-@click.argument("file", type=TOML, required=False)
-@click.option("-o", "--output", type=TOML, metavar="FILE", help="Write the boat so.")
-@click.option("--html", type=HTML, metavar="FILE", help="Write a page, with the hull drawn.")
-@click.option("--study", type=TOML, metavar="FILE", help="Write a study of the turn's bands.")
+@click.argument("file", type=TOML_FILE, required=False)
+@click.option("-o", "--output", type=TOML_FILE, metavar="FILE", help="Write the boat so.")
+@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write a page, with the hull drawn.")
+@click.option("--study", type=TOML_FILE, metavar="FILE", help="Write a study of the turn's bands.")
 @click.option(
     "--draws",
     type=click.IntRange(0, 2000),
@@ -41,24 +41,24 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
     file writes one with comments, to be changed. The boat has a standard deviation on every
     coefficient, and flies at once. `trainer sweep` draws from it.
     """
-    if hull == NEW:
+    if hull == NEW_HULL:
         _write_skeleton(file)
         return
     if file is not None:
         raise click.UsageError(f"{file}: the boat is written with -o {file}")
     from dataclasses import asdict
 
-    from trainer.analysis.estimate.boat_file import load, write_boat
+    from trainer.analysis.estimate.boat_file import open_hull, write_boat
     from trainer.analysis.estimate.page import html_page, render
-    from trainer.analysis.estimate.survey import survey, turns_of
+    from trainer.analysis.estimate.survey import survey_boat, turns_of
 
     if options["reduce"] and output is None:
         raise click.UsageError("--reduce: needs -o, where the boat is written")
     if options["study"] is not None and output is None:
         raise click.UsageError("--study: needs -o, the boat that it flies")
-    made = write_boat(load(hull), output or Path(f"{Path(hull).stem}-boat.toml"))
-    with bar(turns_of(made, options["draws"]), "turning") as step:
-        found = survey(made, options["draws"], step)
+    made = write_boat(open_hull(hull), output or Path(f"{Path(hull).stem}-boat.toml"))
+    with show_progress(turns_of(made, options["draws"]), "turning") as step:
+        found = survey_boat(made, options["draws"], step)
     if output is not None:
         write_text(output, made.text)
     if options["html"] is not None:
@@ -72,11 +72,11 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
 
 def _write_skeleton(file: Path | None) -> None:
     """Write a hull to be changed; ConfigError if the file is there."""
-    from trainer.config.files import as_typed, read_text, shipped, write_once
+    from trainer.config.files import as_typed, read_text, shipped_path, write_once
 
     if file is None:
         raise click.UsageError("new: give the name of the file, such as hull.toml")
-    write_once(file, read_text(shipped("", SKELETON)))
+    write_once(file, read_text(shipped_path("", HULL_SKELETON)))
     click.echo(f"{file} written; next: trainer estimate {as_typed(file)} -o boat.toml")
 
 

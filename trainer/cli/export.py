@@ -8,23 +8,23 @@ from typing import Any
 import click
 
 from trainer.cli.options import (
-    FILE,
-    RECORDING,
-    SEA,
-    VESSEL,
+    ANY_FILE,
+    RECORDING_FILE,
+    SEA_NAME,
     VESSEL_HELP,
+    VESSEL_NAME,
+    combine_options,
     method_options,
     run_options,
     sea_option,
     seed_option,
-    together,
 )
 from trainer.session.options import RunOptions
 
-CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
+CPU_TARGETS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
 
-boat_options = together(
-    click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
+boat_options = combine_options(
+    click.option("--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP),
     method_options,
     click.option("--integrator", default="adams2", show_default=True, help="As for trainer run."),
     click.option("--step", type=float, help="Step in s. [default: the vessel's]"),
@@ -32,16 +32,16 @@ boat_options = together(
     sea_option("Of the start. [default: calm]", "calm"),
     seed_option("Seed of all random numbers."),
 )
-STATIONS = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "observer")
+STATION_ROLES = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "observer")
 
 
 @click.command(name="export-core")
-@click.argument("directory", type=FILE)
+@click.argument("directory", type=ANY_FILE)
 @boat_options
 @click.option(
     "--cpu",
-    type=click.Choice(CPUS),
-    default=CPUS[0],
+    type=click.Choice(CPU_TARGETS),
+    default=CPU_TARGETS[0],
     show_default=True,
     help="Processors that the code is for: any of the last 15 years, with AVX2, with AVX-512, "
     "this machine's, or WebAssembly.",
@@ -69,37 +69,39 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
         return
 
     from trainer.boat.export.library import (
-        LIBRARY,
+        LIBRARY_FILE,
         add_library,
-        export,
-        render,
+        render_export,
+        write_core,
     )
     from trainer.boat.export.targets import NoCompilerError
 
-    exported = export(boat_at_start(run_options(options)), directory, cpu)
+    exported = write_core(boat_at_start(run_options(options)), directory, cpu)
     missing = ""
     try:
         add_library(directory)
     except NoCompilerError as error:
         missing = str(error)
-    files = (*exported.files, *(() if missing else (LIBRARY,)))
+    files = (*exported.files, *(() if missing else (LIBRARY_FILE,)))
     figures = {**asdict(exported), "files": files}
-    click.echo(json.dumps(figures, indent=1) if as_json else render(exported, directory, files))
+    click.echo(
+        json.dumps(figures, indent=1) if as_json else render_export(exported, directory, files)
+    )
     if missing:
         click.echo(f"trainer: {missing}", err=True)
         sys.exit(1)
 
 
 @click.command(name="export-page")
-@click.argument("file", type=FILE)
-@click.option("--vessel", type=VESSEL, help=f"{VESSEL_HELP} [default: bb2]")
-@click.option("--sea", type=SEA, metavar="NAME|PATH", help="[default: calm]")
+@click.argument("file", type=ANY_FILE)
+@click.option("--vessel", type=VESSEL_NAME, help=f"{VESSEL_HELP} [default: bb2]")
+@click.option("--sea", type=SEA_NAME, metavar="NAME|PATH", help="[default: calm]")
 @click.option("--seed", type=click.IntRange(0, 2**53 - 1), help="[default: 1]")
-@click.option("--recording", type=RECORDING, help="What was flown, to be seen and taken over.")
+@click.option("--recording", type=RECORDING_FILE, help="What was flown, to be seen and taken over.")
 @click.option(
     "--station",
-    type=click.Choice(STATIONS),
-    default=STATIONS[0],
+    type=click.Choice(STATION_ROLES),
+    default=STATION_ROLES[0],
     show_default=True,
     help="The station that the page is.",
 )
@@ -138,7 +140,7 @@ def boat_at_start(options: RunOptions) -> Any:
     from trainer.config.sea import load_sea
     from trainer.config.vessel import load_vessel
     from trainer.session.plan import choose_method
-    from trainer.session.warm_up import refuse_unstable, warm
+    from trainer.session.warm_up import refuse_unstable, warm_boat
     from trainer.units import KNOT
 
     file = load_vessel(options.vessel)
@@ -149,7 +151,7 @@ def boat_at_start(options: RunOptions) -> Any:
             "leave it out, or run it by trainer run"
         )
     boat = Boat(file, choose_method(file, options))
-    warm(boat)
+    warm_boat(boat)
     if not options.unsafe_step:
         refuse_unstable(boat)
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0, options.seed)

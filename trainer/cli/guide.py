@@ -10,40 +10,48 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli import ships
-from trainer.cli.answers import AHEAD, Number, bar, json_of, outputs, show, write_text
+from trainer.cli.answers import (
+    AHEAD_SPEED_KN,
+    Number,
+    json_of,
+    outputs,
+    show_progress,
+    show_report,
+    write_text,
+)
 from trainer.cli.options import (
-    CSV,
-    HTML,
-    PDF,
-    VESSEL,
+    CSV_FILE,
+    HTML_FILE,
+    PDF_FILE,
+    VESSEL_NAME,
+    combine_options,
     cores_option,
     options_given,
     record_of,
     sea_option,
     seed_option,
-    together,
 )
 from trainer.cli.types import File, Word
-from trainer.config.words import EQUATIONS
+from trainer.config.words import EQUATION_SETS
 
 if TYPE_CHECKING:
     from trainer.analysis.manoeuvres.flight import Flight
-    from trainer.analysis.manoeuvres.page import ManoeuvreOptions, Report
+    from trainer.analysis.manoeuvres.page import ManoeuvreOptions, ManoeuvreReport
 
-OF_BOATS: Final = (
+BOAT_OPTIONS: Final = (
     *("equations", "rates", "trig", "integrator", "controls", "trim", "law"),
     *("depth", "sea", "seed"),
 )
-NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load the core
+MANOEUVRE_NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load the core
     *("meander", "overshoot", "turn", "climbing-turn", "acceleration", "utmost-acceleration"),
     *("trim", "impulse", "rudder-impulse", "turning-circle", "zigzag-10", "zigzag-20"),
     *("pull-out", "spiral", "reverse-spiral", "vertical-zigzag", "crash-stop", "backing"),
     *("roll-decay", "out-of-balance", "plane-jam", "rudder-jam"),
 )
-ANGLE: Final = Number(0.0, 90.0)
-SECONDS: Final = Number(1.0, 1e5)
-PARAMETERS: Final = together(
-    click.option("--angle", type=ANGLE, help="Of the control, in degrees."),
+ANGLE_DEG: Final = Number(0.0, 90.0)
+DURATION_S: Final = Number(1.0, 1e5)
+PARAMETER_OPTIONS: Final = combine_options(
+    click.option("--angle", type=ANGLE_DEG, help="Of the control, in degrees."),
     click.option(
         "--side",
         type=click.Choice(("starboard", "port")),
@@ -56,29 +64,29 @@ PARAMETERS: Final = together(
         flag_value="dive",
         help="Planes to dive, or first. [default: rise; of trim, dive]",
     ),
-    click.option("--planes", type=ANGLE, help="Of a climbing turn, in degrees."),
+    click.option("--planes", type=ANGLE_DEG, help="Of a climbing turn, in degrees."),
     click.option("--execute", type=Number(0.0, 180.0), help="Mark, in degrees."),
-    click.option("--duration", type=SECONDS, help="In seconds."),
+    click.option("--duration", type=DURATION_S, help="In seconds."),
     click.option(
         "--step-speed",
         type=Number(0.1, 60.0),
         metavar="KN",
         help="At most, of each step of an acceleration. [default: 5, or a third of the last]",
     ),
-    click.option("--step-time", type=SECONDS, help="In seconds, of each step."),
+    click.option("--step-time", type=DURATION_S, help="In seconds, of each step."),
     click.option(
         "--ahead-speed",
-        type=AHEAD,
+        type=AHEAD_SPEED_KN,
         metavar="KN",
         help="The last that an acceleration orders. [default: full ahead]",
     ),
     click.option(
         "--ahead-time",
-        type=SECONDS,
+        type=DURATION_S,
         help="In seconds, until an utmost acceleration stops. [default: half the duration]",
     ),
 )
-PLACE: Final = together(
+INITIAL_OPTIONS: Final = combine_options(
     click.option(
         "--depth",
         type=Number(0.0, 12000.0),
@@ -94,17 +102,23 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     """Print the manoeuvres and leave."""
     if not value or ctx.resilient_parsing:
         return
-    from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, format_parameters, parameters
+    from trainer.analysis.manoeuvres.catalogue import (
+        MANOEUVRES,
+        format_parameters,
+        manoeuvre_parameters,
+    )
     from trainer.report.text import table
 
-    rows = [(name, format_parameters(parameters(each))) for name, each in MANOEUVRES.items()]
+    rows = [
+        (name, format_parameters(manoeuvre_parameters(each))) for name, each in MANOEUVRES.items()
+    ]
     click.echo("\n".join(table(("", "degrees and seconds unless told otherwise"), rows, "")))
     ctx.exit()
 
 
 @click.command()
-@click.argument("name", type=Word(NAMES))
-@click.argument("vessel", type=VESSEL)
+@click.argument("name", type=Word(MANOEUVRE_NAMES))
+@click.argument("vessel", type=VESSEL_NAME)
 @click.option(
     "--list",
     is_flag=True,
@@ -113,10 +127,10 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     callback=print_list,
     help="Print the manoeuvres and their parameters, and leave.",
 )
-@click.option("--speed", type=AHEAD, metavar="KN", help="[default: the boat's]")
-@PARAMETERS
-@PLACE
-@click.option("--equations", type=click.Choice(EQUATIONS), default="full", show_default=True)
+@click.option("--speed", type=AHEAD_SPEED_KN, metavar="KN", help="[default: the boat's]")
+@PARAMETER_OPTIONS
+@INITIAL_OPTIONS
+@click.option("--equations", type=click.Choice(EQUATION_SETS), default="full", show_default=True)
 @click.option("--rates", type=click.Choice(("exact", "lagged")))
 @click.option("--trig", type=click.Choice(("exact", "report")), default="exact", show_default=True)
 @click.option("--integrator", default="adams2", show_default=True, help="As for trainer run.")
@@ -142,12 +156,12 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     show_default=True,
     help="Of depth keeping, as the order autopilot has them.",
 )
-@click.option("--csv", type=CSV, metavar="FILE", help="Write the flight, SI, rad.")
+@click.option("--csv", type=CSV_FILE, metavar="FILE", help="Write the flight, SI, rad.")
 @outputs
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
 
-    VESSEL is a name, a vessel file, or the file of a ship that was identified.
+    VESSEL_NAME is a name, a vessel file, or the file of a ship that was identified.
 
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
@@ -168,7 +182,7 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
         from trainer.identify.ships import vehicle
 
         render = vehicle.render
-    show(report, render, lambda: page.panels(find_manoeuvre(name), flight), options)
+    show_report(report, render, lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
 
 
@@ -176,14 +190,14 @@ def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
     """Return what the command's options ask of a manoeuvre."""
     from trainer.analysis.manoeuvres.catalogue import PARAMETERS
     from trainer.analysis.manoeuvres.page import ManoeuvreOptions
-    from trainer.analysis.manoeuvres.submarine import CALM, Rig
+    from trainer.analysis.manoeuvres.submarine import CALM_SEA, Rig
 
     given = {key: options[key] for key in PARAMETERS if options[key] is not None}
-    rig = record_of(Rig, {**options, "sea": options["sea"] or CALM})
+    rig = record_of(Rig, {**options, "sea": options["sea"] or CALM_SEA})
     return record_of(ManoeuvreOptions, options, parameters=given, rig=rig)
 
 
-def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":
+def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreReport, Flight]":
     """Return report and flight of a boat, or of a ship that was identified."""
     from trainer.analysis.manoeuvres import page
     from trainer.config.nomoto import is_nomoto
@@ -195,7 +209,7 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
     known = path.suffix == ".toml" and (is_nomoto(path), is_ship(path))
     if not known or not any(known):
         return page.fly_boat(load_vessel(vessel), name, asked)
-    unknown = [f"--{option}" for option in OF_BOATS if option in options_given()]
+    unknown = [f"--{option}" for option in BOAT_OPTIONS if option in options_given()]
     if unknown:
         told = f"{vessel} is a ship: {', '.join(unknown)} are for boats"
         raise click.UsageError(told.replace("a ship", "a Nomoto ship") if known[0] else told)
@@ -210,9 +224,9 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
-@click.option("--html", type=HTML, metavar="FILE", help="Write one HTML page.")
-@click.option("--pdf", type=PDF, metavar="FILE", help="Print it by a browser.")
+@click.argument("vessel", type=VESSEL_NAME)
+@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write one HTML page.")
+@click.option("--pdf", type=PDF_FILE, metavar="FILE", help="Print it by a browser.")
 @click.option(
     "--depth",
     type=Number(0.1, 12000.0),
@@ -244,18 +258,18 @@ def guide(vessel: str, **options: Any) -> None:
     \b
     Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
 
-    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the modified
-    set is out of tolerance; trainer reduce finds one that is not.
+    VESSEL_NAME is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the
+    modified set is out of tolerance; trainer reduce finds one that is not.
     """
     from trainer.analysis.guide import moves, page, summary
-    from trainer.analysis.guide.programme import legs, legs_of_1969
+    from trainer.analysis.guide.programme import guide_legs, legs_of_1969
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     baseline = options["baseline"]
     earlier = moves.load_earlier(baseline, file.name) if baseline else None
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    choose = legs_of_1969 if options["programme"] == "1969" else legs
+    choose = legs_of_1969 if options["programme"] == "1969" else guide_legs
     book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
     now = json.loads(json_of(asdict(book.guide)))
     moved = None if earlier is None else moves.compare_guides(earlier, now)
@@ -271,11 +285,11 @@ def guide(vessel: str, **options: Any) -> None:
 def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
     """Return the guide's book of some legs, with a progress bar on a terminal."""
     from trainer.analysis.guide import contents
-    from trainer.analysis.guide.programme import processors
+    from trainer.analysis.guide.programme import processor_count
 
-    count = len(contents.tasks(file, legs))
-    with bar(count, "flying") as step:
-        return contents.write(file, legs, made, cores or processors(), lambda: step(1))
+    count = len(contents.guide_tasks(file, legs))
+    with show_progress(count, "flying") as step:
+        return contents.write_guide(file, legs, made, cores or processor_count(), lambda: step(1))
 
 
 def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
@@ -293,4 +307,4 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
             print_pdf(path, pdf)
 
 
-GUIDING: Final = [manoeuvre, guide]
+GUIDE_COMMANDS: Final = [manoeuvre, guide]

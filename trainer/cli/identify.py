@@ -7,33 +7,41 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli import ships
-from trainer.cli.answers import AHEAD, Number, outputs, show, show_step, tell, write_text
+from trainer.cli.answers import (
+    AHEAD_SPEED_KN,
+    Number,
+    outputs,
+    print_note,
+    show_report,
+    show_step,
+    write_text,
+)
 from trainer.cli.options import (
-    CSV,
-    FILE,
-    HTML,
-    SEA,
-    TOML,
-    VESSEL,
+    ANY_FILE,
+    CSV_FILE,
+    HTML_FILE,
+    SEA_NAME,
+    TOML_FILE,
     VESSEL_HELP,
+    VESSEL_NAME,
+    combine_options,
     options_given,
     record_of,
-    together,
 )
-from trainer.cli.types import Deeper, File, Name
+from trainer.cli.types import File, Name, ParentCommand
 
 if TYPE_CHECKING:
     from trainer.identify.options import IdentifyOptions
-    from trainer.identify.pages.results import Identified
+    from trainer.identify.pages.results import Identification
     from trainer.identify.record.study import Study
 
-MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
-CHANNELS: Final = ("sway", "yaw_rate", "heading")
-RECORD: Final = File(".toml", ".trainer", ".csv")
-SYSTEM: Final = File(".toml", ".py")
-TURNS: Final = File(".toml", ".csv")
-FITS: Final = "the kernels of fits, once (up to a minute)"
-POSITIVE: Final = Number(0.0, 1e6, min_open=True)
+LINEAR_MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
+OUTPUT_CHANNELS: Final = ("sway", "yaw_rate", "heading")
+RECORD_FILE: Final = File(".toml", ".trainer", ".csv")
+SYSTEM_FILE: Final = File(".toml", ".py")
+TURNS_FILE: Final = File(".toml", ".csv")
+FIT_KERNELS_TEXT: Final = "the kernels of fits, once (up to a minute)"
+POSITIVE_NUMBER: Final = Number(0.0, 1e6, min_open=True)
 strength_option = click.option(
     "--prior-strength",
     type=Number(0.0, 100.0),
@@ -41,20 +49,20 @@ strength_option = click.option(
     show_default=True,
     help="Widths of what books say of a ship, times this; 0 for no book.",
 )
-model_options = together(
+model_options = combine_options(
     click.option(
         "--model",
-        type=click.Choice((*MODELS, *ships.MODELS)),
+        type=click.Choice((*LINEAR_MODELS, *ships.SHIP_MODELS)),
         help="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
         "[default: the study's]",
     ),
-    click.option("--vessel", type=VESSEL, help=VESSEL_HELP),
-    click.option("--length", type=POSITIVE, help="Of the ship, metres."),
-    click.option("--at", "knots", type=AHEAD, help="Speed, knots."),
+    click.option("--vessel", type=VESSEL_NAME, help=VESSEL_HELP),
+    click.option("--length", type=POSITIVE_NUMBER, help="Of the ship, metres."),
+    click.option("--at", "knots", type=AHEAD_SPEED_KN, help="Speed, knots."),
     click.option(
         "--output",
         "channels",
-        type=click.Choice((*CHANNELS, "bow_sway", "stern_sway")),
+        type=click.Choice((*OUTPUT_CHANNELS, "bow_sway", "stern_sway")),
         multiple=True,
         help="What to fit, may be repeated. [default: all the model has]",
     ),
@@ -69,7 +77,7 @@ model_options = together(
         help="Minimiser. [default: scoring, by BFGS where it gets no further]",
     ),
     click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
-    click.option("--system", type=SYSTEM, help="Your own: matrices, or a program."),
+    click.option("--system", type=SYSTEM_FILE, help="Your own: matrices, or a program."),
     click.option(
         "--reject",
         type=Number(0.0, 0.5, min_open=True),
@@ -80,18 +88,18 @@ model_options = together(
     click.option("--from", "begin", type=Number(), help="First second."),
     click.option("--to", "end", type=Number(), help="Last second."),
 )
-of_ships = together(
+of_ships = combine_options(
     click.option("--ship", type=Name("ships"), help="For linear to mmg, its file."),
     strength_option,
     click.option(
-        "--predict", type=RECORD, multiple=True, help="A record held back, may be repeated."
+        "--predict", type=RECORD_FILE, multiple=True, help="A record held back, may be repeated."
     ),
-    click.option("--write-ship", type=TOML, help="Write the ship; it sails."),
-    click.option("--coefficients", type=CSV, help="Write them and their covariance."),
+    click.option("--write-ship", type=TOML_FILE, help="Write the ship; it sails."),
+    click.option("--coefficients", type=CSV_FILE, help="Write them and their covariance."),
 )
 
 
-class Angles(click.ParamType[tuple[float, float]]):
+class ZigzagAngles(click.ParamType[tuple[float, float]]):
     """Helm and heading of a zig-zag: 10/10."""
 
     name = "angles"
@@ -110,7 +118,7 @@ class Angles(click.ParamType[tuple[float, float]]):
         return angles
 
 
-class Approach(click.ParamType[tuple[float, float]]):
+class ApproachSpeed(click.ParamType[tuple[float, float]]):
     """A speed, and that whose revolutions turn the propeller: 15, or 15/8."""
 
     name = "approach"
@@ -120,7 +128,9 @@ class Approach(click.ParamType[tuple[float, float]]):
         if isinstance(value, tuple):
             return value
         speed, _, held = str(value).partition("/")
-        return AHEAD.convert(speed, param, ctx), AHEAD.convert(held or speed, param, ctx)
+        return AHEAD_SPEED_KN.convert(speed, param, ctx), AHEAD_SPEED_KN.convert(
+            held or speed, param, ctx
+        )
 
 
 def sensor(name: str, default: float, text: str) -> Any:
@@ -130,17 +140,19 @@ def sensor(name: str, default: float, text: str) -> Any:
     return click.option(flag, name, type=limits, default=default, show_default=True, help=text)
 
 
-sensor_options = together(
+sensor_options = combine_options(
     sensor("sway", 0.05, "Standard deviation of the log, knots."),
     sensor("yaw_rate", 0.02, "Of the rate gyro, deg/s."),
     sensor("heading", 0.1, "Of the compass, degrees."),
 )
 
 
-sequence_options = together(
-    click.option("--amplitude", type=POSITIVE, default=5.0, show_default=True, help="Degrees."),
+sequence_options = combine_options(
+    click.option(
+        "--amplitude", type=POSITIVE_NUMBER, default=5.0, show_default=True, help="Degrees."
+    ),
     click.option("--bits", type=click.IntRange(2, 12), help="Of the register."),
-    click.option("--hold", type=POSITIVE, help="Seconds of a bit. [default: T1/3; L/U]"),
+    click.option("--hold", type=POSITIVE_NUMBER, help="Seconds of a bit. [default: T1/3; L/U]"),
     click.option("--periods", type=click.IntRange(1, 50), default=1, show_default=True),
     click.option("--seed", type=click.IntRange(1, 4095), default=1, show_default=True),
     click.option(
@@ -150,30 +162,30 @@ sequence_options = together(
         show_default=True,
         help="Order rudder angles, or courses that the autopilot steers, near north.",
     ),
-    click.option("--zigzag", type=Angles(), metavar="HELM/HEADING", help="Instead."),
+    click.option("--zigzag", type=ZigzagAngles(), metavar="HELM/HEADING", help="Instead."),
     click.option(
-        "--seconds", type=POSITIVE, default=600.0, show_default=True, help="Of a zig-zag."
+        "--seconds", type=POSITIVE_NUMBER, default=600.0, show_default=True, help="Of a zig-zag."
     ),
 )
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
+@click.argument("vessel", type=VESSEL_NAME)
 @click.option(
     "--speed",
     "speeds",
-    type=Approach(),
+    type=ApproachSpeed(),
     multiple=True,
     metavar="KN[/KN]",
     help="[default: the vessel's] Of a ship may be repeated; 15/8 has the revolutions of 8 kn.",
 )
-@click.option("--depth", type=POSITIVE, help="Metres. [default: the vessel's]")
+@click.option("--depth", type=POSITIVE_NUMBER, help="Metres. [default: the vessel's]")
 @sequence_options
-@click.option("--interval", type=POSITIVE, help="Seconds between samples.")
+@click.option("--interval", type=POSITIVE_NUMBER, help="Seconds between samples.")
 @click.option(
     "--output",
     "outputs",
-    type=click.Choice(CHANNELS),
+    type=click.Choice(OUTPUT_CHANNELS),
     multiple=True,
     help="What will be read, may be repeated. [default: all three]",
 )
@@ -186,15 +198,15 @@ sequence_options = together(
     help="Yaw rate that the sea alone makes, rms deg/s.",
 )
 @strength_option
-@click.option("--sea", type=SEA, metavar="NAME", help="Sea of the exercise written.")
-@click.option("--write", type=TOML, metavar="FILE", help="Write the exercise.")
+@click.option("--sea", type=SEA_NAME, metavar="NAME", help="Sea of the exercise written.")
+@click.option("--write", type=TOML_FILE, metavar="FILE", help="Write the exercise.")
 @outputs
 def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
 
-    VESSEL is a name or the path of a vessel file, or the file of a ship that is not linear. Such a
-    ship sails a zig-zag, a binary sequence, or both; these, and several speeds, are tried one by
-    one and together in the same time.
+    VESSEL_NAME is a name or the path of a vessel file, or the file of a ship that is not linear.
+    Such a ship sails a zig-zag, a binary sequence, or both; these, and several speeds, are tried
+    one by one and together in the same time.
 
     \b
     Example:  trainer prbs bb2 --amplitude 3 --sea sea-state-3 --write trial.toml
@@ -219,10 +231,10 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     asked = record_of(
         page.ExperimentOptions, options, vessel=vessel, speed_kn=speed, sensors=sensors
     )
-    found = page.design(file, asked)
+    found = page.design_experiment(file, asked)
     if write is not None:
         write_text(write, found.exercise)
-    show(found.report, page.render, lambda: page.panels(found), options)
+    show_report(found.report, page.render, lambda: page.panels(found), options)
 
 
 def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float | None:
@@ -235,13 +247,15 @@ def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float |
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
-@click.option("--speed", "speeds", type=AHEAD, multiple=True, metavar="KN", help="May be repeated.")
+@click.argument("vessel", type=VESSEL_NAME)
+@click.option(
+    "--speed", "speeds", type=AHEAD_SPEED_KN, multiple=True, metavar="KN", help="May be repeated."
+)
 @outputs
 def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     """Show gains, lever arms, and the spiral of a boat or a Nomoto ship.
 
-    VESSEL is a name, or the path of a vessel file or a Nomoto file.
+    VESSEL_NAME is a name, or the path of a vessel file or a Nomoto file.
 
     \b
     Example:  trainer steering bb2 --speed 5 --speed 10
@@ -261,53 +275,55 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     else:
         file = load_vessel(vessel)
         report = page.of_vessel(file, speeds or (file.run.start_speed_kn,))
-    show(report, page.render, lambda: page.panels(report), options)
+    show_report(report, page.render, lambda: page.panels(report), options)
 
 
 @click.command()
-@click.argument("file", type=TOML)
+@click.argument("file", type=TOML_FILE)
 @click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
-@click.option("--csv", type=CSV, metavar="FILE", help="Write the track as a record.")
+@click.option("--csv", type=CSV_FILE, metavar="FILE", help="Write the track as a record.")
 @outputs
 def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  # noqa: FBT001
     """Lanes to position to sway velocity (DECCON).
 
-    FILE is a Decca study: the chain, the antenna, and the CSV file of lanes and heading.
+    ANY_FILE is a Decca study: the chain, the antenna, and the CSV_FILE file of lanes and heading.
 
     \b
     Example:  trainer decca run.toml --csv sway.csv --plot track.png
     """
     from trainer.identify.pages import decca as page
-    from trainer.identify.record.decca import load_decca, sail, write_track
+    from trainer.identify.record.decca import load_decca, solve_track, write_track
 
-    sailed = sail(load_decca(file), smooth=smooth)
+    sailed = solve_track(load_decca(file), smooth=smooth)
     if csv is not None:
         write_track(sailed, csv)
     report = page.report_of(sailed, smooth=smooth)
-    show(report, page.render, lambda: page.panels(sailed), options)
+    show_report(report, page.render, lambda: page.panels(sailed), options)
 
 
-@click.command(cls=Deeper)
-@click.argument("files", type=RECORD, nargs=-1, metavar="FILE [RECORD]...")
+@click.command(cls=ParentCommand)
+@click.argument("files", type=RECORD_FILE, nargs=-1, metavar="FILE [RECORD]...")
 @model_options
 @of_ships
 @click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
 @click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), help="Highest ARMAX order.")
-@click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
+@click.option(
+    "--against", type=click.Choice(LINEAR_MODELS), help="Test it against a simpler model."
+)
 @click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
-@click.option("--check", type=RECORD, help="Another record to predict, as a test.")
-@click.option("--kappa", type=RECORD, help="A record of large manoeuvres, for kappa.")
-@click.option("--bech", type=RECORD, help="The same, for Bech's H(r), three terms.")
-@click.option("--spiral", type=TURNS, help="Steady turns, for H(r); times not read.")
+@click.option("--check", type=RECORD_FILE, help="Another record to predict, as a test.")
+@click.option("--kappa", type=RECORD_FILE, help="A record of large manoeuvres, for kappa.")
+@click.option("--bech", type=RECORD_FILE, help="The same, for Bech's H(r), three terms.")
+@click.option("--spiral", type=TURNS_FILE, help="Steady turns, for H(r); times not read.")
 @click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
 @click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
-@click.option("--csv", type=CSV, metavar="FILE", help="Write it sample by sample.")
-@click.option("--checkpoint", type=FILE, help="Keep the search in this file.")
-@click.option("--write-nomoto", type=TOML, help="Write the ship in few numbers.")
-@click.option("--write-vessel", type=TOML, help="Write the vessel file changed.")
-@click.option("--html", type=HTML, metavar="FILE", help="Write one HTML page.")
+@click.option("--csv", type=CSV_FILE, metavar="FILE", help="Write it sample by sample.")
+@click.option("--checkpoint", type=ANY_FILE, help="Keep the search in this file.")
+@click.option("--write-nomoto", type=TOML_FILE, help="Write the ship in few numbers.")
+@click.option("--write-vessel", type=TOML_FILE, help="Write the vessel file changed.")
+@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write one HTML page.")
 @click.option(
     "--example",
     is_flag=False,
@@ -323,10 +339,10 @@ def identify(
 ) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
-    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it. Further
-    records are of the same ship, and are fitted together with the first.
-    `trainer identify new RECORD` writes a study of any CSV file. The models linear, mavmm, abkowitz
-    and mmg are of ships that are not linear, and read CSV files.
+    ANY_FILE is a study (.toml), a recording, or a CSV_FILE file as `trainer run --csv` writes it.
+    Further records are of the same ship, and are fitted together with the first. `trainer identify
+    new RECORD_FILE` writes a study of any CSV_FILE file. The models linear, mavmm, abkowitz and mmg
+    are of ships that are not linear, and read CSV_FILE files.
 
     \b
     Example:  trainer identify --example
@@ -344,7 +360,7 @@ def identify(
         files = (_example(files, example),)
     if not files:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
-    if options["model"] in ships.MODELS:
+    if options["model"] in ships.SHIP_MODELS:
         sys.exit(ships.identify(files, options))
     from trainer.identify.options import IdentifyOptions, study_of
 
@@ -360,10 +376,10 @@ def identify(
 @identify.below
 @click.command()
 @click.argument("record", type=File(".csv", ".trainer"))
-@click.option("-o", "--output", type=TOML, metavar="FILE", help="[default: beside]")
-@click.option("--length", type=POSITIVE, help="Of the ship, metres.")
-@click.option("--at", "knots", type=AHEAD, help="Speed, knots.")
-@click.option("--ship", type=TOML, metavar="FILE", help="A ship's file instead.")
+@click.option("-o", "--output", type=TOML_FILE, metavar="FILE", help="[default: beside]")
+@click.option("--length", type=POSITIVE_NUMBER, help="Of the ship, metres.")
+@click.option("--at", "knots", type=AHEAD_SPEED_KN, help="Speed, knots.")
+@click.option("--ship", type=TOML_FILE, metavar="FILE", help="A ship's file instead.")
 def new(
     record: Path,
     output: Path | None,
@@ -383,13 +399,13 @@ def new(
     """
     from trainer.config.files import as_typed
     from trainer.identify.record.proposal import write_proposal
-    from trainer.identify.ships.proposal import fitting, write_ship_file
+    from trainer.identify.ships.proposal import fit_command, write_ship_file
 
     if ship:
         if output or knots:
             raise click.UsageError("--ship takes the place of --output; the record tells the speed")
         path, found = ship, write_ship_file(record, ship, length)
-        last = f"fill in [dimensions]; fit it by: {fitting(record, ship)}"
+        last = f"fill in [dimensions]; fit it by: {fit_command(record, ship)}"
     else:
         path = output or record.with_suffix(".toml")
         found = write_proposal(record, path, length, knots)
@@ -405,11 +421,11 @@ def new(
 
 def _example(files: tuple[Path, ...], folder: str) -> Path:
     """Return the study shipped as an example, copied to a folder if one is given."""
-    from trainer.config.files import ConfigError, read_text, shipped, write_once
+    from trainer.config.files import ConfigError, read_text, shipped_path, write_once
 
     if files:
         raise click.UsageError("--example has a record of its own: give no FILE")
-    study = shipped("records", "example")
+    study = shipped_path("records", "example")
     if not folder:
         return study
     place = Path(folder)
@@ -428,7 +444,7 @@ def _data(study: "Study", options: dict[str, Any]) -> int:
     from trainer.identify.pages import record as page
 
     report, screens = page.carry_out(study)
-    show(report, page.render, lambda: screens, options)
+    show_report(report, page.render, lambda: screens, options)
     return 0
 
 
@@ -442,20 +458,20 @@ def _armax(study: "Study", options: dict[str, Any]) -> int:
 
         text = sheet(report.study, page.render(report), page.screens(orders), report)
         write_text(options["html"], text)
-    show(report, page.render, lambda: page.screens(orders), options)
+    show_report(report, page.render, lambda: page.screens(orders), options)
     return 0
 
 
-def fit_ship(study: "Study", asked: "IdentifyOptions") -> "Identified":
+def fit_ship(study: "Study", asked: "IdentifyOptions") -> "Identification":
     """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
     from trainer.boat import compilation
     from trainer.identify.pages.results import carry_out
 
-    with compilation.announced(FITS, tell, "fits", "identify/kernels"):
+    with compilation.announce_compiling(FIT_KERNELS_TEXT, print_note, "fits", "identify/kernels"):
         return carry_out(study, asked, show_step)
 
 
-def _model(found: "Identified", options: dict[str, Any]) -> int:
+def _model(found: "Identification", options: dict[str, Any]) -> int:
     """Show a ship model that was fitted; return the exit code."""
     from trainer.identify.pages import identify as page
     from trainer.identify.pages.series import write_series
@@ -470,5 +486,5 @@ def _model(found: "Identified", options: dict[str, Any]) -> int:
         write_series(found.fitted, options["csv"])
     if options["html"]:
         write_text(options["html"], page.sheet(found))
-    show(report, page.render, lambda: page.screens(found), options)
+    show_report(report, page.render, lambda: page.screens(found), options)
     return 0 if report.converged else 1

@@ -14,7 +14,7 @@ from trainer.config.files import ConfigError, nearest
 
 
 @contextmanager
-def parsed(
+def parse_options(
     command: click.Command,
     arguments: Sequence[object],
     keywords: Mapping[str, Any],

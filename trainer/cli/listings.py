@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.options import EXERCISE, TOML
+from trainer.cli.options import EXERCISE_NAME, TOML_FILE
 from trainer.cli.types import Commands
 
-WIDTH: Final = 79  # [columns] of a line at most
+MAX_LINE_COLUMNS: Final = 79  # [columns] of a line at most
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 
 
@@ -86,7 +86,10 @@ def seas(*, as_json: bool) -> None:
 
 def print_rows(rows: Mapping[str, Any], lines: list[str], *, as_json: bool) -> None:
     """Print what is listed as JSON, or as lines that fit an ordinary terminal."""
-    shown = [line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rstrip()} ..." for line in lines]
+    shown = [
+        line if len(line) <= MAX_LINE_COLUMNS else f"{line[: MAX_LINE_COLUMNS - 4].rstrip()} ..."
+        for line in lines
+    ]
     click.echo(json.dumps(rows, indent=1) if as_json else "\n".join(shown))
 
 
@@ -102,9 +105,11 @@ def exercise() -> None:
 
 
 @exercise.command()
-@click.argument("file", type=TOML)
+@click.argument("file", type=TOML_FILE)
 @click.option("--name", help="One line for the list.")
-@click.option("--from", "source", type=EXERCISE, metavar="EXERCISE", help="Copy a shipped one.")
+@click.option(
+    "--from", "source", type=EXERCISE_NAME, metavar="EXERCISE", help="Copy a shipped one."
+)
 def new(file: Path, name: str | None, source: str | None) -> None:
     """Write a valid exercise with comments, to be changed; never over another file.
 
@@ -118,7 +123,7 @@ def new(file: Path, name: str | None, source: str | None) -> None:
 
 
 @exercise.command()
-@click.argument("file", type=EXERCISE)
+@click.argument("file", type=EXERCISE_NAME)
 def check(file: str) -> None:
     """Say what is wrong with an exercise, or else what it is.
 
@@ -130,11 +135,11 @@ def check(file: str) -> None:
     """
     from trainer.analysis import exercise_page
 
-    click.echo("\n".join(exercise_page.check(file)))
+    click.echo("\n".join(exercise_page.check_exercise(file)))
 
 
 @exercise.command()
-@click.argument("file", type=EXERCISE)
+@click.argument("file", type=EXERCISE_NAME)
 @click.option("--seeds", type=click.IntRange(1, 1000), default=20, show_default=True)
 def baseline(file: str, seeds: int) -> None:
     """Fly an exercise with nobody aboard and with its reference crew. Keep their marks beside it.
@@ -148,13 +153,13 @@ def baseline(file: str, seeds: int) -> None:
     """
     from trainer.analysis import exercise_page
 
-    found = exercise_page.study(file, seeds)
-    click.echo("\n".join(exercise_page.table(found)))
-    click.echo(f"kept in {exercise_page.keep(found)}")
+    found = exercise_page.study_exercise(file, seeds)
+    click.echo("\n".join(exercise_page.baseline_lines(found)))
+    click.echo(f"kept in {exercise_page.save_baseline(found)}")
 
 
 @click.command()
-@click.argument("tables", type=TOML, nargs=-1, metavar="[FILE]...")
+@click.argument("tables", type=TOML_FILE, nargs=-1, metavar="[FILE]...")
 @as_json_option
 def casualties(tables: tuple[Path, ...], *, as_json: bool) -> None:
     """List what can break, from the shipped table and from files of your own.

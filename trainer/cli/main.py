@@ -27,8 +27,8 @@ from trainer.cli.moved import name_successor
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
 
-LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
-SECTIONS: Final = {
+SHOWN_LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
+COMMAND_SECTIONS: Final = {
     "Train": (run.run, run.serve, run.attach, run.station, web.web),
     "Exercises": (
         listings.exercises,
@@ -49,11 +49,11 @@ SECTIONS: Final = {
         vessel.vessel,
         estimate.estimate,
         vessel.check,
-        *guide.GUIDING,
+        *guide.GUIDE_COMMANDS,
         vessel.reduce,
         vessel.gains,
     ),
-    "The programs of 1969": programs.PROGRAMS,
+    "The programs of 1969": programs.PROGRAM_COMMANDS,
     "Many boats": (sweep.sweep,),
     "A ship from its recordings": (
         identify.identify,
@@ -76,7 +76,7 @@ def versions() -> str:
     """Return this version and those of the libraries underneath."""
     from importlib import metadata
 
-    libraries = [f"{name} {metadata.version(name)}" for name in LIBRARIES]
+    libraries = [f"{name} {metadata.version(name)}" for name in SHOWN_LIBRARIES]
     return "\n".join([f"trainer {__version__}", f"python {sys.version.split()[0]}", *libraries])
 
 
@@ -107,7 +107,7 @@ def cli() -> None:
     """
 
 
-for title, commands in SECTIONS.items():
+for title, commands in COMMAND_SECTIONS.items():
     cli.add_section(title, commands)
 
 
@@ -124,7 +124,7 @@ def show_any_name() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
-def fail(code: int, *lines: str) -> NoReturn:
+def leave_with(code: int, *lines: str) -> NoReturn:
     """Say why on stderr and leave with that exit code."""
     from trainer.io.lines import plain
 
@@ -158,7 +158,7 @@ def main() -> None:
     keep_standard_streams()
     gone = name_successor(sys.argv[1:])
     if gone:
-        fail(2, gone)
+        leave_with(2, gone)
     run_command(cli, "trainer")
 
 
@@ -169,15 +169,17 @@ def run_command(command: click.Command, name: str) -> NoReturn:
     try:
         sys.exit(command(prog_name=name, standalone_mode=False))
     except ConfigError as wrong:
-        fail(2, *str(wrong).splitlines())
+        leave_with(2, *str(wrong).splitlines())
     except click.UsageError as wrong:
         path = wrong.ctx.command_path if wrong.ctx else name
         told = " ".join(wrong.format_message().split())  # choices have a line each
-        fail(2, f"{told} ({path} --help says more)")
+        leave_with(2, f"{told} ({path} --help says more)")
     except click.Abort:
-        fail(130, "interrupted")
+        leave_with(130, "interrupted")
     except OSError as lost:  # the disk behind the output is full; click handles a closed pipe
-        fail(1, f"{cause_of(lost)}{'' if lost.strerror else limit}")  # a library was not loaded
+        leave_with(
+            1, f"{cause_of(lost)}{'' if lost.strerror else limit}"
+        )  # a library was not loaded
     except (MemoryError, ImportError, SystemError) as lack:
         if not (limit or isinstance(lack, MemoryError)):
             raise  # a fault of the program's own, told whole

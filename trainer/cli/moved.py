@@ -3,13 +3,17 @@
 from collections.abc import Sequence
 from typing import Final
 
-COMPARISONS: Final = ("--against-c", "--side-by-side", "--footprint", "--peers", "--identify")
-MOVED: Final = {  # a command, and its option that has gone or "" for the whole; what to type now
+BENCH_COMPARISONS: Final = ("--against-c", "--side-by-side", "--footprint", "--peers", "--identify")
+# a command, and its option that has gone or "" for the whole; what to type now
+MOVED_COMMANDS: Final = {
     ("soak", "--faults"): "from a checkout, python -m tests.faults",
     ("soak", "--damaged"): "from a checkout, python -m tests.faults --damaged",
     ("soak", ""): "from a checkout, python -m tests.soak",
     ("fuzz", ""): "from a checkout, python -m tests.fuzz",
-    **{("bench", part): f"from a checkout, python -m tests.bench {part}" for part in COMPARISONS},
+    **{
+        ("bench", part): f"from a checkout, python -m tests.bench {part}"
+        for part in BENCH_COMPARISONS
+    },
     ("bench", "--exported"): "from a checkout, python -m tests.bench --wasm",
     ("identify", "--selftest"): "from a checkout, python -m tests.cases",
     ("run", "--core"): "link its library into your own program, see docs/exported-core.md",
@@ -19,7 +23,7 @@ MOVED: Final = {  # a command, and its option that has gone or "" for the whole;
 def name_successor(words: Sequence[str]) -> str:
     """Return what to type instead of a command that has gone. "" for any other."""
     options = {word.partition("=")[0] for word in words[1:]}
-    for (command, option), now in MOVED.items():
+    for (command, option), now in MOVED_COMMANDS.items():
         if words[:1] == [command] and (not option or option in options):
             return f"{' '.join(filter(None, (command, option)))} is gone: {now}"
     return ""

@@ -9,32 +9,32 @@ import click
 from click.core import ParameterSource
 
 from trainer.cli.types import Duration, File, Name, Speed
-from trainer.config.words import EQUATIONS
-from trainer.io.paths import HOST, PAGES, PORT
+from trainer.config.words import EQUATION_SETS
+from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.options import RunOptions
 
 Record = TypeVar("Record")
 
 VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 
-WIDTHS: Final = ("qualified", "basic")  # see debrief.judgement
+RATING_WIDTHS: Final = ("qualified", "basic")  # see debrief.judgement
 
 Decorator = Callable[[Any], Any]
-FILE: Final = File()
-RECORDING: Final = File(".trainer")
-CSV: Final = File(".csv")
-RRD: Final = File(".rrd")
-TOML: Final = File(".toml")
-HTML: Final = File(".html")
-PDF: Final = File(".pdf")
-VESSEL: Final = Name("vessels")
-SEA: Final = Name("seas")
-EXERCISE: Final = Name("exercises")
-STUDY: Final = Name("studies")
+ANY_FILE: Final = File()
+RECORDING_FILE: Final = File(".trainer")
+CSV_FILE: Final = File(".csv")
+RRD_FILE: Final = File(".rrd")
+TOML_FILE: Final = File(".toml")
+HTML_FILE: Final = File(".html")
+PDF_FILE: Final = File(".pdf")
+VESSEL_NAME: Final = Name("vessels")
+SEA_NAME: Final = Name("seas")
+EXERCISE_NAME: Final = Name("exercises")
+STUDY_NAME: Final = Name("studies")
 cores_option = click.option(
     "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
 )
-WEB: Final = f"{HOST}:{PAGES}"
+WEB_ADDRESS: Final = f"{DEFAULT_HOST}:{PAGES_PORT}"
 connect_option = click.option(
     "--connect",
     "url",
@@ -47,7 +47,7 @@ teletype_option = click.option(
 )
 
 
-def together(*options: Decorator) -> Decorator:
+def combine_options(*options: Decorator) -> Decorator:
     """Return a decorator that adds options in the order given."""
 
     def add(command: Any) -> Any:
@@ -60,7 +60,7 @@ def together(*options: Decorator) -> Decorator:
 
 def sea_option(text: str, default: str | None = None) -> Decorator:
     """Return the option that chooses a sea."""
-    return click.option("--sea", type=SEA, default=default, metavar="NAME|PATH", help=text)
+    return click.option("--sea", type=SEA_NAME, default=default, metavar="NAME|PATH", help=text)
 
 
 def seed_option(text: str) -> Decorator:
@@ -69,10 +69,10 @@ def seed_option(text: str) -> Decorator:
     return click.option("--seed", type=seeds, default=1, show_default=True, help=text)
 
 
-method_options = together(
+method_options = combine_options(
     click.option(
         "--equations",
-        type=click.Choice(EQUATIONS),
+        type=click.Choice(EQUATION_SETS),
         help="Full set (1)-(7), compact modified or basic, or the vertical plane alone. "
         "[default: modified; full for a boat without a compact set of its own]",
     ),
@@ -91,8 +91,8 @@ method_options = together(
     ),
 )
 
-exercise_options = together(
-    click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
+exercise_options = combine_options(
+    click.option("--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP),
     method_options,
     sea_option("calm, sea-state-1 to sea-state-6, or a file."),
     click.option(
@@ -117,7 +117,7 @@ exercise_options = together(
     ),
 )
 
-time_options = together(
+time_options = combine_options(
     click.option(
         "--duration",
         type=Duration(),
@@ -151,22 +151,22 @@ time_options = together(
     click.option(
         "--csv",
         "csv_path",
-        type=CSV,
+        type=CSV_FILE,
         help="Write the state of each tick to this file.",
     ),
 )
 
-recording_options = together(
+recording_options = combine_options(
     click.option(
         "--record",
-        type=RECORDING,
+        type=RECORDING_FILE,
         help="Keep the whole run in this file. [default: a new one in the recordings' folder, "
         "unless headless or at --speed max]",
     ),
     click.option("--no-record", is_flag=True, help="Keep nothing."),
 )
 
-trainee_options = together(
+trainee_options = combine_options(
     click.option(
         "--trainee",
         multiple=True,
@@ -175,14 +175,14 @@ trainee_options = together(
     ),
     click.option(
         "--width",
-        type=click.Choice(WIDTHS),
+        type=click.Choice(RATING_WIDTHS),
         default="qualified",
         show_default=True,
         help="Of the bands that it is judged by; basic is half as wide again.",
     ),
 )
 
-console_options = together(
+console_options = combine_options(
     click.option("--headless", is_flag=True, help="No console; a progress bar and a summary."),
     click.option(
         "--serial",
@@ -192,17 +192,17 @@ console_options = together(
     ),
 )
 
-rerun_options = together(
+rerun_options = combine_options(
     click.option("--rerun", is_flag=True, help="Show the run in Rerun's viewer while it goes on."),
     click.option(
         "--rerun-at",
         metavar="HOST:PORT",
         help="Where that viewer listens. [default: 127.0.0.1:9876, opened if it is not there]",
     ),
-    click.option("--rrd", type=RRD, help="Write the run to this file for Rerun."),
+    click.option("--rrd", type=RRD_FILE, help="Write the run to this file for Rerun."),
 )
 
-nmea_options = together(
+nmea_options = combine_options(
     click.option(
         "--nmea",
         multiple=True,
@@ -237,7 +237,7 @@ nmea_options = together(
     ),
     click.option(
         "--nmea-record",
-        type=FILE,
+        type=ANY_FILE,
         help="Keep the sentences in this file, at that rate of the boat's own time.",
     ),
     click.option(
@@ -252,7 +252,7 @@ nmea_options = together(
 
 def port_options(*, listen: str | None, socket: str | None) -> Decorator:
     """Return the options that say where stations are, with the defaults of two of them."""
-    return together(
+    return combine_options(
         click.option(
             "--line",
             "lines",
@@ -272,7 +272,7 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
             default=listen,
             show_default=listen is not None,
             metavar="HOST:PORT",
-            help=f"Let stations in by TCP, such as {HOST}:{PORT}, or none.",
+            help=f"Let stations in by TCP, such as {DEFAULT_HOST}:{DEFAULT_PORT}, or none.",
         ),
         click.option(
             "--socket",
@@ -293,33 +293,33 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
     )
 
 
-certificate_options = together(
-    click.option("--cert", type=FILE, help="Certificate of the pages, for https."),
-    click.option("--key", type=FILE, help="Its key."),
+certificate_options = combine_options(
+    click.option("--cert", type=ANY_FILE, help="Certificate of the pages, for https."),
+    click.option("--key", type=ANY_FILE, help="Its key."),
 )
 
-web_run_options = together(
+web_run_options = combine_options(
     click.option("--web", "browse", is_flag=True, help="Stations in a browser, which is opened."),
     click.option(
         "--web-at",
         "web",
         metavar="HOST:PORT",
-        help=f"Where these pages are. [default: {WEB}, or any free port]",
+        help=f"Where these pages are. [default: {WEB_ADDRESS}, or any free port]",
     ),
     certificate_options,
 )
 
-web_serve_options = together(
+web_serve_options = combine_options(
     click.option(
         "--web",
         metavar="HOST:PORT",
-        help=f"Serve stations for browsers there, such as {WEB}.",
+        help=f"Serve stations for browsers there, such as {WEB_ADDRESS}.",
     ),
     certificate_options,
 )
 
 
-connect_options = together(
+connect_options = combine_options(
     connect_option,
     click.option("--token", help="The word that this session asks for."),
 )

@@ -6,30 +6,30 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import AHEAD, SPEED, Number, outputs, show
-from trainer.cli.options import CSV, VESSEL, together
+from trainer.cli.answers import AHEAD_SPEED_KN, SPEED_RANGE_KN, Number, outputs, show_report
+from trainer.cli.options import CSV_FILE, VESSEL_NAME, combine_options
 
-COMMAND: Final = Number(-60.0, 60.0)
-MEAN: Final = Number(0.0, 50.0)
-SPEEDS: Final = click.option(
+COMMAND_SPEED_KN: Final = Number(-60.0, 60.0)
+MEAN_VALUE: Final = Number(0.0, 50.0)
+SPEEDS_OPTION: Final = click.option(
     "--speed",
     "speeds",
-    type=AHEAD,
+    type=AHEAD_SPEED_KN,
     multiple=True,
     metavar="KN",
     help="Speed in knots, may be repeated. [default: about six over the boat's range]",
 )
-DEPTH: Final = click.option(
+DEPTH_OPTION: Final = click.option(
     "--depth",
     type=Number(0.0, 12000.0),
     metavar="M",
     help="Depth of the origin under a calm surface. [default: deep water]",
 )
-mean_options = together(  # which average motions into the linear coefficients
+mean_options = combine_options(  # which average motions into the linear coefficients
     *(
         click.option(
             f"--mean-{name}",
-            type=MEAN,
+            type=MEAN_VALUE,
             default=0.0,
             show_default=True,
             help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
@@ -40,8 +40,8 @@ mean_options = together(  # which average motions into the linear coefficients
 
 
 @click.command()
-@click.argument("full", type=CSV)
-@click.argument("other", type=CSV)
+@click.argument("full", type=CSV_FILE)
+@click.argument("other", type=CSV_FILE)
 @click.option("--column", "columns", multiple=True, metavar="NAME", help="[default: u z r, angles]")
 @click.option(
     "--until",
@@ -61,7 +61,7 @@ mean_options = together(  # which average motions into the linear coefficients
 def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -> None:
     """Percent change of change of two runs (ZC590, ZC691).
 
-    Both are CSV files, as `trainer run --csv` writes them: FULL is taken as true, OTHER is
+    Both are CSV_FILE files, as `trainer run --csv` writes them: FULL is taken as true, OTHER is
     judged.
 
     \b
@@ -77,21 +77,23 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 
     runs = load_series(full), load_series(other)
     event = program.event_apart(*runs)
-    report = program.compare(*runs, columns, options["until"], options["allow"], event)
-    show(report, program.render, lambda: program.panels(report, *runs), options)
+    report = program.compare_runs(*runs, columns, options["until"], options["allow"], event)
+    show_report(report, program.render, lambda: program.panels(report, *runs), options)
     sys.exit(0 if report.passed else 1)
 
 
 @click.command()
-@click.argument("run", type=CSV)
+@click.argument("run", type=CSV_FILE)
 @click.option("--column", default="theta", show_default=True, metavar="NAME", help="What to fit.")
 @click.option(
     "--from", "begin", type=Number(), default=0.0, show_default=True, help="First second."
 )
 @click.option("--to", "end", type=Number(), default=1e9, help="Last second. [default: the run's]")
 @click.option("--about", type=Number(), help="Rest value. [default: the first row's]")
-@click.option("--vessel", type=VESSEL, metavar="VESSEL", help="Start from this boat's roots ...")
-@click.option("--speed", type=AHEAD, metavar="KN", help="... at this speed.")
+@click.option(
+    "--vessel", type=VESSEL_NAME, metavar="VESSEL", help="Start from this boat's roots ..."
+)
+@click.option("--speed", type=AHEAD_SPEED_KN, metavar="KN", help="... at this speed.")
 @click.option(
     "--plane",
     type=click.Choice(("vertical", "horizontal")),
@@ -120,7 +122,7 @@ def fit(run: Path, column: str, **options: Any) -> None:
     span = options["begin"], options["end"]
     t, y, level = program.response_in(load_series(run), column, span, options["about"])
     starts, origin = starting_roots(t, y, options)
-    report = program.Report(
+    report = program.FitReport(
         file=str(run),
         column=column,
         begin_s=float(t[0]),
@@ -128,9 +130,9 @@ def fit(run: Path, column: str, **options: Any) -> None:
         samples=len(t),
         about=level,
         roots_from=origin,
-        fit=program.fit(t, y, starts),
+        fit=program.fit_modes(t, y, starts),
     )
-    show(report, program.render, lambda: program.panels(report, t, y), options)
+    show_report(report, program.render, lambda: program.panels(report, t, y), options)
     sys.exit(0 if report.fit.converged else 1)
 
 
@@ -160,9 +162,9 @@ def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
-@SPEEDS
-@DEPTH
+@click.argument("vessel", type=VESSEL_NAME)
+@SPEEDS_OPTION
+@DEPTH_OPTION
 @outputs
 def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: Any) -> None:
     """Plane angles for level flight, critical speeds (EC470).
@@ -177,16 +179,16 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
-    report = program.neutral(file, speeds_of(file, speeds), depth)
-    show(report, program.render, lambda: program.panels(file, report), how)
+    report = program.report_neutral(file, speeds_of(file, speeds), depth)
+    show_report(report, program.render, lambda: program.panels(file, report), how)
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
+@click.argument("vessel", type=VESSEL_NAME)
 @click.option(
     "--speed",
     "speeds",
-    type=SPEED,
+    type=SPEED_RANGE_KN,
     multiple=True,
     metavar="KN",
     help="Speed in knots, 0 at rest, may be repeated. [default: rest, and about six speeds]",
@@ -194,7 +196,7 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
 @click.option(
     "--command",
     "commands",
-    type=COMMAND,
+    type=COMMAND_SPEED_KN,
     multiple=True,
     metavar="KN",
     help="Command speed in knots, astern negative, may be repeated. [default: the bells]",
@@ -212,11 +214,11 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     file = load_vessel(vessel)
     ahead = speeds or (0.0, *speeds_of(file, ()))
     ordered = tuple(dict.fromkeys(commands)) or program.command_speeds(file)
-    report = program.survey(file, ahead, ordered)
-    show(report, program.render, lambda: program.panels(file, report), how)
+    report = program.survey_thrust(file, ahead, ordered)
+    show_report(report, program.render, lambda: program.panels(file, report), how)
 
 
-class Fill(click.ParamType[tuple[str, float]]):
+class TankFill(click.ParamType[tuple[str, float]]):
     """A tank and how full it is: NAME=SHARE."""
 
     name = "fill"
@@ -231,11 +233,11 @@ class Fill(click.ParamType[tuple[str, float]]):
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
+@click.argument("vessel", type=VESSEL_NAME)
 @click.option(
     "--fill",
     "fills",
-    type=Fill(),
+    type=TankFill(),
     multiple=True,
     metavar="TANK=SHARE",
     help="How full a tank is, 0 to 1, may be repeated. [default: the vessel file's]",
@@ -254,14 +256,14 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:
         raise click.UsageError(f"--fill {twice[0]} is given twice")
-    report = program.fillings(load_vessel(vessel), dict(fills))
-    show(report, program.render, lambda: program.panels(report), how)
+    report = program.report_fillings(load_vessel(vessel), dict(fills))
+    show_report(report, program.render, lambda: program.panels(report), how)
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
-@SPEEDS
-@DEPTH
+@click.argument("vessel", type=VESSEL_NAME)
+@SPEEDS_OPTION
+@DEPTH_OPTION
 @mean_options
 @outputs
 def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options: Any) -> None:
@@ -277,9 +279,11 @@ def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
-    means = program.Means(**{name: options[f"mean_{name}"] for name in program.Means._fields})
-    report = program.characteristic(file, speeds_of(file, speeds), means, depth)
-    show(report, program.render, lambda: program.panels(report), options)
+    means = program.MeanMotions(
+        **{name: options[f"mean_{name}"] for name in program.MeanMotions._fields}
+    )
+    report = program.report_modes(file, speeds_of(file, speeds), means, depth)
+    show_report(report, program.render, lambda: program.panels(report), options)
 
 
-PROGRAMS: Final = [neutral, thrust, tanks, modes, compare, fit]
+PROGRAM_COMMANDS: Final = [neutral, thrust, tanks, modes, compare, fit]

@@ -6,19 +6,28 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import PLOT
+from trainer.cli.answers import PLOT_FILE
 from trainer.cli.export import page_text
-from trainer.cli.options import CSV, HTML, PDF, RECORDING, RRD, VESSEL, VESSEL_HELP, WIDTHS
+from trainer.cli.options import (
+    CSV_FILE,
+    HTML_FILE,
+    PDF_FILE,
+    RATING_WIDTHS,
+    RECORDING_FILE,
+    RRD_FILE,
+    VESSEL_HELP,
+    VESSEL_NAME,
+)
 from trainer.cli.types import Duration, File
-from trainer.config.words import EQUATIONS
+from trainer.config.words import EQUATION_SETS
 
 
 @click.command()
-@click.argument("file", type=RECORDING)
+@click.argument("file", type=RECORDING_FILE)
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-@click.option("--vessel", type=VESSEL, help=f"Fly another boat: {VESSEL_HELP}.")
+@click.option("--vessel", type=VESSEL_NAME, help=f"Fly another boat: {VESSEL_HELP}.")
 @click.option("--step", type=float, help="Fly at another step in s.")
-@click.option("--equations", type=click.Choice(EQUATIONS), help="By another set.")
+@click.option("--equations", type=click.Choice(EQUATION_SETS), help="By another set.")
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None:
     """Fly a recording again, all its branches, and compare every state bit by bit.
@@ -37,10 +46,10 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 
 @click.command()
 @click.argument("file", type=File(".trainer", ".csv"))
-@click.option("--csv", type=CSV, help="States here, orders and events beside.")
+@click.option("--csv", type=CSV_FILE, help="States here, orders and events beside.")
 @click.option("--parquet", type=File(".parquet"), help="The same as Parquet files.")
-@click.option("--rrd", type=RRD, help="The run as Rerun's viewer shows it.")
-@click.option("--plot", type=PLOT, help="Columns over time, .png, .svg or .pdf by its ending.")
+@click.option("--rrd", type=RRD_FILE, help="The run as Rerun's viewer shows it.")
+@click.option("--plot", type=PLOT_FILE, help="Columns over time, .png, .svg or .pdf by its ending.")
 @click.option(
     "--column",
     "columns",
@@ -63,7 +72,7 @@ def export(
               trainer export drill.trainer --rrd drill.rrd && rerun drill.rrd
               trainer export drill.trainer --plot drill.svg --column z --column delta_s,delta_b
 
-    Of a run's CSV file, as `trainer run --csv` writes it, --plot draws the columns as well.
+    Of a run's CSV_FILE file, as `trainer run --csv` writes it, --plot draws the columns as well.
     """
     from trainer.analysis.recording_export import draw_run, export_file
 
@@ -76,12 +85,12 @@ def export(
 
 
 @click.command()
-@click.argument("file", type=RECORDING, required=False)
+@click.argument("file", type=RECORDING_FILE, required=False)
 @click.option("--last", is_flag=True, help="The recording in the recordings' folder made last.")
-@click.option("--html", type=HTML, help="[default: beside the recording]")
-@click.option("--pdf", type=PDF, help="Printed by a browser of this machine.")
+@click.option("--html", type=HTML_FILE, help="[default: beside the recording]")
+@click.option("--pdf", type=PDF_FILE, help="Printed by a browser of this machine.")
 @click.option("--branch", type=click.IntRange(1), help="[default: the last one]")
-@click.option("--width", type=click.Choice(WIDTHS), help="[default: the run's own]")
+@click.option("--width", type=click.Choice(RATING_WIDTHS), help="[default: the run's own]")
 @click.option(
     "--reference-from",
     type=Duration(),
@@ -109,23 +118,23 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
               trainer debrief drill.trainer --fly
               trainer debrief drill.trainer --change "Time to 100 m: weight 0, the gauge was wrong"
 
-    The page is one HTML file that needs nothing else. What is changed is kept beside the
+    The page is one HTML_FILE file that needs nothing else. What is changed is kept beside the
     recording, and both marks are shown.
     """
-    from trainer.debrief.history import latest
-    from trainer.debrief.page import Asked, change_marks, debrief_file
+    from trainer.debrief.history import latest_recording
+    from trainer.debrief.page import DebriefRequest, change_marks, debrief_file
 
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")
-    path = latest() if file is None else file
+    path = latest_recording() if file is None else file
     boat = page_text(None, path, "instructor") if how["fly"] else ""
-    asked = Asked(how["branch"], how["width"], how["reference_from"], boat)
+    asked = DebriefRequest(how["branch"], how["width"], how["reference_from"], boat)
     change_marks(path, asked, how["change"], how["change_back"])
     debrief_file(path, how["html"], how["pdf"], asked, as_json=how["as_json"])
 
 
 @click.command()
-@click.argument("places", type=RECORDING, nargs=-1)
+@click.argument("places", type=RECORDING_FILE, nargs=-1)
 @click.option("--trainee", metavar="NAME", help="What this trainee has done.")
 @click.option("--forget", metavar="NAME", help="Remove this name everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")

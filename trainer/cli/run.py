@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from trainer.cli.options import (
-    EXERCISE,
-    RECORDING,
+    EXERCISE_NAME,
+    RECORDING_FILE,
     connect_options,
     console_options,
     exercise_options,
@@ -28,15 +28,15 @@ from trainer.cli.options import (
     without_console,
 )
 from trainer.config.files import ConfigError
-from trainer.io.paths import HOST, PAGES, PORT
+from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.options import RunOptions
 
 if TYPE_CHECKING:
-    from trainer.session.exercise import Debriefing
+    from trainer.session.exercise import DebriefSource
 from trainer.cli.web import require_pages
 
 Begin = Callable[[RunOptions], NoReturn]
-ROLES = (
+STATION_ROLES = (
     "instructor",
     "helm",
     "planes",
@@ -50,7 +50,7 @@ ROLES = (
 
 
 @click.command()
-@click.argument("exercise", type=EXERCISE, required=False)
+@click.argument("exercise", type=EXERCISE_NAME, required=False)
 @exercise_options
 @time_options
 @console_options
@@ -63,8 +63,8 @@ ROLES = (
 def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
-    EXERCISE is the name of a shipped exercise (`trainer exercises` lists them) or the path of a
-    file. Options given here overrule the file.
+    EXERCISE_NAME is the name of a shipped exercise (`trainer exercises` lists them) or the path of
+    a file. Options given here overrule the file.
 
     \b
     Example:  trainer run
@@ -110,7 +110,8 @@ def refuse_other_screens(asked: RunOptions) -> None:
     """Raise ConfigError where a run with pages is to have another console."""
     if asked.headless:
         raise ConfigError(
-            f"--web and --headless exclude each other; trainer serve --web {HOST}:{PAGES} "
+            "--web and --headless exclude each other; trainer serve --web "
+            f"{DEFAULT_HOST}:{PAGES_PORT} "
             "serves pages and opens none"
         )
     if asked.url:
@@ -142,10 +143,10 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
     def serve_at(where: str) -> NoReturn:
         begin(replace(without_console(chosen), socket=where, until_left=True))
 
-    from trainer.session.stations.roles import ANY, read_tokens
+    from trainer.session.stations.roles import ANY_ROLE, read_tokens
 
     tokens = read_tokens(chosen.token)
-    token = tokens.get("instructor", tokens.get(ANY))
+    token = tokens.get("instructor", tokens.get(ANY_ROLE))
     if own_session.can_fork():
         return own_session.sail(serve_at, chosen.socket, token)
     begun = [chosen.exercise] if chosen.exercise and not asked.exercise else []
@@ -168,9 +169,9 @@ def take_to_sea(options: RunOptions) -> NoReturn:
     import gc
 
     gc.disable()  # until the boat is ready: looking for garbage is a tenth of the start
-    from trainer.session.first_start import prepare
+    from trainer.session.first_start import prepare_core
 
-    note = prepare(options)  # before anything imports a kernel
+    note = prepare_core(options)  # before anything imports a kernel
     if note:
         click.echo(note, err=True)
     from trainer.session.run import run_boat
@@ -181,11 +182,11 @@ def take_to_sea(options: RunOptions) -> NoReturn:
         gc.enable()
 
 
-def debriefing() -> "Debriefing":
+def debriefing() -> "DebriefSource":
     """Return who judges a recording and writes its debrief, when a session asks for it."""
     import numpy as np
 
-    from trainer.session.exercise import Debriefing, Judgement
+    from trainer.session.exercise import DebriefSource, Judgement
 
     def judge(path: Path, branch: int) -> Judgement:
         from trainer.debrief.page import read_dossier
@@ -208,22 +209,22 @@ def debriefing() -> "Debriefing":
         return Judgement(outcome, card.total, tuple(told), uncounted, tuple(times))
 
     def write(path: Path, branch: int) -> Path:
-        from trainer.debrief.page import Asked, beside, debrief_file
+        from trainer.debrief.page import DebriefRequest, debrief_file, default_page_path
 
-        debrief_file(path, None, None, Asked(branch), as_json=False)
-        return beside(path, branch)
+        debrief_file(path, None, None, DebriefRequest(branch), as_json=False)
+        return default_page_path(path, branch)
 
-    return Debriefing(judge, write)
+    return DebriefSource(judge, write)
 
 
 @click.command()
-@click.argument("exercise", type=EXERCISE, required=False)
+@click.argument("exercise", type=EXERCISE_NAME, required=False)
 @exercise_options
 @time_options
 @recording_options
 @trainee_options
 @rerun_options
-@port_options(listen=f"{HOST}:{PORT}", socket=None)
+@port_options(listen=f"{DEFAULT_HOST}:{DEFAULT_PORT}", socket=None)
 @web_serve_options
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")
 def serve(**options: Any) -> None:
@@ -241,7 +242,7 @@ def serve(**options: Any) -> None:
 
 
 @click.command()
-@click.argument("file", type=RECORDING)
+@click.argument("file", type=RECORDING_FILE)
 @time_options
 @console_options
 @rerun_options
@@ -288,7 +289,7 @@ def attach(url: str | None, token: str | None, *, teletype: bool) -> None:
 
 
 @click.command()
-@click.argument("role", type=click.Choice(ROLES), metavar="ROLE")
+@click.argument("role", type=click.Choice(STATION_ROLES), metavar="ROLE")
 @connect_options
 @teletype_option
 def station(role: str, url: str | None, token: str | None, *, teletype: bool) -> None:
@@ -308,9 +309,9 @@ def be(url: str | None, role: str, token: str | None, *, teletype: bool) -> int:
     from trainer.console.terminal import has_terminal
 
     if has_terminal() and not teletype:
-        from trainer.console.launch import attend
+        from trainer.console.launch import attend_session
 
-        return attend(url, role, token)
+        return attend_session(url, role, token)
     from trainer.session.attach import attach_to
 
     return attach_to(url, role, token)

@@ -8,10 +8,10 @@ from typing import Any, Final
 import click
 
 from trainer.cli.answers import write_text
-from trainer.cli.options import FILE
+from trainer.cli.options import ANY_FILE
 from trainer.cli.types import Choice
 
-SCHEMAS: Final = {  # the module that makes the schema of a kind of file
+SCHEMA_MODULES: Final = {  # the module that makes the schema of a kind of file
     **dict.fromkeys(("vessel", "hull", "exercise", "sea", "casualties"), "config.file_schemas"),
     "study": "analysis.sweep.study",
     "identification": "identify.record.study",
@@ -21,13 +21,15 @@ SCHEMAS: Final = {  # the module that makes the schema of a kind of file
 
 def schema_of(kind: str) -> dict[str, Any]:
     """Return the JSON Schema of a kind of file."""
-    made: dict[str, Any] = getattr(import_module(f"trainer.{SCHEMAS[kind]}"), f"{kind}_schema")()
+    made: dict[str, Any] = getattr(
+        import_module(f"trainer.{SCHEMA_MODULES[kind]}"), f"{kind}_schema"
+    )()
     return made
 
 
 @click.command()
-@click.argument("kind", type=Choice(tuple(SCHEMAS)), metavar="KIND")
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write it there.")
+@click.argument("kind", type=Choice(tuple(SCHEMA_MODULES)), metavar="KIND")
+@click.option("-o", "--output", type=ANY_FILE, metavar="FILE", help="Write it there.")
 def schema(kind: str, output: Path | None) -> None:
     """Print the JSON Schema of a kind of file, by which editors complete and underline.
 

@@ -5,31 +5,31 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.answers import show, show_step, tell, write_text
+from trainer.cli.answers import print_note, show_report, show_step, write_text
 from trainer.cli.options import options_given, record_of
 
 if TYPE_CHECKING:
     from trainer.config.sensors import Sensors
 
-KERNELS: Final = "boat/ship", "identify/kernels"
-FITS: Final = "the kernels of ships, once (some 20 s)"
-MODELS: Final = ("linear", "mavmm", "abkowitz", "mmg")
-FOR_OTHERS: Final = (  # options that these models do not know
+SHIP_KERNELS: Final = "boat/ship", "identify/kernels"
+SHIP_KERNELS_TEXT: Final = "the kernels of ships, once (some 20 s)"
+SHIP_MODELS: Final = ("linear", "mavmm", "abkowitz", "mmg")
+LINEAR_FIT_OPTIONS: Final = (  # options that these models do not know
     *("vessel", "length", "knots", "channels", "noise", "method", "exact", "armax", "most"),
     *("against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel"),
     *("simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject"),
 )
-FOR_BOATS: Final = (  # options of experiments that ships do not know
+BOAT_RECORD_OPTIONS: Final = (  # options of experiments that ships do not know
     *("depth", "periods", "by", "sea", "write"),
 )
-OF_SEQUENCES: Final = ("bits", "hold", "seed")  # options that need an amplitude
+SEQUENCE_OPTIONS: Final = ("bits", "hold", "seed")  # options that need an amplitude
 
 
 def path_of(vessel: str) -> Path:
     """Return the path of a vessel's file; that of a shipped ship by its name."""
-    from trainer.config.files import shipped, shipped_names
+    from trainer.config.files import shipped_names, shipped_path
 
-    return shipped("ships", vessel) if vessel in shipped_names("ships") else Path(vessel)
+    return shipped_path("ships", vessel) if vessel in shipped_names("ships") else Path(vessel)
 
 
 def is_ship(vessel: str) -> bool:
@@ -43,12 +43,12 @@ def is_ship(vessel: str) -> bool:
 def design_trials(path: Path, options: dict[str, Any]) -> None:
     """Design trials of a ship and show what they would tell."""
     given = options_given()
-    unknown = [f"--{option}" for option in FOR_BOATS if option in given]
+    unknown = [f"--{option}" for option in BOAT_RECORD_OPTIONS if option in given]
     if unknown:
         raise click.UsageError(f"{', '.join(unknown)}: not with a ship, {path.name}")
     if "amplitude" not in given:
         options = {**options, "amplitude": None}
-        if lone := [f"--{option}" for option in OF_SEQUENCES if option in given]:
+        if lone := [f"--{option}" for option in SEQUENCE_OPTIONS if option in given]:
             raise click.UsageError(f"{', '.join(lone)}: of a sequence: say its --amplitude")
     if options["zigzag"] is None and options["amplitude"] is None:
         raise click.UsageError(
@@ -62,9 +62,9 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
     ship = load_ship(path)
     sensors = trials.sensors_of(ship, sensors_asked(options), given)
     asked = record_of(trials.TrialOptions, options, sensors=sensors)
-    with compilation.announced(FITS, tell, "ships", *KERNELS):
-        found = trials.design(ship, asked)
-    show(found.report, trials.render, lambda: trials.panels(found), options)
+    with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
+        found = trials.design_trials(ship, asked)
+    show_report(found.report, trials.render, lambda: trials.panels(found), options)
 
 
 def sensors_asked(options: dict[str, Any]) -> "Sensors":
@@ -80,9 +80,9 @@ def sensors_asked(options: dict[str, Any]) -> "Sensors":
 
 def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
     """Fit a ship to its records and show it; return the exit code."""
-    unknown = [f"--{option}" for option in FOR_OTHERS if option in options_given()]
+    unknown = [f"--{option}" for option in LINEAR_FIT_OPTIONS if option in options_given()]
     if unknown:
-        known = ", ".join(MODELS)
+        known = ", ".join(SHIP_MODELS)
         raise click.UsageError(f"{', '.join(unknown)}: not with the models {known}")
     from trainer.boat import compilation
     from trainer.config.files import path_named
@@ -95,7 +95,7 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         options = {**options, "ship": path_named(options["ship"], "ships")}
     asked = record_of(IdentifyOptions, options)
     ship, trials, held = read_trials(files, asked)
-    with compilation.announced(FITS, tell, "ships", *KERNELS):
+    with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
         found = fit_trials(ship, trials, held, asked, show_step)
     if options["write_ship"]:
         sources = ", ".join(Path(source).name for source in found.report.sources)
@@ -104,5 +104,5 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         write_text(options["coefficients"], page.coefficients_text(found.report))
     if options["html"]:
         write_text(options["html"], page.sheet(found))
-    show(found.report, page.render, lambda: page.panels(found), options)
+    show_report(found.report, page.render, lambda: page.panels(found), options)
     return 0 if found.report.settled else 1

@@ -3,22 +3,27 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from trainer.analysis.sweep.exercises import Exercising
+from trainer.analysis.sweep.exercises import ExerciseSubject
 from trainer.analysis.sweep.job import Subject
-from trainer.analysis.sweep.manoeuvres import Manoeuvring
-from trainer.analysis.sweep.study import EXERCISE, IDENTIFICATION, MANOEUVRE, Study
-from trainer.identify.monte_carlo import Identifying
-from trainer.identify.ships.vehicle import Sailing
+from trainer.analysis.sweep.manoeuvres import ManoeuvreSubject
+from trainer.analysis.sweep.study import (
+    EXERCISE_STUDY,
+    IDENTIFICATION_STUDY,
+    MANOEUVRE_STUDY,
+    Study,
+)
+from trainer.identify.monte_carlo import IdentificationSubject
+from trainer.identify.ships.vehicle import SailingSubject
 
-SUBJECTS: Final[Mapping[str, Callable[[Study], Subject]]] = {
-    MANOEUVRE: Manoeuvring,
-    EXERCISE: Exercising,
-    IDENTIFICATION: Identifying,
+SUBJECT_MAKERS: Final[Mapping[str, Callable[[Study], Subject]]] = {
+    MANOEUVRE_STUDY: ManoeuvreSubject,
+    EXERCISE_STUDY: ExerciseSubject,
+    IDENTIFICATION_STUDY: IdentificationSubject,
 }
 
 
 def subject_of(study: Study) -> Subject:
     """Return what every member is; ConfigError if its middle member cannot be."""
-    if study.kind == MANOEUVRE and study.file is None:
-        return Sailing(study)
-    return SUBJECTS[study.kind](study)
+    if study.kind == MANOEUVRE_STUDY and study.file is None:
+        return SailingSubject(study)
+    return SUBJECT_MAKERS[study.kind](study)

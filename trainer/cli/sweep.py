@@ -5,13 +5,13 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import bar, json_of, outputs, show
-from trainer.cli.options import STUDY
+from trainer.cli.answers import json_of, outputs, show_progress, show_report
+from trainer.cli.options import STUDY_NAME
 from trainer.cli.types import File
 
 
 @click.command()
-@click.argument("study", type=STUDY)
+@click.argument("study", type=STUDY_NAME)
 @click.option(
     "--out",
     type=File(".parquet"),
@@ -36,7 +36,7 @@ from trainer.cli.types import File
 def sweep(study: str, member: int | None, **options: Any) -> None:
     """Fly a study: one boat many times, with some of its numbers varied.
 
-    STUDY is the name of a shipped study or the path of a file. The result has a row for each
+    STUDY_NAME is the name of a shipped study or the path of a file. The result has a row for each
     member. What is finished is kept: after an interruption the same command goes on.
 
     \b
@@ -62,29 +62,29 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
     out = options["out"] or Path(f"{Path(study).stem}.parquet")
     result = fly(job, out, options)
     report = report_of(open_job(job), result, str(out))
-    show(report, render, lambda: panels(report, result, options["measure"]), options)
+    show_report(report, render, lambda: panels(report, result, options["measure"]), options)
 
 
 def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Return the result as a table of pyarrow, with a progress bar on a terminal."""
-    from trainer.analysis.guide.programme import processors
+    from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.sweep.job import open_job
     from trainer.analysis.sweep.sweep import (
-        AGAIN,
+        RESUME_NOTE,
         carry_out,
-        cluster,
-        processes,
+        cluster_crew,
+        process_crew,
     )
 
-    crew = processes(options["jobs"] or processors())
+    crew = process_crew(options["jobs"] or processor_count())
     if options["scheduler"] is not None:
-        crew = cluster(options["scheduler"])
+        crew = cluster_crew(options["scheduler"])
     length = open_job(job).members
     try:
-        with bar(length, "flying") as step:
+        with show_progress(length, "flying") as step:
             return carry_out(job, crew, out, step)
     except KeyboardInterrupt:
-        click.echo(f"trainer: {AGAIN}", err=True)
+        click.echo(f"trainer: {RESUME_NOTE}", err=True)
         raise
 
 

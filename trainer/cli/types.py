@@ -11,7 +11,7 @@ from typing import Any, Final
 import click
 from click.shell_completion import CompletionItem
 
-PLAIN: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
+PLAIN_NAME: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
 
 
 class Commands(click.Group):
@@ -63,7 +63,7 @@ class Commands(click.Group):
         return list(self.commands)
 
 
-class Deeper(click.Command):
+class ParentCommand(click.Command):
     """A command that has others below it, each by its first word."""
 
     def __init__(self, *args: Any, **attributes: Any) -> None:
@@ -215,7 +215,7 @@ def complete_files(
     files = [name for name in names if name.endswith(endings)]
     folders = [f"{name}/" for name in names if name not in files and _is_folder(head, name)]
     found = [os.path.join(head, name) for name in (*files, *folders)]  # noqa: PTH118 keeps ./ and ~
-    if not all(map(PLAIN.fullmatch, found)):
+    if not all(map(PLAIN_NAME.fullmatch, found)):
         return [CompletionItem(incomplete, type="file")] if alone else []
     if folders and not files and alone:
         return [CompletionItem(incomplete, type="dir")]

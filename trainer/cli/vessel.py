@@ -7,8 +7,15 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import Number, bar, json_of, outputs, show, write_text
-from trainer.cli.options import SEA, TOML, VESSEL, VESSEL_HELP, cores_option, method_options
+from trainer.cli.answers import Number, json_of, outputs, show_progress, show_report, write_text
+from trainer.cli.options import (
+    SEA_NAME,
+    TOML_FILE,
+    VESSEL_HELP,
+    VESSEL_NAME,
+    cores_option,
+    method_options,
+)
 from trainer.cli.types import Commands
 
 
@@ -22,8 +29,10 @@ def vessel() -> None:
 
 
 @vessel.command()
-@click.argument("file", type=TOML)
-@click.option("--from", "source", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
+@click.argument("file", type=TOML_FILE)
+@click.option(
+    "--from", "source", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP
+)
 @click.option(
     "--length",
     type=Number(0.3, 400.0),
@@ -46,7 +55,7 @@ def new(file: Path, source: str, length: float | None, name: str | None) -> None
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
+@click.argument("vessel", type=VESSEL_NAME)
 @method_options
 def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -> None:
     """Accelerations for states read as JSON lines: the check interface.
@@ -58,7 +67,7 @@ def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -
     (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
     the twelve rates.
     """
-    from trainer.analysis.programs.evaluate import evaluate as rates_of
+    from trainer.analysis.programs.evaluate import evaluate_lines as rates_of
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
@@ -69,7 +78,7 @@ def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
+@click.argument("vessel", type=VESSEL_NAME)
 @click.option("--constants", is_flag=True, help="List every constant, and where it comes from.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def check(vessel: str, *, constants: bool, as_json: bool) -> None:
@@ -88,12 +97,12 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
         list_constants(vessel, as_json=as_json)
         return
     from trainer.analysis import readiness
-    from trainer.analysis.check import check as examine
+    from trainer.analysis.check import check_vessel as examine
     from trainer.analysis.check_page import render
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
-    report, ready = examine(file), readiness.examine(file)
+    report, ready = examine(file), readiness.examine_boat(file)
     if as_json:
         click.echo(json_of({**asdict(report), "readiness": asdict(ready)}))
     else:
@@ -103,15 +112,15 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
 
 def list_constants(vessel: str, *, as_json: bool) -> None:
     """Print every constant of a vessel; ConfigError if there is no such vessel."""
-    from trainer.analysis.programs.constants import constants, render
+    from trainer.analysis.programs.constants import list_vessel_constants, render
     from trainer.config.vessel import load_vessel
 
-    report = constants(load_vessel(vessel))
+    report = list_vessel_constants(load_vessel(vessel))
     click.echo(json_of(asdict(report)) if as_json else render(report))
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
+@click.argument("vessel", type=VESSEL_NAME)
 def gains(vessel: str) -> None:
     """Design the autopilot of a boat and print the table for its vessel file.
 
@@ -125,8 +134,10 @@ def gains(vessel: str) -> None:
 
 
 @click.command()
-@click.argument("name", type=SEA, metavar="SEA")
-@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help="The boat in it.")
+@click.argument("name", type=SEA_NAME, metavar="SEA")
+@click.option(
+    "--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help="The boat in it."
+)
 @click.option(
     "--depth",
     "depths",
@@ -143,7 +154,7 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
     \b
     Example:  trainer sea sea-state-5 --plot sea.svg
 
-    SEA is calm, sea-state-1 to sea-state-6, or a file. The suction is that of a
+    SEA_NAME is calm, sea-state-1 to sea-state-6, or a file. The suction is that of a
     Pierson-Moskowitz sea on a boat held still.
     """
     from trainer.analysis import seaway
@@ -153,12 +164,12 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
     file, boat = load_sea(name), load_vessel(vessel)
     at = tuple(dict.fromkeys(depths)) or seaway.usual_depths(boat)
     report = seaway.survey(file, boat, at, boat.run.step_s if step is None else step)
-    show(report, seaway.render, lambda: seaway.panels(file, boat, report), how)
+    show_report(report, seaway.render, lambda: seaway.panels(file, boat, report), how)
 
 
 @click.command()
-@click.argument("vessel", type=VESSEL)
-@click.option("-o", "--output", type=TOML, metavar="FILE", help="Write the boat so.")
+@click.argument("vessel", type=VESSEL_NAME)
+@click.option("-o", "--output", type=TOML_FILE, metavar="FILE", help="Write the boat so.")
 @click.option("--write", is_flag=True, help="Write it into the vessel file itself.")
 @click.option("--check", is_flag=True, help="Judge the set that the file has; no search.")
 @click.option("--table", is_flag=True, help="Only the table of sensitivities.")
@@ -176,11 +187,11 @@ def reduce(vessel: str, **options: Any) -> None:
     Example:  trainer reduce bb2 --check
               trainer reduce ./boat.toml -o boat-compact.toml
 
-    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. With -o or --write an
+    VESSEL_NAME is bb2, sdv-mk9, remus100, or the path of a vessel file. With -o or --write an
     interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is
     out of tolerance.
     """
-    from trainer.analysis.guide.programme import processors
+    from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.reduce import page, reduction, verdict
     from trainer.config.files import ConfigError
     from trainer.config.vessel import load_vessel
@@ -191,12 +202,12 @@ def reduce(vessel: str, **options: Any) -> None:
         flags = " and ".join(f"--{name}" for name in chosen)
         raise click.UsageError(f"{flags} exclude one another; give one of them")
     file = load_vessel(vessel)
-    cores = options["cores"] or processors()
+    cores = options["cores"] or processor_count()
     if options["check"]:
-        found = reduction.report(file, reduction.as_filed(file), (), ())
+        found = reduction.report_reduction(file, reduction.as_filed(file), (), ())
     else:
-        with bar(verdict.flights(file), "putting to zero") as step:
-            drops = verdict.table(file, cores, lambda: step(1))
+        with show_progress(verdict.flight_count(file), "putting to zero") as step:
+            drops = verdict.effect_table(file, cores, lambda: step(1))
         if options["table"]:
             lines = page.sensitivity(drops)
             told = json_of([asdict(one) for one in drops])
@@ -215,17 +226,17 @@ def _search_reduction(
 ) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
     from trainer.analysis.reduce import reduction, vessel_text
-    from trainer.analysis.reduce.objective import terms
+    from trainer.analysis.reduce.objective import compact_terms
 
     partial = reduction.checkpoint_of(result) if result else None
-    length = reduction.SEARCHES * len(terms(file, "modified"))
-    with bar(length, "dropping terms") as step:
+    length = reduction.MAX_SEARCHES * len(compact_terms(file, "modified"))
+    with show_progress(length, "dropping terms") as step:
         found = reduction.search(file, cores, partial, step, quick=quick)
-    report = reduction.report(file, found.factors["modified"], found.needs, drops)
+    report = reduction.report_reduction(file, found.factors["modified"], found.needs, drops)
     if result is None:
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
     tables = vessel_text.factor_tables(found.factors, found.needs, notes)
-    write_text(result, vessel_text.rewritten(file.text, tables))
+    write_text(result, vessel_text.rewrite_vessel(file.text, tables))
     reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

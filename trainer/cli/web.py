@@ -6,7 +6,7 @@ from typing import Final
 import click
 
 from trainer.cli.options import (
-    WEB,
+    WEB_ADDRESS,
     certificate_options,
     connect_option,
 )
@@ -20,7 +20,7 @@ PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries
 @click.option(
     "--web",
     "address",
-    default=WEB,
+    default=WEB_ADDRESS,
     show_default=True,
     metavar="HOST:PORT",
     help="Where the pages are; beyond this machine only for a session with --token.",

@@ -12,44 +12,50 @@ from trainer.config.schema import (
     Quantity,
     Rows,
     Table,
-    of,
+    required,
     tables_of,
     within,
 )
-from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, LAYERS, PUMPED
+from trainer.core.ballast.tanks import (
+    BANKS,
+    BLOWN_TANKS,
+    COMPARTMENTS,
+    MAX_DENSITY_LAYERS,
+    PUMPED_TANKS,
+)
 
-LEAST_TRIM: Final = 1e-4  # [-] of the displaced volume that a trim tank is to hold
+MIN_TRIM_SHARE: Final = 1e-4  # [-] of the displaced volume that a trim tank is to hold
 
 
 def _centre() -> Any:
     """Return a point x, y, z [m] in body axes."""
     point = Quantity("m", within(-200, 200), "centre of its volume, x y z from the body's origin")
-    return of(Quantities(point, 3, 3))
+    return required(Quantities(point, 3, 3))
 
 
 def _volume(meaning: str) -> Any:
     """Return a volume [m3]."""
-    return of(Quantity("m3", within(1e-7, 1e5), meaning))
+    return required(Quantity("m3", within(1e-7, 1e5), meaning))
 
 
 def _share(meaning: str) -> Any:
     """Return a filling [-]."""
-    return of(Quantity("-", within(0, 1), meaning))
+    return required(Quantity("-", within(0, 1), meaning))
 
 
 def _area(unit: str, meaning: str) -> Any:
     """Return an effective area [unit], discharge coefficient included."""
-    return of(Quantity(unit, within(0, 1e6), f"effective area of {meaning}"))
+    return required(Quantity(unit, within(0, 1e6), f"effective area of {meaning}"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class BlownTank:
     """A tank open to the sea at its foot, emptied by air."""
 
-    name: str = of(Choice(BLOWN, "which"))
+    name: str = required(Choice(BLOWN_TANKS, "which"))
     capacity_m3: float = _volume("what it holds")
     centre_m: tuple[float, float, float] = _centre()
-    height_m: float = of(Quantity("m", within(1e-3, 50), "flood port to vent"))
+    height_m: float = required(Quantity("m", within(1e-3, 50), "flood port to vent"))
     start_fill: float = _share("filling at which weight and cg of [vessel] hold")
     flood_port_m2: float = _area("m2", "its flood ports")
     vent_cm2: float = _area("cm2", "its vent")
@@ -61,7 +67,7 @@ class BlownTank:
 class PumpedTank:
     """A tank within the hull, vented inboard."""
 
-    name: str = of(Choice(PUMPED, "which"))
+    name: str = required(Choice(PUMPED_TANKS, "which"))
     capacity_m3: float = _volume("what it holds")
     centre_m: tuple[float, float, float] = _centre()
     start_fill: float = _share("filling at which weight and cg of [vessel] hold")
@@ -71,7 +77,7 @@ class PumpedTank:
 class Compartment:
     """A part of the pressure hull that may be flooded."""
 
-    name: str = of(Choice(COMPARTMENTS, "which"))
+    name: str = required(Choice(COMPARTMENTS, "which"))
     capacity_m3: float = _volume("water that it takes")
     centre_m: tuple[float, float, float] = _centre()
 
@@ -80,50 +86,66 @@ class Compartment:
 class Bank:
     """Bottles of compressed air."""
 
-    name: str = of(Choice(BANKS, "which"))
+    name: str = required(Choice(BANKS, "which"))
     volume_m3: float = _volume("of its bottles")
-    pressure_mpa: float = of(Quantity("MPa", within(0, 100), "absolute pressure at the start"))
+    pressure_mpa: float = required(
+        Quantity("MPa", within(0, 100), "absolute pressure at the start")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Air:
     """The air itself, and what compresses it."""
 
-    temperature_c: float = of(Quantity("degC", within(-5, 40), "of the air throughout"))
-    compressor_kg_s: float = of(Quantity("kg/s", within(0, 100), "charging rate; 0: none"))
+    temperature_c: float = required(Quantity("degC", within(-5, 40), "of the air throughout"))
+    compressor_kg_s: float = required(Quantity("kg/s", within(0, 100), "charging rate; 0: none"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pumps:
     """Rates of the pumps."""
 
-    trim_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "trim transfer, either way"))
-    drain_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "trim-and-drain, at the surface"))
-    depth_control_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "depth control, likewise"))
-    shutoff_depth_m: float = of(Quantity("m", within(0.1, 12000), "deepest they pump out against"))
+    trim_kg_s: float = required(Quantity("kg/s", within(0, 1e4), "trim transfer, either way"))
+    drain_kg_s: float = required(Quantity("kg/s", within(0, 1e4), "trim-and-drain, at the surface"))
+    depth_control_kg_s: float = required(
+        Quantity("kg/s", within(0, 1e4), "depth control, likewise")
+    )
+    shutoff_depth_m: float = required(
+        Quantity("m", within(0.1, 12000), "deepest they pump out against")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hover:
+class HoverControl:
     """How the depth-control tank keeps depth by itself."""
 
-    frequency_rad_s: float = of(Quantity("rad/s", within(1e-4, 1), "natural frequency"))
-    depth_rate_m_s: float = of(Quantity("m/s", within(1e-4, 10), "largest depth rate it asks for"))
+    frequency_rad_s: float = required(Quantity("rad/s", within(1e-4, 1), "natural frequency"))
+    depth_rate_m_s: float = required(
+        Quantity("m/s", within(1e-4, 10), "largest depth rate it asks for")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sea:
+class HullBuoyancy:
     """How the hull's buoyancy changes with depth; all of it may be zero."""
 
-    compressibility_kg_m: float = of(Quantity("kg/m", within(0, 1e5), "buoyancy lost with depth"))
-    reference_depth_m: float = of(
+    compressibility_kg_m: float = required(
+        Quantity("kg/m", within(0, 1e5), "buoyancy lost with depth")
+    )
+    reference_depth_m: float = required(
         Quantity("m", within(0, 12000), "where the buoyancy of [vessel] holds")
     )
-    layer_depth_m: tuple[float, ...] = of(
-        Quantities(Quantity("m", within(0, 12000), "depths of layer_kg_m3, ascending"), 0, LAYERS)
+    layer_depth_m: tuple[float, ...] = required(
+        Quantities(
+            Quantity("m", within(0, 12000), "depths of layer_kg_m3, ascending"),
+            0,
+            MAX_DENSITY_LAYERS,
+        )
     )
-    layer_kg_m3: tuple[float, ...] = of(
-        Quantities(Quantity("kg/m3", within(-50, 50), "density less rho of [fluid]"), 0, LAYERS)
+    layer_kg_m3: tuple[float, ...] = required(
+        Quantities(
+            Quantity("kg/m3", within(-50, 50), "density less rho of [fluid]"), 0, MAX_DENSITY_LAYERS
+        )
     )
 
 
@@ -131,20 +153,20 @@ class Sea:
 class Ballast:
     """All of a boat's tanks and air."""
 
-    blown: tuple[BlownTank, ...] = of(
-        Rows(BlownTank, ("note",), 0, len(BLOWN), "tanks emptied by air, below")
+    blown: tuple[BlownTank, ...] = required(
+        Rows(BlownTank, ("note",), 0, len(BLOWN_TANKS), "tanks emptied by air, below")
     )
-    pumped: tuple[PumpedTank, ...] = of(
-        Rows(PumpedTank, ("note",), 0, len(PUMPED), "tanks with pumps, below")
+    pumped: tuple[PumpedTank, ...] = required(
+        Rows(PumpedTank, ("note",), 0, len(PUMPED_TANKS), "tanks with pumps, below")
     )
-    compartments: tuple[Compartment, ...] = of(
+    compartments: tuple[Compartment, ...] = required(
         Rows(Compartment, ("note",), 0, len(COMPARTMENTS), "what may be flooded, below")
     )
-    banks: tuple[Bank, ...] = of(Rows(Bank, ("note",), 0, len(BANKS), "air, below"))
-    air: Air = of(Table(Air, "below"))  # noqa: RUF009  (a frozen description)
-    pumps: Pumps = of(Table(Pumps, "below"))  # noqa: RUF009  (a frozen description)
-    hover: Hover = of(Table(Hover, "below"))  # noqa: RUF009  (a frozen description)
-    sea: Sea = of(Table(Sea, "below"))  # noqa: RUF009  (a frozen description)
+    banks: tuple[Bank, ...] = required(Rows(Bank, ("note",), 0, len(BANKS), "air, below"))
+    air: Air = required(Table(Air, "below"))  # noqa: RUF009  (a frozen description)
+    pumps: Pumps = required(Table(Pumps, "below"))  # noqa: RUF009  (a frozen description)
+    hover: HoverControl = required(Table(HoverControl, "below"))  # noqa: RUF009  (a frozen description)
+    sea: HullBuoyancy = required(Table(HullBuoyancy, "below"))  # noqa: RUF009  (a frozen description)
 
 
 def ballast_problems(ballast: Ballast) -> list[str]:
@@ -170,7 +192,7 @@ def ballast_problems(ballast: Ballast) -> list[str]:
 
 def ballast_remarks(ballast: Ballast, displaced: float) -> list[str]:
     """Return which tanks are too small for automatic trim of so much displaced volume [m3]."""
-    least = LEAST_TRIM * displaced
+    least = MIN_TRIM_SHARE * displaced
     return [
         f"pumped: {row.name}: capacity_m3 = {row.capacity_m3:g}: automatic trim wants {least:.2g} "
         "m3 or more; it will tell when the tank has no more to give"
@@ -179,7 +201,7 @@ def ballast_remarks(ballast: Ballast, displaced: float) -> list[str]:
     ]
 
 
-RECORDS: Final = {
+BALLAST_RECORDS: Final = {
     "ballast": Ballast,
     "[ballast.blown]": BlownTank,
     "[ballast.pumped]": PumpedTank,
@@ -187,11 +209,11 @@ RECORDS: Final = {
     "[ballast.banks]": Bank,
     "ballast.air": Air,
     "ballast.pumps": Pumps,
-    "ballast.hover": Hover,
-    "ballast.sea": Sea,
+    "ballast.hover": HoverControl,
+    "ballast.sea": HullBuoyancy,
 }
 
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/ballast.md shows them."""
-    return tables_of(RECORDS)
+    return tables_of(BALLAST_RECORDS)

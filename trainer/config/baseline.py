@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError, Place, as_table, parse_toml, text_if_there
-from trainer.config.schema import Choice, Quantity, Text, of, read_record, within
+from trainer.config.schema import Choice, Quantity, Text, read_record, required, within
 
-SCHEMA: Final = "baseline/1"
-BASELINE: Final = ".baseline.toml"  # ends the name of its file; no run depends on it
-TOLD: Final = (
+BASELINE_SCHEMA: Final = "baseline/1"
+BASELINE_SUFFIX: Final = ".baseline.toml"  # ends the name of its file; no run depends on it
+UNFLOWN_KEYS: Final = (
     "name",
     "lesson",
     "briefing",
@@ -25,36 +25,38 @@ TOLD: Final = (
     "note",
     "visitors",
 )  # keys that fly nothing
-MARK: Final = Quantity("%", within(0, 100), "marks")
+MARK_QUANTITY: Final = Quantity("%", within(0, 100), "marks")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Heading:
+class BaselineHeading:
     """The conditions in which a baseline was flown."""
 
-    schema: str = of(Choice((SCHEMA,), "form of the file"))
-    exercise: str = of(Text(64, "digest of what the exercise flies and judges"))
-    core: str = of(Text(80, "digest of the core"))
-    seed: float = of(Quantity("-", within(0, 1e15), "of the marks"))
-    seeds: float = of(Quantity("-", within(1, 1e4), "flown for mean and deviation"))
+    schema: str = required(Choice((BASELINE_SCHEMA,), "form of the file"))
+    exercise: str = required(Text(64, "digest of what the exercise flies and judges"))
+    core: str = required(Text(80, "digest of the core"))
+    seed: float = required(Quantity("-", within(0, 1e15), "of the marks"))
+    seeds: float = required(Quantity("-", within(1, 1e4), "flown for mean and deviation"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Totals:
     """The totals of one way to fly it, at its seed and over all seeds."""
 
-    total: float = of(MARK)
-    outcome: str = of(Text(40, "won, lost or not reached, at the exercise's seed"))
-    mean: float = of(MARK)
-    deviation: float = of(Quantity("%", within(0, 100), "standard deviation by the sea alone"))
-    least: float = of(MARK)
+    total: float = required(MARK_QUANTITY)
+    outcome: str = required(Text(40, "won, lost or not reached, at the exercise's seed"))
+    mean: float = required(MARK_QUANTITY)
+    deviation: float = required(
+        Quantity("%", within(0, 100), "standard deviation by the sea alone")
+    )
+    least: float = required(MARK_QUANTITY)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Baseline:
     """A baseline as it is kept."""
 
-    heading: Heading
+    heading: BaselineHeading
     nobody: Totals
     crew: Totals | None
     marks: Mapping[str, float]  # [%] with nobody aboard, by the name of the score
@@ -67,13 +69,13 @@ class Baseline:
 def digest_of(text: str) -> str:
     """Return the digest of what an exercise flies and judges, without titles and briefings."""
     table = parse_toml(text, "exercise")
-    flown = {key: value for key, value in table.items() if key not in TOLD}
+    flown = {key: value for key, value in table.items() if key not in UNFLOWN_KEYS}
     return hashlib.sha256(json.dumps(flown, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def baseline_path(exercise: Path) -> Path:
     """Return where the baseline of an exercise is kept: beside it."""
-    return exercise.with_name(f"{exercise.stem}{BASELINE}")
+    return exercise.with_name(f"{exercise.stem}{BASELINE_SUFFIX}")
 
 
 def kept_baseline(exercise: Path) -> Baseline | None:
@@ -93,11 +95,12 @@ def read_baseline(text: str, path: Path) -> Baseline:
         raise ConfigError(place.problem("lacks [nobody]"))
     crew = table.get("crew")
     return Baseline(
-        heading=read_record(Heading, heading, place, ()),
+        heading=read_record(BaselineHeading, heading, place, ()),
         nobody=read_record(Totals, table["nobody"], place.inside("nobody"), ()),
         crew=None if crew is None else read_record(Totals, crew, place.inside("crew"), ()),
         marks={
-            name: MARK.read(name, value, place.inside("marks")) for name, value in marks.items()
+            name: MARK_QUANTITY.read(name, value, place.inside("marks"))
+            for name, value in marks.items()
         },
     )
 

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, refuse
+from trainer.config.files import ConfigError, Place, raise_problems
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -17,17 +17,17 @@ from trainer.config.schema import (
     above,
     optional,
     read_record,
-    usual,
+    with_default,
     within,
 )
-from trainer.config.soundings import Grid, Numbers, between, on_the_plane, read_grid
+from trainer.config.soundings import Grid, Numbers, interpolate, on_the_plane, read_grid
 from trainer.core.current import north_and_east
 from trainer.io.chart import Chart
 
-FRICTION: Final = {"mud": 0.3, "sand": 0.4, "rock": 0.6}  # [-] project's own estimates
-GROUNDINGS: Final = ("free", "freeze", "end")
-LAND: Final = -10.0  # [m] depth where a grid has no value: a coast that nothing sails over
-NEAR: Final = 2000.0  # [m] of the start, within which a grid must have values
+FRICTION_BY_KIND: Final = {"mud": 0.3, "sand": 0.4, "rock": 0.6}  # [-] project's own estimates
+GROUNDING_ACTIONS: Final = ("free", "freeze", "end")
+LAND_DEPTH_M: Final = -10.0  # [m] depth where a grid has no value: a coast that nothing sails over
+START_RADIUS_M: Final = 2000.0  # [m] of the start, within which a grid must have values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,13 +54,18 @@ class BottomTable:
             2,
         )
     )
-    tide_m: float = usual(0.0, Quantity("m", within(-20, 20), "water over the depths charted"))
-    kind: str = usual("sand", Choice(tuple(FRICTION), "friction 0.3, 0.4 or 0.6; else sand"))
-    grounding: str = usual(
-        "free", Choice(GROUNDINGS, "what it does: nothing more, freeze time, end the exercise")
+    tide_m: float = with_default(
+        0.0, Quantity("m", within(-20, 20), "water over the depths charted")
+    )
+    kind: str = with_default(
+        "sand", Choice(tuple(FRICTION_BY_KIND), "friction 0.3, 0.4 or 0.6; else sand")
+    )
+    grounding: str = with_default(
+        "free",
+        Choice(GROUNDING_ACTIONS, "what it does: nothing more, freeze time, end the exercise"),
     )
     bottoming: bool | None = optional(Flag("the boat is to be laid down on it; else false"))
-    breakout_t: float = usual(
+    breakout_t: float = with_default(
         0.0, Quantity("t", within(0, 1000), "lift that mud holds a boat with; else 0")
     )
 
@@ -82,17 +87,17 @@ def read_bottom(value: object, place: Place, path: Path) -> Bottom:
     """Return the ground of a table of the exercise in ``path``; ConfigError with all faults."""
     table = read_record(BottomTable, value, place, ("note",))
     problems = _misfits(table, place)
-    refuse(problems)
+    raise_problems(problems)
     known = None
     if table.grid is None:
         depth = _plane(table)
     else:
         known = _charted(table, place, path)
-        depth = replace(known, values=np.where(np.isnan(known.values), LAND, known.values))
+        depth = replace(known, values=np.where(np.isnan(known.values), LAND_DEPTH_M, known.values))
     return Bottom(
         depth=depth,
         known=known,
-        friction=FRICTION[table.kind],
+        friction=FRICTION_BY_KIND[table.kind],
         breakout=1000.0 * table.breakout_t,
         kind=table.kind,
         grounding=table.grounding,
@@ -148,14 +153,14 @@ def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
 
 
 def land_near(bottom: Bottom, north: float, east: float) -> float:
-    """Return how near [m] a place the grid has no value. Infinity: none within NEAR."""
+    """Return how near [m] a place the grid has no value. Infinity: none within START_RADIUS_M."""
     if bottom.known is None:
         return math.inf
     grid = bottom.known
     i, j = np.nonzero(np.isnan(grid.values))
     away = np.hypot(grid.south + i * grid.cell[0] - north, grid.west + j * grid.cell[1] - east)
     nearest = float(away.min()) if away.size else math.inf
-    return nearest if nearest <= NEAR else math.inf
+    return nearest if nearest <= START_RADIUS_M else math.inf
 
 
 def is_charted(bottom: Bottom, north: float, east: float) -> bool:
@@ -177,4 +182,4 @@ def depths_at(bottom: Bottom, north: Numbers, east: Numbers) -> Numbers:
         plane: Numbers = here + i * (up - here) + j * (right - here)
         return plane
     rows, columns = grid.values.shape
-    return between(grid.values, np.clip(i, 0.0, rows - 1.0), np.clip(j, 0.0, columns - 1.0))
+    return interpolate(grid.values, np.clip(i, 0.0, rows - 1.0), np.clip(j, 0.0, columns - 1.0))

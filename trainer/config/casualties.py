@@ -20,20 +20,20 @@ from trainer.config.files import (
     collecting,
     nearest,
     parse_toml,
+    raise_problems,
     read_text,
-    refuse,
-    shipped,
+    shipped_path,
 )
 from trainer.config.schema import (
     KeyForm,
-    Limits,
+    NumberLimits,
     Quantity,
     Text,
     above,
     key_rows,
-    of,
     optional,
     read_record,
+    required,
     within,
 )
 from trainer.config.schema import Kind as FieldKind
@@ -42,27 +42,35 @@ from trainer.core.state import VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.units import KNOT
 
-SHARE: Final = above(0, 1)
-SWITCH: Final = within(1, 1)  # there or not, at once
-SIDE: Final = within(-1, 1)
-TIMES: Final = above(0, 10)
-SIGNED_TIMES: Final = within(-10, 10)
-HEADING: Final[Mapping[str, FieldKind]] = {
+SHARE_LIMITS: Final = above(0, 1)
+SWITCH_LIMITS: Final = within(1, 1)  # there or not, at once
+SIDE_LIMITS: Final = within(-1, 1)
+FACTOR_LIMITS: Final = above(0, 10)
+SIGNED_FACTOR_LIMITS: Final = within(-10, 10)
+HEADING_FIELDS: Final[Mapping[str, FieldKind]] = {
     "schema": Text(20, "form of the file: casualties/1"),
     "name": Text(200, "name shown"),
     "note": Text(1000, "for the reader"),
 }
-KNOWN: Final = (*HEADING, "casualty")
-STANDARD: Final = "standard"
-NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
-PARAMETERS: Final = ("hole_m2", "noise_m", "noise_deg", "noise_kn", "bias_m", "bias_deg", "bias_kn")
+KNOWN_KEYS: Final = (*HEADING_FIELDS, "casualty")
+STANDARD_LIST: Final = "standard"
+CASUALTY_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
+PARAMETER_KEYS: Final = (
+    "hole_m2",
+    "noise_m",
+    "noise_deg",
+    "noise_kn",
+    "bias_m",
+    "bias_deg",
+    "bias_kn",
+)
 
 
 @dataclass(frozen=True)
-class Measure:
+class SeverityMeasure:
     """The meaning of a kind's severity."""
 
-    limits: Limits
+    limits: NumberLimits
     meaning: str
     parameter: str = ""  # key of what severity 1 is
     factor: float = 1.0  # [SI] of the parameter's unit
@@ -70,56 +78,60 @@ class Measure:
     @property
     def sudden(self) -> bool:
         """Return whether it is there or not, so that it has neither degrees nor ramps."""
-        return self.limits == SWITCH
+        return self.limits == SWITCH_LIMITS
 
 
-def _measures() -> dict[str, Measure]:
+def _measures() -> dict[str, SeverityMeasure]:
     """Return the measure of each kind."""
-    stuck = Measure(SWITCH, "none: held as it stood")
-    taken = Measure(SHARE, "share of the rate lost")
+    stuck = SeverityMeasure(SWITCH_LIMITS, "none: held as it stood")
+    taken = SeverityMeasure(SHARE_LIMITS, "share of the rate lost")
     found = {
-        "propulsion-lost": Measure(SHARE, "share of turns lost"),
+        "propulsion-lost": SeverityMeasure(SHARE_LIMITS, "share of turns lost"),
         "propulsion-stuck": stuck,
-        "autopilot-failed": Measure(SWITCH, "none: its commands stay"),
+        "autopilot-failed": SeverityMeasure(SWITCH_LIMITS, "none: its commands stay"),
     }
     for surface in SURFACES:
         side = "right" if surface == "rudder" else "rise"
         found |= {
             f"{surface}-slow": taken,
-            f"{surface}-follow-up-lost": Measure(SWITCH, "none: on or off"),
-            f"{surface}-free": Measure(SHARE, "share of its rate"),
-            f"{surface}-hard-over": Measure(SIDE, f"of its limit, + {side}"),
+            f"{surface}-follow-up-lost": SeverityMeasure(SWITCH_LIMITS, "none: on or off"),
+            f"{surface}-free": SeverityMeasure(SHARE_LIMITS, "share of its rate"),
+            f"{surface}-hard-over": SeverityMeasure(SIDE_LIMITS, f"of its limit, + {side}"),
             f"{surface}-stuck": stuck,
         }
     units = (("m", 1.0), ("deg", math.radians(1.0)), ("kn", KNOT), ("m", 1.0))
     for gauge, (unit, factor) in zip(GAUGES, units, strict=True):
         found |= {
-            f"{gauge}-noisy": Measure(TIMES, f"times noise_{unit}", f"noise_{unit}", factor),
-            f"{gauge}-biased": Measure(SIGNED_TIMES, f"times bias_{unit}", f"bias_{unit}", factor),
+            f"{gauge}-noisy": SeverityMeasure(
+                FACTOR_LIMITS, f"times noise_{unit}", f"noise_{unit}", factor
+            ),
+            f"{gauge}-biased": SeverityMeasure(
+                SIGNED_FACTOR_LIMITS, f"times bias_{unit}", f"bias_{unit}", factor
+            ),
             f"{gauge}-stuck": stuck,
         }
-    hole = Measure(TIMES, "times hole_m2", "hole_m2")
+    hole = SeverityMeasure(FACTOR_LIMITS, "times hole_m2", "hole_m2")
     starts = {
         **dict.fromkeys(("leak-", "flooding-"), hole),
         **dict.fromkeys(("pump-", "bank-"), taken),
-        "blow-": Measure(SHARE, "share of the opening lost"),
-        "vent-": Measure(SHARE, "share of the opening lost"),
+        "blow-": SeverityMeasure(SHARE_LIMITS, "share of the opening lost"),
+        "vent-": SeverityMeasure(SHARE_LIMITS, "share of the opening lost"),
     }
     for name in KINDS:
         for start, measure in starts.items():
             if name.startswith(start):
                 found[name] = measure
     for valve in VALVES:
-        found[f"vent-{valve}-open"] = Measure(SHARE, "opening it is stuck at")
+        found[f"vent-{valve}-open"] = SeverityMeasure(SHARE_LIMITS, "opening it is stuck at")
     return found
 
 
-MEASURES: Final[Mapping[str, Measure]] = _measures()
+SEVERITY_MEASURES: Final[Mapping[str, SeverityMeasure]] = _measures()
 
 
 def severity_rule(kind: str) -> str:
     """Return what the severity of a kind must be, in words."""
-    measure = MEASURES[kind]
+    measure = SEVERITY_MEASURES[kind]
     if measure.sudden:
         return f"{kind} has no degrees: its severity is 1"
     return f"must be {measure.limits} for {kind} ({measure.meaning})"
@@ -143,14 +155,14 @@ class KindWord:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class CasualtyEntry:
     """One casualty as its table says it, in the table's units."""
 
-    kind: str = of(KindWord())
-    severity: float = of(Quantity("-", within(-10, 10), "unless ordered otherwise"))
-    ramp_s: float = of(Quantity("s", within(0, 3600), "time to come on"))
-    clear_ramp_s: float = of(Quantity("s", within(0, 3600), "time to go when cleared"))
-    description: str = of(Text(75, "for the list"))
+    kind: str = required(KindWord())
+    severity: float = required(Quantity("-", within(-10, 10), "unless ordered otherwise"))
+    ramp_s: float = required(Quantity("s", within(0, 3600), "time to come on"))
+    clear_ramp_s: float = required(Quantity("s", within(0, 3600), "time to go when cleared"))
+    description: str = required(Text(75, "for the list"))
     hole_m2: float | None = optional(Quantity("m2", above(0, 10), "flooding, leak: the hole"))
     noise_m: float | None = optional(Quantity("m", above(0, 1000), "depth-gauge, sounder: noisy"))
     noise_deg: float | None = optional(Quantity("deg", above(0, 180), "gyro-noisy"))
@@ -180,9 +192,9 @@ class Casualty:
         return CODES[self.kind]
 
     @property
-    def measure(self) -> Measure:
+    def measure(self) -> SeverityMeasure:
         """Return what its severity is."""
-        return MEASURES[self.kind]
+        return SEVERITY_MEASURES[self.kind]
 
 
 def load_casualties(*paths: str) -> Mapping[str, Casualty]:
@@ -190,7 +202,7 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
 
     ConfigError if a file is wrong or has a name that is already taken.
     """
-    shipped_table = shipped("casualties", STANDARD)
+    shipped_table = shipped_path("casualties", STANDARD_LIST)
     found = dict(_standard(read_text(shipped_table), shipped_table))
     for path in map(Path, paths):
         for name, casualty in parse_casualties(read_text(path), path, found).items():
@@ -220,10 +232,10 @@ def parse_casualties(
     found: dict[str, Casualty] = {}
     for key, value in table.items():
         with collecting(problems):
-            if key in HEADING:
-                HEADING[key].read(key, value, place)
+            if key in HEADING_FIELDS:
+                HEADING_FIELDS[key].read(key, value, place)
             elif key != "casualty":
-                advice = nearest(key, KNOWN) or "; write [casualty.NAME]"
+                advice = nearest(key, KNOWN_KEYS) or "; write [casualty.NAME]"
                 raise ConfigError(place.wrong(key, value, f"no such key{advice}"))
     with collecting(problems):
         if "casualty" not in table:
@@ -232,7 +244,7 @@ def parse_casualties(
         for name, entry in as_table(table["casualty"], within_file).items():
             with collecting(problems):
                 found[name] = read_casualty(name, entry, within_file.inside(name), standard)
-    refuse(problems)
+    raise_problems(problems)
     return found
 
 
@@ -241,14 +253,14 @@ def read_casualty(
 ) -> Casualty:
     """Return one casualty from its table; ConfigError with all that is wrong."""
     given = as_table(table, place)
-    if not NAME.fullmatch(name) or name == "all":
+    if not CASUALTY_NAME.fullmatch(name) or name == "all":
         text = "a name is 1 to 40 of a to z, 0 to 9 and -, a letter first, and not all"
         raise ConfigError(place.problem(text))
-    entry = read_record(Entry, {**_filler(given, standard), **given}, place, ("note",))
-    measure = MEASURES[entry.kind]
+    entry = read_record(CasualtyEntry, {**_filler(given, standard), **given}, place, ("note",))
+    measure = SEVERITY_MEASURES[entry.kind]
     problems = [
         place.problem(f"{key} means nothing to {entry.kind}")
-        for key in PARAMETERS
+        for key in PARAMETER_KEYS
         if key in given and key != measure.parameter
     ]
     full = getattr(entry, measure.parameter) if measure.parameter else 1.0
@@ -258,7 +270,7 @@ def read_casualty(
         problems.append(place.wrong("severity", entry.severity, severity_rule(entry.kind)))
     if measure.sudden and (entry.ramp_s or entry.clear_ramp_s):
         problems.append(place.problem(f"{entry.kind} comes and goes at once: ramps must be 0"))
-    refuse(problems)
+    raise_problems(problems)
     return Casualty(
         name=name,
         kind=entry.kind,
@@ -312,14 +324,14 @@ def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
 
 def key_table() -> str:
     """Return the Markdown table of every key, as docs/casualties.md shows it."""
-    return "\n".join(key_rows(Entry, "casualty.NAME")) + "\n"
+    return "\n".join(key_rows(CasualtyEntry, "casualty.NAME")) + "\n"
 
 
 def kind_table() -> str:
     """Return the Markdown table of every kind, as docs/casualties.md shows it."""
     rows = ["| kind | severity | is |", "|---|---|---|"]
     for kind in KINDS:
-        measure = MEASURES[kind]
+        measure = SEVERITY_MEASURES[kind]
         limits = "1" if measure.sudden else str(measure.limits)
         rows.append(f"| `{kind}` | {limits} | {measure.meaning} |")
     return "\n".join(rows) + "\n"

@@ -8,14 +8,14 @@ from trainer.config.files import (
     as_table,
     collecting,
     nearest,
-    refuse,
+    raise_problems,
 )
 from trainer.config.schema import Quantity, within
-from trainer.core.terms import COEFFICIENTS, POWERS
+from trainer.core.terms import COEFFICIENTS, LENGTH_POWERS
 
-AXES = ("X", "Y", "Z", "K", "M", "N")
-COEFFICIENT = Quantity("-", within(-10, 10), "coefficient, prime system, per radian")
-FACTOR = Quantity("-", within(-100, 100), "factor on a coefficient of the compact set")
+FORCE_AXES = ("X", "Y", "Z", "K", "M", "N")
+COEFFICIENT_QUANTITY = Quantity("-", within(-10, 10), "coefficient, prime system, per radian")
+FACTOR_QUANTITY = Quantity("-", within(-100, 100), "factor on a coefficient of the compact set")
 EQUATION_SETS = ("modified", "basic")
 
 
@@ -25,14 +25,14 @@ def read_coefficients(table: object, place: Place) -> dict[str, float]:
     Those not given are left out.
     """
     given, problems = _flatten(as_table(table, place), place)
-    known = list(POWERS)
+    known = list(LENGTH_POWERS)
     values: dict[str, float] = {}
     for axis, key, value in given:
         with collecting(problems):
             values[key] = _coefficient(key, value, place.inside(axis) if axis else place, known)
     keys = [key for _, key, _ in given]
     problems += [place.problem(f"{key} is given twice") for key in values if keys.count(key) > 1]
-    refuse(problems)
+    raise_problems(problems)
     return values
 
 
@@ -43,7 +43,7 @@ def _coefficient(key: str, value: object, place: Place, known: list[str]) -> flo
     root, _, axis = place.table.rpartition(".")
     if root and axis != key[0]:
         raise ConfigError(place.wrong(key, value, f"belongs under [{root}.{key[0]}]"))
-    return COEFFICIENT.read(key, value, place)
+    return COEFFICIENT_QUANTITY.read(key, value, place)
 
 
 def _flatten(
@@ -54,10 +54,10 @@ def _flatten(
     given: list[tuple[str, str, object]] = []
     problems = []
     for name, value in table.items():
-        if name in AXES and isinstance(value, Mapping):
+        if name in FORCE_AXES and isinstance(value, Mapping):
             given.extend((name, key, item) for key, item in value.items())
-        elif name in AXES or isinstance(value, Mapping):
-            text = f"must be one of the tables {', '.join(AXES)}, or a coefficient"
+        elif name in FORCE_AXES or isinstance(value, Mapping):
+            text = f"must be one of the tables {', '.join(FORCE_AXES)}, or a coefficient"
             problems.append(place.wrong(name, value, text))
         else:
             given.append(("", name, value))
@@ -83,7 +83,7 @@ def read_compensation(
     for name in EQUATION_SETS:
         with collecting(problems):
             factors[name] = _factors(sets.get(name, {}), place.inside(name), extra)
-    refuse(problems)
+    raise_problems(problems)
     return factors
 
 
@@ -96,5 +96,5 @@ def _factors(table: object, place: Place, extra: tuple[str, ...]) -> dict[str, f
         for key, value in given.items()
         if key not in kept
     ]
-    refuse(problems)
-    return {key: FACTOR.read(key, value, place) for key, value in given.items()}
+    raise_problems(problems)
+    return {key: FACTOR_QUANTITY.read(key, value, place) for key, value in given.items()}

@@ -10,7 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, Place, beside, collecting, path_named, refuse
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    collecting,
+    path_named,
+    raise_problems,
+    relative_name,
+)
 from trainer.config.nomoto import NomotoFile, is_nomoto, load_nomoto
 from trainer.config.schema import (
     Choice,
@@ -19,30 +26,34 @@ from trainer.config.schema import (
     Quantity,
     Rows,
     Text,
-    Whole,
-    described,
+    WholeNumber,
+    describe_kind,
     list_schema,
-    of,
     optional,
     read_record,
     record_schema,
-    usual,
+    required,
+    with_default,
     within,
 )
 from trainer.config.ship import ShipFile, is_ship, load_ship
-from trainer.io.orders.schedule import LATEST
+from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.units import KNOT
 
-MOST: Final = 200  # contacts of an exercise
-FURTHEST: Final = 200_000.0  # [m] from the origin
-NAMED: Final = re.compile(r"[a-z][a-z0-9-]{0,15}")  # as an order names it
-MMSI: Final = 100_000_000, 999_999_999  # of nine digits
-RESERVED: Final = ("add",)  # what an order says in a name's place
-ACCELERATION: Final = 0.02  # [m/s^2] of every ship: an estimate
-QUICKEST: Final = 0.1  # [s] time constant of a ship that can be followed from tick to tick
-TURN: Final = 2.5  # [lengths] radius of a turn: half of IMO's largest tactical diameter
-STATUSES: Final = ("under way", "at anchor", "fishing", "trawling", "sailing", "adrift")
-SPEED: Final = Quantity("kn", within(0, 60), "over the ground, or one for each leg; else 0")
+MAX_CONTACTS: Final = 200  # contacts of an exercise
+MAX_CONTACT_RANGE_M: Final = 200_000.0  # [m] from the origin
+CONTACT_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,15}")  # as an order names it
+MMSI_RANGE: Final = 100_000_000, 999_999_999  # of nine digits
+RESERVED_NAMES: Final = ("add",)  # what an order says in a name's place
+SHIP_ACCELERATION_M_S2: Final = 0.02  # [m/s^2] of every ship: an estimate
+MIN_TIME_CONSTANT_S: Final = (
+    0.1  # [s] time constant of a ship that can be followed from tick to tick
+)
+TURN_RADIUS_LENGTHS: Final = (
+    2.5  # [lengths] radius of a turn: half of IMO's largest tactical diameter
+)
+CONTACT_STATUSES: Final = ("under way", "at anchor", "fishing", "trawling", "sailing", "adrift")
+GROUND_SPEED: Final = Quantity("kn", within(0, 60), "over the ground, or one for each leg; else 0")
 
 
 @dataclass(frozen=True)
@@ -63,7 +74,7 @@ class ShipType:
     @property
     def turn(self) -> float:
         """Return the radius [m] of its turns."""
-        return TURN * self.length
+        return TURN_RADIUS_LENGTHS * self.length
 
     @property
     def fastest(self) -> float:
@@ -71,7 +82,7 @@ class ShipType:
         return self.fastest_kn * KNOT
 
 
-TYPES: Final[Mapping[str, ShipType]] = {
+SHIP_TYPES: Final[Mapping[str, ShipType]] = {
     "tanker": ShipType(200, 32, 11, 0.8, 30, 40, 16, ais=80),
     "cargo": ShipType(140, 21, 8, 0.7, 26, 34, 20, ais=70),
     "ferry": ShipType(120, 20, 5.5, 0.58, 24, 32, 24, ais=60),
@@ -82,7 +93,7 @@ TYPES: Final[Mapping[str, ShipType]] = {
 
 
 @dataclass(frozen=True)
-class Points:
+class WayPoints:
     """A list of places, each north and east of the origin."""
 
     meaning: str
@@ -91,8 +102,8 @@ class Points:
     @property
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
-        each = list_schema(within(-FURTHEST, FURTHEST).schema, 2, 2)
-        told = f"1 to {self.most} pairs, {-FURTHEST:.0f} to {FURTHEST:.0f}"
+        each = list_schema(within(-MAX_CONTACT_RANGE_M, MAX_CONTACT_RANGE_M).schema, 2, 2)
+        told = f"1 to {self.most} pairs, {-MAX_CONTACT_RANGE_M:.0f} to {MAX_CONTACT_RANGE_M:.0f}"
         return KeyForm("m", told, self.meaning, list_schema(each, 1, self.most))
 
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, float], ...]:
@@ -105,7 +116,7 @@ class Points:
     def _pair(self, key: str, value: object, place: Place) -> tuple[float, float]:
         if not isinstance(value, list) or len(value) != 2:
             raise ConfigError(place.wrong(key, value, "must be a pair [north, east]"))
-        number = Quantity("m", within(-FURTHEST, FURTHEST), "")
+        number = Quantity("m", within(-MAX_CONTACT_RANGE_M, MAX_CONTACT_RANGE_M), "")
         north, east = (number.read(f"{key}[{i}]", each, place) for i, each in enumerate(value))
         return north, east
 
@@ -135,21 +146,32 @@ class LegSpeeds:
 class ContactRow:
     """One ship as it stands in the file."""
 
-    name: str = of(Text(16, "as orders name it: small letters, digits and hyphens"))
-    type: str = of(Choice(tuple(TYPES), "kind of ship: sizes, lights, what AIS calls it"))
-    mmsi: int | None = optional(Whole(*MMSI, "its number in AIS; else it has no transponder"))
-    points: tuple[tuple[float, float], ...] = of(
-        Points("way points, north and east of the start's origin; one: it lies, or keeps a course")
+    name: str = required(Text(16, "as orders name it: small letters, digits and hyphens"))
+    type: str = required(
+        Choice(tuple(SHIP_TYPES), "kind of ship: sizes, lights, what AIS calls it")
     )
-    speed_kn: float | tuple[float, ...] | None = optional(LegSpeeds(SPEED))
+    mmsi: int | None = optional(
+        WholeNumber(*MMSI_RANGE, "its number in AIS; else it has no transponder")
+    )
+    points: tuple[tuple[float, float], ...] = required(
+        WayPoints(
+            "way points, north and east of the start's origin; one: it lies, or keeps a course"
+        )
+    )
+    speed_kn: float | tuple[float, ...] | None = optional(LegSpeeds(GROUND_SPEED))
     course_deg: float | None = optional(
         Quantity("deg", within(0, 360), "with one point: how it lies or goes; else north")
     )
     starts_s: float | None = optional(
-        Quantity("s", within(0, LATEST), "lies until then; else it has its speed from the start")
+        Quantity(
+            "s", within(0, MAX_TIME_S), "lies until then; else it has its speed from the start"
+        )
     )
     status: str | None = optional(
-        Choice(STATUSES, "for lights and AIS; else its type's; where it lies, at anchor, or adrift")
+        Choice(
+            CONTACT_STATUSES,
+            "for lights and AIS; else its type's; where it lies, at anchor, or adrift",
+        )
     )
     drifts: bool | None = optional(
         Flag("the current of 5 m carries it; its way is through the water; else over the ground")
@@ -174,7 +196,7 @@ class Contact:
     @property
     def type(self) -> ShipType:
         """Return its kind."""
-        return TYPES[self.row.type]
+        return SHIP_TYPES[self.row.type]
 
     @property
     def legs(self) -> int:
@@ -207,23 +229,23 @@ class Contact:
 class Encounters:
     """The rules for ships that come near."""
 
-    cpa_m: float = usual(
+    cpa_m: float = with_default(
         500.0,
         Quantity("m", within(1, 20_000), "closest approach below which it is called; else 500"),
     )
-    warn_s: float = usual(
+    warn_s: float = with_default(
         600.0, Quantity("s", within(1, 3600), "called when it is less far ahead; else 600")
     )
-    collision: str = usual(
+    collision: str = with_default(
         "freeze", Choice(("freeze", "end", "call"), "what a collision does; else freeze")
     )
-    force: str = usual(
+    force: str = with_default(
         "off",
         Choice(("off", "on"), "pull of ships near: an estimate within a factor of two; else off"),
     )
 
 
-CONTACTS: Final = Rows(ContactRow, ("note",), 0, MOST, "ships near, below")
+CONTACT_ROWS: Final = Rows(ContactRow, ("note",), 0, MAX_CONTACTS, "ships near, below")
 CONTACT_RECORDS: Final[Mapping[str, type[Any]]] = {"[contact]": ContactRow, "contacts": Encounters}
 
 
@@ -231,7 +253,7 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
     """Return the ships of an exercise; ConfigError with all that is wrong in them."""
     problems: list[str] = []
     found = []
-    rows = CONTACTS.read("contact", value, Place(place.file, ""))
+    rows = CONTACT_ROWS.read("contact", value, Place(place.file, ""))
     for i, row in enumerate(rows):
         inside = Place(place.file, f"contact[{i}]")
         with collecting(problems):
@@ -241,7 +263,7 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
             problems += _faults(contact)
             found.append(contact)
     problems += _twice(found)
-    refuse(problems)
+    raise_problems(problems)
     return tuple(found)
 
 
@@ -253,7 +275,7 @@ def read_encounters(value: object, place: Place, path: Path) -> Encounters:
 
 def contacts_schema() -> dict[str, Any]:
     """Return the JSON Schema of the tables [[contact]]."""
-    return described(CONTACTS)
+    return describe_kind(CONTACT_ROWS)
 
 
 def encounters_schema() -> dict[str, Any]:
@@ -263,7 +285,7 @@ def encounters_schema() -> dict[str, Any]:
 
 def _ship(row: ContactRow, path: Path) -> ShipFile:
     """Return the ship of a contact that is not linear; ConfigError if its file is of none."""
-    found = path_named(beside(path, str(row.ship)), "ships")
+    found = path_named(relative_name(path, str(row.ship)), "ships")
     if is_nomoto(found):
         raise ConfigError(f"{found.name}: is a Nomoto ship: {row.name} has it as nomoto")
     return load_ship(found)
@@ -271,7 +293,7 @@ def _ship(row: ContactRow, path: Path) -> ShipFile:
 
 def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
     """Return the identified ship of a contact; ConfigError if its file is of none to be steered."""
-    found = Path(beside(path, str(row.nomoto)))
+    found = Path(relative_name(path, str(row.nomoto)))
     if is_ship(found):
         raise ConfigError(f"{found.name}: is a ship that is not linear: {row.name} has it as ship")
     ship = load_nomoto(found)
@@ -279,8 +301,12 @@ def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
         Place(found.name, "").wrong(key, getattr(ship, key), f"{row.name} cannot be steered: {why}")
         for key, why, good in (
             ("K_per_s", "must be below 0", ship.K_per_s < 0.0),
-            ("T1_s", f"must be {QUICKEST:g} s or more", ship.T1_s >= QUICKEST),
-            ("T2_s", "must be 0, or as much", ship.T2_s == 0.0 or ship.T2_s >= QUICKEST),
+            (
+                "T1_s",
+                f"must be {MIN_TIME_CONSTANT_S:g} s or more",
+                ship.T1_s >= MIN_TIME_CONSTANT_S,
+            ),
+            ("T2_s", "must be 0, or as much", ship.T2_s == 0.0 or ship.T2_s >= MIN_TIME_CONSTANT_S),
         )
         if not good
     ]
@@ -293,7 +319,7 @@ def _faults(contact: Contact) -> list[str]:
     """Return what is wrong with one ship by itself."""
     row, place = contact.row, contact.place
     found = []
-    if not NAMED.fullmatch(row.name) or row.name in RESERVED:
+    if not CONTACT_NAME.fullmatch(row.name) or row.name in RESERVED_NAMES:
         told = "must be small letters, digits and hyphens, a letter first, and not add"
         found.append(place.wrong("name", row.name, told))
     if isinstance(row.speed_kn, tuple) and len(row.speed_kn) != contact.legs:

@@ -3,9 +3,9 @@
 import math
 from typing import Final, NamedTuple
 
-from trainer.config.files import parse_toml, read_text, shipped, shipped_names
+from trainer.config.files import parse_toml, read_text, shipped_names, shipped_path
 
-STANDARD: Final = "bb2"  # the boat of an exercise that names none
+STANDARD_VESSEL: Final = "bb2"  # the boat of an exercise that names none
 
 
 class Lesson(NamedTuple):
@@ -17,7 +17,7 @@ class Lesson(NamedTuple):
     briefing: str
     seconds: float | None = None  # its length, None where it has no end
     hand: tuple[str, ...] = ()  # what the crew works by hand
-    vessel: str = STANDARD  # the boat
+    vessel: str = STANDARD_VESSEL  # the boat
 
 
 def course() -> list[Lesson]:
@@ -30,7 +30,7 @@ def course() -> list[Lesson]:
 
 def lesson(name: str) -> Lesson:
     """Return a shipped exercise as a lesson. One without a place in the course comes last."""
-    path = shipped("exercises", name)
+    path = shipped_path("exercises", name)
     table = parse_toml(read_text(path), path.name)
     place = float(table.get("lesson", math.inf))
     length = table.get("duration_s")
@@ -38,5 +38,5 @@ def lesson(name: str) -> Lesson:
         *(place, name, str(table["name"]), str(table["briefing"])),
         seconds=None if length is None else float(length),
         hand=tuple(map(str, table.get("hand", ()))),
-        vessel=str(table.get("vessel", STANDARD)),
+        vessel=str(table.get("vessel", STANDARD_VESSEL)),
     )

@@ -12,21 +12,21 @@ from trainer.config.schema import (
     Quantity,
     Table,
     list_schema,
-    of,
     optional,
     read_record,
     record_schema,
+    required,
     tables_of,
-    usual,
+    with_default,
     within,
 )
 
-MOON: Final = 12.4206  # [h] between tides: M2, the moon's
-SLOWEST: Final = 60.0  # [s] of a change, below which the water's own acceleration is felt
-DRIFT: Final = within(0, 10)  # [kn]
-TOWARDS: Final = within(0, 360)  # [deg]
-MOST: Final = 50  # rows of a table
-FORMS: Final[Mapping[str, tuple[str, ...]]] = {
+LUNAR_TIDE_PERIOD_H: Final = 12.4206  # [h] between tides: M2, the moon's
+MIN_CHANGE_TIME_S: Final = 60.0  # [s] of a change, below which the water's own acceleration is felt
+DRIFT_LIMITS_KN: Final = within(0, 10)  # [kn]
+SET_LIMITS_DEG: Final = within(0, 360)  # [deg]
+MAX_PROFILE_ROWS: Final = 50  # rows of a table
+CURRENT_FORMS: Final[Mapping[str, tuple[str, ...]]] = {
     "set_deg with drift_kn": ("set_deg", "drift_kn"),
     "table": ("table",),
     "tide": ("tide",),
@@ -40,8 +40,8 @@ class Profile:
     meaning: str
     columns: tuple[Quantity, ...] = (
         Quantity("m", within(0, 12000), "depth"),
-        Quantity("deg", TOWARDS, "set"),
-        Quantity("kn", DRIFT, "drift"),
+        Quantity("deg", SET_LIMITS_DEG, "set"),
+        Quantity("kn", DRIFT_LIMITS_KN, "drift"),
     )
 
     @property
@@ -51,12 +51,17 @@ class Profile:
             "prefixItems": [each.form.schema for each in self.columns],
             **list_schema({"type": "number"}, len(self.columns), len(self.columns)),
         }
-        return KeyForm("m, deg, kn", f"1 to {MOST} rows", self.meaning, list_schema(row, 1, MOST))
+        return KeyForm(
+            "m, deg, kn",
+            f"1 to {MAX_PROFILE_ROWS} rows",
+            self.meaning,
+            list_schema(row, 1, MAX_PROFILE_ROWS),
+        )
 
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
         """Return the rows; ConfigError naming the first number that is wrong."""
-        if not isinstance(value, list) or not 1 <= len(value) <= MOST:
-            told = f"must be a list of 1 to {MOST} rows [depth m, set deg, drift kn]"
+        if not isinstance(value, list) or not 1 <= len(value) <= MAX_PROFILE_ROWS:
+            told = f"must be a list of 1 to {MAX_PROFILE_ROWS} rows [depth m, set deg, drift kn]"
             raise ConfigError(place.wrong(key, value, told))
         rows = tuple(self._row(f"{key}[{i}]", row, place) for i, row in enumerate(value))
         for i, (upper, lower) in enumerate(itertools.pairwise(rows), start=1):
@@ -79,20 +84,25 @@ class Profile:
 class Tide:
     """A current that turns: its tip runs round an ellipse, about a mean that stays."""
 
-    major_kn: float = of(Quantity("kn", DRIFT, "strongest"))
-    minor_kn: float = usual(
+    major_kn: float = required(Quantity("kn", DRIFT_LIMITS_KN, "strongest"))
+    minor_kn: float = with_default(
         0.0, Quantity("kn", within(-10, 10), "weakest; above 0 it turns clockwise, 0: to and fro")
     )
-    towards_deg: float = of(Quantity("deg", TOWARDS, "true, where the strongest sets"))
-    period_h: float = usual(MOON, Quantity("h", within(1, 1000), f"once round; else {MOON:g}"))
-    phase_h: float = usual(
+    towards_deg: float = required(Quantity("deg", SET_LIMITS_DEG, "true, where the strongest sets"))
+    period_h: float = with_default(
+        LUNAR_TIDE_PERIOD_H,
+        Quantity("h", within(1, 1000), f"once round; else {LUNAR_TIDE_PERIOD_H:g}"),
+    )
+    phase_h: float = with_default(
         0.0, Quantity("h", within(-1000, 1000), "since the strongest at the start; else 0")
     )
     mean_set_deg: float | None = optional(
-        Quantity("deg", TOWARDS, "true, where the water goes to on the whole; with its drift")
+        Quantity(
+            "deg", SET_LIMITS_DEG, "true, where the water goes to on the whole; with its drift"
+        )
     )
     mean_drift_kn: float | None = optional(
-        Quantity("kn", DRIFT, "what is left over a whole period; else nothing is")
+        Quantity("kn", DRIFT_LIMITS_KN, "what is left over a whole period; else nothing is")
     )
 
 
@@ -100,18 +110,25 @@ class Tide:
 class Current:
     """One of the forms, and how fast an order changes it. Sets are towards."""
 
-    set_deg: float | None = optional(Quantity("deg", TOWARDS, "true, where the water goes to"))
-    drift_kn: float | None = optional(Quantity("kn", DRIFT, "its speed over ground"))
+    set_deg: float | None = optional(
+        Quantity("deg", SET_LIMITS_DEG, "true, where the water goes to")
+    )
+    drift_kn: float | None = optional(Quantity("kn", DRIFT_LIMITS_KN, "its speed over ground"))
     table: tuple[tuple[float, ...], ...] | None = optional(
         Profile("by depth: `[depth, set, drift]`, depths rising; straight between, ends held")
     )
     tide: Tide | None = optional(Table(Tide, "by time, below"))  # noqa: RUF009  (a frozen description)
-    ramp_s: float = usual(
-        SLOWEST, Quantity("s", within(SLOWEST, 3600), f"of an order's change; else {SLOWEST:g}")
+    ramp_s: float = with_default(
+        MIN_CHANGE_TIME_S,
+        Quantity(
+            "s",
+            within(MIN_CHANGE_TIME_S, 3600),
+            f"of an order's change; else {MIN_CHANGE_TIME_S:g}",
+        ),
     )
 
 
-RECORDS: Final = {"current": Current, "current.tide": Tide}
+CURRENT_RECORDS: Final = {"current": Current, "current.tide": Tide}
 
 
 def read_current(value: object, place: Place, _path: Path) -> Current:
@@ -126,14 +143,14 @@ def _problem(current: Current) -> str:
     """Return why the keys make no current, "" where they do."""
     keys = [item.name for item in fields(Current) if item.name != "ramp_s"]
     there = [key for key in keys if getattr(current, key) is not None]
-    forms = [name for name, own in FORMS.items() if any(key in there for key in own)]
+    forms = [name for name, own in CURRENT_FORMS.items() if any(key in there for key in own)]
     if len(forms) != 1:
         have = f"has {', '.join(there)}" if there else "has none of them"
-        return f"{have}: give one of {', '.join(FORMS)}"
+        return f"{have}: give one of {', '.join(CURRENT_FORMS)}"
     (form,) = forms
-    lacking = [key for key in FORMS[form] if key not in there]
+    lacking = [key for key in CURRENT_FORMS[form] if key not in there]
     if lacking:
-        return f"has {there[0]} and lacks {lacking[0]}: give one of {', '.join(FORMS)}"
+        return f"has {there[0]} and lacks {lacking[0]}: give one of {', '.join(CURRENT_FORMS)}"
     return _tide_problem(current.tide) if current.tide else ""
 
 
@@ -154,10 +171,10 @@ def _tide_problem(tide: Tide) -> str:
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/world.md shows them."""
-    return tables_of(RECORDS)
+    return tables_of(CURRENT_RECORDS)
 
 
 def current_schema() -> dict[str, Any]:
     """Return the JSON Schema of a table [current]; one of the forms is given."""
-    forms = [{"required": [*keys]} for keys in FORMS.values()]
+    forms = [{"required": [*keys]} for keys in CURRENT_FORMS.values()]
     return {**record_schema(Current, ("note",)), "oneOf": forms}

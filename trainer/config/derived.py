@@ -5,30 +5,39 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.config.condition import ANGLE, LENGTH, MASS, QUANTITIES, SPEED, Quantity
-from trainer.config.files import ConfigError, Place, nearest, quote, refuse
+from trainer.config.condition import (
+    ANGLE_UNITS,
+    LENGTH_UNITS,
+    MASS_UNITS,
+    SPEED_UNITS,
+    STATE_QUANTITIES,
+    Quantity,
+)
+from trainer.config.files import ConfigError, Place, nearest, quote, raise_problems
 
-NUMBER: Final = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
+NUMBER_PATTERN: Final = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
 
 
-FORM: Final = re.compile(rf"\s*([A-Za-z]\w*)\s*(<=|>=|<|>)\s*({NUMBER})\s*(\S*)\s*")
+CONDITION_PATTERN: Final = re.compile(
+    rf"\s*([A-Za-z]\w*)\s*(<=|>=|<|>)\s*({NUMBER_PATTERN})\s*(\S*)\s*"
+)
 
 
-DERIVED: Final[Mapping[str, Quantity]] = {
-    "course": Quantity("", ANGLE, "where the bow points"),
-    "heavy": Quantity("", MASS, "weight less buoyancy"),
-    "eye": Quantity("", LENGTH, "height of the periscope's head above the sea"),
-    "clearance": Quantity("", LENGTH, "least height of the keel over the ground"),
-    "speed_over_ground": Quantity("", SPEED, "over the ground, whichever way"),
-    "showing": Quantity("", LENGTH, "height of sail or deck above the sea, the higher one"),
+DERIVED_QUANTITIES: Final[Mapping[str, Quantity]] = {
+    "course": Quantity("", ANGLE_UNITS, "where the bow points"),
+    "heavy": Quantity("", MASS_UNITS, "weight less buoyancy"),
+    "eye": Quantity("", LENGTH_UNITS, "height of the periscope's head above the sea"),
+    "clearance": Quantity("", LENGTH_UNITS, "least height of the keel over the ground"),
+    "speed_over_ground": Quantity("", SPEED_UNITS, "over the ground, whichever way"),
+    "showing": Quantity("", LENGTH_UNITS, "height of sail or deck above the sea, the higher one"),
 }
 
 
-EVERY: Final[Mapping[str, Quantity]] = {**QUANTITIES, **DERIVED}
+ALL_QUANTITIES: Final[Mapping[str, Quantity]] = {**STATE_QUANTITIES, **DERIVED_QUANTITIES}
 
 
-AND: Final = re.compile(r"\s+and\s+")
-LASTING: Final = re.compile(r"(.*\S)\s+for\s+([\d.]+)\s*s")
+AND_WORD: Final = re.compile(r"\s+and\s+")
+LASTING_CONDITION: Final = re.compile(r"(.*\S)\s+for\s+([\d.]+)\s*s")
 
 
 @dataclass(frozen=True)
@@ -45,14 +54,14 @@ class Condition:
 
 def compile_conditions(text: str, place: Place) -> tuple[Condition, ...]:
     """Return the conditions that ``and`` joins, of any quantity; ConfigError as below."""
-    return tuple(compile_condition(each, place, EVERY) for each in AND.split(text))
+    return tuple(compile_condition(each, place, ALL_QUANTITIES) for each in AND_WORD.split(text))
 
 
 def compile_condition(
-    text: str, place: Place, known: Mapping[str, Quantity] = QUANTITIES
+    text: str, place: Place, known: Mapping[str, Quantity] = STATE_QUANTITIES
 ) -> Condition:
     """Return the condition written in ``text``; ConfigError if it is none, naming the nearest."""
-    found = FORM.fullmatch(text)
+    found = CONDITION_PATTERN.fullmatch(text)
     if found is None:
         raise ConfigError(
             place.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
@@ -79,7 +88,9 @@ def compile_condition(
     )
 
 
-def parse_name(words: str, known: Mapping[str, Quantity] = EVERY) -> tuple[str, str] | None:
+def parse_name(
+    words: str, known: Mapping[str, Quantity] = ALL_QUANTITIES
+) -> tuple[str, str] | None:
     """Return the quantity and the unit in ``speed_kn``, the unit '' if there is none.
 
     None if there is no such quantity in such a unit.
@@ -94,7 +105,7 @@ def parse_name(words: str, known: Mapping[str, Quantity] = EVERY) -> tuple[str, 
     return None
 
 
-def nearest_quantity(words: str, known: Mapping[str, Quantity] = EVERY) -> str:
+def nearest_quantity(words: str, known: Mapping[str, Quantity] = ALL_QUANTITIES) -> str:
     """Return '. Nearest is ...' for the quantity most like ``words``, or '' if none is."""
     with_units = [f"{name}_{unit}" for name, q in known.items() for unit in q.units]
     return nearest(words, [*known, *with_units])
@@ -125,7 +136,9 @@ def _number(text: str, whole: str, place: Place) -> float:
 def quantity_table() -> str:
     """Return the Markdown table of every quantity, as docs/casualties.md shows it."""
     rows = ["| quantity | units | is |", "|---|---|---|"]
-    rows += [f"| `{name}` | {', '.join(q.units)} | {q.meaning} |" for name, q in QUANTITIES.items()]
+    rows += [
+        f"| `{name}` | {', '.join(q.units)} | {q.meaning} |" for name, q in STATE_QUANTITIES.items()
+    ]
     return "\n".join(rows) + "\n"
 
 
@@ -143,7 +156,7 @@ def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
     problems: list[str] = []
     found = []
     for text in texts:
-        lasting = LASTING.fullmatch(text.strip())
+        lasting = LASTING_CONDITION.fullmatch(text.strip())
         words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
         try:
             conditions = compile_conditions(words, place)
@@ -152,5 +165,5 @@ def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
             problems.append(place.wrong("lost", text, reason))
         else:
             found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
-    refuse(problems)
+    raise_problems(problems)
     return tuple(found)

@@ -13,85 +13,89 @@ from trainer.config.derived import Condition, Loss, compile_condition, compile_l
 from trainer.config.files import (
     ConfigError,
     Place,
-    beside,
     collecting,
     nearest,
-    numbered,
+    number_problems,
     parse_toml,
     path_named,
     quote,
+    raise_problems,
     read_text,
-    refuse,
+    relative_name,
 )
 from trainer.config.reference_crew import CREW_TABLES, Crew, CrewRow, Helmsman, Planesman, read_crew
 from trainer.config.schema import (
     Choice,
     Choices,
     Flag,
-    Page,
+    LongText,
     Quantity,
     Rows,
     Text,
     Texts,
     above,
-    of,
     optional,
     read_record,
+    required,
     tables_of,
     within,
 )
-from trainer.config.score_rules import Rule, Score, read_rules
+from trainer.config.score_rules import ScoreRow, ScoreRule, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
 from trainer.config.sound_rows import Readers, sound_rows
-from trainer.config.stated import Stated, StatedRow, read_stated
-from trainer.config.words import EQUATIONS
-from trainer.config.world import READERS, WORLD_RECORDS, WorldTables, read_world
+from trainer.config.stated import StatedRow, StatedValue, read_stated
+from trainer.config.words import EQUATION_SETS
+from trainer.config.world import WORLD_READERS, WORLD_RECORDS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
-from trainer.io.orders.schedule import LATEST, Scheduled
-from trainer.io.orders.table import UNSCHEDULED
+from trainer.io.orders.schedule import MAX_TIME_S, ScheduledOrder
+from trainer.io.orders.table import UNSCHEDULED_WORDS
 
 # what a crew works by hand, and the orders that give it to the autopilot, or to the trim's keeper
-AXES: Final[Mapping[str, tuple[str, ...]]] = {
+AUTOMATIC_ORDERS_BY_AXIS: Final[Mapping[str, tuple[str, ...]]] = {
     "rudder": ("course", "course-by", "course-to", "rudder auto", "autopilot on"),
     "planes": ("depth", "periscope", "planes auto", "stern auto", "bow auto", "autopilot on"),
     "speed": ("speed", "autopilot on"),
     "ballast": ("hover", "trim auto"),
 }
-AUTOMATIC: Final = tuple(dict.fromkeys(name for names in AXES.values() for name in names))
-MANNED: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an order to the crew
+AUTOMATIC_ORDERS: Final = tuple(
+    dict.fromkeys(name for names in AUTOMATIC_ORDERS_BY_AXIS.values() for name in names)
+)
+MANNED_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an order to the crew
     "course": ("rudder", "course", "course-by"),
     "depth": ("planes", "ballast", "depth", "periscope", "hover"),
     "periscope": ("planes", "ballast", "depth", "periscope", "hover"),
     "speed": ("speed",),
     "pitch": ("planes", "ballast"),
 }
-TABLES: Final = (
+EXERCISE_TABLES: Final = (
     *("initial", "sea", "orders", "casualties", "limits", "scores", "stated"),
-    *(*CREW_TABLES, *READERS),
+    *(*CREW_TABLES, *WORLD_READERS),
 )
-AT_A_TIME: Final = {  # what is settled before the run, as when has no time yet
+TIMED_KEYS: Final = {  # what is settled before the run, as when has no time yet
     **dict.fromkeys(("within_s", "one_of"), "goes with at_s"),
     "lasts_s": "goes with at_s: a run is planned before when is known to come; say clear_at_s",
 }
 
 
 @dataclass(frozen=True, kw_only=True)
-class Heading:
+class ExerciseHeading:
     """The nature of an exercise, and the method by which the boat is computed."""
 
-    schema: str = of(Choice(("exercise/1",), "form of the file"))
-    name: str = of(Text(55, "the crew's title, one line for the list of exercises"))
+    schema: str = required(Choice(("exercise/1",), "form of the file"))
+    name: str = required(Text(55, "the crew's title, one line for the list of exercises"))
     lesson: float | None = optional(
         Quantity("-", within(1, 999), "place in the course: lists are in this order")
     )
-    briefing: str = of(Page(4000, "what the crew is told at the start"))
+    briefing: str = required(LongText(4000, "what the crew is told at the start"))
     instructor: str | None = optional(
-        Page(4000, "for the instructor alone: what is hidden, the cure")
+        LongText(4000, "for the instructor alone: what is hidden, the cure")
     )
-    hand: tuple[str, ...] | None = optional(Choices(tuple(AXES), "what the crew works by hand"))
-    hand_from_s: float | None = optional(Quantity("s", within(0, LATEST), "since when; else 0"))
+    hand: tuple[str, ...] | None = optional(
+        Choices(tuple(AUTOMATIC_ORDERS_BY_AXIS), "what the crew works by hand")
+    )
+    hand_from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "since when; else 0"))
     allowed: tuple[str, ...] | None = optional(
-        Choices(AUTOMATIC, "automatic orders that are allowed all the same")
+        Choices(AUTOMATIC_ORDERS, "automatic orders that are allowed all the same")
     )
     guard_depth_m: float | None = optional(
         Quantity("m", above(0, 12000), "before it the boat levels by itself, planes in hand")
@@ -103,17 +107,19 @@ class Heading:
         Texts(Text(79, "conditions that lose the exercise: depth > 160, showing > 0 for 5 s"), 8)
     )
     vessel: str | None = optional(Text(200, "name of a boat, or path of its file"))
-    equations: str | None = optional(Choice(EQUATIONS, "set of equations"))
+    equations: str | None = optional(Choice(EQUATION_SETS, "set of equations"))
     rates: str | None = optional(Choice(("exact", "lagged"), "how accelerations are found"))
     integrator: str | None = optional(Text(200, "as --integrator"))
     step_s: float | None = optional(Quantity("s", within(0.001, 2), "time step"))
     seed: float | None = optional(Quantity("-", within(0, 1e15), "of everything random"))
-    duration_s: float | None = optional(Quantity("s", within(0.001, LATEST), "end of the exercise"))
+    duration_s: float | None = optional(
+        Quantity("s", within(0.001, MAX_TIME_S), "end of the exercise")
+    )
     casualty_table: str | None = optional(Text(200, "path of a table of casualties of your own"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Initial:
+class StartState:
     """Where the boat starts; what is left out is the vessel file's, the course north."""
 
     speed_kn: float | None = optional(Quantity("kn", within(0.001, 60), "speed"))
@@ -131,32 +137,32 @@ class Initial:
 class OrderRow:
     """One order and its time."""
 
-    at_s: float = of(Quantity("s", within(0, LATEST), "time from the start"))
-    order: str = of(Text(80, "as it is typed"))
+    at_s: float = required(Quantity("s", within(0, MAX_TIME_S), "time from the start"))
+    order: str = required(Text(80, "as it is typed"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class CasualtyRow:
     """Something that breaks, at a time or when a condition comes to hold."""
 
-    name: str = of(Text(40, "as `trainer casualties` lists it"))
+    name: str = required(Text(40, "as `trainer casualties` lists it"))
     severity: float | None = optional(Quantity("-", within(-10, 10), "else the table's"))
     ramp_s: float | None = optional(Quantity("s", within(0, 3600), "else the table's"))
-    at_s: float | None = optional(Quantity("s", within(0, LATEST), "time from the start"))
+    at_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "time from the start"))
     when: str | None = optional(Text(79, "condition, instead of at_s"))
     rule: str | None = optional(Choice(("once", "again"), "how often, with when; else once"))
-    clear_at_s: float | None = optional(Quantity("s", within(0, LATEST), "when it is cleared"))
+    clear_at_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "when it is cleared"))
     within_s: float | None = optional(
-        Quantity("s", above(0, LATEST), "it comes up to so much after at_s, by the seed")
+        Quantity("s", above(0, MAX_TIME_S), "it comes up to so much after at_s, by the seed")
     )
     lasts_s: float | None = optional(
-        Quantity("s", above(0, LATEST), "how long it lasts, instead of clear_at_s")
+        Quantity("s", above(0, MAX_TIME_S), "how long it lasts, instead of clear_at_s")
     )
     one_of: str | None = optional(Text(40, "of all with this word one comes, by the seed"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits:
+class ExerciseLimits:
     """The limits of an exercise. None: no limit."""
 
     depth_m_max: float | None = optional(Quantity("m", within(0, 12000), "deepest"))
@@ -175,16 +181,16 @@ class Limits:
     )
 
 
-ORDERS: Final = Rows(OrderRow, ("note",), 0, 500, "scheduled orders, below")
-CASUALTIES: Final = Rows(CasualtyRow, ("note",), 0, 20, "what breaks, below")
+ORDER_ROWS: Final = Rows(OrderRow, ("note",), 0, 500, "scheduled orders, below")
+CASUALTY_ROWS: Final = Rows(CasualtyRow, ("note",), 0, 20, "what breaks, below")
 
-RECORDS: Final = {
-    "": Heading,
-    "initial": Initial,
+EXERCISE_RECORDS: Final = {
+    "": ExerciseHeading,
+    "initial": StartState,
     "[orders]": OrderRow,
     "[casualties]": CasualtyRow,
-    "limits": Limits,
-    "[scores]": Score,
+    "limits": ExerciseLimits,
+    "[scores]": ScoreRow,
     **WORLD_RECORDS,
     "[crew]": CrewRow,
     "planesman": Planesman,
@@ -195,14 +201,14 @@ RECORDS: Final = {
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/exercises.md shows them."""
-    return tables_of(RECORDS)
+    return tables_of(EXERCISE_RECORDS)
 
 
-KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
+KNOWN_KEYS: Final = (*(item.name for item in fields(ExerciseHeading)), "note", *EXERCISE_TABLES)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Armed:
+class ConditionalCasualty:
     """A casualty that waits for a condition, once or ``again`` each time."""
 
     condition: Condition
@@ -211,7 +217,7 @@ class Armed:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drawn:
+class RandomCasualty:
     """A casualty whose coming the seed decides: its time, or whether it comes at all."""
 
     row: CasualtyRow
@@ -223,21 +229,21 @@ class Exercise:
     """Everything an exercise file says; ``sea`` is None where it says none."""
 
     path: Path
-    heading: Heading
-    initial: Initial
+    heading: ExerciseHeading
+    initial: StartState
     sea: SeaFile | None
     casualties: Mapping[str, Casualty]
-    schedule: tuple[Scheduled, ...]
-    armed: tuple[Armed, ...]
-    limits: Limits
-    scores: tuple[Rule, ...]
-    drawn: tuple[Drawn, ...]
+    schedule: tuple[ScheduledOrder, ...]
+    armed: tuple[ConditionalCasualty, ...]
+    limits: ExerciseLimits
+    scores: tuple[ScoreRule, ...]
+    drawn: tuple[RandomCasualty, ...]
     lost: tuple[Loss, ...]
     crew: Crew
     world: WorldTables
-    stated: tuple[Stated, ...]
+    stated: tuple[StatedValue, ...]
 
-    def schedule_of(self, seed: int) -> list[Scheduled]:
+    def schedule_of(self, seed: int) -> list[ScheduledOrder]:
         """Return the orders and casualties of a seed's run at set times, in order."""
         timed = [*self.schedule]
         for each in _chosen(self.drawn, seed):
@@ -245,15 +251,15 @@ class Exercise:
         return sorted(timed, key=lambda entry: entry.seconds)
 
 
-def _chosen(drawn: tuple[Drawn, ...], seed: int) -> list[Drawn]:
+def _chosen(drawn: tuple[RandomCasualty, ...], seed: int) -> list[RandomCasualty]:
     """Return which casualties come: of each group one."""
-    groups: dict[str, list[Drawn]] = {}
+    groups: dict[str, list[RandomCasualty]] = {}
     for each in drawn:
         groups.setdefault(each.row.one_of or f" {each.number}", []).append(each)
     return [group[int(_share(seed, name) * len(group))] for name, group in groups.items()]
 
 
-def _settled(drawn: Drawn, seed: int) -> CasualtyRow:
+def _settled(drawn: RandomCasualty, seed: int) -> CasualtyRow:
     """Return the casualty with its times as the seed has them, in whole seconds."""
     row = drawn.row
     if row.at_s is None:
@@ -286,35 +292,41 @@ def parse_exercise(text: str, path: Path) -> Exercise:
     try:
         return read_exercise(table, path)
     except ConfigError as wrong:
-        raise ConfigError(*numbered(wrong.problems, text, path.name)) from None
+        raise ConfigError(*number_problems(wrong.problems, text, path.name)) from None
 
 
 def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     """Return the exercise of parsed tables, which came from ``path``; ConfigError as above."""
     place = Place(path.name, "")
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
+        place.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}")
         for key, value in table.items()
-        if key not in KNOWN
+        if key not in KNOWN_KEYS
     ]
     parts: dict[str, Any] = {"sea": None, "casualties": load_casualties()}
     with collecting(problems):
-        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
-        heading = read_record(Heading, own, place, ("note",))
-        parts["heading"] = replace(heading, vessel=heading.vessel and beside(path, heading.vessel))
+        own = {
+            key: value
+            for key, value in table.items()
+            if key in KNOWN_KEYS and key not in EXERCISE_TABLES
+        }
+        heading = read_record(ExerciseHeading, own, place, ("note",))
+        parts["heading"] = replace(
+            heading, vessel=heading.vessel and relative_name(path, heading.vessel)
+        )
         if heading.seed is not None and heading.seed != int(heading.seed):
             problems.append(place.wrong("seed", heading.seed, "must be a whole number"))
     with collecting(problems):
         if isinstance(own_table := table.get("casualty_table"), str):
-            parts["casualties"] = load_casualties(beside(path, own_table))
-    for name, record in (("initial", Initial), ("limits", Limits)):
+            parts["casualties"] = load_casualties(relative_name(path, own_table))
+    for name, record in (("initial", StartState), ("limits", ExerciseLimits)):
         with collecting(problems):
             given = table.get(name, {})
             parts[name] = read_record(record, given, place.inside(name), ("note",))
     with collecting(problems):
         if "sea" in table:
             parts["sea"] = _sea(table["sea"], path)
-    timed: list[Scheduled] = []
+    timed: list[ScheduledOrder] = []
     with collecting(problems):
         timed += _orders(table, place)
     with collecting(problems):
@@ -333,7 +345,7 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     problems += _unmanned(table, place)
     if _texts(table, "hand"):
         problems += _without_win(parts.get("scores", ()), place)
-    refuse(problems)
+    raise_problems(problems)
     timed.sort(key=lambda entry: entry.seconds)
     return Exercise(path=path, schedule=tuple(timed), **parts)
 
@@ -354,8 +366,8 @@ def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
         order = parse(text) if isinstance(text, str) else None
         order = to_the_crew(order) if isinstance(order, Order) else order
         axis = order.word.partition("_")[0] if isinstance(order, Order) else ""
-        if isinstance(order, Order) and order.name == "order" and axis in MANNED:
-            manned = MANNED[axis]
+        if isinstance(order, Order) and order.name == "order" and axis in MANNED_CONTROLS:
+            manned = MANNED_CONTROLS[axis]
             if not set(manned) & set(there):
                 told = f"nobody mans it: hand = [{', '.join(map(quote, there))}]"
                 told += f" has none of {', '.join(manned)}"
@@ -363,7 +375,7 @@ def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
     return found
 
 
-def _without_win(rules: tuple[Rule, ...], place: Place) -> list[str]:
+def _without_win(rules: tuple[ScoreRule, ...], place: Place) -> list[str]:
     """Return that an exercise has scores, and nothing that wins it."""
     if not rules or any(rule.part == "task" for rule in rules):
         return []
@@ -373,22 +385,22 @@ def _without_win(rules: tuple[Rule, ...], place: Place) -> list[str]:
 def _sea(value: object, path: Path) -> SeaFile:
     """Return a sea given by name or path, or as a table of its own."""
     if isinstance(value, str):
-        return load_sea(beside(path, value))
+        return load_sea(relative_name(path, value))
     sea = read_sea(value, Place(path.name, "sea"))
     return SeaFile(path=path, text="", name="the exercise's sea", sea=sea)
 
 
-def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
+def _orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrder]:
     """Return the orders and their times; ConfigError with all that are none."""
     problems: list[str] = []
     found = []
     rows: object = table.get("orders", [])
     readers: Readers = {"order": _read_order}
-    for i, inside, row in sound_rows(ORDERS, rows, place.inside("orders"), readers, problems):
+    for i, inside, row in sound_rows(ORDER_ROWS, rows, place.inside("orders"), readers, problems):
         with collecting(problems):
             order = _read_order(row.order, inside)
-            found.append(Scheduled(row.at_s, order, i + 1))
-    refuse(problems)
+            found.append(ScheduledOrder(row.at_s, order, i + 1))
+    raise_problems(problems)
     return found
 
 
@@ -398,39 +410,39 @@ def _read_order(text: str, place: Place) -> Order:
     if not isinstance(order, Order):
         reason = order.reason if order else "is no order"
         raise ConfigError(place.wrong("order", text, reason))
-    if order.name in UNSCHEDULED:
+    if order.name in UNSCHEDULED_WORDS:
         raise ConfigError(place.wrong("order", text, "has no place in a schedule"))
     return to_the_crew(order)
 
 
 def _casualties(
     table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
-) -> tuple[list[Scheduled], tuple[Armed, ...], tuple[Drawn, ...]]:
+) -> tuple[list[ScheduledOrder], tuple[ConditionalCasualty, ...], tuple[RandomCasualty, ...]]:
     """Return what breaks at set times, what waits for a condition, and what the seed decides.
 
     ConfigError with all that is wrong.
     """
     problems: list[str] = []
-    drawn: list[Drawn] = []
-    timed: list[Scheduled] = []
-    armed: list[Armed] = []
+    drawn: list[RandomCasualty] = []
+    timed: list[ScheduledOrder] = []
+    armed: list[ConditionalCasualty] = []
     rows = table.get("casualties", [])
     readers: Readers = {"name": partial(_entry_named, known), "when": compile_condition}
     array = place.inside("casualties")
-    for i, inside, row in sound_rows(CASUALTIES, rows, array, readers, problems):
+    for i, inside, row in sound_rows(CASUALTY_ROWS, rows, array, readers, problems):
         condition = None
         with collecting(problems):
             condition = row.when and compile_condition(row.when, inside)
         with collecting(problems):
             casualty = _known_casualty(row, inside, known)
             if row.within_s is None and row.one_of is None:
-                timed += _timed_casualty(_settled(Drawn(row=row, number=i), 0), i)
+                timed += _timed_casualty(_settled(RandomCasualty(row=row, number=i), 0), i)
             else:
-                drawn.append(Drawn(row=row, number=i))
+                drawn.append(RandomCasualty(row=row, number=i))
             if condition:
                 rule = row.rule or "once"
-                armed.append(Armed(condition=condition, casualty=casualty, rule=rule))
-    refuse(problems)
+                armed.append(ConditionalCasualty(condition=condition, casualty=casualty, rule=rule))
+    raise_problems(problems)
     return timed, tuple(armed), tuple(drawn)
 
 
@@ -463,16 +475,16 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
         problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
     problems += [
         place.wrong(key, getattr(row, key), why)
-        for key, why in AT_A_TIME.items()
+        for key, why in TIMED_KEYS.items()
         if getattr(row, key) is not None and row.at_s is None
     ]
     if row.lasts_s is not None and row.clear_at_s is not None:
         problems.append(place.problem("give one of clear_at_s, lasts_s"))
-    refuse(problems)
+    raise_problems(problems)
     return entry
 
 
-def _timed_casualty(row: CasualtyRow, i: int) -> list[Scheduled]:
+def _timed_casualty(row: CasualtyRow, i: int) -> list[ScheduledOrder]:
     """Return the orders that insert and clear the casualty at set times."""
     timed = []
     if row.at_s is not None:
@@ -482,8 +494,8 @@ def _timed_casualty(row: CasualtyRow, i: int) -> list[Scheduled]:
         text += "" if row.severity is None else f" {row.severity:g}"
         text += "" if row.ramp_s is None else f" ramp {row.ramp_s:g} s"
         order = Order("casualty", 0.0, word, text, numbers, row.name)
-        timed.append(Scheduled(row.at_s, order, i + 1))
+        timed.append(ScheduledOrder(row.at_s, order, i + 1))
     if row.clear_at_s is not None:
         order = Order("clear", 0.0, "", f"clear {row.name}", (), row.name)
-        timed.append(Scheduled(row.clear_at_s, order, i + 1))
+        timed.append(ScheduledOrder(row.clear_at_s, order, i + 1))
     return timed

@@ -5,8 +5,8 @@ from typing import Final
 
 from trainer.config.files import ConfigError
 
-PACKAGE: Final = "submarine-trainer"
-EXTRAS: Final = {  # what is imported, by the extra that brings it
+PACKAGE_NAME: Final = "submarine-trainer"
+EXTRA_BY_LIBRARY: Final = {  # what is imported, by the extra that brings it
     "matplotlib": "plot",
     "rerun": "rerun",
     "pyarrow": "parquet",
@@ -24,7 +24,7 @@ EXTRAS: Final = {  # what is imported, by the extra that brings it
 
 def advise_install(library: str, purpose: str) -> str:
     """Return one line: what needs a library, and the words that install it."""
-    return f"{purpose} needs {library}: pip install '{PACKAGE}[{EXTRAS[library]}]'"
+    return f"{purpose} needs {library}: pip install '{PACKAGE_NAME}[{EXTRA_BY_LIBRARY[library]}]'"
 
 
 def require_library(library: str, purpose: str) -> None:

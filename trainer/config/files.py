@@ -21,15 +21,15 @@ from typing import Any, Final, NamedTuple, NoReturn
 
 from trainer.io.atomic_write import write_whole
 
-SIZE_LIMIT = 1_000_000  # [byte]
+MAX_FILE_BYTES = 1_000_000  # [byte]
 # tomllib takes minutes over one dotted key of a hundred thousand parts.
-LINE_LIMIT = 10_000  # [characters]
-SHOWN_LIMIT = 60  # [characters] of a value in a message
-TOLD_LIMIT = 20  # problems of one file that are told
-SHIPPED: Final = "configs/"  # what the keys of shipped files begin with
+MAX_LINE_LETTERS = 10_000  # [characters]
+MAX_QUOTED_LETTERS = 60  # [characters] of a value in a message
+MAX_PROBLEMS = 20  # problems of one file that are told
+SHIPPED_PREFIX: Final = "configs/"  # what the keys of shipped files begin with
 # Shipped files that old recordings and sweeps have read, and that say nothing more.
-ABANDONED: Final = frozenset({"configs/terms_2510.toml"})
-OWN: Final = {  # what one of a kind is called, and an example of the user's own
+ABANDONED_FILES: Final = frozenset({"configs/terms_2510.toml"})
+OWN_FILE_EXAMPLES: Final = {  # what one of a kind is called, and an example of the user's own
     "exercises": ("exercise", "./drill.toml"),
     "hulls": ("hull", "./hull.toml"),
     "seas": ("sea", "./storm.toml"),
@@ -40,18 +40,18 @@ OWN: Final = {  # what one of a kind is called, and an example of the user's own
 
 _remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", default=None)
 _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
-HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
-SET: Final = re.compile(r"\s*([\w-]+)\s*=\s*(.*)")
-TOLD: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")
+TABLE_HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
+KEY_VALUE_LINE: Final = re.compile(r"\s*([\w-]+)\s*=\s*(.*)")
+PROBLEM_PLACE: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")
 
 
 class ConfigError(ValueError):
     """The user's file or name is wrong. ``problems`` holds one line each, the text the first."""
 
     def __init__(self, *problems: str) -> None:
-        more = len(problems) - TOLD_LIMIT
+        more = len(problems) - MAX_PROBLEMS
         rest = [f"... and {more} more"] if more > 0 else []
-        super().__init__("\n".join([*problems[:TOLD_LIMIT], *rest]))
+        super().__init__("\n".join([*problems[:MAX_PROBLEMS], *rest]))
         self.problems = problems
 
 
@@ -64,7 +64,7 @@ def collecting(problems: list[str]) -> Iterator[None]:
         problems.extend(error.problems)
 
 
-def refuse(problems: Collection[str]) -> None:
+def raise_problems(problems: Collection[str]) -> None:
     """Raise ConfigError with the problems, if there are any."""
     if problems:
         raise ConfigError(*problems)
@@ -107,7 +107,7 @@ def quote(value: object) -> str:
         text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
     except ValueError:  # Python refuses to print integers of thousands of digits
         text = "(too long to show)"
-    return text if len(text) <= SHOWN_LIMIT else text[: SHOWN_LIMIT - 3] + "..."
+    return text if len(text) <= MAX_QUOTED_LETTERS else text[: MAX_QUOTED_LETTERS - 3] + "..."
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
@@ -142,19 +142,19 @@ def key_of(path: Path) -> str:
     """Return the key under which the text of a file is remembered."""
     folder = _shipped_folder("")
     if path.is_relative_to(folder):
-        return SHIPPED + path.relative_to(folder).as_posix()
+        return SHIPPED_PREFIX + path.relative_to(folder).as_posix()
     key = str(path)
-    return f"./{key}" if key.startswith(SHIPPED) else key  # a file of the user's own
+    return f"./{key}" if key.startswith(SHIPPED_PREFIX) else key  # a file of the user's own
 
 
 def path_of(key: str) -> Path:
     """Return where the file of that key is on this machine, if it is."""
-    return _shipped_folder("") / key.removeprefix(SHIPPED) if is_shipped(key) else Path(key)
+    return _shipped_folder("") / key.removeprefix(SHIPPED_PREFIX) if is_shipped(key) else Path(key)
 
 
 def is_shipped(key: str) -> bool:
     """Return whether a key is that of a shipped file."""
-    return key.startswith(SHIPPED)
+    return key.startswith(SHIPPED_PREFIX)
 
 
 def shipped_names(kind: str) -> tuple[str, ...]:
@@ -162,7 +162,7 @@ def shipped_names(kind: str) -> tuple[str, ...]:
     texts = _recorded.get()
     if texts is None:
         return _without_companions(path.stem for path in _shipped_folder(kind).glob("*.toml"))
-    folder = f"{SHIPPED}{kind}/" if kind else SHIPPED
+    folder = f"{SHIPPED_PREFIX}{kind}/" if kind else SHIPPED_PREFIX
     names = (key.removeprefix(folder) for key in texts if key.startswith(folder))
     return _without_companions(name.removesuffix(".toml") for name in names if "/" not in name)
 
@@ -176,7 +176,7 @@ def shipped_tables(kind: str, beginning: str = "") -> dict[str, dict[str, Any]]:
         name: parse_toml(read_text(path), path.name)
         for name in shipped_names(kind)
         if name.startswith(beginning)
-        for path in (shipped(kind, name),)
+        for path in (shipped_path(kind, name),)
     }
 
 
@@ -185,7 +185,7 @@ def _without_companions(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted(name for name in names if "." not in name))
 
 
-def shipped(kind: str, name: str) -> Path:
+def shipped_path(kind: str, name: str) -> Path:
     """Return the path of a shipped file, '' being the top folder's kind. ConfigError if none is."""
     names = shipped_names(kind)
     if name not in names:
@@ -207,15 +207,15 @@ def path_named(name_or_path: str, kind: str) -> Path:
         return Path(name_or_path)
     names = shipped_names(kind)
     if name_or_path not in names:
-        one, own = OWN[kind]
+        one, own = OWN_FILE_EXAMPLES[kind]
         raise ConfigError(
             f"no {one} {quote(name_or_path)}{nearest(name_or_path, names)}; "
             f"shipped: {', '.join(names)}; give a file of your own as a path, such as {own}"
         )
-    return shipped(kind, name_or_path)
+    return shipped_path(kind, name_or_path)
 
 
-def beside(path: Path, name: str) -> str:
+def relative_name(path: Path, name: str) -> str:
     """Return a shipped file's name unchanged, and a path as seen from ``path``'s folder."""
     return str(path.parent / name) if is_path(name) else name
 
@@ -269,7 +269,7 @@ def _shipped_key(path: Path, texts: Mapping[str, str]) -> str:
 def _text_on_disk(path: Path) -> str:
     try:
         with path.open("rb") as file:
-            data = file.read(SIZE_LIMIT + 1)
+            data = file.read(MAX_FILE_BYTES + 1)
     except IsADirectoryError as error:
         raise ConfigError(f"{path}: is a directory, not a file") from error
     except FileNotFoundError as error:
@@ -277,8 +277,8 @@ def _text_on_disk(path: Path) -> str:
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         reason = getattr(error, "strerror", None) or error
         raise ConfigError(f"{quote(str(path))}: cannot be read: {reason}") from error
-    if len(data) > SIZE_LIMIT:
-        raise ConfigError(f"{path}: is larger than the limit of {SIZE_LIMIT} bytes; not read")
+    if len(data) > MAX_FILE_BYTES:
+        raise ConfigError(f"{path}: is larger than the limit of {MAX_FILE_BYTES} bytes; not read")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -321,20 +321,20 @@ def lines_of(text: str) -> dict[tuple[str, str], int]:
         if fence:
             fence = "" if fence in line else fence
             continue
-        if head := HEADER.match(line):
+        if head := TABLE_HEADER.match(line):
             table = head[2]
             if head[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = f"{table}[{counts[table]}]"
             found.setdefault((table, ""), number)
-        elif key := SET.match(line):
+        elif key := KEY_VALUE_LINE.match(line):
             found.setdefault((table, key[1]), number)
             mark = key[2][:3]
             fence = mark if mark in ('"""', "'''") and mark not in key[2][3:] else ""
     return found
 
 
-def numbered(problems: Iterable[str], text: str, file: str) -> list[str]:
+def number_problems(problems: Iterable[str], text: str, file: str) -> list[str]:
     """Return messages about a file in their order. Each has its line where that can be told."""
     lines, head = lines_of(text), f"{file}: "
     found = [(_line_of(each, lines, head), each) for each in problems]
@@ -350,7 +350,7 @@ def _line_of(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> i
     if not problem.startswith(head) or problem.startswith(f"{head}line "):
         return 0
     about = problem.removeprefix(head)
-    told = TOLD.match(about)
+    told = PROBLEM_PLACE.match(about)
     table, key = (told["table"] or "", told["key"] or "") if told else ("", "")
     number = lines.get((table, key)) or lines.get((table, "")) or lines.get((key, ""))
     return number or lines.get((f"{key}[0]", "")) or 0
@@ -378,8 +378,10 @@ def no_constant(name: str) -> NoReturn:
 def parse_toml(text: str, file: str) -> dict[str, Any]:
     """Return the tables of a TOML text. ConfigError with file and line if it is none."""
     for number, line in enumerate(text.split("\n"), start=1):
-        if len(line) > LINE_LIMIT:
-            raise ConfigError(f"{file}: line {number}: is longer than {LINE_LIMIT} characters")
+        if len(line) > MAX_LINE_LETTERS:
+            raise ConfigError(
+                f"{file}: line {number}: is longer than {MAX_LINE_LETTERS} characters"
+            )
     try:
         return tomllib.loads(text)
     except RecursionError as error:

@@ -17,8 +17,8 @@ from trainer.config.files import (
     collecting,
     nearest,
     parse_toml,
+    raise_problems,
     read_text,
-    refuse,
 )
 from trainer.config.schema import (
     Choice,
@@ -30,23 +30,25 @@ from trainer.config.schema import (
     Text,
     above,
     list_schema,
-    of,
     optional,
     read_record,
+    required,
     tables_of,
-    usual,
+    with_default,
     within,
 )
 
-LENGTH: Final = within(0.3, 400.0)  # [m]
-END: Final = 0.03  # [-] of the length: a first or last station within it is at the end
-POINTED: Final = 0.2  # [-] of the greatest breadth: an end that is wider is blunt
-TRAILING: Final = 1.1  # [-] of the length: as far aft may a trailing edge lie
-SERVES: Final = 0.1  # [-] least share of a panel's normal in the plane that it is to serve
-STERN, RUDDER, BOW, X = "stern", "rudder", "bow", "x"
-CONTROLS: Final = ("none", STERN, RUDDER, BOW, X)
-NAME: Final = Text(200, "of the boat")
-NEEDED: Final = ("hull", "speed")
+LENGTH_LIMITS_M: Final = within(0.3, 400.0)  # [m]
+END_SHARE: Final = 0.03  # [-] of the length: a first or last station within it is at the end
+POINTED_END_SHARE: Final = 0.2  # [-] of the greatest breadth: an end that is wider is blunt
+MAX_TRAILING_EDGE: Final = 1.1  # [-] of the length: as far aft may a trailing edge lie
+MIN_NORMAL_SHARE: Final = (
+    0.1  # [-] least share of a panel's normal in the plane that it is to serve
+)
+STERN_CONTROL, RUDDER_CONTROL, BOW_CONTROL, X_CONTROL = "stern", "rudder", "bow", "x"
+CONTROL_KINDS: Final = ("none", STERN_CONTROL, RUDDER_CONTROL, BOW_CONTROL, X_CONTROL)
+BOAT_NAME: Final = Text(200, "of the boat")
+NECESSARY_TABLES: Final = ("hull", "speed")
 
 
 def _size(meaning: str) -> Quantity:
@@ -94,12 +96,12 @@ class Stations:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Form:
+class HullForm:
     """The bare hull, by stations or by a nose, a middle and a tail."""
 
-    length: float = of(Quantity("m", LENGTH, "over all"))
+    length: float = required(Quantity("m", LENGTH_LIMITS_M, "over all"))
     reference_length: float | None = optional(
-        Quantity("m", LENGTH, "L of the coefficients; else length")
+        Quantity("m", LENGTH_LIMITS_M, "L of the coefficients; else length")
     )
     stations: tuple[tuple[float, ...], ...] | None = optional(
         Stations("[x, breadth, height] or with the centre above the axis; x rising, ends near zero")
@@ -107,14 +109,22 @@ class Form:
     breadth: float | None = optional(_size("greatest; instead of stations"))
     height: float | None = optional(_size("greatest; else breadth"))
     nose_length: float | None = optional(_size("else 1.5 breadths"))
-    nose_exponent: float = usual(2.0, _number("-", 1.0, 6.0, "(1-((x-a)/a)^2)^(1/n); else 2"))
-    tail: str = usual("parabola", Choice(("parabola", "cone", "myring"), "form; else parabola"))
-    tail_exponent: float = usual(2.0, _number("-", 1.0, 6.0, "of a parabola; else 2"))
+    nose_exponent: float = with_default(
+        2.0, _number("-", 1.0, 6.0, "(1-((x-a)/a)^2)^(1/n); else 2")
+    )
+    tail: str = with_default(
+        "parabola", Choice(("parabola", "cone", "myring"), "form; else parabola")
+    )
+    tail_exponent: float = with_default(2.0, _number("-", 1.0, 6.0, "of a parabola; else 2"))
     tail_length: float | None = optional(_size("else 3 breadths"))
     tail_half_angle_deg: float | None = optional(_number("deg", 1.0, 60.0, "of a myring tail"))
     tail_cut: float | None = optional(_number("m", 0.0, 400.0, "cut off the end of a myring tail"))
-    base_diameter: float = usual(0.0, _number("m", 0.0, 400.0, "at the end of the tail; else 0"))
-    section: str = usual("ellipse", Choice(("ellipse", "box"), "form of a section; else ellipse"))
+    base_diameter: float = with_default(
+        0.0, _number("m", 0.0, 400.0, "at the end of the tail; else 0")
+    )
+    section: str = with_default(
+        "ellipse", Choice(("ellipse", "box"), "form of a section; else ellipse")
+    )
     section_fullness: float | None = optional(
         _number("-", 0.7, 1.28, "area over that of the ellipse; else 1, of a box 1.15")
     )
@@ -126,7 +136,7 @@ class Mass:
 
     mass: float | None = optional(Quantity("kg", above(0.0, 1e9), "else neutral: rho V"))
     cg_from_nose: float | None = optional(_number("m", 0.0, 400.0, "else the volume's centroid"))
-    cg_below_axis: float = usual(0.0, _number("m", -50.0, 50.0, "else 0"))
+    cg_below_axis: float = with_default(0.0, _number("m", -50.0, 50.0, "else 0"))
     cb_above_cg: float | None = optional(_number("m", -50.0, 50.0, "else 0.05 heights"))
     Ix: float | None = optional(Quantity("kg m2", above(0.0, 1e13), "else mass (0.36 breadth)^2"))
     Iy: float | None = optional(Quantity("kg m2", above(0.0, 1e13), "else mass (0.25 L)^2"))
@@ -137,17 +147,21 @@ class Mass:
 class Water:
     """The water."""
 
-    rho: float = usual(1025.0, _number("kg/m3", 900.0, 1100.0, "density; else 1025"))
-    nu: float = usual(1.19e-6, _number("m2/s", 5e-7, 3e-6, "kinematic viscosity; else 1.19e-6"))
+    rho: float = with_default(1025.0, _number("kg/m3", 900.0, 1100.0, "density; else 1025"))
+    nu: float = with_default(
+        1.19e-6, _number("m2/s", 5e-7, 3e-6, "kinematic viscosity; else 1.19e-6")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Speed:
     """The speed that the boat is made for, and its resistance."""
 
-    design_kn: float = of(Quantity("kn", above(0.0, 50.0), "for resistance and the bells"))
-    roughness: float = usual(0.0004, _number("-", 0.0, 0.005, "added to friction; else 0.0004"))
-    extra_drag_area: float = usual(
+    design_kn: float = required(Quantity("kn", above(0.0, 50.0), "for resistance and the bells"))
+    roughness: float = with_default(
+        0.0004, _number("-", 0.0, 0.005, "added to friction; else 0.0004")
+    )
+    extra_drag_area: float = with_default(
         0.0, _number("m2", 0.0, 100.0, "C_d A of openings, masts, brackets; else 0")
     )
     cross_flow_drag: float | None = optional(
@@ -159,17 +173,17 @@ class Speed:
 class Propeller:
     """One propeller aft. Without it thrust is drag at command speed, ahead and astern."""
 
-    diameter: float = of(Quantity("m", above(0.0, 20.0), "of the propeller"))
-    KT: tuple[float, ...] = usual(
+    diameter: float = required(Quantity("m", above(0.0, 20.0), "of the propeller"))
+    KT: tuple[float, ...] = with_default(
         (0.45, -0.36, -0.09), Quantities(_number("-", -10.0, 10.0, "of J^0, J, J^2"), 3, 3)
     )
-    KQ: tuple[float, ...] = usual(
+    KQ: tuple[float, ...] = with_default(
         (0.064, -0.032, -0.021), Quantities(_number("-", -10.0, 10.0, "of J^0, J, J^2"), 3, 3)
     )
-    wake: float = usual(0.25, _number("-", 0.0, 0.6, "wake fraction; else 0.25"))
-    thrust_deduction: float = usual(0.15, _number("-", 0.0, 0.6, "else 0.15"))
-    clockwise_from_astern: bool = usual(True, Flag("turning ahead; else true"))  # noqa: FBT003
-    swirl_recovered: float = usual(
+    wake: float = with_default(0.25, _number("-", 0.0, 0.6, "wake fraction; else 0.25"))
+    thrust_deduction: float = with_default(0.15, _number("-", 0.0, 0.6, "else 0.15"))
+    clockwise_from_astern: bool = with_default(True, Flag("turning ahead; else true"))  # noqa: FBT003
+    swirl_recovered: float = with_default(
         0.5, _number("-", 0.0, 1.0, "share of the torque that comes back on the tail; else 0.5")
     )
 
@@ -178,7 +192,7 @@ class Propeller:
 class Controls:
     """The limits of rudder and planes."""
 
-    limit_deg: float = usual(30.0, _number("deg", 1.0, 90.0, "either way; else 30"))
+    limit_deg: float = with_default(30.0, _number("deg", 1.0, 90.0, "either way; else 30"))
     rate_deg_s: float | None = optional(_number("deg/s", 0.01, 1000.0, "else 7.1 sqrt(70/L)"))
 
 
@@ -186,24 +200,30 @@ class Controls:
 class Panels:
     """Equal panels about the hull: planes, rudders, a sail."""
 
-    name: str = of(Text(60, "name shown"))
-    angles_deg: tuple[float, ...] = of(
+    name: str = required(Text(60, "name shown"))
+    angles_deg: tuple[float, ...] = required(
         Quantities(
             _number("deg", 0.0, 360.0, "a panel each: 0 starboard, 90 up, 180 port, 270 down"), 1, 8
         )
     )
-    control: str = usual("none", Choice(CONTROLS, "what it steers; else none"))
-    sail: bool = usual(False, Flag("a sail, or a deck casing; else false"))  # noqa: FBT003
-    le_root: float = of(_number("m", -400.0, 400.0, "leading edge at the root, aft of the nose"))
-    root_chord: float = of(_size("chord at the root"))
-    tip_chord: float = of(_size("chord at the tip"))
-    tip_radius: float = of(_size("from the axis, or from axis_up"))
+    control: str = with_default("none", Choice(CONTROL_KINDS, "what it steers; else none"))
+    sail: bool = with_default(False, Flag("a sail, or a deck casing; else false"))  # noqa: FBT003
+    le_root: float = required(
+        _number("m", -400.0, 400.0, "leading edge at the root, aft of the nose")
+    )
+    root_chord: float = required(_size("chord at the root"))
+    tip_chord: float = required(_size("chord at the tip"))
+    tip_radius: float = required(_size("from the axis, or from axis_up"))
     root_radius: float | None = optional(_number("m", 0.0, 400.0, "else that of the hull there"))
     le_tip: float | None = optional(_number("m", -400.0, 400.0, "else trailing edges in line"))
     moving_area: float | None = optional(Quantity("m2", above(0.0, 1e4), "else the whole panel"))
-    flap_ratio: float = usual(1.0, _number("-", 0.05, 1.0, "chord of a flap over the whole; 1"))
-    thickness: float = usual(0.15, _number("-", 0.01, 0.6, "over the chord; else 0.15"))
-    axis_up: float = usual(0.0, _number("m", -50.0, 50.0, "height that radii count from; else 0"))
+    flap_ratio: float = with_default(
+        1.0, _number("-", 0.05, 1.0, "chord of a flap over the whole; 1")
+    )
+    thickness: float = with_default(0.15, _number("-", 0.01, 0.6, "over the chord; else 0.15"))
+    axis_up: float = with_default(
+        0.0, _number("m", -50.0, 50.0, "height that radii count from; else 0")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,7 +232,7 @@ class HullFile:
 
     path: Path
     name: str
-    form: Form
+    form: HullForm
     mass: Mass
     water: Water
     speed: Speed
@@ -232,17 +252,17 @@ class HullFile:
         return Place(self.path.name, "")
 
 
-SURFACES: Final = Rows(Panels, ("note",), 1, 40, "surfaces, below")
-TABLES: Final[Mapping[str, type[Any]]] = {
-    "hull": Form,
+SURFACE_ROWS: Final = Rows(Panels, ("note",), 1, 40, "surfaces, below")
+HULL_TABLES: Final[Mapping[str, type[Any]]] = {
+    "hull": HullForm,
     "mass": Mass,
     "fluid": Water,
     "speed": Speed,
     "propeller": Propeller,
     "controls": Controls,
 }
-KNOWN: Final = ("name", "note", *TABLES, "surfaces")
-KEYS: Final = ", ".join(KNOWN)
+KNOWN_KEYS: Final = ("name", "note", *HULL_TABLES, "surfaces")
+KNOWN_KEYS_TEXT: Final = ", ".join(KNOWN_KEYS)
 
 
 def load_hull(path: Path) -> HullFile:
@@ -254,35 +274,37 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
     """Return the hull of parsed tables; ConfigError with all that is wrong."""
     place = Place(path.name, "")
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN) or f'; there are {KEYS}'}")
+        place.wrong(
+            key, value, f"no such key{nearest(key, KNOWN_KEYS) or f'; there are {KNOWN_KEYS_TEXT}'}"
+        )
         for key, value in given.items()
-        if key not in KNOWN
+        if key not in KNOWN_KEYS
     ]
-    lacking = [key for key in ("name", *NEEDED, "surfaces") if key not in given]
+    lacking = [key for key in ("name", *NECESSARY_TABLES, "surfaces") if key not in given]
     if lacking:
         problems.append(place.problem(f"lacks {', '.join(lacking)}"))
     parts: dict[str, Any] = {"propeller": None}
-    for name, record in TABLES.items():
-        if name in given or name not in (*NEEDED, "propeller"):
+    for name, record in HULL_TABLES.items():
+        if name in given or name not in (*NECESSARY_TABLES, "propeller"):
             with collecting(problems):
                 here = place.inside(name)
                 parts[name] = read_record(record, given.get(name, {}), here, ("note",))
-    for name, kind in (("name", NAME), ("surfaces", SURFACES)):
+    for name, kind in (("name", BOAT_NAME), ("surfaces", SURFACE_ROWS)):
         with collecting(problems):
             parts[name] = kind.read(name, given[name], place) if name in given else None
-    refuse(problems)
+    raise_problems(problems)
     file = HullFile(
         path=path, form=parts.pop("hull"), water=parts.pop("fluid"), tables=given, **parts
     )
     problems = [*_form_problems(file), *_mass_problems(file), *_surface_problems(file)]
-    refuse(problems)
+    raise_problems(problems)
     return file
 
 
-def defaulted(file: HullFile) -> tuple[str, ...]:
+def list_defaults(file: HullFile) -> tuple[str, ...]:
     """Return the keys, and the whole tables, that the file leaves out."""
     found = []
-    for name, record in TABLES.items():
+    for name, record in HULL_TABLES.items():
         given = file.tables.get(name)
         if given is None:
             found.append(name)
@@ -306,7 +328,7 @@ def _skipped(file: HullFile) -> tuple[str, ...]:
     }[form.tail]
     by_stations = tuple(
         key
-        for key in Form.__dataclass_fields__
+        for key in HullForm.__dataclass_fields__
         if key.startswith(("nose", "tail")) or key in ("breadth", "height", "base_diameter")
     )
     return by_stations if form.stations else tail
@@ -337,10 +359,10 @@ def _station_problems(file: HullFile) -> Iterator[str]:
         return
     widest = max(max(row[1:3]) for row in rows)
     for name, row, at in (("first", first, 0.0), ("last", last, form.length)):
-        if abs(row[0] - at) > END * form.length:
+        if abs(row[0] - at) > END_SHARE * form.length:
             yield place.problem(f"stations: the {name} x = {row[0]:g} m: must be near {at:g} m")
-        elif max(row[1:3]) > POINTED * widest:
-            told = f"must be near 0, at most {POINTED * widest:.3g} m"
+        elif max(row[1:3]) > POINTED_END_SHARE * widest:
+            told = f"must be near 0, at most {POINTED_END_SHARE * widest:.3g} m"
             yield place.problem(f"stations: the {name} is {max(row[1:3]):g} m wide: {told}")
 
 
@@ -385,9 +407,14 @@ def _surface_problems(file: HullFile) -> Iterator[str]:
             yield place.wrong("control", panels.control, "a sail steers nothing; must be none")
         for angle in panels.angles_deg:
             across, down = abs(math.sin(math.radians(angle))), abs(math.cos(math.radians(angle)))
-            wanted = {STERN: down, BOW: down, RUDDER: across, X: min(across, down)}
-            if wanted.get(panels.control, 1.0) < SERVES:
-                right = {RUDDER: "90 or 270", X: "45, 135, 225 or 315"}
+            wanted = {
+                STERN_CONTROL: down,
+                BOW_CONTROL: down,
+                RUDDER_CONTROL: across,
+                X_CONTROL: min(across, down),
+            }
+            if wanted.get(panels.control, 1.0) < MIN_NORMAL_SHARE:
+                right = {RUDDER_CONTROL: "90 or 270", X_CONTROL: "45, 135, 225 or 315"}
                 told = f"no {panels.control} can act there; nearest are"
                 yield place.wrong(
                     "angles_deg", angle, f"{told} {right.get(panels.control, '0 or 180')} deg"
@@ -404,8 +431,8 @@ def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str
         if at is not None and at < 0.0:
             yield place.wrong(key, at, "must not be ahead of the nose: must be 0 m or more")
     trailing = panels.le_root + panels.root_chord
-    if trailing > TRAILING * length:
-        told = f"trailing edge at {trailing:g} m, must be at most {TRAILING * length:g} m"
+    if trailing > MAX_TRAILING_EDGE * length:
+        told = f"trailing edge at {trailing:g} m, must be at most {MAX_TRAILING_EDGE * length:g} m"
         yield place.wrong("le_root", panels.le_root, told)
     if panels.root_radius is not None:
         span = panels.tip_radius - panels.root_radius
@@ -417,4 +444,4 @@ def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/own-hull.md shows them."""
-    return tables_of({**TABLES, "[surfaces]": Panels})
+    return tables_of({**HULL_TABLES, "[surfaces]": Panels})

@@ -10,14 +10,14 @@ from trainer.config.schema import (
     Quantity,
     Text,
     key_rows,
-    of,
     optional,
     read_record,
+    required,
     within,
 )
 
-SCHEMA: Final = "nomoto/1"
-TIME: Final = within(-1e6, 1e6)
+NOMOTO_SCHEMA: Final = "nomoto/1"
+TIME_LIMITS_S: Final = within(-1e6, 1e6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,24 +30,28 @@ class NomotoFile:
     H(r) = H1 r + H2 |r| r + H3 r^3 the helm of steady turns.
     """
 
-    schema: str = of(Choice((SCHEMA,), "form of the file"))
-    name: str = of(Text(79, "name shown"))
-    length_m: float = of(Quantity("m", within(0.1, 600), "length"))
-    speed_kn: float = of(Quantity("kn", within(0.01, 60), "speed it was identified at"))
-    K_per_s: float = of(Quantity("1/s", within(-100, 100), "gain, rudder to yaw rate"))
-    T1_s: float = of(Quantity("s", TIME, "larger time constant"))
-    T2_s: float = of(Quantity("s", TIME, "smaller time constant; 0 for a first-order ship"))
-    T3_s: float = of(Quantity("s", TIME, "time constant of the numerator"))
+    schema: str = required(Choice((NOMOTO_SCHEMA,), "form of the file"))
+    name: str = required(Text(79, "name shown"))
+    length_m: float = required(Quantity("m", within(0.1, 600), "length"))
+    speed_kn: float = required(Quantity("kn", within(0.01, 60), "speed it was identified at"))
+    K_per_s: float = required(Quantity("1/s", within(-100, 100), "gain, rudder to yaw rate"))
+    T1_s: float = required(Quantity("s", TIME_LIMITS_S, "larger time constant"))
+    T2_s: float = required(
+        Quantity("s", TIME_LIMITS_S, "smaller time constant; 0 for a first-order ship")
+    )
+    T3_s: float = required(Quantity("s", TIME_LIMITS_S, "time constant of the numerator"))
     kappa_s2: float | None = optional(Quantity("s^2", within(-1e9, 1e9), "of |r| r; else 0"))
-    H1_s: float | None = optional(Quantity("s", TIME, "of r in Bech's H(r), instead of kappa"))
+    H1_s: float | None = optional(
+        Quantity("s", TIME_LIMITS_S, "of r in Bech's H(r), instead of kappa")
+    )
     H2_s2: float | None = optional(Quantity("s^2", within(-1e9, 1e9), "of |r| r; else 0"))
     H3_s3: float | None = optional(Quantity("s^3", within(-1e12, 1e12), "of r^3; else 0"))
     K_v_m_s: float | None = optional(Quantity("m/s", within(-1e4, 1e4), "gain to sway; else 0"))
-    T3v_s: float | None = optional(Quantity("s", TIME, "numerator of sway; else 0"))
+    T3v_s: float | None = optional(Quantity("s", TIME_LIMITS_S, "numerator of sway; else 0"))
     neutral_deg: float | None = optional(Quantity("deg", within(-30, 30), "residual helm; else 0"))
-    rudder_limit_deg: float = of(Quantity("deg", within(0.1, 90), "limit of the rudder"))
-    rudder_rate_deg_s: float = of(Quantity("deg/s", within(0.01, 1000), "rate of the rudder"))
-    step_s: float = of(Quantity("s", within(0.001, 10), "step of computation"))
+    rudder_limit_deg: float = required(Quantity("deg", within(0.1, 90), "limit of the rudder"))
+    rudder_rate_deg_s: float = required(Quantity("deg/s", within(0.01, 1000), "rate of the rudder"))
+    step_s: float = required(Quantity("s", within(0.001, 10), "step of computation"))
 
     @property
     def bend(self) -> tuple[float, float, float]:
@@ -76,7 +80,7 @@ def load_nomoto(path: Path) -> NomotoFile:
 
 def is_nomoto(path: Path) -> bool:
     """Return whether a TOML file is of a Nomoto model. ConfigError if it is no TOML."""
-    return parse_toml(read_text(path), path.name).get("schema") == SCHEMA
+    return parse_toml(read_text(path), path.name).get("schema") == NOMOTO_SCHEMA
 
 
 def nomoto_text_of(ship: NomotoFile, source: str, deviations: dict[str, float]) -> str:

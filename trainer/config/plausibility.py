@@ -16,7 +16,7 @@ from trainer.config.vessel_records import (
     FreeSurface,
     Hull,
     Propulsion,
-    Run,
+    RunDefaults,
     ThrustSet,
     WaveStrips,
 )
@@ -24,9 +24,15 @@ from trainer.config.vessel_records import (
 FEET_PER_METRE = 3.2808
 POUNDS_PER_KILOGRAM = 2.2046
 POUNDS_FORCE_PER_NEWTON = 0.22481
-MASS_PRIME = (0.003, 0.3)  # m' = mass/(rho/2 L^3) [-]; known submarines and AUVs: 0.013 to 0.08
-GYRADIUS_ROLL = (0.01, 0.5)  # sqrt(Ix/mass)/L [-]; known boats: 0.04 to 0.12
-GYRADIUS = (0.1, 0.5)  # of pitch and yaw [-]; known boats: 0.24 to 0.30; 0.5: all mass at the ends
+MASS_PRIME_RANGE = (
+    0.003,
+    0.3,
+)  # m' = mass/(rho/2 L^3) [-]; known submarines and AUVs: 0.013 to 0.08
+ROLL_GYRADIUS_RANGE = (0.01, 0.5)  # sqrt(Ix/mass)/L [-]; known boats: 0.04 to 0.12
+PITCH_GYRADIUS_RANGE = (
+    0.1,
+    0.5,
+)  # of pitch and yaw [-]; known boats: 0.24 to 0.30; 0.5: all mass at the ends
 WEIGHT_SLACK = 0.05
 INERTIA_SLACK = 0.05
 STATED_SLACK = 0.01  # of a number given twice, once for the reader
@@ -35,7 +41,7 @@ STRIP_CENTRE = 0.005  # [-] of the length, of their centre
 STRIP_ADDED = 0.02  # of their added masses, and their centres
 STRIP_END = 0.6  # [-] of the length
 # gains that take the boat back where the coefficient beside them has the sign given
-TAKING_BACK: Final = {
+RESTORING_GAINS: Final = {
     "stern_pitch": ("M_ds", -1.0),
     "bow_depth": ("Z_db", 1.0),
     "rudder_course": ("N_dr", 1.0),
@@ -74,7 +80,7 @@ def _mass_problems(hull: Hull, fluid: Fluid) -> list[str]:
     """Return what is implausible about mass, weight and buoyancy."""
     problems = []
     mass_prime = hull.mass / (0.5 * fluid.rho * hull.length**3)
-    low, high = MASS_PRIME
+    low, high = MASS_PRIME_RANGE
     if not low <= mass_prime <= high:
         in_metres = mass_prime * FEET_PER_METRE**3
         hint = "; are these feet?" if low <= in_metres <= high else ""
@@ -115,7 +121,7 @@ def _inertia_problems(hull: Hull) -> list[str]:
     problems = []
     inertias = {"Ix": hull.Ix, "Iy": hull.Iy, "Iz": hull.Iz}
     for name, inertia in inertias.items():
-        low, high = GYRADIUS_ROLL if name == "Ix" else GYRADIUS
+        low, high = ROLL_GYRADIUS_RANGE if name == "Ix" else PITCH_GYRADIUS_RANGE
         gyradius = math.sqrt(inertia / hull.mass) / hull.length
         if not low <= gyradius <= high:
             problems.append(
@@ -214,7 +220,7 @@ def envelope_problems(envelope: Envelope) -> list[str]:
     return problems
 
 
-def run_problems(run: Run, hull: Hull) -> list[str]:
+def run_problems(run: RunDefaults, hull: Hull) -> list[str]:
     """Return what does not fit about the start of a run."""
     slowest, fastest = run.speed_range_kn
     problems = []
@@ -237,7 +243,7 @@ def run_problems(run: Run, hull: Hull) -> list[str]:
 def _wrong_signs(autopilot: Autopilot, coefficients: Mapping[str, float]) -> list[str]:
     """Return which gains would drive the boat away from what is ordered."""
     problems = []
-    for name, (coefficient, sign) in TAKING_BACK.items():
+    for name, (coefficient, sign) in RESTORING_GAINS.items():
         effect = coefficients[coefficient]
         for gain in getattr(autopilot, name):
             if sign * gain * effect < 0.0:

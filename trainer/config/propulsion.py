@@ -8,31 +8,31 @@ from trainer.config.vessel_records import ThrustSet
 
 ASTERN_BOLLARD: Final = -0.77  # [-] thrust turning astern over that ahead, B4-70 (docs/envelope.md)
 DRAG_ASTERN: Final = 1.2  # [-] axial drag astern over that ahead, estimate
-LOWEST: Final = -100.0  # [-] eta
-JOINED: Final = 1e-9  # [-] relative
+MIN_ETA: Final = -100.0  # [-] eta
+JOINT_TOLERANCE: Final = 1e-9  # [-] relative
 
 
-class Thrust(NamedTuple):
+class ThrustRows(NamedTuple):
     """The rows in use: ahead by falling eta_min, and astern turning astern, then ahead."""
 
     ahead: tuple[ThrustSet, ...]
     astern: tuple[ThrustSet, ThrustSet]
 
 
-def thrust_of(rows: Sequence[ThrustSet], drag_astern: float) -> Thrust:
+def thrust_of(rows: Sequence[ThrustSet], drag_astern: float) -> ThrustRows:
     """Return the rows by the way of the boat, with what the file leaves out."""
     ahead = sorted((row for row in rows if row.going != "astern"), key=lambda row: -row.eta_min)
     astern = sorted((row for row in rows if row.going == "astern"), key=lambda row: -row.eta_min)
     if ahead[-1].eta_min >= 0.0 and len(ahead) < 3:
         bollard = ASTERN_BOLLARD * ahead[0].c
-        ahead.append(ThrustSet(eta_min=LOWEST, a=ahead[-1].a, b=0.0, c=bollard))
+        ahead.append(ThrustSet(eta_min=MIN_ETA, a=ahead[-1].a, b=0.0, c=bollard))
     if not astern:
         drag = drag_astern * abs(_row_at_rest(ahead).a)
         astern = [
             ThrustSet(eta_min=0.0, a=drag, b=0.0, c=ahead[-1].c, going="astern"),
-            ThrustSet(eta_min=LOWEST, a=drag, b=0.0, c=ahead[0].c, going="astern"),
+            ThrustSet(eta_min=MIN_ETA, a=drag, b=0.0, c=ahead[0].c, going="astern"),
         ]
-    return Thrust(tuple(ahead), (astern[0], astern[-1]))
+    return ThrustRows(tuple(ahead), (astern[0], astern[-1]))
 
 
 def _row_at_rest(ahead: Sequence[ThrustSet]) -> ThrustSet:
@@ -62,7 +62,7 @@ def row_problems(rows: Sequence[ThrustSet]) -> list[str]:
     return problems
 
 
-def thrust_problems(thrust: Thrust) -> list[str]:
+def thrust_problems(thrust: ThrustRows) -> list[str]:
     """Return where rows do not join, and whether an astern bell drives the boat ahead."""
     ahead, (back, check) = thrust
     stopped = _row_at_rest(ahead)
@@ -76,7 +76,9 @@ def thrust_problems(thrust: Thrust) -> list[str]:
         f"sets: {key} = {getattr(one, key):g} and {getattr(other, key):g} do not join at {where}: "
         "must be the same"
         for key, where, one, other in joints
-        if not math.isclose(getattr(one, key), getattr(other, key), rel_tol=JOINED, abs_tol=1e-15)
+        if not math.isclose(
+            getattr(one, key), getattr(other, key), rel_tol=JOINT_TOLERANCE, abs_tol=1e-15
+        )
     ]
     bollard = ahead[-1].c
     if bollard > 0.0 or (bollard == 0.0 and ahead[0].c > 0.0):

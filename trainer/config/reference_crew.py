@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from trainer.config.derived import Condition, compile_conditions
-from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
+from trainer.config.files import ConfigError, Place, collecting, nearest, raise_problems
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -16,37 +16,39 @@ from trainer.config.schema import (
     Rows,
     Text,
     above,
-    of,
     optional,
     read_record,
-    usual,
+    required,
+    with_default,
     within,
 )
-from trainer.config.score_rules import ANSWERS
+from trainer.config.score_rules import ANSWER_ORDERS
 from trainer.config.sound_rows import Readers, sound_rows
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.schedule import LATEST
+from trainer.io.orders.schedule import MAX_TIME_S
 
-MARK: Final = "mark"  # of a ship that is seen
+MARK_ORDER: Final = "mark"  # of a ship that is seen
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
-UNSEEN: Final = ("heavy", "speed_over_ground")  # quantities that no gauge has
-HANDS: Final = ("planesman", "helmsman")
-SWITCHES: Final = {f"{hand} {word}": (hand, word) for hand in HANDS for word in ("on", "off")}
-CREW_TABLES: Final = ("crew", *HANDS)
+UNSEEN_QUANTITIES: Final = ("heavy", "speed_over_ground")  # quantities that no gauge has
+CREW_HANDS: Final = ("planesman", "helmsman")
+HAND_SWITCHES: Final = {
+    f"{hand} {word}": (hand, word) for hand in CREW_HANDS for word in ("on", "off")
+}
+CREW_TABLES: Final = ("crew", *CREW_HANDS)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CrewRow:
     """One rule as it stands in the file."""
 
-    order: str = of(Text(80, "as a crew types it; also planesman on, helmsman off and so on"))
-    at_s: float | None = optional(Quantity("s", within(0, LATEST), "time from the start"))
+    order: str = required(Text(80, "as a crew types it; also planesman on, helmsman off and so on"))
+    at_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "time from the start"))
     when: str | None = optional(Text(79, "conditions, with and, as the gauges show it"))
     ordered: str | None = optional(Choice(CREW_AXES, "each time that the crew is ordered one"))
     after_s: float | None = optional(Quantity("s", within(0, 3600), "this long after that; else 0"))
     then: bool | None = optional(Flag("true: not before the rule above has been carried out"))
-    from_s: float | None = optional(Quantity("s", within(0, LATEST), "with when: not before"))
-    to_s: float | None = optional(Quantity("s", within(0, LATEST), "with when: not later"))
+    from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "with when: not before"))
+    to_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "with when: not later"))
     every_s: float | None = optional(
         Quantity("s", above(0, 3600), "with when: again after this time, as long as it holds")
     )
@@ -59,34 +61,62 @@ class CrewRow:
 class Planesman:
     """How the reference crew works its planes, after ``planesman on``."""
 
-    answer_s: float = usual(4.0, Quantity("s", within(0, 600), "from an order to the first move"))
-    look_s: float = usual(5.0, Quantity("s", above(0, 60), "from look to look"))
-    mean_s: float = usual(0.0, Quantity("s", within(0, 60), "depth as the mean over this time"))
-    bubble_deg_per_m: float = usual(0.5, Quantity("deg/m", within(0, 10), "angle for an error"))
-    bubble_s: float = usual(6.0, Quantity("deg/(m/s)", within(0, 60), "angle against depth rate"))
-    bubble_deg_max: float = usual(7.0, Quantity("deg", above(0, 30), "largest angle"))
-    leave_m: float = usual(14.0, Quantity("m", within(0, 100), "before it, off an ordered angle"))
-    stern_per_bubble: float = usual(1.5, Quantity("-", within(0, 10), "stern planes for an angle"))
-    stern_s: float = usual(10.0, Quantity("s", within(0, 60), "stern planes against pitch rate"))
-    stern_deg_max: float = usual(25.0, Quantity("deg", within(0, 90), "largest"))
-    stern_off_deg: float = usual(2.0, Quantity("deg", within(0, 30), "less is not worth an order"))
-    bow_within_m: float = usual(6.0, Quantity("m", within(0, 100), "bow planes inside this error"))
-    bow_deg_per_m: float = usual(1.5, Quantity("deg/m", within(0, 20), "bow planes for an error"))
-    bow_s: float = usual(0.0, Quantity("deg/(m/s)", within(0, 90), "bow planes against the rate"))
-    bow_deg_max: float = usual(20.0, Quantity("deg", within(0, 90), "largest"))
-    bow_step_deg: float = usual(3.0, Quantity("deg", above(0, 30), "in steps of this"))
+    answer_s: float = with_default(
+        4.0, Quantity("s", within(0, 600), "from an order to the first move")
+    )
+    look_s: float = with_default(5.0, Quantity("s", above(0, 60), "from look to look"))
+    mean_s: float = with_default(
+        0.0, Quantity("s", within(0, 60), "depth as the mean over this time")
+    )
+    bubble_deg_per_m: float = with_default(
+        0.5, Quantity("deg/m", within(0, 10), "angle for an error")
+    )
+    bubble_s: float = with_default(
+        6.0, Quantity("deg/(m/s)", within(0, 60), "angle against depth rate")
+    )
+    bubble_deg_max: float = with_default(7.0, Quantity("deg", above(0, 30), "largest angle"))
+    leave_m: float = with_default(
+        14.0, Quantity("m", within(0, 100), "before it, off an ordered angle")
+    )
+    stern_per_bubble: float = with_default(
+        1.5, Quantity("-", within(0, 10), "stern planes for an angle")
+    )
+    stern_s: float = with_default(
+        10.0, Quantity("s", within(0, 60), "stern planes against pitch rate")
+    )
+    stern_deg_max: float = with_default(25.0, Quantity("deg", within(0, 90), "largest"))
+    stern_off_deg: float = with_default(
+        2.0, Quantity("deg", within(0, 30), "less is not worth an order")
+    )
+    bow_within_m: float = with_default(
+        6.0, Quantity("m", within(0, 100), "bow planes inside this error")
+    )
+    bow_deg_per_m: float = with_default(
+        1.5, Quantity("deg/m", within(0, 20), "bow planes for an error")
+    )
+    bow_s: float = with_default(
+        0.0, Quantity("deg/(m/s)", within(0, 90), "bow planes against the rate")
+    )
+    bow_deg_max: float = with_default(20.0, Quantity("deg", within(0, 90), "largest"))
+    bow_step_deg: float = with_default(3.0, Quantity("deg", above(0, 30), "in steps of this"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Helmsman:
     """How the reference crew works its rudder, after ``helmsman on``."""
 
-    answer_s: float = usual(4.0, Quantity("s", within(0, 600), "from an order to the first move"))
-    look_s: float = usual(4.0, Quantity("s", above(0, 60), "from look to look"))
-    rudder_per_error: float = usual(0.6, Quantity("-", within(0, 10), "rudder for an error"))
-    rudder_s: float = usual(10.0, Quantity("s", within(0, 60), "rudder against rate of turn"))
-    rudder_deg_max: float = usual(15.0, Quantity("deg", within(0, 90), "largest"))
-    rudder_off_deg: float = usual(1.0, Quantity("deg", within(0, 30), "less is not worth an order"))
+    answer_s: float = with_default(
+        4.0, Quantity("s", within(0, 600), "from an order to the first move")
+    )
+    look_s: float = with_default(4.0, Quantity("s", above(0, 60), "from look to look"))
+    rudder_per_error: float = with_default(0.6, Quantity("-", within(0, 10), "rudder for an error"))
+    rudder_s: float = with_default(
+        10.0, Quantity("s", within(0, 60), "rudder against rate of turn")
+    )
+    rudder_deg_max: float = with_default(15.0, Quantity("deg", within(0, 90), "largest"))
+    rudder_off_deg: float = with_default(
+        1.0, Quantity("deg", within(0, 30), "less is not worth an order")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +137,7 @@ class Crew:
     helmsman: Helmsman = field(default_factory=Helmsman)
 
 
-RULES: Final = Rows(CrewRow, ("note",), 0, 200, "what the reference crew does, below")
+CREW_RULE_ROWS: Final = Rows(CrewRow, ("note",), 0, 200, "what the reference crew does, below")
 
 
 def read_crew(table: Mapping[str, object], place: Place) -> Crew:
@@ -118,7 +148,9 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     rules: list[CrewRule] = []
     readers: Readers = {"when": compile_conditions, "order": parse_crew_order}
     array = place.inside("crew")
-    for i, inside, row in sound_rows(RULES, table.get("crew", []), array, readers, problems):
+    for i, inside, row in sound_rows(
+        CREW_RULE_ROWS, table.get("crew", []), array, readers, problems
+    ):
         with collecting(problems):
             rules.append(_read_rule(row, i, inside))
     ways: dict[str, Any] = {}
@@ -134,7 +166,7 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
         for i, row in enumerate(rows)
         if row in rows[:i] and not row.then
     ]
-    refuse(problems)
+    raise_problems(problems)
     return Crew(rules=tuple(rules), **ways)
 
 
@@ -157,25 +189,27 @@ def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
     problems += [
         place.wrong("when", row.when, f"no gauge shows {each.quantity}")
         for each in conditions
-        if each.quantity in UNSEEN
+        if each.quantity in UNSEEN_QUANTITIES
     ]
     with collecting(problems):
         order = parse_crew_order(row.order, place)
-    refuse(problems)
+    raise_problems(problems)
     return CrewRule(row=row, conditions=conditions, order=order)
 
 
 def parse_crew_order(text: str, place: Place) -> Order:
     """Return what a crew can order, or switch; ConfigError if it is neither."""
     words = " ".join(text.split()).lower()
-    if words in SWITCHES:
-        hand, word = SWITCHES[words]
+    if words in HAND_SWITCHES:
+        hand, word = HAND_SWITCHES[words]
         return Order(hand, 0.0, word, words)
-    if nearest(words.split(" ")[0], HANDS):
-        raise ConfigError(place.wrong("order", text, f"say on or off{nearest(words, SWITCHES)}"))
+    if nearest(words.split(" ")[0], CREW_HANDS):
+        raise ConfigError(
+            place.wrong("order", text, f"say on or off{nearest(words, HAND_SWITCHES)}")
+        )
     order = parse(text)
     if not isinstance(order, Order):
         raise ConfigError(place.wrong("order", text, order.reason if order else "is no order"))
-    if order.name not in (*ANSWERS, MARK):
+    if order.name not in (*ANSWER_ORDERS, MARK_ORDER):
         raise ConfigError(place.wrong("order", text, "no crew orders that"))
     return order

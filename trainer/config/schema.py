@@ -10,16 +10,16 @@ from dataclasses import MISSING, Field, asdict, dataclass, field, fields, make_d
 from functools import cache
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-from trainer.config.files import ConfigError, Place, as_table, collecting, nearest, refuse
+from trainer.config.files import ConfigError, Place, as_table, collecting, nearest, raise_problems
 
 Record = TypeVar("Record")
-SMALLEST = 1e-12  # of a number that is not 0, in any unit
-DEEPEST = 20  # of tables within tables that nobody reads
-DRAFT = "https://json-schema.org/draft/2020-12/schema"
+MIN_NONZERO_SIZE = 1e-12  # of a number that is not 0, in any unit
+MAX_TABLE_DEPTH = 20  # of tables within tables that nobody reads
+JSON_SCHEMA_DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 @dataclass(frozen=True)
-class Limits:
+class NumberLimits:
     """An interval of numbers; the lower end itself is outside when ``open_below``."""
 
     low: float
@@ -42,14 +42,14 @@ class Limits:
         return {"type": "number", low: self.low, **ends}
 
 
-def within(low: float, high: float) -> Limits:
+def within(low: float, high: float) -> NumberLimits:
     """Return the interval from ``low`` to ``high``, ends included."""
-    return Limits(low, high, open_below=False)
+    return NumberLimits(low, high, open_below=False)
 
 
-def above(low: float, high: float = math.inf) -> Limits:
+def above(low: float, high: float = math.inf) -> NumberLimits:
     """Return the interval above ``low``, to ``high`` included."""
-    return Limits(low, high, open_below=True)
+    return NumberLimits(low, high, open_below=True)
 
 
 class KeyForm(NamedTuple):
@@ -77,7 +77,7 @@ class Quantity:
     """One finite number in a unit, within limits."""
 
     unit: str
-    limits: Limits
+    limits: NumberLimits
     meaning: str
 
     @property
@@ -95,14 +95,14 @@ class Quantity:
             raise ConfigError(place.wrong(key, value, f"must be finite, {self.limits}{unit}"))
         if number not in self.limits:
             raise ConfigError(place.wrong(key, value, f"must be {self.limits}{unit}"))
-        if 0.0 < abs(number) < SMALLEST:
-            least = f"must be 0, or {SMALLEST:g}{unit} or more in size, {self.limits}{unit}"
+        if 0.0 < abs(number) < MIN_NONZERO_SIZE:
+            least = f"must be 0, or {MIN_NONZERO_SIZE:g}{unit} or more in size, {self.limits}{unit}"
             raise ConfigError(place.wrong(key, value, least))
         return number
 
 
 @dataclass(frozen=True)
-class Whole:
+class WholeNumber:
     """One whole number."""
 
     low: int
@@ -173,7 +173,7 @@ class Text:
 
 
 @dataclass(frozen=True)
-class Page(Text):
+class LongText(Text):
     """Some lines of text."""
 
     def read(self, key: str, value: object, place: Place) -> str:
@@ -267,7 +267,7 @@ class Choices:
 
 
 @dataclass(frozen=True)
-class Named:
+class NamedNumbers:
     """A table of numbers of one kind under given names, all of them necessary."""
 
     each: Quantity
@@ -287,7 +287,7 @@ class Named:
 
 
 @cache
-def _record_of(key: str, kind: Named) -> type[Any]:
+def _record_of(key: str, kind: NamedNumbers) -> type[Any]:
     """Return a record of the numbers of such a table; to make one takes as long as a file."""
     return make_dataclass(
         key,
@@ -351,7 +351,7 @@ class Table:
         return read_record(self.record, value, place.inside(key), self.documentary)
 
 
-def of(kind: Kind) -> Any:
+def required(kind: Kind) -> Any:
     """Return a necessary dataclass field holding ``kind``."""
     return field(metadata={"kind": kind})
 
@@ -361,13 +361,13 @@ def optional(kind: Kind) -> Any:
     return field(default=None, metadata={"kind": kind})
 
 
-def usual(value: Any, kind: Kind) -> Any:
+def with_default(value: Any, kind: Kind) -> Any:
     """Return a dataclass field holding ``kind``, or ``value`` where the file does not say."""
     return field(default=value, metadata={"kind": kind})
 
 
 def kind_of(item: Field[Any]) -> Kind:
-    """Return what a field made by ``of`` or ``optional`` holds."""
+    """Return what a field made by ``required`` or ``optional`` holds."""
     kind: Kind = item.metadata["kind"]
     return kind
 
@@ -392,7 +392,7 @@ def object_schema(keys: Mapping[str, Mapping[str, Any]], needed: Iterable[str]) 
     }
 
 
-def described(kind: Kind) -> dict[str, Any]:
+def describe_kind(kind: Kind) -> dict[str, Any]:
     """Return the JSON Schema of a kind with unit and meaning, which editors show."""
     unit, _, meaning, schema = kind.form
     told = meaning if isinstance(kind, Text | Choice | Rows | Table) else f"[{unit}] {meaning}"
@@ -407,7 +407,7 @@ def record_schema(
     ``documentary`` names keys that may hold anything; ``supplied`` those that a file of defaults
     gives where the user's does not.
     """
-    known = {key: described(kind) for key, kind in kinds_of(record).items()}
+    known = {key: describe_kind(kind) for key, kind in kinds_of(record).items()}
     free = {key: {"description": "for the reader"} for key in documentary}
     needed = [item.name for item in fields(record) if item.default is MISSING]
     return object_schema({**known, **free}, [key for key in needed if key not in {*supplied}])
@@ -417,10 +417,10 @@ def file_schema(
     title: str, keys: Mapping[str, Mapping[str, Any]], needed: Iterable[str]
 ) -> dict[str, Any]:
     """Return the JSON Schema, draft 2020-12, of a file of these keys and tables."""
-    return {"$schema": DRAFT, "title": title, **object_schema(keys, needed)}
+    return {"$schema": JSON_SCHEMA_DRAFT, "title": title, **object_schema(keys, needed)}
 
 
-def infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
+def find_infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
     """Return where an unread value holds a number that is none: nan or infinite."""
     if isinstance(value, float) and not math.isfinite(value):
         return [place.wrong(key, value, "must be finite")]
@@ -429,9 +429,9 @@ def infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]
         inner = ((f"{key}.{name}", item) for name, item in value.items())
     elif isinstance(value, list):
         inner = ((f"{key}[{i}]", item) for i, item in enumerate(value))
-    if inner and depth > DEEPEST:
+    if inner and depth > MAX_TABLE_DEPTH:
         return [place.problem(f"{key}: is nested too deeply")]
-    return [wrong for name, item in inner for wrong in infinite(item, name, place, depth + 1)]
+    return [wrong for name, item in inner for wrong in find_infinite(item, name, place, depth + 1)]
 
 
 def read_record(
@@ -453,7 +453,7 @@ def read_record(
         if key not in known and key not in documentary
     ]
     for key in documentary:
-        problems += infinite(given.get(key), key, place)
+        problems += find_infinite(given.get(key), key, place)
     lacking = [item.name for item in items if item.default is MISSING and item.name not in given]
     if lacking:
         problems.append(place.problem(f"lacks {', '.join(lacking)}"))
@@ -462,7 +462,7 @@ def read_record(
         if item.name in given:
             with collecting(problems):
                 values[item.name] = kind_of(item).read(item.name, given[item.name], place)
-    refuse(problems)
+    raise_problems(problems)
     return record(**values)
 
 

@@ -6,42 +6,52 @@ from functools import partial
 from typing import Final
 
 from trainer.config.casualties import Casualty
-from trainer.config.derived import EVERY, Condition, compile_conditions, parse_name
+from trainer.config.derived import ALL_QUANTITIES, Condition, compile_conditions, parse_name
 from trainer.config.derived import nearest_quantity as guess
-from trainer.config.files import ConfigError, Place, collecting, nearest, refuse
-from trainer.config.schema import Choice, Choices, Quantity, Rows, Text, above, of, optional, within
+from trainer.config.files import ConfigError, Place, collecting, nearest, raise_problems
+from trainer.config.schema import (
+    Choice,
+    Choices,
+    Quantity,
+    Rows,
+    Text,
+    above,
+    optional,
+    required,
+    within,
+)
 from trainer.config.sound_rows import Readers, sound_rows
 from trainer.core.surfaces import SURFACES
-from trainer.io.orders.schedule import LATEST
+from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 
-ITS_OWN: Final = ""  # the unit of a measure that is a quantity's
-COURSE: Final = "course"  # a quantity beside those of conditions: it goes round
-ORDERED: Final[Mapping[str, str]] = {  # places of the state that hold what is ordered
+OWN_UNIT: Final = ""  # the unit of a measure that is a quantity's
+COURSE_QUANTITY: Final = "course"  # a quantity beside those of conditions: it goes round
+ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # places of the state that hold what is ordered
     "depth": "ordered_depth",
-    COURSE: "ordered_psi",
+    COURSE_QUANTITY: "ordered_psi",
     "speed": "ordered_speed",
 }
-TANKS: Final = ("bank_main", "bank_emergency")
-TIMELESS: Final = ("response",)  # look at the whole record
-WINDOW: Final = ("since", "from_s", "to_s", "when")
-ENOUGH: Final = within(-1e9, 1e9)
+AIR_BANKS: Final = ("bank_main", "bank_emergency")
+TIMELESS_MEASURES: Final = ("response",)  # look at the whole record
+WINDOW_KEYS: Final = ("since", "from_s", "to_s", "when")
+VALUE_LIMITS: Final = within(-1e9, 1e9)
 # orders of the instructor, and words, which answer no casualty
-INSTRUCTING: Final = (
+INSTRUCTOR_ORDERS: Final = (
     frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"}) | CREW_TALK
 )
-PARTS: Final = ("task", "answer", "keeping")
-ANSWERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTING))
-OF_ITSELF: Final = ("final", "largest")  # without a target
+MARK_PARTS: Final = ("task", "answer", "keeping")
+ANSWER_ORDERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTOR_ORDERS))
+VALUE_MEASURES: Final = ("final", "largest")  # without a target
 # what a rule may say for some measures only
-OPTIONAL: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW)
+OPTIONAL_KEYS: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW_KEYS)
 
 
 @dataclass(frozen=True)
-class Measure:
+class ScoreMeasure:
     """One measure: what a rule must and may say, its unit, and its formula."""
 
-    unit: str  # ITS_OWN: that of the quantity
+    unit: str  # OWN_UNIT: that of the quantity
     formula: str  # {q} the quantity, {t} its target, {b} its band, {u} their unit, {c} the casualty
     place: str  # which moment is told
     needs: tuple[str, ...] = ()
@@ -49,148 +59,154 @@ class Measure:
     quantities: tuple[str, ...] = ()  # the only ones it takes; () any
 
 
-MEASURES: Final[Mapping[str, Measure]] = {
-    "overshoot": Measure(
-        ITS_OWN,
+SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
+    "overshoot": ScoreMeasure(
+        OWN_UNIT,
         "furthest of {q} beyond {t}, seen from where it began; no value short of it{by}",
         "the furthest",
         needs=("quantity", "target"),
         may=("band",),
     ),
-    "time-to": Measure(
+    "time-to": ScoreMeasure(
         "s",
         "time until {q} is within {b} of {t} and stays there to the end",
         "when it is",
         needs=("quantity", "target", "band"),
     ),
-    "reach": Measure(
+    "reach": ScoreMeasure(
         "s",
         "time until {q} is within {b} of {t} and stays there; no value if it was there at once",
         "when it is",
         needs=("quantity", "target", "band"),
     ),
-    "settled": Measure(
+    "settled": ScoreMeasure(
         "%",
         "share of the last 120 s with {q} within {b} of {t}; no value if it was there at once",
         "the furthest from it",
         needs=("quantity", "target", "band"),
     ),
-    "final": Measure(ITS_OWN, "{q} at the end{f}", "the end", needs=("quantity",), may=("target",)),
-    "rms": Measure(
-        ITS_OWN,
+    "final": ScoreMeasure(
+        OWN_UNIT, "{q} at the end{f}", "the end", needs=("quantity",), may=("target",)
+    ),
+    "rms": ScoreMeasure(
+        OWN_UNIT,
         "root of the mean of ({q} - {t})^2, a term for each tick",
         "the furthest from it",
         needs=("quantity",),
         may=("target",),
     ),
-    "in-band": Measure(
+    "in-band": ScoreMeasure(
         "%",
         "share of the ticks with {q} within {b} of {t}",
         "the furthest from it",
         needs=("quantity", "band"),
         may=("target",),
     ),
-    "highest": Measure(ITS_OWN, "greatest {q}", "when it was", needs=("quantity",)),
-    "lowest": Measure(ITS_OWN, "least {q}", "when it was", needs=("quantity",)),
-    "largest": Measure(
-        ITS_OWN, "greatest {q} either way{f}", "when it was", needs=("quantity",), may=("target",)
+    "highest": ScoreMeasure(OWN_UNIT, "greatest {q}", "when it was", needs=("quantity",)),
+    "lowest": ScoreMeasure(OWN_UNIT, "least {q}", "when it was", needs=("quantity",)),
+    "largest": ScoreMeasure(
+        OWN_UNIT, "greatest {q} either way{f}", "when it was", needs=("quantity",), may=("target",)
     ),
-    "activity": Measure(
+    "activity": ScoreMeasure(
         "deg/min",
         "sum of what {q} moved from tick to tick, by the time",
         "the fastest",
         may=("quantity",),
         quantities=tuple(SURFACES),
     ),
-    "distance": Measure("m", "sum of the way over the ground from tick to tick", "the last"),
-    "closest-approach": Measure(
+    "distance": ScoreMeasure("m", "sum of the way over the ground from tick to tick", "the last"),
+    "closest-approach": ScoreMeasure(
         "m", "least range to any ship, middle to middle, straight between ticks", "when it was"
     ),
-    "exposed": Measure(
+    "exposed": ScoreMeasure(
         "s",
         "number of ticks with the periscope's head out of the water, times the step",
         "the first",
     ),
-    "exposed-raise": Measure("s", "the same of the raise of the mast that has most", "its first"),
-    "time-to-detect": Measure(
+    "exposed-raise": ScoreMeasure(
+        "s", "the same of the raise of the mast that has most", "its first"
+    ),
+    "time-to-detect": ScoreMeasure(
         "s",
         "longest time from when a ship came in sight to a mark of it: `mark contact 045`, "
         "within 3 deg; 30 s more for each mark of no ship seen; no value where a ship was not "
         "marked, or not seen that a raised mast would have shown for 2 min",
         "the mark",
     ),
-    "broaches": Measure(
+    "broaches": ScoreMeasure(
         "-",
         "times that sail or deck came out of the sea, main ballast not being blown",
         "the first",
     ),
-    "aground": Measure(
+    "aground": ScoreMeasure(
         "-",
         "times that the ground carried the boat, not counting where it was laid down well",
         "the first",
     ),
-    "beyond-limits": Measure(
+    "beyond-limits": ScoreMeasure(
         "s", "number of ticks beyond any limit of the exercise, times the step", "the first"
     ),
-    "beyond-test-depth": Measure(
+    "beyond-test-depth": ScoreMeasure(
         "m", "furthest that the hull's lowest point was beyond test depth", "the furthest"
     ),
-    "time-beyond-test-depth": Measure(
+    "time-beyond-test-depth": ScoreMeasure(
         "s",
         "number of ticks with the hull's lowest point beyond test depth, times the step",
         "the first",
     ),
-    "response": Measure(
+    "response": ScoreMeasure(
         "s",
         "time from the first onset of {c} to the crew's next order{o}",
         "the order",
         needs=("casualty",),
         may=("orders",),
     ),
-    "reserve-air": Measure(
+    "reserve-air": ScoreMeasure(
         "%",
         "least of the air in {q} as a share of full",
         "when it was",
         may=("quantity",),
-        quantities=TANKS,
+        quantities=AIR_BANKS,
     ),
 }
 
 
 @dataclass(frozen=True, kw_only=True)
-class Score:
+class ScoreRow:
     """One rule as it stands in the file."""
 
-    name: str = of(Text(60, "what is judged, for the debrief"))
-    measure: str = of(Text(30, "one of the measures of docs/debrief.md"))
+    name: str = required(Text(60, "what is judged, for the debrief"))
+    measure: str = required(Text(30, "one of the measures of docs/debrief.md"))
     quantity: str | None = optional(Text(40, "what is measured, its unit after it: depth_m"))
     target: float | None = optional(
-        Quantity("its own", ENOUGH, "where it should be; else as ordered at each moment")
+        Quantity("its own", VALUE_LIMITS, "where it should be; else as ordered at each moment")
     )
     band: float | None = optional(Quantity("its own", above(0, 1e9), "how far off it may be"))
     casualty: str | None = optional(Text(40, "what is to be answered"))
     orders: tuple[str, ...] | None = optional(
-        Choices(ANSWERS, "which orders answer it, by docs/orders.md; else any")
+        Choices(ANSWER_ORDERS, "which orders answer it, by docs/orders.md; else any")
     )
     since: str | None = optional(
         Text(40, "a casualty: from_s and to_s count from when it first came; else from the start")
     )
-    from_s: float | None = optional(Quantity("s", within(0, LATEST), "first moment looked at"))
-    to_s: float | None = optional(Quantity("s", within(0, LATEST), "last moment looked at"))
+    from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "first moment looked at"))
+    to_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "last moment looked at"))
     when: str | None = optional(Text(79, "conditions, with and: only moments at which they hold"))
-    full: float = of(Quantity("measure's", ENOUGH, "value that earns full marks"))
-    zero: float = of(Quantity("measure's", ENOUGH, "value that earns none; between, in proportion"))
+    full: float = required(Quantity("measure's", VALUE_LIMITS, "value that earns full marks"))
+    zero: float = required(
+        Quantity("measure's", VALUE_LIMITS, "value that earns none; between, in proportion")
+    )
     weight: float | None = optional(Quantity("-", above(0, 1000), "in the total; else 1"))
     part: str | None = optional(
-        Choice(PARTS, "of the marks; else answer for a response, and task for all others")
+        Choice(MARK_PARTS, "of the marks; else answer for a response, and task for all others")
     )
 
 
-SCORES: Final = Rows(Score, ("note",), 0, 50, "how the crew is judged, below")
+SCORE_ROWS: Final = Rows(ScoreRow, ("note",), 0, 50, "how the crew is judged, below")
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredQuantity:
     """A quantity in a unit; ``size`` is the unit's [SI]."""
 
     name: str
@@ -202,11 +218,11 @@ class Measured:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rule:
+class ScoreRule:
     """One rule, its names understood."""
 
-    score: Score
-    measured: Measured | None
+    score: ScoreRow
+    measured: MeasuredQuantity | None
     conditions: tuple[Condition, ...]
     casualty: Casualty | None
     since: Casualty | None = None
@@ -222,7 +238,7 @@ class Rule:
         return 1.0 if self.score.weight is None else self.score.weight
 
 
-def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rule:
+def understand_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> ScoreRule:
     """Return the rule of a table; ConfigError with all that is wrong in it."""
     problems: list[str] = []
     measured = None
@@ -240,8 +256,8 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
         problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
     if score.to_s is not None and score.to_s < (score.from_s or 0.0):
         problems.append(place.wrong("to_s", score.to_s, "is before from_s"))
-    refuse(problems)
-    return Rule(score=score, measured=measured or None, conditions=conditions, **found)
+    raise_problems(problems)
+    return ScoreRule(score=score, measured=measured or None, conditions=conditions, **found)
 
 
 def _casualty_named(known: Mapping[str, Casualty], key: str, name: str, place: Place) -> Casualty:
@@ -253,28 +269,28 @@ def _casualty_named(known: Mapping[str, Casualty], key: str, name: str, place: P
 
 def _refuse_unknown(measure: str, place: Place) -> None:
     """Raise ConfigError if there is no such measure."""
-    if measure not in MEASURES:
-        guess = nearest(measure, MEASURES) or f"; there are: {', '.join(MEASURES)}"
+    if measure not in SCORE_MEASURES:
+        guess = nearest(measure, SCORE_MEASURES) or f"; there are: {', '.join(SCORE_MEASURES)}"
         raise ConfigError(place.wrong("measure", measure, f"no such measure{guess}"))
 
 
-def parse_quantity(text: str, place: Place) -> Measured:
+def parse_quantity(text: str, place: Place) -> MeasuredQuantity:
     """Return the quantity that is named, in its unit or else its own. ConfigError if none is."""
     found = parse_name(text)
     if found is None:
         raise ConfigError(place.wrong("quantity", text, f"no such quantity{guess(text)}"))
     name, unit = found
-    units = EVERY[name].units
+    units = ALL_QUANTITIES[name].units
     unit = unit or next(iter(units))
-    return Measured(name, unit.replace("_", "/").replace("mpa", "MPa"), units[unit])
+    return MeasuredQuantity(name, unit.replace("_", "/").replace("mpa", "MPa"), units[unit])
 
 
 def read_rules(
     table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
-) -> tuple[Rule, ...]:
+) -> tuple[ScoreRule, ...]:
     """Return the rules of an exercise file; ConfigError with all that is wrong in them."""
     problems: list[str] = []
-    rules: list[Rule] = []
+    rules: list[ScoreRule] = []
     readers: Readers = {
         "measure": _refuse_unknown,
         "quantity": parse_quantity,
@@ -283,7 +299,7 @@ def read_rules(
         "since": partial(_casualty_named, known, "since"),
     }
     rows, array = table.get("scores", []), place.inside("scores")
-    for _, inside, score in sound_rows(SCORES, rows, array, readers, problems):
+    for _, inside, score in sound_rows(SCORE_ROWS, rows, array, readers, problems):
         with collecting(problems):
             rules.append(_read_rule(score, inside, known))
     names = [rule.score.name for rule in rules]
@@ -292,30 +308,30 @@ def read_rules(
         for name in dict.fromkeys(names)
         if names.count(name) > 1
     ]
-    refuse(problems)
+    raise_problems(problems)
     return tuple(rules)
 
 
-def _read_rule(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rule:
+def _read_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> ScoreRule:
     """Return one rule; ConfigError with all that is wrong in it."""
     problems: list[str] = []
     with collecting(problems):
-        rule = understood(score, place, known)
+        rule = understand_rule(score, place, known)
     with collecting(problems):
         _refuse_unknown(score.measure, place)
         problems += _unfit(score, place)
     if not problems:
         problems += _check_target(rule, place)
-    refuse(problems)
+    raise_problems(problems)
     return rule
 
 
-def _unfit(score: Score, place: Place) -> list[str]:
+def _unfit(score: ScoreRow, place: Place) -> list[str]:
     """Return which keys the measure has no use for, and which it lacks."""
-    measure = MEASURES[score.measure]
-    timed = () if score.measure in TIMELESS else WINDOW
+    measure = SCORE_MEASURES[score.measure]
+    timed = () if score.measure in TIMELESS_MEASURES else WINDOW_KEYS
     taken = (*measure.needs, *measure.may, *timed)
-    given = [key for key in OPTIONAL if getattr(score, key) is not None]
+    given = [key for key in OPTIONAL_KEYS if getattr(score, key) is not None]
     found = [
         place.wrong(key, getattr(score, key), f"{score.measure} has no use for it")
         for key in given
@@ -327,16 +343,16 @@ def _unfit(score: Score, place: Place) -> list[str]:
     return found
 
 
-def _check_target(rule: Rule, place: Place) -> list[str]:
+def _check_target(rule: ScoreRule, place: Place) -> list[str]:
     """Return what is wrong with the quantity, or with the lack of its target."""
-    measure, measured, score = MEASURES[rule.score.measure], rule.measured, rule.score
+    measure, measured, score = SCORE_MEASURES[rule.score.measure], rule.measured, rule.score
     if measured is None:
         return []
     if measure.quantities and measured.name not in measure.quantities:
         told = f"{score.measure} is of {' or '.join(measure.quantities)}"
         return [place.wrong("quantity", score.quantity, told)]
-    aims = "target" in measure.may and score.measure not in OF_ITSELF
-    if score.target is None and aims and measured.name not in ORDERED:
-        told = f"nobody orders it as such ({', '.join(ORDERED)} are): give a target"
+    aims = "target" in measure.may and score.measure not in VALUE_MEASURES
+    if score.target is None and aims and measured.name not in ORDERED_QUANTITIES:
+        told = f"nobody orders it as such ({', '.join(ORDERED_QUANTITIES)} are): give a target"
         return [place.wrong("quantity", score.quantity, told)]
     return []

@@ -21,9 +21,9 @@ from trainer.config.files import (
     parse_toml,
     path_named,
     quote,
+    raise_problems,
     read_text,
-    refuse,
-    shipped,
+    shipped_path,
 )
 from trainer.config.schema import (
     Choice,
@@ -31,29 +31,29 @@ from trainer.config.schema import (
     Quantity,
     Text,
     key_rows,
-    of,
     optional,
     read_record,
+    required,
     within,
 )
 from trainer.core.kernel import Numbers
-from trainer.core.sea.filter_1969 import PEAK
+from trainer.core.sea.filter_1969 import PEAK_FACTOR
 from trainer.core.sea.sea import COSINES, HEIGHT, OLD, OMEGA
-from trainer.core.sea.wave_filter import RAISED, STEEPEST_TURN
+from trainer.core.sea.wave_filter import RAISED_PEAKEDNESS, STEEPEST_TURN
 from trainer.units import KNOT
 
-HEADING: Final[Mapping[str, Kind]] = {
+HEADING_FIELDS: Final[Mapping[str, Kind]] = {
     "schema": Choice(("sea/1",), "form of the file"),
     "name": Text(200, "name shown"),
     "note": Text(1000, "for the reader"),
 }
-KNOWN: Final = (*HEADING, "sea", "current")
+KNOWN_KEYS: Final = (*HEADING_FIELDS, "sea", "current")
 # Significant height [m] by degree of the sea, the middle of each in WMO code table 3700.
 SEA_STATE_HEIGHT: Final = (0.0, 0.05, 0.3, 0.875, 1.875, 3.25, 5.0, 7.5, 11.5)
 HEIGHT_FACTOR: Final = 4.0 * math.sqrt(8.1e-3 / (4.0 * 0.74))  # [-] Hs g/U^2 of Pierson-Moskowitz
-STEEPEST: Final = 0.1  # [-] Hs over the peak's wavelength; fully developed seas have 0.026
-MEASURES: Final = ("sea_state", "wind_kn", "height_m")
-GENERATORS: Final = ("filter", "cosines", "filter-1969")
+MAX_STEEPNESS: Final = 0.1  # [-] Hs over the peak's wavelength; fully developed seas have 0.026
+HEIGHT_KEYS: Final = ("sea_state", "wind_kn", "height_m")
+WAVE_GENERATORS: Final = ("filter", "cosines", "filter-1969")
 ON_OFF: Final = ("off", "on")
 
 
@@ -71,20 +71,25 @@ class Sea:
     period_s: float | None = optional(
         Quantity("s", within(0.1, 30), "period of the peak; not with pierson-moskowitz")
     )
-    spectrum: str = of(
+    spectrum: str = required(
         Choice(("pierson-moskowitz", "bretschneider", "jonswap"), "how energy lies over frequency")
     )
-    gamma: float = of(Quantity("-", within(1, 10), "how much jonswap's peak is raised"))
-    direction_deg: float = of(Quantity("deg", within(0, 360), "true, where the waves come from"))
-    generator: str = of(
-        Choice(GENERATORS, "filtered noise, a sum of cosines from five directions, or that of 1969")
+    gamma: float = required(Quantity("-", within(1, 10), "how much jonswap's peak is raised"))
+    direction_deg: float = required(
+        Quantity("deg", within(0, 360), "true, where the waves come from")
     )
-    suction: str = of(Choice(ON_OFF, "second-order upward force"))
-    taper: str = of(Choice(ON_OFF, "no waves below five hull diameters"))
-    ramp_s: float = of(Quantity("s", within(0, 3600), "time in which a change comes about"))
+    generator: str = required(
+        Choice(
+            WAVE_GENERATORS,
+            "filtered noise, a sum of cosines from five directions, or that of 1969",
+        )
+    )
+    suction: str = required(Choice(ON_OFF, "second-order upward force"))
+    taper: str = required(Choice(ON_OFF, "no waves below five hull diameters"))
+    ramp_s: float = required(Quantity("s", within(0, 3600), "time in which a change comes about"))
 
 
-KEYS: Final = tuple(item.name for item in fields(Sea))
+SEA_KEYS: Final = tuple(item.name for item in fields(Sea))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,10 +119,14 @@ def parse_sea(text: str, path: Path) -> SeaFile:
     problems: list[str] = []
     for key, value in table.items():
         with collecting(problems):
-            if key in HEADING:
-                HEADING[key].read(key, value, place)
-            elif key not in KNOWN:
-                text = "belongs under [sea]" if key in KEYS else f"no such key{nearest(key, KNOWN)}"
+            if key in HEADING_FIELDS:
+                HEADING_FIELDS[key].read(key, value, place)
+            elif key not in KNOWN_KEYS:
+                text = (
+                    "belongs under [sea]"
+                    if key in SEA_KEYS
+                    else f"no such key{nearest(key, KNOWN_KEYS)}"
+                )
                 raise ConfigError(place.wrong(key, value, text))
     with collecting(problems):
         if "sea" not in table:
@@ -127,7 +136,7 @@ def parse_sea(text: str, path: Path) -> SeaFile:
     with collecting(problems):
         if "current" in table:
             world["current"] = read_current(table["current"], place.inside("current"), path)
-    refuse(problems)
+    raise_problems(problems)
     name = table.get("name", path.stem)
     return SeaFile(path=path, text=text, name=name, sea=sea, world=world)
 
@@ -143,16 +152,16 @@ def read_sea(table: object, place: Place) -> Sea:
 
 def sea_defaults() -> Mapping[str, Any]:
     """Return the table [sea] of the shipped file of defaults."""
-    path = shipped("", "sea-defaults")
+    path = shipped_path("", "sea-defaults")
     return as_table(parse_toml(read_text(path), path.name).get("sea"), Place(path.name, "sea"))
 
 
 def _problems(sea: Sea) -> list[str]:
     """Return what does not fit together."""
-    given = [name for name in MEASURES if getattr(sea, name) is not None]
+    given = [name for name in HEIGHT_KEYS if getattr(sea, name) is not None]
     if len(given) != 1:
         have = f"has {', '.join(given)}" if given else "has none of them"
-        return [f"{have}: give one of {', '.join(MEASURES)}"]
+        return [f"{have}: give one of {', '.join(HEIGHT_KEYS)}"]
     problems = []
     if sea.sea_state is not None and sea.sea_state != math.floor(sea.sea_state):
         problems.append(f"sea_state = {sea.sea_state:g}: must be a whole number; or give height_m")
@@ -175,7 +184,7 @@ def _problems(sea: Sea) -> list[str]:
 
 def _steep(height: float, period: float) -> list[str]:
     """Return a problem if waves of this height [m] and peak period [s] would break."""
-    shortest = math.sqrt(2.0 * math.pi * height / (9.81 * STEEPEST))
+    shortest = math.sqrt(2.0 * math.pi * height / (9.81 * MAX_STEEPNESS))
     if period >= shortest:
         return []
     return [
@@ -198,7 +207,7 @@ def peak_frequency(sea: Sea, g: float) -> float:
         return 2.0 * math.pi / sea.period_s
     height = significant_height(sea, g)
     wind = math.sqrt(g * height / HEIGHT_FACTOR) if height > 0.0 else KNOT
-    return PEAK * g / wind
+    return PEAK_FACTOR * g / wind
 
 
 def sea_settings(file: SeaFile, g: float) -> Numbers:
@@ -215,7 +224,7 @@ def sea_settings(file: SeaFile, g: float) -> Numbers:
             float(sea.generator == "cosines"),
             float(sea.suction == "on"),
             float(sea.generator == "filter-1969"),
-            float(gamma >= RAISED),
+            float(gamma >= RAISED_PEAKEDNESS),
             float(sea.taper == "on"),
         ]
     )

@@ -7,16 +7,16 @@ from typing import Final
 from trainer.config.schema import Quantity, optional, within
 from trainer.units import KNOT
 
-DEVIATION: Final = within(0, 100)
+DEVIATION_LIMITS: Final = within(0, 100)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sensors:
     """Standard deviations of white errors added to an exact record; none where not said."""
 
-    sway_kn: float | None = optional(Quantity("kn", DEVIATION, "of each log"))
-    yaw_rate_deg_s: float | None = optional(Quantity("deg/s", DEVIATION, "of the rate gyro"))
-    heading_deg: float | None = optional(Quantity("deg", DEVIATION, "of the compass"))
+    sway_kn: float | None = optional(Quantity("kn", DEVIATION_LIMITS, "of each log"))
+    yaw_rate_deg_s: float | None = optional(Quantity("deg/s", DEVIATION_LIMITS, "of the rate gyro"))
+    heading_deg: float | None = optional(Quantity("deg", DEVIATION_LIMITS, "of the compass"))
     seed: float | None = optional(Quantity("-", within(0, 1e15), "of the errors; else 1"))
 
     def error(self, channel: str) -> float:

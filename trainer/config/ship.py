@@ -26,51 +26,51 @@ from trainer.config.schema import (
     Rows,
     Text,
     above,
-    described,
+    describe_kind,
     file_schema,
     list_schema,
-    of,
     optional,
     read_record,
     record_schema,
+    required,
     tables_of,
-    usual,
+    with_default,
     within,
 )
 from trainer.config.sensors import Sensors
-from trainer.config.words import SHIP
+from trainer.config.words import SHIP_FILE_SCHEMA
 
-SCHEMA: Final = SHIP
-FEET: Final = 500.0  # [m] the longest ship is shorter
+SHIP_SCHEMA: Final = SHIP_FILE_SCHEMA
+MAX_LENGTH_M: Final = 500.0  # [m] the longest ship is shorter
 UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
-CHANNELS: Final = (
+SHIP_CHANNELS: Final = (
     *("t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading"),
     *("north_velocity", "east_velocity", "wind_speed", "wind_from"),
     *("wind_ahead", "wind_starboard", "roll", "roll_rate"),
 )
-MOST_ROWS: Final = 100  # of a covariance, for editors
-LARGE: Final = within(-1e9, 1e9)
-GYRATION: Final = 0.38  # [-] of the beam: radius of gyration in roll, with the water
-GRAVITY: Final = 9.81  # [m/s^2]
-NUMBER: Final = Quantity("-", LARGE, "coefficient")
+MAX_ROWS: Final = 100  # of a covariance, for editors
+NUMBER_LIMITS: Final = within(-1e9, 1e9)
+ROLL_GYRATION_BEAMS: Final = 0.38  # [-] of the beam: radius of gyration in roll, with the water
+GRAVITY_M_S2: Final = 9.81  # [m/s^2]
+COEFFICIENT_NUMBER: Final = Quantity("-", NUMBER_LIMITS, "coefficient")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ShipHeading:
     """The name of a ship."""
 
-    schema: str = of(Choice((SCHEMA,), "form of the file"))
-    name: str = of(Text(79, "name shown"))
+    schema: str = required(Choice((SHIP_SCHEMA,), "form of the file"))
+    name: str = required(Text(79, "name shown"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dimensions:
     """A ship and its propeller."""
 
-    length_m: float = of(Quantity("m", within(0.1, FEET), "between perpendiculars"))
-    propeller_diameter_m: float = of(Quantity("m", within(0.01, 15), "of one propeller"))
-    wake_fraction: float = of(Quantity("-", within(0, 0.8), "w: the propeller meets (1-w) u"))
-    thrust: tuple[float, ...] = of(
+    length_m: float = required(Quantity("m", within(0.1, MAX_LENGTH_M), "between perpendiculars"))
+    propeller_diameter_m: float = required(Quantity("m", within(0.01, 15), "of one propeller"))
+    wake_fraction: float = required(Quantity("-", within(0, 0.8), "w: the propeller meets (1-w) u"))
+    thrust: tuple[float, ...] = required(
         Quantities(Quantity("-", within(-5, 5), "K_T = k0 + k1 J + k2 J^2"), 3, 3)
     )
     advance_m: float | None = optional(
@@ -81,8 +81,8 @@ class Dimensions:
     block_coefficient: float | None = optional(Quantity("-", within(0.3, 0.95), "for the prior"))
     rudder_area_m2: float | None = optional(Quantity("m^2", above(0, 500), "for the prior"))
     rudder_height_m: float | None = optional(Quantity("m", above(0, 30), "for the prior"))
-    rudder_limit_deg: float = usual(35.0, Quantity("deg", within(1, 90), "limit; else 35"))
-    rudder_rate_deg_s: float = usual(
+    rudder_limit_deg: float = with_default(35.0, Quantity("deg", within(1, 90), "limit; else 35"))
+    rudder_rate_deg_s: float = with_default(
         2.32, Quantity("deg/s", within(0.01, 1000), "rate; else 2.32, of a full-size ship")
     )
 
@@ -91,14 +91,14 @@ class Dimensions:
 class Roll:
     """A ship whose roll is fitted too."""
 
-    gm_m: float = of(Quantity("m", above(0, 20), "metacentric height"))
+    gm_m: float = required(Quantity("m", above(0, 20), "metacentric height"))
     radius_m: float | None = optional(
         Quantity("m", above(0, 50), "of gyration, with the water; else 0.38 of the beam")
     )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Records:
+class RecordSettings:
     """How the ship's records are meant."""
 
     positive_rudder: str | None = optional(
@@ -116,27 +116,27 @@ class Records:
 class ShipColumn:
     """Where one channel of a record is found; columns of the trainer need none."""
 
-    channel: str = of(Choice(CHANNELS, "what it is"))
-    column: str = of(Text(80, "heading of the column"))
+    channel: str = required(Choice(SHIP_CHANNELS, "what it is"))
+    column: str = required(Text(80, "heading of the column"))
     unit: str | None = optional(Text(8, f"{UNIT_NAMES}; else that of the heading"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Result:
+class FitResult:
     """The fit that a file holds."""
 
-    model: str = of(Choice(("linear", "mavmm", "abkowitz", "mmg"), "model"))
-    speed_kn: float = of(Quantity("kn", within(0.01, 60), "at which manoeuvres begin"))
-    revolutions_per_s: float = of(Quantity("1/s", within(-50, 50), "that keep it there"))
+    model: str = required(Choice(("linear", "mavmm", "abkowitz", "mmg"), "model"))
+    speed_kn: float = required(Quantity("kn", within(0.01, 60), "at which manoeuvres begin"))
+    revolutions_per_s: float = required(Quantity("1/s", within(-50, 50), "that keep it there"))
 
 
-COLUMNS: Final = Rows(ShipColumn, ("note",), 0, len(CHANNELS), "columns, below")
-TABLES: Final = {
+COLUMN_ROWS: Final = Rows(ShipColumn, ("note",), 0, len(SHIP_CHANNELS), "columns, below")
+SHIP_TABLES: Final = {
     "dimensions": Dimensions,
     "roll": Roll,
-    "records": Records,
+    "records": RecordSettings,
     "sensors": Sensors,
-    "result": Result,
+    "result": FitResult,
 }
 
 
@@ -147,11 +147,11 @@ class ShipFile:
     path: Path
     name: str
     dimensions: Dimensions
-    records: Records
+    records: RecordSettings
     sensors: Sensors | None
     columns: tuple[ShipColumn, ...]
     roll: Roll | None = None
-    result: Result | None = None
+    result: FitResult | None = None
     coefficients: Mapping[str, float] = field(default_factory=dict)
     covariance: tuple[tuple[float, ...], ...] | None = None  # of those ``uncertain``
     uncertain: tuple[str, ...] = ()
@@ -162,8 +162,8 @@ class ShipFile:
         """Return g GM/k^2 [1/s^2] of roll, as its file says; 0 where there is none."""
         if self.roll is None:
             return 0.0
-        radius = self.roll.radius_m or GYRATION * (self.dimensions.beam_m or math.inf)
-        return GRAVITY * self.roll.gm_m / radius**2
+        radius = self.roll.radius_m or ROLL_GYRATION_BEAMS * (self.dimensions.beam_m or math.inf)
+        return GRAVITY_M_S2 * self.roll.gm_m / radius**2
 
     @property
     def constants(self) -> tuple[float, ...]:
@@ -175,7 +175,7 @@ class ShipFile:
 
 def is_ship(path: Path) -> bool:
     """Return whether a TOML file is of a ship. ConfigError if it is no TOML."""
-    return parse_toml(read_text(path), path.name).get("schema") == SCHEMA
+    return parse_toml(read_text(path), path.name).get("schema") == SHIP_SCHEMA
 
 
 def load_ship(path: Path) -> ShipFile:
@@ -191,7 +191,7 @@ def parse_ship(text: str, path: Path) -> ShipFile:
 def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
     """Return the ship in the tables of the file ``path``; ConfigError with all faults."""
     place = Place(path.name, "")
-    known = ("schema", "name", *TABLES, "columns", *("coefficients", "covariance", "ranges"))
+    known = ("schema", "name", *SHIP_TABLES, "columns", *("coefficients", "covariance", "ranges"))
     problems = [
         place.wrong(key, value, f"no such key{nearest(key, known)}")
         for key, value in table.items()
@@ -201,7 +201,7 @@ def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
     own = {key: table[key] for key in ("schema", "name") if key in table}
     with collecting(problems):
         parts["name"] = read_record(ShipHeading, own, place, ()).name
-    for key, record in TABLES.items():
+    for key, record in SHIP_TABLES.items():
         if key in table or key in ("dimensions", "records"):
             with collecting(problems):
                 given = table.get(key, {} if key == "records" else None)
@@ -209,7 +209,7 @@ def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
                     raise ConfigError(place.problem(f"lacks [{key}]"))
                 parts[key] = read_record(record, given, place.inside(key), ("note",))
     with collecting(problems):
-        parts["columns"] = COLUMNS.read("columns", table.get("columns", []), place)
+        parts["columns"] = COLUMN_ROWS.read("columns", table.get("columns", []), place)
     if "result" in table:
         with collecting(problems):
             parts |= _numbers(table, place)
@@ -224,7 +224,7 @@ def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
 
 def _with_feet(problem: str) -> str:
     """Return a problem; beside a length that is too long, what it may be."""
-    if "length_m" in problem and f"to {FEET:g}" in problem:
+    if "length_m" in problem and f"to {MAX_LENGTH_M:g}" in problem:
         return f"{problem}; is it in feet? 1 m is 3.281 feet"
     return problem
 
@@ -236,7 +236,7 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
         for key in ("coefficients", "covariance", "ranges")
     }
     found = {
-        name: NUMBER.read(name, value, place.inside("coefficients"))
+        name: COEFFICIENT_NUMBER.read(name, value, place.inside("coefficients"))
         for name, value in given["coefficients"].items()
     }
     if not found:
@@ -244,12 +244,12 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     rows = given["covariance"]
     names = tuple(rows)
     inside = place.inside("covariance")
-    line = Quantities(NUMBER, max(len(names), 1), max(len(names), 1))
+    line = Quantities(COEFFICIENT_NUMBER, max(len(names), 1), max(len(names), 1))
     matrix = tuple(line.read(name, row, inside) for name, row in rows.items())
     strange = [name for name in names if name not in found]
     if strange:
         raise ConfigError(inside.problem(f"{strange[0]} is no coefficient of the file"))
-    pair = Quantities(Quantity("-", LARGE, "range"), 2, 2)
+    pair = Quantities(Quantity("-", NUMBER_LIMITS, "range"), 2, 2)
     ranges = {
         name: (low, high)
         for name, value in given["ranges"].items()
@@ -265,7 +265,7 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 def ship_text(ship: ShipFile, source: str) -> str:
     """Return the text of a ship's file."""
-    told = {"schema": SCHEMA, "name": ship.name, "source": source}
+    told = {"schema": SHIP_SCHEMA, "name": ship.name, "source": source}
     lines = [f"{key} = {toml_value(value)}" for key, value in told.items()]
     lines += _table_lines("dimensions", ship.dimensions)
     if ship.roll is not None:
@@ -300,23 +300,23 @@ def _table_lines(name: str, record: Any) -> list[str]:
 def ship_schema() -> dict[str, Any]:
     """Return the JSON Schema of a ship's file."""
     heading = record_schema(ShipHeading, ("note", "source"))
-    tables = {name: record_schema(record, ("note",)) for name, record in TABLES.items()}
-    row = list_schema(NUMBER.form.schema, 1, MOST_ROWS)
+    tables = {name: record_schema(record, ("note",)) for name, record in SHIP_TABLES.items()}
+    row = list_schema(COEFFICIENT_NUMBER.form.schema, 1, MAX_ROWS)
     numbers = {
-        "coefficients": ("accelerations in prime units", NUMBER.form.schema),
+        "coefficients": ("accelerations in prime units", COEFFICIENT_NUMBER.form.schema),
         "covariance": ("rows in the order of the names", row),
-        "ranges": ("seen in the records", list_schema(NUMBER.form.schema, 2, 2)),
+        "ranges": ("seen in the records", list_schema(COEFFICIENT_NUMBER.form.schema, 2, 2)),
     }
     named = {
         key: {"type": "object", "description": told, "additionalProperties": each}
         for key, (told, each) in numbers.items()
     }
-    keys = {**heading["properties"], **tables, "columns": described(COLUMNS), **named}
+    keys = {**heading["properties"], **tables, "columns": describe_kind(COLUMN_ROWS), **named}
     return file_schema("ship", keys, (*heading["required"], "dimensions"))
 
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/nonlinear-ships.md shows them."""
-    whole: dict[str, type[Any]] = {"": ShipHeading, **TABLES, "[columns]": ShipColumn}
+    whole: dict[str, type[Any]] = {"": ShipHeading, **SHIP_TABLES, "[columns]": ShipColumn}
     del whole["sensors"]
     return tables_of(whole)

@@ -1,7 +1,7 @@
 """A boat of another length: Froude's law for every key of a vessel file.
 
 Two boats of one shape behave alike where gravity and water are the same: lengths as L, times and
-speeds as the root of L, masses as L^3. The unit of a key tells its power of L; ``EXCEPTIONS``
+speeds as the root of L, masses as L^3. The unit of a key tells its power of L; ``LAW_EXCEPTIONS``
 names the keys that another law holds for, and why. What has no unit stays.
 """
 
@@ -9,10 +9,10 @@ import re
 from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
 
-from trainer.config.schema import Kind, Named, Quantities, Quantity, Rows, Table, kinds_of
+from trainer.config.schema import Kind, NamedNumbers, Quantities, Quantity, Rows, Table, kinds_of
 
-DIGITS: Final = 7  # of a scaled number
-POWERS: Final = {  # of the length, by unit
+SCALED_DIGITS: Final = 7  # of a scaled number
+LENGTH_POWERS: Final = {  # of the length, by unit
     **dict.fromkeys(("-", "rad", "deg", "degC"), 0.0),
     **dict.fromkeys(("m", "cm", "mm"), 1.0),
     "s": 0.5,
@@ -22,13 +22,15 @@ POWERS: Final = {  # of the length, by unit
     "MPa": 1.0,
     "W": 3.5,
 }
-UNITS: Final = (  # that a vessel file has
+KNOWN_UNITS: Final = (  # that a vessel file has
     *("W", "kg m2", "N m", "m3", "kg", "N", "kg/s", "m2", "cm2", "mm2", "m"),
     *("s", "kn", "m/s", "-", "deg", "degC", "m/s2", "kg/m3", "1/s", "deg/s", "rad/s", "rad s/m"),
     *("1/m", "rad/m", "deg/s2", "rad/(m s)"),
 )
-UNIT: Final = re.compile(r"([A-Za-z-]+?)\^?(\d?)")
-PRESSURE: Final = "kept: a hull of the same shape and steel bears the same pressure; estimate"
+UNIT_PATTERN: Final = re.compile(r"([A-Za-z-]+?)\^?(\d?)")
+PRESSURE_REASON: Final = (
+    "kept: a hull of the same shape and steel bears the same pressure; estimate"
+)
 
 
 class Law(NamedTuple):
@@ -38,10 +40,10 @@ class Law(NamedTuple):
     reason: str = ""
 
 
-EXCEPTIONS: Final[Mapping[tuple[str, str], Law]] = {
-    ("vessel", "max_depth_m"): Law(0.0, PRESSURE),
-    ("vessel", "test_depth_m"): Law(0.0, PRESSURE),
-    ("vessel", "collapse_depth_m"): Law(0.0, PRESSURE),
+LAW_EXCEPTIONS: Final[Mapping[tuple[str, str], Law]] = {
+    ("vessel", "max_depth_m"): Law(0.0, PRESSURE_REASON),
+    ("vessel", "test_depth_m"): Law(0.0, PRESSURE_REASON),
+    ("vessel", "collapse_depth_m"): Law(0.0, PRESSURE_REASON),
     ("ballast.banks", "pressure_mpa"): Law(0.0, "kept: what bottles bear; estimate"),
     ("ballast.pumps", "shutoff_depth_m"): Law(0.0, "kept, as the test depth is; estimate"),
     ("ballast.sea", "compressibility_kg_m"): Law(
@@ -66,24 +68,24 @@ def _product(factors: str) -> float:
     for factor in factors.split():
         if factor == "1":
             continue
-        found = UNIT.fullmatch(factor)
+        found = UNIT_PATTERN.fullmatch(factor)
         if found is None:
             raise KeyError(factor)
-        total += POWERS[found[1]] * int(found[2] or 1)
+        total += LENGTH_POWERS[found[1]] * int(found[2] or 1)
     return total
 
 
 def law_of(table: str, key: str, kind: Kind) -> Law:
     """Return the law of a key of a table. It is that of its unit where it is no exception."""
-    if (table, key) in EXCEPTIONS:
-        return EXCEPTIONS[table, key]
+    if (table, key) in LAW_EXCEPTIONS:
+        return LAW_EXCEPTIONS[table, key]
     quantity = _quantity(kind)
     return Law(power_of(quantity.unit)) if quantity else Law(0.0)
 
 
 def _quantity(kind: Kind) -> Quantity | None:
     """Return what the numbers of a kind are, None of words."""
-    if isinstance(kind, Quantities | Named):
+    if isinstance(kind, Quantities | NamedNumbers):
         return kind.each
     return kind if isinstance(kind, Quantity) else None
 
@@ -117,7 +119,7 @@ def _multiplied(value: Any, by: float) -> Any:
         return [_multiplied(each, by) for each in value]
     if isinstance(value, Mapping):
         return {name: _multiplied(each, by) for name, each in value.items()}
-    return float(f"{value * by:.{DIGITS}g}")
+    return float(f"{value * by:.{SCALED_DIGITS}g}")
 
 
 def formula(power: float) -> str:
@@ -130,11 +132,13 @@ def formula(power: float) -> str:
 def law_table() -> str:
     """Return the Markdown table of the laws, as docs/vessel-files.md shows it."""
     by_power: dict[float, list[str]] = {}
-    for unit in UNITS:
+    for unit in KNOWN_UNITS:
         by_power.setdefault(power_of(unit), []).append(unit)
     rows = ["| follows the length as | units |", "|---|---|"]
     for power, units in sorted(by_power.items(), reverse=True):
         rows.append(f"| {formula(power)} | {', '.join(units)} |")
     rows += ["", "| key | law, where it is not that of the unit |", "|---|---|"]
-    rows += [f"| `[{table}] {key}` | {law.reason} |" for (table, key), law in EXCEPTIONS.items()]
+    rows += [
+        f"| `[{table}] {key}` | {law.reason} |" for (table, key), law in LAW_EXCEPTIONS.items()
+    ]
     return "\n".join(rows) + "\n"

@@ -21,24 +21,34 @@ from trainer.config.files import ConfigError, nearest, quote, read_kept, read_te
 
 Numbers = NDArray[np.float64]
 
-CELLS: Final = 4_000_000  # at most
-BYTES: Final = 100_000_000  # of a file, at most
-KEYWORDS: Final = (
+MAX_CELLS: Final = 4_000_000  # at most
+MAX_FILE_BYTES: Final = 100_000_000  # of a file, at most
+GRID_KEYWORDS: Final = (
     *("ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter"),
     *("cellsize", "nodata_value"),
 )
-NOTHING: Final = -9999.0  # at a sample without a value, where the file names no other
-HEADER: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
-MARK: Final = "soundings/1 "  # what the text of a grid begins with
-SCALE, TIE, KEYS, ABSENT = 33550, 33922, 34735, 42113  # tags
-RASTER, GEOGRAPHIC, PROJECTED, UNIT = 1025, 2048, 3072, 3076  # keys of the tag KEYS
-POINT, WGS84, OWN, METRE = 2, 4326, 32767, 9001
-CODED: Final = {5: "LZW", 6: "old JPEG", 7: "JPEG", 34887: "LERC"}  # that tifffile alone reads not
-CONVERT: Final = "gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
-WARP: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
-KNOTS: Final = 33  # of the lattice on which the chart is computed, each way
+DEFAULT_NODATA_VALUE: Final = -9999.0  # at a sample without a value, where the file names no other
+HEADER_LINE: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
+SOUNDINGS_PREFIX: Final = "soundings/1 "  # what the text of a grid begins with
+SCALE_TAG, TIE_POINT_TAG, GEO_KEYS_TAG, NODATA_TAG = 33550, 33922, 34735, 42113  # tags
+RASTER_TYPE_KEY, GEOGRAPHIC_KEY, PROJECTED_KEY, LINEAR_UNIT_KEY = (
+    1025,
+    2048,
+    3072,
+    3076,
+)  # keys of the tag GEO_KEYS_TAG
+PIXEL_IS_POINT, WGS84_CODE, USER_DEFINED_CODE, METRE_CODE = 2, 4326, 32767, 9001
+UNREAD_COMPRESSIONS: Final = {
+    5: "LZW",
+    6: "old JPEG",
+    7: "JPEG",
+    34887: "LERC",
+}  # that tifffile alone reads not
+CONVERT_COMMAND: Final = "gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
+WARP_COMMAND: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
+LATTICE_KNOTS: Final = 33  # of the lattice on which the chart is computed, each way
 Position = Callable[[float, float], tuple[float, float]]
-METRES: Final = 111_132.0  # [m] of a degree of latitude, about
+METRES_PER_DEGREE: Final = 111_132.0  # [m] of a degree of latitude, about
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,30 +69,30 @@ def read_grid(path: Path) -> Grid:
 
 def read_as_kept(path: Path, kept: str) -> str:
     """Return a file's text of today in the form of what was kept of it. ConfigError."""
-    return read_kept(path, _as_text) if kept.startswith(MARK) else read_text(path)
+    return read_kept(path, _as_text) if kept.startswith(SOUNDINGS_PREFIX) else read_text(path)
 
 
 def _as_text(path: Path) -> str:
     """Return the grid in a file on disk as a text."""
     try:
         with path.open("rb") as file:
-            data = file.read(BYTES + 1)
+            data = file.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > BYTES:
-        raise ConfigError(f"{path}: is larger than the limit of {BYTES} bytes; not read")
+    if len(data) > MAX_FILE_BYTES:
+        raise ConfigError(f"{path}: is larger than the limit of {MAX_FILE_BYTES} bytes; not read")
     tiff = data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
     grid = read_geotiff(path) if tiff else read_ascii(data, path)
     rows, columns = grid.values.shape
     head = json.dumps([rows, columns, grid.west, grid.south, *grid.cell, grid.degrees])
     packed = base64.b85encode(zlib.compress(grid.values.astype("<f8").tobytes(), 6))
-    return f"{MARK}{head}\n{packed.decode()}\n"
+    return f"{SOUNDINGS_PREFIX}{head}\n{packed.decode()}\n"
 
 
 def _from_text(text: str, path: Path) -> Grid:
     """Return the grid of a text; ConfigError if that is damaged."""
     try:
-        head, packed, _ = text.removeprefix(MARK).split("\n")
+        head, packed, _ = text.removeprefix(SOUNDINGS_PREFIX).split("\n")
         rows, columns, west, south, down, across, degrees = json.loads(head)
         values = np.frombuffer(zlib.decompress(base64.b85decode(packed)), "<f8")
         values = values.reshape(rows, columns).astype(np.float64)
@@ -107,7 +117,7 @@ def read_ascii(data: bytes, path: Path) -> Grid:
         raise _wrong(path, "cellsize", said["cellsize"], "must be above 0")
     _refuse_large(rows, columns, path)
     values = _samples(text[at:], rows * columns, path).reshape(rows, columns)[::-1]
-    absent = _number(said, "nodata_value", path, NOTHING)
+    absent = _number(said, "nodata_value", path, DEFAULT_NODATA_VALUE)
     west, south = (_low(said, axis, cell, path) for axis in "xy")
     return Grid(
         np.where(values == absent, np.nan, values), west, south, (cell, cell), degrees=False
@@ -118,10 +128,10 @@ def _keywords(text: str, path: Path) -> tuple[Mapping[str, str], int]:
     """Return what the keywords say, and where the samples begin."""
     said: dict[str, str] = {}
     at = 0
-    while (found := HEADER.match(text, at)) and found[1].lower() not in ("nan", "inf"):
+    while (found := HEADER_LINE.match(text, at)) and found[1].lower() not in ("nan", "inf"):
         name = found[1].lower()
-        if name not in KEYWORDS:
-            raise ConfigError(f"{path}: {found[1]}: no such keyword{nearest(name, KEYWORDS)}")
+        if name not in GRID_KEYWORDS:
+            raise ConfigError(f"{path}: {found[1]}: no such keyword{nearest(name, GRID_KEYWORDS)}")
         if name in said:
             raise ConfigError(f"{path}: {found[1]} is given twice")
         said[name], at = found[2], found.end()
@@ -190,8 +200,10 @@ def _is_number(word: str) -> bool:
 
 
 def _refuse_large(rows: int, columns: int, path: Path) -> None:
-    if rows * columns > CELLS:
-        raise ConfigError(f"{path}: {rows} x {columns} samples: {CELLS} at most; take every n-th")
+    if rows * columns > MAX_CELLS:
+        raise ConfigError(
+            f"{path}: {rows} x {columns} samples: {MAX_CELLS} at most; take every n-th"
+        )
     if min(rows, columns) < 2:
         raise ConfigError(f"{path}: {rows} x {columns} samples: at least 2 x 2")
 
@@ -214,7 +226,7 @@ def read_geotiff(path: Path) -> Grid:
             page = file.pages.first
             tags = {
                 number: page.tags[number].value
-                for number in (SCALE, TIE, KEYS, ABSENT)
+                for number in (SCALE_TAG, TIE_POINT_TAG, GEO_KEYS_TAG, NODATA_TAG)
                 if number in page.tags
             }
             _refuse_coding(int(page.compression), path)
@@ -223,7 +235,7 @@ def read_geotiff(path: Path) -> Grid:
     except ConfigError:
         raise
     except ModuleNotFoundError:  # Python's own, which tifffile has for zstd
-        told = f"is compressed by ZSTD, which needs Python 3.14: {CONVERT}"
+        told = f"is compressed by ZSTD, which needs Python 3.14: {CONVERT_COMMAND}"
         raise ConfigError(f"{path}: {told}") from None
     except Exception as error:  # noqa: BLE001  whatever a damaged file makes of its reader
         raise ConfigError(f"{path}: is no GeoTIFF that can be read: {error}") from None
@@ -231,30 +243,35 @@ def read_geotiff(path: Path) -> Grid:
 
 
 def _refuse_coding(code: int, path: Path) -> None:
-    if code in CODED:
-        raise ConfigError(f"{path}: is compressed by {CODED[code]}, which is not read: {CONVERT}")
+    if code in UNREAD_COMPRESSIONS:
+        raise ConfigError(
+            f"{path}: is compressed by {UNREAD_COMPRESSIONS[code]}, which is not read: "
+            f"{CONVERT_COMMAND}"
+        )
 
 
 def _placed(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
     """Return a raster as a grid, by its tags."""
     if values.ndim != 2:
         raise ConfigError(f"{path}: has {values.ndim} dimensions: one band of depths is read")
-    if SCALE not in tags or TIE not in tags:
+    if SCALE_TAG not in tags or TIE_POINT_TAG not in tags:
         raise ConfigError(f"{path}: does not say where it lies (tags 33550 and 33922)")
-    keys = dict(_keys(tags.get(KEYS, ())))
+    keys = dict(_keys(tags.get(GEO_KEYS_TAG, ())))
     _refuse_elsewhere(keys, path)
-    across, down = (float(each) for each in tags[SCALE][:2])
-    column, row, _, x, y = (float(each) for each in tags[TIE][:5])
-    half = 0.0 if keys.get(RASTER) == POINT else 0.5
+    across, down = (float(each) for each in tags[SCALE_TAG][:2])
+    column, row, _, x, y = (float(each) for each in tags[TIE_POINT_TAG][:5])
+    half = 0.0 if keys.get(RASTER_TYPE_KEY) == PIXEL_IS_POINT else 0.5
     west = x + (half - column) * across
     south = y - (values.shape[0] - 1 + half - row) * down
     absent = (
-        _number({"nodata_value": str(tags[ABSENT])}, "nodata_value", path)
-        if ABSENT in tags and str(tags[ABSENT]).strip().lower() != "nan"
+        _number({"nodata_value": str(tags[NODATA_TAG])}, "nodata_value", path)
+        if NODATA_TAG in tags and str(tags[NODATA_TAG]).strip().lower() != "nan"
         else math.nan
     )
     found = np.where((values == absent) | ~np.isfinite(values), np.nan, values)[::-1]
-    return Grid(found, west, south, (down, across), GEOGRAPHIC in keys and PROJECTED not in keys)
+    return Grid(
+        found, west, south, (down, across), GEOGRAPHIC_KEY in keys and PROJECTED_KEY not in keys
+    )
 
 
 def _keys(directory: Any) -> Iterator[tuple[int, int]]:
@@ -268,13 +285,19 @@ def _keys(directory: Any) -> Iterator[tuple[int, int]]:
 
 def _refuse_elsewhere(keys: Mapping[int, int], path: Path) -> None:
     """Raise ConfigError for a grid that is neither of plain metres nor of degrees of WGS 84."""
-    projected, geographic = keys.get(PROJECTED), keys.get(GEOGRAPHIC, WGS84)
-    if projected not in (None, OWN):
-        raise ConfigError(f"{path}: is in EPSG:{projected}; plain metres or EPSG:4326: {WARP}")
-    if keys.get(UNIT, METRE) != METRE:
-        raise ConfigError(f"{path}: its unit is EPSG:{keys[UNIT]}, not the metre: {WARP}")
-    if projected is None and geographic != WGS84:
-        raise ConfigError(f"{path}: is in EPSG:{geographic}; plain metres or EPSG:4326: {WARP}")
+    projected, geographic = keys.get(PROJECTED_KEY), keys.get(GEOGRAPHIC_KEY, WGS84_CODE)
+    if projected not in (None, USER_DEFINED_CODE):
+        raise ConfigError(
+            f"{path}: is in EPSG:{projected}; plain metres or EPSG:4326: {WARP_COMMAND}"
+        )
+    if keys.get(LINEAR_UNIT_KEY, METRE_CODE) != METRE_CODE:
+        raise ConfigError(
+            f"{path}: its unit is EPSG:{keys[LINEAR_UNIT_KEY]}, not the metre: {WARP_COMMAND}"
+        )
+    if projected is None and geographic != WGS84_CODE:
+        raise ConfigError(
+            f"{path}: is in EPSG:{geographic}; plain metres or EPSG:4326: {WARP_COMMAND}"
+        )
 
 
 # From degrees to the plane
@@ -289,13 +312,15 @@ def on_the_plane(grid: Grid, position: Position) -> Grid:
     """
     rows, columns = grid.values.shape
     (south, north), (west, east) = _extent(grid, position)
-    cell = max(grid.cell[0] * METRES, math.sqrt((north - south) * (east - west) / CELLS))
+    cell = max(
+        grid.cell[0] * METRES_PER_DEGREE, math.sqrt((north - south) * (east - west) / MAX_CELLS)
+    )
     shape = int((north - south) / cell) + 1, int((east - west) / cell) + 1
     _refuse_large(*shape, Path("the grid on the plane"))
     latitude, longitude = _positions(position, (south, west), cell, shape)
     i = np.clip((latitude - grid.south) / grid.cell[0], 0.0, rows - 1.0)
     j = np.clip((longitude - grid.west) / grid.cell[1], 0.0, columns - 1.0)
-    return Grid(between(grid.values, i, j), west, south, (cell, cell), degrees=False)
+    return Grid(interpolate(grid.values, i, j), west, south, (cell, cell), degrees=False)
 
 
 def _extent(grid: Grid, position: Position) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -304,9 +329,9 @@ def _extent(grid: Grid, position: Position) -> tuple[tuple[float, float], tuple[
     rows, columns = grid.values.shape
     north = grid.south + (rows - 1) * grid.cell[0], grid.south
     east = grid.west + (columns - 1) * grid.cell[1], grid.west
-    across = METRES * math.cos(math.radians(latitude))
+    across = METRES_PER_DEGREE * math.cos(math.radians(latitude))
     return (
-        ((north[1] - latitude) * METRES, (north[0] - latitude) * METRES),
+        ((north[1] - latitude) * METRES_PER_DEGREE, (north[0] - latitude) * METRES_PER_DEGREE),
         ((east[1] - longitude) * across, (east[0] - longitude) * across),
     )
 
@@ -316,15 +341,15 @@ def _positions(
 ) -> tuple[Numbers, Numbers]:
     """Return latitude and longitude [deg] of every point of a grid on the plane."""
     far = [first[k] + cell * (shape[k] - 1) for k in range(2)]
-    norths, easts = (np.linspace(first[k], far[k], KNOTS) for k in range(2))
+    norths, easts = (np.linspace(first[k], far[k], LATTICE_KNOTS) for k in range(2))
     knots = np.array([[position(float(n), float(e)) for e in easts] for n in norths])
-    i = np.linspace(0.0, KNOTS - 1.0, shape[0])[:, None]
-    j = np.linspace(0.0, KNOTS - 1.0, shape[1])[None, :]
-    latitude, longitude = (between(knots[:, :, k], i, j) for k in range(2))
+    i = np.linspace(0.0, LATTICE_KNOTS - 1.0, shape[0])[:, None]
+    j = np.linspace(0.0, LATTICE_KNOTS - 1.0, shape[1])[None, :]
+    latitude, longitude = (interpolate(knots[:, :, k], i, j) for k in range(2))
     return latitude, longitude
 
 
-def between(values: Numbers, i: Numbers, j: Numbers) -> Numbers:
+def interpolate(values: Numbers, i: Numbers, j: Numbers) -> Numbers:
     """Return values of a grid between its rows and columns, bilinear."""
     rows, columns = values.shape
     low = np.minimum(np.floor(i).astype(int), rows - 2)

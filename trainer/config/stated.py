@@ -11,20 +11,35 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.config.derived import Condition, compile_conditions
-from trainer.config.files import ConfigError, Place, collecting, quote, refuse
-from trainer.config.schema import Choice, Quantity, Rows, Text, Texts, of, optional, usual, within
-from trainer.config.score_rules import Measured, parse_quantity
-from trainer.io.orders.schedule import LATEST, Scheduled, parse_entry
+from trainer.config.files import ConfigError, Place, collecting, quote, raise_problems
+from trainer.config.schema import (
+    Choice,
+    Quantity,
+    Rows,
+    Text,
+    Texts,
+    optional,
+    required,
+    with_default,
+    within,
+)
+from trainer.config.score_rules import MeasuredQuantity, parse_quantity
+from trainer.io.orders.schedule import MAX_TIME_S, ScheduledOrder, parse_entry
 from trainer.io.orders.table import BOAT_ORDERS
 
-FLYERS: Final = ("nobody", "crew")
-MEASURES: Final = ("value", "lowest", "highest")
+FLYER_KINDS: Final = ("nobody", "crew")
+STATED_MEASURES: Final = ("value", "lowest", "highest")
 DEFAULT_TOLERANCE: Final = 0.02  # of the stated value
-JUDGED: Final = ("time", "length", "speed", "turn")  # kinds of figure that are fields or flown
-ROUNDING: Final = 1e-3  # of a figure, where one unit is turned into another
+JUDGED_KINDS: Final = (
+    "time",
+    "length",
+    "speed",
+    "turn",
+)  # kinds of figure that are fields or flown
+ROUNDING_TOLERANCE: Final = 1e-3  # of a figure, where one unit is turned into another
 
 # Units of texts: the kind of a quantity, and the size [SI].
-UNITS: Final[Mapping[str, tuple[str, float]]] = {
+TEXT_UNITS: Final[Mapping[str, tuple[str, float]]] = {
     **dict.fromkeys(("s", "second", "seconds"), ("time", 1.0)),
     **dict.fromkeys(("min", "minute", "minutes"), ("time", 60.0)),
     **dict.fromkeys(("h", "hour", "hours"), ("time", 3600.0)),
@@ -40,7 +55,7 @@ SMALL_NUMBERS: Final = (
     *("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"),
     *("eleven", "twelve"),
 )
-NUMBERS: Final[Mapping[str, float]] = {
+NUMBER_WORDS: Final[Mapping[str, float]] = {
     **dict.fromkeys(("half", "half a", "half an"), 0.5),
     **dict.fromkeys(("a", "an"), 1.0),
     **{word: float(i) for i, word in enumerate(SMALL_NUMBERS, 1)},
@@ -52,18 +67,18 @@ NUMBERS: Final[Mapping[str, float]] = {
         )
     ),
 }
-WORDS: Final = "|".join(sorted(NUMBERS, key=len, reverse=True))
-UNIT_WORDS: Final = "|".join(sorted(map(re.escape, UNITS), key=len, reverse=True))
-FIGURE: Final = re.compile(
-    rf"(?<![\w.])(?:(?P<minutes>\d+):(?P<seconds>\d\d)|(?P<number>\d+(?:\.\d+)?)|(?P<word>{WORDS}))"
+NUMBER_WORD_PATTERN: Final = "|".join(sorted(NUMBER_WORDS, key=len, reverse=True))
+UNIT_WORD_PATTERN: Final = "|".join(sorted(map(re.escape, TEXT_UNITS), key=len, reverse=True))
+FIGURE_PATTERN: Final = re.compile(
+    rf"(?<![\w.])(?:(?P<minutes>\d+):(?P<seconds>\d\d)|(?P<number>\d+(?:\.\d+)?)|(?P<word>{NUMBER_WORD_PATTERN}))"
     rf"(?:(?:\s+|-)(?:to|or|and)\s+(?P<second>\d+(?:\.\d+)?))?"
-    rf"(?:(?:\s+|-)(?P<unit>{UNIT_WORDS}))?(?![\w/]|:\d|\.\d)",
+    rf"(?:(?:\s+|-)(?P<unit>{UNIT_WORD_PATTERN}))?(?![\w/]|:\d|\.\d)",
     re.IGNORECASE,
 )
 
 
 @dataclass(frozen=True)
-class Figure:
+class TextFigure:
     """A number of a text, with its kind "" where no unit stands behind it."""
 
     text: str
@@ -77,58 +92,62 @@ class Figure:
             return False
         own = self.number * self.size if self.kind and kind else self.number
         other = number * size if self.kind and kind else number
-        return math.isclose(own, other, rel_tol=ROUNDING, abs_tol=1e-9)
+        return math.isclose(own, other, rel_tol=ROUNDING_TOLERANCE, abs_tol=1e-9)
 
 
-def figures_of(text: str) -> Iterator[Figure]:
+def figures_of(text: str) -> Iterator[TextFigure]:
     """Yield the numbers of a text: "7 minutes", "2:30", "15 and 20 minutes", "10 in"."""
-    for match in FIGURE.finditer(" ".join(text.split())):
-        kind, size = UNITS[match["unit"].lower()] if match["unit"] else ("", 1.0)
+    for match in FIGURE_PATTERN.finditer(" ".join(text.split())):
+        kind, size = TEXT_UNITS[match["unit"].lower()] if match["unit"] else ("", 1.0)
         if match["minutes"]:
             seconds = 60.0 * float(match["minutes"]) + float(match["seconds"])
-            yield Figure(match[0], seconds, "time", 1.0)
+            yield TextFigure(match[0], seconds, "time", 1.0)
         elif match["number"]:
-            yield Figure(match[0], float(match["number"]), kind, size)
+            yield TextFigure(match[0], float(match["number"]), kind, size)
         elif kind:  # a word alone is no figure
-            yield Figure(match[0], NUMBERS[match["word"].lower()], kind, size)
+            yield TextFigure(match[0], NUMBER_WORDS[match["word"].lower()], kind, size)
         if match["second"]:
-            yield Figure(match[0], float(match["second"]), kind, size)
+            yield TextFigure(match[0], float(match["second"]), kind, size)
 
 
 @dataclass(frozen=True, kw_only=True)
 class StatedRow:
     """One figure of the texts, and how it is flown."""
 
-    says: str = of(Text(79, "words of briefing or instructor with the figure, on one line"))
-    by: str = usual("nobody", Choice(FLYERS, "who flies: nobody, or the reference crew"))
+    says: str = required(Text(79, "words of briefing or instructor with the figure, on one line"))
+    by: str = with_default(
+        "nobody", Choice(FLYER_KINDS, "who flies: nobody, or the reference crew")
+    )
     orders: tuple[str, ...] | None = optional(
         Texts(Text(80, "more orders, as in a file of orders: 95 negative flood"), 8)
     )
     when: str | None = optional(Text(79, "conditions, with and, that first hold at at_s"))
-    from_s: float | None = optional(Quantity("s", within(0, LATEST), "not before; else 0"))
-    to_s: float | None = optional(Quantity("s", within(0, LATEST), "not later; else the end"))
+    from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "not before; else 0"))
+    to_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "not later; else the end"))
     quantity: str | None = optional(Text(40, "instead of when: depth_m, speed_kn, as in scores"))
     measure: str | None = optional(
-        Choice(MEASURES, "of the quantity: at at_s, or its least or greatest")
+        Choice(STATED_MEASURES, "of the quantity: at at_s, or its least or greatest")
     )
-    at_s: float | None = optional(Quantity("s", within(0, LATEST), "with when, or value"))
+    at_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "with when, or value"))
     value: float | None = optional(Quantity("-", within(-1e9, 1e9), "in the quantity's unit"))
     within: float | None = optional(
         Quantity("-", within(0, 1e6), "s or the quantity's unit; else 2 % of it, a step at least")
     )
 
 
-STATED: Final = Rows(StatedRow, ("note",), 0, 40, "figures of the texts, and their flights, below")
+STATED_ROWS: Final = Rows(
+    StatedRow, ("note",), 0, 40, "figures of the texts, and their flights, below"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stated:
+class StatedValue:
     """One stated figure, its words understood."""
 
     row: StatedRow
     conditions: tuple[Condition, ...]
-    measured: Measured | None
-    orders: tuple[Scheduled, ...]
+    measured: MeasuredQuantity | None
+    orders: tuple[ScheduledOrder, ...]
 
     @property
     def target(self) -> float:
@@ -146,35 +165,35 @@ class Stated:
         given = self.row.within
         return DEFAULT_TOLERANCE * abs(self.target) if given is None else given
 
-    def states(self, figure: Figure) -> bool:
+    def states(self, figure: TextFigure) -> bool:
         """Return whether a figure of a text is this row's: its time, value or threshold."""
         numbers = [(self.row.at_s, "time", 1.0)]
         if self.measured is not None:
-            numbers.append((self.row.value, *UNITS.get(self.measured.unit, ("", 1.0))))
+            numbers.append((self.row.value, *TEXT_UNITS.get(self.measured.unit, ("", 1.0))))
         for each in self.conditions:
             own = parse_quantity(each.quantity, each.place)
-            numbers.append((each.threshold / own.size, *UNITS.get(own.unit, ("", 1.0))))
+            numbers.append((each.threshold / own.size, *TEXT_UNITS.get(own.unit, ("", 1.0))))
         return any(
             number is not None and figure.is_of(number, kind, size)
             for number, kind, size in numbers
         )
 
 
-def read_stated(table: Mapping[str, object], place: Place) -> tuple[Stated, ...]:
+def read_stated(table: Mapping[str, object], place: Place) -> tuple[StatedValue, ...]:
     """Return the stated figures of an exercise file; ConfigError with all that is wrong."""
     problems: list[str] = []
-    stated: list[Stated] = []
+    stated: list[StatedValue] = []
     texts = [table.get("briefing"), table.get("instructor")]
     page = " ".join(" ".join(text.split()) for text in texts if isinstance(text, str))
     with collecting(problems):
-        for i, row in enumerate(STATED.read("stated", table.get("stated", []), place)):
+        for i, row in enumerate(STATED_ROWS.read("stated", table.get("stated", []), place)):
             with collecting(problems):
                 stated.append(_read_row(row, page, place.inside(f"stated[{i}]")))
-    refuse(problems)
+    raise_problems(problems)
     return tuple(stated)
 
 
-def _read_row(row: StatedRow, page: str, place: Place) -> Stated:
+def _read_row(row: StatedRow, page: str, place: Place) -> StatedValue:
     """Return one stated figure; ConfigError with all that is wrong in it."""
     problems = [*_lacking(row, place)]
     if " ".join(row.says.split()) not in page:
@@ -184,7 +203,7 @@ def _read_row(row: StatedRow, page: str, place: Place) -> Stated:
     with collecting(problems):
         conditions = compile_conditions(row.when, place) if row.when else ()
     measured = None
-    orders: tuple[Scheduled, ...] = ()
+    orders: tuple[ScheduledOrder, ...] = ()
     with collecting(problems):
         measured = parse_quantity(row.quantity, place) if row.quantity else None
     with collecting(problems):
@@ -192,26 +211,28 @@ def _read_row(row: StatedRow, page: str, place: Place) -> Stated:
         entries = []
         for i, line in enumerate(row.orders or ()):
             entry = parse_entry(line, 0)
-            if not isinstance(entry, Scheduled):
+            if not isinstance(entry, ScheduledOrder):
                 raise ConfigError(place.wrong(f"orders[{i}]", line, entry or "is no order"))
             if entry.order.name not in BOAT_ORDERS:
                 raise ConfigError(place.wrong(f"orders[{i}]", line, "moves no boat"))
             entries.append(entry)
         orders = tuple(entries)
-    refuse(problems)
-    stated = Stated(row=row, conditions=conditions, measured=measured, orders=orders)
+    raise_problems(problems)
+    stated = StatedValue(row=row, conditions=conditions, measured=measured, orders=orders)
     if problem := _unlike(stated):
         raise ConfigError(place.wrong("says", row.says, problem))
     return stated
 
 
-def _unlike(stated: Stated) -> str:
+def _unlike(stated: StatedValue) -> str:
     """Return how the words of a row differ from its numbers, "" if they do not."""
     figures = [*figures_of(stated.row.says)]
-    kind, size = UNITS.get(stated.unit, ("", 1.0))
+    kind, size = TEXT_UNITS.get(stated.unit, ("", 1.0))
     if not any(figure.is_of(stated.target, kind, size) for figure in figures):
         return f"has no figure that is {stated.target:g} {stated.unit}"
-    strange = [each.text for each in figures if each.kind in JUDGED and not stated.states(each)]
+    strange = [
+        each.text for each in figures if each.kind in JUDGED_KINDS and not stated.states(each)
+    ]
     return f"{quote(strange[0])} is no number of this row" if strange else ""
 
 

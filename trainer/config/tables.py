@@ -18,26 +18,34 @@ from numpy.typing import NDArray
 from trainer.config.files import ConfigError, nearest, quote
 
 Numbers = NDArray[np.float64]
-EMPTY: Final = ("", "nan", "na", "null", "-")
-SEPARATORS: Final = {"\t": "tabs", ";": '";"', ",": '","'}  # those that numbers cannot have first
-EXAMPLE: Final = "such as t, rudder, heading"
-LOOKED_AT: Final = 40  # [rows] that tell the separator
-LARGEST: Final = 1e15  # of a number; what is beyond it is none that was measured
-DAY: Final = 86400.0  # [s]
-EVEN: Final = 1e-3  # [-] of an interval: what differs less is at one interval
-FEWEST: Final = 20  # rows, to judge a clock
-REPEATS: Final = 3  # times and
-SHARE: Final = 0.02  # of the times that must be repeated before a clock counts as rounded
-SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
-COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
-POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
-BRACKETS: Final = re.compile(r"(.*\S)\s*(?:\[(.*)\]|\((.*)\))")  # rudder [deg], rudder (deg)
-ANGLE: Final = re.compile(  # 54.5, 54 30.0, 54-30.0 N, N54\u00b030'00\", 5430.0 of ddmm
+EMPTY_CELLS: Final = ("", "nan", "na", "null", "-")
+COLUMN_SEPARATORS: Final = {
+    "\t": "tabs",
+    ";": '";"',
+    ",": '","',
+}  # those that numbers cannot have first
+HEADINGS_EXAMPLE: Final = "such as t, rudder, heading"
+SEPARATOR_ROWS: Final = 40  # [rows] that tell the separator
+MAX_NUMBER: Final = 1e15  # of a number; what is beyond it is none that was measured
+DAY_S: Final = 86400.0  # [s]
+EVEN_STEP_TOLERANCE: Final = 1e-3  # [-] of an interval: what differs less is at one interval
+MIN_CLOCK_ROWS: Final = 20  # rows, to judge a clock
+MIN_REPEATS: Final = 3  # times and
+MIN_REPEATED_SHARE: Final = (
+    0.02  # of the times that must be repeated before a clock counts as rounded
+)
+CLOCK_SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
+DECIMAL_COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
+DECIMAL_POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
+UNIT_IN_BRACKETS: Final = re.compile(
+    r"(.*\S)\s*(?:\[(.*)\]|\((.*)\))"
+)  # rudder [deg], rudder (deg)
+ANGLE_PATTERN: Final = re.compile(  # 54.5, 54 30.0, 54-30.0 N, N54\u00b030'00\", 5430.0 of ddmm
     r"([NSEW]?)\s*([+-]?\d+(?:[.,]\d*)?)\s*(?:[\u00b0\s-]\s*(\d+(?:[.,]\d*)?)\s*['\u2032]?"
     r"\s*(?:(\d+(?:[.,]\d*)?)\s*[\"\u2033])?)?\s*\u00b0?\s*([NSEW]?)",
     re.IGNORECASE,
 )
-SPELLINGS: Final = (  # of units, and ours
+UNIT_SPELLINGS: Final = (  # of units, and ours
     (re.compile("°|degrees?|deg\\."), "deg"),
     (re.compile("radians?"), "rad"),
     (re.compile("seconds?|sec"), "s"),
@@ -47,28 +55,28 @@ SPELLINGS: Final = (  # of units, and ours
     (re.compile(r"[\s*]+|\^"), ""),
     (re.compile("s-1$"), "/s"),
 )
-TELLING: Final = (
+HEADING_UNITS: Final = (
     *("s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn"),
     *("1/s", "rps", "rpm"),
 )
 Rows = list[tuple[int, list[str]]]
 
 
-def spelt(unit: str) -> str:
+def spell_unit(unit: str) -> str:
     """Return a unit as it is written here: deg for °, kn for kts."""
     found = unit.strip().strip("[]()").casefold()
-    for wrong, right in SPELLINGS:
+    for wrong, right in UNIT_SPELLINGS:
         found = wrong.sub(right, found)
     return found
 
 
 @dataclass(frozen=True)
-class Table:
+class CsvTable:
     """The cells of a CSV file below its heading; ``lines`` as people count."""
 
     path: Path
     heads: tuple[str, ...]
-    units: tuple[str, ...]  # as ``spelt``, "" where the file says none
+    units: tuple[str, ...]  # as ``spell_unit``, "" where the file says none
     lines: Sequence[int]
     cells: Sequence[Sequence[str]]
     told: tuple[str, ...]  # how it was read, where that had to be guessed
@@ -118,8 +126,8 @@ class Table:
         try:
             number = float(text)
         except ValueError:
-            number = math.nan if text.casefold() in EMPTY else math.inf
-        if abs(number) > LARGEST:
+            number = math.nan if text.casefold() in EMPTY_CELLS else math.inf
+        if abs(number) > MAX_NUMBER:
             remedy = ": write it without a sign between thousands" if "," in text else ""
             raise self.wrong(row, place, f"must be a number, or empty{remedy}")
         return number
@@ -136,7 +144,7 @@ class Table:
     def _angle(self, row: int, place: int, unit: str) -> float:
         """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
         text = self.cells[row][place]
-        found = ANGLE.fullmatch(text)
+        found = ANGLE_PATTERN.fullmatch(text)
         if found is None:
             return self.number(row, place, text)
         before, whole, *parts, after = found.groups()
@@ -160,7 +168,7 @@ class Table:
 
     def is_clock(self, place: int) -> bool:
         """Return whether a column has dates or times of day, not numbers."""
-        first = next((text for text in self.texts(place) if text.casefold() not in EMPTY), "")
+        first = next((text for text in self.texts(place) if text.casefold() not in EMPTY_CELLS), "")
         return _moment(first) is not None and not _is_number(first)
 
     def seconds(self, place: int) -> Numbers:
@@ -173,7 +181,7 @@ class Table:
             moments.append(moment)
         since = np.array([(moment - moments[0]).total_seconds() for moment in moments])
         if ":" in self.cells[0][place][:3]:  # no date: midnight comes
-            since = np.unwrap(since, period=DAY)
+            since = np.unwrap(since, period=DAY_S)
         return since
 
     def wrong(self, row: int, place: int, text: str) -> ConfigError:
@@ -182,12 +190,12 @@ class Table:
         return ConfigError(f"{self.path}: row {self.lines[row]}: {name} = {cell}: {text}")
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> CsvTable:
     """Return the table in a CSV file. ConfigError naming row and column of what is wrong."""
     text, told = _decoded(path)
     separator = _separator(text)
     if separator != ",":
-        told.append(f"columns by {SEPARATORS[separator]}")
+        told.append(f"columns by {COLUMN_SEPARATORS[separator]}")
     try:
         lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
         heads = tuple(name.strip() for name in next(lines, []))
@@ -207,7 +215,7 @@ def read_table(path: Path) -> Table:
     _check_fields(path, heads, rows, separator)
     units = _units(heads, rows, told)
     _mend_commas(path, heads, rows, told)
-    return Table(path, heads, units, [n for n, _ in rows], [row for _, row in rows], tuple(told))
+    return CsvTable(path, heads, units, [n for n, _ in rows], [row for _, row in rows], tuple(told))
 
 
 def _decoded(path: Path) -> tuple[str, list[str]]:
@@ -231,12 +239,12 @@ def _separator(text: str) -> str:
     def agreeing(separator: str) -> int:
         try:
             rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-            sizes = [len(row) for _, row in zip(range(LOOKED_AT), rows, strict=False) if row]
+            sizes = [len(row) for _, row in zip(range(SEPARATOR_ROWS), rows, strict=False) if row]
         except csv.Error:
             return 0
         return Counter(sizes)[sizes[0]] if sizes and sizes[0] > 1 else 0
 
-    found = max(SEPARATORS, key=agreeing)
+    found = max(COLUMN_SEPARATORS, key=agreeing)
     return found if agreeing(found) > 1 else ","
 
 
@@ -245,16 +253,17 @@ def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
     first = next((n for n, line in enumerate(text.splitlines(), 1) if line.strip()), 1)
     if len(heads) > 1 and all(map(_is_number, heads)):
         raise ConfigError(
-            f"{path}: line {first}: numbers; the headings of columns belong there, {EXAMPLE}"
+            f"{path}: line {first}: numbers; the headings of columns belong there, "
+            f"{HEADINGS_EXAMPLE}"
         )
-    beyond = text.splitlines()[first : first + LOOKED_AT]
-    for separator in SEPARATORS.keys() - {","}:  # which numbers may have within
+    beyond = text.splitlines()[first : first + SEPARATOR_ROWS]
+    for separator in COLUMN_SEPARATORS.keys() - {","}:  # which numbers may have within
         sizes = Counter(line.count(separator) + 1 for line in beyond if line.strip())
         size, count = sizes.most_common(1)[0] if sizes else (1, 0)
         if len(heads) == 1 and size > 1 and 2 * count > sizes.total():
             raise ConfigError(
                 f"{path}: line {first}: one heading, and rows of {size} columns: write the "
-                f"headings of all columns there, {EXAMPLE}, and leave out other text"
+                f"headings of all columns there, {HEADINGS_EXAMPLE}, and leave out other text"
             )
 
 
@@ -275,9 +284,9 @@ def _check_fields(path: Path, heads: Sequence[str], rows: Rows, separator: str) 
 
 def _parted(head: str) -> tuple[str, str]:
     """Return a heading without its unit in brackets, and the unit, "" if it has none."""
-    found = BRACKETS.fullmatch(head)
-    unit = spelt(found[2] or found[3] or "") if found else ""
-    return (found[1], unit) if found and unit in TELLING else (head, "")
+    found = UNIT_IN_BRACKETS.fullmatch(head)
+    unit = spell_unit(found[2] or found[3] or "") if found else ""
+    return (found[1], unit) if found and unit in HEADING_UNITS else (head, "")
 
 
 def _units(heads: Sequence[str], rows: Rows, told: list[str]) -> tuple[str, ...]:
@@ -286,15 +295,15 @@ def _units(heads: Sequence[str], rows: Rows, told: list[str]) -> tuple[str, ...]
     if any(units):
         told.append("units of the heading")
     cells = rows[0][1] if rows else []
-    if any(spelt(cell) in TELLING for cell in cells) and not any(map(_is_value, cells)):
+    if any(spell_unit(cell) in HEADING_UNITS for cell in cells) and not any(map(_is_value, cells)):
         told.append(f"units of row {rows[0][0]}")
-        units = [spelt(cell) or unit for cell, unit in zip(cells, units, strict=True)]
+        units = [spell_unit(cell) or unit for cell, unit in zip(cells, units, strict=True)]
         del rows[0]
     return tuple(units)
 
 
 def _is_value(cell: str) -> bool:
-    return _is_number(cell) or bool(COMMA.fullmatch(cell)) or _moment(cell) is not None
+    return _is_number(cell) or bool(DECIMAL_COMMA.fullmatch(cell)) or _moment(cell) is not None
 
 
 def _is_number(text: str) -> bool:
@@ -319,10 +328,10 @@ def _moment(text: str) -> datetime | None:
 
 def _mend_commas(path: Path, heads: Sequence[str], rows: Rows, told: list[str]) -> None:
     """Write decimal points for decimal commas. ConfigError if there are both."""
-    found = _first_like(COMMA, rows)
+    found = _first_like(DECIMAL_COMMA, rows)
     if found is None:
         return
-    other = _first_like(POINT, rows)
+    other = _first_like(DECIMAL_POINT, rows)
     if other is not None:
         (line, i, text), (at, j, number) = found, other
         raise ConfigError(
@@ -331,7 +340,7 @@ def _mend_commas(path: Path, heads: Sequence[str], rows: Rows, told: list[str]) 
         )
     told.append("decimal commas")
     for _, row in rows:
-        row[:] = [cell.replace(",", ".") if COMMA.fullmatch(cell) else cell for cell in row]
+        row[:] = [cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in row]
 
 
 def _first_like(pattern: re.Pattern[str], rows: Rows) -> tuple[int, int, str] | None:
@@ -353,17 +362,19 @@ def rebuild_times(t: Numbers, same: NDArray[np.bool_]) -> tuple[Numbers, str]:
     ``same`` has the rows that say what the row before them says.
     """
     steps = np.diff(t)
-    rises = len(t) >= FEWEST and bool(np.isfinite(t).all() and (steps >= 0.0).all())
-    if not rises or np.ptp(steps) <= EVEN * np.mean(steps):
+    rises = len(t) >= MIN_CLOCK_ROWS and bool(np.isfinite(t).all() and (steps >= 0.0).all())
+    if not rises or np.ptp(steps) <= EVEN_STEP_TOLERANCE * np.mean(steps):
         return t, ""
     repeated = np.append(False, steps == 0.0)
     count = np.count_nonzero(repeated)
-    if 0 < count < max(REPEATS, SHARE * len(t)) or (count and same[repeated].all()):
+    if 0 < count < max(MIN_REPEATS, MIN_REPEATED_SHARE * len(t)) or (
+        count and same[repeated].all()
+    ):
         return t, ""
     for printed in _resolutions(t, repeats=bool(count)):
         slope, start = np.polyfit(np.arange(len(t)), t, 1, w=1.0 / printed)
         even = start + slope * np.arange(len(t))
-        if (np.abs(t - even) <= SLACK * printed).all():
+        if (np.abs(t - even) <= CLOCK_SLACK * printed).all():
             return even, f"rounded times, {count} of them repeated: rebuilt every {slope:.6g} s"
     return t, ""
 

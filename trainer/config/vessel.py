@@ -20,29 +20,29 @@ from trainer.config.files import (
     nearest,
     parse_toml,
     path_named,
+    raise_problems,
     read_text,
-    refuse,
-    shipped,
+    shipped_path,
 )
-from trainer.config.propulsion import DRAG_ASTERN, Thrust, thrust_of, thrust_problems
-from trainer.config.schema import Choice, Kind, Text, infinite, kind_of, read_record
+from trainer.config.propulsion import DRAG_ASTERN, ThrustRows, thrust_of, thrust_problems
+from trainer.config.schema import Choice, Kind, Text, find_infinite, kind_of, read_record
 from trainer.config.vessel_records import (
     Autopilot,
-    Compact,
+    CompactTerms,
     Envelope,
     Fluid,
     FreeSurface,
     Hull,
     Propulsion,
-    Run,
+    RunDefaults,
     Scope,
     Surfaces,
     WaveStrips,
 )
 from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 
-SCHEMA = Choice(("gertler-hagen-2510/1",), "form of the coefficients")
-HEADING: Mapping[str, Kind] = {
+VESSEL_SCHEMA = Choice(("gertler-hagen-2510/1",), "form of the coefficients")
+HEADING_FIELDS: Mapping[str, Kind] = {
     "name": Text(200, "name shown"),
     "kind": Text(200, "submarine, auv, ..."),
     "scale": Text(200, "full, or that of a model"),
@@ -100,14 +100,14 @@ DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
     "wave_strips": ("note",),
     "scope": ("note",),
 }
-RECORDS: Mapping[str, type[Any]] = {
+VESSEL_RECORDS: Mapping[str, type[Any]] = {
     "fluid": Fluid,
     "vessel": Hull,
     "propulsion": Propulsion,
     "control_surfaces": Surfaces,
     "envelope": Envelope,
-    "compact": Compact,
-    "run": Run,
+    "compact": CompactTerms,
+    "run": RunDefaults,
     "autopilot": Autopilot,
     "ballast": Ballast,
     "free_surface": FreeSurface,
@@ -116,10 +116,10 @@ RECORDS: Mapping[str, type[Any]] = {
 }
 OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface", "wave_strips", "scope")
 WHOLE_TABLES = ("compensation.modified", "compensation.basic")  # never filled key by key
-KNOWN = (
+KNOWN_KEYS = (
     "schema",
-    *HEADING,
-    *RECORDS,
+    *HEADING_FIELDS,
+    *VESSEL_RECORDS,
     "coefficients",
     "compensation",
     *DOCUMENTARY_TABLES,
@@ -136,14 +136,14 @@ class VesselFile:
     fluid: Fluid
     hull: Hull
     propulsion: Propulsion
-    thrust: Thrust  # the rows of propulsion, with what the file leaves out
+    thrust: ThrustRows  # the rows of propulsion, with what the file leaves out
     envelope: Envelope
     surfaces: Surfaces
     coefficients: Mapping[str, float]  # [-] all 122, prime system, zero where absent
     absent: tuple[str, ...]  # coefficients the file does not give
     compensation: Mapping[str, Mapping[str, float]]  # [-] by equation set, by coefficient
-    compact: Compact
-    run: Run
+    compact: CompactTerms
+    run: RunDefaults
     autopilot: Autopilot | None
     ballast: Ballast | None
     free_surface: FreeSurface | None
@@ -185,7 +185,7 @@ def parse_vessel(text: str, path: Path) -> VesselFile:
 
 def with_defaults(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Return the tables of a vessel with what they lack, and the names of that."""
-    defaults = shipped("", "defaults")
+    defaults = shipped_path("", "defaults")
     return _fill_defaults(table, _defaults(read_text(defaults), defaults.name), "")
 
 
@@ -203,7 +203,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     absent = tuple(term.key for term in COEFFICIENTS if term.key not in parts["coefficients"])
     parts["coefficients"] = dict.fromkeys(absent, 0.0) | parts["coefficients"]
     problems = _fit_problems(parts, place)
-    refuse(problems)
+    raise_problems(problems)
     parts["vessel"] = with_deepest_order(parts["vessel"])
     thrust = _thrust(parts)
     remarks = {
@@ -236,7 +236,7 @@ def _tank_remarks(parts: Mapping[str, Any]) -> list[str]:
     return ballast_remarks(parts["ballast"], hull.buoyancy / (fluid.rho * fluid.g))
 
 
-def _thrust(parts: Mapping[str, Any]) -> Thrust:
+def _thrust(parts: Mapping[str, Any]) -> ThrustRows:
     """Return the thrust rows in use."""
     astern = parts["envelope"].drag_astern
     return thrust_of(parts["propulsion"].sets, DRAG_ASTERN if astern is None else astern)
@@ -279,7 +279,7 @@ def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     """Return the checked tables by name; ConfigError with all that is wrong in any of them."""
     problems = _heading_problems(table, place)
     parts: dict[str, Any] = {}
-    for name, record in RECORDS.items():
+    for name, record in VESSEL_RECORDS.items():
         if name in table or name not in OPTIONAL_TABLES:
             with collecting(problems):
                 known = DOCUMENTARY_KEYS.get(name, ())
@@ -293,26 +293,26 @@ def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
         extra = parts["compact"].extra_terms if "compact" in parts else EXTRA_TERMS
         here = place.inside("compensation")
         parts["compensation"] = read_compensation(table.get("compensation", {}), here, extra)
-    refuse(problems)
+    raise_problems(problems)
     return parts
 
 
 def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
     """Return what is wrong at the top level; ConfigError at once if the file is of another form."""
     if "schema" in table:
-        SCHEMA.read("schema", table["schema"], place)
+        VESSEL_SCHEMA.read("schema", table["schema"], place)
     problems: list[str] = []
     for key, value in table.items():
-        if key in HEADING:
+        if key in HEADING_FIELDS:
             with collecting(problems):
-                HEADING[key].read(key, value, place)
+                HEADING_FIELDS[key].read(key, value, place)
         elif key in DOCUMENTARY_TABLES:
-            problems += infinite(value, key, place)
-        elif key not in KNOWN and isinstance(value, Mapping):
-            text = f"[{format_key(key)}]: no such table{nearest(key, KNOWN)}"
+            problems += find_infinite(value, key, place)
+        elif key not in KNOWN_KEYS and isinstance(value, Mapping):
+            text = f"[{format_key(key)}]: no such table{nearest(key, KNOWN_KEYS)}"
             problems.append(place.problem(text))
-        elif key not in KNOWN:
-            problems.append(place.wrong(key, value, f"no such key{nearest(key, KNOWN)}"))
+        elif key not in KNOWN_KEYS:
+            problems.append(place.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}"))
     return problems
 
 
@@ -350,7 +350,7 @@ def _placed(found: Mapping[str, list[str]], place: Place) -> list[str]:
 def documentary_keys() -> dict[str, tuple[str, ...]]:
     """Return by table the keys that neither a run nor a message depends on."""
     found = dict(DOCUMENTARY_KEYS)
-    for table, record in RECORDS.items():
+    for table, record in VESSEL_RECORDS.items():
         for item in fields(record):
             inner = getattr(kind_of(item), "documentary", ())
             if inner:

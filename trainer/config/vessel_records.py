@@ -9,20 +9,20 @@ from dataclasses import dataclass
 from trainer.config.schema import (
     Choice,
     Choices,
-    Limits,
-    Named,
+    NamedNumbers,
+    NumberLimits,
     Quantities,
     Quantity,
     Rows,
     above,
-    of,
     optional,
+    required,
     tables_of,
     within,
 )
 from trainer.core.terms import EXTRA_TERMS
 
-BELLS = (
+ENGINE_BELLS = (
     "ahead_one_third",
     "ahead_two_thirds",
     "ahead_standard",
@@ -32,19 +32,19 @@ BELLS = (
     "astern_two_thirds",
     "astern_full",
 )
-MOST_SPEEDS = 12  # entries of a gain table
-MOST_DEPTHS, MOST_ROWS = 8, 6  # of the tables of the calm surface
-STRIPS = 7  # of the hull in waves
+MAX_SPEEDS = 12  # entries of a gain table
+MAX_DEPTHS, MAX_SURFACE_ROWS = 8, 6  # of the tables of the calm surface
+WAVE_STRIP_COUNT = 7  # of the hull in waves
 
 
 def _gain(unit: str, meaning: str) -> Quantities:
     """Return a list of gains [unit], one for each entry of speed_kn."""
-    return Quantities(Quantity(unit, within(-1e4, 1e4), meaning), 2, MOST_SPEEDS)
+    return Quantities(Quantity(unit, within(-1e4, 1e4), meaning), 2, MAX_SPEEDS)
 
 
 def _positive(unit: str, meaning: str) -> Quantities:
     """Return a list of limits [unit] above zero, one for each entry of speed_kn."""
-    return Quantities(Quantity(unit, within(1e-6, 1e4), meaning), 2, MOST_SPEEDS)
+    return Quantities(Quantity(unit, within(1e-6, 1e4), meaning), 2, MAX_SPEEDS)
 
 
 def _centre(meaning: str) -> Quantities:
@@ -66,26 +66,30 @@ def _prime_inertia(name: str) -> Quantity:
 class Fluid:
     """The water, and gravity."""
 
-    rho: float = of(Quantity("kg/m3", within(900, 1100), "water density"))
-    g: float = of(Quantity("m/s2", within(9.7, 9.9), "gravity"))
+    rho: float = required(Quantity("kg/m3", within(900, 1100), "water density"))
+    g: float = required(Quantity("m/s2", within(9.7, 9.9), "gravity"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hull:
     """Size, mass and centres; x forward, y starboard, z down from the body's origin."""
 
-    length: float = of(Quantity("m", within(0.3, 400), "reference length L of the coefficients"))
-    mass: float = of(Quantity("kg", within(1e-3, 1e9), "mass, with water in free-flooding spaces"))
-    weight: float = of(Quantity("N", within(1e-2, 1e10), "weight"))
-    buoyancy: float = of(Quantity("N", within(1e-2, 1e10), "buoyancy"))
-    cg: tuple[float, float, float] = of(_centre("centre of gravity"))
-    cb: tuple[float, float, float] = of(_centre("centre of buoyancy"))
-    Ix: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in roll"))
-    Iy: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in pitch"))
-    Iz: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in yaw"))
-    Ixy: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x y dm"))
-    Iyz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of y z dm"))
-    Ixz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x z dm"))
+    length: float = required(
+        Quantity("m", within(0.3, 400), "reference length L of the coefficients")
+    )
+    mass: float = required(
+        Quantity("kg", within(1e-3, 1e9), "mass, with water in free-flooding spaces")
+    )
+    weight: float = required(Quantity("N", within(1e-2, 1e10), "weight"))
+    buoyancy: float = required(Quantity("N", within(1e-2, 1e10), "buoyancy"))
+    cg: tuple[float, float, float] = required(_centre("centre of gravity"))
+    cb: tuple[float, float, float] = required(_centre("centre of buoyancy"))
+    Ix: float = required(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in roll"))
+    Iy: float = required(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in pitch"))
+    Iz: float = required(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in yaw"))
+    Ixy: float = required(Quantity("kg m2", within(-1e12, 1e12), "integral of x y dm"))
+    Iyz: float = required(Quantity("kg m2", within(-1e12, 1e12), "integral of y z dm"))
+    Ixz: float = required(Quantity("kg m2", within(-1e12, 1e12), "integral of x z dm"))
     displaced_volume: float | None = optional(
         Quantity("m3", within(1e-6, 1e7), "checked: buoyancy/(rho g)")
     )
@@ -117,10 +121,10 @@ class Hull:
 class ThrustSet:
     """One row of thrust minus drag. It is rho/2 L^2 (a u^2 + b u uc + c uc^2)."""
 
-    eta_min: float = of(Quantity("-", within(-100, 100), "used from eta of this"))
-    a: float = of(Quantity("-", within(-10, 10), "factor of u^2"))
-    b: float = of(Quantity("-", within(-10, 10), "factor of u uc"))
-    c: float = of(Quantity("-", within(-10, 10), "factor of uc^2"))
+    eta_min: float = required(Quantity("-", within(-100, 100), "used from eta of this"))
+    a: float = required(Quantity("-", within(-10, 10), "factor of u^2"))
+    b: float = required(Quantity("-", within(-10, 10), "factor of u uc"))
+    c: float = required(Quantity("-", within(-10, 10), "factor of uc^2"))
     going: str | None = optional(
         Choice(("ahead", "astern"), "which way the boat goes; ahead where it is not said")
     )
@@ -130,18 +134,24 @@ class ThrustSet:
 class Propulsion:
     """Thrust, the engine's answer to an order, and the bells; uc is command speed."""
 
-    sets: tuple[ThrustSet, ...] = of(
+    sets: tuple[ThrustSet, ...] = required(
         Rows(ThrustSet, ("status",), 1, 5, "thrust rows, below: up to 3 ahead, 2 or none astern"),
     )
     eta_speed: str | None = optional(
         Choice(("ahead", "whole"), "eta is uc over speed ahead u, or over the whole U; else ahead")
     )
-    rps_per_mps: float = of(Quantity("1/m", within(1e-3, 1000), "turns a second per m/s of uc"))
-    dead_time_s: float = of(Quantity("s", within(0, 600), "order to first change of uc"))
-    time_constant_s: float = of(Quantity("s", within(0, 600), "of uc's approach to the order"))
-    max_ordered_speed_kn: float = of(Quantity("kn", within(0.01, 60), "largest command speed"))
-    bells_kn: Mapping[str, float] = of(
-        Named(Quantity("kn", within(-60, 60), "command speed of each bell"), BELLS),
+    rps_per_mps: float = required(
+        Quantity("1/m", within(1e-3, 1000), "turns a second per m/s of uc")
+    )
+    dead_time_s: float = required(Quantity("s", within(0, 600), "order to first change of uc"))
+    time_constant_s: float = required(
+        Quantity("s", within(0, 600), "of uc's approach to the order")
+    )
+    max_ordered_speed_kn: float = required(
+        Quantity("kn", within(0.01, 60), "largest command speed")
+    )
+    bells_kn: Mapping[str, float] = required(
+        NamedNumbers(Quantity("kn", within(-60, 60), "command speed of each bell"), ENGINE_BELLS),
     )
     propeller_diameter: float | None = optional(Quantity("m", within(0.01, 20), "of the propeller"))
     KQ: tuple[float, ...] | None = optional(
@@ -159,12 +169,14 @@ class Propulsion:
 class Surfaces:
     """Rudder and planes."""
 
-    rudder_limit_deg: float = of(Quantity("deg", within(0.1, 90), "rudder either way"))
-    stern_plane_limit_deg: float = of(Quantity("deg", within(0.1, 90), "stern planes either way"))
-    bow_plane_limit_deg: float = of(Quantity("deg", within(0, 90), "bow planes; 0: has none"))
-    rate_deg_s: float = of(Quantity("deg/s", within(0.01, 1000), "fastest movement of each"))
-    time_constant_s: float = of(Quantity("s", within(0, 60), "lag of each; 0: none"))
-    tail: str = of(Choice(("x", "cruciform"), "x: rudder and stern planes share one limit"))
+    rudder_limit_deg: float = required(Quantity("deg", within(0.1, 90), "rudder either way"))
+    stern_plane_limit_deg: float = required(
+        Quantity("deg", within(0.1, 90), "stern planes either way")
+    )
+    bow_plane_limit_deg: float = required(Quantity("deg", within(0, 90), "bow planes; 0: has none"))
+    rate_deg_s: float = required(Quantity("deg/s", within(0.01, 1000), "fastest movement of each"))
+    time_constant_s: float = required(Quantity("s", within(0, 60), "lag of each; 0: none"))
+    tail: str = required(Choice(("x", "cruciform"), "x: rudder and stern planes share one limit"))
 
 
 def _angle(most: float, meaning: str) -> Quantity:
@@ -235,20 +247,20 @@ class Envelope:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Compact:
+class CompactTerms:
     """The terms of this hull's compact set beyond the 60 of the report."""
 
-    extra_terms: tuple[str, ...] = of(Choices(EXTRA_TERMS, "more terms that are kept"))
+    extra_terms: tuple[str, ...] = required(Choices(EXTRA_TERMS, "more terms that are kept"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
+class RunDefaults:
     """How a run starts unless the command says otherwise."""
 
-    step_s: float = of(Quantity("s", within(0.001, 2), "time step"))
-    start_speed_kn: float = of(Quantity("kn", within(0.01, 60), "speed at the start"))
-    start_depth_m: float = of(Quantity("m", within(0, 12000), "depth at the start"))
-    speed_range_kn: tuple[float, float] = of(
+    step_s: float = required(Quantity("s", within(0.001, 2), "time step"))
+    start_speed_kn: float = required(Quantity("kn", within(0.01, 60), "speed at the start"))
+    start_depth_m: float = required(Quantity("m", within(0, 12000), "depth at the start"))
+    speed_range_kn: tuple[float, float] = required(
         Quantities(
             Quantity("kn", within(0.01, 60), "slowest and fastest speed to be controlled"), 2, 2
         ),
@@ -262,80 +274,94 @@ class Run:
 class Autopilot:
     """Gains as lists over speed, and what does not depend on it. Angles in rad unless named."""
 
-    speed_kn: tuple[float, ...] = of(
-        Quantities(Quantity("kn", within(0, 60), "speeds of the lists, ascending"), 2, MOST_SPEEDS),
+    speed_kn: tuple[float, ...] = required(
+        Quantities(Quantity("kn", within(0, 60), "speeds of the lists, ascending"), 2, MAX_SPEEDS),
     )
-    stern_depth: tuple[float, ...] = of(_gain("rad/m", "stern planes per depth error"))
-    stern_depth_rate: tuple[float, ...] = of(_gain("rad s/m", "... per depth rate"))
-    stern_pitch: tuple[float, ...] = of(_gain("-", "... per pitch"))
-    stern_pitch_rate: tuple[float, ...] = of(_gain("s", "... per pitch rate"))
-    stern_integral: tuple[float, ...] = of(_gain("rad/(m s)", "... per integral of depth error"))
-    stern_relief: tuple[float, ...] = of(_gain("1/s", "... per integral of the bow planes' angle"))
-    bow_depth: tuple[float, ...] = of(_gain("rad/m", "bow planes per depth error"))
-    bow_depth_rate: tuple[float, ...] = of(_gain("rad s/m", "... per depth rate"))
-    bow_pitch: tuple[float, ...] = of(_gain("-", "... per pitch"))
-    bow_pitch_rate: tuple[float, ...] = of(_gain("s", "... per pitch rate"))
-    bow_integral: tuple[float, ...] = of(_gain("rad/(m s)", "... per integral of depth error"))
-    bow_relief: tuple[float, ...] = of(_gain("1/s", "... per integral of their own angle"))
-    rudder_course: tuple[float, ...] = of(_gain("-", "rudder per course error"))
-    rudder_yaw_rate: tuple[float, ...] = of(_gain("s", "... per yaw rate"))
-    rudder_sway: tuple[float, ...] = of(_gain("rad s/m", "... per sway speed"))
-    rudder_integral: tuple[float, ...] = of(_gain("1/s", "... per integral of course error"))
-    depth_rate_m_s: tuple[float, ...] = of(_positive("m/s", "depth rate allowed"))
-    depth_acceleration_m_s2: tuple[float, ...] = of(_positive("m/s2", "its change allowed"))
-    course_rate_deg_s: tuple[float, ...] = of(_positive("deg/s", "course rate allowed"))
-    course_acceleration_deg_s2: tuple[float, ...] = of(_positive("deg/s2", "its change allowed"))
-    speed_integral: float = of(
+    stern_depth: tuple[float, ...] = required(_gain("rad/m", "stern planes per depth error"))
+    stern_depth_rate: tuple[float, ...] = required(_gain("rad s/m", "... per depth rate"))
+    stern_pitch: tuple[float, ...] = required(_gain("-", "... per pitch"))
+    stern_pitch_rate: tuple[float, ...] = required(_gain("s", "... per pitch rate"))
+    stern_integral: tuple[float, ...] = required(
+        _gain("rad/(m s)", "... per integral of depth error")
+    )
+    stern_relief: tuple[float, ...] = required(
+        _gain("1/s", "... per integral of the bow planes' angle")
+    )
+    bow_depth: tuple[float, ...] = required(_gain("rad/m", "bow planes per depth error"))
+    bow_depth_rate: tuple[float, ...] = required(_gain("rad s/m", "... per depth rate"))
+    bow_pitch: tuple[float, ...] = required(_gain("-", "... per pitch"))
+    bow_pitch_rate: tuple[float, ...] = required(_gain("s", "... per pitch rate"))
+    bow_integral: tuple[float, ...] = required(
+        _gain("rad/(m s)", "... per integral of depth error")
+    )
+    bow_relief: tuple[float, ...] = required(_gain("1/s", "... per integral of their own angle"))
+    rudder_course: tuple[float, ...] = required(_gain("-", "rudder per course error"))
+    rudder_yaw_rate: tuple[float, ...] = required(_gain("s", "... per yaw rate"))
+    rudder_sway: tuple[float, ...] = required(_gain("rad s/m", "... per sway speed"))
+    rudder_integral: tuple[float, ...] = required(_gain("1/s", "... per integral of course error"))
+    depth_rate_m_s: tuple[float, ...] = required(_positive("m/s", "depth rate allowed"))
+    depth_acceleration_m_s2: tuple[float, ...] = required(_positive("m/s2", "its change allowed"))
+    course_rate_deg_s: tuple[float, ...] = required(_positive("deg/s", "course rate allowed"))
+    course_acceleration_deg_s2: tuple[float, ...] = required(
+        _positive("deg/s2", "its change allowed")
+    )
+    speed_integral: float = required(
         Quantity("1/s", within(0, 10), "surge rate at the slowest of these speeds; learns trim")
     )
-    turning_rate_deg_s: float = of(Quantity("deg/s", within(1e-3, 90), "a turn from this rate on"))
+    turning_rate_deg_s: float = required(
+        Quantity("deg/s", within(1e-3, 90), "a turn from this rate on")
+    )
 
 
 def _differences(meaning: str) -> Quantities:
     """Return a list of differences [-] of a coefficient, one for each entry of depth_m."""
-    return Quantities(Quantity("-", within(-1, 1), meaning), 2, MOST_DEPTHS)
+    return Quantities(Quantity("-", within(-1, 1), meaning), 2, MAX_DEPTHS)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceRow:
     """The addition of the calm surface to two coefficients at one speed."""
 
-    speed_kn: float = of(Quantity("kn", within(0, 60), "speed of the row, ascending"))
-    Z_star: tuple[float, ...] = of(_differences("Z_star less that in deep water, by depth_m"))
-    M_star: tuple[float, ...] = of(_differences("M_star less that in deep water, by depth_m"))
+    speed_kn: float = required(Quantity("kn", within(0, 60), "speed of the row, ascending"))
+    Z_star: tuple[float, ...] = required(_differences("Z_star less that in deep water, by depth_m"))
+    M_star: tuple[float, ...] = required(_differences("M_star less that in deep water, by depth_m"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class FreeSurface:
     """The calm surface's effect as tables of depth and speed, bilinear between."""
 
-    depth_m: tuple[float, ...] = of(
+    depth_m: tuple[float, ...] = required(
         Quantities(
             Quantity("m", within(0, 12000), "depths of the origin, ascending; none below the last"),
             2,
-            MOST_DEPTHS,
+            MAX_DEPTHS,
         ),
     )
-    rows: tuple[SurfaceRow, ...] = of(Rows(SurfaceRow, ("note",), 2, MOST_ROWS, "rows, below"))
+    rows: tuple[SurfaceRow, ...] = required(
+        Rows(SurfaceRow, ("note",), 2, MAX_SURFACE_ROWS, "rows, below")
+    )
 
 
-def _by_strip(unit: str, limits: Limits, meaning: str) -> Quantities:
+def _by_strip(unit: str, limits: NumberLimits, meaning: str) -> Quantities:
     """Return seven numbers, one for each strip."""
-    return Quantities(Quantity(unit, limits, meaning), STRIPS, STRIPS)
+    return Quantities(Quantity(unit, limits, meaning), WAVE_STRIP_COUNT, WAVE_STRIP_COUNT)
 
 
 @dataclass(frozen=True, kw_only=True)
 class WaveStrips:
     """The seven parts along the hull that waves push on."""
 
-    x_m: tuple[float, ...] = of(_by_strip("m", within(-400, 400), "place of each from the origin"))
-    displaced_kg: tuple[float, ...] = of(
+    x_m: tuple[float, ...] = required(
+        _by_strip("m", within(-400, 400), "place of each from the origin")
+    )
+    displaced_kg: tuple[float, ...] = required(
         _by_strip("kg", above(0, 1e9), "displaced mass; the sum must be buoyancy/g, about cb")
     )
-    added_down_kg: tuple[float, ...] = of(
+    added_down_kg: tuple[float, ...] = required(
         _by_strip("kg", within(0, 1e9), "added mass in heave; its shares of -Z_wdot are used")
     )
-    added_side_kg: tuple[float, ...] = of(
+    added_side_kg: tuple[float, ...] = required(
         _by_strip("kg", within(0, 1e9), "added mass in sway; its shares of -Y_vdot are used")
     )
 
@@ -344,10 +370,12 @@ class WaveStrips:
 class Scope:
     """The periscope, which stands on the sail's top and comes out of it."""
 
-    x_m: float = of(Quantity("m", within(-400, 400), "place of the mast, forward of the origin"))
-    extension_m: float = of(Quantity("m", above(0, 30), "head over the sail's top, all out"))
-    raise_s: float = of(Quantity("s", within(0.1, 600), "time from all in to all out"))
-    speed_kn_max: float = of(Quantity("kn", above(0, 60), "at which the mast may be out"))
+    x_m: float = required(
+        Quantity("m", within(-400, 400), "place of the mast, forward of the origin")
+    )
+    extension_m: float = required(Quantity("m", above(0, 30), "head over the sail's top, all out"))
+    raise_s: float = required(Quantity("s", within(0.1, 600), "time from all in to all out"))
+    speed_kn_max: float = required(Quantity("kn", above(0, 60), "at which the mast may be out"))
 
 
 def key_tables() -> str:
@@ -359,8 +387,8 @@ def key_tables() -> str:
         "[propulsion.sets]": ThrustSet,
         "control_surfaces": Surfaces,
         "envelope": Envelope,
-        "compact": Compact,
-        "run": Run,
+        "compact": CompactTerms,
+        "run": RunDefaults,
         "autopilot": Autopilot,
         "free_surface": FreeSurface,
         "[free_surface.rows]": SurfaceRow,

@@ -5,7 +5,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any, Final
 
-from trainer.config.coefficients import AXES
+from trainer.config.coefficients import FORCE_AXES
 from trainer.config.files import (
     as_typed,
     format_key,
@@ -15,30 +15,30 @@ from trainer.config.files import (
     toml_value,
     write_once,
 )
-from trainer.config.schema import Kind, Named, Rows, Table, kinds_of
+from trainer.config.schema import Kind, NamedNumbers, Rows, Table, kinds_of
 from trainer.config.similarity import formula, law_of, scaled_table
 from trainer.config.vessel import (
     DOCUMENTARY_TABLES,
-    HEADING,
+    HEADING_FIELDS,
     OPTIONAL_TABLES,
-    RECORDS,
+    VESSEL_RECORDS,
     parse_vessel,
     with_defaults,
 )
 from trainer.core.terms import COEFFICIENTS
 
-WIDTH: Final = 100
-SAME: Final = 1.0  # factor of a copy
-PRIME: Final = "[-] times rho/2, the power of L and the motion told behind each; absent: zero"
-DEPTHS: Final = ("max_depth_m", "test_depth_m")  # the first given is the deepest to be ordered
-LAWS: Final = """\
+MAX_LINE_COLUMNS: Final = 100
+COPY_FACTOR: Final = 1.0  # factor of a copy
+PRIME_NOTE: Final = "[-] times rho/2, the power of L and the motion told behind each; absent: zero"
+DEPTH_KEYS: Final = ("max_depth_m", "test_depth_m")  # the first given is the deepest to be ordered
+LAWS_NOTE: Final = """\
 # Laws: Froude's similarity. The water and gravity stay; lengths go as L, areas as L^2, masses and
 # volumes as L^3, moments of inertia as L^5, times and speeds as L^0.5, rates as L^-0.5. What has no
 # unit stays: coefficients, angles, shares. "estimate" marks what no such law holds for.
 # In brackets: unit, and the law by which the value follows the length."""
 
 
-class Writer:
+class TemplateWriter:
     """Writes the tables of a boat, ``factor`` times as long [-] as its source."""
 
     def __init__(self, factor: float) -> None:
@@ -58,7 +58,7 @@ class Writer:
         """Yield the keys of a table that are values, then those for the reader."""
         kinds = kinds_of(record)
         for key, kind in kinds.items():
-            if isinstance(kind, Rows | Table | Named):
+            if isinstance(kind, Rows | Table | NamedNumbers):
                 continue
             note = self._note(name, key, kind) if comments else ""
             if key in table:
@@ -76,7 +76,7 @@ class Writer:
             if isinstance(kind, Table) and value is not None:
                 yield from ("", f"[{inside}]")
                 yield from self._keys(inside, kind.record, value, comments=True)
-            elif isinstance(kind, Named) and value is not None:
+            elif isinstance(kind, NamedNumbers) and value is not None:
                 yield from ("", f"[{inside}]   {self._note(name, key, kind)}")
                 yield from (f"{word} = {toml_value(each)}" for word, each in value.items())
             elif isinstance(kind, Rows):
@@ -89,9 +89,11 @@ class Writer:
         """Return the comment on a key: unit, law and meaning."""
         unit, limits, meaning, _ = kind.form
         law = law_of(table, key, kind)
-        words = f"{unit}, {formula(law.power)}" if law.power and self._factor != SAME else unit
-        reason = f"; {law.reason}" if law.reason and self._factor != SAME else ""
-        if isinstance(kind, Named):
+        words = (
+            f"{unit}, {formula(law.power)}" if law.power and self._factor != COPY_FACTOR else unit
+        )
+        reason = f"; {law.reason}" if law.reason and self._factor != COPY_FACTOR else ""
+        if isinstance(kind, NamedNumbers):
             meaning = kind.each.meaning  # its names stand below
         elif unit == "word":
             meaning = f"{limits}; {meaning}"
@@ -100,8 +102,8 @@ class Writer:
 
 def _line(text: str, note: str) -> Iterator[str]:
     """Yield a key with its comment behind it, or above it where the line is too long."""
-    if len(text) + len(note) + 3 > WIDTH:
-        yield from wrap(note, WIDTH, subsequent_indent="# ", break_on_hyphens=False)
+    if len(text) + len(note) + 3 > MAX_LINE_COLUMNS:
+        yield from wrap(note, MAX_LINE_COLUMNS, subsequent_indent="# ", break_on_hyphens=False)
         yield from filter(None, (text,))
     else:
         yield f"{text}   {note}".strip()
@@ -114,12 +116,14 @@ def scaled_vessel(given: Mapping[str, Any], factor: float) -> dict[str, Any]:
     than may be ordered.
     """
     table: dict[str, Any] = {
-        key: value for key, value in given.items() if key not in (*RECORDS, *DOCUMENTARY_TABLES)
+        key: value
+        for key, value in given.items()
+        if key not in (*VESSEL_RECORDS, *DOCUMENTARY_TABLES)
     }
-    for name, record in RECORDS.items():
+    for name, record in VESSEL_RECORDS.items():
         if name in given:
             table[name] = scaled_table(record, given[name], name, factor)
-    deepest = [table["vessel"][key] for key in DEPTHS if key in table["vessel"]]
+    deepest = [table["vessel"][key] for key in DEPTH_KEYS if key in table["vessel"]]
     if deepest:
         table["run"]["start_depth_m"] = min(table["run"]["start_depth_m"], deepest[0])
     return table
@@ -138,8 +142,8 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
     for own in ("compact", "compensation"):  # a set that the source lacks is none of the copy's
         if own not in given:
             table.pop(own, None)
-    factor = SAME if length is None else length / file.hull.length
-    if factor != SAME:
+    factor = COPY_FACTOR if length is None else length / file.hull.length
+    if factor != COPY_FACTOR:
         table = scaled_vessel(table, factor)
         table["vessel"]["length"] = length
         table["scale"] = "full"
@@ -147,7 +151,7 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
             "scaled_from": f"{path.name}: {file.name}, {file.hull.length:g} m",
             "law": "Froude's similarity, docs/vessel-files.md",
         }
-    table["name"] = name or (file.name if factor == SAME else f"{path.stem} at {length:g} m")
+    table["name"] = name or (file.name if factor == COPY_FACTOR else f"{path.stem} at {length:g} m")
     return "\n".join((*_opening(path, file.hull.length, length), *_body(table, factor))) + "\n"
 
 
@@ -157,7 +161,7 @@ def _opening(path: Path, source: float, length: float | None) -> Iterator[str]:
         yield f"# A copy of {path.name} by `trainer vessel new`: each key with unit and meaning."
     else:
         yield f"# {path.name} scaled from {source:g} m to {length:g} m by `trainer vessel new`."
-        yield LAWS
+        yield LAWS_NOTE
     yield f"# The comments of {path.name} say where the source's numbers are from."
     yield "# A line that begins with # and a key shows what may be said besides."
     yield "# Next: trainer check FILE; trainer run --vessel FILE"
@@ -165,14 +169,14 @@ def _opening(path: Path, source: float, length: float | None) -> Iterator[str]:
 
 def _body(table: Mapping[str, Any], factor: float) -> Iterator[str]:
     """Yield the file below its first comment."""
-    writer = Writer(factor)
+    writer = TemplateWriter(factor)
     yield f"schema = {toml_value('gertler-hagen-2510/1')}"
-    yield from (f"{key} = {toml_value(table[key])}" for key in HEADING if key in table)
+    yield from (f"{key} = {toml_value(table[key])}" for key in HEADING_FIELDS if key in table)
     for name in DOCUMENTARY_TABLES:
         if name in table:
             yield from ("", f"[{name}]   # for the reader")
             yield from (f"{format_key(k)} = {toml_value(v)}" for k, v in table[name].items())
-    for name, record in RECORDS.items():
+    for name, record in VESSEL_RECORDS.items():
         if name in table:
             yield from writer.table(name, record, table[name])
         elif name in OPTIONAL_TABLES:
@@ -194,9 +198,9 @@ def _coefficients(given: Mapping[str, Any]) -> Iterator[str]:
     flat: dict[str, Any] = {}
     for key, value in given.items():
         flat |= value if isinstance(value, Mapping) else {key: value}
-    for axis in AXES:
+    for axis in FORCE_AXES:
         terms = [term for term in COEFFICIENTS if term.equation == axis]
-        yield from ("", f"[coefficients.{axis}]   # {PRIME}")
+        yield from ("", f"[coefficients.{axis}]   # {PRIME_NOTE}")
         for term in terms:
             if term.key in flat:
                 note = f"# L^{term.power}: {term.multiplies}"

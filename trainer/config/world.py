@@ -18,18 +18,18 @@ from trainer.config.contacts import (
     read_encounters,
 )
 from trainer.config.current import current_schema, read_current
-from trainer.config.files import Place, collecting, refuse
+from trainer.config.files import Place, collecting, raise_problems
 from trainer.config.schema import record_schema
 
 # by the name of the table: from what it holds, its place, and the exercise's path to a record
-READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
+WORLD_READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
     "bottom": read_bottom,
     "contact": read_contacts,
     "contacts": read_encounters,
     "current": read_current,
 }
 
-SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
+WORLD_SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "contact": contacts_schema,
     "contacts": encounters_schema,
     "current": current_schema,
@@ -39,8 +39,8 @@ WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {
     **CONTACT_RECORDS,
     "bottom": BottomTable,
 }  # for their keys
-WATER: Final = 1.2  # [-] of its draught that a ship's way needs under it
-APART: Final = 20.0  # [m] between the places of a way that are sounded
+MIN_WATER_DRAUGHTS: Final = 1.2  # [-] of its draught that a ship's way needs under it
+SOUNDING_SPACING_M: Final = 20.0  # [m] between the places of a way that are sounded
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 
 
@@ -48,7 +48,7 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
     """Return what an exercise's tables say of the world; ConfigError with all that is wrong."""
     problems: list[str] = []
     found = {}
-    for name, read in READERS.items():
+    for name, read in WORLD_READERS.items():
         with collecting(problems):
             if name in table:
                 found[name] = read(table[name], Place(path.name, name), path)
@@ -56,13 +56,13 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
         problems += filter(
             None, (_aground(found["bottom"], ship) for ship in found.get("contact", ()))
         )
-    refuse(problems)
+    raise_problems(problems)
     return found
 
 
 def _aground(bottom: Bottom, ship: Contact) -> str:
     """Return where a ship's way has too little water, "" if nowhere."""
-    least = WATER * ship.type.draught
+    least = MIN_WATER_DRAUGHTS * ship.type.draught
     for north, east in _places(ship):
         depth = float(depths_at(bottom, np.array([north]), np.array([east]))[0])
         if depth < least and is_charted(bottom, north, east):
@@ -73,10 +73,10 @@ def _aground(bottom: Bottom, ship: Contact) -> str:
 
 
 def _places(ship: Contact) -> Iterator[tuple[float, float]]:
-    """Yield the places [m] from way point to way point, one every APART."""
+    """Yield the places [m] from way point to way point, one every SOUNDING_SPACING_M."""
     points = ship.row.points
     for (north, east), (north_then, east_then) in pairwise(points):
-        count = math.ceil(math.hypot(north_then - north, east_then - east) / APART)
+        count = math.ceil(math.hypot(north_then - north, east_then - east) / SOUNDING_SPACING_M)
         for i in range(count):
             share = i / count
             yield north + share * (north_then - north), east + share * (east_then - east)

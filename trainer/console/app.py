@@ -17,67 +17,67 @@ from textual.screen import Screen
 from trainer.console.crew import CrewOrder
 from trainer.console.dialogs import (
     Dialog,
-    Done,
-    Subject,
+    DialogOutcome,
+    DialogSubject,
+    blow_question,
     casualty_choice,
-    emergency,
-    leaving,
+    leave_question,
     sea_choice,
 )
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.drawing.panels import flowed, foot, key_at, top
-from trainer.console.entry import Entry, Names, hint
-from trainer.console.guide import Ending, PlanView, answer, briefing, guide
+from trainer.console.entry import Entry, OrderNames, hint
+from trainer.console.guide import EndView, PlanView, answer, briefing, guide
 from trainer.console.keys import (
     KEYS,
-    Act,
-    Deed,
-    Give,
-    Hasten,
-    Move,
-    Open,
-    Pump,
-    Scroll,
-    Widen,
-    Write,
+    DialogAction,
+    KeyAction,
+    MoveAction,
+    OrderAction,
+    PaceAction,
+    PlainAction,
+    PumpAction,
+    ScrollAction,
+    SpanAction,
+    TypingAction,
     by_name,
     footer,
 )
 from trainer.console.layouts import LAYOUTS, Place
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, Pane, fit, line
-from trainer.console.timeline import Moments
+from trainer.console.timeline import TimelineView
 
-FORGET: Final = 1.5  # [s] after which what the boat shows counts again
-CHANNEL: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
-WORDS: Final = {
+FORGET_TIME_S: Final = 1.5  # [s] after which what the boat shows counts again
+SURFACE_CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
+SURFACE_WORDS: Final = {
     "rudder": ("rudder left", "rudder right"),
     "stern": ("stern planes dive", "stern planes rise"),
     "bow": ("bow planes dive", "bow planes rise"),
 }
-NAMES: Final = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
-PUMPS: Final = {  # to the sea or aft, and the other way
+SURFACE_NAMES: Final = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
+PUMP_ORDERS: Final = {  # to the sea or aft, and the other way
     "auxiliary": ("pump auxiliary", "flood auxiliary"),
     "depth_control": ("pump depth-control", "flood depth-control"),
     "trim": ("pump trim aft", "pump trim forward"),
 }
-FOOT: Final = 3  # [rows] of keys at most
-RATE: Final = 10.0  # [Hz] of looking
-SOON: Final = 0.004  # [s] between looks for the first figures
-FUNCTION: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
-SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
-PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
-PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 shows help"}
-PROMPT: Final = "keys move your controls; Enter to type an order"
-DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
+MAX_KEY_ROWS: Final = 3  # [rows] of keys at most
+REFRESH_RATE_HZ: Final = 10.0  # [Hz] of looking
+FIRST_POLL_S: Final = 0.004  # [s] between looks for the first figures
+FUNCTION_KEY_PATTERN: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
+CHART_SPANS_S: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
+TIME_SPEEDS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
+ROLE_PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 shows help"}
+DEFAULT_PROMPT: Final = "keys move your controls; Enter to type an order"
+DIALOG_SUBJECTS: Final[Mapping[str, Callable[[SessionModel], DialogSubject]]] = {
     "help": guide,
     "briefing": briefing,
     "casualties": casualty_choice,
     "sea": sea_choice,
-    "moments": lambda model: Moments(model, replays=False),
+    "moments": lambda model: TimelineView(model, replays=False),
     "plan": PlanView,
-    "emergency": lambda _sight: emergency(),
+    "emergency": lambda _sight: blow_question(),
 }
 
 
@@ -90,7 +90,7 @@ class Levers:
 
     def move(self, surface: str, by: int, model: SessionModel) -> str:
         """Return the order that moves a surface ``by`` degrees, "" where the boat has none."""
-        shown = model.picture.number(CHANNEL[surface], f"ordered_{surface}")
+        shown = model.picture.number(SURFACE_CHANNELS[surface], f"ordered_{surface}")
         if shown is None:
             return ""
         if model.refused != self.refused:  # beyond its limit, most likely
@@ -99,7 +99,7 @@ class Levers:
         most = model.ranges.get(surface, math.inf)
         wanted = min(max(round(self._last(surface, shown, model.clock())) + by, -most), most)
         self.asked[surface] = wanted, model.clock()
-        return f"{WORDS[surface][wanted > 0]} {abs(wanted):g}"
+        return f"{SURFACE_WORDS[surface][wanted > 0]} {abs(wanted):g}"
 
     def pump(self, tank: str, by: float, model: SessionModel) -> str:
         """Return the order that moves ``by`` tonnes more than are still to go."""
@@ -108,12 +108,12 @@ class Levers:
             return ""
         wanted = round(self._last(tank, left, model.clock()) + by, 1)
         self.asked[tank] = wanted, model.clock()
-        return f"{PUMPS[tank][wanted > 0]} {abs(wanted):g}"
+        return f"{PUMP_ORDERS[tank][wanted > 0]} {abs(wanted):g}"
 
     def _last(self, what: str, shown: float, now: float) -> float:
         """Return what was last asked, or after a while what the boat shows."""
         value, when = self.asked.get(what, (shown, -math.inf))
-        return value if now - when < FORGET else shown
+        return value if now - when < FORGET_TIME_S else shown
 
 
 class Console(App[str], inherit_bindings=False):
@@ -142,11 +142,11 @@ class Console(App[str], inherit_bindings=False):
         super().__init__()
         self.model = model
         self.own = own
-        self.span = 1  # of SPANS
+        self.span = 1  # of CHART_SPANS_S
         self._post = LAYOUTS[model.role]
         self._keys = by_name(model.role)
         self._levers = Levers()
-        self._names = Names(model)
+        self._names = OrderNames(model)
         self._seen: tuple[object, ...] = ()
         self._rung = model.bells
         self._silent = self._mounted = False
@@ -172,7 +172,7 @@ class Console(App[str], inherit_bindings=False):
             if self._post.aside:
                 yield Vertical(*map(self._pane, self._post.aside), id="aside")
         yield Pane(self._line, "line", moving=True, click=self._travel)
-        prompt = PROMPTS.get(self.model.role, PROMPT)
+        prompt = ROLE_PROMPTS.get(self.model.role, DEFAULT_PROMPT)
         yield Entry(self._names, self._quick(), prompt, self._submit)
         yield Pane(partial(foot, self._foot), "foot", click=self._press)
 
@@ -180,8 +180,8 @@ class Console(App[str], inherit_bindings=False):
         """Begin to look; take what has been typed ahead on the instructor's line."""
         self.model.hear()  # what has come by now is in the first drawing
         self._mounted = True
-        self._expecting = self.set_interval(SOON, self._expect)
-        self.set_interval(1.0 / RATE, self._look)
+        self._expecting = self.set_interval(FIRST_POLL_S, self._expect)
+        self.set_interval(1.0 / REFRESH_RATE_HZ, self._look)
         self.set_focus(self.query_one(Entry) if self.model.instructs else None)
         for event in self._early:
             await super().on_event(event)
@@ -208,7 +208,7 @@ class Console(App[str], inherit_bindings=False):
         if (self.focused is not None) is not self.model.instructs:
             if event.key == "escape":
                 self.set_focus(None)
-            if not FUNCTION.fullmatch(event.key):
+            if not FUNCTION_KEY_PATTERN.fullmatch(event.key):
                 return
         key = self._keys.get(event.key)
         if key is not None:
@@ -227,56 +227,58 @@ class Console(App[str], inherit_bindings=False):
             self.model.order(words)
             self._look()
 
-    def act(self, act: Act) -> None:
+    def act(self, act: KeyAction) -> None:
         """Carry out what a key does."""
         words = self._ordered(act)
         self._give(act, words)
         match act:
-            case Deed.AGAIN if not words:
-                self._open(Moments(self.model, replays=True))
-            case Open(dialog):
+            case PlainAction.AGAIN if not words:
+                self._open(TimelineView(self.model, replays=True))
+            case DialogAction(dialog):
                 before = self.model.crew.to_repeat(self.model.role)
-                self._open(DIALOGS[dialog](self.model), partial(self._ordered_since, before))
-            case Write(text):
+                self._open(
+                    DIALOG_SUBJECTS[dialog](self.model), partial(self._ordered_since, before)
+                )
+            case TypingAction(text):
                 self.query_one(Entry).begin(text)
-            case Deed.REPEAT if not words:
+            case PlainAction.REPEAT if not words:
                 self.query_one(Entry).begin("")
-            case Deed.RING:
+            case PlainAction.RING:
                 self._silent = not self._silent
                 said = "off" if self._silent else "on"
                 self.model.journal.add(None, "station", f"the bell is {said}")
-            case Widen(steps):
-                self.span = min(max(self.span + steps, 0), len(SPANS) - 1)
-            case Scroll(lines):
+            case SpanAction(steps):
+                self.span = min(max(self.span + steps, 0), len(CHART_SPANS_S) - 1)
+            case ScrollAction(lines):
                 self.model.journal.look_back(lines)
-            case Deed.LEAVE:
+            case PlainAction.LEAVE:
                 self._leave()
         self._look()
 
-    def _give(self, act: Act, words: str) -> None:
+    def _give(self, act: KeyAction, words: str) -> None:
         """Send what a key orders, or tell why a control's key does nothing."""
         if words:
             self.model.order(words)
-        elif isinstance(act, Move | Pump):
-            self.model.journal.add(None, "refused", idle(act, self.model))
+        elif isinstance(act, MoveAction | PumpAction):
+            self.model.journal.add(None, "refused", idle_reason(act, self.model))
 
-    def _ordered(self, act: Act) -> str:
+    def _ordered(self, act: KeyAction) -> str:
         """Return the order that a key gives by itself, "" for none."""
         picture, words = self.model.picture, ""
         match act:
-            case Give(given):
+            case OrderAction(given):
                 words = given
-            case Deed.TOGGLE:
+            case PlainAction.TOGGLE:
                 words = "run" if picture.frozen else "freeze"
-            case Hasten(steps):
-                words = f"time {nearest(PACES, picture.pace, steps):g}"
-            case Move(surface, by):
+            case PaceAction(steps):
+                words = f"time {nearest_step(TIME_SPEEDS, picture.pace, steps):g}"
+            case MoveAction(surface, by):
                 words = self._levers.move(surface, by, self.model)
-            case Pump(tank, tonnes):
+            case PumpAction(tank, tonnes):
                 words = self._levers.pump(tank, tonnes, self.model)
-            case Deed.REPEAT:
+            case PlainAction.REPEAT:
                 words = self._repeat()
-            case Deed.AGAIN if picture.word("time", "replay") == "yes":
+            case PlainAction.AGAIN if picture.word("time", "replay") == "yes":
                 words = "take over"
         return words
 
@@ -302,17 +304,17 @@ class Console(App[str], inherit_bindings=False):
         if self.model.instructs:
             width = self.screen_stack[0].query_one("#line", Pane).size.width
             back = self.model.picture.seconds - time_at(self.model, width, column)
-            self._open(Moments(self.model, replays=False, lapse=max(back, 0.5)))
+            self._open(TimelineView(self.model, replays=False, lapse=max(back, 0.5)))
 
     def _scroll(self, lines: int) -> None:
-        self.act(Scroll(-lines))
+        self.act(ScrollAction(-lines))
 
     # looking
 
     def on_resize(self, event: events.Resize) -> None:
         """Give the keys the rows that they need."""
         rows = len(flowed(self._foot, event.size.width))
-        self.screen_stack[0].query_one("#foot").styles.height = min(rows, FOOT)
+        self.screen_stack[0].query_one("#foot").styles.height = min(rows, MAX_KEY_ROWS)
 
     def _expect(self) -> None:
         """Show the first figures as soon as they come."""
@@ -350,7 +352,7 @@ class Console(App[str], inherit_bindings=False):
         if self.model.endings > self._ended and not self._typing:
             self._ended = self.model.endings
             if self.model.instructs:
-                self._open(Ending(self.model), lambda: not self.model.outcome)
+                self._open(EndView(self.model), lambda: not self.model.outcome)
         releases, self._released = self.model.releases - self._released, self.model.releases
         if releases > 0 and not self.model.instructs and len(self.screen_stack) == 1:
             self._open(briefing(self.model), lambda: not self.model.outcome)
@@ -385,7 +387,7 @@ class Console(App[str], inherit_bindings=False):
         ]
 
     def _chart(self, place: int, width: int, height: int) -> Lines:
-        return strip(place, self.model, SPANS[self.span], width, height)
+        return strip(place, self.model, CHART_SPANS_S[self.span], width, height)
 
     def _line(self, width: int, height: int) -> Lines:
         """Return what may be typed next, or the line of time."""
@@ -405,10 +407,10 @@ class Console(App[str], inherit_bindings=False):
 
     # dialogs
 
-    def _open(self, subject: Subject, past: Callable[[], bool] = lambda: False) -> None:
+    def _open(self, subject: DialogSubject, past: Callable[[], bool] = lambda: False) -> None:
         self.push_screen(Dialog(subject, past), self._finish)
 
-    def _finish(self, done: Done | None) -> None:
+    def _finish(self, done: DialogOutcome | None) -> None:
         """Send what a dialog has ended with."""
         if done is None:
             return
@@ -420,22 +422,22 @@ class Console(App[str], inherit_bindings=False):
     def _leave(self) -> None:
         """Leave; the instructor is asked whether the run ends too."""
         if self.model.instructs and self.model.joined and not self.model.over:
-            self._open(leaving(own=self.own))
+            self._open(leave_question(own=self.own))
         else:
             self.exit("")
 
 
-def idle(act: Move | Pump, model: SessionModel) -> str:
+def idle_reason(act: MoveAction | PumpAction, model: SessionModel) -> str:
     """Return why a control's key does nothing: no such thing, or no figure of it."""
-    channel = "tanks" if isinstance(act, Pump) else CHANNEL[act.surface]
-    name = act.tank if isinstance(act, Pump) else NAMES[act.surface]
-    name = f"{name.replace('_', ' ')} tank" if isinstance(act, Pump) else name
+    channel = "tanks" if isinstance(act, PumpAction) else SURFACE_CHANNELS[act.surface]
+    name = act.tank if isinstance(act, PumpAction) else SURFACE_NAMES[act.surface]
+    name = f"{name.replace('_', ' ')} tank" if isinstance(act, PumpAction) else name
     if channel in model.picture.last and model.joined:
         return f"this boat has no {name}"
     return f"not ready: the {name}; its panel has shown nothing yet"
 
 
-def nearest(steps: Sequence[float], value: float, by: int) -> float:
+def nearest_step(steps: Sequence[float], value: float, by: int) -> float:
     """Return the step ``by`` places beside the one that is nearest to a value."""
     place = min(range(len(steps)), key=lambda i: abs(steps[i] - value))
     return steps[min(max(place + by, 0), len(steps) - 1)]

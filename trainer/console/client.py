@@ -15,36 +15,40 @@ from typing import Final
 
 from trainer.io.client import dial
 from trainer.io.line import Line
-from trainer.io.lines import Overlong
+from trainer.io.lines import OverlongLine
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
-FIRST: Final = 0.25  # [s] until a lost line is dialled again, twice as long each time after
-LONGEST_WAIT: Final = 4.0  # [s]
-KEPT: Final = 2000  # of what has come and nobody has taken
-AT_A_TIME: Final = 200  # [lines]
-ROLE: Final = "1"  # tags of what the client says of itself
-WISH: Final = "2"
-LONGEST_ORDER: Final = LONGEST - len(sentences.order_sentence("", "999999"))  # [characters]
+FIRST_REDIAL_S: Final = (
+    0.25  # [s] until a lost line is dialled again, twice as long each time after
+)
+MAX_WAIT_S: Final = 4.0  # [s]
+MAX_KEPT_ITEMS: Final = 2000  # of what has come and nobody has taken
+BATCH_LINES: Final = 200  # [lines]
+ROLE_TAG: Final = "1"  # tags of what the client says of itself
+WISH_TAG: Final = "2"
+MAX_ORDER_LETTERS: Final = MAX_LINE_LETTERS - len(
+    sentences.order_sentence("", "999999")
+)  # [characters]
 Reach = Callable[[str, threading.Event], Line]
 
 
 @dataclass(frozen=True)
-class Joined:
+class RoleTaken:
     """The session has taken the role."""
 
 
 @dataclass(frozen=True)
-class Lost:
+class LineLoss:
     """There is no line now; it is dialled again."""
 
     why: str
 
 
 @dataclass(frozen=True)
-class Barred:
+class RoleRefusal:
     """The session does not take the role, and will not."""
 
     why: str
@@ -61,7 +65,7 @@ class NeverBegunError(Exception):
     """There is no session and there will be none."""
 
 
-Item = Joined | Lost | Barred | Greeting | Sentence
+Item = RoleTaken | LineLoss | RoleRefusal | Greeting | Sentence
 
 
 class Client:
@@ -84,7 +88,7 @@ class Client:
         self._role = role
         self._wishes = wishes
         self._reach = reach
-        self._items: deque[Item] = deque(maxlen=KEPT)
+        self._items: deque[Item] = deque(maxlen=MAX_KEPT_ITEMS)
         self._wake = threading.Event()
         self._closing = threading.Event()
         self._first: Line | None = None
@@ -123,61 +127,63 @@ class Client:
         self._thread.join(patience)
 
     def _run(self) -> None:
-        wait = FIRST
+        wait = FIRST_REDIAL_S
         while not self._closing.is_set():
             try:
                 open_line = self._first or self._reach(self._url(), self._wake)
                 self._first = None
             except NeverBegunError as error:
-                self._items.append(Barred(str(error)))
+                self._items.append(RoleRefusal(str(error)))
                 return
             except LinkError as error:
-                self._items.append(Lost(str(error)))
+                self._items.append(LineLoss(str(error)))
             else:
                 taken = self._attend(open_line)
-                wait = FIRST if taken else wait
+                wait = FIRST_REDIAL_S if taken else wait
             self._closing.wait(wait)
-            wait = min(2.0 * wait, LONGEST_WAIT)
+            wait = min(2.0 * wait, MAX_WAIT_S)
 
     def _attend(self, open_line: Line) -> bool:
         """Listen on a line to its end; return whether the session took the role."""
-        open_line.send(sentences.order_sentence(f"role {self._role}", ROLE))
+        open_line.send(sentences.order_sentence(f"role {self._role}", ROLE_TAG))
         taken = False
         while not (open_line.ended or self._closing.is_set()):
             self._wake.wait()
             self._wake.clear()
-            while lines := open_line.take(AT_A_TIME):
+            while lines := open_line.take(BATCH_LINES):
                 for said in lines:
                     taken = self._hear(open_line, said) or taken
         self._line = None
         if not self._closing.is_set():
-            self._items.append(Lost(open_line.trouble or "the session has closed the line"))
+            self._items.append(LineLoss(open_line.trouble or "the session has closed the line"))
         else:
             open_line.send(sentences.order_sentence("detach"))
-        open_line.close(FIRST)
+        open_line.close(FIRST_REDIAL_S)
         return taken
 
-    def _hear(self, open_line: Line, said: str | Overlong) -> bool:
+    def _hear(self, open_line: Line, said: str | OverlongLine) -> bool:
         """Take one line; return whether it says that the role is taken."""
-        if isinstance(said, Overlong):
+        if isinstance(said, OverlongLine):
             return False
-        sentence = sentences.read(said)
+        sentence = sentences.parse_sentence(said)
         if sentence is None:
             if not said.startswith("$"):
                 self._items.append(Greeting(said))
             return False
-        if sentence.tag != ROLE:
+        if sentence.tag != ROLE_TAG:
             self._items.append(sentence)
             return False
         # hear whether the role is taken; say what is wanted if it is
         kind, text = sentence.fields
         if kind == "no":
             self._closing.set()
-            self._items.append(Barred(text))
+            self._items.append(RoleRefusal(text))
         if kind != "ok":
             return False
         for channel, often in self._wishes.items():
-            open_line.send(sentences.order_sentence(f"subscribe {channel} {often}".rstrip(), WISH))
+            open_line.send(
+                sentences.order_sentence(f"subscribe {channel} {often}".rstrip(), WISH_TAG)
+            )
         self._line = open_line
-        self._items.append(Joined())
+        self._items.append(RoleTaken())
         return True

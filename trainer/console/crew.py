@@ -4,14 +4,14 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Final, NamedTuple
 
 # whose an order is, by its axis; what is told in words is everybody's
-ADDRESSED: Final = {
+AXIS_ROLES: Final = {
     "course": ("helm", "pilot"),
     "speed": ("helm", "pilot"),
     "depth": ("planes", "pilot", "diving"),
     "pitch": ("planes", "pilot", "diving"),
 }
-WORDS: Final = "tell"  # how an order in words begins
-CREW: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")
+TELL_WORD: Final = "tell"  # how an order in words begins
+CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")
 
 
 class CrewOrder(NamedTuple):
@@ -52,11 +52,11 @@ class CrewOrders:
         One that is told again, since nobody has repeated it, keeps its time.
         """
         axis, _, words = subject.partition(" ")
-        says = words if axis == WORDS else subject
+        says = words if axis == TELL_WORD else subject
         before = self.waiting.pop(axis, None)
         since = before.seconds if before and before.says == says else seconds
         self.waiting[axis] = CrewOrder(since, axis, says)
-        self.told = says if axis == WORDS else self.told
+        self.told = says if axis == TELL_WORD else self.told
         self.wrong = ""
         self.rings += 1
 
@@ -78,7 +78,7 @@ class CrewOrders:
 
     def awaits(self, axis: str, role: str) -> bool:
         """Return whether the order on an axis waits to be repeated by that role."""
-        return axis in self.waiting and role in ADDRESSED[axis]
+        return axis in self.waiting and role in AXIS_ROLES[axis]
 
     def to_repeat(self, role: str) -> CrewOrder | None:
         """Return the newest order that a role is to repeat, which is what `aye` repeats."""
@@ -89,5 +89,5 @@ class CrewOrders:
         return [
             each
             for each in reversed(self.waiting.values())
-            if role in ADDRESSED.get(each.axis, CREW)
+            if role in AXIS_ROLES.get(each.axis, CREW_ROLES)
         ]

@@ -12,9 +12,9 @@ from textual.screen import ModalScreen
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Pane, fit, line
 
-NAMES: Final = 26  # [columns]
-HEAD: Final = 2  # [rows] above the list
-SEAS: Final = (
+NAME_COLUMNS: Final = 26  # [columns]
+HEAD_ROWS: Final = 2  # [rows] above the list
+SEA_STATES: Final = (
     (0, "glassy"),
     (1, "0.05 m: rippled"),
     (2, "0.3 m: smooth"),
@@ -25,10 +25,10 @@ SEAS: Final = (
     (7, "7.5 m: high"),
     (8, "11.5 m: very high"),
 )
-FRAME: Final = 2  # [rows]
+FRAME_ROWS: Final = 2  # [rows]
 
 
-class Row(NamedTuple):
+class ChoiceRow(NamedTuple):
     """An entry to choose: how it is found, its order, its usual ending, a note."""
 
     name: str
@@ -38,14 +38,14 @@ class Row(NamedTuple):
     active: bool = False
 
 
-class Done(NamedTuple):
+class DialogOutcome(NamedTuple):
     """How a dialog ends: with these orders, and perhaps with the console."""
 
     orders: tuple[str, ...] = ()
     leave: bool = False
 
 
-NOTHING: Final = Done()
+NO_OUTCOME: Final = DialogOutcome()
 
 
 @dataclass
@@ -53,7 +53,7 @@ class Choice:
     """A list, what has been typed above it, and the row that is chosen."""
 
     title: str
-    rows: Sequence[Row]
+    rows: Sequence[ChoiceRow]
     advice: tuple[str, ...]
     clears: bool = False  # Delete clears what is chosen
     prefix: str = ""  # of an order that is in no row
@@ -64,7 +64,7 @@ class Choice:
     _rows: int = 0
 
     @property
-    def shown(self) -> list[Row]:
+    def shown(self) -> list[ChoiceRow]:
         """Return the rows that what has been typed leaves."""
         typed = self.typed.lower()
         begin, within = [], []
@@ -85,7 +85,7 @@ class Choice:
         return min(self.moved, max(len(shown) - 1, 0))
 
     @property
-    def chosen(self) -> Row | None:
+    def chosen(self) -> ChoiceRow | None:
         """Return the row that is chosen."""
         shown = self.shown
         return shown[self.place] if shown else None
@@ -99,16 +99,16 @@ class Choice:
         rest = self.typed[len(matching_prefix(row, self.typed)) :].strip()
         return f"{row.words} {rest or row.ending}".strip()
 
-    def press(self, key: str, character: str | None) -> Done | None:
+    def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the dialog ends, None while it goes on."""
         if key == "escape":
-            return NOTHING
+            return NO_OUTCOME
         if key == "enter":
-            return Done((self.order,)) if self.order else None
+            return DialogOutcome((self.order,)) if self.order else None
         if key == "delete" and self.clears and self.chosen:
-            return Done((f"clear {self.chosen.name}",))
+            return DialogOutcome((f"clear {self.chosen.name}",))
         if key == "ctrl+x" and self.clears:
-            return Done(("clear all",))
+            return DialogOutcome(("clear all",))
         moves = {"up": -1, "down": 1, "pageup": -10, "pagedown": 10}
         last = max(len(self.shown) - 1, 0)
         if key in moves:
@@ -119,13 +119,13 @@ class Choice:
             self.typed, self.moved = self.typed + character, None
         return None
 
-    def click(self, _column: int, row: int, _width: int) -> Done | None:
+    def click(self, _column: int, row: int, _width: int) -> DialogOutcome | None:
         """Choose the row of a click. A row that was chosen already is ordered."""
-        place = self._first + row - HEAD
-        if not (HEAD <= row < HEAD + self._rows and place < len(self.shown)):
+        place = self._first + row - HEAD_ROWS
+        if not (HEAD_ROWS <= row < HEAD_ROWS + self._rows and place < len(self.shown)):
             return None
         if place == self.place and self.order:
-            return Done((self.order,))
+            return DialogOutcome((self.order,))
         self.moved = place
         return None
 
@@ -151,16 +151,16 @@ class Choice:
         return [fit(each, width) for each in (*lines, *body, *foot)][:height]
 
 
-def matching_prefix(row: Row, typed: str) -> str:
+def matching_prefix(row: ChoiceRow, typed: str) -> str:
     """Return as much of the typed text as finds this row: words of a name."""
     return " ".join(typed.split(" ")[: row.name.count(" ") + 1])
 
 
-def row_line(row: Row, *, chosen: bool, width: int) -> Line:
+def row_line(row: ChoiceRow, *, chosen: bool, width: int) -> Line:
     """Return a row of the list; the chosen one has an arrow."""
     sign = ">" if chosen else " "
     note = "ACTIVE " if row.active else ""
-    text = f" {sign} {row.name:<{NAMES}} {note}{row.says}"
+    text = f" {sign} {row.name:<{NAME_COLUMNS}} {note}{row.says}"
     return fit(line((text, "chosen" if chosen else "warning" if row.active else "plain")), width)
 
 
@@ -170,7 +170,7 @@ def casualty_choice(model: SessionModel) -> Choice:
     slots = [name for name in picture.rows("casualties", "casualty_") if name[-1].isdigit()]
     active = {picture.word("casualties", name) for name in slots}
     rows = [
-        Row(each.name, f"casualty {each.name}", each.degree, each.says, each.name in active)
+        ChoiceRow(each.name, f"casualty {each.name}", each.degree, each.says, each.name in active)
         for each in model.casualties
     ]
     rows.sort(key=lambda row: not row.active)
@@ -187,26 +187,28 @@ def casualty_choice(model: SessionModel) -> Choice:
 
 def sea_choice(_sight: SessionModel) -> Choice:
     """Return the list of seas."""
-    rows = [Row("calm", "sea calm", "", "the sea becomes calm")]
-    rows += [Row(f"state {n}", f"sea state {n}", "", says) for n, says in SEAS]
+    rows = [ChoiceRow("calm", "sea calm", "", "the sea becomes calm")]
+    rows += [ChoiceRow(f"state {n}", f"sea state {n}", "", says) for n, says in SEA_STATES]
     rows += [
-        Row(f"from {angle:03}", f"sea from {angle:03}", "", "the sea turns, to come from there")
+        ChoiceRow(
+            f"from {angle:03}", f"sea from {angle:03}", "", "the sea turns, to come from there"
+        )
         for angle in range(0, 360, 45)
     ]
     advice = ("or type something else: wind 30, height 3, from 020",)
     return Choice("Choose a sea: it changes within a minute", rows, advice, prefix="sea")
 
 
-class Subject(Protocol):
+class DialogSubject(Protocol):
     """The subject of a dialog, and the columns and rows that it wants at most."""
 
     size: tuple[int, int]
 
-    def press(self, key: str, character: str | None) -> Done | None:
+    def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the dialog ends, None while it goes on."""
         ...
 
-    def click(self, column: int, row: int, width: int) -> Done | None:
+    def click(self, column: int, row: int, width: int) -> DialogOutcome | None:
         """Take a click on a place of the drawing. Return how the dialog ends, None as above."""
         ...
 
@@ -215,12 +217,12 @@ class Subject(Protocol):
         ...
 
 
-class Dialog(ModalScreen[Done]):
+class Dialog(ModalScreen[DialogOutcome]):
     """One subject, until a key ends it."""
 
     BINDINGS: ClassVar[list[BindingType]] = []
 
-    def __init__(self, subject: Subject, past: Callable[[], bool] = lambda: False) -> None:
+    def __init__(self, subject: DialogSubject, past: Callable[[], bool] = lambda: False) -> None:
         """Show a subject until a key ends it, or it is ``past``."""
         super().__init__()
         self._subject = subject
@@ -232,13 +234,13 @@ class Dialog(ModalScreen[Done]):
             self._subject.draw, "dialog", moving=True, click=self._clicked, wheel=self._turned
         )
         columns, rows = self._subject.size
-        pane.styles.width, pane.styles.height = columns, rows + FRAME
+        pane.styles.width, pane.styles.height = columns, rows + FRAME_ROWS
         yield pane
 
     def leave_if_past(self) -> None:
         """End, if what it is about is over."""
         if self._past() and self.is_current:
-            self.dismiss(NOTHING)
+            self.dismiss(NO_OUTCOME)
 
     def on_key(self, event: events.Key) -> None:
         """Hand the key to the subject."""
@@ -255,7 +257,7 @@ class Dialog(ModalScreen[Done]):
             self._subject.press("down" if lines > 0 else "up", None)
         self._go_on(None)
 
-    def _go_on(self, done: Done | None) -> None:
+    def _go_on(self, done: DialogOutcome | None) -> None:
         """Show what has changed, or end; keys pressed after the end change nothing."""
         if done is None:
             self.query_one(Pane).look()
@@ -268,16 +270,18 @@ class Question:
     """A question, and the answers by their keys."""
 
     asks: str
-    answers: dict[str, tuple[str, Done]]  # key: what it does in words, and how the dialog ends
+    answers: dict[
+        str, tuple[str, DialogOutcome]
+    ]  # key: what it does in words, and how the dialog ends
     size: tuple[int, int] = (60, 7)
 
-    def press(self, key: str, _character: str | None) -> Done | None:
+    def press(self, key: str, _character: str | None) -> DialogOutcome | None:
         """Take a key; return how the dialog ends, None while it goes on."""
         if key.lower() in ("escape", "n"):
-            return NOTHING
+            return NO_OUTCOME
         return self.answers[key.lower()][1] if key.lower() in self.answers else None
 
-    def click(self, _column: int, row: int, _width: int) -> Done | None:
+    def click(self, _column: int, row: int, _width: int) -> DialogOutcome | None:
         """Take a click on an answer."""
         place = row - 2
         keys = [*self.answers, "escape"]
@@ -292,14 +296,14 @@ class Question:
         return [fit(each, width) for each in lines[:height]]
 
 
-def leaving(*, own: bool) -> Question:
+def leave_question(*, own: bool) -> Question:
     """Return the question whether the instructor ends the run or only leaves it."""
-    end = ("end the run for everybody", Done(("quit",)))
+    end = ("end the run for everybody", DialogOutcome(("quit",)))
     goes = "leave; the run ends if nobody else is attached" if own else "leave; the session goes on"
-    return Question("Leave?", {"q": end, "l": (goes, Done(leave=True))})
+    return Question("Leave?", {"q": end, "l": (goes, DialogOutcome(leave=True))})
 
 
-def emergency() -> Question:
+def blow_question() -> Question:
     """Return the question before all main ballast is blown."""
-    blow = ("blow all main ballast from both banks", Done(("emergency blow",)))
+    blow = ("blow all main ballast from both banks", DialogOutcome(("emergency blow",)))
     return Question("Emergency blow?", {"b": blow})  # another key: E may be held, or typed

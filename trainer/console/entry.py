@@ -8,17 +8,17 @@ from textual.binding import BindingType
 from textual.suggester import Suggester
 from textual.widgets import Input
 
-from trainer.console.client import LONGEST_ORDER
+from trainer.console.client import MAX_ORDER_LETTERS
 from trainer.console.model import SessionModel
-from trainer.io.orders.grammar import READINGS, match, tokenise
+from trainer.io.orders.grammar import FORM_READINGS, match_place, tokenise
 from trainer.io.orders.quantities import Number
-from trainer.io.orders.table import NAMES, Name, Place, UnitWord, Word
+from trainer.io.orders.table import NAME_PLACES, Name, Place, UnitWord, Word
 
-Known = Mapping[str, Sequence[str]]
-ENTER: Final = ("enter", "ctrl+j")  # the second: typed before the terminal was the console's
-TYPING: Final = "type an order, then Enter; Esc goes back to the controls"
-CASUALTY: Final = NAMES["NAME"].says
-MOMENT: Final = NAMES["LABEL"].says
+KnownNames = Mapping[str, Sequence[str]]
+ENTER_KEYS: Final = ("enter", "ctrl+j")  # the second: typed before the terminal was the console's
+TYPING_HINT: Final = "type an order, then Enter; Esc goes back to the controls"
+CASUALTY_HINT: Final = NAME_PLACES["NAME"].says
+MOMENT_HINT: Final = NAME_PLACES["LABEL"].says
 
 
 class Offer(NamedTuple):
@@ -37,27 +37,27 @@ def offer(text: str, known: Mapping[str, Sequence[str]]) -> Offer:
     said = tokenise(text[: len(text) - len(begun)])
     words: dict[str, None] = {}
     hints: dict[str, None] = {}
-    for place in following(said):
-        for word in fitting(place, begun, known):
+    for place in following_places(said):
+        for word in fitting_words(place, begun, known):
             words[word] = None
         if not isinstance(place, Word | UnitWord) and not begun:
-            hints[says(place)] = None
+            hints[place_text(place)] = None
     return Offer(tuple(words), tuple(hints))
 
 
-def following(said: Sequence[str]) -> list[Place]:
+def following_places(said: Sequence[str]) -> list[Place]:
     """Return the places that may follow the words said."""
     found = []
-    for reading in READINGS:
+    for reading in FORM_READINGS:
         places = reading.places
         if reading.form.refusal or len(places) <= len(said):
             continue
-        if all(any(True for _ in match(place, word)) for place, word in zip(places, said)):  # noqa: B905
+        if all(any(True for _ in match_place(place, word)) for place, word in zip(places, said)):  # noqa: B905
             found.append(places[len(said)])
     return found
 
 
-def fitting(place: Place, begun: str, known: Mapping[str, Sequence[str]]) -> list[str]:
+def fitting_words(place: Place, begun: str, known: Mapping[str, Sequence[str]]) -> list[str]:
     """Return the words of a place that begin so; of several spellings the first."""
     if isinstance(place, Word):
         found = {word: said for said, word in reversed(place.spellings) if said.startswith(begun)}
@@ -67,14 +67,14 @@ def fitting(place: Place, begun: str, known: Mapping[str, Sequence[str]]) -> lis
     return []
 
 
-def says(place: Place) -> str:
+def place_text(place: Place) -> str:
     """Return what a place wants."""
     if isinstance(place, Number):
         return f"{place.says} ({place.limits})"
     return place.says if isinstance(place, Name) else "a token"
 
 
-def complete(text: str, known: Mapping[str, Sequence[str]]) -> str:
+def complete_word(text: str, known: Mapping[str, Sequence[str]]) -> str:
     """Return ``text`` with its last word completed as far as there is no doubt."""
     words = offer(text, known).words
     begun = "" if not text or text[-1].isspace() else text.rsplit(maxsplit=1)[-1]
@@ -97,7 +97,7 @@ def hint(text: str, known: Mapping[str, Sequence[str]]) -> str:
 class Ghost(Suggester):
     """The rest of the word that is being typed, shown behind it."""
 
-    def __init__(self, known: Known) -> None:
+    def __init__(self, known: KnownNames) -> None:
         super().__init__(use_cache=False, case_sensitive=True)
         self._known = known
 
@@ -114,12 +114,12 @@ class Entry(Input):
     BINDINGS: ClassVar[list[BindingType]] = []
 
     def __init__(
-        self, known: Known, quick: frozenset[str], prompt: str, send: Callable[[str], None]
+        self, known: KnownNames, quick: frozenset[str], prompt: str, send: Callable[[str], None]
     ) -> None:
         super().__init__(
             placeholder=prompt,
             suggester=Ghost(known),
-            max_length=LONGEST_ORDER,
+            max_length=MAX_ORDER_LETTERS,
             compact=True,
             select_on_focus=False,
             id="entry",
@@ -139,7 +139,7 @@ class Entry(Input):
 
     def on_focus(self) -> None:
         """Say that what is typed is an order now."""
-        self.placeholder = TYPING if not self._quick else self._prompt
+        self.placeholder = TYPING_HINT if not self._quick else self._prompt
 
     def on_blur(self) -> None:
         """Say again what keys do."""
@@ -159,7 +159,7 @@ class Entry(Input):
         if not self.value and event.key in self._quick:
             event.prevent_default()
             return
-        if event.key in ENTER:  # now, and not when it has come to the console as a key
+        if event.key in ENTER_KEYS:  # now, and not when it has come to the console as a key
             event.prevent_default()
             event.stop()
             self._submit()
@@ -171,7 +171,7 @@ class Entry(Input):
             if event.key == "escape":
                 self.value = ""
             elif event.key == "tab":
-                self.value = complete(self.value, self._known)
+                self.value = complete_word(self.value, self._known)
                 self.cursor_position = len(self.value)
             else:
                 self._look(-1 if event.key == "up" else 1)
@@ -183,21 +183,21 @@ class Entry(Input):
         self.cursor_position = len(self.value)
 
 
-class Names(Mapping[str, Sequence[str]]):
+class OrderNames(Mapping[str, Sequence[str]]):
     """The names that an order may hold at this moment."""
 
     def __init__(self, model: SessionModel) -> None:
         self._sight = model
 
     def __getitem__(self, says: str) -> Sequence[str]:
-        if says == CASUALTY:
+        if says == CASUALTY_HINT:
             return [each.name for each in self._sight.casualties]
-        if says == MOMENT:
+        if says == MOMENT_HINT:
             return [kept.text for kept in self._sight.snapshots]
         raise KeyError(says)
 
     def __iter__(self) -> Iterator[str]:
-        return iter((CASUALTY, MOMENT))
+        return iter((CASUALTY_HINT, MOMENT_HINT))
 
     def __len__(self) -> int:
         return 2

@@ -9,11 +9,11 @@ from textual.app import App
 from textual.binding import BindingType
 
 from trainer.config.course import Lesson
-from trainer.console.dialogs import HEAD, NOTHING, Choice, Dialog, Done, Row
+from trainer.console.dialogs import HEAD_ROWS, NO_OUTCOME, Choice, ChoiceRow, Dialog, DialogOutcome
 from trainer.console.pane import Lines, fit, line
 
-FREELY: Final = "Sail freely"
-BRIEFING: Final = 4  # [rows] of what is chosen
+FREE_SAILING: Final = "Sail freely"
+BRIEFING_ROWS: Final = 4  # [rows] of what is chosen
 NO_TITLE: Final = "No title has these letters. Backspace deletes the last letter."
 
 
@@ -28,7 +28,7 @@ class ExerciseChoice(Choice):
         """Return the dialog."""
         shown = self.shown
         place = min(self.place, max(len(shown) - 1, 0))
-        room = max(height - HEAD - BRIEFING - 2, 1)
+        room = max(height - HEAD_ROWS - BRIEFING_ROWS - 2, 1)
         first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
         self._first, self._rows = first, room
         rows = [
@@ -40,8 +40,8 @@ class ExerciseChoice(Choice):
         rows += [line()] * (room - len(rows))
         says = self.chosen.says if self.chosen else NO_TITLE
         told = textwrap.wrap(says, max(width - 4, 8))
-        below = [line((f"   {text}", "ordered")) for text in told[:BRIEFING]]
-        below += [line()] * (BRIEFING - len(below))
+        below = [line((f"   {text}", "ordered")) for text in told[:BRIEFING_ROWS]]
+        below += [line()] * (BRIEFING_ROWS - len(below))
         lines = [
             line((f" {self.title}", "title")),
             line((" > ", "dim"), (self.typed, "value"), ("_", "dim")),
@@ -55,13 +55,19 @@ class ExerciseChoice(Choice):
 
 def exercise_choice(offered: Sequence[Lesson]) -> ExerciseChoice:
     """Return the list: sailing freely comes first, so that Enter alone sails."""
-    rows = [Row(FREELY, FREELY, "", "No exercise: go to sea at once and do as you like.")]
-    rows += [Row(each.title, each.name, "", " ".join(each.briefing.split())) for each in offered]
+    rows = [
+        ChoiceRow(
+            FREE_SAILING, FREE_SAILING, "", "No exercise: go to sea at once and do as you like."
+        )
+    ]
+    rows += [
+        ChoiceRow(each.title, each.name, "", " ".join(each.briefing.split())) for each in offered
+    ]
     advice = ("Press Up or Down, or type part of a title; Enter begins, Esc leaves",)
     return ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
 
 
-class ExerciseScreen(App[Done], inherit_bindings=False):
+class ExerciseScreen(App[DialogOutcome], inherit_bindings=False):
     """The choice, alone on the screen."""
 
     CSS_PATH = "console.tcss"
@@ -83,7 +89,7 @@ def choose_exercise(offered: Sequence[Lesson]) -> str | None:
 
     forget_size()
     done = ExerciseScreen(exercise_choice(offered)).run()
-    if done is None or done == NOTHING:
+    if done is None or done == NO_OUTCOME:
         return None
     (name,) = done.orders
-    return "" if name == FREELY else name
+    return "" if name == FREE_SAILING else name

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.console.dialogs import NOTHING, Done
+from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.chart import plan
 from trainer.console.journal import clock
 from trainer.console.keys import KEYS
@@ -15,7 +15,7 @@ from trainer.console.pane import Line, Lines, fit, length, line
 
 Text = Callable[[], list[Line]]  # lines of any length; the window breaks them
 
-FIRST: Final = (
+INSTRUCTOR_HELP: Final = (
     "  To begin an exercise, type in a shell: trainer run periscope-depth",
     "  The line at the top says RUNNING or FROZEN; F2 changes it.",
     "",
@@ -42,7 +42,7 @@ FIRST: Final = (
         "the recording;  trainer debrief FILE  makes a page from it."
     ),
 )
-STATION: Final = (
+STATION_HELP: Final = (
     (
         "  Your keys move your controls. Every press sends an order; the log shows the order and "
         "its answer. Press Enter to type an order: help lists the orders. Your instruments may "
@@ -55,7 +55,7 @@ STATION: Final = (
         "press Enter, or type the order and aye. The repeat moves no control: you do."
     ),
 )
-SIGNS: Final = (
+SIGN_MEANINGS: Final = (
     ">", "ordered",
     "R L", "right, left (rudder)",
     "R D", "rise, dive (planes)",
@@ -64,13 +64,13 @@ SIGNS: Final = (
     "in the log", "> sent, ? refused, o ordered to the crew, ! called out, < gone back, * marked",
     "time line", "S snapshot, C casualty, M mark; the bar is now",
 )  # fmt: skip
-MOUSE: Final = (
+MOUSE_HELP: Final = (
     (
         "  Click a key in the last line, a row of a list, a place on the time line; turn the wheel "
         "over the log or a window. Hold Shift to select text for your terminal, as without a mouse."
     ),
 )
-LIMITS: Final = {
+LIMIT_TEXTS: Final = {
     "depth_m_max": "no deeper than {} m",
     "depth_m_min": "no shallower than {} m",
     "pitch_deg_max": "pitch {} deg at most",
@@ -81,10 +81,12 @@ LIMITS: Final = {
     "validity_level_max": "validity level {} at most",
     "cpa_m_min": "no nearer than {} m to a ship",
 }
-AT: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}
-PASSING: Final = re.compile("^by hand: | has come$")  # of a greeting: what no briefing needs
-PAGE: Final = 60  # [characters] from which a line was broken because the page ended
-MOVES: Final = {
+AXIS_STATIONS: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}
+PASSING_PATTERN: Final = re.compile(
+    "^by hand: | has come$"
+)  # of a greeting: what no briefing needs
+PAGE_LETTERS: Final = 60  # [characters] from which a line was broken because the page ended
+SCROLL_STEPS: Final = {
     "up": -1,
     "down": 1,
     "pageup": -12,
@@ -93,13 +95,13 @@ MOVES: Final = {
     "home": -9999,
     "end": 9999,
 }
-LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark")
-LABELS: Final = 16  # [columns] of what stands before an explanation
-DEAF: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
+CLOSE_KEYS: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark")
+LABEL_COLUMNS: Final = 16  # [columns] of what stands before an explanation
+DEAF_TIME_S: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
 
 
 @dataclass
-class Reading:
+class TextView:
     """The text of a window, broken into lines of its width, from its top line."""
 
     title: str
@@ -109,23 +111,23 @@ class Reading:
     size: tuple[int, int] = (96, 60)
     _last: int = 0  # the largest top that still fills the window
 
-    def press(self, key: str, _character: str | None) -> Done | None:
+    def press(self, key: str, _character: str | None) -> DialogOutcome | None:
         """Take a key; return how the window ends, None while it goes on."""
-        if key in MOVES:
-            self.top = min(max(self.top + MOVES[key], 0), self._last)
+        if key in SCROLL_STEPS:
+            self.top = min(max(self.top + SCROLL_STEPS[key], 0), self._last)
             return None
         if key.lower() in self.keys:
-            return Done((self.keys[key.lower()][0],))
-        return NOTHING if key.lower() in LEAVES else None
+            return DialogOutcome((self.keys[key.lower()][0],))
+        return NO_OUTCOME if key.lower() in CLOSE_KEYS else None
 
-    def click(self, _column: int, row: int, _width: int) -> Done | None:
+    def click(self, _column: int, row: int, _width: int) -> DialogOutcome | None:
         """Take a click on one of the keys, which stand at the top."""
         place = row - 1 + self.top
         return self.press(list(self.keys)[place], None) if 0 <= place < len(self.keys) else None
 
     def draw(self, width: int, height: int) -> Lines:
         """Return as much of the text as there is room for, and its lines' places."""
-        lines = [row for each in self.text() for row in broken(each, max(width - 2, 1))]
+        lines = [row for each in self.text() for row in break_line(each, max(width - 2, 1))]
         room = max(height - 2, 1)
         self._last = max(len(lines) - room, 0)
         self.top = min(self.top, self._last)
@@ -145,7 +147,7 @@ class Reading:
         return line((f"{more}{back}", "warning"), (" Esc closes", "dim"), (does, "title"))
 
 
-def broken(drawn: Line, width: int) -> Lines:
+def break_line(drawn: Line, width: int) -> Lines:
     """Return a line in lines of at most ``width`` columns, broken between words.
 
     The later ones begin below the first word, or below the text that follows a label.
@@ -178,11 +180,11 @@ class PlanView:
     model: SessionModel
     size: tuple[int, int] = (300, 100)
 
-    def press(self, key: str, _character: str | None) -> Done | None:
+    def press(self, key: str, _character: str | None) -> DialogOutcome | None:
         """Take a key; return how the window ends, None while it goes on."""
-        return NOTHING if key in (*LEAVES, "ctrl+t") else None
+        return NO_OUTCOME if key in (*CLOSE_KEYS, "ctrl+t") else None
 
-    def click(self, _column: int, _row: int, _width: int) -> Done | None:
+    def click(self, _column: int, _row: int, _width: int) -> DialogOutcome | None:
         """Take a click, which does nothing here."""
         return None
 
@@ -191,14 +193,14 @@ class PlanView:
         return plan(self.model, width, height)
 
 
-def titled(title: str, rows: Sequence[Line]) -> list[Line]:
+def titled_rows(title: str, rows: Sequence[Line]) -> list[Line]:
     """Return rows below a heading, an empty line before it."""
     return [line(), line((f" {title}", "title")), line(), *rows]
 
 
-def labelled(label: str, says: str) -> Line:
+def labelled_line(label: str, says: str) -> Line:
     """Return an explanation behind its label."""
-    return line((f"   {label:<{LABELS}}", "value"), (says, "plain"))
+    return line((f"   {label:<{LABEL_COLUMNS}}", "value"), (says, "plain"))
 
 
 def plain_rows(texts: Sequence[str]) -> list[Line]:
@@ -208,12 +210,14 @@ def plain_rows(texts: Sequence[str]) -> list[Line]:
 
 def briefing_rows(model: SessionModel) -> list[Line]:
     """Return the exercise: its state, its conditions, its limits, and the crew's orders."""
-    rows = [labelled(label, says) for label, says in standing(model) if says]
+    rows = [labelled_line(label, says) for label, says in exercise_lines(model) if says]
     if model.marks_told:
-        rows += titled("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
+        rows += titled_rows("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
     told = model.told.get("line", [])
     known = (*told, model.exercise.get("title"))
-    said = [text for text in model.briefing if text not in known and not PASSING.search(text)]
+    said = [
+        text for text in model.briefing if text not in known and not PASSING_PATTERN.search(text)
+    ]
     rows += [line()] * bool(rows)
     rows += [line((f"   {text}", "plain")) for text in paragraphs(told)]
     rows += [line()] * bool(told)
@@ -229,11 +233,11 @@ def paragraphs(lines: Sequence[str]) -> list[str]:
             found[-1] += f" {text}"
         else:
             found.append(text)
-        going_on = len(text) >= PAGE
+        going_on = len(text) >= PAGE_LETTERS
     return found
 
 
-def standing(model: SessionModel) -> list[tuple[str, str]]:
+def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
     """Return what an exercise asks for and how much time is left, label by label."""
     told = model.exercise
     left = "" if model.left is None else f"{clock(model.left)[3:]} (minutes:seconds)"
@@ -256,7 +260,7 @@ def by_hand(told: str) -> str:
     axes = [axis for axis in told.split(",") if axis]
     if not axes:
         return ""
-    stations = dict.fromkeys(AT[axis] for axis in axes if axis in AT)
+    stations = dict.fromkeys(AXIS_STATIONS[axis] for axis in axes if axis in AXIS_STATIONS)
     pilot = ", or one pilot" if {"helm", "planes"} == set(stations) else ""
     return f"{', '.join(axes)}; needs: {' and '.join(stations)}{pilot}"
 
@@ -271,41 +275,44 @@ def limits_said(told: str) -> str:
     found = []
     for part in filter(None, told.split(",")):
         name, _, value = part.partition(":")
-        found.append(LIMITS[name].format(value) if name in LIMITS else part)
+        found.append(LIMIT_TEXTS[name].format(value) if name in LIMIT_TEXTS else part)
     return "; ".join(found)
 
 
-def guide(model: SessionModel) -> Reading:
+def guide(model: SessionModel) -> TextView:
     """Return the help of a role: first steps, the exercise, all keys, the signs."""
 
     def text() -> list[Line]:
-        first = FIRST if model.instructs else STATION
-        keys = [labelled(key.label, key.does) for key in KEYS[model.role]]
-        signs = [labelled(*pair) for pair in zip(SIGNS[::2], SIGNS[1::2], strict=True)]
+        first = INSTRUCTOR_HELP if model.instructs else STATION_HELP
+        keys = [labelled_line(key.label, key.does) for key in KEYS[model.role]]
+        signs = [
+            labelled_line(*pair)
+            for pair in zip(SIGN_MEANINGS[::2], SIGN_MEANINGS[1::2], strict=True)
+        ]
         return [
             *plain_rows(first),
-            *titled("This session", briefing_rows(model)),
-            *titled("Keys", keys),
-            *titled("Mouse", plain_rows(MOUSE)),
-            *titled("Signs", signs),
+            *titled_rows("This session", briefing_rows(model)),
+            *titled_rows("Keys", keys),
+            *titled_rows("Mouse", plain_rows(MOUSE_HELP)),
+            *titled_rows("Signs", signs),
         ]
 
-    return Reading("A first exercise" if model.instructs else "Your station", text)
+    return TextView("A first exercise" if model.instructs else "Your station", text)
 
 
-def briefing(model: SessionModel) -> Reading:
+def briefing(model: SessionModel) -> TextView:
     """Return the window with the briefing; the time left goes on in it."""
     keys = {} if model.instructs or not model.exercise else {"r": ("ready", "R says ready")}
-    return Reading("Briefing", lambda: briefing_rows(model), keys)
+    return TextView("Briefing", lambda: briefing_rows(model), keys)
 
 
-def answer(words: str, lines: Sequence[str]) -> Reading:
+def answer(words: str, lines: Sequence[str]) -> TextView:
     """Return the window with a long answer."""
     rows = [line((f" {text}", "plain")) for text in lines if text]
-    return Reading(words, lambda: rows)
+    return TextView(words, lambda: rows)
 
 
-class Next(NamedTuple):
+class NextStep(NamedTuple):
     """A step after an exercise: its order, its words, whether it is asked once more."""
 
     order: str
@@ -313,48 +320,48 @@ class Next(NamedTuple):
     asked: bool = False
 
 
-AFTER: Final = {
-    "r": Next("release marks", "show the marks to the crew"),
-    "d": Next("debrief", "write the debrief"),
-    "a": Next("again", "again, from the start", asked=True),
-    "h": Next("again from 2 min", "again, from two minutes ago", asked=True),
-    "n": Next("next", "choose another exercise"),
+NEXT_STEPS: Final = {
+    "r": NextStep("release marks", "show the marks to the crew"),
+    "d": NextStep("debrief", "write the debrief"),
+    "a": NextStep("again", "again, from the start", asked=True),
+    "h": NextStep("again from 2 min", "again, from two minutes ago", asked=True),
+    "n": NextStep("next", "choose another exercise"),
 }
 
 
-class Ending(Reading):
+class EndView(TextView):
     """The window of an exercise that is over: what can follow, and the marks."""
 
     def __init__(self, model: SessionModel) -> None:
         super().__init__(
-            "Exercise over", self._rows, {key: (each.order, "") for key, each in AFTER.items()}
+            "Exercise over", self._rows, {key: (each.order, "") for key, each in NEXT_STEPS.items()}
         )
         self._model = model
         self._since = model.clock()
         self._chosen = ""
 
-    def press(self, key: str, character: str | None) -> Done | None:
+    def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the window ends, None while it goes on."""
         key = key.lower()
-        if self._model.clock() - self._since < DEAF:
+        if self._model.clock() - self._since < DEAF_TIME_S:
             return None
         before, self._chosen = self._chosen, key
         if key == "r":  # it stays: the debrief is written next
-            self._model.order(AFTER[key].order)
+            self._model.order(NEXT_STEPS[key].order)
             return None
-        if key in AFTER and AFTER[key].asked and before != key:
+        if key in NEXT_STEPS and NEXT_STEPS[key].asked and before != key:
             return None
         return super().press(key, character)
 
     def _rows(self) -> list[Line]:
-        rows = [labelled(key.upper(), self._says(key)) for key in AFTER]
+        rows = [labelled_line(key.upper(), self._says(key)) for key in NEXT_STEPS]
         marks = self._model.marks_told or ["the marks are being calculated"]
         rows += [line(), line((f" {self._model.outcome}", "title")), line()]
         return rows + [line((f"   {told}", "plain")) for told in marks]
 
     def _says(self, key: str) -> str:
         """Return what a key does, or that it is to be pressed once more."""
-        if key != self._chosen or key not in AFTER:
-            return AFTER[key].does
-        once_more = f"{AFTER[key].does}: press {key.upper()} once more"
-        return once_more if AFTER[key].asked else f"{AFTER[key].does}: done"
+        if key != self._chosen or key not in NEXT_STEPS:
+            return NEXT_STEPS[key].does
+        once_more = f"{NEXT_STEPS[key].does}: press {key.upper()} once more"
+        return once_more if NEXT_STEPS[key].asked else f"{NEXT_STEPS[key].does}: done"

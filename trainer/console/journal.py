@@ -12,11 +12,11 @@ from typing import Final, NamedTuple
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.sentences import Sentence
 
-KEPT: Final = 1000
-MOMENT: Final = 5.0  # [s]
-FIGURES: Final = re.compile(r" [\d.]+")  # what differs between presses
+MAX_ENTRIES: Final = 1000
+MERGE_TIME_S: Final = 5.0  # [s]
+FIGURE_PATTERN: Final = re.compile(r" [\d.]+")  # what differs between presses
 # by kind: the sign before the text, and the ink
-SIGNS: Final = {
+KIND_SIGNS: Final = {
     "sent": (">", "value"),
     "answer": (" ", "plain"),
     "refused": ("?", "warning"),
@@ -34,11 +34,11 @@ SIGNS: Final = {
     "station": ("-", "dim"),
     "briefing": (" ", "plain"),
 }
-OTHER: Final = ("-", "plain")
-TRACED: Final = 4800  # ticks: 40 minutes at half a second
+OTHER_SIGN: Final = ("-", "plain")
+MAX_TRACE_TICKS: Final = 4800  # ticks: 40 minutes at half a second
 
 
-class Entry(NamedTuple):
+class JournalEntry(NamedTuple):
     """One thing said or done."""
 
     seconds: float | None  # None: at no time of the boat's
@@ -46,7 +46,7 @@ class Entry(NamedTuple):
     text: str
 
 
-class Kept(NamedTuple):
+class TimelineMoment(NamedTuple):
     """Something on the time line."""
 
     seconds: float
@@ -54,7 +54,7 @@ class Kept(NamedTuple):
     text: str
 
 
-def plan_of(subject: str) -> list[Kept]:
+def plan_of(subject: str) -> list[TimelineMoment]:
     """Return an order that is ahead; none where its time is not known."""
     _, when, text = (*subject.split(",", 2), "", "")[:3]
     try:
@@ -62,37 +62,37 @@ def plan_of(subject: str) -> list[Kept]:
     except ValueError:
         return []
     sign = "c" if name_of(text) == "casualty" else "o"
-    return [Kept(seconds, sign, text)] if math.isfinite(seconds) else []
+    return [TimelineMoment(seconds, sign, text)] if math.isfinite(seconds) else []
 
 
-def entry_of(event: Sentence) -> Entry:
+def entry_of(event: Sentence) -> JournalEntry:
     """Return something that happened as the log has it."""
     _, seconds, kind, text = event.fields
-    return Entry(float(seconds), kind, text)
+    return JournalEntry(float(seconds), kind, text)
 
 
 @dataclass
 class Journal:
     """The entries, oldest first, and how far back the screen looks."""
 
-    entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=KEPT))
+    entries: deque[JournalEntry] = field(default_factory=lambda: deque(maxlen=MAX_ENTRIES))
     changes: int = 0
     back: int = 0  # lines
 
     def add(self, seconds: float | None, kind: str, text: str) -> None:
         """Enter something; the screen shows it, of presses of one control the last."""
-        new = Entry(seconds, kind, text)
+        new = JournalEntry(seconds, kind, text)
         if self.entries and follows(self.entries[-1], new):
             self.entries.pop()
         self.entries.append(new)
         self.changes += 1
         self.back = 0
 
-    def recall(self, entries: Sequence[Entry]) -> None:
+    def recall(self, entries: Sequence[JournalEntry]) -> None:
         """Lay what happened earlier before what is there, without what is there already."""
         known = set(self.entries)
         missed = [entry for entry in entries if entry not in known]
-        self.entries.extendleft(reversed(missed[-(KEPT - len(self.entries)) :]))
+        self.entries.extendleft(reversed(missed[-(MAX_ENTRIES - len(self.entries)) :]))
         self.changes += 1
 
     def look_back(self, lines: int) -> None:
@@ -101,12 +101,12 @@ class Journal:
         self.changes += 1
 
 
-def follows(last: Entry, new: Entry) -> bool:
+def follows(last: JournalEntry, new: JournalEntry) -> bool:
     """Return whether a station moves on the control that it moved a moment before."""
     if last.kind != "order" or new.kind != "order" or last.seconds is None or new.seconds is None:
         return False
-    alike = FIGURES.split(last.text)[0] == FIGURES.split(new.text)[0] != new.text
-    return alike and 0.0 <= new.seconds - last.seconds <= MOMENT
+    alike = FIGURE_PATTERN.split(last.text)[0] == FIGURE_PATTERN.split(new.text)[0] != new.text
+    return alike and 0.0 <= new.seconds - last.seconds <= MERGE_TIME_S
 
 
 def clock(seconds: float) -> str:
@@ -115,9 +115,9 @@ def clock(seconds: float) -> str:
     return f"{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}"
 
 
-def wrap_entry(entry: Entry, width: int) -> list[tuple[str, str, str]]:
+def wrap_entry(entry: JournalEntry, width: int) -> list[tuple[str, str, str]]:
     """Return an entry in lines of a time, a text and an ink."""
-    sign, ink = SIGNS.get(entry.kind, OTHER)
+    sign, ink = KIND_SIGNS.get(entry.kind, OTHER_SIGN)
     when = " " * 8 if entry.seconds is None else clock(entry.seconds)
     room = max(width - len(when) - 5, 8)
     texts = textwrap.wrap(entry.text, room) or [""]
@@ -146,15 +146,15 @@ class Trace:
         del self.times[place:], self.samples[place:]
         self.times.append(seconds)
         self.samples.append(tuple(samples))
-        if len(self.times) > TRACED + TRACED // 4:
-            del self.times[:-TRACED], self.samples[:-TRACED]
+        if len(self.times) > MAX_TRACE_TICKS + MAX_TRACE_TICKS // 4:
+            del self.times[:-MAX_TRACE_TICKS], self.samples[:-MAX_TRACE_TICKS]
 
     def recall(self, rows: Sequence[tuple[float, Sequence[Sample]]]) -> None:
         """Lay samples of earlier times among those there are, which stay."""
         there = dict(zip(self.times, self.samples, strict=True))
         latest = self.times[-1] if self.times else math.inf
         whole = {seconds: samples for seconds, samples in rows if seconds < latest} | there
-        self.times = sorted(whole)[-TRACED:]
+        self.times = sorted(whole)[-MAX_TRACE_TICKS:]
         self.samples = [whole[seconds] for seconds in self.times]
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:

@@ -5,25 +5,25 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-PAGE: Final = 8  # [lines] of the log
+PAGE_LINES: Final = 8  # [lines] of the log
 
 
 @dataclass(frozen=True)
-class Give:
+class OrderAction:
     """Give this order."""
 
     words: str
 
 
 @dataclass(frozen=True)
-class Hasten:
+class PaceAction:
     """Make time faster or slower by so many steps."""
 
     steps: int
 
 
 @dataclass(frozen=True)
-class Move:
+class MoveAction:
     """Move a surface by an angle [deg], right and rise positive."""
 
     surface: str
@@ -31,7 +31,7 @@ class Move:
 
 
 @dataclass(frozen=True)
-class Pump:
+class PumpAction:
     """Move so much more water [t], into a tank or forward positive."""
 
     tank: str
@@ -39,34 +39,34 @@ class Pump:
 
 
 @dataclass(frozen=True)
-class Open:
+class DialogAction:
     """Open a dialog."""
 
     dialog: str
 
 
 @dataclass(frozen=True)
-class Write:
+class TypingAction:
     """Begin an order in the line at the bottom."""
 
     text: str
 
 
 @dataclass(frozen=True)
-class Widen:
+class SpanAction:
     """Change how far the charts go back."""
 
     steps: int
 
 
 @dataclass(frozen=True)
-class Scroll:
+class ScrollAction:
     """Look further back in the log by so many lines."""
 
     lines: int
 
 
-class Deed(Enum):
+class PlainAction(Enum):
     """The deeds of keys that need no more words."""
 
     TOGGLE = "freeze time, or let it go on"
@@ -76,7 +76,17 @@ class Deed(Enum):
     RING = "switch the terminal's bell on or off"
 
 
-Act = Give | Hasten | Move | Pump | Open | Write | Widen | Scroll | Deed
+KeyAction = (
+    OrderAction
+    | PaceAction
+    | MoveAction
+    | PumpAction
+    | DialogAction
+    | TypingAction
+    | SpanAction
+    | ScrollAction
+    | PlainAction
+)
 
 
 @dataclass(frozen=True)
@@ -87,56 +97,62 @@ class Key:
     label: str
     says: str  # "" keeps it out of the footer; "B: both" names its counterpart
     does: str
-    act: Act
+    act: KeyAction
 
 
-HELP: Final = Key(("f1", "question_mark"), "F1", "help", "help, this page", Open("help"))
-BRIEF: Final = Key(
+HELP_KEY: Final = Key(
+    ("f1", "question_mark"), "F1", "help", "help, this page", DialogAction("help")
+)
+BRIEFING_KEY: Final = Key(
     ("f12",),
     "F12",
     "briefing",
     "the exercise: task, time left, how to win, limits",
-    Open("briefing"),
+    DialogAction("briefing"),
 )
-BELL: Final = Key(("ctrl+g",), "Ctrl-G", "", "switch the bell off or on", Deed.RING)
-PLAN: Final = Key(("ctrl+t",), "Ctrl-T", "", "the track from above", Open("plan"))
-LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Deed.LEAVE)
-END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Deed.LEAVE)
-LOG: Final = (
-    Key(("pageup",), "Page Up", "", "look back in the log", Scroll(PAGE)),
-    Key(("pagedown",), "Page Down", "", "look forward in the log", Scroll(-PAGE)),
+BELL_KEY: Final = Key(("ctrl+g",), "Ctrl-G", "", "switch the bell off or on", PlainAction.RING)
+PLAN_KEY: Final = Key(("ctrl+t",), "Ctrl-T", "", "the track from above", DialogAction("plan"))
+LEAVE_KEY: Final = Key(
+    ("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", PlainAction.LEAVE
 )
-SPAN: Final = (
-    Key(("right_square_bracket",), "]", "", "charts over a longer time", Widen(1)),
-    Key(("left_square_bracket",), "[", "", "charts over a shorter time", Widen(-1)),
+END_KEY: Final = Key(
+    ("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", PlainAction.LEAVE
 )
-REPEAT: Final = Key(
+LOG_KEYS: Final = (
+    Key(("pageup",), "Page Up", "", "look back in the log", ScrollAction(PAGE_LINES)),
+    Key(("pagedown",), "Page Down", "", "look forward in the log", ScrollAction(-PAGE_LINES)),
+)
+SPAN_KEYS: Final = (
+    Key(("right_square_bracket",), "]", "", "charts over a longer time", SpanAction(1)),
+    Key(("left_square_bracket",), "[", "", "charts over a shorter time", SpanAction(-1)),
+)
+REPEAT_KEY: Final = Key(
     ("enter",),
     "Enter",
     "type/repeat",
     "repeat a new order (aye), or type an order",
-    Deed.REPEAT,
+    PlainAction.REPEAT,
 )
-TYPE: Final = Key(("colon",), ":", "", "type an order; Esc comes back", Write(""))
+TYPE_KEY: Final = Key(("colon",), ":", "", "type an order; Esc comes back", TypingAction(""))
 
-INSTRUCTOR: Final = (
-    HELP,
-    Key(("f2", "space"), "F2", "freeze", "stop time, or start it again", Deed.TOGGLE),
-    Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", Give("step")),
-    Key(("f4",), "F4", "break", "break something, or repair it", Open("casualties")),
-    Key(("f5",), "F5", "sea", "change the sea", Open("sea")),
-    Key(("f6",), "F6", "back", "go back in time, by the time line", Open("moments")),
-    Key(("f7",), "F7", "replay", "replay the last minutes, or end the replay", Deed.AGAIN),
-    Key(("f8",), "F8", "keep", "keep this moment under a name", Write("snapshot ")),
-    Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
-    END,
-    BRIEF,
-    PLAN,
-    Key(("plus", "equals_sign"), "+", "", "time faster", Hasten(1)),
-    Key(("minus",), "-", "", "time slower", Hasten(-1)),
-    BELL,
-    *SPAN,
-    *LOG,
+INSTRUCTOR_KEYS: Final = (
+    HELP_KEY,
+    Key(("f2", "space"), "F2", "freeze", "stop time, or start it again", PlainAction.TOGGLE),
+    Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", OrderAction("step")),
+    Key(("f4",), "F4", "break", "break something, or repair it", DialogAction("casualties")),
+    Key(("f5",), "F5", "sea", "change the sea", DialogAction("sea")),
+    Key(("f6",), "F6", "back", "go back in time, by the time line", DialogAction("moments")),
+    Key(("f7",), "F7", "replay", "replay the last minutes, or end the replay", PlainAction.AGAIN),
+    Key(("f8",), "F8", "keep", "keep this moment under a name", TypingAction("snapshot ")),
+    Key(("f9",), "F9", "mark", "mark this moment, with a remark", TypingAction("mark ")),
+    END_KEY,
+    BRIEFING_KEY,
+    PLAN_KEY,
+    Key(("plus", "equals_sign"), "+", "", "time faster", PaceAction(1)),
+    Key(("minus",), "-", "", "time slower", PaceAction(-1)),
+    BELL_KEY,
+    *SPAN_KEYS,
+    *LOG_KEYS,
 )
 
 
@@ -151,13 +167,13 @@ def steering(
     for key, label, side, sign in zip(pair, labels, sides, (-1, 1), strict=True):
         says = f"{labels[1]}: {surface}" if sign < 0 else ""
         found += [
-            Key((key,), label, says, f"{surface} 1 degree {side}", Move(surface, sign)),
+            Key((key,), label, says, f"{surface} 1 degree {side}", MoveAction(surface, sign)),
             Key(
                 (key.upper(), f"shift+{key}") if len(key) == 1 else (f"shift+{key}", f"ctrl+{key}"),
                 f"Shift {label}",
                 "",
                 f"{surface} 5 degrees {side}{'' if len(key) == 1 else '; Ctrl does the same'}",
-                Move(surface, 5 * sign),
+                MoveAction(surface, 5 * sign),
             ),
         ]
     return tuple(found)
@@ -165,20 +181,20 @@ def steering(
 
 def order_key(key: str, says: str, words: str) -> Key:
     """Return a key that gives an order."""
-    return Key((key,), key.upper() if len(key) == 1 else key, says, words, Give(words))
+    return Key((key,), key.upper() if len(key) == 1 else key, says, words, OrderAction(words))
 
 
-def pump_key(key: str, says: str, does: str, act: Pump) -> Key:
+def pump_key(key: str, says: str, does: str, act: PumpAction) -> Key:
     """Return a key that moves water."""
     return Key((key,), key.upper(), says, does, act)
 
 
-RUDDER: Final = (
+RUDDER_KEYS: Final = (
     *steering("rudder", ("left", "right"), ("Left", "Right"), ("left", "right")),
     order_key("m", "amidships", "rudder amidships"),
     order_key("a", "auto", "rudder auto"),
 )
-BELLS: Final = (
+TELEGRAPH_KEYS: Final = (
     order_key("0", "to 8: bells", "bell stop"),
     order_key("1", "", "bell ahead one-third"),
     order_key("2", "", "bell ahead two-thirds"),
@@ -189,28 +205,28 @@ BELLS: Final = (
     order_key("7", "", "bell astern two-thirds"),
     order_key("8", "", "bell astern full"),
 )
-STERN: Final = steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise"))
-ZERO: Final = (
+STERN_KEYS: Final = steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise"))
+ZERO_KEYS: Final = (
     order_key("z", "stern 0", "stern planes zero"),
     order_key("x", "bow 0", "bow planes zero"),
 )
-PERISCOPE: Final = order_key("p", "periscope", "periscope depth")
-PLANES: Final = (
-    *STERN,
+PERISCOPE_KEY: Final = order_key("p", "periscope", "periscope depth")
+PLANE_KEYS: Final = (
+    *STERN_KEYS,
     *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
-    *ZERO,
+    *ZERO_KEYS,
     order_key("a", "auto", "planes auto"),
-    PERISCOPE,
+    PERISCOPE_KEY,
 )
-BOTH: Final = (  # rudder and planes, by one person
-    *RUDDER,
-    *STERN,
+PILOT_KEYS: Final = (  # rudder and planes, by one person
+    *RUDDER_KEYS,
+    *STERN_KEYS,
     *steering("bow", ("s", "w"), ("S", "W"), ("dive", "rise")),
-    *ZERO,
+    *ZERO_KEYS,
     order_key("d", "planes auto", "planes auto"),
-    PERISCOPE,
+    PERISCOPE_KEY,
 )
-VALVES: Final = (
+VALVE_KEYS: Final = (
     order_key("1", "to 4: blow", "blow forward"),
     order_key("2", "", "blow mid"),
     order_key("3", "", "blow aft"),
@@ -218,55 +234,68 @@ VALVES: Final = (
     order_key("0", "no blow", "blow stop"),
     order_key("v", "vent", "vent all open"),
     order_key("s", "shut", "vent all shut"),
-    Key(("e",), "E", "EMERGENCY", "emergency blow; you must confirm it", Open("emergency")),
+    Key(("e",), "E", "EMERGENCY", "emergency blow; you must confirm it", DialogAction("emergency")),
 )
-WATER: Final = (
+WATER_KEYS: Final = (
     order_key("n", "B: negative", "negative flood"),
     order_key("b", "", "negative blow"),
-    pump_key("f", "G: aux", "flood auxiliary 1 t more", Pump("auxiliary", 1.0)),
-    pump_key("g", "", "pump auxiliary 1 t more", Pump("auxiliary", -1.0)),
-    pump_key("u", "I: depth", "flood depth-control 1 t more", Pump("depth_control", 1.0)),
-    pump_key("i", "", "pump depth-control 1 t more", Pump("depth_control", -1.0)),
-    pump_key("t", "Y: trim", "pump trim 1 t more to aft", Pump("trim", -1.0)),
-    pump_key("y", "", "pump trim 1 t more to forward", Pump("trim", 1.0)),
+    pump_key("f", "G: aux", "flood auxiliary 1 t more", PumpAction("auxiliary", 1.0)),
+    pump_key("g", "", "pump auxiliary 1 t more", PumpAction("auxiliary", -1.0)),
+    pump_key("u", "I: depth", "flood depth-control 1 t more", PumpAction("depth_control", 1.0)),
+    pump_key("i", "", "pump depth-control 1 t more", PumpAction("depth_control", -1.0)),
+    pump_key("t", "Y: trim", "pump trim 1 t more to aft", PumpAction("trim", -1.0)),
+    pump_key("y", "", "pump trim 1 t more to forward", PumpAction("trim", 1.0)),
     order_key("h", "J: hover", "hover on"),
     order_key("j", "", "hover off"),
     order_key("c", "K: charge", "compressor on"),
     order_key("k", "", "compressor off"),
 )
-FIRST: Final = (HELP, REPEAT, BRIEF, LEAVE)  # named first where there is little room
-COMMON: Final = (TYPE, BELL, *SPAN, *LOG)
+FOOTER_KEYS: Final = (
+    HELP_KEY,
+    REPEAT_KEY,
+    BRIEFING_KEY,
+    LEAVE_KEY,
+)  # named first where there is little room
+COMMON_KEYS: Final = (TYPE_KEY, BELL_KEY, *SPAN_KEYS, *LOG_KEYS)
 
 KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
-    "instructor": INSTRUCTOR,
-    "helm": (*FIRST, *RUDDER, *BELLS, *COMMON),
-    "planes": (*FIRST, *PLANES, *COMMON),
-    "pilot": (*FIRST, *BOTH, *BELLS, *COMMON),
-    "ballast": (*FIRST, *VALVES, *WATER, *COMMON),
-    "diving": (*FIRST, *PLANES, *VALVES, *WATER, *COMMON),
+    "instructor": INSTRUCTOR_KEYS,
+    "helm": (*FOOTER_KEYS, *RUDDER_KEYS, *TELEGRAPH_KEYS, *COMMON_KEYS),
+    "planes": (*FOOTER_KEYS, *PLANE_KEYS, *COMMON_KEYS),
+    "pilot": (*FOOTER_KEYS, *PILOT_KEYS, *TELEGRAPH_KEYS, *COMMON_KEYS),
+    "ballast": (*FOOTER_KEYS, *VALVE_KEYS, *WATER_KEYS, *COMMON_KEYS),
+    "diving": (*FOOTER_KEYS, *PLANE_KEYS, *VALVE_KEYS, *WATER_KEYS, *COMMON_KEYS),
     "observer": (
-        *FIRST,
-        Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
-        *COMMON,
+        *FOOTER_KEYS,
+        Key(("m",), "M", "mark", "mark this moment, with a remark", TypingAction("mark ")),
+        *COMMON_KEYS,
     ),
     "scope": (
-        *FIRST,
+        *FOOTER_KEYS,
         order_key("u", "raise", "scope raise"),
         order_key("d", "lower", "scope lower"),
         order_key("1", "power", "scope power 1.5"),
         order_key("6", "", "scope power 6"),
-        Key(("t",), "T", "train", "turn it to an angle from the bow", Write("scope train ")),
-        Key(("r",), "R", "range", "measure a range by a mast's height", Write("scope range ")),
-        Key(("m",), "M", "mark", "mark a ship on its bearing", Write("mark contact ")),
-        *COMMON,
+        Key(("t",), "T", "train", "turn it to an angle from the bow", TypingAction("scope train ")),
+        Key(
+            ("r",), "R", "range", "measure a range by a mast's height", TypingAction("scope range ")
+        ),
+        Key(("m",), "M", "mark", "mark a ship on its bearing", TypingAction("mark contact ")),
+        *COMMON_KEYS,
     ),
     "visitor": (
-        *FIRST,
-        Key(("d",), "D", "R: lever", "push the lever down, so many degrees", Write("lever dive ")),
-        Key(("r",), "R", "", "pull it up", Write("lever rise ")),
+        *FOOTER_KEYS,
+        Key(
+            ("d",),
+            "D",
+            "R: lever",
+            "push the lever down, so many degrees",
+            TypingAction("lever dive "),
+        ),
+        Key(("r",), "R", "", "pull it up", TypingAction("lever rise ")),
         order_key("z", "lever 0", "lever zero"),
         order_key("n", "new dive", "restart"),
-        *COMMON,
+        *COMMON_KEYS,
     ),
 }
 

@@ -16,11 +16,11 @@ from trainer.console.model import SessionModel
 from trainer.io import paths
 from trainer.io.serial_line import LinkError
 
-PATIENCE: Final = 2.0  # [s] for the line to be closed
-LEAVING: Final = 3.0  # [s] for a screen that is asked to end
+CLOSE_TIMEOUT_S: Final = 2.0  # [s] for the line to be closed
+LEAVE_TIMEOUT_S: Final = 3.0  # [s] for a screen that is asked to end
 
 
-def attend(url: str | None, role: str, token: str | None) -> int:
+def attend_session(url: str | None, role: str, token: str | None) -> int:
     """Show the screen of a role until its user leaves; return the exit code."""
     left = paths.left_address()  # where the system has no local sockets
     token = token or (left[1] if url in (None, left[0]) else None) or None
@@ -60,7 +60,7 @@ class Visit:
         console = self.console
         gc.freeze()  # the first picture waits for nobody to look through what draws it
         # With its terminal gone the screen may wait for ever to write what ends it.
-        last = threading.Timer(LEAVING, os._exit, (1,))
+        last = threading.Timer(LEAVE_TIMEOUT_S, os._exit, (1,))
         last.daemon = True
 
         def end(*_: object) -> None:
@@ -68,14 +68,14 @@ class Visit:
             if not last.ident:
                 last.start()
 
-        kept = {number: signal.signal(number, end) for number in endings()}
+        kept = {number: signal.signal(number, end) for number in ending_signals()}
         try:
             why = console.run()
         finally:
             last.cancel()
             for number, handler in kept.items():
                 signal.signal(number, handler)
-            self.client.close(PATIENCE)
+            self.client.close(CLOSE_TIMEOUT_S)
         return why or ""
 
 
@@ -88,6 +88,6 @@ def forget_size() -> None:
         os.environ.pop(name, None)
 
 
-def endings() -> tuple[int, ...]:
+def ending_signals() -> tuple[int, ...]:
     """Return the signals that ask the console to end."""
     return tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))

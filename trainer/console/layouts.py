@@ -12,9 +12,9 @@ from trainer.console.pane import Lines
 
 Drawing = Callable[[SessionModel, int, int], Lines]
 
-SMOOTH: Final = "at 10 hz"
-OFTEN: Final = "at 5 hz"
-SELDOM: Final = "at 1 hz"
+SMOOTH_RATE: Final = "at 10 hz"
+OFTEN_RATE: Final = "at 5 hz"
+SELDOM_RATE: Final = "at 1 hz"
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def charts_named(gauge: str, *names: str) -> tuple[Quantity, ...]:
     return tuple(known[name] for name in names)
 
 
-VATS: Final = (
+TANK_PLACES: Final = (
     Place("levels", tanks.levels),
     Place("fittings", tanks.fittings),
 )
@@ -113,14 +113,14 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             ("time", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.gauges, moving=True),),
-            VATS,
+            TANK_PLACES,
         ),
         Layout(
             "diving",
             ("time", "diving", "engine", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.planes, moving=True),),
-            VATS,
+            TANK_PLACES,
         ),
         Layout(
             "observer",
@@ -146,5 +146,5 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
 
 def wishes(post: Layout) -> dict[str, str]:
     """Return how often each channel is wanted. The one that charts are drawn at comes last."""
-    often = {"motion": SMOOTH, "gauges": SMOOTH, "ledger": SELDOM}
-    return {channel: often.get(channel, OFTEN) for channel in post.channels}
+    often = {"motion": SMOOTH_RATE, "gauges": SMOOTH_RATE, "ledger": SELDOM_RATE}
+    return {channel: often.get(channel, OFTEN_RATE) for channel in post.channels}

@@ -8,20 +8,20 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Protocol
 
-from trainer.console.client import Greeting, Item, Joined, Lost
+from trainer.console.client import Greeting, Item, LineLoss, RoleTaken
 from trainer.console.crew import CrewOrders
-from trainer.console.journal import Journal, Kept, Sample, Trace, entry_of, plan_of
-from trainer.console.past import EVENTS, LATE, Past
-from trainer.console.readings import ChannelReadings, Reading
+from trainer.console.journal import Journal, Sample, TimelineMoment, Trace, entry_of, plan_of
+from trainer.console.past import EVENTS_CHANNEL, LATE_TIME_S, PastAnswers
+from trainer.console.readings import ChannelReading, ChannelReadings
 from trainer.io.orders.grammar import Order, name_of, parse
 from trainer.io.orders.sentences import Sentence
 
-RINGING: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
-LINES: Final = ("line", "wins", "lost")  # keys of an exercise that come again and again
-LONG: Final = 4  # [lines] from which an answer is read in a window of its own
-TRACK: Final = 4000  # places of the track
-TRACKED: Final = 2.0  # [s] between them
-AWAITED: Final = 60.0  # [s] for the next exercise to be there
+BELL_KINDS: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
+REPEATED_KEYS: Final = ("line", "wins", "lost")  # keys of an exercise that come again and again
+LONG_ANSWER_LINES: Final = 4  # [lines] from which an answer is read in a window of its own
+MAX_TRACK_PLACES: Final = 4000  # places of the track
+TRACK_PERIOD_S: Final = 2.0  # [s] between them
+NEXT_TIMEOUT_S: Final = 60.0  # [s] for the next exercise to be there
 MAKING_READY: Final = "the next exercise is being made ready"
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
 
@@ -52,7 +52,7 @@ class Quantity(NamedTuple):
     crew: str = ""  # the order to the crew that is shown in place of the autopilot's
 
 
-class Broken(NamedTuple):
+class CasualtyOffer(NamedTuple):
     """A casualty on offer: its usual order, and its meaning."""
 
     name: str
@@ -73,7 +73,7 @@ class Talk(Protocol):
 
 
 @dataclass
-class Asked:
+class SentOrder:
     """An order on its way; ``quiet`` ones are the screen's own."""
 
     words: str
@@ -98,10 +98,10 @@ class SessionModel:
     over: bool = False
     ended: bool = False  # by an order of this screen
     briefing: list[str] = field(default_factory=list)
-    casualties: list[Broken] = field(default_factory=list)
-    snapshots: list[Kept] = field(default_factory=list)
-    marks: list[Kept] = field(default_factory=list)
-    plans: list[Kept] = field(default_factory=list)  # orders that are to come at a time
+    casualties: list[CasualtyOffer] = field(default_factory=list)
+    snapshots: list[TimelineMoment] = field(default_factory=list)
+    marks: list[TimelineMoment] = field(default_factory=list)
+    plans: list[TimelineMoment] = field(default_factory=list)  # orders that are to come at a time
     furthest: float = 0.0  # [s] that time has reached on this branch
     refused: int = 0  # orders of this screen
     crew: CrewOrders = field(default_factory=CrewOrders)
@@ -113,22 +113,22 @@ class SessionModel:
     marks_told: list[str] = field(default_factory=list)  # with their reasons, when they are told
     releases: int = 0  # of marks to the crew
     rings: int = 0  # how often the bell has been due
-    past: Past = field(default_factory=Past)
+    past: PastAnswers = field(default_factory=PastAnswers)
     answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
     trace: Trace = field(init=False)
 
     def __post_init__(self) -> None:
         self.trace = Trace(len(self.charts))
-        self._asked: dict[str, Asked] = {}
-        self._track: deque[tuple[float, float, float]] = deque(maxlen=TRACK)  # [s, m, m]
+        self._asked: dict[str, SentOrder] = {}
+        self._track: deque[tuple[float, float, float]] = deque(maxlen=MAX_TRACK_PLACES)  # [s, m, m]
         self._awaited = -math.inf  # [s] on the clock, until which the next exercise may take
         self._caught_up = False  # with what was shown before the line was there
         self._greeted = 0  # lines of the briefing that came before the line was lost last
         self._over_at = 0.0  # [s] when the exercise was over
         self._early: list[str] = []  # orders that wait for the first line
         self._own = 0  # orders to the crew that were given here and have not been told yet
-        self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
-        self._casualties: list[Broken] = []
+        self._snapshots: list[TimelineMoment] = []  # told so far, of an answer that is to come
+        self._casualties: list[CasualtyOffer] = []
 
     @property
     def instructs(self) -> bool:
@@ -193,9 +193,9 @@ class SessionModel:
                 if item.text not in self.briefing:
                     self.briefing.append(item.text)
                     self.journal.add(None, "briefing", item.text)
-            elif isinstance(item, Joined):
+            elif isinstance(item, RoleTaken):
                 self._join()
-            elif isinstance(item, Lost):
+            elif isinstance(item, LineLoss):
                 self._lose(item.why)
             else:
                 self.joined, self.barred, self.trouble = False, item.why, item.why
@@ -205,7 +205,7 @@ class SessionModel:
             self.journal.add(self.picture.seconds, "sent", words)
         tag = self.talk.order(words)
         if tag:
-            self._asked[tag] = Asked(words, quiet)
+            self._asked[tag] = SentOrder(words, quiet)
             self._own += gives_crew(words) and not self.instructs
         elif not quiet:
             why = MAKING_READY if self.follows else self.trouble or "no connection"
@@ -249,7 +249,7 @@ class SessionModel:
         elif sentence.kind == "TRE":
             _, seconds, kind, text = sentence.fields
             self.journal.add(float(seconds), kind, text)
-            self.rings += kind in RINGING
+            self.rings += kind in BELL_KINDS
             self.releases += kind == "marks"
         elif sentence.kind == "TRF":
             self._note(sentence)
@@ -273,7 +273,7 @@ class SessionModel:
         """Ask for what a screen that comes late, or returns, has not seen."""
         missed, self._caught_up = not self._caught_up, True
         seen = self.trace.times[-1] if self.trace.times else 0.0
-        if missed and seconds - seen > LATE:
+        if missed and seconds - seen > LATE_TIME_S:
             self.past.ask(self._charted(), self.ask)
 
     def _charted(self) -> set[str]:
@@ -287,12 +287,12 @@ class SessionModel:
     def _recall(self, channel: str) -> None:
         """Lay the past of what has come to its end before the present."""
         past = self.past
-        if channel == EVENTS:
+        if channel == EVENTS_CHANNEL:
             entries = [entry_of(each) for each in past.events if each.kind == "TRE"]
             self.journal.recall(entries)
             for each in past.events:
                 self._remember_past(each)
-        elif channel and not past.wanted - {EVENTS}:
+        elif channel and not past.wanted - {EVENTS_CHANNEL}:
             rows = past.rows.get(self.gauges, {})
             self.trace.recall([(s, self._sampled(s)) for s in sorted(rows)])
             self._recall_track(rows)
@@ -307,20 +307,20 @@ class SessionModel:
             found.append(Sample(number(*each.actual, seconds), told))
         return found
 
-    def _recall_track(self, rows: Mapping[float, Reading]) -> None:
+    def _recall_track(self, rows: Mapping[float, ChannelReading]) -> None:
         first = self._track[0][0] if self._track else math.inf
         places = [(s, r.number("north"), r.number("east")) for s, r in rows.items() if s < first]
         earlier = [(s, n, e) for s, n, e in sorted(places) if n is not None and e is not None]
-        self._track.extendleft(reversed(earlier[-(TRACK - len(self._track)) :]))
+        self._track.extendleft(reversed(earlier[-(MAX_TRACK_PLACES - len(self._track)) :]))
 
     def _remember_past(self, sentence: Sentence) -> None:
         """Keep on the time line what happened before this screen came."""
         if sentence.kind != "TRF":
             return
         _, told, what, subject = sentence.fields
-        kept = Kept(float(told), "M", subject or "marked")
+        kept = TimelineMoment(float(told), "M", subject or "marked")
         if what == "order" and subject.startswith("casualty "):
-            kept = Kept(float(told), "C", subject)
+            kept = TimelineMoment(float(told), "C", subject)
         elif what != "mark":
             return
         self.marks += [kept] if kept not in self.marks else []
@@ -332,14 +332,14 @@ class SessionModel:
             return self.picture.number(*drawn.ordered)
         return told
 
-    def _follow(self, reading: Reading) -> None:
+    def _follow(self, reading: ChannelReading) -> None:
         """Add the boat's place to its track; what was later is forgotten: time has gone back."""
         north, east = reading.number("north"), reading.number("east")
         if north is None or east is None:
             return
         while self._track and self._track[-1][0] > reading.seconds:
             self._track.pop()
-        if not self._track or reading.seconds - self._track[-1][0] >= TRACKED:
+        if not self._track or reading.seconds - self._track[-1][0] >= TRACK_PERIOD_S:
             self._track.append((reading.seconds, north, east))
 
     def _note(self, sentence: Sentence) -> None:
@@ -348,7 +348,7 @@ class SessionModel:
         seconds = float(told)
         if what in ("over", "next"):
             self.over = what == "over"
-            self._awaited = -math.inf if self.over else self.clock() + AWAITED
+            self._awaited = -math.inf if self.over else self.clock() + NEXT_TIMEOUT_S
         elif what == "back":
             # forget what lies after a moment gone back to
             self.marks = [kept for kept in self.marks if kept.seconds <= seconds]
@@ -358,7 +358,7 @@ class SessionModel:
             if self.instructs:
                 self.ask("snapshots")
         elif what == "mark":
-            self.marks.append(Kept(seconds, "M", subject or "marked"))
+            self.marks.append(TimelineMoment(seconds, "M", subject or "marked"))
         elif what == "order":
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
@@ -377,10 +377,10 @@ class SessionModel:
             with contextlib.suppress(ValueError):
                 self.ranges[name if colon else key] = float(size)
         elif what == "snapshot":
-            self._snapshots.append(Kept(seconds, "S", subject))
+            self._snapshots.append(TimelineMoment(seconds, "S", subject))
         elif what == "casualty":
             name, degree, says = (*subject.split(",", 2), "", "")[:3]
-            self._casualties.append(Broken(name, degree, says))
+            self._casualties.append(CasualtyOffer(name, degree, says))
         elif what == "plans":  # the whole list comes anew
             self.plans.clear()
         elif what == "planned":
@@ -411,7 +411,7 @@ class SessionModel:
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
                 self._forget_exercise()
-            if key in LINES:
+            if key in REPEATED_KEYS:
                 lines = self.told.setdefault(key, [])
                 lines.extend([value] if value not in lines else [])
             else:
@@ -454,10 +454,10 @@ class SessionModel:
             self.refused += 1
             self._own -= min(self._own, gives_crew(asked.words))
 
-    def _show_answer(self, asked: Asked, kind: str, text: str) -> None:
+    def _show_answer(self, asked: SentOrder, kind: str, text: str) -> None:
         for each in asked.lines:
             self.journal.add(None, "answer", each)
-        if len(asked.lines) >= LONG:
+        if len(asked.lines) >= LONG_ANSWER_LINES:
             self.answers.append((asked.words, [*asked.lines, text]))
         if text:
             self.journal.add(None, "answer" if kind == "ok" else "refused", text)
@@ -468,7 +468,7 @@ class SessionModel:
         if name == "snapshot" and self.instructs:
             self.ask("snapshots")
         elif name == "casualty":
-            self.marks.append(Kept(seconds, "C", words))
+            self.marks.append(TimelineMoment(seconds, "C", words))
             self.rings += 1
 
     def _go_on(self) -> None:

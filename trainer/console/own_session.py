@@ -24,13 +24,16 @@ from typing import Final, NoReturn
 import click
 
 from trainer.config.files import ConfigError
-from trainer.console.terminal import OWN
+from trainer.console.terminal import OWN_SESSION_VARIABLE
 from trainer.io import paths
 
-LOOK = 0.004  # [s] between looks at whether it has ended
-PATIENCE: Final = 2.0  # [s] for a session that goes on to end all the same
-SUMMARY: Final = 30.0  # [s] for a session that was ended to say its last words
-SOON: Final = (paths.MAKING_READY, paths.LISTENING)  # a session's first words, if it is to be
+POLL_PERIOD_S = 0.004  # [s] between looks at whether it has ended
+END_TIMEOUT_S: Final = 2.0  # [s] for a session that goes on to end all the same
+SUMMARY_TIMEOUT_S: Final = 30.0  # [s] for a session that was ended to say its last words
+FIRST_WORDS: Final = (
+    paths.MAKING_READY,
+    paths.LISTENING_TEXT,
+)  # a session's first words, if it is to be
 
 
 class Process(ABC):
@@ -52,7 +55,7 @@ class Process(ABC):
         """Return its exit code once it has ended. None if it has not in ``patience`` [s]."""
         end = time.monotonic() + patience
         while (code := self.ended()) is None and time.monotonic() < end:
-            time.sleep(LOOK)
+            time.sleep(POLL_PERIOD_S)
         return code
 
 
@@ -144,7 +147,7 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
     attached. Return its exit code.
     """
     where = path or str(free_socket())
-    return show(OwnSession(Child(lambda: serve(where))), where, token)
+    return show_console(OwnSession(Child(lambda: serve(where))), where, token)
 
 
 def sail_beside(words: Sequence[str], token: str | None) -> int:
@@ -158,9 +161,9 @@ def sail_beside(words: Sequence[str], token: str | None) -> int:
     import secrets  # noqa: PLC0415  not where a process is forked
 
     word = token or secrets.token_hex(8)
-    told = {OWN: f"{paths.HOST}:0 {word}"}
+    told = {OWN_SESSION_VARIABLE: f"{paths.DEFAULT_HOST}:0 {word}"}
     try:
-        return show(OwnSession(Program(words, told)), f"tcp://{paths.HOST}:", word)
+        return show_console(OwnSession(Program(words, told)), f"tcp://{paths.DEFAULT_HOST}:", word)
     finally:
         paths.address_path().unlink(missing_ok=True)
 
@@ -170,7 +173,7 @@ def can_fork() -> bool:
     return hasattr(os, "fork") and hasattr(socket, "AF_UNIX")
 
 
-def show(voyage: "OwnSession", where: str, token: str | None) -> int:
+def show_console(voyage: "OwnSession", where: str, token: str | None) -> int:
     """Show the console of a session that is being started; return its exit code."""
     gc.disable()  # what is imported is no garbage; the session wants the processor
     try:
@@ -185,7 +188,7 @@ def show(voyage: "OwnSession", where: str, token: str | None) -> int:
         visit = Visit.prepare(reach, "instructor", token, own=True)
         gc.freeze()
         gc.enable()
-        why = visit.show() if voyage.await_word(*SOON) else ""
+        why = visit.show() if voyage.await_word(*FIRST_WORDS) else ""
     except BaseException:
         voyage.session.terminate()
         raise
@@ -193,7 +196,7 @@ def show(voyage: "OwnSession", where: str, token: str | None) -> int:
     if not begun and voyage.session.ended() is None:
         voyage.session.terminate()
         raise ConfigError(why) if why else click.Abort
-    return voyage.account(PATIENCE if begun and not visit.model.over else SUMMARY)
+    return voyage.account(END_TIMEOUT_S if begun and not visit.model.over else SUMMARY_TIMEOUT_S)
 
 
 @dataclass
@@ -208,7 +211,7 @@ class OwnSession:
         while self.session.ended() is None:
             if any(text.startswith(words) for text in self.pass_on()):
                 return True
-            time.sleep(LOOK)
+            time.sleep(POLL_PERIOD_S)
         return False
 
     def address(self, where: str) -> str:
@@ -218,13 +221,13 @@ class OwnSession:
                 from trainer.console.client import NeverBegunError  # noqa: PLC0415  long imported
 
                 raise NeverBegunError("the session has ended")
-            time.sleep(LOOK)
+            time.sleep(POLL_PERIOD_S)
         return found
 
     def _listens(self, where: str) -> str:
         """Return the address that the session listens at if it begins so, "" before."""
         for text in self.session.written("err").splitlines():
-            found = text.removeprefix(f"{paths.LISTENING} ")
+            found = text.removeprefix(f"{paths.LISTENING_TEXT} ")
             if found == where or (where.endswith(":") and found.startswith(where)):
                 return found
         return ""
@@ -233,7 +236,7 @@ class OwnSession:
         """Pass on what the session complains of; return all that it has said there."""
         said = self.session.written("err").splitlines()
         for text in said[self.passed :]:
-            if not text.startswith(SOON):
+            if not text.startswith(FIRST_WORDS):
                 click.echo(text, err=True)
         self.passed = len(said)
         return said

@@ -20,14 +20,14 @@ from textual.widget import Widget
 Run = tuple[str, str]  # text and the name of its ink
 Line = tuple[Run, ...]
 Lines = list[Line]
-NUMBER: Final = re.compile(r"[-+]?[0-9]+(?:[.,:/][0-9]+)*(?:e[-+]?[0-9]+)?")
-HIDDEN: Final = "#"  # in place of each sign of a number that has no room
-GROUND: Final = "#0c1419"
-RAISED: Final = "#16222a"
+NUMBER_PATTERN: Final = re.compile(r"[-+]?[0-9]+(?:[.,:/][0-9]+)*(?:e[-+]?[0-9]+)?")
+HIDDEN_SIGN: Final = "#"  # in place of each sign of a number that has no room
+GROUND_COLOUR: Final = "#0c1419"
+RAISED_COLOUR: Final = "#16222a"
 Draw = Callable[[int, int], Lines]  # takes columns and rows
 Click = Callable[[int, int], None]  # takes column and row
 Wheel = Callable[[int], None]  # takes lines, downwards
-NOTCH: Final = 3  # [lines] of the wheel
+NOTCH_LINES: Final = 3  # [lines] of the wheel
 
 
 class Ink(NamedTuple):
@@ -39,23 +39,23 @@ class Ink(NamedTuple):
 
 
 INKS: Final[Mapping[str, Ink]] = {
-    "plain": Ink("#d7e0e4", GROUND),
-    "dim": Ink("#8ea4af", GROUND),
-    "title": Ink("#8fd0ff", GROUND, bold=True),
-    "value": Ink("#ffffff", GROUND, bold=True),
-    "ordered": Ink("#5cc8f2", GROUND),
-    "good": Ink("#7fd992", GROUND),
-    "warning": Ink("#ffc95c", GROUND, bold=True),
+    "plain": Ink("#d7e0e4", GROUND_COLOUR),
+    "dim": Ink("#8ea4af", GROUND_COLOUR),
+    "title": Ink("#8fd0ff", GROUND_COLOUR, bold=True),
+    "value": Ink("#ffffff", GROUND_COLOUR, bold=True),
+    "ordered": Ink("#5cc8f2", GROUND_COLOUR),
+    "good": Ink("#7fd992", GROUND_COLOUR),
+    "warning": Ink("#ffc95c", GROUND_COLOUR, bold=True),
     "alarm": Ink("#0c1419", "#ff8f85", bold=True),
-    "heading": Ink("#8fd0ff", RAISED, bold=True),
-    "heading-value": Ink("#ffffff", RAISED, bold=True),
-    "heading-ordered": Ink("#6fd0f5", RAISED),
-    "heading-dim": Ink("#9fb4be", RAISED),
-    "heading-warning": Ink("#ffc95c", RAISED, bold=True),
-    "bar": Ink("#d7e0e4", RAISED),
-    "key": Ink("#ffd479", RAISED, bold=True),
-    "bright": Ink("#ffffff", RAISED, bold=True),
-    "running": Ink("#8fe3a0", RAISED, bold=True),
+    "heading": Ink("#8fd0ff", RAISED_COLOUR, bold=True),
+    "heading-value": Ink("#ffffff", RAISED_COLOUR, bold=True),
+    "heading-ordered": Ink("#6fd0f5", RAISED_COLOUR),
+    "heading-dim": Ink("#9fb4be", RAISED_COLOUR),
+    "heading-warning": Ink("#ffc95c", RAISED_COLOUR, bold=True),
+    "bar": Ink("#d7e0e4", RAISED_COLOUR),
+    "key": Ink("#ffd479", RAISED_COLOUR, bold=True),
+    "bright": Ink("#ffffff", RAISED_COLOUR, bold=True),
+    "running": Ink("#8fe3a0", RAISED_COLOUR, bold=True),
     "new": Ink("#0c1419", "#5cc8f2", bold=True),
     "chosen": Ink("#ffffff", "#1f5377", bold=True),
 }
@@ -84,7 +84,7 @@ def cut(drawn: Line, width: int) -> Line:
             break
         seen = text[: width - used]
         whole = min(max(begin - used, 0), len(seen))
-        kept.append((seen[:whole] + HIDDEN * (len(seen) - whole), ink))
+        kept.append((seen[:whole] + HIDDEN_SIGN * (len(seen) - whole), ink))
         used += len(text)
     return tuple(kept)
 
@@ -92,7 +92,7 @@ def cut(drawn: Line, width: int) -> Line:
 def cut_number(drawn: Line, width: int) -> int:
     """Return where a number begins that a cut would go through, else the cut's column."""
     text = "".join(part for part, _ in drawn)
-    through = (each for each in NUMBER.finditer(text) if each.start() < width < each.end())
+    through = (each for each in NUMBER_PATTERN.finditer(text) if each.start() < width < each.end())
     return next((each.start() for each in through), width)
 
 
@@ -131,10 +131,10 @@ def luminance(colour: str) -> float:
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
-STYLES: Final = {
+INK_STYLES: Final = {
     name: Style(color=ink.colour, bgcolor=ink.ground, bold=ink.bold) for name, ink in INKS.items()
 }
-BARE: Final = Style(color=INKS["plain"].colour, bgcolor=GROUND)
+BARE_STYLE: Final = Style(color=INKS["plain"].colour, bgcolor=GROUND_COLOUR)
 
 
 class Pane(Widget):
@@ -180,11 +180,11 @@ class Pane(Widget):
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         """Hand a turn of the wheel on: towards what is above."""
-        self._turn(event, -NOTCH)
+        self._turn(event, -NOTCH_LINES)
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Hand a turn of the wheel on: towards what is below."""
-        self._turn(event, NOTCH)
+        self._turn(event, NOTCH_LINES)
 
     def _turn(self, event: events.MouseEvent, lines: int) -> None:
         if self._wheel:
@@ -202,7 +202,7 @@ class Pane(Widget):
             self._drawn()
         width = self.size.width
         if y >= len(self.lines):
-            return Strip.blank(width, BARE)
+            return Strip.blank(width, BARE_STYLE)
         return Strip(segments(fit(self.lines[y], width)), width)
 
     def _drawn(self) -> Lines:
@@ -214,4 +214,4 @@ class Pane(Widget):
 
 def segments(drawn: Line) -> list[Segment]:
     """Return a line in the screen's own terms."""
-    return [Segment(text, STYLES[ink]) for text, ink in drawn if text]
+    return [Segment(text, INK_STYLES[ink]) for text, ink in drawn if text]

@@ -4,23 +4,25 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from trainer.console.readings import Reading
+from trainer.console.readings import ChannelReading
 from trainer.io.orders.sentences import Sentence
 
-EVENTS: Final = "events"
+EVENTS_CHANNEL: Final = "events"
 
 
-ASKS: Final = "history {}"
+HISTORY_ORDER: Final = "history {}"
 
 
-LATE: Final = 15.0  # [s] of the boat's time that a screen may have missed and need not ask for
+LATE_TIME_S: Final = (
+    15.0  # [s] of the boat's time that a screen may have missed and need not ask for
+)
 
 
-Rows = dict[str, dict[float, Reading]]  # by channel and time [s]
+Rows = dict[str, dict[float, ChannelReading]]  # by channel and time [s]
 
 
 @dataclass
-class Past:
+class PastAnswers:
     """The rows and events that have come of what was asked for."""
 
     wanted: set[str] = field(default_factory=set)  # channels that have not come to their end
@@ -33,9 +35,9 @@ class Past:
         self.rows.clear()
         self.events.clear()
         self._open.clear()
-        self.wanted = {*channels, EVENTS}
+        self.wanted = {*channels, EVENTS_CHANNEL}
         for channel in sorted(self.wanted):
-            send(ASKS.format(channel))
+            send(HISTORY_ORDER.format(channel))
 
     def mark(self, subject: str) -> str:
         """Take where the past of a channel begins and ends. Return a channel that has ended."""
@@ -51,10 +53,12 @@ class Past:
         """Take a sentence if it is of the past; return whether it was."""
         if sentence.kind == "TRS" and sentence.fields[0] in self._open:
             channel, tick, told, *values = sentence.fields
-            reading = Reading(int(tick), float(told), 0.0, dict(zip(names, values, strict=False)))
+            reading = ChannelReading(
+                int(tick), float(told), 0.0, dict(zip(names, values, strict=False))
+            )
             self.rows.setdefault(channel, {})[reading.seconds] = reading
             return True
-        if sentence.kind in ("TRE", "TRF") and EVENTS in self._open:
+        if sentence.kind in ("TRE", "TRF") and EVENTS_CHANNEL in self._open:
             self.events.append(sentence)
             return True
         return False

@@ -12,20 +12,20 @@ from typing import Final
 from trainer.io.orders.sentences import Sentence
 
 # the field of a channel's rate [unit/s], by that of the value
-RATES: Final = {
+RATE_FIELDS: Final = {
     "depth": "depth_rate",
     "heading": "turn_rate",
     "speed": "speed_rate",
     "pitch": "pitch_rate",
     "heel": "heel_rate",
 }
-ROUND: Final = frozenset({"heading"})  # [deg] 360 is 0
-LARGEST: Final = 1e9  # of a number, in any unit
-SLOWEST: Final = 1.0  # [s] between readings; later ones are shown at once
+CIRCULAR_FIELDS: Final = frozenset({"heading"})  # [deg] 360 is 0
+MAX_NUMBER: Final = 1e9  # of a number, in any unit
+MAX_INTERVAL_S: Final = 1.0  # [s] between readings; later ones are shown at once
 
 
 @dataclass(frozen=True)
-class Reading:
+class ChannelReading:
     """A channel at one tick."""
 
     tick: int
@@ -39,10 +39,10 @@ class Reading:
             value = float(self.values.get(name, ""))
         except ValueError:
             return None
-        return value if abs(value) <= LARGEST else None
+        return value if abs(value) <= MAX_NUMBER else None
 
 
-NOTHING: Final = Reading(0, 0.0, -math.inf, {})
+NO_READING: Final = ChannelReading(0, 0.0, -math.inf, {})
 
 
 @dataclass
@@ -50,8 +50,8 @@ class ChannelReadings:
     """The messages of the session for each channel, by its name."""
 
     names: dict[str, list[str]] = field(default_factory=dict)
-    last: dict[str, Reading] = field(default_factory=dict)
-    before: dict[str, Reading] = field(default_factory=dict)
+    last: dict[str, ChannelReading] = field(default_factory=dict)
+    before: dict[str, ChannelReading] = field(default_factory=dict)
     changes: int = 0  # grows with everything that has come
 
     def take(self, sentence: Sentence, now: float) -> str:
@@ -62,8 +62,8 @@ class ChannelReadings:
             self.names[channel] = [each.partition(":")[0] for each in rest]
             return ""
         values = dict(zip(self.names.get(channel, ()), rest[2:], strict=False))
-        self.before[channel] = self.last.get(channel, NOTHING)
-        self.last[channel] = Reading(int(rest[0]), float(rest[1]), now, values)
+        self.before[channel] = self.last.get(channel, NO_READING)
+        self.last[channel] = ChannelReading(int(rest[0]), float(rest[1]), now, values)
         return channel
 
     def forget(self) -> None:
@@ -71,9 +71,9 @@ class ChannelReadings:
         self.before.clear()
         self.changes += 1
 
-    def reading(self, channel: str) -> Reading:
+    def reading(self, channel: str) -> ChannelReading:
         """Return the latest of a channel, an empty one where nothing has come."""
-        return self.last.get(channel, NOTHING)
+        return self.last.get(channel, NO_READING)
 
     def number(self, channel: str, name: str) -> float | None:
         """Return a value, None where there is none."""
@@ -109,23 +109,23 @@ class ChannelReadings:
         value = last.number(name)
         if value is None or self.frozen:
             return value
-        rate = last.number(RATES.get(name, ""))
+        rate = last.number(RATE_FIELDS.get(name, ""))
         if rate is not None:
             return self._wrapped(name, value + rate * self._since(last, now))
         # where a value is on its way from the reading before to the last one
-        last, before = self.reading(channel), self.before.get(channel, NOTHING)
+        last, before = self.reading(channel), self.before.get(channel, NO_READING)
         start, took = before.number(name), last.arrived - before.arrived
-        if start is None or not 0.0 < took < SLOWEST or before.tick >= last.tick:
+        if start is None or not 0.0 < took < MAX_INTERVAL_S or before.tick >= last.tick:
             return value
         way = value - start
-        if name in ROUND:
+        if name in CIRCULAR_FIELDS:
             way = (way + 180.0) % 360.0 - 180.0
         return self._wrapped(name, start + way * min(max(now - last.arrived, 0.0) / took, 1.0))
 
-    def _since(self, last: Reading, now: float) -> float:
+    def _since(self, last: ChannelReading, now: float) -> float:
         """Return the time [s] of the boat since a reading, at most a tick's."""
         step = last.seconds / last.tick if last.tick else 0.0
         return min(max(now - last.arrived, 0.0) * self.pace, step)
 
     def _wrapped(self, name: str, value: float) -> float:
-        return value % 360.0 if name in ROUND else value
+        return value % 360.0 if name in CIRCULAR_FIELDS else value

@@ -5,8 +5,10 @@ import sys
 from collections.abc import Mapping
 from typing import Final
 
-DUMB: Final = ("dumb", "unknown")
-OWN: Final = "TRAINER_OWN_SESSION"  # tells a session beside its console its address and token
+DUMB_TERMINALS: Final = ("dumb", "unknown")
+OWN_SESSION_VARIABLE: Final = (
+    "TRAINER_OWN_SESSION"  # tells a session beside its console its address and token
+)
 ASCII_ONLY: Final = ("C", "POSIX")  # the locales that promise no more
 
 
@@ -23,7 +25,7 @@ def draws(environment: Mapping[str, str], encoding: str) -> bool:
 
     An interpreter that is asked for plain C by LC_ALL speaks UTF-8 all the same: its user does not.
     """
-    if environment.get("TERM", "") in DUMB:
+    if environment.get("TERM", "") in DUMB_TERMINALS:
         return False
     locale = environment.get("LC_ALL") or environment.get("LC_CTYPE") or ""
     return locale not in ASCII_ONLY and encoding.lower().replace("-", "").startswith("utf")
@@ -31,5 +33,5 @@ def draws(environment: Mapping[str, str], encoding: str) -> bool:
 
 def asked_beside() -> tuple[str, str]:
     """Return address and token of a console beside this session, else "" and ""."""
-    address, _, word = os.environ.get(OWN, "").partition(" ")
+    address, _, word = os.environ.get(OWN_SESSION_VARIABLE, "").partition(" ")
     return address, word

@@ -6,21 +6,21 @@ The user chooses a place on the time line, and returns or replays from there.
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.console.dialogs import NOTHING, Done
+from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.event_log import end_of, moments, time_at, time_line
-from trainer.console.journal import Kept, clock
+from trainer.console.journal import TimelineMoment, clock
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, fit, line
 
-STEPS: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
-LIST: Final = 8  # moments shown
-LINE: Final = 3  # the row of the time line
-CLOSE: Final = 0.26  # [s] within which a place is that of a moment kept
-SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
+KEY_STEPS_S: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
+SHOWN_MOMENTS: Final = 8  # moments shown
+TIMELINE_ROW: Final = 3  # the row of the time line
+NEAR_MOMENT_S: Final = 0.26  # [s] within which a place is that of a moment kept
+MOMENT_SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
 
 
 @dataclass
-class Moments:
+class TimelineView:
     """How far back is looked [s], and what Enter does there."""
 
     model: SessionModel
@@ -36,7 +36,7 @@ class Moments:
     @property
     def snapshot(self) -> str:
         """Return the snapshot at that time, "" for none."""
-        kept = [s for s in self.model.snapshots if abs(s.seconds - self.there) < CLOSE]
+        kept = [s for s in self.model.snapshots if abs(s.seconds - self.there) < NEAR_MOMENT_S]
         return kept[-1].text if kept else ""
 
     def order(self, *, replay: bool) -> str:
@@ -47,30 +47,30 @@ class Moments:
             return "reset"
         return f"restore {self.snapshot}" if self.snapshot else f"backtrack {self.lapse:g} s"
 
-    def press(self, key: str, character: str | None) -> Done | None:
+    def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the dialog ends, None while it goes on."""
         if key == "escape":
-            return NOTHING
+            return NO_OUTCOME
         if key in ("enter", "r", "b"):
             replay = key == "r" or (key == "enter" and self.replays)
-            return Done((self.order(replay=replay),))
+            return DialogOutcome((self.order(replay=replay),))
         if key in ("up", "down"):
             self._jump(earlier=key == "up")
         elif key == "home":
             self.lapse = self.model.picture.seconds
         elif character and character in "123456789":
             self.lapse = 60.0 * int(character)
-        self.lapse += STEPS.get(key, 0.0)
+        self.lapse += KEY_STEPS_S.get(key, 0.0)
         self.lapse = min(max(self.lapse, 0.5), max(self.model.picture.seconds, 0.5))
         return None
 
-    def click(self, column: int, row: int, width: int) -> Done | None:
+    def click(self, column: int, row: int, width: int) -> DialogOutcome | None:
         """Look at the place of a click, on the time line or in the list."""
-        kept = moments(self.model)[-LIST:]
-        if row in (LINE, LINE + 1):
+        kept = moments(self.model)[-SHOWN_MOMENTS:]
+        if row in (TIMELINE_ROW, TIMELINE_ROW + 1):
             self.lapse = self.model.picture.seconds - time_at(self.model, width, column)
-        elif 0 <= row - LINE - 2 < len(kept):
-            self.lapse = self.model.picture.seconds - kept[row - LINE - 2].seconds
+        elif 0 <= row - TIMELINE_ROW - 2 < len(kept):
+            self.lapse = self.model.picture.seconds - kept[row - TIMELINE_ROW - 2].seconds
         self.lapse = max(self.lapse, 0.5)
         return None
 
@@ -78,7 +78,9 @@ class Moments:
         """Go to the moment kept before or after the one that is looked at."""
         times = sorted({0.0, *(kept.seconds for kept in moments(self.model))})
         side = [
-            t for t in times if (t < self.there - CLOSE) == earlier and abs(t - self.there) > CLOSE
+            t
+            for t in times
+            if (t < self.there - NEAR_MOMENT_S) == earlier and abs(t - self.there) > NEAR_MOMENT_S
         ]
         if side:
             self.lapse = self.model.picture.seconds - (side[-1] if earlier else side[0])
@@ -86,7 +88,10 @@ class Moments:
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""
         verb = "Replay from" if self.replays else "Go back to"
-        kept = [line((f"   {self._said(each)}", "plain")) for each in moments(self.model)[-LIST:]]
+        kept = [
+            line((f"   {self._said(each)}", "plain"))
+            for each in moments(self.model)[-SHOWN_MOMENTS:]
+        ]
         # an arrow under the place on the time line
         end = end_of(self.model)
         room = width - 7 - 10
@@ -105,6 +110,6 @@ class Moments:
         ]
         return [fit(each, width) for each in lines[:height]]
 
-    def _said(self, kept: Kept) -> str:
+    def _said(self, kept: TimelineMoment) -> str:
         """Return a moment in words."""
-        return f"{clock(kept.seconds)}  {SIGNS[kept.sign]}: {kept.text}"
+        return f"{clock(kept.seconds)}  {MOMENT_SIGNS[kept.sign]}: {kept.text}"

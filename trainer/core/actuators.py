@@ -3,11 +3,17 @@
 import math
 
 from trainer.core.autopilot.reference import within
-from trainer.core.casualties import FAULT, FOLLOW_UP_LOST, FREE, SLOW, fault_of
+from trainer.core.casualties import (
+    FOLLOW_UP_LOST,
+    KIND_FAULTS,
+    SURFACE_FREE,
+    SURFACE_SLOW,
+    fault_of,
+)
 from trainer.core.elementary import exponential
 from trainer.core.kernel import Record, part
 
-AMIDSHIPS = math.radians(0.5)  # [rad]
+AMIDSHIPS_ANGLE = math.radians(0.5)  # [rad]
 
 
 @part
@@ -31,7 +37,7 @@ def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state
     That is its command, or what a casualty makes of it. ``furthest`` [rad] is how far the rate
     allows it to move in this tick. ``slot`` is that of the casualty, -1 if the surface is sound.
     Without follow-up the command says only which way to move; a command amidships, within
-    AMIDSHIPS, stops the surface.
+    AMIDSHIPS_ANGLE, stops the surface.
     """
     c = vessel[0]
     s = state[0]
@@ -39,13 +45,15 @@ def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state
     if slot < 0:
         return command
     amount = s.casualty_amount[slot]
-    fault = FAULT[int(s.casualty[slot])]
-    if fault == SLOW:
+    fault = KIND_FAULTS[int(s.casualty[slot])]
+    if fault == SURFACE_SLOW:
         most = furthest * (1.0 - amount)
         command = within(command, angle, most)
     elif fault == FOLLOW_UP_LOST:
-        command = angle if abs(command) < AMIDSHIPS else math.copysign(c.limit[surface], command)
-    elif fault == FREE:
+        command = (
+            angle if abs(command) < AMIDSHIPS_ANGLE else math.copysign(c.limit[surface], command)
+        )
+    elif fault == SURFACE_FREE:
         command = within(0.0, angle, amount * furthest)
     else:
         command = amount

@@ -10,17 +10,17 @@ from typing import Final
 
 from trainer.core.elementary import arctangent, cosine_and_sine
 from trainer.core.kernel import Record, part
-from trainer.core.state import HISTORY, PHI, PSI, THETA
+from trainer.core.state import PAST_CYCLES, PHI, PSI, THETA
 
-POLAR: Final = 1.3089969389957472  # [rad] 75 deg
+POLAR_PITCH: Final = 1.3089969389957472  # [rad] 75 deg
 HALF_TURN: Final = 3.141592653589793
-TURN: Final = 6.283185307179586
+FULL_TURN: Final = 6.283185307179586
 
 
 @part
 def is_polar(state: Record) -> bool:
     """Return whether the boat is within 15 deg of the vertical."""
-    return bool(abs(state[0].theta) > POLAR)
+    return bool(abs(state[0].theta) > POLAR_PITCH)
 
 
 @part
@@ -48,7 +48,7 @@ def rotated(
 @part
 def nearest_turn(angle: float, old: float) -> float:
     """Return ``angle`` [rad] plus the whole turns that bring it nearest to ``old`` [rad]."""
-    return angle + TURN * math.floor((old - angle) / TURN + 0.5)
+    return angle + FULL_TURN * math.floor((old - angle) / FULL_TURN + 0.5)
 
 
 @part
@@ -84,7 +84,7 @@ def take_attitude(phi: float, theta: float, psi: float, state: Record) -> None:
     s = state[0]
     jump_phi, jump_theta, jump_psi = phi - s.phi, theta - s.theta, psi - s.psi
     s.phi, s.theta, s.psi = phi, theta, psi
-    for back in range(HISTORY):
+    for back in range(PAST_CYCLES):
         s.past_motion[back, PHI] += jump_phi
         s.past_motion[back, THETA] += jump_theta
         s.past_motion[back, PSI] += jump_psi
@@ -110,5 +110,5 @@ def forget_rates(state: Record) -> None:
     """Begin the history of the attitude's rates anew, with the present ones."""
     s = state[0]
     for i in range(3):
-        for back in range(HISTORY):
+        for back in range(PAST_CYCLES):
             s.past_rates[back, PHI + i] = s.rates[PHI + i]

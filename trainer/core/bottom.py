@@ -25,15 +25,15 @@ from trainer.core.state import (
     NORMAL,
     PITCHING,
     ROLLING,
-    SOUNDINGS,
+    SOUNDING_COUNT,
     YAWING,
 )
 
-PLACES: Final = (-0.45, -0.225, 0.0, 0.225, 0.45)  # [-] of the hull's length, aft first
-REACH: Final = 0.45
-STIFFNESS: Final = 0.5  # [rad/s] w
-DAMPING: Final = 0.5  # [-] zeta
-SLOWEST: Final = 0.1  # [m/s] below which friction is smooth
+SOUNDING_PLACES: Final = (-0.45, -0.225, 0.0, 0.225, 0.45)  # [-] of the hull's length, aft first
+SOUNDING_REACH: Final = 0.45
+SPRING_FREQUENCY: Final = 0.5  # [rad/s] w
+SPRING_DAMPING: Final = 0.5  # [-] zeta
+SMOOTH_FRICTION_SPEED: Final = 0.1  # [m/s] below which friction is smooth
 
 NORTH, EAST, DOWN = 0, 1, 2  # of a vector over ground
 Vector = tuple[float, float, float]
@@ -51,7 +51,7 @@ def clearance(state: Record, keel: float) -> float:
     """Return the least height [m] of a level ``keel`` [m] over the ground."""
     s = state[0]
     least = math.inf
-    for i in range(SOUNDINGS):
+    for i in range(SOUNDING_COUNT):
         least = min(least, s.bottom[GROUND_DEPTH, i])
     return least - s.z - keel
 
@@ -69,10 +69,15 @@ def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float
     The place rises at ``rise`` [m/s]. The load is negative where the ground holds the hull.
     """
     mass = state[0].weight / vessel[0].g + vessel[0].m33
-    normal = STIFFNESS / SOUNDINGS * mass * (STIFFNESS * p - 2.0 * DAMPING * rise)
+    normal = (
+        SPRING_FREQUENCY
+        / SOUNDING_COUNT
+        * mass
+        * (SPRING_FREQUENCY * p - 2.0 * SPRING_DAMPING * rise)
+    )
     if p > 0.0:
         return max(normal, 0.0)
-    return min(max(normal, -scheme[0].breakout / SOUNDINGS), 0.0)
+    return min(max(normal, -scheme[0].breakout / SOUNDING_COUNT), 0.0)
 
 
 @part
@@ -87,7 +92,7 @@ def push(
     rise = dot(v, n)
     along = (v[NORTH] - rise * n[NORTH], v[EAST] - rise * n[EAST], v[DOWN] - rise * n[DOWN])
     rub = scheme[0].friction * abs(load)
-    rub /= max(SLOWEST, 10.0 * scheme[0].h * rub / mass, math.sqrt(dot(along, along)))
+    rub /= max(SMOOTH_FRICTION_SPEED, 10.0 * scheme[0].h * rub / mass, math.sqrt(dot(along, along)))
     return (
         load * n[NORTH] - rub * along[NORTH],
         load * n[EAST] - rub * along[EAST],
@@ -101,7 +106,7 @@ def holding(vessel: Record, scheme: Record, state: Record) -> float:
     if scheme[0].breakout <= 0.0 or state[0].aground == 0.0:
         return 0.0
     mass = state[0].weight / vessel[0].g + vessel[0].m33
-    return scheme[0].breakout / (STIFFNESS * STIFFNESS * mass)
+    return scheme[0].breakout / (SPRING_FREQUENCY * SPRING_FREQUENCY * mass)
 
 
 @part
@@ -162,8 +167,8 @@ def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force
     turned = axes(state)
     ahead, _, down = turned
     free = -holding(vessel, scheme, state)
-    for i in range(SOUNDINGS):
-        x = PLACES[i] * vessel[0].ell
+    for i in range(SOUNDING_COUNT):
+        x = SOUNDING_PLACES[i] * vessel[0].ell
         z = s.z + x * ahead[DOWN] + keel * down[DOWN]
         if z - s.bottom[GROUND_DEPTH, i] <= free:
             continue
@@ -184,8 +189,8 @@ def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers)
     keel = keel_below(vessel)
     s.bottom_load, lies = 0.0, False
     least = clearance(state, keel)
-    if least <= REACH * vessel[0].ell:
-        least -= REACH * vessel[0].ell * abs(sine(s.theta))
+    if least <= SOUNDING_REACH * vessel[0].ell:
+        least -= SOUNDING_REACH * vessel[0].ell * abs(sine(s.theta))
         holds = holding(vessel, scheme, state)
         if least <= holds:
             add_ground(vessel, scheme, keel, state, force)

@@ -19,9 +19,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-_PREFIX = "submarine-trainer-"
-_PRIVATE = "trainer-private-"
-KERNELS = (  # folders that have any
+_FOLDER_PREFIX = "submarine-trainer-"
+_PRIVATE_PREFIX = "trainer-private-"
+KERNEL_FOLDERS = (  # folders that have any
     *("core", "boat/ship", "identify/kernels", "analysis/fleet", "analysis/sweep"),
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
@@ -61,7 +61,7 @@ def _cache_root() -> Path:
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     if chosen:
         path = Path(chosen)
-        return path.parent if path.name.startswith(_PREFIX) else path
+        return path.parent if path.name.startswith(_FOLDER_PREFIX) else path
     if os.name == "nt" and "LOCALAPPDATA" in os.environ:
         return Path(os.environ["LOCALAPPDATA"])
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
@@ -70,7 +70,7 @@ def _cache_root() -> Path:
 def _claim_cache() -> Path:
     """Return this version's cache folder; where home is read-only one that lasts for this run."""
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
-    name = _PREFIX + _digest(*KERNELS) + "-checked" * checked
+    name = _FOLDER_PREFIX + _digest(*KERNEL_FOLDERS) + "-checked" * checked
     path = _cache_root() / name
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -93,7 +93,7 @@ def _claim_private() -> Path:
     import shutil  # noqa: PLC0415
     import tempfile  # noqa: PLC0415
 
-    private = Path(tempfile.mkdtemp(prefix=_PRIVATE))
+    private = Path(tempfile.mkdtemp(prefix=_PRIVATE_PREFIX))
     atexit.register(shutil.rmtree, private, ignore_errors=True)
     return private
 
@@ -103,10 +103,10 @@ if "numba" in sys.modules:  # it has read the environment already
     sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
 
-CODE = (".nbi", ".nbc")  # numba's index of a kernel, and the code itself
-DIGEST = ".digest"
+CODE_SUFFIXES = (".nbi", ".nbc")  # numba's index of a kernel, and the code itself
+DIGEST_SUFFIX = ".digest"
 MOST_DIGESTS = 2**20  # [bytes] in hexadecimal, a line each
-DAMAGED = ".damaged"
+DAMAGED_SUFFIX = ".damaged"
 
 
 def _digest_of(path: str) -> bytes:
@@ -123,7 +123,7 @@ def keep_digest(made: str, path: str) -> None:
     the file that is there now, or may be about to rename one of its own.
     """
     with contextlib.suppress(OSError):
-        descriptor = os.open(path + DIGEST, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+        descriptor = os.open(path + DIGEST_SUFFIX, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
         try:
             os.write(descriptor, b"\n" + _digest_of(made))
         finally:
@@ -139,14 +139,14 @@ def check_digest(path: str) -> None:
     except OSError:
         found = b""
     with contextlib.suppress(OSError):
-        descriptor = os.open(path + DIGEST, os.O_RDONLY)
+        descriptor = os.open(path + DIGEST_SUFFIX, os.O_RDONLY)
         try:
             if found in os.read(descriptor, MOST_DIGESTS).split():
                 return
         finally:
             os.close(descriptor)
     with contextlib.suppress(OSError):
-        os.rename(path, path + DAMAGED)  # noqa: PTH104  it is done for every file that is opened
+        os.rename(path, path + DAMAGED_SUFFIX)  # noqa: PTH104  it is done for every file that is opened
         for mark in cache_folder().glob("complete-*"):
             mark.unlink(missing_ok=True)
     _tell_damage()
@@ -162,11 +162,11 @@ def _attend(event: str, told: tuple[Any, ...]) -> None:
     """Check what numba is about to read, and keep a digest of what it is about to write."""
     if event == "open":
         path, mode, _ = told
-        if mode == "r" and isinstance(path, str) and path.endswith(CODE):
+        if mode == "r" and isinstance(path, str) and path.endswith(CODE_SUFFIXES):
             check_digest(path)
     elif event == "os.rename":
         made, path = str(told[0]), str(told[1])
-        if path.endswith(CODE):
+        if path.endswith(CODE_SUFFIXES):
             keep_digest(made, path)
 
 
@@ -180,4 +180,4 @@ def cache_folder() -> Path:
 
 def cache_lasts() -> bool:
     """Return whether what is put into the cache is there at the next start."""
-    return not cache_folder().parent.name.startswith(_PRIVATE)
+    return not cache_folder().parent.name.startswith(_PRIVATE_PREFIX)

@@ -15,25 +15,25 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
+from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED_TANKS, PUMPS
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
-from trainer.core.state import GROUND_DEPTH, SOUNDINGS, STATE, VALVES
+from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, STATE, VALVES
 from trainer.core.surfaces import SURFACES
 
 SURFACE_FAULTS: Final = ("slow", "follow-up-lost", "free", "hard-over", "stuck")
-SLOW, FOLLOW_UP_LOST, FREE, HARD_OVER, STUCK = 0, 1, 2, 3, 4
+SURFACE_SLOW, FOLLOW_UP_LOST, SURFACE_FREE, HARD_OVER, SURFACE_STUCK = 0, 1, 2, 3, 4
 GAUGES: Final = ("depth-gauge", "gyro", "log", "sounder")
 DEPTH_GAUGE, GYRO, LOG, SOUNDER = 0, 1, 2, 3
 GAUGE_FAULTS: Final = ("noisy", "biased", "stuck")
-NOISY, BIASED, GAUGE_STUCK = 0, 1, 2
+GAUGE_NOISY, GAUGE_BIASED, GAUGE_STUCK = 0, 1, 2
 FREE_SLOT: Final = 0  # kind in a slot that holds none
 FIRST_SLOT, NO_SLOT = 0, -1  # of a casualty; those in use come first
 SOUNDER_RANGE: Final = 600.0  # [m] to the ground from which it hears an echo
 # Of two faults on one surface or gauge only the one that is later in these lists acts.
 
 FAULTS: Final = (  # in the order of the faults in the state, which begin at its "breach"
-    *(f"leak-{name.replace('_', '-')}" for name in PUMPED),
+    *(f"leak-{name.replace('_', '-')}" for name in PUMPED_TANKS),
     *(f"flooding-{name.removeprefix('compartment_')}" for name in COMPARTMENTS),
     *(f"pump-{name.replace('_', '-')}-failed" for name in PUMPS),
     *(f"bank-{name}-failed" for name in BANKS),
@@ -42,7 +42,7 @@ FAULTS: Final = (  # in the order of the faults in the state, which begin at its
 )
 
 
-class Kind(NamedTuple):
+class CasualtyKind(NamedTuple):
     """A kind of casualty [-]: its name, its equipment, its fault and its place.
 
     The place is that in the state.
@@ -62,37 +62,37 @@ def _place(name: str) -> int:
     return int((STATE.fields or {})[name][1]) // 8  # type: ignore[index]
 
 
-TABLE: Final = (
+CASUALTY_TABLE: Final = (
     *(
-        Kind(f"{surface}-{name}", surface=number, fault=fault, holds=fault == STUCK)
+        CasualtyKind(f"{surface}-{name}", surface=number, fault=fault, holds=fault == SURFACE_STUCK)
         for number, surface in enumerate(SURFACES)
         for fault, name in enumerate(SURFACE_FAULTS)
     ),
-    Kind("propulsion-lost"),
-    Kind("propulsion-stuck", holds=True),
-    Kind("autopilot-failed"),
-    *(Kind(name, place=place) for place, name in enumerate(FAULTS, _place("breach"))),
+    CasualtyKind("propulsion-lost"),
+    CasualtyKind("propulsion-stuck", holds=True),
+    CasualtyKind("autopilot-failed"),
+    *(CasualtyKind(name, place=place) for place, name in enumerate(FAULTS, _place("breach"))),
     *(  # a vent stuck open is a vent shut with the sign turned
-        Kind(f"vent-{name}-open", place=place, sense=-1)
+        CasualtyKind(f"vent-{name}-open", place=place, sense=-1)
         for place, name in enumerate(VALVES, _place("vent_fault"))
     ),
     *(
-        Kind(f"{name}-{how}", gauge=gauge, fault=fault, holds=fault == GAUGE_STUCK)
+        CasualtyKind(f"{name}-{how}", gauge=gauge, fault=fault, holds=fault == GAUGE_STUCK)
         for gauge, name in enumerate(GAUGES)
         for fault, how in enumerate(GAUGE_FAULTS)
     ),
 )
-KINDS: Final = tuple(kind.name for kind in TABLE)
+KINDS: Final = tuple(kind.name for kind in CASUALTY_TABLE)
 CODES: Final = {name: code for code, name in enumerate(KINDS, start=1)}  # 0: no casualty
 
 # The columns of the table, by code.
-_CODED: Final = (Kind(""), *TABLE)
-SURFACE: Final = np.array([kind.surface for kind in _CODED])
-GAUGE: Final = np.array([kind.gauge for kind in _CODED])
-FAULT: Final = np.array([kind.fault for kind in _CODED])
-PLACE: Final = np.array([kind.place for kind in _CODED])
-SENSE: Final = np.array([float(kind.sense) for kind in _CODED])
-HOLDS: Final = np.array([kind.holds for kind in _CODED])
+_CODED_KINDS: Final = (CasualtyKind(""), *CASUALTY_TABLE)
+KIND_SURFACES: Final = np.array([kind.surface for kind in _CODED_KINDS])
+KIND_GAUGES: Final = np.array([kind.gauge for kind in _CODED_KINDS])
+KIND_FAULTS: Final = np.array([kind.fault for kind in _CODED_KINDS])
+KIND_PLACES: Final = np.array([kind.place for kind in _CODED_KINDS])
+KIND_SENSES: Final = np.array([float(kind.sense) for kind in _CODED_KINDS])
+KIND_HOLDS: Final = np.array([kind.holds for kind in _CODED_KINDS])
 GAUGE_CODE: Final = np.array(
     [[CODES[f"{gauge}-{fault}"] for fault in GAUGE_FAULTS] for gauge in GAUGES]
 )
@@ -128,8 +128,8 @@ def fault_of(surface: int, state: Record) -> int:
         kind = int(s.casualty[i])
         if kind == FREE_SLOT:
             return slot
-        if SURFACE[kind] == surface and FAULT[kind] > latest:
-            slot, latest = i, FAULT[kind]
+        if KIND_SURFACES[kind] == surface and KIND_FAULTS[kind] > latest:
+            slot, latest = i, KIND_FAULTS[kind]
     return slot
 
 
@@ -139,8 +139,8 @@ def write_fault(kind: int, amount: float, state: Record) -> None:
 
     Other kinds are looked up.
     """
-    if PLACE[kind] >= 0:
-        state[0].whole[PLACE[kind]] = SENSE[kind] * amount
+    if KIND_PLACES[kind] >= 0:
+        state[0].whole[KIND_PLACES[kind]] = KIND_SENSES[kind] * amount
 
 
 @kernel
@@ -198,7 +198,7 @@ def advance_casualties(state: Record) -> None:
 def sounding(state: Record) -> float:
     """Return how far [m] the ground is below the origin, 0 without an echo."""
     s = state[0]
-    height = s.bottom[GROUND_DEPTH, SOUNDINGS // 2] - s.z
+    height = s.bottom[GROUND_DEPTH, SOUNDING_COUNT // 2] - s.z
     return height if s.bottom[GROUND_DEPTH, 0] != 0.0 and 0.0 < height <= SOUNDER_RANGE else 0.0
 
 
@@ -215,7 +215,7 @@ def gauge_reading(gauge: int, state: Record) -> float:
         value = sounding(state)
         if value == 0.0:
             return value
-    slot = slot_of(GAUGE_CODE[gauge, BIASED], state)
+    slot = slot_of(GAUGE_CODE[gauge, GAUGE_BIASED], state)
     return value + s.casualty_amount[slot] if slot >= 0 else value
 
 
@@ -230,7 +230,7 @@ def reading(gauge: int, state: Record) -> float:
     if slot >= 0:
         return s.casualty_amount[slot]
     value = gauge_reading(gauge, state)
-    slot = slot_of(GAUGE_CODE[gauge, NOISY], state)
+    slot = slot_of(GAUGE_CODE[gauge, GAUGE_NOISY], state)
     if slot >= 0:
         if gauge == SOUNDER and value == 0.0:
             return value
@@ -254,12 +254,12 @@ def onset(kind: int, state: Record) -> float:
     gauge holds its bias too.
     """
     s = state[0]
-    if SURFACE[kind] >= 0 and FAULT[kind] >= HARD_OVER:
-        return s.surface[SURFACE[kind]]
+    if KIND_SURFACES[kind] >= 0 and KIND_FAULTS[kind] >= HARD_OVER:
+        return s.surface[KIND_SURFACES[kind]]
     if kind == PROPULSION_STUCK:
         return s.u_c
-    if GAUGE[kind] >= 0 and HOLDS[kind]:
-        return gauge_reading(GAUGE[kind], state)
+    if KIND_GAUGES[kind] >= 0 and KIND_HOLDS[kind]:
+        return gauge_reading(KIND_GAUGES[kind], state)
     return 0.0
 
 
@@ -280,7 +280,7 @@ def begin(kind: int, amount: float, ticks: float, state: Record) -> int:
         s.casualty_amount[slot] = onset(kind, state)
     s.casualty_ticks[slot] = ticks
     s.casualty_target[slot] = amount
-    if HOLDS[kind]:
+    if KIND_HOLDS[kind]:
         s.casualty_ticks[slot] = 0.0
         s.casualty_target[slot] = s.casualty_amount[slot]
     elif ticks == 0.0:
@@ -298,7 +298,7 @@ def end(kind: int, ticks: float, state: Record) -> int:
     slot = slot_of(kind, state)
     if slot < 0:
         return 0
-    s.casualty_ticks[slot] = -1.0 if HOLDS[kind] else -max(ticks, 1.0)
+    s.casualty_ticks[slot] = -1.0 if KIND_HOLDS[kind] else -max(ticks, 1.0)
     return 1
 
 

@@ -13,26 +13,30 @@ import numpy as np
 from trainer.core.kernel import part
 
 # Taylor's coefficients, the highest power first; every divisor is a whole number below 2^53.
-SINE: Final = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1)])
-COSINE: Final = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(8, 1, -1)])
-EXPONENTIAL: Final = np.array([1.0 / math.factorial(k) for k in range(13, 1, -1)])
-ARCTANGENT: Final = np.array([(-1.0) ** k / (2 * k + 1) for k in range(7, 0, -1)])
-EIGHTHS: Final = np.array(  # arctan k/8, to the nearest double
+SINE_COEFFICIENTS: Final = np.array(
+    [(-1.0) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1)]
+)
+COSINE_COEFFICIENTS: Final = np.array(
+    [(-1.0) ** k / math.factorial(2 * k) for k in range(8, 1, -1)]
+)
+EXPONENTIAL_COEFFICIENTS: Final = np.array([1.0 / math.factorial(k) for k in range(13, 1, -1)])
+ARCTANGENT_COEFFICIENTS: Final = np.array([(-1.0) ** k / (2 * k + 1) for k in range(7, 0, -1)])
+ARCTANGENT_EIGHTHS: Final = np.array(  # arctan k/8, to the nearest double
     [
         *(0.0, 0.12435499454676144, 0.24497866312686414, 0.35877067027057225, 0.4636476090008061),
         *(0.5585993153435624, 0.6435011087932844, 0.7188299996216245, 0.7853981633974483),
     ]
 )
-LOGARITHM: Final = np.array([1.0 / (2 * k + 1) for k in range(10, 0, -1)])
+LOGARITHM_COEFFICIENTS: Final = np.array([1.0 / (2 * k + 1) for k in range(10, 0, -1)])
 
 
 @part
 def _sine_series(r: float) -> float:
     """Return sin r [-] for |r| <= pi/4, by its Taylor series to r^17."""
     s = r * r
-    p = SINE[0]
-    for i in range(1, SINE.size):
-        p = p * s + SINE[i]
+    p = SINE_COEFFICIENTS[0]
+    for i in range(1, SINE_COEFFICIENTS.size):
+        p = p * s + SINE_COEFFICIENTS[i]
     return r + r * s * p
 
 
@@ -40,9 +44,9 @@ def _sine_series(r: float) -> float:
 def _cosine_series(r: float) -> float:
     """Return cos r [-] for |r| <= pi/4, by its Taylor series to r^16."""
     s = r * r
-    p = COSINE[0]
-    for i in range(1, COSINE.size):
-        p = p * s + COSINE[i]
+    p = COSINE_COEFFICIENTS[0]
+    for i in range(1, COSINE_COEFFICIENTS.size):
+        p = p * s + COSINE_COEFFICIENTS[i]
     half = 0.5 * s
     whole = 1.0 - half
     # give back what rounding took from 1 - s/2
@@ -143,9 +147,9 @@ def exponential(x: float) -> float:
     power = _nearest(bounded * 1.4426950408889634)
     k = _as_float(power)
     r = (bounded - k * 0.6931471803691238) - k * 1.9082149292705877e-10
-    p = EXPONENTIAL[0]
-    for i in range(1, EXPONENTIAL.size):
-        p = p * r + EXPONENTIAL[i]
+    p = EXPONENTIAL_COEFFICIENTS[0]
+    for i in range(1, EXPONENTIAL_COEFFICIENTS.size):
+        p = p * r + EXPONENTIAL_COEFFICIENTS[i]
     return _times_power_of_two(1.0 + (r + r * r * p), power)
 
 
@@ -153,9 +157,9 @@ def exponential(x: float) -> float:
 def _logarithm_series(s: float) -> float:
     """Return (artanh s)/s - 1, doubled [-], for |s| <= 0.172, by its Taylor series to s^20."""
     z = s * s
-    p = LOGARITHM[0]
-    for i in range(1, LOGARITHM.size):
-        p = p * z + LOGARITHM[i]
+    p = LOGARITHM_COEFFICIENTS[0]
+    for i in range(1, LOGARITHM_COEFFICIENTS.size):
+        p = p * z + LOGARITHM_COEFFICIENTS[i]
     return 2.0 * z * p
 
 
@@ -195,10 +199,10 @@ def _arctangent_of_share(t: float) -> float:
     c = 0.125 * _as_float(eighth)
     z = (t - c) / (1.0 + t * c)
     s = z * z
-    p = ARCTANGENT[0]
-    for i in range(1, ARCTANGENT.size):
-        p = p * s + ARCTANGENT[i]
-    return EIGHTHS[eighth] + (z + z * s * p)
+    p = ARCTANGENT_COEFFICIENTS[0]
+    for i in range(1, ARCTANGENT_COEFFICIENTS.size):
+        p = p * s + ARCTANGENT_COEFFICIENTS[i]
+    return ARCTANGENT_EIGHTHS[eighth] + (z + z * s * p)
 
 
 @part

@@ -6,11 +6,11 @@ from trainer.core.elementary import cosine, sine
 from trainer.core.kernel import Numbers, Record, kernel, record_dtype
 from trainer.core.update import update
 
-COLUMNS: Final = 17  # numbers of a row
-NOTHING, PITCH, PITCH_SIZE, HEADING, SPEED, DEPTH_RATE = 0, 1, 2, 3, 4, 5  # what is watched
+ROW_COLUMNS: Final = 17  # numbers of a row
+NO_QUANTITY, PITCH, PITCH_SIZE, HEADING, SPEED, DEPTH_RATE = 0, 1, 2, 3, 4, 5  # what is watched
 
 LOOKOUT: Final = record_dtype(
-    "watched",  # [-] NOTHING to DEPTH_RATE; that one leaves roll out
+    "watched",  # [-] NO_QUANTITY to DEPTH_RATE; that one leaves roll out
     "side",  # [-] 1: until the quantity is at or above its mark, -1: at or below it
     "mark",  # [rad] or [m/s]
     "last",  # [ticks] at which to stop in any case
@@ -24,7 +24,7 @@ def has_passed(lookout: Record, state: Record) -> bool:
     """Return whether the quantity watched has passed its mark."""
     eye = lookout[0]
     s = state[0]
-    if eye.watched == NOTHING:
+    if eye.watched == NO_QUANTITY:
         return False
     if eye.watched == PITCH:
         value = s.theta
@@ -53,7 +53,7 @@ def write_row(state: Record, h: float, out: Numbers) -> None:
 
 @kernel
 def sail(records: tuple[Record, ...], lookout: Record, out: Numbers) -> int:
-    """Advance tick by tick, and write a row of ``out`` [n, COLUMNS] for each.
+    """Advance tick by tick, and write a row of ``out`` [n, ROW_COLUMNS] for each.
 
     Return how many rows were written. It ends where the quantity watched has passed its mark, at
     the last tick, when ``out`` is full, or when the boat is lost; that tick has no row. ``records``

@@ -11,7 +11,7 @@ from typing import Final
 
 from trainer.core.kernel import Field, Record, part
 
-INSIDE, EXTRAPOLATED, OUTSIDE = 0, 1, 2
+INSIDE_RANGE, EXTRAPOLATED_RANGE, OUTSIDE_RANGE = 0, 1, 2
 # rows and columns of thrust_astern, by u and the command speed
 TURNING_ASTERN, TURNING_AHEAD = 0, 1
 BY_U_U, BY_U_UC, BY_UC_UC = 0, 1, 2
@@ -69,9 +69,11 @@ ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
     "screw",  # [m] diameter of the propeller
 )
 
-SUBSTEP: Final = 0.25  # [rad] most of a mode's phase in a substep, at large angles
+SUBSTEP_PHASE: Final = 0.25  # [rad] most of a mode's phase in a substep, at large angles
 SURFACE_SUBSTEP: Final = 0.2  # [rad] likewise afloat
-BEYOND: Final = 1.5  # [-] of the fastest turns: up to there the vessel's own step is proved
+PROVED_TURN_RATIO: Final = (
+    1.5  # [-] of the fastest turns: up to there the vessel's own step is proved
+)
 MOST_SUBSTEPS: Final = 64
 
 
@@ -99,12 +101,12 @@ def wide_share(vessel: Record, state: Record) -> float:
 
 @part
 def validity(vessel: Record, state: Record) -> int:
-    """Return how far the equations hold: INSIDE, EXTRAPOLATED or OUTSIDE [-]."""
+    """Return how far the equations hold: INSIDE_RANGE, EXTRAPOLATED_RANGE or OUTSIDE_RANGE [-]."""
     c, s = vessel[0], state[0]
     cross, square = cross_speed_squared(vessel, state), s.u * s.u
     if s.u < 0.0 or cross > c.handover_from * square:
-        return OUTSIDE
-    return EXTRAPOLATED if cross > c.tested * square else INSIDE
+        return OUTSIDE_RANGE
+    return EXTRAPOLATED_RANGE if cross > c.tested * square else INSIDE_RANGE
 
 
 @part
@@ -118,10 +120,10 @@ def substeps(vessel: Record, h: float, afloat: int, state: Record) -> int:
     c, s = vessel[0], state[0]
     phase = 0.0
     if c.u_c_ahead > 0.0:
-        phase = s.u / (BEYOND * c.u_c_ahead)
+        phase = s.u / (PROVED_TURN_RATIO * c.u_c_ahead)
     if wide_share(vessel, state) > 0.0:
         speed = math.sqrt(s.u * s.u + cross_speed_squared(vessel, state))
-        phase = max(phase, h * c.stiffness * speed / SUBSTEP)
+        phase = max(phase, h * c.stiffness * speed / SUBSTEP_PHASE)
     if afloat != 0:
         phase = max(phase, h * c.surface_mode / SURFACE_SUBSTEP)
     return math.ceil(min(phase - 1e-9, MOST_SUBSTEPS)) if phase > 1.0 else 1

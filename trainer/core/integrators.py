@@ -16,17 +16,17 @@ from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.rates import rates
 from trainer.core.scheme import (
     ADAMS,
-    MULTISTEPS,
+    MULTISTEP_CODES,
     PREDICTOR_CORRECTOR,
     RUNGE_KUTTA,
     VARIABLE_RUNGE_KUTTA,
 )
-from trainer.core.state import HISTORY, PHI, PSI, THETA, P, Q, R
+from trainer.core.state import PAST_CYCLES, PHI, PSI, THETA, P, Q, R
 
 NOW, BEFORE = 0, 1  # places in a method's weights: this cycle's, and the last one's
-SMALLEST, LARGEST = 0.05, 2.0  # [s] variable step, [ASSES] III-B
-TOLERANCE = 1e-3  # of each variable's largest value
-FLOOR = 0.01  # [m/s], [rad/s], [rad], [m] least value that a largest one counts as
+MIN_STEP_S, MAX_STEP_S = 0.05, 2.0  # [s] variable step, [ASSES] III-B
+STEP_TOLERANCE = 1e-3  # of each variable's largest value
+MIN_SCALE = 0.01  # [m/s], [rad/s], [rad], [m] least value that a largest one counts as
 
 
 @part
@@ -38,9 +38,9 @@ def remember(state: Record) -> None:
     s = state[0]
     if s.history == 0.0:
         for i in range(12):
-            for back in range(HISTORY):
+            for back in range(PAST_CYCLES):
                 s.past_rates[back, i] = s.rates[i]
-        s.history = float(HISTORY)
+        s.history = float(PAST_CYCLES)
 
 
 @part
@@ -49,7 +49,7 @@ def remember_motion(h: float, state: Record) -> None:
     s = state[0]
     if s.history == 0.0:
         for i in range(12):
-            for back in range(HISTORY):
+            for back in range(PAST_CYCLES):
                 s.past_motion[back, i] = s.motion[i] - (back + 1) * h * s.rates[i]
 
 
@@ -63,7 +63,7 @@ def recall(scheme: Record, state: Record) -> None:
         value = how.a[0] * s.motion[i]
         for back in range(how.depth - 1):
             value += how.a[back + 1] * s.past_motion[back, i]
-        for back in range(HISTORY - 1, 0, -1):
+        for back in range(PAST_CYCLES - 1, 0, -1):
             s.past_motion[back, i] = s.past_motion[back - 1, i]
         s.past_motion[0, i] = s.motion[i]
         s.motion[i] = value
@@ -76,7 +76,7 @@ def shift_rates(state: Record) -> None:
     A row at a time costs least.
     """
     s = state[0]
-    for back in range(HISTORY - 1, 0, -1):
+    for back in range(PAST_CYCLES - 1, 0, -1):
         for i in range(12):
             s.past_rates[back, i] = s.past_rates[back - 1, i]
     for i in range(12):
@@ -259,7 +259,7 @@ def worst_error(state: Record, scratch: Record) -> float:
     work = scratch[0]
     worst = 0.0
     for i in range(12):
-        allowed = TOLERANCE * max(s.largest[i], FLOOR)
+        allowed = STEP_TOLERANCE * max(s.largest[i], MIN_SCALE)
         ratio = abs(s.motion[i] - work.coarse[i]) / (15.0 * allowed)
         if not ratio <= worst:  # a NaN counts as the worst
             worst = ratio
@@ -279,7 +279,7 @@ def variable_runge_kutta(
     work = scratch[0]
     remaining = scheme[0].h
     if s.substep == 0.0:
-        s.substep = LARGEST
+        s.substep = MAX_STEP_S
     while remaining > 1e-12:
         for i in range(12):
             s.largest[i] = max(s.largest[i], abs(s.motion[i]))
@@ -294,15 +294,15 @@ def variable_runge_kutta(
         rates(vessel, compact, scheme, state, scratch)
         runge_kutta(vessel, compact, scheme, state, scratch, 0.5 * h)
         error = worst_error(state, scratch)
-        if error > 1.0 and h > SMALLEST:
+        if error > 1.0 and h > MIN_STEP_S:
             restart(state, scratch)
-            s.substep = max(0.5 * h, SMALLEST)
+            s.substep = max(0.5 * h, MIN_STEP_S)
         else:
             remaining -= h
             if remaining > 1e-12:
                 rates(vessel, compact, scheme, state, scratch)
             if error < 1.0 / 32.0:
-                s.substep = min(2.0 * max(h, s.substep), LARGEST)
+                s.substep = min(2.0 * max(h, s.substep), MAX_STEP_S)
 
 
 @part
@@ -325,7 +325,7 @@ def shift_histories(state: Record) -> None:
     """Put the present motion and rates at the head of the past ones."""
     s = state[0]
     for i in range(12):
-        for back in range(HISTORY - 1, 0, -1):
+        for back in range(PAST_CYCLES - 1, 0, -1):
             s.past_motion[back, i] = s.past_motion[back - 1, i]
         s.past_motion[0, i] = s.motion[i]
     shift_rates(state)
@@ -390,7 +390,7 @@ def advance(
     The step is divided into parts where it must be.
     """
     how = scheme[0]
-    several = how.method in MULTISTEPS
+    several = how.method in MULTISTEP_CODES
     looks_back = several or how.method == PREDICTOR_CORRECTOR
     count = 1
     if how.envelope != 0 and how.method != VARIABLE_RUNGE_KUTTA:

@@ -18,13 +18,18 @@ Numbers = NDArray[np.float64]
 # a name, a name with a shape, or a block's name with the names in it
 Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
 
-TESTED: Final = (0, 68), (0, 68)  # first and last version of numba whose inner parts are known
+TESTED_NUMBA: Final = (
+    (0, 68),
+    (0, 68),
+)  # first and last version of numba whose inner parts are known
 
 
 def is_tested(version: str) -> bool:
     """Return whether a version of numba is one whose inner parts are known."""
     found = re.match(r"(\d+)\.(\d+)", version)
-    return found is not None and TESTED[0] <= (int(found[1]), int(found[2])) <= TESTED[1]
+    return (
+        found is not None and TESTED_NUMBA[0] <= (int(found[1]), int(found[2])) <= TESTED_NUMBA[1]
+    )
 
 
 # Kernels do not count references to the records, which their callers hold: that took half a tick.
@@ -35,7 +40,7 @@ def is_tested(version: str) -> bool:
 # first compiled within a part would take over its forceinline, and the rates would be in the tick
 # nine times over, for twice the time and memory of compiling. An unlocked kernel runs long
 # and lets other threads go on. An inlined one is a part that each of its callers compiles anew.
-LEAN: Final[dict[str, Any]] = (
+LEAN_OPTIONS: Final[dict[str, Any]] = (
     {"_nrt": False, "no_cfunc_wrapper": True} if is_tested(numba.__version__) else {}
 )
 if TYPE_CHECKING:  # numba's published signature lacks some of its options
@@ -43,10 +48,10 @@ if TYPE_CHECKING:  # numba's published signature lacks some of its options
     unlocked = njit(cache=True, error_model="numpy", nogil=True)
     inlined = njit(error_model="numpy", forceinline=True)
 else:
-    kernel = njit(cache=True, error_model="numpy", forceinline=False, **LEAN)
-    part = njit(cache=True, error_model="numpy", forceinline=True, **LEAN)
-    unlocked = njit(cache=True, error_model="numpy", nogil=True, **LEAN)
-    inlined = njit(error_model="numpy", forceinline=True, **LEAN)
+    kernel = njit(cache=True, error_model="numpy", forceinline=False, **LEAN_OPTIONS)
+    part = njit(cache=True, error_model="numpy", forceinline=True, **LEAN_OPTIONS)
+    unlocked = njit(cache=True, error_model="numpy", nogil=True, **LEAN_OPTIONS)
+    inlined = njit(error_model="numpy", forceinline=True, **LEAN_OPTIONS)
 
 
 def record_dtype(*fields: Field) -> np.dtype:

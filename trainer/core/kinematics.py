@@ -3,9 +3,13 @@
 from trainer.core.elementary import cosine, cosine_and_sine, sine
 from trainer.core.kernel import Record, part
 
-EXACT, POLYNOMIAL, LINEAR = 0, 1, 2  # trigonometry of pitch and roll
+EXACT_TRIGONOMETRY, POLYNOMIAL_TRIGONOMETRY, LINEAR_TRIGONOMETRY = (
+    0,
+    1,
+    2,
+)  # trigonometry of pitch and roll
 
-STEEPEST = 0.02  # smallest |cos theta| used: the equations are singular at 90 degrees
+MIN_PITCH_COSINE = 0.02  # smallest |cos theta| used: the equations are singular at 90 degrees
 
 
 @part
@@ -14,9 +18,9 @@ def pitch_roll_sine(trig: int, angle: float) -> float:
 
     Errata C21-C23.
     """
-    if trig == POLYNOMIAL:
+    if trig == POLYNOMIAL_TRIGONOMETRY:
         return angle - angle * angle * angle / 6.0
-    if trig == LINEAR:
+    if trig == LINEAR_TRIGONOMETRY:
         return 0.971 * angle
     return sine(angle)
 
@@ -24,10 +28,10 @@ def pitch_roll_sine(trig: int, angle: float) -> float:
 @part
 def pitch_roll_cosine(trig: int, angle: float) -> float:
     """Return the cosine [-] of pitch or roll [rad] as the equation set takes it."""
-    if trig == POLYNOMIAL:
+    if trig == POLYNOMIAL_TRIGONOMETRY:
         square = angle * angle
         return 1.0 - square / 2.0 + square * square / 24.0
-    if trig == LINEAR:
+    if trig == LINEAR_TRIGONOMETRY:
         return 1.02 - 0.281 * abs(angle)
     return cosine(angle)
 
@@ -35,9 +39,9 @@ def pitch_roll_cosine(trig: int, angle: float) -> float:
 @part
 def guard_cosine(cos_theta: float) -> float:
     """Return ``cos_theta`` [-] kept away from zero."""
-    if abs(cos_theta) >= STEEPEST:
+    if abs(cos_theta) >= MIN_PITCH_COSINE:
         return cos_theta
-    return STEEPEST if cos_theta >= 0.0 else -STEEPEST
+    return MIN_PITCH_COSINE if cos_theta >= 0.0 else -MIN_PITCH_COSINE
 
 
 @part

@@ -13,10 +13,10 @@ from typing import Final
 from trainer.core.elementary import cosine_and_sine, cosine_of_size, logarithm_of_positive
 from trainer.core.kernel import part
 
-WORD = 0xFFFFFFFF
-PARITY = 0x1BD11BDA
-ROUNDS = 20
-TURNS = 0x1810_1D11_061A_0F0D  # [bits] of eight rounds in a row, the first one lowest
+WORD_MASK = 0xFFFFFFFF
+KEY_PARITY = 0x1BD11BDA
+ROUND_COUNT = 20
+ROTATION_BITS = 0x1810_1D11_061A_0F0D  # [bits] of eight rounds in a row, the first one lowest
 
 # Streams. Each user of randomness has its own.
 SEA_FILTER: Final = 1
@@ -30,14 +30,14 @@ SOUNDER_NOISE: Final = 9
 @part
 def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[int, int]:
     """Return two random 32-bit words [-]."""
-    x, y = (counter_0 + key_0) & WORD, (counter_1 + key_1) & WORD
-    first, second, third = key_1, PARITY ^ key_0 ^ key_1, key_0
-    for i in range(ROUNDS):
-        turn = (TURNS >> (8 * (i & 7))) & 0xFF
-        x = (x + y) & WORD
-        y = (((y << turn) | (y >> (32 - turn))) & WORD) ^ x
+    x, y = (counter_0 + key_0) & WORD_MASK, (counter_1 + key_1) & WORD_MASK
+    first, second, third = key_1, KEY_PARITY ^ key_0 ^ key_1, key_0
+    for i in range(ROUND_COUNT):
+        turn = (ROTATION_BITS >> (8 * (i & 7))) & 0xFF
+        x = (x + y) & WORD_MASK
+        y = (((y << turn) | (y >> (32 - turn))) & WORD_MASK) ^ x
         if i & 3 == 3:
-            x, y = (x + first) & WORD, (y + second + (i >> 2) + 1) & WORD
+            x, y = (x + first) & WORD_MASK, (y + second + (i >> 2) + 1) & WORD_MASK
             first, second, third = second, third, first
     return x, y
 
@@ -45,7 +45,9 @@ def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[in
 @part
 def _words(seed: int, stream: int, tick: int) -> tuple[int, int]:
     """Return the two random 32-bit words [-] of a seed, a stream and a tick."""
-    return threefry((seed >> 32) & WORD, seed & WORD, tick & WORD, stream & WORD)
+    return threefry(
+        (seed >> 32) & WORD_MASK, seed & WORD_MASK, tick & WORD_MASK, stream & WORD_MASK
+    )
 
 
 @part

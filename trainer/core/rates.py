@@ -7,7 +7,7 @@ from trainer.core.current import carry_along, is_moving
 from trainer.core.envelope import wide_share
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.kinematics import kinematics
-from trainer.core.scheme import COMPACT, LONGITUDINAL
+from trainer.core.scheme import COMPACT_EQUATIONS, LONGITUDINAL_EQUATIONS
 from trainer.core.solve import exact, sweep
 from trainer.core.stall import is_stalled, write_stalled
 from trainer.core.surfaced import is_near_surface, write_near
@@ -58,7 +58,7 @@ def full_accelerations(
     for i in range(6):
         work.force[i] += outer[i]
     full_set.inertia(vessel, state, work.inertia)
-    if how.equations == LONGITUDINAL:
+    if how.equations == LONGITUDINAL_EQUATIONS:
         full_set.mask_lateral(work.force, work.inertia)
     if how.exact != 0:
         exact(work.inertia, work.force, work.system, acceleration)
@@ -83,7 +83,7 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
     if how.envelope != 0 and is_stalled(vessel, state):
         write_stalled(vessel, outer, state, work.felt)
         felt = work.felt
-    if how.equations == COMPACT:
+    if how.equations == COMPACT_EQUATIONS:
         compact_accelerations(compact, scheme, state, scratch, felt)
     else:
         full_accelerations(vessel, scheme, state, scratch, felt)

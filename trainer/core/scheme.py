@@ -8,13 +8,13 @@ import numpy as np
 
 from trainer.core.kernel import Numbers, Record
 
-FULL, COMPACT, LONGITUDINAL = 0, 1, 2
+FULL_EQUATIONS, COMPACT_EQUATIONS, LONGITUDINAL_EQUATIONS = 0, 1, 2
 ADAMS, MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA, PREDICTOR_CORRECTOR = 0, 1, 2, 3, 4
-MULTISTEPS: Final = (ADAMS, MULTISTEP)  # multistep methods; those of Adams need no past motion
+MULTISTEP_CODES: Final = (ADAMS, MULTISTEP)  # multistep methods; those of Adams need no past motion
 
-TRIGGERS: Final = 8  # at most, of one run
-DEPTH: Final = 4  # cycles a multistep method may use, the last one included
-STAGES: Final = 4  # at most, of a Runge-Kutta method
+MAX_TRIGGERS: Final = 8  # at most, of one run
+MAX_CYCLES: Final = 4  # cycles a multistep method may use, the last one included
+MAX_STAGES: Final = 4  # at most, of a Runge-Kutta method
 
 SCHEME: Final = np.dtype(
     (
@@ -27,25 +27,25 @@ SCHEME: Final = np.dtype(
             ("envelope", "i8"),  # 1 the boat wherever it goes, 0 the equations of 1969 alone
             ("method", "i8"),
             ("depth", "i8"),  # cycles the multistep method uses
-            ("a", "f8", (DEPTH,)),
-            ("b", "f8", (DEPTH,)),
+            ("a", "f8", (MAX_CYCLES,)),
+            ("b", "f8", (MAX_CYCLES,)),
             # the corrector of what a and b predict: the same, with the predicted rate first
-            ("closed_a", "f8", (DEPTH,)),
-            ("closed_b", "f8", (1 + DEPTH,)),
+            ("closed_a", "f8", (MAX_CYCLES,)),
+            ("closed_b", "f8", (1 + MAX_CYCLES,)),
             # Runge-Kutta: each stage begins at its share of the step along the last one
             ("stages", "i8"),
-            ("weight", "f8", (STAGES,)),
-            ("share", "f8", (STAGES,)),  # of the stage that follows
+            ("weight", "f8", (MAX_STAGES,)),
+            ("share", "f8", (MAX_STAGES,)),  # of the stage that follows
             ("weight_sum", "f8"),
             # triggers armed for the run: they fire when sense (state - threshold) is positive
-            ("trigger_place", "f8", (TRIGGERS,)),  # of the quantity in the state
-            ("trigger_sense", "f8", (TRIGGERS,)),  # 1 or -1
-            ("trigger_threshold", "f8", (TRIGGERS,)),
-            ("trigger_strict", "f8", (TRIGGERS,)),  # 0: also when it is zero
-            ("trigger_kind", "f8", (TRIGGERS,)),  # casualty that then begins; 0: not armed
-            ("trigger_amount", "f8", (TRIGGERS,)),
-            ("trigger_ticks", "f8", (TRIGGERS,)),
-            ("trigger_again", "f8", (TRIGGERS,)),  # 1: each time its condition becomes true
+            ("trigger_place", "f8", (MAX_TRIGGERS,)),  # of the quantity in the state
+            ("trigger_sense", "f8", (MAX_TRIGGERS,)),  # 1 or -1
+            ("trigger_threshold", "f8", (MAX_TRIGGERS,)),
+            ("trigger_strict", "f8", (MAX_TRIGGERS,)),  # 0: also when it is zero
+            ("trigger_kind", "f8", (MAX_TRIGGERS,)),  # casualty that then begins; 0: not armed
+            ("trigger_amount", "f8", (MAX_TRIGGERS,)),
+            ("trigger_ticks", "f8", (MAX_TRIGGERS,)),
+            ("trigger_again", "f8", (MAX_TRIGGERS,)),  # 1: each time its condition becomes true
             # the ground
             ("friction", "f8"),  # [-] of a hull that slides on it
             ("breakout", "f8"),  # [N] lift up to which it holds a hull that lies on it
@@ -77,7 +77,7 @@ INTEGRATORS: Final[Mapping[str, Multistep]] = MappingProxyType(
 )
 
 
-class Pair(NamedTuple):
+class PredictorCorrector(NamedTuple):
     """An open formula that predicts X_n, and a closed one that corrects it, once.
 
     X_n = sum closed.a_i X_n-i + h sum closed.b_i X'_n-i, where i of the second sum begins at 0: the
@@ -100,24 +100,30 @@ def closed_of_three(a3: float) -> Multistep:
 PARABOLA: Final = Multistep((3.0, -3.0, 1.0), ())  # the report's "O30": through three positions
 MILNE: Final = Multistep((0.0, 0.0, 0.0, 1.0), (8 / 3, -4 / 3, 8 / 3))
 TRAPEZOID: Final = Multistep((1.0,), (0.5, 0.5))  # [ASSES] III-B, errata D3: closed
-PAIRS: Final[Mapping[str, Pair]] = MappingProxyType(
+PAIRS: Final[Mapping[str, PredictorCorrector]] = MappingProxyType(
     {
-        "heun": Pair(INTEGRATORS["euler"], TRAPEZOID),
+        "heun": PredictorCorrector(INTEGRATORS["euler"], TRAPEZOID),
         # Adams, Bashforth and Moulton
-        "abm2": Pair(INTEGRATORS["adams2"], TRAPEZOID),
-        "abm3": Pair(INTEGRATORS["adams3"], Multistep((1.0,), (5 / 12, 8 / 12, -1 / 12))),
-        "abm4": Pair(INTEGRATORS["adams4"], Multistep((1.0,), (9 / 24, 19 / 24, -5 / 24, 1 / 24))),
+        "abm2": PredictorCorrector(INTEGRATORS["adams2"], TRAPEZOID),
+        "abm3": PredictorCorrector(
+            INTEGRATORS["adams3"], Multistep((1.0,), (5 / 12, 8 / 12, -1 / 12))
+        ),
+        "abm4": PredictorCorrector(
+            INTEGRATORS["adams4"], Multistep((1.0,), (9 / 24, 19 / 24, -5 / 24, 1 / 24))
+        ),
         # Hamming (1959), after Milne's predictor
-        "hamming4": Pair(MILNE, Multistep((9 / 8, 0.0, -1 / 8), (3 / 8, 6 / 8, -3 / 8))),
+        "hamming4": PredictorCorrector(
+            MILNE, Multistep((9 / 8, 0.0, -1 / 8), (3 / 8, 6 / 8, -3 / 8))
+        ),
         # [ASSES] Table 1 "O30 C31": errata D6 has a_3 from its interval of -0.82, not proved
-        "o30c31": Pair(PARABOLA, closed_of_three(0.1266)),
-        "bdf2": Pair(PARABOLA, closed_of_three(0.0)),
-        "bdf3": Pair(PARABOLA, closed_of_three(2 / 11)),
+        "o30c31": PredictorCorrector(PARABOLA, closed_of_three(0.1266)),
+        "bdf2": PredictorCorrector(PARABOLA, closed_of_three(0.0)),
+        "bdf3": PredictorCorrector(PARABOLA, closed_of_three(2 / 11)),
     }
 )
 
 
-class Stages(NamedTuple):
+class RungeKutta(NamedTuple):
     """A Runge-Kutta method in which each stage begins along the last one alone."""
 
     weights: tuple[float, ...]
@@ -125,16 +131,16 @@ class Stages(NamedTuple):
     kind: int = RUNGE_KUTTA
 
 
-CLASSICAL: Final = Stages((1.0, 2.0, 2.0, 1.0), (0.5, 0.5, 1.0))
-RUNGE_KUTTAS: Final[Mapping[str, Stages]] = MappingProxyType(
+CLASSICAL_STAGES: Final = RungeKutta((1.0, 2.0, 2.0, 1.0), (0.5, 0.5, 1.0))
+RUNGE_KUTTAS: Final[Mapping[str, RungeKutta]] = MappingProxyType(
     {
-        "rk2": Stages((0.0, 1.0), (0.5,)),  # Runge: the midpoint rule
-        "rk3": Stages((1.0, 0.0, 3.0), (1 / 3, 2 / 3)),  # Heun
-        "rk4": CLASSICAL,
-        "rkv": CLASSICAL._replace(kind=VARIABLE_RUNGE_KUTTA),
+        "rk2": RungeKutta((0.0, 1.0), (0.5,)),  # Runge: the midpoint rule
+        "rk3": RungeKutta((1.0, 0.0, 3.0), (1 / 3, 2 / 3)),  # Heun
+        "rk4": CLASSICAL_STAGES,
+        "rkv": CLASSICAL_STAGES._replace(kind=VARIABLE_RUNGE_KUTTA),
     }
 )
-NAMES: Final = (*INTEGRATORS, *PAIRS, *RUNGE_KUTTAS)
+INTEGRATOR_NAMES: Final = (*INTEGRATORS, *PAIRS, *RUNGE_KUTTAS)
 
 
 def new_scheme(h: float, equations: int, *, exact: bool, trig: int) -> Record:
@@ -158,8 +164,8 @@ def require_consistent(method: Multistep, past: int) -> None:
 
     ``past`` is how many of its rates are of past cycles.
     """
-    if not 1 <= max(len(method.a), past) <= DEPTH:
-        raise ValueError(f"a multistep method looks back 1 to {DEPTH} cycles")
+    if not 1 <= max(len(method.a), past) <= MAX_CYCLES:
+        raise ValueError(f"a multistep method looks back 1 to {MAX_CYCLES} cycles")
     if abs(sum(method.a) - 1.0) > 1e-12:
         raise ValueError(f"the a_i add up to {sum(method.a):g}; consistency needs 1")
     drift = sum(method.b) - sum(i * a for i, a in enumerate(method.a, start=1))
@@ -184,10 +190,10 @@ def set_multistep(scheme: Record, method: Multistep) -> None:
     require_zero_stable(method)
     scheme["method"] = MULTISTEP if any(method.a[1:]) else ADAMS
     scheme["depth"] = max(len(method.a), len(method.b))
-    scheme["a"], scheme["b"] = padded(method.a, DEPTH), padded(method.b, DEPTH)
+    scheme["a"], scheme["b"] = padded(method.a, MAX_CYCLES), padded(method.b, MAX_CYCLES)
 
 
-def set_pair(scheme: Record, pair: Pair) -> None:
+def set_pair(scheme: Record, pair: PredictorCorrector) -> None:
     """Make ``scheme`` predict and correct; raise ValueError for a pair that cannot be used.
 
     The predictor alone may be unstable, since its error does not last.
@@ -196,16 +202,16 @@ def set_pair(scheme: Record, pair: Pair) -> None:
         require_consistent(method, past)
     require_zero_stable(pair.closed)
     lengths = (len(pair.open.a), len(pair.open.b), len(pair.closed.a), len(pair.closed.b) - 1)
-    set_runge_kutta(scheme, CLASSICAL)  # for the steps that have no past of their own
+    set_runge_kutta(scheme, CLASSICAL_STAGES)  # for the steps that have no past of their own
     scheme["method"], scheme["depth"] = PREDICTOR_CORRECTOR, max(lengths)
-    scheme["a"], scheme["b"] = padded(pair.open.a, DEPTH), padded(pair.open.b, DEPTH)
-    scheme["closed_a"] = padded(pair.closed.a, DEPTH)
-    scheme["closed_b"] = padded(pair.closed.b, 1 + DEPTH)
+    scheme["a"], scheme["b"] = padded(pair.open.a, MAX_CYCLES), padded(pair.open.b, MAX_CYCLES)
+    scheme["closed_a"] = padded(pair.closed.a, MAX_CYCLES)
+    scheme["closed_b"] = padded(pair.closed.b, 1 + MAX_CYCLES)
 
 
-def set_runge_kutta(scheme: Record, method: Stages) -> None:
+def set_runge_kutta(scheme: Record, method: RungeKutta) -> None:
     """Make ``scheme`` integrate by a Runge-Kutta method."""
     scheme["method"], scheme["stages"] = method.kind, len(method.weights)
-    scheme["weight"] = padded(method.weights, STAGES)
-    scheme["share"] = padded(method.shares, STAGES)
+    scheme["weight"] = padded(method.weights, MAX_STAGES)
+    scheme["share"] = padded(method.shares, MAX_STAGES)
     scheme["weight_sum"] = sum(method.weights)

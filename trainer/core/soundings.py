@@ -8,17 +8,26 @@ is that of the edge, and level across it.
 
 from typing import Final
 
-from trainer.core.bottom import PLACES
+from trainer.core.bottom import SOUNDING_PLACES
 from trainer.core.elementary import cosine, cosine_and_sine
 from trainer.core.kernel import Numbers, Record, part
-from trainer.core.state import GROUND_DEPTH, GROUND_EAST, GROUND_NORTH, SOUNDINGS
+from trainer.core.state import GROUND_DEPTH, GROUND_EAST, GROUND_NORTH, SOUNDING_COUNT
 
-SOUTH, WEST, ALONG, ACROSS, ENDS, ROWS, COLUMNS, FIRST = 0, 1, 2, 3, 4, 5, 6, 7  # of a chart
+SOUTH, WEST, ALONG, ACROSS, CHART_ENDS, ROWS, COLUMNS, FIRST_SAMPLE = (
+    0,
+    1,
+    2,
+    3,
+    4,
+    5,
+    6,
+    7,
+)  # of a chart
 EASTWARD: Final = 1  # depths from a sample to the next one in its row
 PLANE_WIDTH: Final = 2  # depths in a row of a plane's cell
-SHALLOWEST: Final = 1e-9  # [m] instead of 0, which would be no ground at all
-DISTANT: Final = 250.0  # [m] under the boat
-SELDOM: Final = 15  # [-] a power of two less one
+MIN_GROUND_DEPTH_M: Final = 1e-9  # [m] instead of 0, which would be no ground at all
+DISTANT_GROUND_M: Final = 250.0  # [m] under the boat
+SELDOM_MASK: Final = 15  # [-] a power of two less one
 
 Cell = tuple[int, int]  # row and column of its first sample
 
@@ -29,13 +38,13 @@ def sound_in(chart: Numbers, cell: Cell, i: float, j: float, place: int, state: 
     s = state[0]
     width = int(chart[COLUMNS])
     row, column = cell
-    at = FIRST + row * width + column
+    at = FIRST_SAMPLE + row * width + column
     a, b = i - row, j - column
     near, far = chart[at], chart[at + width]
     right, beyond = chart[at + EASTWARD] - near, chart[at + width + EASTWARD] - far
     near, up = near + b * right, far - near + b * (beyond - right)
     depth = near + a * up
-    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else SHALLOWEST
+    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else MIN_GROUND_DEPTH_M
     s.bottom[GROUND_NORTH, place] = chart[ALONG] * up
     s.bottom[GROUND_EAST, place] = chart[ACROSS] * (right + a * (beyond - right))
 
@@ -58,9 +67,12 @@ def sound_at_edge(chart: Numbers, i: float, j: float, place: int, state: Record)
 def sound_plane(chart: Numbers, i: float, j: float, place: int, state: Record) -> None:
     """Write depth and slopes of a plane, whose chart is a cell of it."""
     s = state[0]
-    up, right = chart[FIRST + PLANE_WIDTH] - chart[FIRST], chart[FIRST + EASTWARD] - chart[FIRST]
-    depth = chart[FIRST] + i * up + j * right
-    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else SHALLOWEST
+    up, right = (
+        chart[FIRST_SAMPLE + PLANE_WIDTH] - chart[FIRST_SAMPLE],
+        chart[FIRST_SAMPLE + EASTWARD] - chart[FIRST_SAMPLE],
+    )
+    depth = chart[FIRST_SAMPLE] + i * up + j * right
+    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else MIN_GROUND_DEPTH_M
     s.bottom[GROUND_NORTH, place] = chart[ALONG] * up
     s.bottom[GROUND_EAST, place] = chart[ACROSS] * right
 
@@ -69,13 +81,15 @@ def sound_plane(chart: Numbers, i: float, j: float, place: int, state: Record) -
 def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     """Write the ground under the places along the hull, as they lie now.
 
-    Where it is DISTANT only one tick of SELDOM does: no boat makes more way than that in between.
+    Where it is DISTANT_GROUND_M only one tick of SELDOM_MASK does: no boat makes more way than that
+    in between.
     """
     s = state[0]
     distant = (
-        s.bottom[GROUND_DEPTH, 0] != 0.0 and s.bottom[GROUND_DEPTH, SOUNDINGS // 2] - s.z > DISTANT
+        s.bottom[GROUND_DEPTH, 0] != 0.0
+        and s.bottom[GROUND_DEPTH, SOUNDING_COUNT // 2] - s.z > DISTANT_GROUND_M
     )
-    if distant and int(s.tick) & SELDOM != 0:
+    if distant and int(s.tick) & SELDOM_MASK != 0:
         return
     cos_psi, sin_psi = cosine_and_sine(s.psi)
     level = vessel[0].ell * cosine(s.theta)
@@ -83,9 +97,9 @@ def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     up, right = level * cos_psi * chart[ALONG], level * sin_psi * chart[ACROSS]
     room = abs(up) + abs(right)
     inside = room < i < chart[ROWS] - 1.0 - room and room < j < chart[COLUMNS] - 1.0 - room
-    for place in range(SOUNDINGS):
-        row, column = i + PLACES[place] * up, j + PLACES[place] * right
-        if chart[ENDS] == 0.0:
+    for place in range(SOUNDING_COUNT):
+        row, column = i + SOUNDING_PLACES[place] * up, j + SOUNDING_PLACES[place] * right
+        if chart[CHART_ENDS] == 0.0:
             sound_plane(chart, row, column, place, state)
         elif inside:
             sound_in(chart, (int(row), int(column)), row, column, place, state)

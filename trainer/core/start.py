@@ -5,7 +5,7 @@ import math
 from trainer.core.ballast.ballast import start_ballast
 from trainer.core.kernel import Record, kernel
 from trainer.core.rates import rates
-from trainer.core.trim import BOTH, STERN, trim
+from trainer.core.trim import BOTH_PLANES, STERN_PLANES, trim
 
 
 @kernel
@@ -35,7 +35,7 @@ def level_flight(
     for i in range(6):
         scratch[0].external[i] = 0.0
     for attempt in range(3):
-        by = BOTH if attempt == 1 else STERN
+        by = BOTH_PLANES if attempt == 1 else STERN_PLANES
         most = 0.3 if attempt == 0 else 1.0
         s.v = s.w = s.phi = s.theta = 0.0
         s.delta_r = s.delta_s = s.delta_b = 0.0

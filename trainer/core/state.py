@@ -23,7 +23,7 @@ P, Q, R = 0, 1, 2  # places in a turn about the body's axes
 AXIAL, LATERAL, NORMAL = 0, 1, 2  # places in forces and accelerations: X, Y, Z
 ROLLING, PITCHING, YAWING = 3, 4, 5  # K, M, N
 
-HISTORY: Final = 3  # past cycles an integrator may look back on, beside the last
+PAST_CYCLES: Final = 3  # past cycles an integrator may look back on, beside the last
 
 # the quantities of a sea, each ramped when another is ordered
 SEA_QUANTITIES: Final = [
@@ -37,19 +37,19 @@ SEA_QUANTITIES: Final = [
     "sea_peaked",  # [-] share of the rest of it from the bank of the peaked spectrum
 ]
 SEA_COMPONENTS: Final = 50
-SOUNDINGS: Final = 5  # places along the hull where the ground below it is looked at
+SOUNDING_COUNT: Final = 5  # places along the hull where the ground below it is looked at
 GROUND_DEPTH, GROUND_NORTH, GROUND_EAST = 0, 1, 2  # rows of soundings: depth, its slopes
-STRIPS: Final = 7  # of the hull, on which waves push
+STRIP_COUNT: Final = 7  # of the hull, on which waves push
 STRIP_ROWS: Final = 96  # wave numbers beside 0 at which their sums are tabulated
-CASUALTIES: Final = 8  # at a time
+MAX_CASUALTIES: Final = 8  # at a time
 VALVES: Final = ("forward", "mid", "aft", "negative")  # blow valves and vents have these
 
 STATE: Final = record_dtype(
     "tick",  # [-] ticks done since the start of the run
     ("motion", MOTION),
     ("rates", RATES),
-    ("past_rates", (HISTORY, 12)),  # rates of one, two and three cycles ago
-    ("past_motion", (HISTORY, 12)),
+    ("past_rates", (PAST_CYCLES, 12)),  # rates of one, two and three cycles ago
+    ("past_motion", (PAST_CYCLES, 12)),
     "history",  # [-] how many past cycles are true; 0 after a start or a jump
     "substep",  # [s] present step of the variable-step Runge-Kutta, 0 before its first
     ("largest", (12,)),  # largest |motion| so far, to which its tolerance is relative
@@ -154,10 +154,10 @@ STATE: Final = record_dtype(
     ("blow_fault", [f"blow_fault_{name}" for name in VALVES]),
     ("vent_fault", [f"vent_fault_{name}" for name in VALVES]),
     # casualties, by slot: see casualties
-    ("casualty", (CASUALTIES,)),  # [-] kind, 0 none
-    ("casualty_amount", (CASUALTIES,)),  # [SI] by kind, at present
-    ("casualty_target", (CASUALTIES,)),  # [SI]
-    ("casualty_ticks", (CASUALTIES,)),  # [-] left; negative while it is cleared
+    ("casualty", (MAX_CASUALTIES,)),  # [-] kind, 0 none
+    ("casualty_amount", (MAX_CASUALTIES,)),  # [SI] by kind, at present
+    ("casualty_target", (MAX_CASUALTIES,)),  # [SI]
+    ("casualty_ticks", (MAX_CASUALTIES,)),  # [-] left; negative while it is cleared
     "triggers_spent",  # [-] one bit for each trigger that has fired
     # partial freezes: see update
     ("held", ["held_depth", "held_position", "held_tanks"]),  # [-] 1 held
@@ -232,13 +232,13 @@ STATE: Final = record_dtype(
         ],
     ),
     ("through", ["through_north", "through_east"]),  # [m/s] rates of place through the water
-    ("bottom", (3, SOUNDINGS)),  # [m] depth along the hull, its slopes north and east; 0: none
+    ("bottom", (3, SOUNDING_COUNT)),  # [m] depth along the hull, its slopes north and east; 0: none
     "bottom_load",  # [N] that the ground carries
     "aground",  # [-] ticks for which it has
     ("ship_force", (6,)),  # [N] and [N m] of ships near
 )
 
-FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]
+STATE_FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]
 
 
 def new_state() -> Record:
@@ -246,7 +246,7 @@ def new_state() -> Record:
     return np.zeros(1, STATE)
 
 
-DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
+FILTER_DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
 
 SEA_FIELDS: Final[tuple[Field, ...]] = (
     # wave filter of 1969, and the frequency and step for which it is made
@@ -277,11 +277,11 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     ("pull", (12,)),  # sums over the waves: see forces
     # sums over the hull's strips by wave number, and those strips: see forces
     ("strip_sums", (STRIP_ROWS + 1, 3, 4)),  # [-]
-    ("strips_of", (4, STRIPS)),
+    ("strips_of", (4, STRIP_COUNT)),
     # work space of the variance of a filter's output
-    ("a", (DEGREE + 1,)),
-    ("b", (DEGREE + 1,)),
-    ("d", (DEGREE + 1,)),
+    ("a", (FILTER_DEGREE + 1,)),
+    ("b", (FILTER_DEGREE + 1,)),
+    ("d", (FILTER_DEGREE + 1,)),
     "elevation_power",
     "quadrature_power",
 )

@@ -15,7 +15,9 @@ from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
-HUMP: Final = 0.5  # [-] Froude number from which wave resistance grows by u^2 alone, an estimate
+HUMP_FROUDE: Final = (
+    0.5  # [-] Froude number from which wave resistance grows by u^2 alone, an estimate
+)
 
 
 @part
@@ -119,7 +121,7 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
     cos_phi, sin_phi = cosine_and_sine(s.phi)
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     z = heavy * c.hull_axis
-    square = min(s.u * s.u, HUMP * HUMP * c.g * c.ell)
+    square = min(s.u * s.u, HUMP_FROUDE * HUMP_FROUDE * c.g * c.ell)
     force[AXIAL] += heavy * down_x
     force[AXIAL] -= c.wave_drag * min(above / 0.05, 1.0) * square * square * s.u * abs(s.u)
     force[LATERAL] += heavy * down_y

@@ -20,10 +20,10 @@ class Term(NamedTuple):
     @property
     def kept(self) -> bool:
         """Return whether every compact set keeps it."""
-        return self.key in KEPT or self.key in THRUST
+        return self.key in COMPACT_TERMS or self.key in THRUST_KEYS
 
 
-TABLE: Final = (  # in the order of the equations
+TERM_TABLE: Final = (  # in the order of the equations
     # axial force
     Term("X_qq", "X", 4, "q^2", "XQQ"),
     Term("X_rr", "X", 4, "r^2", "XRR"),
@@ -162,12 +162,14 @@ TABLE: Final = (  # in the order of the equations
     Term("N_vav_eta", "N", 3, "v (v^2+w^2)^0.5 (eta-1)", "NVAVE"),
     Term("N_dr_eta", "N", 3, "u^2 dr (eta-1)", "NDRE"),
 )
-THRUST: Final = tuple(term.key for term in TABLE if not term.key.startswith(f"{term.equation}_"))
-COEFFICIENTS: Final = tuple(term for term in TABLE if term.key not in THRUST)
-POWERS: Final = {term.key: term.power for term in COEFFICIENTS}  # of the length
+THRUST_KEYS: Final = tuple(
+    term.key for term in TERM_TABLE if not term.key.startswith(f"{term.equation}_")
+)
+COEFFICIENTS: Final = tuple(term for term in TERM_TABLE if term.key not in THRUST_KEYS)
+LENGTH_POWERS: Final = {term.key: term.power for term in COEFFICIENTS}  # of the length
 
 # The compact set keeps these and the thrust rows, [ASSES] Table 18 with errata C18, C19.
-KEPT: Final = (
+COMPACT_TERMS: Final = (
     *("X_udot", "X_drdr", "X_dsds", "X_dbdb"),
     *("Y_pdot", "Y_rdot", "Y_vdot", "Y_r", "Y_p", "Y_v", "Y_vav", "Y_dr"),
     *("Z_qdot", "Z_wdot", "Z_q", "Z_w", "Z_star", "Z_ds", "Z_db", "Z_waw", "Z_vv", "Z_rr", "Z_vr"),

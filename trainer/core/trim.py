@@ -4,12 +4,15 @@ from trainer.core.kernel import Record, kernel
 from trainer.core.rates import rates
 from trainer.core.solve import solve
 
-STERN, BOTH = 0, 1  # by stern planes and angle of attack; or level, by both pairs of planes
+STERN_PLANES, BOTH_PLANES = (
+    0,
+    1,
+)  # by stern planes and angle of attack; or level, by both pairs of planes
 
 UNKNOWNS = 7  # and the column of the right side
-ROUNDS = 50
-NUDGE = 1e-6  # [m/s] or [rad] for the difference quotients
-SETTLED = 1e-13  # [m/s2], [rad/s2], [m/s]
+MAX_ROUNDS = 50
+NUDGE_SIZE = 1e-6  # [m/s] or [rad] for the difference quotients
+TRIM_TOLERANCE = 1e-13  # [m/s2], [rad/s2], [m/s]
 
 
 @kernel
@@ -21,7 +24,7 @@ def nudge(state: Record, by: int, place: int, amount: float) -> None:
     elif place == 1:
         s.v += amount
     elif place == 2:
-        if by == STERN:
+        if by == STERN_PLANES:
             s.w += amount
         else:
             s.delta_b += amount
@@ -54,31 +57,31 @@ def trim(
     """
     work = scratch[0]
     jacobian, change = work.jacobian, work.change
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         for column in range(7):
-            nudge(state, by, column, NUDGE)
+            nudge(state, by, column, NUDGE_SIZE)
             rates(vessel, compact, scheme, state, scratch)
             for row in range(7):
                 jacobian[row, column] = residual(state, row)
-            nudge(state, by, column, -2.0 * NUDGE)
+            nudge(state, by, column, -2.0 * NUDGE_SIZE)
             rates(vessel, compact, scheme, state, scratch)
             for row in range(7):
                 jacobian[row, column] -= residual(state, row)
-            nudge(state, by, column, NUDGE)
+            nudge(state, by, column, NUDGE_SIZE)
         rates(vessel, compact, scheme, state, scratch)
         worst = 0.0
         for row in range(7):
             slope = 0.0
             for column in range(7):
-                jacobian[row, column] /= 2.0 * NUDGE
+                jacobian[row, column] /= 2.0 * NUDGE_SIZE
                 slope += abs(jacobian[row, column])
             if slope == 0.0:  # masked: there is nothing to bring to zero
                 jacobian[row, row] = 1.0
             jacobian[row, UNKNOWNS] = -residual(state, row)
             worst = max(worst, abs(jacobian[row, UNKNOWNS]))
-        if worst < SETTLED:
+        if worst < TRIM_TOLERANCE:
             return 1
         solve(jacobian, UNKNOWNS, change)
         for column in range(7):
             nudge(state, by, column, change[column])
-    return 1 if worst < 1e3 * SETTLED else 0
+    return 1 if worst < 1e3 * TRIM_TOLERANCE else 0

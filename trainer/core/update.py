@@ -22,7 +22,7 @@ from trainer.core.propulsion import answer_telegraph
 from trainer.core.sea.forces import wave_forces
 from trainer.core.sea.free_surface import surface_forces
 from trainer.core.sea.sea import advance_sea
-from trainer.core.state import GROUND_DEPTH, HISTORY, MOTION, RATES
+from trainer.core.state import GROUND_DEPTH, MOTION, PAST_CYCLES, RATES
 from trainer.core.surfaced import is_cut, is_near_surface
 
 X: Final = MOTION.index("x")  # y follows
@@ -42,7 +42,7 @@ def cast_off(state: Record) -> None:
         if s.held_position != 0.0:
             s.motion[X + i] = s.sailed[i]
         elif jump != 0.0:
-            for back in range(HISTORY):
+            for back in range(PAST_CYCLES):
                 s.past_motion[back, X + i] += jump
 
 
@@ -59,19 +59,19 @@ def make_fast(x: float, y: float, z: float, state: Record) -> None:
     if s.held_depth != 0.0:
         descent = s.z - z
         s.z = z
-        for back in range(HISTORY):
+        for back in range(PAST_CYCLES):
             s.past_motion[back, Z] -= descent
 
 
-WATCHED = (*RATES, *MOTION)  # a failing status points into this list
-FASTEST_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
-FASTEST = 1e3  # [m/s] or [rad/s]
-FURTHEST = 1e9  # [rad] or [m]
+WATCHED_NAMES = (*RATES, *MOTION)  # a failing status points into this list
+MAX_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
+MAX_SPEED = 1e3  # [m/s] or [rad/s]
+MAX_DISTANCE = 1e9  # [rad] or [m]
 
 
 @part
 def lost(state: Record) -> int:
-    """Return 1 + the place in WATCHED of the first number out of range.
+    """Return 1 + the place in WATCHED_NAMES of the first number out of range.
 
     It is 0 if there is none. The range is wider than any boat's; a number that is not finite is out
     of it.
@@ -79,10 +79,10 @@ def lost(state: Record) -> int:
     s = state[0]
     found = 0
     for i in range(11, -1, -1):  # backwards, so that the first one is found last
-        if not abs(s.motion[i]) < (FASTEST if i < 6 else FURTHEST):
+        if not abs(s.motion[i]) < (MAX_SPEED if i < 6 else MAX_DISTANCE):
             found = 13 + i
     for i in range(11, -1, -1):
-        if not abs(s.rates[i]) < FASTEST_RATE:
+        if not abs(s.rates[i]) < MAX_RATE:
             found = 1 + i
     return found
 
@@ -117,10 +117,10 @@ def outside(vessel: Record, scheme: Record, state: Record, scratch: Record) -> N
 def update(vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record) -> int:
     """Advance ``state`` by one tick.
 
-    Return 0, or 1 + the place in WATCHED of what failed. A tick that fails leaves the state as it
-    was. Forces see surfaces and propeller as they stand at the start of the tick, and all arrive
-    together at its end. A surface moved before the forces would act one step early and take the
-    order of the integration away.
+    Return 0, or 1 + the place in WATCHED_NAMES of what failed. A tick that fails leaves the state
+    as it was. Forces see surfaces and propeller as they stand at the start of the tick, and all
+    arrive together at its end. A surface moved before the forces would act one step early and take
+    the order of the integration away.
     """
     h = scheme[0].h
     s = state[0]

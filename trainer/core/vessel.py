@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike
 from trainer.core.ballast.tanks import BALLAST_FIELDS
 from trainer.core.envelope import ENVELOPE_FIELDS
 from trainer.core.kernel import Numbers, Record, record_dtype
-from trainer.core.state import STRIPS
-from trainer.core.terms import EXTRA_TERMS, KEPT, POWERS, THRUST
+from trainer.core.state import STRIP_COUNT
+from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS, LENGTH_POWERS, THRUST_KEYS
 
-INVERTED: Final = {"K_pdot": "T4", "M_qdot": "T5", "N_rdot": "T6"}  # as [ASSES] (18) has them
+INVERTED_NAMES: Final = {"K_pdot": "T4", "M_qdot": "T5", "N_rdot": "T6"}  # as [ASSES] (18) has them
 
-SPEEDS: Final = 12  # longest schedule of autopilot gains
+MAX_GAIN_SPEEDS: Final = 12  # longest schedule of autopilot gains
 PLANE_GAINS: Final = ("depth", "depth_rate", "pitch", "pitch_rate", "integral", "relief")
 GAINS: Final = [
     *(f"stern_{name}" for name in PLANE_GAINS),
@@ -47,7 +47,7 @@ SLEW_RATE, SLEW_ACCELERATION = 0, 1
 
 SURFACE_DEPTHS, SURFACE_SPEEDS = 8, 6  # largest tables of the calm surface's effect
 
-BODY: Final = [
+BODY_NAMES: Final = [
     *("rho", "g", "ell", "mass", "weight", "buoyancy"),
     *("x_g", "y_g", "z_g", "x_b", "y_b", "z_b"),
     *("I_x", "I_y", "I_z", "I_xy", "I_yz", "I_xz"),
@@ -70,15 +70,15 @@ VESSEL: Final = record_dtype(
     "turning_rate",  # [rad/s] from there on the trims of speed and rudder rest
     "gain_count",  # [-] speeds in the schedule; 0: no autopilot
     # the hull
-    *BODY,
+    *BODY_NAMES,
     "eta_1",  # [-] thrust row 1 holds from here up, row 2 down to eta_2, row 3 below
     "eta_2",
     "eta_whole",  # [-] 1: eta = u_c/U, 0: u_c/u
-    *THRUST,
-    *POWERS,
+    *THRUST_KEYS,
+    *LENGTH_POWERS,
     # its schedule of gains
-    ("gain_speed", (SPEEDS,)),  # [m/s]
-    ("gain", (SPEEDS, len(GAINS))),
+    ("gain_speed", (MAX_GAIN_SPEEDS,)),  # [m/s]
+    ("gain", (MAX_GAIN_SPEEDS, len(GAINS))),
     # the boat near the surface
     "diameter",  # [m] of the hull; 0: not known
     "x_sail",  # [m] of the sail's top, in body axes
@@ -94,7 +94,7 @@ VESSEL: Final = record_dtype(
     *ENVELOPE_FIELDS,
     # [-] strips that waves push on: x over the length, shares of the displaced mass and of the
     # added mass down and sideways
-    ("strips", (4, STRIPS)),
+    ("strips", (4, STRIP_COUNT)),
 )
 
 # The strips of a hull whose file has none: ellipsoid nose, parallel middle, cusped tail, prismatic
@@ -127,28 +127,28 @@ def strips(places: ArrayLike, *masses: ArrayLike) -> Numbers:
 
 
 def vessel_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
-    """Return the full-set constants; ``prime`` holds POWERS and THRUST, dimensionless.
+    """Return the full-set constants; ``prime`` holds LENGTH_POWERS and THRUST_KEYS, dimensionless.
 
     Arrays make a record for each of their numbers. Control surfaces, propulsion dynamics and
     autopilot gains are left at zero. The strips are those of a hull that gives none.
     """
     vessel = np.zeros(_members(prime), VESSEL)
-    for name in BODY:
+    for name in BODY_NAMES:
         vessel[name] = body[name]
     vessel["eta_1"], vessel["eta_2"], vessel["eta_whole"] = eta
     centre = body["x_b"] / body["ell"]
     vessel["strips"] = strips([x + centre for x in STRIP_PLACES], *[STRIP_SHARES] * 3)
-    for name, power in POWERS.items():
+    for name, power in LENGTH_POWERS.items():
         vessel[name] = _scale(body, power) * prime.get(name, 0.0)
-    for name in THRUST:
+    for name in THRUST_KEYS:
         vessel[name] = _scale(body, 2) * prime.get(name, 0.0)
     return vessel
 
 
 COMPACT: Final = record_dtype(
     *("rho", "g", "mass", "weight", "buoyancy", "eta_1", "eta_2", "eta_whole"),
-    *THRUST,
-    *(INVERTED.get(name, name) for name in KEPT),
+    *THRUST_KEYS,
+    *(INVERTED_NAMES.get(name, name) for name in COMPACT_TERMS),
     "ZB",  # [N m] buoyancy times z_b
     "extended",  # [-] 1: some of the following are kept
     *EXTRA_TERMS,
@@ -171,7 +171,7 @@ def compact_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
     for name in ("rho", "g", "mass", "weight", "buoyancy"):
         compact[name] = body[name]
     compact["eta_1"], compact["eta_2"], compact["eta_whole"] = eta
-    for name in THRUST:
+    for name in THRUST_KEYS:
         compact[name] = _scale(body, 2) * prime.get(name, 0.0)
 
     k5 = _scale(body, 5)
@@ -179,9 +179,9 @@ def compact_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
     t5 = 1.0 / (body["I_y"] - k5 * prime.get("M_qdot", 0.0))
     t6 = 1.0 / (body["I_z"] - k5 * prime.get("N_rdot", 0.0))
     inverse = {"K": t4, "M": t5, "N": t6}
-    for name in (*KEPT, *EXTRA_TERMS):
-        scale = _scale(body, POWERS[name]) * inverse.get(name[0], 1.0)
-        compact[INVERTED.get(name, name)] = scale * prime.get(name, 0.0)
+    for name in (*COMPACT_TERMS, *EXTRA_TERMS):
+        scale = _scale(body, LENGTH_POWERS[name]) * inverse.get(name[0], 1.0)
+        compact[INVERTED_NAMES.get(name, name)] = scale * prime.get(name, 0.0)
     compact["T4"], compact["T5"], compact["T6"] = t4, t5, t6
     compact["M_rp"] = (body["I_z"] - body["I_x"] + k5 * prime.get("M_rp", 0.0)) * t5
     compact["N_pq"] = (body["I_x"] - body["I_y"] + k5 * prime.get("N_pq", 0.0)) * t6

@@ -13,7 +13,7 @@ from trainer.core.envelope import BY_P, BY_Q, BY_R, BY_V, BY_W, wide_share
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.propulsion import thrust, thrust_astern
 from trainer.core.rigid_body import add_weight, body_forces
-from trainer.core.scheme import LONGITUDINAL
+from trainer.core.scheme import LONGITUDINAL_EQUATIONS
 from trainer.core.solve import exact
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 from trainer.core.surfaced import dry_sail
@@ -133,7 +133,7 @@ def accelerations(
         work.force[i] += outer[i]
     full.inertia(vessel, state, work.inertia)
     make_symmetric(work.inertia)
-    if equations == LONGITUDINAL:
+    if equations == LONGITUDINAL_EQUATIONS:
         full.mask_lateral(work.force, work.inertia)
     exact(work.inertia, work.force, work.system, work.wide)
 

@@ -12,31 +12,31 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, text_if_there
-from trainer.config.schema import Choice, Quantity, Rows, Text, of, read_record, within
-from trainer.debrief.judgement import GATE_CAP, LOST_CAP, WIDTHS, before_gate, judge
+from trainer.config.schema import Choice, Quantity, Rows, Text, read_record, required, within
+from trainer.debrief.judgement import GATE_CAP, LOST_CAP, WIDTH_FACTORS, before_gate, judge_run
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.atomic_write import write_whole
 from trainer.session.plan import Plan
 
-SCHEMA: Final = "changes/1"
-CHANGES: Final = ".changes.toml"  # ends the name of the file
-OUTCOME, WIDTH = "outcome", "width"  # what is changed beside a score
-OUTCOMES: Final = ("won", "lost", "not reached")
-STRIKE, WEIGHT_WORD = "strike", "weight"
-WEIGHT: Final = Quantity("-", within(0, 1000), "in the total")
-FORM: Final = 'say it as "NAME: WHAT, REASON", such as "{}: weight 0, the gauge was wrong"'
+CHANGES_SCHEMA: Final = "changes/1"
+CHANGES_SUFFIX: Final = ".changes.toml"  # ends the name of the file
+OUTCOME_NAME, WIDTH_NAME = "outcome", "width"  # what is changed beside a score
+KNOWN_OUTCOMES: Final = ("won", "lost", "not reached")
+STRIKE_WORD, WEIGHT_WORD = "strike", "weight"
+WEIGHT_FIELD: Final = Quantity("-", within(0, 1000), "in the total")
+CHANGE_FORM: Final = 'say it as "NAME: WHAT, REASON", such as "{}: weight 0, the gauge was wrong"'
 
 
 @dataclass(frozen=True, kw_only=True)
 class Change:
     """One change of the instructor's."""
 
-    branch: float = of(Quantity("-", within(1, 1e9), "of the recording"))
-    name: str = of(Text(60, "the score; or outcome, width"))
-    what: str = of(Text(40, "weight and a number, strike, an outcome, a width"))
-    reason: str = of(Text(300, "why"))
-    at: str = of(Text(40, "when it was made, UTC"))
+    branch: float = required(Quantity("-", within(1, 1e9), "of the recording"))
+    name: str = required(Text(60, "the score; or outcome, width"))
+    what: str = required(Text(40, "weight and a number, strike, an outcome, a width"))
+    reason: str = required(Text(300, "why"))
+    at: str = required(Text(40, "when it was made, UTC"))
 
     def __str__(self) -> str:
         """Return it as the page tells it."""
@@ -44,18 +44,18 @@ class Change:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Head:
+class ChangesHead:
     """The beginning of the file."""
 
-    schema: str = of(Choice((SCHEMA,), "form of the file"))
+    schema: str = required(Choice((CHANGES_SCHEMA,), "form of the file"))
 
 
-ROWS: Final = Rows(Change, (), 0, 1000, "what was changed")
+CHANGE_ROWS: Final = Rows(Change, (), 0, 1000, "what was changed")
 
 
 def changes_path(recording: Path) -> Path:
     """Return where the changes of a recording are kept: beside it."""
-    return recording.with_name(f"{recording.stem}{CHANGES}")
+    return recording.with_name(f"{recording.stem}{CHANGES_SUFFIX}")
 
 
 def read_changes(recording: Path) -> tuple[Change, ...]:
@@ -66,8 +66,8 @@ def read_changes(recording: Path) -> tuple[Change, ...]:
         return ()
     table, place = parse_toml(text, path.name), Place(path.name, "")
     rows = table.pop("changes", [])
-    read_record(Head, table, place, ())
-    changes: tuple[Change, ...] = ROWS.read("changes", rows, place)
+    read_record(ChangesHead, table, place, ())
+    changes: tuple[Change, ...] = CHANGE_ROWS.read("changes", rows, place)
     for each in changes:
         _what(each.name, each.what, f"{path.name}: {each.name}: {each.what}")
     return changes
@@ -87,7 +87,10 @@ def write_changes(recording: Path, changes: Sequence[Change]) -> None:
 
 def text_of(changes: Iterable[Change]) -> str:
     """Return the text that reads back as these changes."""
-    lines = ["# Marks changed by the instructor: trainer debrief --change", f'schema = "{SCHEMA}"']
+    lines = [
+        "# Marks changed by the instructor: trainer debrief --change",
+        f'schema = "{CHANGES_SCHEMA}"',
+    ]
     for each in changes:
         lines += ["", "[[changes]]", f"branch = {int(each.branch)}"]
         for key in ("name", "what", "reason", "at"):
@@ -101,7 +104,7 @@ def change_of(text: str, branch: int, plan: Plan) -> Change:
     name, rest = _named(text, names)
     what, _, reason = (part.strip() for part in rest.partition(","))
     if not (what and reason):
-        raise ConfigError(f"--change {quote(text)}: {FORM.format(name)}: a reason is needed")
+        raise ConfigError(f"--change {quote(text)}: {CHANGE_FORM.format(name)}: a reason is needed")
     found = {
         "branch": branch,
         "name": name,
@@ -119,7 +122,7 @@ def names_of(plan: Plan) -> tuple[str, ...]:
             "--change: this run has no scoring rules, so there are no marks to change"
         )
     names = tuple(rule.score.name for rule in plan.scores)
-    return (*names, OUTCOME, WIDTH) if plan.judged_by_tasks else (*names, WIDTH)
+    return (*names, OUTCOME_NAME, WIDTH_NAME) if plan.judged_by_tasks else (*names, WIDTH_NAME)
 
 
 def _named(text: str, names: tuple[str, ...]) -> tuple[str, str]:
@@ -130,7 +133,7 @@ def _named(text: str, names: tuple[str, ...]) -> tuple[str, str]:
             return name, text.strip()[len(name) + 1 :]
     given, colon, _ = text.partition(":")
     if not colon:
-        raise ConfigError(f"--change {quote(text)}: {FORM.format(names[0])}")
+        raise ConfigError(f"--change {quote(text)}: {CHANGE_FORM.format(names[0])}")
     raise ConfigError(_unknown("--change", given.strip(), names))
 
 
@@ -143,26 +146,26 @@ def _unknown(option: str, given: str, names: tuple[str, ...]) -> str:
 
 def _what(name: str, what: str, where: str) -> str:
     """Return what is to be, as it is kept; ConfigError with what could be."""
-    known = {OUTCOME: OUTCOMES, WIDTH: tuple(WIDTHS)}.get(name)
+    known = {OUTCOME_NAME: KNOWN_OUTCOMES, WIDTH_NAME: tuple(WIDTH_FACTORS)}.get(name)
     if known is not None:
         if what.lower() not in known:
             hint = f"{nearest(what, known)}; say {', '.join(known)}"
             raise ConfigError(f"{where}: no {name} {quote(what)}{hint}")
         return what.lower()
-    if what.lower() == STRIKE:
-        return STRIKE
+    if what.lower() == STRIKE_WORD:
+        return STRIKE_WORD
     word, _, number = what.lower().partition(" ")
     try:
-        weight = WEIGHT.read(WEIGHT_WORD, float(number), Place("", ""))
+        weight = WEIGHT_FIELD.read(WEIGHT_WORD, float(number), Place("", ""))
     except ValueError:  # a ConfigError is one
-        hint = f'say "weight" and a number of 0 to 1000, or "{STRIKE}"'
+        hint = f'say "weight" and a number of 0 to 1000, or "{STRIKE_WORD}"'
         raise ConfigError(f"{where}: {quote(what)}: {hint}") from None
     if word != WEIGHT_WORD:
-        raise ConfigError(f"{where}: {quote(what)}: say weight, or {STRIKE}")
+        raise ConfigError(f"{where}: {quote(what)}: say weight, or {STRIKE_WORD}")
     return f"{WEIGHT_WORD} {weight:g}"
 
 
-def without(changes: Sequence[Change], name: str, branch: int) -> tuple[Change, ...]:
+def without_changes(changes: Sequence[Change], name: str, branch: int) -> tuple[Change, ...]:
     """Return the changes less those of a name, or of all, in a branch. ConfigError if none is."""
     here = [each for each in changes if each.branch == branch]
     names = tuple(dict.fromkeys(each.name for each in here))
@@ -187,15 +190,15 @@ def changed_card(
 ) -> Scorecard:
     """Return the marks as changed; ``nobody`` has those with nobody aboard, by width and name."""
     told = {each.name: each.what for each in changes}  # the last of a name counts
-    width = told.get(WIDTH, width)
+    width = told.get(WIDTH_NAME, width)
     scores = []
     for rule in plan.scores:
         what = told.get(rule.score.name, f"{WEIGHT_WORD} {rule.weight!r}")
-        weight = 0.0 if what == STRIKE else float(what.partition(" ")[2])
+        weight = 0.0 if what == STRIKE_WORD else float(what.partition(" ")[2])
         if weight > 0.0:
             scores.append(replace(rule, score=replace(rule.score, weight=weight)))
-    card = judge(trajectory, replace(plan, scores=tuple(scores)), nobody[width], width)
-    return with_outcome(card, told[OUTCOME]) if OUTCOME in told else card
+    card = judge_run(trajectory, replace(plan, scores=tuple(scores)), nobody[width], width)
+    return with_outcome(card, told[OUTCOME_NAME]) if OUTCOME_NAME in told else card
 
 
 def with_outcome(card: Scorecard, outcome: str) -> Scorecard:

@@ -8,47 +8,47 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
-from trainer.config.score_rules import COURSE
+from trainer.config.score_rules import COURSE_QUANTITY
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.debrief.data import DebriefData
-from trainer.debrief.measures import LIMITED, limits_of
-from trainer.debrief.ships_met import shown
-from trainer.debrief.trajectory import Rows, Trajectory
-from trainer.io.recording.facts import REFERENCE_CREW
-from trainer.io.recording.recording import Noted
+from trainer.debrief.measures import LIMIT_QUANTITIES, limits_of
+from trainer.debrief.ships_met import shown_rows
+from trainer.debrief.trajectory import RowMask, Trajectory
+from trainer.io.recording.facts import REFERENCE_GIVER
+from trainer.io.recording.recording import RecordedEvent
 from trainer.report.svg import (
-    ANGLES,
-    LEFT,
-    LETTER,
-    RIGHT,
-    WIDTH,
+    ANGLE_STEPS_DEG,
+    CHART_WIDTH_PX,
+    LEFT_MARGIN_PX,
+    LETTER_WIDTH_PX,
+    RIGHT_MARGIN_PX,
     Chart,
-    Ground,
+    ChartGround,
+    CurveLine,
     Level,
-    Line,
     backdrop,
     clock,
     rect,
     rule,
-    svg,
+    svg_element,
     text,
     time_axis,
 )
 from trainer.units import KNOT
 
-ACTUAL, ORDERED, SECOND = "actual", "ordered", "second"
+ACTUAL_STYLE, ORDERED_STYLE, SECOND_STYLE = "actual", "ordered", "second"
 MAX_MARKS_DRAWN: Final = 200  # marks or calls in a chart
-SURFACES: Final = {  # their letters in the state, and the titles of their charts
+SURFACE_CHARTS: Final = {  # their letters in the state, and the titles of their charts
     "rudder": ("r", "Rudder, right positive"),
     "stern": ("s", "Stern planes, rise positive"),
     "bow": ("b", "Bow planes, rise positive"),
 }
-BESIDE, FROM_HERE = "beside", "from-here"
-WRONG, TAKEN = "wrong", "taken"  # moments of the page
-NEARLY_ROUND: Final = 350.0  # [deg] from the ordered course: the boat has gone round
-USED: Final = 0.5  # [%] of air, from which on the banks are shown
-CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own name
+BESIDE_STYLE, FROM_HERE_STYLE = "beside", "from-here"
+WRONG_MOMENT, TAKEN_MOMENT = "wrong", "taken"  # moments of the page
+ROUND_TURN_DEG: Final = 350.0  # [deg] from the ordered course: the boat has gone round
+MIN_AIR_USED_PERCENT: Final = 0.5  # [%] of air, from which on the banks are shown
+QUANTITY_CHARTS: Final = {  # where a quantity is drawn that has no chart of its own name
     "depth_rate": "depth",
     "heel": "pitch",
     "turn_rate": "course",
@@ -57,22 +57,22 @@ CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own na
     "bank_emergency": "air",
     "speed_over_ground": "speed",
 }
-NAMES: Final = (
+CHART_NAMES: Final = (
     *("depth", "clearance", "pitch", "stern", "bow", "course", "rudder", "speed", "air"),
 )
-ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
-LABEL: Final = 24.0  # [px] that a label takes
-WASHED: Final = 10.0  # [s] under water, in which the periscope is still taken to show
+ROW_HEIGHT_PX, TIMELINE_TOP_PX, TIMELINE_BOTTOM_PX = 20.0, 8.0, 24.0  # [px]
+LABEL_WIDTH_PX: Final = 24.0  # [px] that a label takes
+WASHED_TIME_S: Final = 10.0  # [s] under water, in which the periscope is still taken to show
 
 
 def chart_of(quantity: str) -> str:
     """Return the name of the drawing that shows a quantity, the time line's for others."""
-    name = CHART_OF.get(quantity, quantity)
-    return name if name in NAMES else "timeline"
+    name = QUANTITY_CHARTS.get(quantity, quantity)
+    return name if name in CHART_NAMES else "timeline"
 
 
 @dataclass(frozen=True)
-class Beside:
+class RunBeside:
     """A run laid under that of the page: its name, and its lines."""
 
     label: str
@@ -80,19 +80,19 @@ class Beside:
     style: str
 
 
-def runs_beside(debrief: DebriefData) -> tuple[Beside, ...]:
+def runs_beside(debrief: DebriefData) -> tuple[RunBeside, ...]:
     """Return the runs of the reference crew, as far as the recorded one goes."""
     found = debrief.compared
     if found is None:
         return ()
-    runs = [Beside("reference", found.reference.trajectory, BESIDE)]
+    runs = [RunBeside("reference", found.reference.trajectory, BESIDE_STYLE)]
     if found.from_here is not None:
         label = f"reference from {clock(found.from_here.since or 0.0)}"
-        runs.append(Beside(label, found.from_here.trajectory, FROM_HERE))
+        runs.append(RunBeside(label, found.from_here.trajectory, FROM_HERE_STYLE))
     return tuple(runs)
 
 
-def ground_of(debrief: DebriefData) -> Ground:
+def ground_of(debrief: DebriefData) -> ChartGround:
     """Return time, casualties and marks as every chart shows them."""
     seconds, step = debrief.trajectory.seconds, debrief.step
     last = float(seconds[-1])
@@ -106,13 +106,13 @@ def ground_of(debrief: DebriefData) -> Ground:
     marks = tuple(each.tick * step for each in _drawn(debrief, "mark"))
     found, moments = debrief.compared, []
     if found and found.fault:
-        moments.append((WRONG, found.fault.tick * step))
+        moments.append((WRONG_MOMENT, found.fault.tick * step))
     if found and found.from_here:
-        moments.append((TAKEN, found.from_here.since or 0.0))
-    return Ground(seconds, spans, marks, tuple(moments))
+        moments.append((TAKEN_MOMENT, found.from_here.since or 0.0))
+    return ChartGround(seconds, spans, marks, tuple(moments))
 
 
-def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterator[Chart]:
+def charts_of(trajectory: Trajectory, beside: tuple[RunBeside, ...] = ()) -> Iterator[Chart]:
     """Yield the charts with other runs laid under.
 
     Those of parts that the boat lacks are left out.
@@ -126,21 +126,27 @@ def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterat
             yield replace(chart, lines=(*under, *chart.lines))
 
 
-def _under(run: Beside, chart: Chart | None, end: float) -> Iterator[Line]:
+def _under(run: RunBeside, chart: Chart | None, end: float) -> Iterator[CurveLine]:
     """Yield what another run did, up to a time [s], as lines of one chart."""
-    done = [line for line in chart.lines if line.style in (ACTUAL, SECOND)] if chart else []
+    done = (
+        [line for line in chart.lines if line.style in (ACTUAL_STYLE, SECOND_STYLE)]
+        if chart
+        else []
+    )
     kept = run.trajectory.seconds <= end + 1e-6
     for line in done:
         which = "" if len(done) == 1 else f"{line.label}, "
         seconds = run.trajectory.seconds[kept]
-        yield Line(f"{which}{run.label}", line.values[kept], run.style, seconds)
+        yield CurveLine(f"{which}{run.label}", line.values[kept], run.style, seconds)
 
 
 def _depth(trajectory: Trajectory) -> Chart:
     by_hand = trajectory.columns["stern_by_hand"] * trajectory.columns["bow_by_hand"] != 0.0
     lines = (
-        Line("ordered", told_to_all(trajectory, "depth", "ordered_depth", by_hand), ORDERED),
-        Line("actual", trajectory.columns["z"], ACTUAL),
+        CurveLine(
+            "ordered", told_to_all(trajectory, "depth", "ordered_depth", by_hand), ORDERED_STYLE
+        ),
+        CurveLine("actual", trajectory.columns["z"], ACTUAL_STYLE),
     )
     limits = _limits(trajectory, "depth_m")
     return Chart("depth", "Depth", "m", lines, limits, downwards=True, least=6.0)
@@ -151,12 +157,12 @@ def _clearance(trajectory: Trajectory) -> Chart | None:
     if not trajectory.has("clearance"):
         return None
     under = trajectory.series("clearance")
-    lines = (Line("actual", np.where(np.isfinite(under), under, np.nan), ACTUAL),)
+    lines = (CurveLine("actual", np.where(np.isfinite(under), under, np.nan), ACTUAL_STYLE),)
     limits = _limits(trajectory, "clearance_m")
     return Chart("clearance", "Water under the keel", "m", lines, limits, least=10.0)
 
 
-def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) -> Numbers:
+def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: RowMask) -> Numbers:
     """Return the order [SI] to the crew, or else to the autopilot at work.
 
     A run without orders to the crew has what the autopilot is told all through.
@@ -170,9 +176,9 @@ def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) ->
 def _pitch(trajectory: Trajectory) -> Chart:
     ordered = np.degrees(trajectory.ordered("pitch"))
     lines = (
-        Line("heel, to starboard", np.degrees(trajectory.columns["phi"]), "second fine"),
-        *(() if np.isnan(ordered).all() else (Line("ordered", ordered, ORDERED),)),
-        Line("pitch, bow up", np.degrees(trajectory.columns["theta"]), ACTUAL),
+        CurveLine("heel, to starboard", np.degrees(trajectory.columns["phi"]), "second fine"),
+        *(() if np.isnan(ordered).all() else (CurveLine("ordered", ordered, ORDERED_STYLE),)),
+        CurveLine("pitch, bow up", np.degrees(trajectory.columns["theta"]), ACTUAL_STYLE),
     )
     levels = (*_limits(trajectory, "pitch_deg"), *_limits(trajectory, "heel_deg"))
     both = tuple(Level(each.label, sign * each.value) for each in levels for sign in (1.0, -1.0))
@@ -186,12 +192,12 @@ def _surface(trajectory: Trajectory, surface: str) -> Chart | None:
     """
     if not trajectory.has(surface):
         return None
-    column, (letter, title) = trajectory.columns, SURFACES[surface]
+    column, (letter, title) = trajectory.columns, SURFACE_CHARTS[surface]
     by_hand = column[f"{surface}_by_hand"] != 0.0
     told = np.where(by_hand, column[f"ordered_{letter}"], column[f"command_{letter}"])
     lines = (
-        Line("ordered", np.degrees(told) * trajectory.boat.toward[surface], ORDERED),
-        Line("actual", np.degrees(trajectory.series(surface)), ACTUAL),
+        CurveLine("ordered", np.degrees(told) * trajectory.boat.toward[surface], ORDERED_STYLE),
+        CurveLine("actual", np.degrees(trajectory.series(surface)), ACTUAL_STYLE),
     )
     return Chart(surface, title, "deg", lines, least=10.0)
 
@@ -199,12 +205,12 @@ def _surface(trajectory: Trajectory, surface: str) -> Chart | None:
 def _course(trajectory: Trajectory) -> Chart:
     heading = np.degrees(trajectory.columns["psi"])
     by_hand = trajectory.columns["rudder_by_hand"] != 0.0
-    told = told_to_all(trajectory, COURSE, "ordered_psi", by_hand)
+    told = told_to_all(trajectory, COURSE_QUANTITY, "ordered_psi", by_hand)
     lines = (
-        Line("ordered", as_it_was_come_to(np.degrees(told), heading), ORDERED),
-        Line("actual", heading, ACTUAL),
+        CurveLine("ordered", as_it_was_come_to(np.degrees(told), heading), ORDERED_STYLE),
+        CurveLine("actual", heading, ACTUAL_STYLE),
     )
-    steps: dict[str, Any] = {"least": 10.0, "steps": ANGLES, "number": _bearing}
+    steps: dict[str, Any] = {"least": 10.0, "steps": ANGLE_STEPS_DEG, "number": _bearing}
     return Chart("course", "Heading", "deg", lines, **steps)
 
 
@@ -217,7 +223,7 @@ def as_it_was_come_to(ordered: Numbers, heading: Numbers) -> Numbers:
     ends = np.append(np.flatnonzero(~same), ordered.size - 1)
     run = np.searchsorted(ends, np.arange(ordered.size))
     off = (heading - ordered)[ends]
-    turns = np.where(np.abs(off) > NEARLY_ROUND, 360.0 * np.round(off / 360.0), 0.0)
+    turns = np.where(np.abs(off) > ROUND_TURN_DEG, 360.0 * np.round(off / 360.0), 0.0)
     return ordered + turns[run]
 
 
@@ -231,9 +237,9 @@ def _speed(trajectory: Trajectory) -> Chart:
     crew = trajectory.ordered("speed")
     kept = np.where(np.isnan(crew), kept, crew) / KNOT
     lines = (
-        Line("ordered", kept, ORDERED),
-        Line("turns for", column["u_c"] / KNOT, "second fine"),
-        Line("actual", column["u"] / KNOT, ACTUAL),
+        CurveLine("ordered", kept, ORDERED_STYLE),
+        CurveLine("turns for", column["u_c"] / KNOT, "second fine"),
+        CurveLine("actual", column["u"] / KNOT, ACTUAL_STYLE),
     )
     return Chart("speed", "Speed", "kn", lines, _limits(trajectory, "speed_kn"), least=2.0)
 
@@ -242,17 +248,17 @@ def _air(trajectory: Trajectory) -> Chart | None:
     """Return the air left, if any was used."""
     vessel = trajectory.boat.vessel
     lines = []
-    for place, (bank, style) in enumerate(zip(BANKS, (ACTUAL, SECOND), strict=True)):
+    for place, (bank, style) in enumerate(zip(BANKS, (ACTUAL_STYLE, SECOND_STYLE), strict=True)):
         if full := float(vessel.bank_full[place]):
-            lines.append(Line(bank, 100.0 * trajectory.columns[f"bank_{bank}"] / full, style))
-    if not any(np.ptp(line.values) > USED for line in lines):
+            lines.append(CurveLine(bank, 100.0 * trajectory.columns[f"bank_{bank}"] / full, style))
+    if not any(np.ptp(line.values) > MIN_AIR_USED_PERCENT for line in lines):
         return None
     return Chart("air", "Air banks, share of full", "%", tuple(lines), least=10.0)
 
 
 def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
     """Return the limits of the exercise that are about one thing."""
-    unit = LIMITED[key].unit
+    unit = LIMIT_QUANTITIES[key].unit
     return tuple(
         Level(
             f"limit {getattr(trajectory.limits, name):g} {unit}", getattr(trajectory.limits, name)
@@ -265,7 +271,7 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
 # The time line
 
 
-def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
+def draw_timeline(debrief: DebriefData, ground: ChartGround) -> Markup:
     """Return the time line as an SVG element."""
     ticks = [each.order.tick for each in debrief.read_backs]
     told = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
@@ -277,73 +283,80 @@ def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
     placed = [(tick, f"S{i}") for i, tick in scores if tick is not None]
     rows += _labelled(placed, "score", debrief, ground)
     shown = [row for row in rows if row]
-    bottom = TOP + ROW * len(shown)
-    parts = [*backdrop(ground, TOP, bottom, "timeline"), *time_axis(ground, bottom)]
+    bottom = TIMELINE_TOP_PX + ROW_HEIGHT_PX * len(shown)
+    parts = [*backdrop(ground, TIMELINE_TOP_PX, bottom, "timeline"), *time_axis(ground, bottom)]
     for i, row in enumerate(shown):
-        parts.append(f'<g transform="translate(0 {TOP + i * ROW:g})">{row}</g>')
-    return svg("What happened when", (WIDTH, bottom + BOTTOM), parts)
+        parts.append(
+            f'<g transform="translate(0 {TIMELINE_TOP_PX + i * ROW_HEIGHT_PX:g})">{row}</g>'
+        )
+    return svg_element("What happened when", (CHART_WIDTH_PX, bottom + TIMELINE_BOTTOM_PX), parts)
 
 
-def _casualties(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+def _casualties(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
     """Yield a row for each casualty."""
     for i, each in enumerate(debrief.casualties):
         begin, end = (ground.across.at(second) for second in ground.spans[i])
         name = f"C{i + 1} {each.episode.kind}"
-        bar = rect("bar", begin, 3.0, max(end - begin, 2.0), ROW - 6.0)
-        fits = end + LETTER * len(name) < WIDTH - RIGHT
+        bar = rect("bar", begin, 3.0, max(end - begin, 2.0), ROW_HEIGHT_PX - 6.0)
+        fits = end + LETTER_WIDTH_PX * len(name) < CHART_WIDTH_PX - RIGHT_MARGIN_PX
         words = (
-            text("tick", end + 4.0, 14.0, name) if fits else text("tick", LEFT + 4.0, 14.0, name)
+            text("tick", end + 4.0, 14.0, name)
+            if fits
+            else text("tick", LEFT_MARGIN_PX + 4.0, 14.0, name)
         )
         yield bar + words + _heading("casualty" if i == 0 else "")
 
 
-def _reference(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+def _reference(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
     """Yield the orders of the reference crew, a row for each of its runs."""
     for run in runs_beside(debrief):
-        given = (each for each in run.trajectory.orders if each.giver == REFERENCE_CREW)
+        given = (each for each in run.trajectory.orders if each.giver == REFERENCE_GIVER)
         heading = run.label.removeprefix("reference ")
         yield _strokes([each.tick * debrief.step for each in given], heading, ground)
 
 
-def _strokes(seconds: list[float], heading: str, ground: Ground) -> str:
+def _strokes(seconds: list[float], heading: str, ground: ChartGround) -> str:
     """Return a row with a stroke for each moment of the run."""
     style = "order" if heading == "crew" else "order-beside"
     places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
-    drawn = "".join(rule(style, x, 4.0, x, ROW - 4.0) for x in places)
+    drawn = "".join(rule(style, x, 4.0, x, ROW_HEIGHT_PX - 4.0) for x in places)
     return drawn and drawn + _heading(heading)
 
 
-def _shown(debrief: DebriefData, ground: Ground) -> str:
+def _shown(debrief: DebriefData, ground: ChartGround) -> str:
     """Return a row with a bar for each time that the periscope showed."""
-    seconds = debrief.trajectory.seconds[shown(debrief.trajectory)[0]]
+    seconds = debrief.trajectory.seconds[shown_rows(debrief.trajectory)[0]]
     if not seconds.size:
         return ""
-    breaks = np.flatnonzero(np.diff(seconds) > WASHED) + 1
+    breaks = np.flatnonzero(np.diff(seconds) > WASHED_TIME_S) + 1
     ends = ((each[0], each[-1] + debrief.step) for each in np.split(seconds, breaks))
     places = [(ground.across.at(begin), ground.across.at(end)) for begin, end in ends]
-    bars = (rect("shown", begin, 5.0, max(end - begin, 2.0), ROW - 10.0) for begin, end in places)
+    bars = (
+        rect("shown", begin, 5.0, max(end - begin, 2.0), ROW_HEIGHT_PX - 10.0)
+        for begin, end in places
+    )
     return "".join(bars) + _heading("scope")
 
 
-def _calls(debrief: DebriefData, ground: Ground) -> str:
+def _calls(debrief: DebriefData, ground: ChartGround) -> str:
     ticks = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "watch")]
     drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
     return drawn and drawn + _heading("called")
 
 
-def _drawn(debrief: DebriefData, kind: str) -> tuple[Noted, ...]:
+def _drawn(debrief: DebriefData, kind: str) -> tuple[RecordedEvent, ...]:
     """Return the events of a kind that there is room for in a chart."""
     return debrief.of_kind(kind)[:MAX_MARKS_DRAWN]
 
 
-def _marks(debrief: DebriefData, ground: Ground) -> str:
+def _marks(debrief: DebriefData, ground: ChartGround) -> str:
     places = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "mark")]
     drawn = (text("tick middle", x, 14.0, f"M{i}") for i, x in enumerate(places, start=1))
     return "".join(drawn) + _heading("mark") if places else ""
 
 
 def _labelled(
-    ticks: list[tuple[int, str]], heading: str, debrief: DebriefData, ground: Ground
+    ticks: list[tuple[int, str]], heading: str, debrief: DebriefData, ground: ChartGround
 ) -> Iterator[str]:
     """Yield as many rows as it takes for no label to lie on another."""
     left = sorted((ground.across.at(tick * debrief.step), name) for tick, name in ticks)
@@ -351,7 +364,7 @@ def _labelled(
     while left:
         row, rest, end = "", [], 0.0
         for x, name in left:
-            if x - end < LABEL:
+            if x - end < LABEL_WIDTH_PX:
                 rest.append((x, name))
                 continue
             row, end = row + text("tick middle", x, 14.0, name), x
@@ -360,4 +373,4 @@ def _labelled(
 
 
 def _heading(words: str) -> str:
-    return text("tick end", LEFT - 6.0, 14.0, words)
+    return text("tick end", LEFT_MARGIN_PX - 6.0, 14.0, words)

@@ -12,18 +12,18 @@ from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.core.cache import same_core
-from trainer.debrief.changes import WIDTH, Change, changed_card, read_changes
+from trainer.debrief.changes import WIDTH_NAME, Change, changed_card, read_changes
 from trainer.debrief.episodes import (
     Deflection,
     Episode,
     ReadBack,
     answer_to,
+    casualty_episodes,
     crew_orders,
-    deflection,
+    first_deflection,
     read_backs,
-    spells,
 )
-from trainer.debrief.judgement import WIDTHS, Cost, dearest, judge, plain_marks
+from trainer.debrief.judgement import WIDTH_FACTORS, MarkCost, dearest_costs, judge_run, plain_marks
 from trainer.debrief.reference import (
     Fault,
     Reference,
@@ -32,31 +32,31 @@ from trainer.debrief.reference import (
     fly_from,
     fly_reference,
 )
-from trainer.debrief.rehearsal import Departure, fly
-from trainer.debrief.scoring import Scorecard, Scored
-from trainer.debrief.ships_met import meet
+from trainer.debrief.rehearsal import Departure, fly_rehearsal
+from trainer.debrief.scoring import RuleScore, Scorecard
+from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory, read_passage
-from trainer.io.recording.facts import REFERENCE_CREW, BranchCause, Giver
-from trainer.io.recording.queries import Excess
-from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
+from trainer.io.recording.facts import REFERENCE_GIVER, BranchCause, Giver
+from trainer.io.recording.queries import ExcessRows
+from trainer.io.recording.recording import Branch, RecordedEvent, RecordedOrder, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
 from trainer.session.plan import Plan
 from trainer.session.world_orders import recorded_world_orders, settle_world
 
-ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
+ECHO_EVENTS: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
 
 
 @dataclass(frozen=True)
-class Answered:
+class CasualtyAnswer:
     """A casualty, and what the crew did about it."""
 
     episode: Episode
-    order: Journalled | None
+    order: RecordedOrder | None
     deflection: Deflection | None
 
 
 @dataclass(frozen=True)
-class Hand:
+class GiverCount:
     """One that gave orders, and how many."""
 
     giver: Giver
@@ -70,7 +70,7 @@ class Hand:
 
 
 @dataclass(frozen=True)
-class Ticks:
+class TickCounts:
     """The counts of the ticks that were timed. Times are in ns, None without any."""
 
     timed: int
@@ -80,7 +80,7 @@ class Ticks:
 
 
 @dataclass(frozen=True)
-class Compared:
+class ReferenceComparison:
     """A run beside that of the reference crew."""
 
     reference: Reference
@@ -99,19 +99,19 @@ class DebriefData:
     branches: tuple[tuple[Branch, int], ...]  # each with its last tick
     trajectory: Trajectory
     card: Scorecard
-    casualties: tuple[Answered, ...]
-    crew: tuple[Journalled, ...]
-    hands: tuple[Hand, ...]
-    events: tuple[Noted, ...]  # of this past, without those that repeat an order
-    ticks: Ticks
+    casualties: tuple[CasualtyAnswer, ...]
+    crew: tuple[RecordedOrder, ...]
+    hands: tuple[GiverCount, ...]
+    events: tuple[RecordedEvent, ...]  # of this past, without those that repeat an order
+    ticks: TickCounts
     width: str = "qualified"  # of the bands, as it was judged first
     practice: str = ""  # why it is none of the record: it was wound back
     trainees: tuple[str, ...] = ()
     read_backs: tuple[ReadBack, ...] = ()
     changes: tuple[Change, ...] = ()  # of the instructor's
     changed: Scorecard | None = None  # the marks after them
-    compared: Compared | None = None
-    excess: tuple[Excess, ...] = ()  # of what the recording has more than was read
+    compared: ReferenceComparison | None = None
+    excess: tuple[ExcessRows, ...] = ()  # of what the recording has more than was read
 
     @property
     def title(self) -> str:
@@ -139,16 +139,16 @@ class DebriefData:
         return bool(self.final.verdict and self.final.verdict.free)
 
     @property
-    def costs(self) -> tuple[Cost, ...]:
+    def costs(self) -> tuple[MarkCost, ...]:
         """Return what cost most of the marks that count."""
-        return dearest(self.final, self.compared.reference.card if self.compared else None)
+        return dearest_costs(self.final, self.compared.reference.card if self.compared else None)
 
-    def of_kind(self, *kinds: str) -> tuple[Noted, ...]:
+    def of_kind(self, *kinds: str) -> tuple[RecordedEvent, ...]:
         """Return the events of these kinds."""
         return tuple(event for event in self.events if event.kind in kinds)
 
 
-def gather(
+def gather_debrief(
     recording: Recording, source: Path, number: int | None, width: str | None = None
 ) -> DebriefData:
     """Return the dossier of a branch at a width. None: the latest branch, its own width.
@@ -157,7 +157,7 @@ def gather(
     """
     header = recording.header()
     begun = header.get("width", "")
-    width = width or (begun if begun in WIDTHS else "qualified")
+    width = width or (begun if begun in WIDTH_FACTORS else "qualified")
     branches = recording.branches()
     branch = find_branch(branches, source, number)
     wanted = branch.id
@@ -173,7 +173,7 @@ def gather(
     changes = tuple(each for each in read_changes(source) if each.branch == wanted)
     nobody = {
         each: nobody_aboard(plan, header, each)
-        for each in {width, *(change.what for change in changes if change.name == WIDTH)}
+        for each in {width, *(change.what for change in changes if change.name == WIDTH_NAME)}
     }
     return DebriefData(
         source=source,
@@ -182,13 +182,13 @@ def gather(
         branch=branch,
         branches=tuple((each, last_tick(recording, each)) for each in branches),
         trajectory=trajectory,
-        card=judge(trajectory, plan, nobody[width], width),
+        card=judge_run(trajectory, plan, nobody[width], width),
         casualties=tuple(
-            Answered(each, answer_to(trajectory, each), deflection(trajectory, each))
-            for each in spells(trajectory)
+            CasualtyAnswer(each, answer_to(trajectory, each), first_deflection(trajectory, each))
+            for each in casualty_episodes(trajectory)
         ),
         crew=crew_orders(trajectory),
-        hands=hands(trajectory),
+        hands=order_givers(trajectory),
         events=events,
         ticks=ticks_of(trajectory),
         width=width,
@@ -211,7 +211,7 @@ def find_branch(branches: list[Branch], source: Path, number: int | None) -> Bra
     return branch
 
 
-def compared(
+def compare_debrief(
     debrief: DebriefData, recording: Recording, seconds: float | None = None
 ) -> DebriefData:
     """Return a dossier with the reference crew's run beside. As it was for an exercise without.
@@ -231,7 +231,7 @@ def compared(
     if seconds is not None:
         departure = departure_at(debrief, recording, reference, seconds)
         from_here = fly_from(debrief.trajectory, plan, departure, debrief.card, width)
-    return replace(debrief, compared=Compared(reference, fault, from_here))
+    return replace(debrief, compared=ReferenceComparison(reference, fault, from_here))
 
 
 def departure_at(
@@ -283,7 +283,7 @@ def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[
     if not plan.judged_by_tasks:
         return {}
     if can_fly(plan) and same_core(header.get("core")):
-        return plain_marks(fly(plan.alone()).trajectory, plan, width)
+        return plain_marks(fly_rehearsal(plan.alone()).trajectory, plan, width)
     return plan.baseline.marks if plan.baseline else {}
 
 
@@ -292,16 +292,18 @@ def last_tick(recording: Recording, branch: Branch) -> int:
     return max((tick for tick, _ in recording.states(branch.id)), default=branch.tick)
 
 
-def hands(trajectory: Trajectory) -> tuple[Hand, ...]:
+def order_givers(trajectory: Trajectory) -> tuple[GiverCount, ...]:
     """Return who gave orders, in the order in which they began to."""
     found = []
     for giver in dict.fromkeys(each.giver for each in trajectory.orders):
         own = [each for each in trajectory.orders if each.giver == giver]
-        found.append(Hand(giver, len(own), sum(each.accepted is False for each in own)))
+        found.append(GiverCount(giver, len(own), sum(each.accepted is False for each in own)))
     return tuple(found)
 
 
-def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> Iterator[Noted]:
+def events_of(
+    recording: Recording, branches: list[Branch], branch: Branch
+) -> Iterator[RecordedEvent]:
     """Yield the events of a branch and of its past, up to each next beginning."""
     ends: dict[int, int | None] = {}
     end: int | None = None
@@ -309,22 +311,22 @@ def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> I
         ends[here.id] = end
         end = here.tick
     for event in recording.first_events():
-        if event.branch not in ends or event.kind in ECHOES:
+        if event.branch not in ends or event.kind in ECHO_EVENTS:
             continue
         last = ends[event.branch]
         if last is None or event.tick <= last:
             yield event
 
 
-def ticks_of(trajectory: Trajectory) -> Ticks:
+def ticks_of(trajectory: Trajectory) -> TickCounts:
     """Return what became of the ticks."""
     timed = ~np.isnan(trajectory.work)
     count = int(timed.sum())
     if not count:
-        return Ticks(0, None, None, None)
+        return TickCounts(0, None, None, None)
     work, lateness = trajectory.work[timed], np.maximum(trajectory.lateness[timed], 0.0)
     duty = float(work.sum()) / (count * trajectory.boat.method.step * 1e9)
-    return Ticks(count, duty, _spread(work), _spread(lateness))
+    return TickCounts(count, duty, _spread(work), _spread(lateness))
 
 
 def _spread(values: np.ndarray) -> tuple[float, float, float]:
@@ -335,7 +337,7 @@ def _spread(values: np.ndarray) -> tuple[float, float, float]:
 # Figures for programs
 
 
-def figures(debrief: DebriefData) -> dict[str, Any]:
+def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
     """Return what the page tells in numbers; times in s, marks in per cent."""
     step = debrief.step
     return {
@@ -366,7 +368,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         "casualties": [_casualty(each, step) for each in debrief.casualties],
         "ships": [
             {"name": name, "closest_m": apart, "seconds": tick * step}
-            for name, (apart, tick) in meet(debrief.trajectory).closest.items()
+            for name, (apart, tick) in meet_ships(debrief.trajectory).closest.items()
         ],
         "marks": [
             {"seconds": each.tick * step, "remark": each.text, "by": each.who}
@@ -381,7 +383,7 @@ def _seconds(tick: int | None, step: float) -> float | None:
     return None if tick is None else tick * step
 
 
-def _score(each: Scored, step: float) -> dict[str, Any]:
+def _score(each: RuleScore, step: float) -> dict[str, Any]:
     """Return a rule and how it was met."""
     return {
         "name": each.name,
@@ -400,7 +402,7 @@ def _score(each: Scored, step: float) -> dict[str, Any]:
     }
 
 
-def _casualty(each: Answered, step: float) -> dict[str, Any]:
+def _casualty(each: CasualtyAnswer, step: float) -> dict[str, Any]:
     """Return a casualty and what was done about it."""
     return {
         "kind": each.episode.kind,
@@ -440,7 +442,7 @@ def _reference(each: Reference, step: float) -> dict[str, Any]:
     orders = [
         {"seconds": order.tick * step, "order": order.text}
         for order in each.trajectory.orders
-        if order.giver == REFERENCE_CREW
+        if order.giver == REFERENCE_GIVER
     ]
     return {"from_s": each.since, **_card(each.card, step), "orders": orders}
 

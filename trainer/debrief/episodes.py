@@ -12,30 +12,30 @@ import numpy as np
 
 from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
-from trainer.config.score_rules import COURSE, INSTRUCTING
+from trainer.config.score_rules import COURSE_QUANTITY, INSTRUCTOR_ORDERS
 from trainer.core.casualties import KINDS
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.trajectory import (
-    AMOUNTS,
+    CASUALTY_AMOUNTS,
+    CASUALTY_SLOTS,
     CREW_ORDERS,
-    SLOTS,
     Trajectory,
-    stretches,
+    row_stretches,
 )
 from trainer.io.orders.grammar import Order, name_of, parse
 from trainer.io.recording.facts import CrewNews, GiverKind
-from trainer.io.recording.recording import Journalled
+from trainer.io.recording.recording import RecordedOrder
 from trainer.units import KNOT
 
-INSTRUCTOR: Final = "instructor"
-KEPT: Final = {  # [SI] off an order within which it is kept
+INSTRUCTOR_ROLE: Final = "instructor"
+KEPT_TOLERANCES: Final = {  # [SI] off an order within which it is kept
     "depth": 3.0,
-    COURSE: math.radians(3.0),
+    COURSE_QUANTITY: math.radians(3.0),
     "speed": 0.5 * KNOT,
     "pitch": math.radians(2.0),
 }
-MOVED: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
-WORDS: Final = "words"  # the axis of an order in words
+MIN_DEFLECTION_RAD: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
+WORDS_AXIS: Final = "words"  # the axis of an order in words
 
 
 @dataclass(frozen=True)
@@ -56,13 +56,13 @@ class Deflection:
     tick: int
 
 
-def spells(trajectory: Trajectory) -> tuple[Episode, ...]:
+def casualty_episodes(trajectory: Trajectory) -> tuple[Episode, ...]:
     """Return the casualties in the order in which they began. ConfigError if one is unheard of."""
-    slots = np.array([trajectory.columns[name] for name in SLOTS])
+    slots = np.array([trajectory.columns[name] for name in CASUALTY_SLOTS])
     known = np.isin(slots, range(len(KINDS) + 1))
     if not known.all():
         raise ConfigError(f"recording: casualty {slots[~known][0]:g}: is none; it is damaged")
-    amounts = np.array([trajectory.columns[name] for name in AMOUNTS])
+    amounts = np.array([trajectory.columns[name] for name in CASUALTY_AMOUNTS])
     found = [
         episode
         for code in sorted({int(code) for code in np.unique(slots)} - {0})
@@ -74,7 +74,7 @@ def spells(trajectory: Trajectory) -> tuple[Episode, ...]:
 def first_spell(trajectory: Trajectory, casualty: Casualty | None) -> Episode | None:
     """Return the first time that a casualty came, None if it did not."""
     kind = casualty.kind if casualty else ""
-    return next((each for each in spells(trajectory) if each.kind == kind), None)
+    return next((each for each in casualty_episodes(trajectory) if each.kind == kind), None)
 
 
 def _of_kind(
@@ -83,7 +83,7 @@ def _of_kind(
     """Return the spells of one kind, whose slots are those ``there``."""
     active = np.any(there, axis=0)
     found = []
-    for first, after in stretches(active):
+    for first, after in row_stretches(active):
         held = np.where(there, amounts, 0.0)[:, first:after]
         amount = float(held.ravel()[np.argmax(np.abs(held))])
         lasted = after == trajectory.ticks.size
@@ -93,7 +93,7 @@ def _of_kind(
     return found
 
 
-def crew_orders(trajectory: Trajectory) -> tuple[Journalled, ...]:
+def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
     """Return what the crew ordered and the boat accepted.
 
     The crew is everybody but schedule and instructor; when nobody else has ordered anything the
@@ -104,13 +104,13 @@ def crew_orders(trajectory: Trajectory) -> tuple[Journalled, ...]:
         for each in trajectory.orders
         if each.giver.kind is not GiverKind.SCHEDULE and each.accepted is not False
     ]
-    stations = [each for each in given if each.giver.role != INSTRUCTOR]
-    return tuple(each for each in stations or given if name_of(each.text) not in INSTRUCTING)
+    stations = [each for each in given if each.giver.role != INSTRUCTOR_ROLE]
+    return tuple(each for each in stations or given if name_of(each.text) not in INSTRUCTOR_ORDERS)
 
 
 def answer_to(
     trajectory: Trajectory, episode: Episode, names: tuple[str, ...] | None = None
-) -> Journalled | None:
+) -> RecordedOrder | None:
     """Return the crew's first order after a casualty began, of ``names`` if given."""
     caused = [
         each.id
@@ -126,15 +126,15 @@ def answer_to(
     return None
 
 
-def deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:
-    """Return the first surface that moved by MOVED since it began, except the failed one."""
+def first_deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:
+    """Return the first surface that moved since it began, except the failed one."""
     start = trajectory.row(episode.begun)
     first: list[Deflection] = []
     for surface in SURFACES:
         if episode.kind.startswith(surface) or not trajectory.has(surface):
             continue
         angle = trajectory.series(surface)[start:]
-        moved = np.flatnonzero(np.abs(angle - angle[0]) >= MOVED)
+        moved = np.flatnonzero(np.abs(angle - angle[0]) >= MIN_DEFLECTION_RAD)
         if moved.size:
             first.append(Deflection(surface, int(trajectory.ticks[start + moved[0]])))
     return min(first, key=lambda each: each.tick, default=None)
@@ -147,10 +147,10 @@ def deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:
 class ReadBack:
     """One order to the crew, and what came of it."""
 
-    order: Journalled
+    order: RecordedOrder
     axis: str
     told: str  # as the crew was told
-    repeated: Journalled | None = None
+    repeated: RecordedOrder | None = None
     wrong: tuple[str, ...] = ()  # words of wrong repeats
     carried_out: int | None = None  # [tick] from which it was kept until the next
 
@@ -163,14 +163,14 @@ def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
         if not isinstance(order, Order) or entry.accepted is False:
             continue
         if entry.crew.news is CrewNews.ORDERED:
-            axis = WORDS if order.name == "tell" else order.word.partition("_")[0]
+            axis = WORDS_AXIS if order.name == "tell" else order.word.partition("_")[0]
             found.append(ReadBack(entry, axis.replace("periscope", "depth"), entry.crew.order))
         elif entry.crew.news is not CrewNews.NOTHING:
             _repeat(found, entry, order.subject)
     return tuple(_carried_out(found, trajectory))
 
 
-def _repeat(found: list[ReadBack], entry: Journalled, words: str) -> None:
+def _repeat(found: list[ReadBack], entry: RecordedOrder, words: str) -> None:
     """Note a repeat, right or wrong, with the newest order that it is about."""
     wrong = entry.crew.news is CrewNews.WRONG_REPEAT
     for i in range(len(found) - 1, -1, -1):
@@ -195,9 +195,9 @@ def _kept_from(each: ReadBack, end: int, trajectory: Trajectory) -> int | None:
     if not rows.any():
         return None
     off = trajectory.series(each.axis)[rows] - trajectory.ordered(each.axis)[rows][0]
-    if each.axis == COURSE:
+    if each.axis == COURSE_QUANTITY:
         off = (off + math.pi) % math.tau - math.pi
-    beyond = np.flatnonzero(~(np.abs(off) <= KEPT[each.axis]))
+    beyond = np.flatnonzero(~(np.abs(off) <= KEPT_TOLERANCES[each.axis]))
     first = int(beyond[-1]) + 1 if beyond.size else 0
     ticks = trajectory.ticks[rows]
     return int(ticks[first]) if first < ticks.size else None

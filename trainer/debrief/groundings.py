@@ -5,7 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from trainer.boat.grounding import AFLOAT, AGROUND, LAID, Touch, lies_well, touch_of
+from trainer.boat.grounding import (
+    AGROUND_TICKS,
+    RECALL_AFLOAT_S,
+    SETTLING_TIME_S,
+    GroundTouch,
+    lies_well,
+    touch_of,
+)
 from trainer.boat.world.bottom import ground_under
 from trainer.config.bottom import Bottom
 from trainer.debrief.trajectory import (
@@ -17,7 +24,7 @@ class Grounding(NamedTuple):
     """One time that the ground carried the boat."""
 
     row: int  # at which it was aground
-    touch: Touch
+    touch: GroundTouch
     hard: bool
     at_fault: bool  # it was not meant, or not done well
 
@@ -34,8 +41,8 @@ def _rows(trajectory: Trajectory) -> Iterator[int]:
     """Yield the rows at which the boat is aground, having been off the ground for a while."""
     ticks, seconds = trajectory.columns["aground"], trajectory.seconds
     last = -np.inf
-    for row in np.flatnonzero(ticks >= AGROUND):
-        if row and seconds[row] - last > AFLOAT:
+    for row in np.flatnonzero(ticks >= AGROUND_TICKS):
+        if row and seconds[row] - last > RECALL_AFLOAT_S:
             yield int(row)
         last = seconds[row]
 
@@ -51,7 +58,7 @@ def _grounding(trajectory: Trajectory, bottom: Bottom, row: int) -> Grounding:
 
 def _lies(trajectory: Trajectory, row: int) -> bool:
     """Return whether a boat comes to lie as it should, in time."""
-    soon = np.flatnonzero(trajectory.seconds <= trajectory.seconds[row] + LAID)
+    soon = np.flatnonzero(trajectory.seconds <= trajectory.seconds[row] + SETTLING_TIME_S)
     tonnes = trajectory.columns["bottom_load"] / float(trajectory.boat.vessel.g) / 1000.0
     screw = trajectory.columns["u_c"]
     return any(lies_well(float(tonnes[i]), float(screw[i])) for i in soon if i >= row)

@@ -22,31 +22,31 @@ from markupsafe import escape
 from trainer import __version__
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.debrief.changes import changes_path, read_changes, write_changes
-from trainer.debrief.data import DebriefData, gather
-from trainer.debrief.page import BADGE, HEAD
+from trainer.debrief.data import DebriefData, gather_debrief
+from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
 from trainer.io.atomic_write import write_whole
 from trainer.io.lines import plain
-from trainer.io.paths import SUFFIX, recordings_folder
-from trainer.io.recording.file import RecordingError, erase
-from trainer.io.recording.queries import Excess
-from trainer.session.header import TRAINEES, looking, reading, trainees_of
+from trainer.io.paths import RECORDING_SUFFIX, recordings_folder
+from trainer.io.recording.file import RecordingError, erase_header
+from trainer.io.recording.queries import ExcessRows
+from trainer.session.header import TRAINEES_KEY, open_recording, open_whole_recording, trainees_of
 
-MARKS: Final = ".marks.json"  # ends the name of the file
-SCHEMA: Final = "marks/1"
-LAST: Final = 3  # attempts whose mean is told
-NARROWEST: Final = 60  # [columns] that a line of the list needs
+MARKS_SUFFIX: Final = ".marks.json"  # ends the name of the file
+MARKS_SCHEMA: Final = "marks/1"
+MEAN_ATTEMPTS: Final = 3  # attempts whose mean is told
+MIN_LIST_WIDTH: Final = 60  # [columns] that a line of the list needs
 MAX_QUICK_BYTES: Final = 10_000_000  # of a recording that is judged in its turn in the list
-KINDS: Final[Mapping[str, Any]] = {  # of what is kept
+MARK_TYPES: Final[Mapping[str, Any]] = {  # of what is kept
     **dict.fromkeys(("exercise", "width", "outcome"), str),
     **dict.fromkeys(("counts", "changed"), bool),
     "seed": int,
     "total": float | int | None,
 }
-REMOVED: Final = "(name removed)"
+REMOVED_NAME: Final = "(name removed)"
 
 
 @dataclass(frozen=True)
-class Came:
+class RecordedResult:
     """The result of a recording."""
 
     exercise: str  # its title, "" without one
@@ -59,19 +59,19 @@ class Came:
 
 
 @dataclass(frozen=True)
-class Listed:
+class ListedRecording:
     """A recording as it is listed."""
 
     path: Path
     started: str
     trainees: tuple[str, ...]
-    came: Came | None
+    came: RecordedResult | None
     trouble: str = ""  # why it cannot be read
-    excess: tuple[Excess, ...] = ()  # of what it has more than is read
+    excess: tuple[ExcessRows, ...] = ()  # of what it has more than is read
 
 
 @dataclass(frozen=True)
-class Attempts:
+class AttemptHistory:
     """The history of a trainee in one exercise at one width, the oldest first."""
 
     exercise: str
@@ -83,14 +83,14 @@ class Attempts:
     @property
     def mean(self) -> float | None:
         """Return the mean of the last marks, None without any."""
-        return statistics.fmean(self.marks[-LAST:]) if self.marks else None
+        return statistics.fmean(self.marks[-MEAN_ATTEMPTS:]) if self.marks else None
 
 
 def recordings_in(places: Iterable[Path]) -> Iterator[Path]:
     """Yield the recordings in folders, and those named, the newest first; ConfigError."""
     found: list[tuple[float, Path]] = []
     for place in places:
-        inside = place.glob(f"*{SUFFIX}") if place.is_dir() else iter((place,))
+        inside = place.glob(f"*{RECORDING_SUFFIX}") if place.is_dir() else iter((place,))
         try:
             found += [(path.stat().st_mtime, path) for path in inside]
         except OSError as error:
@@ -98,7 +98,7 @@ def recordings_in(places: Iterable[Path]) -> Iterator[Path]:
     yield from (path for _, path in sorted(found, key=lambda each: each[0], reverse=True))
 
 
-def latest() -> Path:
+def latest_recording() -> Path:
     """Return the recording that was written last; ConfigError, saying what to do, without any."""
     folder = recordings_folder()
     found = next(recordings_in([folder] if folder.is_dir() else []), None)
@@ -109,41 +109,43 @@ def latest() -> Path:
     return found
 
 
-def listed(path: Path) -> Listed:
+def list_recording(path: Path) -> ListedRecording:
     """Return a recording as it is listed; one that cannot be read says why."""
     try:
-        with looking(path) as recording:
+        with open_recording(path) as recording:
             header, excess = recording.header(), recording.excess()
     except ConfigError as wrong:
-        return Listed(path, "", (), None, str(wrong))
+        return ListedRecording(path, "", (), None, str(wrong))
     started, names = header.get("started", ""), trainees_of(header)
     try:
-        return Listed(path, started, names, kept(path) or computed(path), "", excess)
+        return ListedRecording(
+            path, started, names, kept_result(path) or compute_result(path), "", excess
+        )
     except ConfigError as wrong:
-        return Listed(path, started, names, None, str(wrong), excess)
+        return ListedRecording(path, started, names, None, str(wrong), excess)
 
 
-def kept(path: Path) -> Came | None:
+def kept_result(path: Path) -> RecordedResult | None:
     """Return the result kept beside a recording. None: it is of another state."""
     try:
         found = json.loads(marks_path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return None
-    if not isinstance(found, dict) or found.get("of") != stamp(path):
+    if not isinstance(found, dict) or found.get("of") != recording_stamp(path):
         return None
     came = found.get("came")
-    if not isinstance(came, dict) or came.keys() != KINDS.keys():
+    if not isinstance(came, dict) or came.keys() != MARK_TYPES.keys():
         return None
-    good = all(isinstance(came[name], kind) for name, kind in KINDS.items())
-    return Came(**came) if good else None
+    good = all(isinstance(came[name], kind) for name, kind in MARK_TYPES.items())
+    return RecordedResult(**came) if good else None
 
 
-def computed(path: Path) -> Came:
+def compute_result(path: Path) -> RecordedResult:
     """Return what a recording came to, and keep it where that can be; ConfigError."""
-    with np.errstate(all="ignore"), reading(path) as recording:
-        came = came_of(gather(recording, path, None))
+    with np.errstate(all="ignore"), open_whole_recording(path) as recording:
+        came = came_of(gather_debrief(recording, path, None))
     if not path.with_name(f"{path.name}-wal").exists():  # else it is being written
-        text = json.dumps({"of": stamp(path), "came": asdict(came)}, indent=1)
+        text = json.dumps({"of": recording_stamp(path), "came": asdict(came)}, indent=1)
         try:
             write_whole(marks_path(path), text + "\n")
         except OSError:  # a folder that is not ours
@@ -151,10 +153,10 @@ def computed(path: Path) -> Came:
     return came
 
 
-def came_of(debrief: DebriefData) -> Came:
+def came_of(debrief: DebriefData) -> RecordedResult:
     """Return what a run came to, as the instructor has changed it."""
     verdict = debrief.final.verdict
-    return Came(
+    return RecordedResult(
         exercise=debrief.plan.title,
         seed=debrief.plan.seed,
         width=debrief.width,
@@ -165,7 +167,7 @@ def came_of(debrief: DebriefData) -> Came:
     )
 
 
-def stamp(path: Path) -> dict[str, Any]:
+def recording_stamp(path: Path) -> dict[str, Any]:
     """Return the marks by which a changed recording, change file or program is noticed."""
     state = path.stat()
     try:
@@ -173,7 +175,7 @@ def stamp(path: Path) -> dict[str, Any]:
     except OSError:
         changes = None
     return {
-        "schema": SCHEMA,
+        "schema": MARKS_SCHEMA,
         "trainer": __version__,
         "size": state.st_size,
         "mtime_ns": state.st_mtime_ns,
@@ -183,20 +185,20 @@ def stamp(path: Path) -> dict[str, Any]:
 
 def marks_path(recording: Path) -> Path:
     """Return where it is kept what a recording came to: beside it."""
-    return recording.with_name(f"{recording.stem}{MARKS}")
+    return recording.with_name(f"{recording.stem}{MARKS_SUFFIX}")
 
 
 # Trainees
 
 
-def folded(name: str) -> str:
+def fold_name(name: str) -> str:
     """Return a name as names are compared."""
     return " ".join(name.split()).casefold()
 
 
-def of_trainee(found: Sequence[Listed], name: str) -> list[Listed]:
+def of_trainee(found: Sequence[ListedRecording], name: str) -> list[ListedRecording]:
     """Return the recordings of a trainee; ConfigError naming the nearest if there are none."""
-    own = [each for each in found if folded(name) in map(folded, each.trainees)]
+    own = [each for each in found if fold_name(name) in map(fold_name, each.trainees)]
     if not own:
         names = sorted({each for one in found for each in one.trainees})
         raise ConfigError(
@@ -206,14 +208,14 @@ def of_trainee(found: Sequence[Listed], name: str) -> list[Listed]:
     return own
 
 
-def history(own: Iterable[Listed]) -> list[Attempts]:
+def trainee_history(own: Iterable[ListedRecording]) -> list[AttemptHistory]:
     """Return what a trainee has done, by exercise and width; recordings come newest first."""
-    by_kind: dict[tuple[str, str], list[Came]] = {}
+    by_kind: dict[tuple[str, str], list[RecordedResult]] = {}
     for each in own:
         if each.came is not None:
             by_kind.setdefault((each.came.exercise, each.came.width), []).insert(0, each.came)
     return [
-        Attempts(
+        AttemptHistory(
             exercise or "without an exercise",
             width,
             len(came),
@@ -227,18 +229,18 @@ def history(own: Iterable[Listed]) -> list[Attempts]:
 # A name forgotten
 
 
-def forget(name: str, recordings: Iterable[Path]) -> Iterator[str]:
+def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
     """Remove a name everywhere, and yield what was done; ConfigError if no recording has it."""
     names: set[str] = set()
     done, left = 0, []
     for path in recordings:
         try:
-            with looking(path) as recording:
+            with open_recording(path) as recording:
                 trainees = trainees_of(recording.header())
         except ConfigError:  # it is no recording, or damaged: it is not ours to change
             continue
         names.update(trainees)
-        if folded(name) not in map(folded, trainees):
+        if fold_name(name) not in map(fold_name, trainees):
             continue
         try:
             yield from _forget(name, path, trainees)
@@ -255,9 +257,9 @@ def forget(name: str, recordings: Iterable[Path]) -> Iterator[str]:
 
 def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
     """Remove a name from one recording and from what is beside it."""
-    others = [each for each in trainees if folded(each) != folded(name)]
+    others = [each for each in trainees if fold_name(each) != fold_name(name)]
     without = _remover(name)
-    remarks = erase(path, {TRAINEES: json.dumps(others) if others else None}, without)
+    remarks = erase_header(path, {TRAINEES_KEY: json.dumps(others) if others else None}, without)
     marks_path(path).unlink(missing_ok=True)  # it is of another state of the recording
     changes = read_changes(path)
     if changes:
@@ -273,15 +275,15 @@ def _remover(name: str) -> Callable[[str], str]:
         return lambda text: text
     words = r"\s+".join(re.escape(word) for word in name.split())
     found = re.compile(rf"(?<!\w){words}(?!\w)", re.IGNORECASE)
-    return lambda text: found.sub(REMOVED, text)
+    return lambda text: found.sub(REMOVED_NAME, text)
 
 
 def _pages(name: str, path: Path) -> Iterator[str]:
     """Remove the debriefs beside a recording that show a name; yield which, and what may."""
-    shown = folded(str(escape(name)))
+    shown = fold_name(str(escape(name)))
     for page in sorted(path.parent.glob(f"{_literal(path.stem)}*.html")):
         text = page.read_text(encoding="utf-8", errors="replace")
-        if BADGE in text[:HEAD] and shown in folded(text):
+        if PAGE_BADGE in text[:BADGE_SEARCH_CHARS] and shown in fold_name(text):
             page.unlink()
             yield f"{page}: removed, it showed the name; trainer debrief makes it anew"
     for printed in sorted(path.parent.glob(f"{_literal(path.stem)}*.pdf")):
@@ -305,21 +307,21 @@ def found_in(places: Sequence[Path]) -> list[Path]:
 def print_list(places: Sequence[Path], *, as_json: bool) -> None:
     """Print the recordings, each as soon as it is known; what takes long comes last."""
     found = found_in(places)
-    found.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept(path) is None)
+    found.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept_result(path) is None)
     if as_json:
-        click.echo(json.dumps(as_figures(map(listed, found)), indent=1))
+        click.echo(json.dumps(as_figures(map(list_recording, found)), indent=1))
         return
     if not found:
         where = ", ".join(map(str, places)) or recordings_folder()
         click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
     columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-    for line in list_lines(map(listed, found), columns):
+    for line in list_lines(map(list_recording, found), columns):
         click.echo(plain(line))
 
 
 def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
     """Print what a trainee has done; ConfigError if there is nothing of that name."""
-    own = history(of_trainee(list(map(listed, found_in(places))), name))
+    own = trainee_history(of_trainee(list(map(list_recording, found_in(places))), name))
     if as_json:
         figures = [asdict(each) | {"mean_of_last": each.mean} for each in own]
         click.echo(json.dumps(figures, indent=1))
@@ -329,16 +331,16 @@ def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
 
 def print_forgotten(places: Sequence[Path], name: str) -> None:
     """Remove a name and print where; ConfigError if it is nowhere, or cannot be removed."""
-    for line in forget(name, found_in(places)):
+    for line in forget_trainee(name, found_in(places)):
         click.echo(line)
 
 
-def list_lines(found: Iterable[Listed], columns: int | None = None) -> Iterator[str]:
+def list_lines(found: Iterable[ListedRecording], columns: int | None = None) -> Iterator[str]:
     """Yield a line for each recording: when, what, who, and what it came to.
 
     Exercise, names and file are shortened with an ellipsis to fit ``columns``; None: nothing is.
     """
-    width = None if columns is None else max(columns, NARROWEST)
+    width = None if columns is None else max(columns, MIN_LIST_WIDTH)
     for each in found:
         if each.came is not None:
             yield _row(each, each.came, width)
@@ -353,7 +355,7 @@ def list_lines(found: Iterable[Listed], columns: int | None = None) -> Iterator[
             )
 
 
-def _row(each: Listed, came: Came, width: int | None) -> str:
+def _row(each: ListedRecording, came: RecordedResult, width: int | None) -> str:
     """Return the line of a recording that can be read, in ``width`` columns if there is one."""
     star = "*" if came.changed else ""
     free = "" if came.counts else " (practice or free)"
@@ -364,17 +366,17 @@ def _row(each: Listed, came: Came, width: int | None) -> str:
     if width is None:
         return f"{day}  {exercise:26}  {result}  {who}  {each.path.name}{free}"
     place = width // 5  # of the exercise
-    head = f"{day}  {shortened(plain(exercise), place):{place}}  {result}  "
+    head = f"{day}  {shorten_text(plain(exercise), place):{place}}  {result}  "
     tail = [who, each.path.name, free.strip()] if free else [who, each.path.name]
-    return head + "  ".join(fitted(tail, width - len(head)))
+    return head + "  ".join(fit_texts(tail, width - len(head)))
 
 
-def shortened(text: str, most: int) -> str:
+def shorten_text(text: str, most: int) -> str:
     """Return a text in ``most`` characters, one at least; an ellipsis ends what is cut."""
     return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
 
 
-def fitted(texts: Iterable[str], room: int) -> list[str]:
+def fit_texts(texts: Iterable[str], room: int) -> list[str]:
     """Return texts that fit ``room`` [columns] with two between them; the longest are cut."""
     whole = [plain(text) for text in texts]
     left = room - 2 * (len(whole) - 1)
@@ -384,12 +386,12 @@ def fitted(texts: Iterable[str], room: int) -> list[str]:
         if size > most:
             break
         left -= size
-    return [shortened(text, max(most, 1)) for text in whole]
+    return [shorten_text(text, max(most, 1)) for text in whole]
 
 
-def history_lines(found: Iterable[Attempts]) -> Iterator[str]:
+def history_lines(found: Iterable[AttemptHistory]) -> Iterator[str]:
     """Yield the history of a trainee, a line for each exercise."""
-    yield f"{'exercise':28}  {'width':9}  mean of last {LAST}  attempts  seeds"
+    yield f"{'exercise':28}  {'width':9}  mean of last {MEAN_ATTEMPTS}  attempts  seeds"
     for each in found:
         seeds = ", ".join(map(str, each.seeds))
         yield (
@@ -398,7 +400,7 @@ def history_lines(found: Iterable[Attempts]) -> Iterator[str]:
         )
 
 
-def as_figures(found: Iterable[Listed]) -> list[dict[str, Any]]:
+def as_figures(found: Iterable[ListedRecording]) -> list[dict[str, Any]]:
     """Return recordings for programs."""
     return [
         {

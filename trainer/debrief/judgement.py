@@ -13,46 +13,46 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.depths import lowest_depth
-from trainer.boat.limits import BEYOND
+from trainer.boat.limits import LIMIT_WORDS
 from trainer.config.derived import Loss
-from trainer.config.score_rules import Rule
+from trainer.config.score_rules import ScoreRule
 from trainer.debrief.groundings import groundings
 from trainer.debrief.measures import limits_of, rows_beyond
-from trainer.debrief.scoring import Scorecard, Scored, Verdict, score
-from trainer.debrief.ships_met import meet
-from trainer.debrief.trajectory import Rows, Trajectory, stretches
+from trainer.debrief.scoring import RuleScore, Scorecard, Verdict, score_rules
+from trainer.debrief.ships_met import meet_ships
+from trainer.debrief.trajectory import RowMask, Trajectory, row_stretches
 from trainer.io.orders.grammar import name_of
 from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
 
-GATE_S: Final = 2.0  # [s] for which a limit is broken
+GATE_TIME_S: Final = 2.0  # [s] for which a limit is broken
 GATE_CAP, LOST_CAP, HARD_CAP = 50.0, 25.0, 0.0  # [%] most that is left
 TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
-ENOUGH: Final = 50.0  # [%] of a task that is carried out
-SETTLED: Final = 80.0  # [%] of the time
-KEPT_SHARE: Final = 0.3  # of the total, by how the boat was kept
-WIDTHS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
-FREEING: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
-MOST_NOBODY: Final = 50.0  # [%] a task worth having gives with nobody aboard
-MOST_TOLD: Final = 3  # sentences
-LEAST_TOLD: Final = 0.5  # [%] of the marks that is worth one
+DONE_TASK_PERCENT: Final = 50.0  # [%] of a task that is carried out
+SETTLED_PERCENT: Final = 80.0  # [%] of the time
+KEEPING_SHARE: Final = 0.3  # of the total, by how the boat was kept
+WIDTH_FACTORS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
+FREEING_ORDERS: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
+MAX_NOBODY_PERCENT: Final = 50.0  # [%] a task worth having gives with nobody aboard
+MAX_COSTS_TOLD: Final = 3  # sentences
+MIN_COST_PERCENT: Final = 0.5  # [%] of the marks that is worth one
 
 
-def judge(
+def judge_run(
     trajectory: Trajectory, plan: Plan, nobody: Mapping[str, float], width: str = "qualified"
 ) -> Scorecard:
     """Return the marks of a plan's rules. ``nobody`` has those with nobody aboard, by name [%]."""
-    rules = widened(plan.scores, width)
+    rules = widen_rules(plan.scores, width)
     if not plan.judged_by_tasks:
-        return score(trajectory, rules)
-    scores = tuple(_less_nobody(each, nobody) for each in score(trajectory, rules).scores)
+        return score_rules(trajectory, rules)
+    scores = tuple(_less_nobody(each, nobody) for each in score_rules(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
     tasks = _mean((each.rule.weight, each.earned) for each in scores) or 0.0
     kept = _mean((each.rule.weight, each.marks) for each in scores if each.rule.part == "keeping")
     keeping = 100.0 if kept is None else kept
     verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
-    total = tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * keeping / 100.0)
+    total = tasks * (1.0 - KEEPING_SHARE + KEEPING_SHARE * keeping / 100.0)
     total = total if verdict.cap is None else min(total, verdict.cap)
     return Scorecard(scores, None if verdict.void or verdict.free else total, verdict)
 
@@ -62,13 +62,13 @@ def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") ->
 
     With nobody aboard they are all b.
     """
-    scores = score(trajectory, widened(plan.scores, width)).scores
+    scores = score_rules(trajectory, widen_rules(plan.scores, width)).scores
     return {each.name: each.marks or 0.0 for each in scores}
 
 
-def widened(rules: tuple[Rule, ...], width: str) -> tuple[Rule, ...]:
+def widen_rules(rules: tuple[ScoreRule, ...], width: str) -> tuple[ScoreRule, ...]:
     """Return the rules at a width. Bands, and the way from full to zero, are so much wider."""
-    factor = WIDTHS[width]
+    factor = WIDTH_FACTORS[width]
     if factor == 1.0:
         return rules
     wider = []
@@ -80,24 +80,24 @@ def widened(rules: tuple[Rule, ...], width: str) -> tuple[Rule, ...]:
     return tuple(wider)
 
 
-def _less_nobody(each: Scored, nobody: Mapping[str, float]) -> Scored:
+def _less_nobody(each: RuleScore, nobody: Mapping[str, float]) -> RuleScore:
     """Return a score with what it earned beyond nobody aboard.
 
-    Where nobody gets more than MOST_NOBODY, at this seed, there is nothing to be earned. A task
-    whose time the record does not reach has earned nothing.
+    Where nobody gets more than MAX_NOBODY_PERCENT, at this seed, there is nothing to be earned. A
+    task whose time the record does not reach has earned nothing.
     """
     if each.marks is None and each.attained.beyond_record:
         each = replace(each, marks=0.0)
     if each.rule.part == "keeping" or each.marks is None:
         return each
     free = nobody.get(each.name, 0.0)
-    if free > MOST_NOBODY:
+    if free > MAX_NOBODY_PERCENT:
         return replace(each, nobody=free)
     earned = 100.0 * max(0.0, (each.marks - free) / (100.0 - free))
     return replace(each, nobody=free, earned=earned)
 
 
-def _answered(each: Scored, scores: tuple[Scored, ...]) -> Scored:
+def _answered(each: RuleScore, scores: tuple[RuleScore, ...]) -> RuleScore:
     """Return an answer times the mean of the tasks: an order alone masters nothing."""
     if each.rule.part != "answer" or each.earned is None:
         return each
@@ -114,7 +114,7 @@ def _mean(weighted: Iterable[tuple[float, float | None]]) -> float | None:
 
 
 def _verdict(
-    trajectory: Trajectory, plan: Plan, scores: tuple[Scored, ...], means: tuple[float, float]
+    trajectory: Trajectory, plan: Plan, scores: tuple[RuleScore, ...], means: tuple[float, float]
 ) -> Verdict:
     """Return how it ended, the worst first."""
     tasks, keeping = means
@@ -144,21 +144,21 @@ def _free(trajectory: Trajectory) -> str:
     for each in trajectory.orders:
         if each.accepted is False or each.giver.kind is GiverKind.SCHEDULE:
             continue
-        if name_of(each.text) in FREEING:
+        if name_of(each.text) in FREEING_ORDERS:
             seconds = each.tick * trajectory.boat.method.step
             return f"{each.text} at {clock(seconds)}, by {each.who}"
     return ""
 
 
-def _carried_out(each: Scored) -> bool:
+def _carried_out(each: RuleScore) -> bool:
     """Return whether a task was carried out; what does not count is not looked at."""
     if each.earned is None or each.marks is None:
         return True
     if each.rule.score.measure == "reach":
         return each.attained.value is not None
     if each.rule.score.measure == "settled":
-        return (each.attained.value or 0.0) >= SETTLED
-    return each.earned >= ENOUGH
+        return (each.attained.value or 0.0) >= SETTLED_PERCENT
+    return each.earned >= DONE_TASK_PERCENT
 
 
 def _turned_over(trajectory: Trajectory) -> str:
@@ -210,21 +210,21 @@ def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
 
 
 def _broken(trajectory: Trajectory) -> Iterator[str]:
-    """Yield the limits that were broken for GATE_S, and when."""
+    """Yield the limits that were broken for GATE_TIME_S, and when."""
     for name in limits_of(trajectory):
-        row = first_for(rows_beyond(trajectory, name), GATE_S, trajectory)
+        row = first_for(rows_beyond(trajectory, name), GATE_TIME_S, trajectory)
         if row is not None:
-            told = BEYOND[name].format(getattr(trajectory.limits, name))
+            told = LIMIT_WORDS[name].format(getattr(trajectory.limits, name))
             yield f"{told} at {clock(float(trajectory.seconds[row]))}"
 
 
-def first_for(holds: Rows, seconds: float, trajectory: Trajectory) -> int | None:
+def first_for(holds: RowMask, seconds: float, trajectory: Trajectory) -> int | None:
     """Return the first row from which something holds for so long. None: it never does."""
     times = trajectory.seconds
     return next(
         (
             first
-            for first, after in stretches(holds)
+            for first, after in row_stretches(holds)
             if times[after - 1] - times[first] >= seconds - 1e-9
         ),
         None,
@@ -243,7 +243,7 @@ def _ended(trajectory: Trajectory, plan: Plan) -> str:
 
 def _collided(trajectory: Trajectory) -> str:
     """Return that a collision has ended the exercise."""
-    met = meet(trajectory)
+    met = meet_ships(trajectory)
     if met.collision != "end" or not met.collisions:
         return ""
     tick, name = met.collisions[0]
@@ -262,7 +262,7 @@ def _cut_short(trajectory: Trajectory, plan: Plan) -> str:
 
 
 @dataclass(frozen=True)
-class Cost:
+class MarkCost:
     """A cause that cost some of the marks."""
 
     marks: float  # [%] of the total
@@ -270,30 +270,30 @@ class Cost:
     tick: int | None = None  # where in the record
 
 
-def worth(each: Scored) -> float | None:
+def marks_given(each: RuleScore) -> float | None:
     """Return what a score gave [%]: of a task less nobody aboard."""
     return each.marks if each.earned is None else each.earned
 
 
-def dearest(card: Scorecard, reference: Scorecard | None) -> tuple[Cost, ...]:
-    """Return what cost most, MOST_TOLD of it at most."""
-    found = [each for each in costs(card, reference) if each.marks >= LEAST_TOLD]
-    return tuple(sorted(found, key=lambda each: -each.marks)[:MOST_TOLD])
+def dearest_costs(card: Scorecard, reference: Scorecard | None) -> tuple[MarkCost, ...]:
+    """Return what cost most, MAX_COSTS_TOLD of it at most."""
+    found = [each for each in costs(card, reference) if each.marks >= MIN_COST_PERCENT]
+    return tuple(sorted(found, key=lambda each: -each.marks)[:MAX_COSTS_TOLD])
 
 
-def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[Cost]:
+def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
     """Yield all that cost marks: rules by their share in the total, and the gate."""
     best = {each.name: each for each in reference.scores} if reference else {}
     yield from _by_gate(card)
     for each in card.scores:
-        lost = 100.0 - (worth(each) or 0.0)
+        lost = 100.0 - (marks_given(each) or 0.0)
         share = share_of(each, card)
         if each.marks is not None and share and lost > 0.0:
             told = _sentence(each, best.get(each.name), share * lost)
-            yield Cost(share * lost, told, each.attained.tick)
+            yield MarkCost(share * lost, told, each.attained.tick)
 
 
-def _by_gate(card: Scorecard) -> Iterator[Cost]:
+def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
     """Yield what a broken limit or a loss has cost beyond the tasks."""
     verdict = card.verdict
     if verdict is None:
@@ -302,21 +302,21 @@ def _by_gate(card: Scorecard) -> Iterator[Cost]:
     if verdict.free:
         return
     if verdict.void:
-        yield Cost(whole, f"The boat turned over: {verdict.reason}. All marks are void.")
+        yield MarkCost(whole, f"The boat turned over: {verdict.reason}. All marks are void.")
     elif verdict.cap is not None and whole > verdict.cap:
         why = f"The exercise was lost ({verdict.reason})"
         if verdict.outcome != "lost":
             why = f"A limit was broken ({verdict.gate})"
         cost = whole - verdict.cap
-        yield Cost(cost, f"{why}: {_marks(cost)}, since at most {verdict.cap:.0f} are left.")
+        yield MarkCost(cost, f"{why}: {_marks(cost)}, since at most {verdict.cap:.0f} are left.")
 
 
 def before_gate(verdict: Verdict) -> float:
     """Return the total [%] that tasks and keeping make, before any gate."""
-    return verdict.tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * verdict.keeping / 100.0)
+    return verdict.tasks * (1.0 - KEEPING_SHARE + KEEPING_SHARE * verdict.keeping / 100.0)
 
 
-def share_of(each: Scored, card: Scorecard) -> float:
+def share_of(each: RuleScore, card: Scorecard) -> float:
     """Return how much of a rule's marks are of the total [-]."""
     verdict = card.verdict
     keeping = verdict is not None and each.rule.part == "keeping"
@@ -331,13 +331,13 @@ def share_of(each: Scored, card: Scorecard) -> float:
     if verdict is None:
         return share
     if keeping:
-        return share * KEPT_SHARE * verdict.tasks / 100.0
+        return share * KEEPING_SHARE * verdict.tasks / 100.0
     if each.earned is None:  # nobody aboard has it as well: it earns nothing
         return 0.0
-    return share * (1.0 - KEPT_SHARE + KEPT_SHARE * verdict.keeping / 100.0)
+    return share * (1.0 - KEEPING_SHARE + KEEPING_SHARE * verdict.keeping / 100.0)
 
 
-def _sentence(each: Scored, best: Scored | None, cost: float) -> str:
+def _sentence(each: RuleScore, best: RuleScore | None, cost: float) -> str:
     """Return what a rule cost, and what would have been right."""
     unit = "" if each.unit == "-" else f" {each.unit}"
     value = each.attained.value

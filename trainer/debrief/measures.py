@@ -11,33 +11,33 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.depths import lowest_depth
-from trainer.boat.limits import COVERED, FULL
-from trainer.config.score_rules import Measured, Rule
+from trainer.boat.limits import FULL_BALLAST_SHARE, RECALL_COVER_M
+from trainer.config.score_rules import MeasuredQuantity, ScoreRule
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.debrief.episodes import answer_to, first_spell
 from trainer.debrief.groundings import groundings
-from trainer.debrief.ships_met import look_out, meet, shown
-from trainer.debrief.trajectory import Rows, Trajectory, showing
+from trainer.debrief.ships_met import look_out, meet_ships, shown_rows
+from trainer.debrief.trajectory import RowMask, Trajectory, shown_height
 
 NO_TEST_DEPTH: Final = "this boat has no test depth"
-PLANES: Final = ("stern", "bow")
-RANGE: Final = "cpa_m"  # of the nearest ship
-LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limits
-    "depth_m": Measured("depth", "m", 1.0),
-    "pitch_deg": Measured("pitch", "deg", float(np.radians(1.0))),
-    "heel_deg": Measured("heel", "deg", float(np.radians(1.0))),
-    "speed_kn": Measured("speed", "kn", 1852.0 / 3600.0),
-    "clearance_m": Measured("clearance", "m", 1.0),
-    "speed_over_ground_kn": Measured("speed_over_ground", "kn", 1852.0 / 3600.0),
+PLANE_NAMES: Final = ("stern", "bow")
+NEAREST_RANGE: Final = "cpa_m"  # of the nearest ship
+LIMIT_QUANTITIES: Final[Mapping[str, MeasuredQuantity]] = {  # by the keys of an exercise's limits
+    "depth_m": MeasuredQuantity("depth", "m", 1.0),
+    "pitch_deg": MeasuredQuantity("pitch", "deg", float(np.radians(1.0))),
+    "heel_deg": MeasuredQuantity("heel", "deg", float(np.radians(1.0))),
+    "speed_kn": MeasuredQuantity("speed", "kn", 1852.0 / 3600.0),
+    "clearance_m": MeasuredQuantity("clearance", "m", 1.0),
+    "speed_over_ground_kn": MeasuredQuantity("speed_over_ground", "kn", 1852.0 / 3600.0),
 }
-FALSE: Final = 30.0  # [s] for each mark of a ship where none was seen
-THERE: Final = "the boat was there when it was ordered"
-LAST: Final = 120.0  # [s] of a window, in which the boat has to have settled
+FALSE_MARK_PENALTY_S: Final = 30.0  # [s] for each mark of a ship where none was seen
+ALREADY_THERE: Final = "the boat was there when it was ordered"
+SETTLING_WINDOW_S: Final = 120.0  # [s] of a window, in which the boat has to have settled
 
 
 @dataclass(frozen=True)
-class Attained:
+class Measurement:
     """The value of a measure. Without one it says why."""
 
     value: float | None
@@ -47,17 +47,17 @@ class Attained:
     beyond_record: bool = False  # it lacks because the record ends before what is looked at
 
 
-def overshoot(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def overshoot(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return how far the quantity went beyond its target, seen from where it began."""
     beyond = _off(trajectory, rows, rule)
     beyond = -beyond if beyond[0] > 0.0 else beyond  # now from below
     if beyond.max() < -(rule.score.band or 0.0):
-        return Attained(None, None, "the target was never reached")
+        return Measurement(None, None, "the target was never reached")
     furthest = int(np.argmax(beyond))
-    return Attained(max(float(beyond[furthest]), 0.0), int(trajectory.ticks[rows][furthest]))
+    return Measurement(max(float(beyond[furthest]), 0.0), int(trajectory.ticks[rows][furthest]))
 
 
-def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def time_to(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the time [s] until the quantity is in its band for good."""
     outside = np.flatnonzero(~_inside(trajectory, rows, rule))
     ticks = trajectory.ticks[rows]
@@ -66,69 +66,69 @@ def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
         beyond = abs(float(_off(trajectory, rows, rule)[-1])) - (rule.score.band or 0.0)
         unit = rule.measured.unit if rule.measured else ""
         far = f"{float(f'{beyond:.2g}'):g} {unit}"  # two digits that count
-        return Attained(None, None, f"not in the band at the end, {far} beyond it")
+        return Measurement(None, None, f"not in the band at the end, {far} beyond it")
     seconds = float(ticks[first] - ticks[0]) * trajectory.boat.method.step
-    return Attained(seconds, int(ticks[first]))
+    return Measurement(seconds, int(ticks[first]))
 
 
-def reach(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def time_to_reach(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the time [s] until the quantity is in its band for good. It has been outside."""
     if _inside(trajectory, rows, rule)[0]:
-        return Attained(None, None, THERE)
+        return Measurement(None, None, ALREADY_THERE)
     return time_to(trajectory, rows, rule)
 
 
-def settled(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
-    """Return the share [%] of the last LAST seconds in the band, having been outside."""
+def settled_share(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
+    """Return the share [%] of the last seconds in the band, having been outside."""
     if _inside(trajectory, rows, rule)[0]:
-        return Attained(None, None, THERE)
+        return Measurement(None, None, ALREADY_THERE)
     seconds = trajectory.seconds
-    return in_band(trajectory, rows & (seconds >= seconds[rows][-1] - LAST), rule)
+    return in_band(trajectory, rows & (seconds >= seconds[rows][-1] - SETTLING_WINDOW_S), rule)
 
 
-def final(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def final_value(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the quantity at the last of the rows, or its distance from its target."""
     if rule.score.target is None:
         value = float(_quantity(trajectory, rows, rule)[-1])
     else:
         value = abs(float(_off(trajectory, rows, rule)[-1]))
-    return Attained(value, int(trajectory.ticks[rows][-1]))
+    return Measurement(value, int(trajectory.ticks[rows][-1]))
 
 
-def rms(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def rms(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the root of the mean square distance from the target."""
     off = _off(trajectory, rows, rule)
     worst = int(np.argmax(np.abs(off)))
-    return Attained(float(np.sqrt(np.mean(off * off))), int(trajectory.ticks[rows][worst]))
+    return Measurement(float(np.sqrt(np.mean(off * off))), int(trajectory.ticks[rows][worst]))
 
 
-def in_band(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def in_band(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the share [%] of the ticks at which the quantity is in its band."""
     worst = int(np.argmax(np.abs(_off(trajectory, rows, rule))))
     share = 100.0 * float(np.mean(_inside(trajectory, rows, rule)))
-    return Attained(share, int(trajectory.ticks[rows][worst]))
+    return Measurement(share, int(trajectory.ticks[rows][worst]))
 
 
-def highest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def highest(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the greatest value of the quantity; of a depth the deepest."""
     return _extreme(trajectory, rows, _quantity(trajectory, rows, rule), np.argmax)
 
 
-def lowest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def lowest(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the smallest value of the quantity."""
     return _extreme(trajectory, rows, _quantity(trajectory, rows, rule), np.argmin)
 
 
-def largest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def largest(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the quantity, or its distance from the target, at its largest either way."""
     away = rule.score.target is not None
     values = _off(trajectory, rows, rule) if away else _quantity(trajectory, rows, rule)
     return _extreme(trajectory, rows, np.abs(values), np.argmax)
 
 
-def activity(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def activity(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the travel of the surfaces [deg/min]. Without a name it is both pairs of planes."""
-    named = (rule.measured.name,) if rule.measured else PLANES
+    named = (rule.measured.name,) if rule.measured else PLANE_NAMES
     moved = np.zeros(trajectory.ticks.size)
     for surface in filter(trajectory.has, named):
         angle = np.degrees(trajectory.series(surface))
@@ -136,73 +136,73 @@ def activity(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
     both = rows & np.concatenate(([False], rows[:-1]))  # from one row looked at to the next
     seconds = float(np.sum(np.diff(trajectory.seconds)[both[1:]]))
     if not seconds:
-        return Attained(None, None, "a single moment", counts=False)
+        return Measurement(None, None, "a single moment", counts=False)
     fastest = int(np.argmax(np.where(both, moved, -1.0)))
-    return Attained(60.0 * float(moved[both].sum()) / seconds, int(trajectory.ticks[fastest]))
+    return Measurement(60.0 * float(moved[both].sum()) / seconds, int(trajectory.ticks[fastest]))
 
 
-def distance(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def distance(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the distance [m] run over the ground."""
     run = np.hypot(np.diff(trajectory.columns["x"]), np.diff(trajectory.columns["y"]))
-    return Attained(float(run[rows[1:] & rows[:-1]].sum()), int(trajectory.ticks[rows][-1]))
+    return Measurement(float(run[rows[1:] & rows[:-1]].sum()), int(trajectory.ticks[rows][-1]))
 
 
-def closest_approach(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def closest_approach(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the least range [m] to any ship."""
-    nearest = meet(trajectory).nearest[rows]
+    nearest = meet_ships(trajectory).nearest[rows]
     if not np.isfinite(nearest).any():
-        return Attained(None, None, "there was no ship", counts=False)
+        return Measurement(None, None, "there was no ship", counts=False)
     return _extreme(trajectory, rows, nearest, np.argmin)
 
 
-def exposed(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def exposed_time(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the time [s] for which the periscope's head was out of the water."""
-    return _time_in(trajectory, shown(trajectory)[0] & rows)
+    return _time_in(trajectory, shown_rows(trajectory)[0] & rows)
 
 
-def exposed_raise(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def exposed_raise(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the time [s] of the raise that showed longest."""
-    raises = shown(trajectory)[1]
-    each = [exposed(trajectory, rows & (raises == one), rule) for one in np.unique(raises)]
+    raises = shown_rows(trajectory)[1]
+    each = [exposed_time(trajectory, rows & (raises == one), rule) for one in np.unique(raises)]
     return max(each, key=lambda attained: attained.value or 0.0)
 
 
-def time_to_detect(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def time_to_detect(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the longest time [s] from a ship in sight to its mark.
 
-    It is longer by FALSE for each mark that meant no ship.
+    It is longer by FALSE_MARK_PENALTY_S for each mark that meant no ship.
     """
     looked_at = set(trajectory.ticks[rows].tolist())
     found = look_out(trajectory)
     ships = [each for each in found.ships if each.there in looked_at]
     if not ships:
-        return Attained(None, None, "no ship came in sight", counts=False)
+        return Measurement(None, None, "no ship came in sight", counts=False)
     for each in ships:
         if each.seen is None:
-            return Attained(None, each.there, f"nobody looked for {each.name}")
+            return Measurement(None, each.there, f"nobody looked for {each.name}")
         if each.marked is None:
-            return Attained(None, each.seen, f"{each.name} was not marked")
+            return Measurement(None, each.seen, f"{each.name} was not marked")
     step = trajectory.boat.method.step
     times = {each: ((each.marked or 0) - (each.seen or 0)) * step for each in ships}
     slowest = max(ships, key=lambda each: times[each])
     wrong = sum(tick in looked_at for tick in found.false)
-    return Attained(times[slowest] + FALSE * wrong, slowest.marked)
+    return Measurement(times[slowest] + FALSE_MARK_PENALTY_S * wrong, slowest.marked)
 
 
-def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def broaches(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return how often sail or deck left the sea without a main ballast blow."""
     return _count_in(trajectory, rows, broach_rows(trajectory))
 
 
-def aground(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def count_aground(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return how often the boat was aground, where it was not laid down well."""
     if not trajectory.has("clearance"):
-        return Attained(None, None, "there is no ground here", counts=False)
+        return Measurement(None, None, "there is no ground here", counts=False)
     at_fault = (each.row for each in groundings(trajectory) if each.at_fault)
     return _count_in(trajectory, rows, at_fault)
 
 
-def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def beyond_limits(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the time [s] at which any limit of the exercise was passed."""
     beyond = (
         np.any([rows_beyond(trajectory, name) for name in limits_of(trajectory)], axis=0) & rows
@@ -210,42 +210,42 @@ def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     return _time_in(trajectory, beyond)
 
 
-def beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def beyond_test_depth(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the most [m] of the hull's lowest point beyond test depth."""
     beyond = depth_beyond(trajectory)
     if beyond is None:
-        return Attained(None, None, NO_TEST_DEPTH, counts=False)
+        return Measurement(None, None, NO_TEST_DEPTH, counts=False)
     if not np.any(beyond[rows] > 0.0):
-        return Attained(0.0, None)
+        return Measurement(0.0, None)
     return _extreme(trajectory, rows, beyond[rows], np.argmax)
 
 
-def time_beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+def time_beyond_test_depth(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the time [s] of the hull's lowest point beyond test depth."""
     beyond = depth_beyond(trajectory)
     if beyond is None:
-        return Attained(None, None, NO_TEST_DEPTH, counts=False)
+        return Measurement(None, None, NO_TEST_DEPTH, counts=False)
     return _time_in(trajectory, (beyond > 0.0) & rows)
 
 
-def response(trajectory: Trajectory, _rows: Rows, rule: Rule) -> Attained:
+def response(trajectory: Trajectory, _rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the time [s] from the casualty's first onset to the crew's answer."""
     episode = first_spell(trajectory, rule.casualty)
     if episode is None:
-        return Attained(None, None, "it did not happen", counts=False)
+        return Measurement(None, None, "it did not happen", counts=False)
     answer = answer_to(trajectory, episode, rule.score.orders)
     if answer is None:
-        return Attained(None, None, "it was not answered")
-    return Attained((answer.tick - episode.begun) * trajectory.boat.method.step, answer.tick)
+        return Measurement(None, None, "it was not answered")
+    return Measurement((answer.tick - episode.begun) * trajectory.boat.method.step, answer.tick)
 
 
-def reserve_air(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+def reserve_air(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the least share [%] left in the bank named, or else in all together."""
     vessel = trajectory.boat.vessel
     names = (rule.measured.name,) if rule.measured else tuple(f"bank_{name}" for name in BANKS)
     full = sum(float(vessel.bank_full[BANKS.index(name.removeprefix("bank_"))]) for name in names)
     if not full:
-        return Attained(None, None, "this boat has no air banks", counts=False)
+        return Measurement(None, None, "this boat has no air banks", counts=False)
     left = sum(trajectory.columns[name] for name in names) / full
     return _extreme(trajectory, rows, 100.0 * np.asarray(left)[rows], np.argmin)
 
@@ -253,17 +253,23 @@ def reserve_air(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 def limits_of(trajectory: Trajectory) -> list[str]:
     """Return the limits that the exercise sets, by their keys."""
     names = [item.name for item in fields(trajectory.limits)]
-    known = [name for name in names if name.rpartition("_")[0] in (*LIMITED, RANGE)]
+    known = [
+        name for name in names if name.rpartition("_")[0] in (*LIMIT_QUANTITIES, NEAREST_RANGE)
+    ]
     return [name for name in known if getattr(trajectory.limits, name) is not None]
 
 
-def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
+def rows_beyond(trajectory: Trajectory, name: str) -> RowMask:
     """Return at which ticks a limit of the exercise is passed."""
     key, _, end = name.rpartition("_")
     limit = getattr(trajectory.limits, name)
-    value = meet(trajectory).nearest if key == RANGE else trajectory.measured(LIMITED[key])
+    value = (
+        meet_ships(trajectory).nearest
+        if key == NEAREST_RANGE
+        else trajectory.measured(LIMIT_QUANTITIES[key])
+    )
     value = np.abs(value) if key in ("pitch_deg", "heel_deg") else value
-    beyond: Rows = value > limit if end == "max" else value < limit
+    beyond: RowMask = value > limit if end == "max" else value < limit
     return beyond
 
 
@@ -279,7 +285,7 @@ def depth_beyond(trajectory: Trajectory) -> Numbers | None:
     return np.where(column["held_depth"] == 0.0, beyond, np.minimum(beyond, 0.0))
 
 
-def surfacing(trajectory: Trajectory) -> Rows:
+def surfacing_rows(trajectory: Trajectory) -> RowMask:
     """Return at which ticks main ballast is being blown, or blown."""
     vessel, column = trajectory.boat.vessel, trajectory.columns
     if not vessel.fitted:
@@ -287,49 +293,51 @@ def surfacing(trajectory: Trajectory) -> Rows:
     tanks = ("forward", "mid", "aft")
     held = sum(column[f"water_{name}"] for name in tanks)
     blown = sum(column[f"blow_{name}"] for name in tanks)
-    return np.asarray((held < FULL * float(vessel.capacity[:3].sum())) | (np.asarray(blown) > 0.0))
+    return np.asarray(
+        (held < FULL_BALLAST_SHARE * float(vessel.capacity[:3].sum())) | (np.asarray(blown) > 0.0)
+    )
 
 
 def broach_rows(trajectory: Trajectory) -> list[int]:
     """Return the rows at which the boat broached, as the watch calls it out."""
-    height, meant = showing(trajectory), surfacing(trajectory)
+    height, meant = shown_height(trajectory), surfacing_rows(trajectory)
     shows, found = bool(height[0] > 0.0), []
     for row in range(1, height.size):
         if not shows and height[row] > 0.0 and not meant[row]:
             found.append(row)
-        shows = bool(height[row] > (-COVERED if shows else 0.0))
+        shows = bool(height[row] > (-RECALL_COVER_M if shows else 0.0))
     return found
 
 
-def _quantity(trajectory: Trajectory, rows: Rows, rule: Rule) -> Numbers:
+def _quantity(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Numbers:
     assert rule.measured  # noqa: S101 (checked when the rule was read)
     return trajectory.measured(rule.measured)[rows]
 
 
-def _off(trajectory: Trajectory, rows: Rows, rule: Rule) -> Numbers:
+def _off(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Numbers:
     assert rule.measured  # noqa: S101
     return trajectory.off(rule.measured, rule.score.target)[rows]
 
 
-def _inside(trajectory: Trajectory, rows: Rows, rule: Rule) -> Rows:
+def _inside(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> RowMask:
     return np.abs(_off(trajectory, rows, rule)) <= (rule.score.band or 0.0)
 
 
-def _time_in(trajectory: Trajectory, rows: Rows) -> Attained:
+def _time_in(trajectory: Trajectory, rows: RowMask) -> Measurement:
     """Return the time [s] of rows, and the first of them."""
     found = np.flatnonzero(rows)
     seconds = float(found.size) * trajectory.boat.method.step
-    return Attained(seconds, int(trajectory.ticks[found[0]]) if found.size else None)
+    return Measurement(seconds, int(trajectory.ticks[found[0]]) if found.size else None)
 
 
-def _count_in(trajectory: Trajectory, rows: Rows, events: Iterable[int]) -> Attained:
+def _count_in(trajectory: Trajectory, rows: RowMask, events: Iterable[int]) -> Measurement:
     """Return how many events are at these rows, and the first of them."""
     found = [row for row in events if rows[row]]
-    return Attained(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
+    return Measurement(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
 
 
 def _extreme(
-    trajectory: Trajectory, rows: Rows, values: Numbers, furthest: Callable[[Numbers], np.intp]
-) -> Attained:
+    trajectory: Trajectory, rows: RowMask, values: Numbers, furthest: Callable[[Numbers], np.intp]
+) -> Measurement:
     place = int(furthest(values))
-    return Attained(float(values[place]), int(trajectory.ticks[rows][place]))
+    return Measurement(float(values[place]), int(trajectory.ticks[rows][place]))

@@ -14,51 +14,64 @@ from trainer import __version__
 from trainer.config.files import ConfigError, json_text, write_over
 from trainer.core.kernel import Numbers
 from trainer.debrief import sections
-from trainer.debrief.changes import change_of, read_changes, without, write_changes
+from trainer.debrief.changes import change_of, read_changes, without_changes, write_changes
 from trainer.debrief.charts import (
-    Beside,
+    RunBeside,
     charts_of,
     draw_timeline,
     ground_of,
     runs_beside,
 )
-from trainer.debrief.data import DebriefData, compared, figures, find_branch, gather
-from trainer.debrief.ships_met import ShipWay, meet, place_of_ship, ways_of_ships
-from trainer.debrief.trajectory import stretches
+from trainer.debrief.data import (
+    DebriefData,
+    compare_debrief,
+    debrief_figures,
+    find_branch,
+    gather_debrief,
+)
+from trainer.debrief.ships_met import ShipWay, meet_ships, place_of_ship, ways_of_ships
+from trainer.debrief.trajectory import row_stretches
 from trainer.io.lines import plain
-from trainer.report.html import charts, page, paragraph, section
+from trainer.report.html import charts, fill_page, paragraph, section
 from trainer.report.pdf import print_pdf
 from trainer.report.svg import (
-    WIDTH,
+    CHART_WIDTH_PX,
     Axis,
-    Ground,
+    ChartGround,
     clock,
-    draw,
+    draw_chart,
     rule,
     step_of,
-    svg,
+    svg_element,
     text,
 )
-from trainer.session.header import plan_of, reading
+from trainer.session.header import open_whole_recording, plan_of
 
-BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
-HEAD = 2000  # [characters] in which a page of ours says that it is
-TALL: Final = 420.0  # [px] of the track
-SIDE, ABOVE, BELOW = 10.0, 26.0, 30.0  # [px] about it
-LEAST: Final = 400.0  # [m] across the shorter way
-EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
-TRACKED: Final = 1600  # points of it
-TICKED: Final = 12  # of them at most
-SCALE: Final = 0.2  # of the width, the longest rule
-CLOSE: Final = 3000.0  # [m] from the boat, within which a ship's way widens the map
+PAGE_BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
+BADGE_SEARCH_CHARS = 2000  # [characters] in which a page of ours says that it is
+MAX_TRACK_HEIGHT_PX: Final = 420.0  # [px] of the track
+TRACK_SIDE_PX, TRACK_ABOVE_PX, TRACK_BELOW_PX = 10.0, 26.0, 30.0  # [px] about it
+MIN_TRACK_WIDTH_M: Final = 400.0  # [m] across the shorter way
+TIME_MARK_PERIODS_S: Final = (
+    10.0,
+    30.0,
+    60.0,
+    300.0,
+    600.0,
+    1800.0,
+)  # [s] between its marks of time
+MAX_TRACK_POINTS: Final = 1600  # points of it
+MAX_TIME_MARKS: Final = 12  # of them at most
+MAX_RULE_SHARE: Final = 0.2  # of the width, the longest rule
+CLOSE_RANGE_M: Final = 3000.0  # [m] from the boat, within which a ship's way widens the map
 
 
 def render(debrief: DebriefData, boat: str = "") -> str:
     """Return the page, one with a boat inside it; same record, same bytes."""
-    return page(
+    return fill_page(
         "debrief.html",
         "debrief.css",
-        badge=BADGE,
+        badge=PAGE_BADGE,
         title=debrief.title,
         under=_under(debrief),
         verdict=sections.verdict(debrief),
@@ -105,7 +118,7 @@ def _parts(debrief: DebriefData) -> Iterator[Markup]:
         yield section("hands", "Who gave orders", sections.hands(debrief))
     if len(debrief.branches) > 1:
         yield section("branches", "Branches", sections.branches(debrief))
-    yield section("ticks", "Ticks", sections.ledger(debrief))
+    yield section("ticks", "Ticks", sections.tick_ledger(debrief))
     yield section("run", "What was flown", sections.run_facts(debrief))
     yield section("log", "Orders and events", sections.log(debrief))  # the longest comes last
 
@@ -114,14 +127,14 @@ def _drawings(debrief: DebriefData) -> Markup:
     """Return the time line, the charts and the track."""
     ground, beside = ground_of(debrief), runs_beside(debrief)
     drawn = [draw_timeline(debrief, ground)]
-    drawn += [draw(chart, ground) for chart in charts_of(debrief.trajectory, beside)]
+    drawn += [draw_chart(chart, ground) for chart in charts_of(debrief.trajectory, beside)]
     return Markup().join(
         [sections.legend(debrief), charts([*drawn, draw_track(debrief, ground, beside)])]
     )
 
 
 @dataclass(frozen=True)
-class Asked:
+class DebriefRequest:
     """How a recording is to be debriefed."""
 
     branch: int | None = None  # None: the latest
@@ -131,7 +144,7 @@ class Asked:
 
 
 def debrief_file(
-    path: Path, html: Path | None, pdf: Path | None, asked: Asked, *, as_json: bool
+    path: Path, html: Path | None, pdf: Path | None, asked: DebriefRequest, *, as_json: bool
 ) -> None:
     """Write the page as HTML or PDF, and print where it is, or the figures.
 
@@ -141,7 +154,7 @@ def debrief_file(
         if wanted.exists() and path.exists() and wanted.samefile(path):
             raise ConfigError(f"{wanted} is the recording itself: give another name")
     if html is None and pdf is None and not as_json:
-        html = beside(path, asked.branch)
+        html = default_page_path(path, asked.branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
         debrief = read_compared(path, asked)
@@ -159,39 +172,41 @@ def debrief_file(
             print_pdf(printed, pdf)
         written.append(pdf)
     if as_json:
-        click.echo(json_text(figures(debrief), indent=1))
+        click.echo(json_text(debrief_figures(debrief), indent=1))
     else:
         click.echo("\n".join(map(str, written)))
 
 
 def read_dossier(path: Path, branch: int | None, width: str | None = None) -> DebriefData:
     """Return the dossier of a recording; ConfigError if it cannot be read."""
-    with reading(path) as recording:
-        return gather(recording, path, branch, width)
+    with open_whole_recording(path) as recording:
+        return gather_debrief(recording, path, branch, width)
 
 
-def read_compared(path: Path, asked: Asked) -> DebriefData:
+def read_compared(path: Path, asked: DebriefRequest) -> DebriefData:
     """Return the dossier of a recording beside the reference crew's run; ConfigError."""
-    with reading(path) as recording:
-        debrief = gather(recording, path, asked.branch, asked.width)
-        return compared(debrief, recording, asked.reference_from)
+    with open_whole_recording(path) as recording:
+        debrief = gather_debrief(recording, path, asked.branch, asked.width)
+        return compare_debrief(debrief, recording, asked.reference_from)
 
 
-def beside(path: Path, branch: int | None) -> Path:
+def default_page_path(path: Path, branch: int | None) -> Path:
     """Return where the page of a recording goes unless told otherwise."""
     return path.with_name(path.stem + ("" if branch is None else f".branch{branch}") + ".html")
 
 
-def change_marks(path: Path, asked: Asked, texts: Sequence[str], back: Sequence[str]) -> None:
+def change_marks(
+    path: Path, asked: DebriefRequest, texts: Sequence[str], back: Sequence[str]
+) -> None:
     """Keep changes of marks, having taken others back; ConfigError, nothing changed, on any."""
     if not (texts or back):
         return
-    with reading(path) as recording:
+    with open_whole_recording(path) as recording:
         plan, branches = plan_of(recording.header()), recording.branches()
     branch = find_branch(branches, path, asked.branch).id
     changes = read_changes(path)
     for name in back:
-        changes = without(changes, name, branch)
+        changes = without_changes(changes, name, branch)
     write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
 
 
@@ -201,7 +216,7 @@ def _refuse_other(html: Path) -> None:
         return
     try:
         with html.open(encoding="utf-8", errors="replace") as file:
-            ours = BADGE in file.read(HEAD)
+            ours = PAGE_BADGE in file.read(BADGE_SEARCH_CHARS)
     except OSError:
         ours = False
     if not ours:
@@ -211,7 +226,9 @@ def _refuse_other(html: Path) -> None:
 # The track from above: the boat's, the reference crew's, those of the ships that were met
 
 
-def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] = ()) -> Markup:
+def draw_track(
+    debrief: DebriefData, ground: ChartGround, beside: tuple[RunBeside, ...] = ()
+) -> Markup:
     """Return the track from above as an SVG element, north up, equal scales both ways."""
     column = debrief.trajectory.columns
     good = np.isfinite(column["x"]) & np.isfinite(column["y"])
@@ -226,10 +243,13 @@ def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] 
         np.concatenate([north, *(way[1] for way in shown)]),
     )
     x, y = across.places(east), up.places(north)
-    parts = [text("title", SIDE, 16.0, "Track [m], north up")]
+    parts = [text("title", TRACK_SIDE_PX, 16.0, "Track [m], north up")]
     for run, way in zip(beside, others, strict=True):
         parts.append(_path(run.style, across.places(way[0]), up.places(way[1])))
-    step = next((s for s in EVERY if seconds[-1] / s <= TICKED), EVERY[-1])
+    step = next(
+        (s for s in TIME_MARK_PERIODS_S if seconds[-1] / s <= MAX_TIME_MARKS),
+        TIME_MARK_PERIODS_S[-1],
+    )
     for ship in ships:
         parts += _ship(ship, axes, step)
     parts += _approaches(debrief, axes)
@@ -242,14 +262,16 @@ def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] 
         place = int(np.searchsorted(seconds, second))
         parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
         parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
-    return svg("The track from above", (WIDTH, TALL), [*parts, *_rule_of(across)])
+    return svg_element(
+        "The track from above", (CHART_WIDTH_PX, MAX_TRACK_HEIGHT_PX), [*parts, *_rule_of(across)]
+    )
 
 
 def _near(ship: ShipWay, debrief: DebriefData) -> tuple[Numbers, Numbers]:
     """Return the places of a ship, east and north [m], at which it was near the boat."""
     column = debrief.trajectory.columns
     off = np.hypot(ship.north - column["x"][ship.rows], ship.east - column["y"][ship.rows])
-    near = off < CLOSE
+    near = off < CLOSE_RANGE_M
     return ship.east[near], ship.north[near]
 
 
@@ -257,13 +279,18 @@ def _ship(ship: ShipWay, axes: tuple[Axis, Axis], step: float) -> Iterator[str]:
     """Yield the way of a ship as far as the map goes, its name, and its marks of time."""
     across, up = axes
     x, y = across.places(ship.east), up.places(ship.north)
-    inside = (x > SIDE) & (x < WIDTH - SIDE) & (y > ABOVE) & (y < TALL - BELOW)
-    for first, after in stretches(inside):
+    inside = (
+        (x > TRACK_SIDE_PX)
+        & (x < CHART_WIDTH_PX - TRACK_SIDE_PX)
+        & (y > TRACK_ABOVE_PX)
+        & (y < MAX_TRACK_HEIGHT_PX - TRACK_BELOW_PX)
+    )
+    for first, after in row_stretches(inside):
         yield _path("ship", x[first:after], y[first:after])
     if not inside.any():
         return
     last = int(np.flatnonzero(inside)[-1])
-    side = "ship-name end" if x[last] > 0.8 * WIDTH else "ship-name"
+    side = "ship-name end" if x[last] > 0.8 * CHART_WIDTH_PX else "ship-name"
     yield text(side, x[last] + (-6.0 if "end" in side else 6.0), y[last] + 12.0, ship.name)
     for second in np.arange(0.0, float(ship.seconds[-1]) + 1e-9, step):
         place = int(np.argmin(np.abs(ship.seconds - second)))
@@ -276,10 +303,10 @@ def _approaches(debrief: DebriefData, axes: tuple[Axis, Axis]) -> Iterator[str]:
     """Yield a line from the boat to each ship where it was nearest, within the map."""
     across, up = axes
     column = debrief.trajectory.columns
-    for name, (apart, tick) in meet(debrief.trajectory).closest.items():
+    for name, (apart, tick) in meet_ships(debrief.trajectory).closest.items():
         row = debrief.trajectory.row(tick)
         ship = place_of_ship(debrief.trajectory, name, tick)
-        if ship is None or apart > CLOSE:
+        if ship is None or apart > CLOSE_RANGE_M:
             continue
         own = across.at(float(column["y"][row])), up.at(float(column["x"][row]))
         there = across.at(ship[1]), up.at(ship[0])
@@ -288,7 +315,7 @@ def _approaches(debrief: DebriefData, axes: tuple[Axis, Axis]) -> Iterator[str]:
         yield text("tick middle", *middle, f"{apart:.0f} m")
 
 
-def _way_of(run: Beside, end: float) -> tuple[Numbers, Numbers]:
+def _way_of(run: RunBeside, end: float) -> tuple[Numbers, Numbers]:
     """Return the way of another run up to a time [s]: east and north [m]."""
     column = run.trajectory.columns
     good = np.isfinite(column["x"]) & np.isfinite(column["y"])
@@ -298,21 +325,29 @@ def _way_of(run: Beside, end: float) -> tuple[Numbers, Numbers]:
 
 def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
     """Return axes of one scale about the whole track: a turning circle is round."""
-    wide, high = WIDTH - 2.0 * SIDE, TALL - ABOVE - BELOW
+    wide, high = (
+        CHART_WIDTH_PX - 2.0 * TRACK_SIDE_PX,
+        MAX_TRACK_HEIGHT_PX - TRACK_ABOVE_PX - TRACK_BELOW_PX,
+    )
     metres = 1.12 * max(float(np.ptp(east)) / wide, float(np.ptp(north)) / high)
-    metres = max(metres, LEAST / min(wide, high))
+    metres = max(metres, MIN_TRACK_WIDTH_M / min(wide, high))
     middle_e = 0.5 * (float(east.min()) + float(east.max()))
     middle_n = 0.5 * (float(north.min()) + float(north.max()))
     half_e, half_n = 0.5 * metres * wide, 0.5 * metres * high
     return (
-        Axis(middle_e - half_e, middle_e + half_e, SIDE, WIDTH - SIDE),
-        Axis(middle_n - half_n, middle_n + half_n, TALL - BELOW, ABOVE),
+        Axis(middle_e - half_e, middle_e + half_e, TRACK_SIDE_PX, CHART_WIDTH_PX - TRACK_SIDE_PX),
+        Axis(
+            middle_n - half_n,
+            middle_n + half_n,
+            MAX_TRACK_HEIGHT_PX - TRACK_BELOW_PX,
+            TRACK_ABOVE_PX,
+        ),
     )
 
 
 def _path(style: str, x: Numbers, y: Numbers) -> str:
     """Return a line through places [px], about one point in so many as can be told apart."""
-    every = max(x.size // TRACKED, 1)
+    every = max(x.size // MAX_TRACK_POINTS, 1)
     rows = [*range(0, x.size, every), x.size - 1]
     told = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
     return f'<path class="line {style}" d="M{told}"/>'
@@ -321,10 +356,10 @@ def _path(style: str, x: Numbers, y: Numbers) -> str:
 def _rule_of(across: Axis) -> Iterator[str]:
     """Yield a rule of a round length, with that length."""
     pixels = (across.end - across.begin) / (across.high - across.low)  # [px/m]
-    length = step_of(SCALE * WIDTH / pixels, 1)
-    length = length if length * pixels <= 2.0 * SCALE * WIDTH else 0.5 * length
-    bottom = TALL - 10.0
-    yield rule("axis", SIDE, bottom, SIDE + length * pixels, bottom)
-    for end in (SIDE, SIDE + length * pixels):
+    length = step_of(MAX_RULE_SHARE * CHART_WIDTH_PX / pixels, 1)
+    length = length if length * pixels <= 2.0 * MAX_RULE_SHARE * CHART_WIDTH_PX else 0.5 * length
+    bottom = MAX_TRACK_HEIGHT_PX - 10.0
+    yield rule("axis", TRACK_SIDE_PX, bottom, TRACK_SIDE_PX + length * pixels, bottom)
+    for end in (TRACK_SIDE_PX, TRACK_SIDE_PX + length * pixels):
         yield rule("axis", end, bottom - 4.0, end, bottom + 4.0)
-    yield text("tick", SIDE + length * pixels + 8.0, bottom + 4.0, f"{length:g} m")
+    yield text("tick", TRACK_SIDE_PX + length * pixels + 8.0, bottom + 4.0, f"{length:g} m")

@@ -1,8 +1,8 @@
 """The reference crew's run beside a recorded one: same exercise, same seed, its rules.
 
-The band about it, of a task: what the quantity of the task was in the reference run, up to
-the time earlier and later that the task allows, and so far off as the task allows. A run leaves
-the band for good where it stays outside for FOR_GOOD, or to the end of what the task looks at.
+The band about it, of a task: what the quantity of the task was in the reference run, up to the time
+earlier and later that the task allows, and so far off as the task allows. A run leaves the band for
+good where it stays outside for LASTING_TIME_S, or to the end of what the task looks at.
 """
 
 import math
@@ -12,26 +12,33 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.condition import ANGLE
-from trainer.config.score_rules import COURSE, Rule
+from trainer.config.condition import ANGLE_UNITS
+from trainer.config.score_rules import COURSE_QUANTITY, ScoreRule
 from trainer.core.kernel import Numbers
-from trainer.debrief.episodes import INSTRUCTOR, KEPT, crew_orders, first_spell
-from trainer.debrief.judgement import judge, share_of, widened, worth
-from trainer.debrief.rehearsal import Departure, Rehearsal, fly, last_tick
-from trainer.debrief.scoring import Scorecard, Scored, looked_at
-from trainer.debrief.trajectory import Rows, Trajectory, stretches
+from trainer.debrief.episodes import INSTRUCTOR_ROLE, KEPT_TOLERANCES, crew_orders, first_spell
+from trainer.debrief.judgement import judge_run, marks_given, share_of, widen_rules
+from trainer.debrief.rehearsal import Departure, Rehearsal, fly_rehearsal, last_tick
+from trainer.debrief.scoring import RuleScore, Scorecard, looked_at
+from trainer.debrief.trajectory import RowMask, Trajectory, row_stretches
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.session.plan import Plan
 
-LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
-FOR_GOOD: Final = 20.0  # [s] outside
-LEEWAY: Final = 10.0  # [s] earlier or later at least
-MUCH: Final = 0.33  # [-] of the dearest fault, from which an earlier one is told
-TIMED: Final = ("reach", "time-to")  # measures whose value is a time
-EXTREMES: Final = ("highest", "lowest", "largest", "overshoot")  # over when they are attained
-ABOUT: Final = "the band about the reference run was"
-INSTRUCTOR_ALONE: Final = Giver(GiverKind.STATION, INSTRUCTOR, INSTRUCTOR)
-LOST: Final = 10.0  # [%] of a task's marks less than the reference crew's: it went wrong
+MAX_REFERENCE_TICKS: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
+LASTING_TIME_S: Final = 20.0  # [s] outside
+TIME_LEEWAY_S: Final = 10.0  # [s] earlier or later at least
+DEAR_FAULT_SHARE: Final = 0.33  # [-] of the dearest fault, from which an earlier one is told
+TIME_MEASURES: Final = ("reach", "time-to")  # measures whose value is a time
+EXTREME_MEASURES: Final = (
+    "highest",
+    "lowest",
+    "largest",
+    "overshoot",
+)  # over when they are attained
+REFERENCE_BAND_WORDS: Final = "the band about the reference run was"
+INSTRUCTOR_GIVER: Final = Giver(GiverKind.STATION, INSTRUCTOR_ROLE, INSTRUCTOR_ROLE)
+LOST_TASK_PERCENT: Final = (
+    10.0  # [%] of a task's marks less than the reference crew's: it went wrong
+)
 
 
 @dataclass(frozen=True)
@@ -60,25 +67,25 @@ class Fault:
 
 def can_fly(plan: Plan) -> bool:
     """Return whether an exercise has an end that can be flown to while somebody waits."""
-    return plan.duration is not None and last_tick(plan) <= LONGEST
+    return plan.duration is not None and last_tick(plan) <= MAX_REFERENCE_TICKS
 
 
 def fly_reference(plan: Plan, card: Scorecard, width: str) -> Reference | None:
     """Return the run of the exercise's reference crew at the plan's seed. None: no crew."""
     if not plan.crew.rules or not can_fly(plan):
         return None
-    rehearsal = fly(plan.alone(), plan.crew)
-    return Reference(rehearsal, judge(rehearsal.trajectory, plan, nobody_of(card), width))
+    rehearsal = fly_rehearsal(plan.alone(), plan.crew)
+    return Reference(rehearsal, judge_run(rehearsal.trajectory, plan, nobody_of(card), width))
 
 
 def fly_from(
     trajectory: Trajectory, plan: Plan, departure: Departure, card: Scorecard, width: str
 ) -> Reference:
     """Return the reference crew's run from a recorded moment, judged with its past."""
-    rehearsal = fly(plan.alone(), plan.crew, since=departure)
-    whole = joined(trajectory, rehearsal.trajectory)
+    rehearsal = fly_rehearsal(plan.alone(), plan.crew, since=departure)
+    whole = join_runs(trajectory, rehearsal.trajectory)
     seconds = departure.moment.tick * plan.method.step
-    return Reference(rehearsal, judge(whole, plan, nobody_of(card), width), seconds)
+    return Reference(rehearsal, judge_run(whole, plan, nobody_of(card), width), seconds)
 
 
 def nobody_of(card: Scorecard) -> dict[str, float]:
@@ -86,14 +93,14 @@ def nobody_of(card: Scorecard) -> dict[str, float]:
     return {each.name: each.nobody or 0.0 for each in card.scores}
 
 
-def joined(before: Trajectory, after: Trajectory) -> Trajectory:
+def join_runs(before: Trajectory, after: Trajectory) -> Trajectory:
     """Return a run up to where another begins, and that other."""
     rows = before.ticks < after.ticks[0]
-    by_instructor = all(each.giver.role == INSTRUCTOR for each in crew_orders(before))
+    by_instructor = all(each.giver.role == INSTRUCTOR_ROLE for each in crew_orders(before))
     orders = [each for each in before.orders if each.tick < after.ticks[0]]
     alone = bool(orders) and by_instructor  # then the instructor is the crew
     taken = tuple(
-        replace(each, giver=INSTRUCTOR_ALONE) if alone and each.place is None else each
+        replace(each, giver=INSTRUCTOR_GIVER) if alone and each.place is None else each
         for each in after.orders
     )
     return replace(
@@ -118,34 +125,35 @@ def first_fault(
 ) -> Fault | None:
     """Return the first moment at which a dear task went wrong, None if none did.
 
-    A task costs much from MUCH of what the dearest of them cost.
+    A task costs much from DEAR_FAULT_SHARE of what the dearest of them cost.
     """
-    rules = widened(plan.scores, width)
+    rules = widen_rules(plan.scores, width)
     found = list(_faults(trajectory, rules, card, reference))
     lost = {
-        each.name: share_of(each, card) * (100.0 - (worth(each) or 0.0)) for each in card.scores
+        each.name: share_of(each, card) * (100.0 - (marks_given(each) or 0.0))
+        for each in card.scores
     }
     dearest = max((lost[fault.score] for fault in found), default=0.0)
-    dear = (fault for fault in found if lost[fault.score] >= MUCH * dearest)
+    dear = (fault for fault in found if lost[fault.score] >= DEAR_FAULT_SHARE * dearest)
     return min(dear, key=lambda fault: fault.tick, default=None)
 
 
-def behind(card: Scorecard, reference: Scorecard) -> tuple[str, ...]:
-    """Return the tasks and answers that are worth LOST less than the reference crew's."""
-    best = {each.name: worth(each) or 0.0 for each in reference.scores}
+def tasks_behind(card: Scorecard, reference: Scorecard) -> tuple[str, ...]:
+    """Return the tasks and answers that are worth much less than the reference crew's."""
+    best = {each.name: marks_given(each) or 0.0 for each in reference.scores}
     return tuple(
         each.name
         for each in card.scores
         if each.rule.part != "keeping" and each.marks is not None
-        if best.get(each.name, 0.0) - (worth(each) or 0.0) >= LOST
+        if best.get(each.name, 0.0) - (marks_given(each) or 0.0) >= LOST_TASK_PERCENT
     )
 
 
 def _faults(
-    trajectory: Trajectory, rules: tuple[Rule, ...], card: Scorecard, reference: Reference
+    trajectory: Trajectory, rules: tuple[ScoreRule, ...], card: Scorecard, reference: Reference
 ) -> Iterator[Fault]:
     own = {each.name: each for each in card.scores}
-    worse = behind(card, reference.card)
+    worse = tasks_behind(card, reference.card)
     ours = {each.name: each for each in reference.card.scores}
     for rule in rules:
         if rule.score.name not in worse:
@@ -160,7 +168,9 @@ def _faults(
             yield fault
 
 
-def _late_answer(trajectory: Trajectory, rule: Rule, mine: Scored, best: Scored) -> Fault | None:
+def _late_answer(
+    trajectory: Trajectory, rule: ScoreRule, mine: RuleScore, best: RuleScore
+) -> Fault | None:
     """Return the moment until which an answer earns all, if it had not come by then."""
     episode = first_spell(trajectory, rule.casualty)
     allowed = max(rule.score.full, best.attained.value or 0.0)
@@ -175,7 +185,10 @@ def _late_answer(trajectory: Trajectory, rule: Rule, mine: Scored, best: Scored)
 
 
 def _departure(
-    trajectory: Trajectory, rule: Rule, both: tuple[Scored, Scored], reference: Trajectory
+    trajectory: Trajectory,
+    rule: ScoreRule,
+    both: tuple[RuleScore, RuleScore],
+    reference: Trajectory,
 ) -> Fault | None:
     """Return where the quantity of a task leaves the band about the reference run for good."""
     mine, best = both
@@ -184,7 +197,7 @@ def _departure(
     rows = looked_at(trajectory, rule)
     if rows is None:
         return None
-    if rule.score.measure in EXTREMES and mine.attained.tick is not None:
+    if rule.score.measure in EXTREME_MEASURES and mine.attained.tick is not None:
         rows &= trajectory.ticks <= mine.attained.tick
     if not rows.any():
         return None
@@ -195,8 +208,8 @@ def _departure(
     row = next(
         (
             first
-            for first, after in stretches(outside)
-            if after > last or seconds[after - 1] - seconds[first] >= FOR_GOOD
+            for first, after in row_stretches(outside)
+            if after > last or seconds[after - 1] - seconds[first] >= LASTING_TIME_S
         ),
         None,
     )
@@ -206,7 +219,7 @@ def _departure(
     return Fault(int(trajectory.ticks[row]), rule.score.name, rule.measured.name, told)
 
 
-def band_of(rule: Rule, best: Scored) -> tuple[float, float]:
+def band_of(rule: ScoreRule, best: RuleScore) -> tuple[float, float]:
     """Return what a task allows: so early or late [s], and so far off.
 
     That is its band in the quantity's unit, and what full marks leave beyond the reference's.
@@ -214,27 +227,27 @@ def band_of(rule: Rule, best: Scored) -> tuple[float, float]:
     score, measured = rule.score, rule.measured
     assert measured  # noqa: S101 (asked for by who calls)
     allowed = 0.0 if best.attained.value is None else abs(score.full - best.attained.value)
-    usual = KEPT.get(measured.name)
+    usual = KEPT_TOLERANCES.get(measured.name)
     usual = 0.25 * abs(score.zero - score.full) if usual is None else usual / measured.size
     off = usual if score.band is None else score.band
-    if score.measure in TIMED:
-        return max(allowed, LEEWAY), off
-    return LEEWAY, off + (allowed if score.measure in EXTREMES else 0.0)
+    if score.measure in TIME_MEASURES:
+        return max(allowed, TIME_LEEWAY_S), off
+    return TIME_LEEWAY_S, off + (allowed if score.measure in EXTREME_MEASURES else 0.0)
 
 
 def limits_about(
-    reference: Trajectory, trajectory: Trajectory, rule: Rule, best: Scored
+    reference: Trajectory, trajectory: Trajectory, rule: ScoreRule, best: RuleScore
 ) -> tuple[Numbers, Numbers]:
     """Return the least and the greatest value within the band, at each tick."""
     assert rule.measured  # noqa: S101
     values, (early, off) = reference.measured(rule.measured), band_of(rule, best)
     most = min(round(early / reference.boat.method.step), values.size)
     rows = np.minimum(np.searchsorted(reference.ticks, trajectory.ticks), values.size - 1)
-    low, high = (extremes(values, most, choose)[rows] for choose in (np.minimum, np.maximum))
+    low, high = (window_extremes(values, most, choose)[rows] for choose in (np.minimum, np.maximum))
     return low - off, high + off
 
 
-def extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:
+def window_extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:
     """Return the least or greatest value of the rows up to ``most`` around each."""
     found = np.pad(values, most, mode="edge")
     width, span = 2 * most + 1, 1
@@ -245,37 +258,40 @@ def extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numb
     return choose(found[: values.size], found[rest : rest + values.size])
 
 
-def _within(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
+def _within(value: Numbers, low: Numbers, high: Numbers, rule: ScoreRule) -> RowMask:
     """Return where a value is within limits, of a course whichever way round it went."""
     assert rule.measured  # noqa: S101
     round_about = math.tau / rule.measured.size
-    turns = (-round_about, 0.0, round_about) if rule.measured.name == COURSE else (0.0,)
+    turns = (-round_about, 0.0, round_about) if rule.measured.name == COURSE_QUANTITY else (0.0,)
     inside = [(low <= value + turn) & (value + turn <= high) for turn in turns]
-    within: Rows = np.any(inside, axis=0)
+    within: RowMask = np.any(inside, axis=0)
     return within
 
 
-def _better(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
+def _better(value: Numbers, low: Numbers, high: Numbers, rule: ScoreRule) -> RowMask:
     """Return where a value is nearer to what is asked for than the band about the reference."""
     assert rule.measured  # noqa: S101
     score = rule.score
-    if score.target is not None and rule.measured.name != COURSE:
+    if score.target is not None and rule.measured.name != COURSE_QUANTITY:
         edge = np.clip(score.target, low, high)
-        nearer: Rows = np.abs(value - score.target) < np.abs(edge - score.target)
+        nearer: RowMask = np.abs(value - score.target) < np.abs(edge - score.target)
         return nearer
     if score.measure in ("highest", "lowest") and score.target is None:
         return value < low if score.full < score.zero else value > high
     return np.zeros(value.size, bool)
 
 
-def _told(rule: Rule, value: float, limits: tuple[float, float]) -> str:
+def _told(rule: ScoreRule, value: float, limits: tuple[float, float]) -> str:
     """Return a departure in words."""
     assert rule.measured  # noqa: S101
     name, unit = rule.measured.name, rule.measured.unit
-    if name == COURSE:
+    if name == COURSE_QUANTITY:
         told = (
-            round(angle * rule.measured.size / ANGLE["deg"]) % 360 for angle in (value, *limits)
+            round(angle * rule.measured.size / ANGLE_UNITS["deg"]) % 360
+            for angle in (value, *limits)
         )
-        return "course {:03d}; {} {:03d} to {:03d}".format(next(told), ABOUT, *told)
+        return "course {:03d}; {} {:03d} to {:03d}".format(next(told), REFERENCE_BAND_WORDS, *told)
     low, high = limits
-    return f"{rule.measured} {value:.2f} {unit}; {ABOUT} {low:.2f} to {high:.2f} {unit}"
+    return (
+        f"{rule.measured} {value:.2f} {unit}; {REFERENCE_BAND_WORDS} {low:.2f} to {high:.2f} {unit}"
+    )

@@ -13,27 +13,27 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import ordered_fact
 from trainer.boat.depths import collapse_of
-from trainer.boat.helm import obey
-from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
+from trainer.boat.helm import obey_order
+from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew
 from trainer.boat.world.encounters import EncounterMonitor
-from trainer.config.reference_crew import MARK, Crew
-from trainer.debrief.ships_met import LOOKOUT
-from trainer.debrief.trajectory import COLUMNS, Trajectory
+from trainer.config.reference_crew import MARK_ORDER, Crew
+from trainer.debrief.ships_met import LOOKOUT_ROLE
+from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.facts import (
     NO_CREW_FACT,
-    REFERENCE_CREW,
-    SCHEDULE,
+    REFERENCE_GIVER,
+    SCHEDULE_GIVER,
     CrewFact,
     Giver,
 )
-from trainer.io.recording.queries import Journalled, Moment, Noted
+from trainer.io.recording.queries import Moment, RecordedEvent, RecordedOrder
 from trainer.session.layout import LAYOUT, read_state
 from trainer.session.plan import Plan
 from trainer.session.world_orders import WorldOrders
 
-PLACED: Final = np.array([LAYOUT.index(name) for name in COLUMNS])
+COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS])
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Rehearsal:
     times: Mapping[int, float]  # [s] when each of the crew's rules was last carried out, by place
 
     @property
-    def refused(self) -> tuple[Journalled, ...]:
+    def refused(self) -> tuple[RecordedOrder, ...]:
         """Return the orders that the boat refused."""
         return tuple(each for each in self.trajectory.orders if each.accepted is False)
 
@@ -61,10 +61,10 @@ class Departure:
     to_world: WorldOrders = ()  # orders before it
 
 
-def fly(
+def fly_rehearsal(
     plan: Plan,
     crew: Crew | None = None,
-    reaction: Reaction | None = None,
+    reaction: CrewReaction | None = None,
     since: Departure | None = None,
 ) -> Rehearsal:
     """Return the exercise flown to its end, from a recorded moment if there is one.
@@ -81,21 +81,21 @@ def fly(
     aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
     if aboard is not None and since is not None:
         aboard.take_over(since.given)
-    rows, lost, watch = [numbers[PLACED]], "", EncounterMonitor.over(boat)
+    rows, lost, watch = [numbers[COLUMN_PLACES]], "", EncounterMonitor.over(boat)
     with np.errstate(all="ignore"):
         for places in due_orders(plan, first, place):
             for entry in places:
                 order = plan.schedule[entry].order
                 if order.name in BOAT_ORDERS:  # what is said to people moves nothing
-                    answer = obey(boat, order)
+                    answer = obey_order(boat, order)
                     fact = ordered_fact(boat, order)
-                    journal.write(SCHEDULE, order.text, answer, entry, fact)
+                    journal.write(SCHEDULE_GIVER, order.text, answer, entry, fact)
             if aboard is not None:
                 journal.note(aboard.look())
             status = boat.tick()
             lost = boat.failure(status) if status else collapse_of(boat) or watch.ended_by(boat)
             if not status:
-                rows.append(numbers[PLACED])
+                rows.append(numbers[COLUMN_PLACES])
             if lost:
                 break
     columns = np.array(rows).T
@@ -104,7 +104,7 @@ def fly(
         limits=plan.limits,
         orders=tuple(journal.entries),
         ticks=np.arange(first, first + len(rows), dtype=np.int64),
-        columns=dict(zip(COLUMNS, columns, strict=True)),
+        columns=dict(zip(PASSAGE_COLUMNS, columns, strict=True)),
         lateness=np.full(len(rows), np.nan),
         work=np.full(len(rows), np.nan),
         marks=tuple(journal.marks),
@@ -138,21 +138,23 @@ class Journal:
     def __init__(self, boat: Boat) -> None:
         """Begin an empty one."""
         self.boat = boat
-        self.entries: list[Journalled] = []
-        self.marks: list[Noted] = []
+        self.entries: list[RecordedOrder] = []
+        self.marks: list[RecordedEvent] = []
         self.rules: dict[int, float] = {}  # [s] when each was last carried out
 
-    def note(self, given: list[Given]) -> None:
+    def note(self, given: list[GivenOrder]) -> None:
         """Note what the crew has ordered and marked."""
         for each in given:
             if each.rule is not None:
                 self.rules[each.rule] = self.boat.time
             order = parse(each.text)
-            if isinstance(order, Order) and order.name == MARK:  # no order of the boat's
-                noted = Noted(1, self.boat.ticks, MARK, LOOKOUT, order.subject, "", LOOKOUT)
+            if isinstance(order, Order) and order.name == MARK_ORDER:  # no order of the boat's
+                noted = RecordedEvent(
+                    1, self.boat.ticks, MARK_ORDER, LOOKOUT_ROLE, order.subject, "", LOOKOUT_ROLE
+                )
                 self.marks.append(noted)
             else:
-                self.write(REFERENCE_CREW, each.text, each.reply)
+                self.write(REFERENCE_GIVER, each.text, each.reply)
 
     def write(
         self,
@@ -166,7 +168,7 @@ class Journal:
         refused = isinstance(reply, Refused)
         answer = reply.reason if isinstance(reply, Refused) else reply
         number = len(self.entries) + 1
-        entry = Journalled(
+        entry = RecordedOrder(
             *(number, 1, self.boat.ticks, giver, text, place, not refused, answer),
             crew=NO_CREW_FACT if refused else fact,
         )

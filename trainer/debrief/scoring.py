@@ -6,24 +6,35 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.score_rules import ITS_OWN, MEASURES, TIMELESS, WINDOW, Rule
+from trainer.config.score_rules import (
+    OWN_UNIT,
+    SCORE_MEASURES,
+    TIMELESS_MEASURES,
+    WINDOW_KEYS,
+    ScoreRule,
+)
 from trainer.debrief import measures
 from trainer.debrief.episodes import first_spell
-from trainer.debrief.measures import Attained
-from trainer.debrief.trajectory import Rows, Trajectory, lacks
+from trainer.debrief.measures import Measurement
+from trainer.debrief.trajectory import RowMask, Trajectory, missing_quantities
 
-TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {  # by their names
-    name: getattr(measures, name.replace("-", "_")) for name in MEASURES
+MEASURE_FUNCTIONS: Final[
+    Mapping[str, Callable[[Trajectory, RowMask, ScoreRule], Measurement]]
+] = {  # by their names
+    name: getattr(measures, name.replace("-", "_")) for name in SCORE_MEASURES
 }
-WHOLE: Final = {"activity": "stern and bow planes", "reserve-air": "all banks"}  # no quantity named
+DEFAULT_SUBJECTS: Final = {
+    "activity": "stern and bow planes",
+    "reserve-air": "all banks",
+}  # no quantity named
 
 
-def formula_of(rule: Rule) -> str:
+def formula_of(rule: ScoreRule) -> str:
     """Return how the value of a rule is found, in words."""
-    score, measure = rule.score, MEASURES[rule.score.measure]
+    score, measure = rule.score, SCORE_MEASURES[rule.score.measure]
     unit = rule.measured.unit if rule.measured else ""
     words = {
-        "q": str(rule.measured or WHOLE.get(score.measure, "")),
+        "q": str(rule.measured or DEFAULT_SUBJECTS.get(score.measure, "")),
         "t": "what is ordered" if score.target is None else f"{score.target:g} {unit}",
         "b": f"{score.band:g} {unit}" if score.band is not None else "",
         "by": f" by {score.band:g} {unit}" if score.band is not None else "",
@@ -34,7 +45,7 @@ def formula_of(rule: Rule) -> str:
     return measure.formula.format(**words) + _window(rule)
 
 
-def _window(rule: Rule) -> str:
+def _window(rule: ScoreRule) -> str:
     """Return which moments are looked at, in words, '' for all."""
     score = rule.score
     parts = [
@@ -48,10 +59,10 @@ def _window(rule: Rule) -> str:
     return told and f", {told}"
 
 
-def unit_of(rule: Rule) -> str:
+def unit_of(rule: ScoreRule) -> str:
     """Return the unit of a rule's value."""
-    unit = MEASURES[rule.score.measure].unit
-    return unit if unit != ITS_OWN or rule.measured is None else rule.measured.unit
+    unit = SCORE_MEASURES[rule.score.measure].unit
+    return unit if unit != OWN_UNIT or rule.measured is None else rule.measured.unit
 
 
 def measure_rows() -> str:
@@ -62,8 +73,8 @@ def measure_rows() -> str:
     ]
     spoken = {"q": "quantity", "t": "target", "b": "band", "by": " by band", "c": "casualty"}
     spoken["f"] = ", or its distance from target"
-    for name, measure in MEASURES.items():
-        timed = () if name in TIMELESS else WINDOW
+    for name, measure in SCORE_MEASURES.items():
+        timed = () if name in TIMELESS_MEASURES else WINDOW_KEYS
         cells = (
             f"`{name}`",
             measure.unit or "the quantity's",
@@ -77,11 +88,11 @@ def measure_rows() -> str:
 
 
 @dataclass(frozen=True)
-class Scored:
+class RuleScore:
     """How a rule was met."""
 
-    rule: Rule
-    attained: Attained
+    rule: ScoreRule
+    attained: Measurement
     unit: str
     formula: str
     marks: float | None  # [%] None: it does not count
@@ -112,25 +123,25 @@ class Verdict:
 class Scorecard:
     """All rules of an exercise, and the marks of what counts; None if nothing does."""
 
-    scores: tuple[Scored, ...]
+    scores: tuple[RuleScore, ...]
     total: float | None  # [%]
     verdict: Verdict | None = None  # of an exercise whose marks are those of tasks
 
 
-def score(trajectory: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
+def score_rules(trajectory: Trajectory, rules: tuple[ScoreRule, ...]) -> Scorecard:
     """Return how each rule was met, and the marks of all, each by its weight."""
     scores = []
     for rule in rules:
-        attained = attain(trajectory, rule)
+        attained = take_measure(trajectory, rule)
         marks = marks_of(rule, attained.value) if attained.counts else None
-        scores.append(Scored(rule, attained, unit_of(rule), formula_of(rule), marks))
+        scores.append(RuleScore(rule, attained, unit_of(rule), formula_of(rule), marks))
     counted = [each for each in scores if each.marks is not None]
     weight = sum(each.rule.weight for each in counted)
     earned = sum(each.rule.weight * (each.marks or 0.0) for each in counted)
     return Scorecard(tuple(scores), earned / weight if weight else None)
 
 
-def looked_at(trajectory: Trajectory, rule: Rule) -> Rows | None:
+def looked_at(trajectory: Trajectory, rule: ScoreRule) -> RowMask | None:
     """Return the ticks that a rule looks at, whatever its conditions.
 
     None: what they count from did not happen.
@@ -145,24 +156,24 @@ def looked_at(trajectory: Trajectory, rule: Rule) -> Rows | None:
     return trajectory.between(begin, end)
 
 
-def attain(trajectory: Trajectory, rule: Rule) -> Attained:
+def take_measure(trajectory: Trajectory, rule: ScoreRule) -> Measurement:
     """Return what the measure of a rule has come to in a passage."""
-    if lacking := lacks(trajectory.boat, rule):
-        return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)
+    if lacking := missing_quantities(trajectory.boat, rule):
+        return Measurement(None, None, f"this boat has no {lacking[0]}", counts=False)
     rows = looked_at(trajectory, rule)
     if rows is None:
-        return Attained(None, None, "it did not happen", counts=False)
+        return Measurement(None, None, "it did not happen", counts=False)
     if not np.any(rows):
         told = f"the record ends at {trajectory.seconds[-1]:g} s"
-        return Attained(None, None, told, counts=False, beyond_record=True)
+        return Measurement(None, None, told, counts=False, beyond_record=True)
     for condition in rule.conditions:
         rows &= trajectory.holds(condition)
     if not np.any(rows):
-        return Attained(None, None, f"never {rule.score.when}")
-    return TAKE[rule.score.measure](trajectory, rows, rule)
+        return Measurement(None, None, f"never {rule.score.when}")
+    return MEASURE_FUNCTIONS[rule.score.measure](trajectory, rows, rule)
 
 
-def marks_of(rule: Rule, value: float | None) -> float:
+def marks_of(rule: ScoreRule, value: float | None) -> float:
     """Return the marks [%] of a value: in proportion between full and none. No value, none."""
     if value is None:
         return 0.0

@@ -7,36 +7,36 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.core.cache import same_core
-from trainer.debrief.changes import OUTCOME, WIDTH, Change
-from trainer.debrief.charts import WRONG, chart_of
-from trainer.debrief.data import Answered, Compared, DebriefData, deviation_of
+from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
+from trainer.debrief.charts import WRONG_MOMENT, chart_of
+from trainer.debrief.data import CasualtyAnswer, DebriefData, ReferenceComparison, deviation_of
 from trainer.debrief.episodes import ReadBack
-from trainer.debrief.reference import behind
-from trainer.debrief.scoring import Scorecard, Scored, Verdict
-from trainer.debrief.ships_met import Detection, look_out, meet
+from trainer.debrief.reference import tasks_behind
+from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
+from trainer.debrief.ships_met import Detection, look_out, meet_ships
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import Giver, GiverKind
-from trainer.io.recording.recording import Journalled
+from trainer.io.recording.recording import RecordedOrder
 from trainer.report.html import paragraph, table
 from trainer.report.svg import clock
 
-MOST: Final = 1000  # lines of the log, of marks, of branches
-JSON_HAS_ALL: Final = "trainer debrief --json has all"
-JOINED_WITHIN_S: Final = 1.0  # [s] from one press of a key to the next
-PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
-TOLD: Final = 4  # digits of a value that count
-TOLD_FROM: Final = 0.5  # [%] of a deviation
-SURE: Final = 2.8  # standard deviations between two runs
-AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
+MAX_TABLE_ROWS: Final = 1000  # lines of the log, of marks, of branches
+JSON_HINT: Final = "trainer debrief --json has all"
+JOINED_KEY_GAP_S: Final = 1.0  # [s] from one press of a key to the next
+EVENT_PLACE: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
+VALUE_DIGITS: Final = 4  # digits of a value that count
+MIN_SHOWN_DEVIATION: Final = 0.5  # [%] of a deviation
+SURE_DEVIATIONS: Final = 2.8  # standard deviations between two runs
+CREW_AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
 
 
-def number(value: float | None) -> str:
+def format_value(value: float | None) -> str:
     """Return a value as it is told, '-' for none."""
-    return "-" if value is None else f"{value:.{TOLD}g}"
+    return "-" if value is None else f"{value:.{VALUE_DIGITS}g}"
 
 
-def place(debrief: DebriefData, tick: int | None) -> str:
+def format_moment(debrief: DebriefData, tick: int | None) -> str:
     """Return a moment of the record as time and tick."""
     if tick is None:
         return "-"
@@ -58,7 +58,7 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
     """Yield the outcome with its reason, and the marks."""
     verdict, total, deviation = debrief.final.verdict, debrief.total, deviation_of(debrief)
     sure = f", \N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone" if deviation else ""
-    sure = sure if deviation and deviation >= TOLD_FROM else ""
+    sure = sure if deviation and deviation >= MIN_SHOWN_DEVIATION else ""
     marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, sure)
     if total is None:
         marks = Markup("no marks")
@@ -82,8 +82,8 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     counted = sum(each.marks is not None for each in card.scores)
     if counted < len(card.scores):
         yield f"{counted} of {len(card.scores)} rules count."
-    if (deviation := deviation_of(debrief)) and deviation >= TOLD_FROM:
-        yield f"Two runs differ for sure only beyond {SURE * deviation:.0f} marks."
+    if (deviation := deviation_of(debrief)) and deviation >= MIN_SHOWN_DEVIATION:
+        yield f"Two runs differ for sure only beyond {SURE_DEVIATIONS * deviation:.0f} marks."
     flown, planned = float(debrief.trajectory.seconds[-1]), debrief.plan.duration
     if planned is not None and flown < planned - debrief.step:
         yield f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
@@ -92,7 +92,7 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
 def by_hand(debrief: DebriefData) -> str:
     """Return what the crew worked, and what was automatic."""
     plan = debrief.plan
-    automatic = [axis for axis in AXES if axis not in plan.hand]
+    automatic = [axis for axis in CREW_AXES if axis not in plan.hand]
     told = f"By hand: {', '.join(plan.hand)}; automatic: {', '.join(automatic) or 'nothing'}"
     if plan.allowed:
         told += f"; allowed: {', '.join(plan.allowed)}"
@@ -132,14 +132,14 @@ def moment(debrief: DebriefData) -> Markup:
     chart = chart_of(fault.quantity)
     line = Markup('<p><b>{}</b>: {}. Task: {}. <a href="#{}-{}">Go there</a></p>')
     place = clock(fault.tick * debrief.step)
-    return line.format(place, fault.told, fault.score, WRONG, chart)
+    return line.format(place, fault.told, fault.score, WRONG_MOMENT, chart)
 
 
-def _no_moment(debrief: DebriefData, found: Compared) -> str:
+def _no_moment(debrief: DebriefData, found: ReferenceComparison) -> str:
     """Return why no moment is told."""
     if debrief.free:
         return "A free run is not compared."
-    worse = behind(debrief.card, found.reference.card)
+    worse = tasks_behind(debrief.card, found.reference.card)
     if worse:
         return f"No one moment: {', '.join(worse)} fell short without leaving a band for good."
     return "It did not: every task is about as well done as the reference crew's."
@@ -173,9 +173,9 @@ def changes(debrief: DebriefData) -> Markup:
 def _before(debrief: DebriefData, change: Change) -> str:
     """Return what a changed thing was before."""
     card = debrief.card
-    if change.name == OUTCOME:
+    if change.name == OUTCOME_NAME:
         return card.verdict.outcome if card.verdict else "-"
-    if change.name == WIDTH:
+    if change.name == WIDTH_NAME:
         return debrief.width
     weights = [each.rule.weight for each in card.scores if each.name == change.name]
     return f"weight {weights[0]:g}" if weights else "-"
@@ -205,9 +205,9 @@ def _read_back(debrief: DebriefData, i: int, each: ReadBack) -> tuple[str, ...]:
     after = "-" if said is None else f"{(said.tick - order.tick) * debrief.step:g} s"
     by = by_whom(order.giver)
     return (
-        *(f"O{i}", each.told, place(debrief, order.tick), by),
+        *(f"O{i}", each.told, format_moment(debrief, order.tick), by),
         *("not repeated" if said is None else said.who, after, ", ".join(each.wrong) or "-"),
-        place(debrief, each.carried_out),
+        format_moment(debrief, each.carried_out),
     )
 
 
@@ -225,7 +225,9 @@ def scores(debrief: DebriefData) -> Markup:
     return table(headings, rows, "scores")
 
 
-def _score(debrief: DebriefData, i: int, each: Scored, best: dict[str, Scored]) -> tuple[str, ...]:
+def _score(
+    debrief: DebriefData, i: int, each: RuleScore, best: dict[str, RuleScore]
+) -> tuple[str, ...]:
     score, attained = each.rule.score, each.attained
     value = attained.why if attained.value is None else value_of(each)
     marks = "not counted"
@@ -238,17 +240,25 @@ def _score(debrief: DebriefData, i: int, each: Scored, best: dict[str, Scored]) 
         earned = (nobody, f"{each.rule.part} " if each.earned is None else f"{each.earned:.0f}")
     beside = (value_of(best[each.name]) if each.name in best else "-",) if best else ()
     return (
-        *(f"S{i}", each.name, value, *beside, number(score.full), number(score.zero), marks),
+        *(
+            f"S{i}",
+            each.name,
+            value,
+            *beside,
+            format_value(score.full),
+            format_value(score.zero),
+            marks,
+        ),
         *earned,
-        *(f"{each.rule.weight:g}", place(debrief, attained.tick), each.formula),
+        *(f"{each.rule.weight:g}", format_moment(debrief, attained.tick), each.formula),
     )
 
 
-def value_of(each: Scored) -> str:
+def value_of(each: RuleScore) -> str:
     """Return the value of a score with its unit."""
     unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
     value = each.attained.value
-    return "-" if value is None else number(value) + unit
+    return "-" if value is None else format_value(value) + unit
 
 
 def casualties(debrief: DebriefData) -> Markup:
@@ -259,15 +269,17 @@ def casualties(debrief: DebriefData) -> Markup:
     return table(headings, rows, "")
 
 
-def _casualty(debrief: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
+def _casualty(debrief: DebriefData, i: int, each: CasualtyAnswer) -> tuple[str, ...]:
     episode, order, moved = each.episode, each.order, each.deflection
 
     def after(tick: int) -> str:
         return f"{(tick - episode.begun) * debrief.step:g} s"
 
     return (
-        *(f"C{i}", episode.kind, place(debrief, episode.begun)),
-        "at the end still there" if episode.ended is None else place(debrief, episode.ended),
+        *(f"C{i}", episode.kind, format_moment(debrief, episode.begun)),
+        "at the end still there"
+        if episode.ended is None
+        else format_moment(debrief, episode.ended),
         (f"{order.text} ({order.who})") if order else "none",
         after(order.tick) if order else "-",
         moved.surface if moved else "none",
@@ -277,12 +289,12 @@ def _casualty(debrief: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
 
 def ships(debrief: DebriefData) -> Markup:
     """Return the table of the ships that were met, the nearest first; empty without any."""
-    met, looked = meet(debrief.trajectory), look_out(debrief.trajectory)
+    met, looked = meet_ships(debrief.trajectory), look_out(debrief.trajectory)
     if not met.closest:
         return Markup()
     found = {each.name: each for each in looked.ships}
     rows = [
-        (name, f"{apart:.0f} m", place(debrief, tick), *_detected(debrief, found.get(name)))
+        (name, f"{apart:.0f} m", format_moment(debrief, tick), *_detected(debrief, found.get(name)))
         for name, (apart, tick) in sorted(met.closest.items(), key=lambda each: each[1])
     ]
     told = [
@@ -302,19 +314,19 @@ def _detected(debrief: DebriefData, found: Detection | None) -> tuple[str, str, 
     if found.seen is None:
         return "nobody looked", "-", "-"
     if found.marked is None:
-        return place(debrief, found.seen), "no", "-"
+        return format_moment(debrief, found.seen), "no", "-"
     after = f"{(found.marked - found.seen) * debrief.step:g} s"
-    return place(debrief, found.seen), place(debrief, found.marked), after
+    return format_moment(debrief, found.seen), format_moment(debrief, found.marked), after
 
 
 def marks(debrief: DebriefData) -> Markup:
     """Return the table of the marks with their remarks."""
     every = debrief.of_kind("mark")
     rows = (
-        (f"M{i}", place(debrief, each.tick), (each.text), (each.who))
-        for i, each in enumerate(every[:MOST], start=1)
+        (f"M{i}", format_moment(debrief, each.tick), (each.text), (each.who))
+        for i, each in enumerate(every[:MAX_TABLE_ROWS], start=1)
     )
-    return table(("", "moment", "remark", "by"), rows, "") + _more(len(every), JSON_HAS_ALL)
+    return table(("", "moment", "remark", "by"), rows, "") + _more(len(every), JSON_HINT)
 
 
 def by_whom(giver: Giver) -> str:
@@ -331,7 +343,7 @@ def hands(debrief: DebriefData) -> Markup:
 def log(debrief: DebriefData) -> Markup:
     """Return the table of orders and events, in the order in which they were."""
     entries = sorted(_entries(debrief), key=lambda entry: entry[0])
-    rows = ((place(debrief, tick), *cells) for tick, *cells in entries[:MOST])
+    rows = ((format_moment(debrief, tick), *cells) for tick, *cells in entries[:MAX_TABLE_ROWS])
     shown = table(("moment", "who", "what", "answer"), rows, "log")
     left_out = Markup().join(paragraph(f"{each}.".capitalize()) for each in debrief.excess)
     return shown + _more(len(entries), "trainer export has all") + left_out
@@ -350,22 +362,22 @@ def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
             words = more.format(last.text, len(presses) - 1)
         yield first.tick, first.who, words, answer
     for event in debrief.events:
-        yield event.tick, event.who or event.kind, PLACED.sub("", event.text), ""
+        yield event.tick, event.who or event.kind, EVENT_PLACE.sub("", event.text), ""
 
 
-def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Journalled]]:
+def pressed_together(orders: Iterable[RecordedOrder], step: float) -> list[list[RecordedOrder]]:
     """Return orders in groups of one kind and giver, a second apart at most.
 
     A key that is held, or pressed again and again, gives many; a page has room for one line.
     ``step`` is that of the run [s]. What was refused stands alone.
     """
-    groups: list[list[Journalled]] = []
-    last_of: dict[tuple[str, str], list[Journalled]] = {}  # the group that a key's next may join
+    groups: list[list[RecordedOrder]] = []
+    last_of: dict[tuple[str, str], list[RecordedOrder]] = {}  # the group that a key's next may join
     for order in orders:
         known = parse(order.text)
         key = order.who, known.name if isinstance(known, Order) else order.text
         group = last_of.get(key)
-        near = group and (order.tick - group[-1].tick) * step <= JOINED_WITHIN_S
+        near = group and (order.tick - group[-1].tick) * step <= JOINED_KEY_GAP_S
         if group and near and order.accepted and group[-1].accepted:
             group.append(order)
         else:
@@ -377,23 +389,23 @@ def pressed_together(orders: Iterable[Journalled], step: float) -> list[list[Jou
 def branches(debrief: DebriefData) -> Markup:
     """Return the table of the branches."""
     rows = []
-    for branch, last in debrief.branches[:MOST]:
+    for branch, last in debrief.branches[:MAX_TABLE_ROWS]:
         begun = "the start" if branch.parent is None else f"branch {branch.parent}"
         here = Markup(" <b>debriefed here</b>") if branch.id == debrief.branch.id else ""
-        moments = place(debrief, branch.tick), place(debrief, last)
+        moments = format_moment(debrief, branch.tick), format_moment(debrief, last)
         rows.append((Markup("{}{}").format(branch.id, here), begun, *moments, (branch.why)))
     shown = table(("branch", "from", "at", "to", "why"), rows, "")
-    return shown + _more(len(debrief.branches), JSON_HAS_ALL)
+    return shown + _more(len(debrief.branches), JSON_HINT)
 
 
 def _more(count: int, elsewhere: str) -> Markup:
     """Return how many of so many are not shown, and what has them; nothing if all are."""
-    if count <= MOST:
+    if count <= MAX_TABLE_ROWS:
         return Markup()
-    return paragraph(f"{count - MOST} more are in the record: {elsewhere}.")
+    return paragraph(f"{count - MAX_TABLE_ROWS} more are in the record: {elsewhere}.")
 
 
-def ledger(debrief: DebriefData) -> Markup:
+def tick_ledger(debrief: DebriefData) -> Markup:
     """Return what became of the ticks, and every trouble with them."""
     ticks = debrief.ticks
     if not ticks.work or not ticks.lateness or ticks.duty_cycle is None:
@@ -408,7 +420,7 @@ def ledger(debrief: DebriefData) -> Markup:
         f"{100 * ticks.duty_cycle:.3f} %; {len(troubles)} troubles called out"
     )
     listed = Markup().join(
-        Markup("<li>{}: {}</li>").format(place(debrief, each.tick), each.text)
+        Markup("<li>{}: {}</li>").format(format_moment(debrief, each.tick), each.text)
         for each in troubles[:50]
     )
     return (

@@ -15,34 +15,34 @@ from trainer.boat.world.hulls import OwnHull, Pose
 from trainer.boat.world.scope import Periscope, periscope_of
 from trainer.core.kernel import Numbers
 from trainer.debrief.trajectory import (
-    Rows,
+    RowMask,
     Trajectory,
     eye_heights,
 )
 
-WAYS: Final = 400  # rows at which the ways of ships are looked at
+WAY_ROWS: Final = 400  # rows at which the ways of ships are looked at
 
 
-POSE: Final = ("x", "y", "z", "phi", "theta", "psi")
+POSE_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi")
 
 
-MARKED: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNORECASE)
+BEARING_MARK: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNORECASE)
 
 
-AIMED: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
+BEARING_TOLERANCE_RAD: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
 
 
-LOOKOUT: Final = "scope"  # the role whose marks of ships count
+LOOKOUT_ROLE: Final = "scope"  # the role whose marks of ships count
 
 
-LOOK: Final = 10.0  # [s] from look to look, for what a raised mast would have shown
+LOOK_PERIOD_S: Final = 10.0  # [s] from look to look, for what a raised mast would have shown
 
 
-MISSED: Final = 120.0  # [s] that a ship would have been in sight for, to be missed
+MISSED_SIGHT_S: Final = 120.0  # [s] that a ship would have been in sight for, to be missed
 
 
 @dataclass(frozen=True)
-class Met:
+class ShipEncounters:
     """Every ship's closest approach, and the nearest ship's range at each tick."""
 
     nearest: Numbers  # [m] in the step to each tick, infinity without ships
@@ -63,9 +63,9 @@ class ShipWay:
 
 
 def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
-    """Return the ways of all ships of a passage, at some WAYS rows each."""
+    """Return the ways of all ships of a passage, at some WAY_ROWS rows each."""
     contacts = contacts_in(trajectory.boat)
-    every = max(trajectory.ticks.size // WAYS, 1)
+    every = max(trajectory.ticks.size // WAY_ROWS, 1)
     found: dict[str, list[tuple[float, ...]]] = {}
     for row in range(0, trajectory.ticks.size, every):
         for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
@@ -85,14 +85,14 @@ def place_of_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, 
     return next(((each.north, each.east) for each in ships if each.name == name), None)
 
 
-def meet(trajectory: Trajectory) -> Met:
+def meet_ships(trajectory: Trajectory) -> ShipEncounters:
     """Return the ships that were met on a passage."""
     contacts = contacts_in(trajectory.boat)
     nearest = np.full(trajectory.ticks.size, np.inf)
     if contacts is None or not contacts.any:
-        return Met(nearest)
+        return ShipEncounters(nearest)
     monitor = EncounterMonitor(contacts, OwnHull.of(trajectory.boat))
-    rows = zip(*(trajectory.columns[name].tolist() for name in POSE), strict=True)
+    rows = zip(*(trajectory.columns[name].tolist() for name in POSE_COLUMNS), strict=True)
     poses = [Pose(*row) for row in rows]
     collisions = []
     for row in range(1, len(poses)):
@@ -101,7 +101,9 @@ def meet(trajectory: Trajectory) -> Met:
         nearest[row] = monitor.nearest[1]
         if monitor.struck:
             collisions.append((tick, monitor.struck))
-    return Met(nearest, monitor.closest, tuple(collisions), contacts.encounters.collision)
+    return ShipEncounters(
+        nearest, monitor.closest, tuple(collisions), contacts.encounters.collision
+    )
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ class LookOut:
     false: tuple[int, ...] = ()
 
 
-def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
+def shown_rows(trajectory: Trajectory) -> tuple[RowMask, Numbers]:
     """Return at which ticks the head was out of the water, and at which raise."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
@@ -136,11 +138,11 @@ def shown(trajectory: Trajectory) -> tuple[Rows, Numbers]:
 
 
 def look_out(trajectory: Trajectory) -> LookOut:
-    """Return the ships in sight, or that could have been for MISSED, with marks."""
+    """Return the ships in sight, or that could have been for MISSED_SIGHT_S, with marks."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return LookOut()
-    rows = np.flatnonzero(shown(trajectory)[0]).tolist()
+    rows = np.flatnonzero(shown_rows(trajectory)[0]).tolist()
     seen: dict[str, int] = {}
     for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory), up=False):
         seen.setdefault(name, int(trajectory.ticks[row]))
@@ -151,13 +153,17 @@ def look_out(trajectory: Trajectory) -> LookOut:
 
 
 def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
-    """Return the ships that a raised mast shows for MISSED, with the tick at which that began."""
-    every = max(round(LOOK / trajectory.boat.method.step), 1)
+    """Return the ships that a raised mast shows for long, with the tick at which that began."""
+    every = max(round(LOOK_PERIOD_S / trajectory.boat.method.step), 1)
     rows = list(range(0, trajectory.ticks.size, every))
     found: dict[str, list[int]] = {}
     for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory, up=True), up=True):
         found.setdefault(name, []).append(int(trajectory.ticks[row]))
-    return {name: ticks[0] for name, ticks in found.items() if len(ticks) * LOOK >= MISSED}
+    return {
+        name: ticks[0]
+        for name, ticks in found.items()
+        if len(ticks) * LOOK_PERIOD_S >= MISSED_SIGHT_S
+    }
 
 
 def _sights(
@@ -190,7 +196,7 @@ def _marks(
             if seen.get(name, math.inf) <= tick
         }
         nearest = min(off, key=lambda name: off[name], default="")
-        if off.get(nearest, math.inf) <= AIMED:
+        if off.get(nearest, math.inf) <= BEARING_TOLERANCE_RAD:
             marks.setdefault(nearest, tick)
         else:
             false.append(tick)
@@ -202,8 +208,8 @@ def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
 
     Marks are the periscope's; the instructor's count where nobody else has made any.
     """
-    said = [(each, MARKED.match(each.text)) for each in trajectory.marks]
-    crew = [(mark, found) for mark, found in said if mark.role == LOOKOUT]
+    said = [(each, BEARING_MARK.match(each.text)) for each in trajectory.marks]
+    crew = [(mark, found) for mark, found in said if mark.role == LOOKOUT_ROLE]
     for mark, found in crew or said:
         if found:
             yield mark.tick, math.radians(float(found[1]))

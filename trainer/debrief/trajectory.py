@@ -11,47 +11,54 @@ from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
-from trainer.boat.crew_orders import AXES
-from trainer.boat.grounding import NAMES
+from trainer.boat.crew_orders import CREW_AXES
+from trainer.boat.grounding import STATE_NAMES
 from trainer.boat.world.bottom import ground_under, keel_of
 from trainer.boat.world.scope import Mast, periscope_of
-from trainer.config.condition import ANGLE, QUANTITIES
-from trainer.config.derived import DERIVED, Condition
-from trainer.config.exercise import Limits
+from trainer.config.condition import ANGLE_UNITS, STATE_QUANTITIES
+from trainer.config.derived import DERIVED_QUANTITIES, Condition
+from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
-from trainer.config.score_rules import COURSE, ORDERED, Measured, Rule
-from trainer.core.bottom import PLACES as STATIONS
+from trainer.config.score_rules import (
+    COURSE_QUANTITY,
+    ORDERED_QUANTITIES,
+    MeasuredQuantity,
+    ScoreRule,
+)
+from trainer.core.bottom import SOUNDING_PLACES as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH
-from trainer.core.state import CASUALTIES
-from trainer.io.recording.recording import Flown, Journalled, Noted, Recording
+from trainer.core.state import MAX_CASUALTIES
+from trainer.io.recording.recording import RecordedEvent, RecordedOrder, RecordedTick, Recording
 from trainer.session.layout import numbers_of
 
-Rows = NDArray[np.bool_]  # which ticks of a passage
+RowMask = NDArray[np.bool_]  # which ticks of a passage
 
-BATCH: Final = 2000  # [ticks] read at once
-NEVER: Final = 1e18  # [s]
-SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
-AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(CASUALTIES))
+BATCH_TICKS: Final = 2000  # [ticks] read at once
+NEVER_S: Final = 1e18  # [s]
+CASUALTY_SLOTS: Final = tuple(f"casualty[{i}]" for i in range(MAX_CASUALTIES))
+CASUALTY_AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(MAX_CASUALTIES))
 # places of the state beside those that conditions are about
-PLACES: Final = (
+PASSAGE_PLACES: Final = (
     *("x", "y", "xdot", "ydot", "held_position"),
     *("psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed"),
     *("ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b"),
     *("rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand"),
     *("blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth"),
-    *SLOTS,
-    *AMOUNTS,
+    *CASUALTY_SLOTS,
+    *CASUALTY_AMOUNTS,
 )
 # what is ordered to the crew, and the tick after which it was; older recordings have none
 CREW_ORDERS: Final = {
-    axis: (f"crew_{axis}", f"crew_order_tick[{i}]") for i, axis in enumerate(AXES)
+    axis: (f"crew_{axis}", f"crew_order_tick[{i}]") for i, axis in enumerate(CREW_AXES)
 }
-NEWER: Final = (*(place for both in CREW_ORDERS.values() for place in both), *NAMES)
-NEEDED: Final = tuple(
-    dict.fromkeys((*(q.place for q in QUANTITIES.values() if q.place != "tick"), *PLACES))
+NEWER_COLUMNS: Final = (*(place for both in CREW_ORDERS.values() for place in both), *STATE_NAMES)
+NEEDED_COLUMNS: Final = tuple(
+    dict.fromkeys(
+        (*(q.place for q in STATE_QUANTITIES.values() if q.place != "tick"), *PASSAGE_PLACES)
+    )
 )
-COLUMNS: Final = tuple(dict.fromkeys((*NEEDED, *NEWER)))
+PASSAGE_COLUMNS: Final = tuple(dict.fromkeys((*NEEDED_COLUMNS, *NEWER_COLUMNS)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +66,13 @@ class Trajectory:
     """The passage that was flown. Every array has one number for each tick, the start first."""
 
     boat: Boat  # for what it is; nothing of it that moves is looked at
-    limits: Limits
-    orders: tuple[Journalled, ...]
+    limits: ExerciseLimits
+    orders: tuple[RecordedOrder, ...]
     ticks: NDArray[np.int64]
     columns: Mapping[str, Numbers]  # places of the state [SI] by their names in the core
     lateness: Numbers  # [ns], NaN where nobody measured it
     work: Numbers  # [ns]
-    marks: tuple[Noted, ...] = ()  # moments that somebody has marked
+    marks: tuple[RecordedEvent, ...] = ()  # moments that somebody has marked
 
     @property
     def seconds(self) -> Numbers:
@@ -74,30 +81,30 @@ class Trajectory:
 
     def has(self, quantity: str) -> bool:
         """Return whether the boat has what the quantity is about."""
-        return has(self.boat, quantity)
+        return has_quantity(self.boat, quantity)
 
     def series(self, quantity: str) -> Numbers:
         """Return a quantity that the boat has [SI]; a course is not wrapped."""
-        if quantity in DERIVED:
-            return DERIVE[quantity](self)
-        place = QUANTITIES[quantity].place
+        if quantity in DERIVED_QUANTITIES:
+            return QUANTITY_FUNCTIONS[quantity](self)
+        place = STATE_QUANTITIES[quantity].place
         column = self.ticks.astype(np.float64) if place == "tick" else self.columns[place]
         return column / scale_of(self.boat, quantity)
 
-    def measured(self, what: Measured) -> Numbers:
+    def measured(self, what: MeasuredQuantity) -> Numbers:
         """Return a quantity in its unit."""
         return self.series(what.name) / what.size
 
-    def off(self, what: Measured, target: float | None) -> Numbers:
+    def off(self, what: MeasuredQuantity, target: float | None) -> Numbers:
         """Return how far a quantity is above its target, both in its unit.
 
         None: what was ordered at each tick. A course goes the short way round.
         """
-        aim = self.columns[ORDERED[what.name]] / what.size if target is None else target
+        aim = self.columns[ORDERED_QUANTITIES[what.name]] / what.size if target is None else target
         off = self.measured(what) - aim
-        if what.name != COURSE:
+        if what.name != COURSE_QUANTITY:
             return off
-        round_about = 360.0 * ANGLE["deg"] / what.size
+        round_about = 360.0 * ANGLE_UNITS["deg"] / what.size
         return (off + 0.5 * round_about) % round_about - 0.5 * round_about
 
     def ordered(self, axis: str) -> Numbers:
@@ -105,26 +112,26 @@ class Trajectory:
         value, stamp = (self.columns[place] for place in CREW_ORDERS[axis])
         return np.where(stamp != 0.0, value, np.nan)
 
-    def holds(self, condition: Condition) -> Rows:
+    def holds(self, condition: Condition) -> RowMask:
         """Return at which ticks a condition holds."""
         value = self.series(condition.quantity)
-        if condition.quantity == COURSE:
+        if condition.quantity == COURSE_QUANTITY:
             value = value % math.tau
         above = condition.sense * (value - condition.threshold)
         return above > 0.0 if condition.strict else above >= 0.0
 
-    def between(self, begin: float | None, end: float | None) -> Rows:
+    def between(self, begin: float | None, end: float | None) -> RowMask:
         """Return the ticks from ``begin`` to ``end`` [s], both included; None: all."""
         slack = 1e-6 * self.boat.method.step
         after = self.seconds >= (begin or 0.0) - slack
-        return after & (self.seconds <= (NEVER if end is None else end) + slack)
+        return after & (self.seconds <= (NEVER_S if end is None else end) + slack)
 
     def row(self, tick: int) -> int:
         """Return the row of a tick, or of the first one after it."""
         return min(int(np.searchsorted(self.ticks, tick)), self.ticks.size - 1)
 
 
-def stretches(rows: Rows) -> Iterator[tuple[int, int]]:
+def row_stretches(rows: RowMask) -> Iterator[tuple[int, int]]:
     """Yield each stretch of rows: its first one, and the one after it."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], rows, [False])).astype(int)))
     yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
@@ -142,7 +149,7 @@ def heaviness(trajectory: Trajectory) -> Numbers:
     return heavy
 
 
-def showing(trajectory: Trajectory) -> Numbers:
+def shown_height(trajectory: Trajectory) -> Numbers:
     """Return the height [m] of the highest part of sail and deck above the sea."""
     vessel, column = trajectory.boat.vessel, trajectory.columns
     sine, cosine = np.sin(column["theta"]), np.cos(column["theta"])
@@ -191,54 +198,54 @@ def over_ground(trajectory: Trajectory) -> Numbers:
     return np.where(column["held_position"] != 0.0, 0.0, speed)
 
 
-DERIVE: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
-    COURSE: lambda trajectory: trajectory.columns["psi"],  # not wrapped
+QUANTITY_FUNCTIONS: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
+    COURSE_QUANTITY: lambda trajectory: trajectory.columns["psi"],  # not wrapped
     "heavy": heaviness,
     "eye": eye_heights,
-    "showing": showing,
+    "showing": shown_height,
     "clearance": keel_clearance,
     "speed_over_ground": over_ground,
 }
 
 
-def has(boat: Boat, quantity: str) -> bool:
+def has_quantity(boat: Boat, quantity: str) -> bool:
     """Return whether a boat has what a quantity is about."""
     if quantity == "eye":
         return boat.file.scope is not None
     if quantity == "clearance":
         return ground_under(boat) is not None
-    return quantity in DERIVED or scale_of(boat, quantity) != 0.0
+    return quantity in DERIVED_QUANTITIES or scale_of(boat, quantity) != 0.0
 
 
-def lacks(boat: Boat, rule: Rule) -> list[str]:
+def missing_quantities(boat: Boat, rule: ScoreRule) -> list[str]:
     """Return which quantities of a rule a boat does not have."""
     names = [rule.measured.name] if rule.measured else []
     names += [condition.quantity for condition in rule.conditions]
-    return [name for name in names if not has(boat, name)]
+    return [name for name in names if not has_quantity(boat, name)]
 
 
 def read_passage(
-    recording: Recording, branch: int, layout: Sequence[str], boat: Boat, limits: Limits
+    recording: Recording, branch: int, layout: Sequence[str], boat: Boat, limits: ExerciseLimits
 ) -> Trajectory:
     """Return the passage to the end of a branch, its states read by ``layout``.
 
     ConfigError if that lacks a place that is needed.
     """
-    lacking = [name for name in NEEDED if name not in layout]
+    lacking = [name for name in NEEDED_COLUMNS if name not in layout]
     if lacking:
         raise ConfigError(
             f"the recording is of another version of the trainer: no {lacking[0]} in its states; "
             "debrief it with that version"
         )
-    there = [name for name in COLUMNS if name in layout]
+    there = [name for name in PASSAGE_COLUMNS if name in layout]
     places = [layout.index(name) for name in there]
     states, times = [np.empty((0, len(there)))], [np.empty((0, 3))]
     flown = recording.flown(branch)
-    while batch := list(islice(flown, BATCH)):
+    while batch := list(islice(flown, BATCH_TICKS)):
         states.append(np.array([numbers_of(each.state, layout)[places] for each in batch]))
         times.append(np.array([_times(each) for each in batch]))
     columns, timings = np.concatenate(states).T, np.concatenate(times).T
-    none = dict.fromkeys(NEWER, np.zeros(timings.shape[1]))
+    none = dict.fromkeys(NEWER_COLUMNS, np.zeros(timings.shape[1]))
     return Trajectory(
         boat=boat,
         limits=limits,
@@ -250,7 +257,7 @@ def read_passage(
     )
 
 
-def _times(flown: Flown) -> tuple[float, float, float]:
+def _times(flown: RecordedTick) -> tuple[float, float, float]:
     """Return tick, lateness and work [ns] of a tick."""
     if flown.lateness is None or flown.work is None:
         return flown.tick, np.nan, np.nan

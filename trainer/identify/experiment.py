@@ -12,24 +12,24 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.manoeuvres.flight import Flight, fly
+from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.record.measurements import Record
-from trainer.identify.record.sources import OWN
+from trainer.identify.record.sources import TRAINER_COLUMNS
 from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.schedule import ScheduledOrder
 from trainer.units import KNOT
 
-TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 2^n - 1
+REGISTER_TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 2^n - 1
     2: (2, 1),
     3: (3, 2),
     4: (4, 3),
@@ -42,15 +42,15 @@ TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 
     11: (11, 9),
     12: (12, 11, 10, 4),
 }
-LEAD: Final = 30.0  # [s] of straight motion before the first helm
-GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear
-HOLD: Final = (0.2, 0.5)  # [T1] of a bit
-LENGTH: Final = (20.0, 40.0)  # [T1] of the whole
-MOST_ORDERS: Final = 499  # that an exercise file takes
-EQUATIONS: Final = "full"
-INTEGRATOR: Final = "rk4"
-KEPT: Final = "rudder auto"
-EXERCISE: Final = '''\
+LEAD_TIME_S: Final = 30.0  # [s] of straight motion before the first helm
+LINEAR_RUDDER_DEG: Final = 10.0  # [deg] of rudder beyond which ships are not linear
+HOLD_RANGE_T1: Final = (0.2, 0.5)  # [T1] of a bit
+LENGTH_RANGE_T1: Final = (20.0, 40.0)  # [T1] of the whole
+MAX_ORDERS: Final = 499  # that an exercise file takes
+BOAT_EQUATIONS: Final = "full"
+BOAT_INTEGRATOR: Final = "rk4"
+KEEP_COURSE_ORDER: Final = "rudder auto"
+EXERCISE_TEXT: Final = '''\
 schema = "exercise/1"
 name = "{name}"
 vessel = "{vessel}"
@@ -60,8 +60,8 @@ integrator = "{integrator}"
 briefing = """
 An experiment for identification: hands off, the helm is given by schedule and depth is
 kept by the planes. Record it, and give the recording to trainer identify."""'''
-INITIAL: Final = "\n[initial]\nspeed_kn = {speed_kn:g}\ndepth_m = {depth_m:g}\ncourse_deg = 0"
-FLOWN: Final = {"t": "t", **OWN}  # columns of the boat, by channel
+INITIAL_TEXT: Final = "\n[initial]\nspeed_kn = {speed_kn:g}\ndepth_m = {depth_m:g}\ncourse_deg = 0"
+FLOWN_COLUMNS: Final = {"t": "t", **TRAINER_COLUMNS}  # columns of the boat, by channel
 
 
 def prbs(bits: int, seed: int = 1) -> Numbers:
@@ -70,15 +70,17 @@ def prbs(bits: int, seed: int = 1) -> Numbers:
     The register's own bits come out first, the highest first. ConfigError if the register is of
     no known length or begins empty.
     """
-    if bits not in TAPS:
-        raise ConfigError(f"register of {bits} bits: must be {min(TAPS)} to {max(TAPS)}")
+    if bits not in REGISTER_TAPS:
+        raise ConfigError(
+            f"register of {bits} bits: must be {min(REGISTER_TAPS)} to {max(REGISTER_TAPS)}"
+        )
     if not 1 <= seed < 2**bits:
         raise ConfigError(f"seed {seed}: a register of {bits} bits takes 1 to {2**bits - 1}")
     register = [(seed >> (bits - 1 - i)) & 1 for i in range(bits)]
     out = []
     for _ in range(2**bits - 1):
         out.append(register[0])
-        register = [*register[1:], sum(register[bits - tap] for tap in TAPS[bits]) % 2]
+        register = [*register[1:], sum(register[bits - tap] for tap in REGISTER_TAPS[bits]) % 2]
     return 2.0 * np.array(out) - 1.0
 
 
@@ -109,11 +111,11 @@ def method_of(file: VesselFile) -> Method:
     leaves open. With the two-step method of the trainer the rudder acts half a step early, which a
     short time constant shows.
     """
-    return Method(EQUATIONS, "exact", "exact", INTEGRATOR, file.run.step_s)
+    return Method(BOAT_EQUATIONS, "exact", "exact", BOAT_INTEGRATOR, file.run.step_s)
 
 
 @dataclass(frozen=True)
-class Sequence:
+class BinarySequence:
     """A binary sequence of helm, or of courses for the autopilot to steer."""
 
     bits: int  # of the register
@@ -126,7 +128,7 @@ class Sequence:
     @property
     def seconds(self) -> float:
         """Return how long it lasts [s], its lead and a last bit of rest included."""
-        return LEAD + self.hold_s * (self.periods * ((1 << self.bits) - 1) + 1)
+        return LEAD_TIME_S + self.hold_s * (self.periods * ((1 << self.bits) - 1) + 1)
 
     def orders(self) -> tuple[tuple[float, str], ...]:
         """Return time [s] and order of each change, course 000 being kept before and after."""
@@ -138,26 +140,26 @@ class Sequence:
                 rudder = f"rudder {side} {self.amplitude_deg:g}"
                 course = f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
                 order = rudder if self.by == "rudder" else course
-                found.append((LEAD + i * self.hold_s, order))
+                found.append((LEAD_TIME_S + i * self.hold_s, order))
             last = bit
-        end = LEAD + self.hold_s * self.periods * (2**self.bits - 1)
-        found.append((end, KEPT if self.by == "rudder" else "course 000"))
-        if len(found) > MOST_ORDERS:
+        end = LEAD_TIME_S + self.hold_s * self.periods * (2**self.bits - 1)
+        found.append((end, KEEP_COURSE_ORDER if self.by == "rudder" else "course 000"))
+        if len(found) > MAX_ORDERS:
             raise ConfigError(
-                f"{len(found)} changes of helm are more than the {MOST_ORDERS} an exercise takes; "
+                f"{len(found)} changes of helm are more than the {MAX_ORDERS} an exercise takes; "
                 "give fewer --bits or --periods"
             )
         return tuple(found)
 
 
-def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
+def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[ScheduledOrder]:
     """Return orders in words as a schedule; ConfigError if one is none."""
     found = []
     for i, (seconds, text) in enumerate(orders, start=1):
         order = parse(text)
         if not isinstance(order, Order):
             raise ConfigError(f"{text}: is no order")
-        found.append(Scheduled(seconds, order, i))
+        found.append(ScheduledOrder(seconds, order, i))
     return found
 
 
@@ -178,16 +180,17 @@ def suggest_interval(ship: Nomoto, step: float) -> float:
     return max(1.0, round(middle / step)) * step
 
 
-def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
+def remarks(sequence: BinarySequence, ship: Nomoto, interval: float) -> Iterator[str]:
     """Yield what is unwise about a sequence for a ship read every ``interval`` [s]."""
     T1, T2 = abs(ship.T1), abs(ship.T2)
-    if sequence.by == "rudder" and sequence.amplitude_deg > GENTLE:
+    if sequence.by == "rudder" and sequence.amplitude_deg > LINEAR_RUDDER_DEG:
         yield f"{sequence.amplitude_deg:g} deg of rudder is much: the ship will not be linear"
-    if not HOLD[0] * T1 <= sequence.hold_s <= HOLD[1] * T1:
-        low, high = HOLD[0] * T1, HOLD[1] * T1
+    if not HOLD_RANGE_T1[0] * T1 <= sequence.hold_s <= HOLD_RANGE_T1[1] * T1:
+        low, high = HOLD_RANGE_T1[0] * T1, HOLD_RANGE_T1[1] * T1
         yield f"bits of {sequence.hold_s:g} s: {low:.0f} to {high:.0f} s excite this ship best"
-    if sequence.seconds < LENGTH[0] * T1:
-        yield f"{sequence.seconds:.0f} s is short: {LENGTH[0] * T1:.0f} s or more is advised"
+    if sequence.seconds < LENGTH_RANGE_T1[0] * T1:
+        least = LENGTH_RANGE_T1[0] * T1
+        yield f"{sequence.seconds:.0f} s is short: {least:.0f} s or more is advised"
     if not ship.stable and sequence.by == "rudder":
         yield "the ship does not keep its course by itself: let the autopilot steer (--by course)"
     if not 0.5 * T2 <= interval <= 0.2 * T1:
@@ -209,16 +212,16 @@ def zigzag_flight(
         most = file.surfaces.rudder_limit_deg
         raise ConfigError(f"the rudder goes to {most:g} deg, not {angle:g}")
     manoeuvre = ZigZag(angle_deg=angle, execute_deg=execute, duration_s=seconds)
-    return fly(Submarine(file, method_of(file), Rig()), manoeuvre, speed)
+    return fly_manoeuvre(Submarine(file, method_of(file), Rig()), manoeuvre, speed)
 
 
 def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]:
     """Return time [s] and order of each execute, the first to starboard after the lead."""
     times = [mark.t for mark in flight.marks if mark.name == "execute"]
-    late = LEAD - times[0] if times else 0.0
+    late = LEAD_TIME_S - times[0] if times else 0.0
     sides = ("right", "left")
     found = [(late + t, f"rudder {sides[i % 2]} {angle:g}") for i, t in enumerate(times)]
-    return (*found, (late + float(flight.t[-1]), KEPT))
+    return (*found, (late + float(flight.t[-1]), KEEP_COURSE_ORDER))
 
 
 def zigzag_told(flight: Flight, execute: float) -> dict[str, Any]:
@@ -242,17 +245,21 @@ def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[
 
     ``table`` has vessel, speed_kn, depth_m, duration_s and perhaps sea.
     """
-    lines = [EXERCISE.format(**table, name=name, equations=EQUATIONS, integrator=INTEGRATOR)]
+    lines = [
+        EXERCISE_TEXT.format(
+            **table, name=name, equations=BOAT_EQUATIONS, integrator=BOAT_INTEGRATOR
+        )
+    ]
     if "sea" in table:
         lines.append(f'sea = "{table["sea"]}"')
-    lines.append(INITIAL.format(**table))
+    lines.append(INITIAL_TEXT.format(**table))
     for seconds, order in orders:
         lines += ["", "[[orders]]", f"at_s = {seconds:g}", f'order = "{order}"']
     return "\n".join(lines) + "\n"
 
 
 def fly_trial(
-    file: VesselFile, schedule: Iterable[Scheduled], speed: float, depth: float, seconds: float
+    file: VesselFile, schedule: Iterable[ScheduledOrder], speed: float, depth: float, seconds: float
 ) -> Record:
     """Return the record of a boat that begins at ``speed`` [m/s] and ``depth`` [m].
 
@@ -266,10 +273,10 @@ def fly_trial(
     for _ in range(round(seconds / step) + 1):
         while waiting and waiting[0].seconds <= boat.time + 1e-9:
             entry = waiting.pop(0)
-            answer = obey(boat, entry.order)
+            answer = obey_order(boat, entry.order)
             if isinstance(answer, Refused):
                 raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")
-        rows.append(boat.numbers(tuple(FLOWN.values())))
+        rows.append(boat.numbers(tuple(FLOWN_COLUMNS.values())))
         status = boat.tick()
         if status:
             raise ConfigError(f"{file.path.name}: {boat.failure(status)}")
@@ -277,5 +284,5 @@ def fly_trial(
         source=f"{file.name} at {speed / KNOT:g} kn",
         rows=np.arange(len(rows)),
         names={},
-        **dict(zip(FLOWN, np.array(rows).T, strict=True)),
+        **dict(zip(FLOWN_COLUMNS, np.array(rows).T, strict=True)),
     )

@@ -12,41 +12,46 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, path_named
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.minimise import unheard
+from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.judge import fitted as fitting
-from trainer.identify.judge.validation import alone, other_problem, other_record
-from trainer.identify.model.models import UNITS as OUTPUT_UNITS
+from trainer.identify.judge.validation import other_problem, other_record, predict_alone
+from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.options import IdentifyOptions, as_asked, study_of
 from trainer.identify.pages.identify import render, screens
-from trainer.identify.pages.results import Identified, ShipNumber, describe
+from trainer.identify.pages.results import Identification, ShipNumber, describe_fit
 from trainer.identify.pages.series import matrices_of, series_of
 from trainer.identify.pages.ship_files import nomoto_text, vessel_text
 from trainer.identify.record.frames import arrays_of, columns_of, names_of, record_of
 from trainer.identify.record.sources import FURTHER_CHANNELS, factor
-from trainer.identify.record.study import observe, plain_study
-from trainer.identify.record.study_records import METHODS, MODELS, NOISES, ParameterRow
+from trainer.identify.record.study import observe_record, plain_study
+from trainer.identify.record.study_records import (
+    FIT_METHODS,
+    NOISE_MODELS,
+    STUDY_MODELS,
+    ParameterRow,
+)
 from trainer.identify.ships import page as ships_page
-from trainer.identify.ships.records import OF_ROLL, Trial, load_trial, trial_of
-from trainer.identify.ships.results import Identified as IdentifiedShip
+from trainer.identify.ships.records import ROLL_CHANNELS, Trial, load_trial, trial_of
+from trainer.identify.ships.results import ShipIdentification as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
-from trainer.report.plots import Panel, Screen, draw, figure_of
+from trainer.report.plots import Panel, Screen, draw_plot, figure_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Frame = Mapping[str, Any] | str | Path
-FRAME: Final = Path("frame")  # what messages call a record of arrays
-CHOICES: Final = {
-    "model": MODELS,
-    "noise": NOISES,
-    "method": METHODS,
+FRAME_PATH: Final = Path("frame")  # what messages call a record of arrays
+OPTION_CHOICES: Final = {
+    "model": STUDY_MODELS,
+    "noise": NOISE_MODELS,
+    "method": FIT_METHODS,
     "positive_rudder": ("port", "starboard"),
 }
-OF_BOOKS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
-OF_STEERING: Final = (  # and those that ships that are not linear do not
+PRIOR_OPTIONS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
+LINEAR_FIT_OPTIONS: Final = (  # and those that ships that are not linear do not
     *("length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed"),
 )
-STRONGEST: Final = 100.0  # of the prior's strengths, as on the command line
+MAX_PRIOR_STRENGTH: Final = 100.0  # of the prior's strengths, as on the command line
 OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
@@ -71,7 +76,7 @@ class FitOptions(TypedDict, total=False):
     prior_strength: float
 
 
-USUAL: Final[FitOptions] = {
+DEFAULT_OPTIONS: Final[FitOptions] = {
     **dict.fromkeys(
         ("length", "speed", "vessel", "noise", "method", "every", "begin", "end", "ship")
     ),  # type: ignore[typeddict-item]
@@ -132,11 +137,13 @@ def fit(
     """
     require_library("scipy", "identify")
     for name in keywords:
-        if name not in USUAL:
-            there = ", ".join(USUAL)
-            raise ConfigError(f"no keyword {name!r}{nearest(name, USUAL)}; there are {there}")
-    given: FitOptions = {**USUAL, **keywords}
-    unfit = OF_STEERING if model in OF_SHIPS else OF_BOOKS
+        if name not in DEFAULT_OPTIONS:
+            there = ", ".join(DEFAULT_OPTIONS)
+            raise ConfigError(
+                f"no keyword {name!r}{nearest(name, DEFAULT_OPTIONS)}; there are {there}"
+            )
+    given: FitOptions = {**DEFAULT_OPTIONS, **keywords}
+    unfit = LINEAR_FIT_OPTIONS if model in OF_SHIPS else PRIOR_OPTIONS
     if strange := [name for name in unfit if name in keywords]:
         raise ConfigError(f"{', '.join(strange)}: not with model {model}")
     if model in OF_SHIPS:
@@ -149,7 +156,7 @@ def fit(
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
     asked: dict[str, Any] = {**given, "model": model}
-    for name, words in CHOICES.items():
+    for name, words in OPTION_CHOICES.items():
         if asked[name] not in (None, *words):
             raise ConfigError(f"{name} = {asked[name]!r}: must be {' or '.join(words)}")
     options = IdentifyOptions(
@@ -163,18 +170,18 @@ def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "Fitted
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None
     else:
-        plain = plain_study(FRAME)
+        plain = plain_study(FRAME_PATH)
         heading = replace(plain.heading, positive_rudder=given["positive_rudder"])
         columns = columns_of(frame, given["columns"], given["units"], ())
-        study = replace(plain, path=FRAME, heading=heading, columns=columns)
+        study = replace(plain, path=FRAME_PATH, heading=heading, columns=columns)
         loaded = record_of(arrays_of(frame, study.columns), study.columns)
         study = as_asked(study, options)
     rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
     rows += [ParameterRow(name=name, start=x, free="no") for name, x in given["fixed"].items()]
     study = replace(study, parameters=(*study.parameters, *rows))
-    observed = observe(study, loaded)
-    fitted = fitting.fit(study, observed.record, unheard)
-    return FittedShip(describe(fitted, tuple(map(str, observed.findings))), given["units"])
+    observed = observe_record(study, loaded)
+    fitted = fitting.fit_study(study, observed.record, ignore_news)
+    return FittedShip(describe_fit(fitted, tuple(map(str, observed.findings))), given["units"])
 
 
 def _fit_manoeuvring(
@@ -184,8 +191,8 @@ def _fit_manoeuvring(
     if given["ship"] is None:
         raise ConfigError(f"model {model}: lacks ship, the file of the ship's dimensions")
     strength = given["prior_strength"]
-    if not 0.0 <= strength <= STRONGEST:
-        raise ConfigError(f"prior_strength = {strength:g}: must be 0 to {STRONGEST:g}")
+    if not 0.0 <= strength <= MAX_PRIOR_STRENGTH:
+        raise ConfigError(f"prior_strength = {strength:g}: must be 0 to {MAX_PRIOR_STRENGTH:g}")
     ship = load_ship(path_named(str(given["ship"]), "ships"))
     sign = sign or ship.records.positive_rudder
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
@@ -210,7 +217,7 @@ def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Tr
     return trial_of(record_of(taken, columns), further, replace(ship, sensors=None), every)
 
 
-class _Shown:
+class _ShipDisplay:
     """What every fitted ship shows of itself; ``print`` shows the page of ``trainer identify``."""
 
     _page: Callable[[], str]
@@ -229,20 +236,20 @@ class _Shown:
         The file is .png, .svg or .pdf. TrainerError without the extra ``plot``.
         """
         if path is not None:
-            draw(self._figures(), Path(path))
+            draw_plot(self._figures(), Path(path))
             return None
         require_library("matplotlib", "plot")
         return figure_of(self._figures())
 
 
-class FittedShip(_Shown):
+class FittedShip(_ShipDisplay):
     """A ship fitted to a record; ``print`` shows the page of ``trainer identify``.
 
     Gains and time constants are attributes, SI: ``K`` [1/s], ``T1``, ``T2``, ``T3``, ``T`` [s],
     ``K_v`` [m/s] and others of ``numbers``, as far as the model has them.
     """
 
-    def __init__(self, found: Identified, units: Mapping[str, str]) -> None:
+    def __init__(self, found: Identification, units: Mapping[str, str]) -> None:
         """Take what was identified, and the units of arrays by channel."""
         self._found = found
         self._units = dict(units)
@@ -315,9 +322,9 @@ class FittedShip(_Shown):
             }
             whole = replace(fitted.study.heading, every=None, from_s=None, to_s=None)
             study = replace(fitted.study, heading=whole, sensors=None)
-            record = observe(study, record_of(arrays_of(frame, columns), columns)).record
+            record = observe_record(study, record_of(arrays_of(frame, columns), columns)).record
         problem = other_problem(fitted, record)
-        return {"t": record.t, **self._in_units(alone(problem, problem.start))}
+        return {"t": record.t, **self._in_units(predict_alone(problem, problem.start))}
 
     def _in_units(self, outputs: Numbers) -> dict[str, Numbers]:
         """Return outputs (n, y) of the models by channel, in the user's units."""
@@ -347,7 +354,7 @@ class FittedShip(_Shown):
         Path(path).write_text(text, encoding="utf-8")
 
 
-class ManoeuvringShip(_Shown):
+class ManoeuvringShip(_ShipDisplay):
     """A ship that is not linear, fitted to records; ``print`` shows its page.
 
     It has surge, sway, yaw and heading. Coefficients are accelerations in prime units, after
@@ -407,7 +414,10 @@ class ManoeuvringShip(_Shown):
         """
         trial = _trial_of(frame, self._ship, self._given, 1)
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
-        units, names = self._given["units"], ("speed", "sway", "yaw_rate", "heading", *OF_ROLL)
+        units, names = (
+            self._given["units"],
+            ("speed", "sway", "yaw_rate", "heading", *ROLL_CHANNELS),
+        )
         found = {
             name: values / factor(name, units.get(name))
             for name, values in zip(names, sailed.T, strict=False)

@@ -8,16 +8,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.sweep.job import COVERED, DEVIATION, Batch, Output, fly_each
-from trainer.analysis.sweep.records import PARAMETERS, IdentificationTable, Parameter
+from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, Batch, Output, fly_each
+from trainer.analysis.sweep.records import PARAMETER_ROWS, IdentificationTable, ParameterRow
 from trainer.analysis.sweep.study import Study
 from trainer.config.files import ConfigError, Place, nearest, quote
 from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
-from trainer.identify.fitting.estimate import estimate
+from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Search
+from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.fitting.problem import Problem, problem_of
 from trainer.identify.judge.uncertainty import intervals, uncertainty
 from trainer.identify.judge.validation import draw_outputs
@@ -25,12 +25,12 @@ from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.record.measurements import Samples
 from trainer.units import KNOT
 
-CHUNK: Final = 25
-CONVERGED, GAIN = "converged", "likelihood gained"
+CHUNK_RUNS: Final = 25
+CONVERGED_OUTPUT, GAIN_OUTPUT = "converged", "likelihood gained"
 
 
 @dataclass(frozen=True)
-class Run:
+class SimulatedRun:
     """One simulated record and what was found from it."""
 
     seed: int
@@ -78,13 +78,13 @@ class Rehearsal:
         return replace(self, free=(*self.free, *names), truth={**self.truth, **truth})
 
 
-def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
+def one_run(problem: Problem, truth: Numbers, seed: int) -> SimulatedRun:
     """Return what is found from the record of ``seed``, estimated from the problem's values."""
     stream = np.random.Generator(np.random.PCG64(seed))
     cost = Likelihood(problem.on(draw_outputs(problem, truth, stream)))
-    found = estimate(cost, problem.start, "scoring", Search())
+    found = find_best_minimum(cost, problem.start, "scoring", SearchOptions())
     known = uncertainty(problem.names, cost.information(found.theta))
-    return Run(
+    return SimulatedRun(
         seed,
         found.theta,
         known.deviations,
@@ -100,7 +100,7 @@ def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, Ide
     tables = study.varied(drawn)
     place = Place(study.path.name, "identification")
     table = read_record(IdentificationTable, tables["identification"], place, ("note",))
-    rows = PARAMETERS.read("parameters", tables["parameters"], Place(study.path.name, ""))
+    rows = PARAMETER_ROWS.read("parameters", tables["parameters"], Place(study.path.name, ""))
     _check(rows, table, study.path.name)
     logs = table.bow_log_m or 0.0, table.stern_log_m or 0.0
     ship = Ship(table.length_m, table.speed_kn * KNOT, *logs)
@@ -111,7 +111,7 @@ def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, Ide
     return rehearsal, table
 
 
-def _check(rows: tuple[Parameter, ...], table: IdentificationTable, file: str) -> None:
+def _check(rows: tuple[ParameterRow, ...], table: IdentificationTable, file: str) -> None:
     """Check names against the model; ConfigError with all faults."""
     model, problems = MODELS[table.model], []
     names = [row.name for row in rows]
@@ -132,7 +132,7 @@ def _check(rows: tuple[Parameter, ...], table: IdentificationTable, file: str) -
         raise ConfigError(*problems)
 
 
-def experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
+def pose_experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
     """Return the problem at its search's start, and the true values (f,) of free parameters."""
     bit = max(1, round(table.bit_s / table.interval_s))
     sequence = hold_bits(prbs(table.register_bits), table.amplitude_deg, bit)
@@ -140,15 +140,15 @@ def experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Proble
     return replace(problem, values=problem.whole(rehearsal.start())), problem.start
 
 
-class Identifying:
+class IdentificationSubject:
     """The members of a study that are experiments."""
 
-    chunk = CHUNK
+    chunk = CHUNK_RUNS
 
     def __init__(self, study: Study) -> None:
         """Take the study; ConfigError if its middle member is no experiment."""
         self.study = study
-        self.middle = experiment(*rehearsal_of(study, study.draws.middle()))
+        self.middle = pose_experiment(*rehearsal_of(study, study.draws.middle()))
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
@@ -160,9 +160,9 @@ class Identifying:
         units = {one.name: one.unit for one in model.parameters}
         found = []
         for name in self.middle[0].names:
-            found += [Output(name, units[name]), Output(DEVIATION.format(name), units[name])]
-            found.append(Output(COVERED.format(name), "-"))
-        every = (*found, Output(CONVERGED, "-"), Output(GAIN, "-"))
+            found += [Output(name, units[name]), Output(DEVIATION_COLUMN.format(name), units[name])]
+            found.append(Output(COVERED_COLUMN.format(name), "-"))
+        every = (*found, Output(CONVERGED_OUTPUT, "-"), Output(GAIN_OUTPUT, "-"))
         asked, known = self.study.heading.measures, {one.name: one for one in every}
         for name in asked or ():
             if name not in known:
@@ -178,11 +178,11 @@ class Identifying:
     def _numbers(self, drawn: Mapping[str, Any], seed: int) -> list[float]:
         """Return what one experiment tells, by the outputs; ConfigError if it cannot be made."""
         same = not self.study.variables
-        problem, truth = self.middle if same else experiment(*rehearsal_of(self.study, drawn))
+        problem, truth = self.middle if same else pose_experiment(*rehearsal_of(self.study, drawn))
         run = one_run(problem, truth, seed)
-        found = {CONVERGED: float(run.converged), GAIN: run.cost_at_truth - run.cost}
+        found = {CONVERGED_OUTPUT: float(run.converged), GAIN_OUTPUT: run.cost_at_truth - run.cost}
         each = zip(problem.names, truth, run.theta, run.deviations, run.intervals, strict=True)
         for name, true, value, deviation, (low, high) in each:
-            found[name], found[DEVIATION.format(name)] = float(value), float(deviation)
-            found[COVERED.format(name)] = float(low <= true <= high)
+            found[name], found[DEVIATION_COLUMN.format(name)] = float(value), float(deviation)
+            found[COVERED_COLUMN.format(name)] = float(low <= true <= high)
         return [found.get(output.name, math.nan) for output in self.outputs]

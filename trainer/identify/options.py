@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, beside, quote
+from trainer.config.files import ConfigError, quote, relative_name
 from trainer.config.vessel import load_vessel
 from trainer.identify.model.models import MODELS
 from trainer.identify.model.system_files import load_system
-from trainer.identify.record.sources import PLAIN, Column
+from trainer.identify.record.sources import NO_UNIT, Column
 from trainer.identify.record.study import Study, load_study, plain_study
 from trainer.identify.record.study_records import ArmaxTable, ModelTable, RunRow, Ship
 
-USUAL: Final = ("sway", "yaw_rate", "heading")
+USUAL_OUTPUTS: Final = ("sway", "yaw_rate", "heading")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +113,7 @@ def _with_system(study: Study, options: IdentifyOptions) -> Study:
         raise ConfigError(f"{path}: t is the time, not what acts or is read: rename the column")
     clock = study.columns.get("t", Column("t", "s"))
     times = {} if study.heading.interval_s and "t" not in study.columns else {"t": clock}
-    plain = {name: Column(name, PLAIN) for name in (*system.inputs, *system.outputs)}
+    plain = {name: Column(name, NO_UNIT) for name in (*system.inputs, *system.outputs)}
     return replace(study, system=system, columns={**times, **plain}, sensors=None)
 
 
@@ -122,7 +122,7 @@ def _ship(study: Study, options: IdentifyOptions) -> Ship | None:
     vessel, length, knots = options.vessel, options.length, options.knots
     ship = study.ship
     if vessel is None and ship is not None and ship.vessel is not None:
-        vessel = beside(study.path, ship.vessel)
+        vessel = relative_name(study.path, ship.vessel)
     if vessel is not None and length is None and (ship is None or options.vessel is not None):
         length = load_vessel(vessel).hull.length
     if ship is None and length is None:
@@ -149,7 +149,7 @@ def _model(study: Study, options: IdentifyOptions) -> ModelTable:
             "--ship FILE, or trainer.identify.fit"
         )
     outputs = options.channels or (study.model.outputs if study.model else ())
-    outputs = outputs or tuple(name for name in USUAL if name in study.channels)
+    outputs = outputs or tuple(name for name in USUAL_OUTPUTS if name in study.channels)
     kept = tuple(name for name in outputs if name in MODELS[kind].outputs)
     if not kept:
         raise ConfigError(f"model {kind} has outputs {', '.join(MODELS[kind].outputs)}")

@@ -7,7 +7,7 @@ from typing import Any, Final
 from markupsafe import Markup
 
 from trainer.report import html
-from trainer.report.panels import draw, legend
+from trainer.report.panels import draw_panel, legend
 from trainer.report.plots import Panel, Screen
 
 MAX_PANELS: Final = 4  # of a screen
@@ -33,13 +33,13 @@ def sheet(
     It needs no other file. The same report gives the same bytes.
     """
     heading, _, rest = text.partition("\n")
-    return html.page(
+    return html.fill_page(
         "identified.html",
         "guide.css",
         title=title,
         heading=heading,
         screens=[("Numbers", listing(rest)), *map(_drawn, screens), *further],
-        data=html.embed(asdict(report)),
+        data=html.embed_json(asdict(report)),
     )
 
 
@@ -47,7 +47,8 @@ def _drawn(screen: Screen) -> Part:
     """Return a screen with its figures in rows of two, each with what its curves mean."""
     figure = Markup("<figure><figcaption>{}</figcaption>{}{}</figure>")
     figures = html.charts(
-        figure.format(panel.title, draw(panel), legend(panel.curves)) for panel in screen.panels
+        figure.format(panel.title, draw_panel(panel), legend(panel.curves))
+        for panel in screen.panels
     )
     rows = Markup('<div class="rows{}">{}</div>')
     return screen.title, rows.format((len(screen.panels) + 1) // 2, figures)

@@ -13,14 +13,14 @@ from typing import Final, NamedTuple
 
 from trainer.io.orders.sentences import checksum
 
-BITS: Final = 6  # of a character
-CHANNELS: Final = "AB"
-LONGEST: Final = 60  # [characters] of the payload of one sentence
+CHARACTER_BITS: Final = 6  # of a character
+AIS_CHANNELS: Final = "AB"
+MAX_PAYLOAD_LETTERS: Final = 60  # [characters] of the payload of one sentence
 POSITION_A, STATIC_A, POSITION_B, STATIC_B = 1, 5, 18, 24
-FASTEST: Final = 1022  # [0.1 kn] that and above
-TURN: Final = 4.733  # of the root of the rate [deg/min]
-STEEPEST: Final = 126  # the greatest rate of turn
-STATUS: Final = {  # navigational status by what a ship does
+MAX_AIS_SPEED: Final = 1022  # [0.1 kn] that and above
+TURN_FACTOR: Final = 4.733  # of the root of the rate [deg/min]
+MAX_AIS_TURN: Final = 126  # the greatest rate of turn
+STATUS_CODES: Final = {  # navigational status by what a ship does
     "under way": 0,
     "at anchor": 1,
     "adrift": 2,  # not under command
@@ -32,7 +32,7 @@ STATUS: Final = {  # navigational status by what a ship does
 Field = tuple[int, int]  # value and bits
 
 
-class Report(NamedTuple):
+class PositionReport(NamedTuple):
     """A position report; in degrees, knots, and degrees a minute."""
 
     mmsi: int
@@ -46,7 +46,7 @@ class Report(NamedTuple):
     status: int = 0
 
 
-class Particulars(NamedTuple):
+class ShipParticulars(NamedTuple):
     """Name, kind and sizes of a ship; lengths in metres from the antenna."""
 
     mmsi: int
@@ -63,22 +63,25 @@ class Particulars(NamedTuple):
 def payload(fields: Iterable[Field]) -> tuple[str, int]:
     """Return the characters of fields, and the bits that fill up the last one."""
     bits = "".join(f"{value & (1 << size) - 1:0{size}b}" for value, size in fields)
-    fill = -len(bits) % BITS
+    fill = -len(bits) % CHARACTER_BITS
     bits += "0" * fill
-    sixes = (int(bits[i : i + BITS], 2) for i in range(0, len(bits), BITS))
+    sixes = (int(bits[i : i + CHARACTER_BITS], 2) for i in range(0, len(bits), CHARACTER_BITS))
     return "".join(chr(six + 48 if six < 40 else six + 56) for six in sixes), fill
 
 
 def text(words: str, characters: int) -> list[Field]:
     """Return a text of so many characters, padded with @. Unknown ones become blanks."""
     known = [c if " " <= c <= "_" else " " for c in words.upper()[:characters]]
-    return [(ord(c) & 63, BITS) for c in "".join(known).ljust(characters, "@")]
+    return [(ord(c) & 63, CHARACTER_BITS) for c in "".join(known).ljust(characters, "@")]
 
 
 def sentences(fields: Iterable[Field], channel: str, sequence: int, kind: str = "VDM") -> list[str]:
     """Return the sentences of a message; ``sequence`` (0 to 9) joins its parts."""
     characters, fill = payload(fields)
-    parts = [characters[i : i + LONGEST] for i in range(0, len(characters), LONGEST)]
+    parts = [
+        characters[i : i + MAX_PAYLOAD_LETTERS]
+        for i in range(0, len(characters), MAX_PAYLOAD_LETTERS)
+    ]
     joined = str(sequence) if len(parts) > 1 else ""
     found = []
     for i, part in enumerate(parts, start=1):
@@ -88,7 +91,7 @@ def sentences(fields: Iterable[Field], channel: str, sequence: int, kind: str = 
     return found
 
 
-def position_a(seen: Report) -> list[Field]:
+def position_a(seen: PositionReport) -> list[Field]:
     """Return message 1, the position report of a ship with class A."""
     return [
         *_head(POSITION_A, seen.mmsi),
@@ -99,7 +102,7 @@ def position_a(seen: Report) -> list[Field]:
     ]
 
 
-def position_b(seen: Report) -> list[Field]:
+def position_b(seen: PositionReport) -> list[Field]:
     """Return message 18, the position report of a small ship with class B."""
     return [
         *_head(POSITION_B, seen.mmsi),
@@ -111,7 +114,7 @@ def position_b(seen: Report) -> list[Field]:
     ]
 
 
-def static_a(ship: Particulars) -> list[Field]:
+def static_a(ship: ShipParticulars) -> list[Field]:
     """Return message 5, name, kind and sizes of a ship with class A."""
     return [
         *_head(STATIC_A, ship.mmsi),
@@ -123,7 +126,7 @@ def static_a(ship: Particulars) -> list[Field]:
     ]
 
 
-def static_b(ship: Particulars) -> tuple[list[Field], list[Field]]:
+def static_b(ship: ShipParticulars) -> tuple[list[Field], list[Field]]:
     """Return messages 24 A and B: name, kind and sizes of class B."""
     head = _head(STATIC_B, ship.mmsi)
     part_a = [*head, (0, 2), *text(ship.name, 20), (0, 8)]
@@ -134,7 +137,7 @@ def static_b(ship: Particulars) -> tuple[list[Field], list[Field]]:
 
 def rate_of_turn(degrees_a_minute: float) -> int:
     """Return a rate of turn as it is sent: its root, with its sign."""
-    size: int = min(round(TURN * math.sqrt(abs(degrees_a_minute))), STEEPEST)
+    size: int = min(round(TURN_FACTOR * math.sqrt(abs(degrees_a_minute))), MAX_AIS_TURN)
     return -size if degrees_a_minute < 0.0 else size
 
 
@@ -143,17 +146,17 @@ def _head(kind: int, mmsi: int) -> Sequence[Field]:
     return (kind, 6), (0, 2), (mmsi, 30)
 
 
-def _place(seen: Report) -> Sequence[Field]:
+def _place(seen: PositionReport) -> Sequence[Field]:
     """Return longitude, latitude and course."""
     longitude, latitude = round(seen.longitude * 600_000), round(seen.latitude * 600_000)
     return (longitude, 28), (latitude, 27), (round(10.0 * seen.course) % 3600, 12)
 
 
 def _speed(knots: float) -> int:
-    return min(round(10.0 * knots), FASTEST)
+    return min(round(10.0 * knots), MAX_AIS_SPEED)
 
 
-def _sizes(ship: Particulars) -> Sequence[Field]:
+def _sizes(ship: ShipParticulars) -> Sequence[Field]:
     """Return how far bow, stern and sides are from the antenna."""
     ends = (min(ship.bow, 511), 9), (min(ship.stern, 511), 9)
     return *ends, (min(ship.port, 63), 6), (min(ship.starboard, 63), 6)

@@ -12,8 +12,11 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-BOUNDS: Final = 80.0, 180.0  # [deg] of latitude and longitude; at the poles north is no direction
-DEGREES: Final = re.compile(r"\s*([+-]?[0-9]{1,3}(?:\.[0-9]*)?)\s*", re.ASCII)
+ORIGIN_BOUNDS_DEG: Final = (
+    80.0,
+    180.0,
+)  # [deg] of latitude and longitude; at the poles north is no direction
+DEGREES_PATTERN: Final = re.compile(r"\s*([+-]?[0-9]{1,3}(?:\.[0-9]*)?)\s*", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -33,17 +36,17 @@ class Chart:
         return found["lat2"], found["lon2"]
 
 
-DEFAULT: Final = Chart(25.0, -45.0)  # mid-Atlantic: deep, and far from any coast
+DEFAULT_CHART: Final = Chart(25.0, -45.0)  # mid-Atlantic: deep, and far from any coast
 
 
 def chart_at(text: str) -> Chart:
     """Return the chart with its origin at ``LAT,LON`` [deg]; ValueError saying what to say."""
-    parts = [DEGREES.fullmatch(part) for part in text.split(",")]
+    parts = [DEGREES_PATTERN.fullmatch(part) for part in text.split(",")]
     if len(parts) != 2 or None in parts:
         raise ValueError("say LAT,LON in degrees, south and west negative, such as 25.5,-45")
     latitude, longitude = (float(part[1]) for part in parts if part)
     for name, value, most in zip(
-        ("latitude", "longitude"), (latitude, longitude), BOUNDS, strict=True
+        ("latitude", "longitude"), (latitude, longitude), ORIGIN_BOUNDS_DEG, strict=True
     ):
         if abs(value) > most:
             raise ValueError(f"{name} {value:g} is not within {-most:g} and {most:g} degrees")

@@ -1,4 +1,4 @@
-"""The client's end of a session: a line by TCP, local socket or serial port."""
+"""The client's end of a session: a line by TCP_PATTERN, local socket or serial port."""
 
 import contextlib
 import errno
@@ -9,19 +9,19 @@ import struct
 import threading
 from pathlib import Path
 
-from trainer.io.line import CHUNK, Inbox, Joined, Line, Outbox
-from trainer.io.orders.sentences import LONGEST_ANSWER
+from trainer.io.line import CHUNK_BYTES, Inbox, JoinedLine, Line, Outbox
+from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
 from trainer.io.serial_line import LinkError, SerialLine
 
-PATIENCE = 5.0  # [s]  for a session to answer
-TCP = re.compile(r"(?:tcp|socket)://(?:\[([^\]]+)\]|([^:/]+)):([0-9]{1,5})/?")
-OTHER = re.compile(r"/dev/|(?!local:)[a-z0-9+]{2,}:")  # no socket's
-HIGHEST = 65535
-LOCAL = "local:"
-PEER = struct.Struct("3i")  # process, user and group at the far end
-OTHERS = "that session is another user's; ask for a port of it"
-NOBODY = "no session listens there; start one with trainer serve"
-ABSENT = frozenset({errno.ECONNREFUSED, errno.ENOENT, errno.ENOTSOCK})
+ANSWER_TIMEOUT_S = 5.0  # [s]  for a session to answer
+TCP_PATTERN = re.compile(r"(?:tcp|socket)://(?:\[([^\]]+)\]|([^:/]+)):([0-9]{1,5})/?")
+OTHER_PATTERN = re.compile(r"/dev/|(?!local:)[a-z0-9+]{2,}:")  # no socket's
+MAX_PORT = 65535
+LOCAL_PREFIX = "local:"
+PEER_STRUCT = struct.Struct("3i")  # process, user and group at the far end
+OTHER_USER_TEXT = "that session is another user's; ask for a port of it"
+NO_SESSION_TEXT = "no session listens there; start one with trainer serve"
+ABSENT_ERRORS = frozenset({errno.ECONNREFUSED, errno.ENOENT, errno.ENOTSOCK})
 
 
 def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
@@ -30,17 +30,17 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
     `tcp://HOST:PORT` or `socket://HOST:PORT`, `local:PATH` or the path of a socket, any other
     pyserial URL or device. `arrived` is set whenever lines have come, and at the end.
     """
-    end = connect(url)
+    end = connect_socket(url)
     if end is not None:
         wire = Wire(end)
-        inbox = Inbox(wire.read, arrived, longest=LONGEST_ANSWER)
-        return Joined(url, inbox, Outbox(wire.write), wire)
-    return over_serial(url, SerialLine(url, baud), arrived, LONGEST_ANSWER)
+        inbox = Inbox(wire.read, arrived, longest=MAX_ANSWER_LETTERS)
+        return JoinedLine(url, inbox, Outbox(wire.write), wire)
+    return over_serial(url, SerialLine(url, baud), arrived, MAX_ANSWER_LETTERS)
 
 
 def reach(url: str) -> socket.socket:
     """Return a socket connected to the session at `url`; raises LinkError with the next step."""
-    end = connect(url)
+    end = connect_socket(url)
     if end is None:
         raise LinkError(f"{url}: say tcp://HOST:PORT or the path of a local socket")
     return end
@@ -48,39 +48,39 @@ def reach(url: str) -> socket.socket:
 
 def check(url: str) -> None:
     """Check that a session at a socket could be at `url`; LinkError. It need not be there."""
-    address = TCP.fullmatch(url)
-    if address and not 0 < int(address[3]) <= HIGHEST:
-        raise LinkError(f"{url}: a port is 1 to {HIGHEST}")
-    if not address and OTHER.match(url):
+    address = TCP_PATTERN.fullmatch(url)
+    if address and not 0 < int(address[3]) <= MAX_PORT:
+        raise LinkError(f"{url}: a port is 1 to {MAX_PORT}")
+    if not address and OTHER_PATTERN.match(url):
         raise LinkError(f"{url}: say tcp://HOST:PORT or the path of a local socket")
 
 
-def connect(url: str) -> socket.socket | None:
+def connect_socket(url: str) -> socket.socket | None:
     """Return a socket connected to the session at `url`, None for a serial line."""
-    address = TCP.fullmatch(url)
+    address = TCP_PATTERN.fullmatch(url)
     if address:
         return reach_tcp(url, address[1] or address[2], int(address[3]))
     if url.startswith(("tcp:", "socket:")):
         raise LinkError(f"{url}: say tcp://HOST:PORT")
-    path = Path(url.removeprefix(LOCAL))
-    if url.startswith(LOCAL) or path.is_socket():
+    path = Path(url.removeprefix(LOCAL_PREFIX))
+    if url.startswith(LOCAL_PREFIX) or path.is_socket():
         return reach_local(path)
     if path.is_absolute() and not path.exists() and path.parts[1:2] != ("dev",):
-        raise LinkError(f"{url}: {NOBODY}")
+        raise LinkError(f"{url}: {NO_SESSION_TEXT}")
     return None
 
 
 def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:
     """Return an open serial line as a line. Those that come have `longest` characters at most."""
-    return Joined(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
+    return JoinedLine(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
 
 
 def reach_tcp(url: str, host: str, port: int) -> socket.socket:
-    """Return a socket connected to a TCP port."""
-    if not 0 < port <= HIGHEST:
-        raise LinkError(f"{url}: a port is 1 to {HIGHEST}")
+    """Return a socket connected to a TCP_PATTERN port."""
+    if not 0 < port <= MAX_PORT:
+        raise LinkError(f"{url}: a port is 1 to {MAX_PORT}")
     try:
-        end = socket.create_connection((host, port), timeout=PATIENCE)
+        end = socket.create_connection((host, port), timeout=ANSWER_TIMEOUT_S)
     except (OSError, UnicodeError) as error:
         raise LinkError(f"{url}: {why_not(error)}") from error
     end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -93,7 +93,7 @@ def reach_local(path: Path) -> socket.socket:
     if not hasattr(socket, "AF_UNIX"):
         raise LinkError(f"{path}: this system has no local sockets; say tcp://HOST:PORT")
     end = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    end.settimeout(PATIENCE)
+    end.settimeout(ANSWER_TIMEOUT_S)
     try:
         end.connect(str(path))
         refuse_another(end, path)
@@ -113,10 +113,10 @@ def refuse_another(end: socket.socket, path: Path) -> None:
         return
     owners = {path.stat().st_uid}
     if hasattr(socket, "SO_PEERCRED"):
-        credentials = end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, PEER.size)
-        owners.add(PEER.unpack(credentials)[1])
+        credentials = end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, PEER_STRUCT.size)
+        owners.add(PEER_STRUCT.unpack(credentials)[1])
     if owners != {os.geteuid()}:
-        raise LinkError(f"{path}: {OTHERS}")
+        raise LinkError(f"{path}: {OTHER_USER_TEXT}")
 
 
 def why_not(error: Exception) -> str:
@@ -125,10 +125,10 @@ def why_not(error: Exception) -> str:
         return "no such host; 127.0.0.1 is this machine"
     if isinstance(error, TimeoutError):
         return "no answer; is the address right, and nothing between that stops it?"
-    if getattr(error, "errno", None) in ABSENT:
-        return NOBODY
+    if getattr(error, "errno", None) in ABSENT_ERRORS:
+        return NO_SESSION_TEXT
     if getattr(error, "errno", None) == errno.EACCES:
-        return OTHERS
+        return OTHER_USER_TEXT
     return str(getattr(error, "strerror", None) or error)
 
 
@@ -142,7 +142,7 @@ class Wire:
 
     def read(self) -> bytes | None:
         """Return what has come, None at the end; raises OSError when the line is lost."""
-        return self._end.recv(CHUNK) or None
+        return self._end.recv(CHUNK_BYTES) or None
 
     def write(self, data: bytes) -> None:
         """Write all of `data`."""

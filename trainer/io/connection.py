@@ -13,30 +13,30 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from trainer.io.lines import LineDecoder, Overlong, line_bytes
+from trainer.io.lines import LineDecoder, OverlongLine, line_bytes
 from trainer.io.machine import machine_of
 
-CHUNK = 4096  # [bytes]  read at once
-MOST_HEARD = 256  # [lines]  waiting to be taken; beyond it the socket is not read
+CHUNK_BYTES = 4096  # [bytes]  read at once
+MAX_WAITING_LINES = 256  # [lines]  waiting to be taken; beyond it the socket is not read
 # Waiting to be sent; beyond it lines are dropped. All that is kept of what has happened goes in.
-MOST_SAID = 2048  # [lines]
-MOST_BYTES = 262_144  # [bytes]
-PACE = 65536.0  # [bytes/s]  read at most, so that a flood costs the boat's thread nothing
-BURST = 16384.0  # [bytes]  read at once before the pace is kept
+MAX_OUTGOING_LINES = 2048  # [lines]
+MAX_OUTGOING_BYTES = 262_144  # [bytes]
+MAX_READ_RATE = 65536.0  # [bytes/s]  read at most, so that a flood costs the boat's thread nothing
+BURST_BYTES = 16384.0  # [bytes]  read at once before the pace is kept
 
 # The first line of a program of this user that carries a line of somebody else's, such as a page's:
 # which machine that is, as the PROXY protocol has it, version 1.
-CARRIED = re.compile(r"PROXY TCP[46] ([0-9A-Fa-f:.]+) .*")
-HERE = "here"  # the machine of a program of this user
+PROXY_PATTERN = re.compile(r"PROXY TCP[46] ([0-9A-Fa-f:.]+) .*")
+OWN_MACHINE = "here"  # the machine of a program of this user
 
 # A page in a browser can post orders to a port of its own machine, where no token is asked for.
-BROWSER = re.compile(rb"(?:GET|HEAD|POST|PUT|PATCH|DELETE|OPTIONS|CONNECT|TRACE) ")
+BROWSER_PATTERN = re.compile(rb"(?:GET|HEAD|POST|PUT|PATCH|DELETE|OPTIONS|CONNECT|TRACE) ")
 
-READ, WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
+READ_EVENT, WRITE_EVENT = selectors.EVENT_READ, selectors.EVENT_WRITE
 
 
 def carried_for(host: str) -> str:
-    """Return the line that says for which machine others are carried; see CARRIED."""
+    """Return the line that says for which machine others are carried; see PROXY_PATTERN."""
     family = "TCP6" if ":" in host else "TCP4"
     return f"PROXY {family} {host.partition('%')[0]} 127.0.0.1 0 0"
 
@@ -64,7 +64,7 @@ class Connection:
         self._stir = stir  # makes the hub ask again
         self._lock = threading.Lock()
         self._decoder = LineDecoder()
-        self._heard: deque[str | Overlong] = deque()
+        self._heard: deque[str | OverlongLine] = deque()
         self._said: deque[bytes] = deque()
         self._said_bytes = 0
         self._asks = False  # something was taken, and nothing said since
@@ -100,7 +100,9 @@ class Connection:
     @property
     def room(self) -> bool:
         """Return whether little waits to go out."""
-        return len(self._said) < MOST_SAID // 4 and self._said_bytes < MOST_BYTES // 4
+        return (
+            len(self._said) < MAX_OUTGOING_LINES // 4 and self._said_bytes < MAX_OUTGOING_BYTES // 4
+        )
 
     def introduce(self) -> None:
         """Note that it has been said who it is."""
@@ -111,10 +113,10 @@ class Connection:
         self.introduce_by += seconds
         self.guessed = True
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         """Return the oldest lines that have come, at most so many."""
         with self._lock:
-            held_back = len(self._heard) >= MOST_HEARD
+            held_back = len(self._heard) >= MAX_WAITING_LINES
             lines = [self._heard.popleft() for _ in range(min(most, len(self._heard)))]
             self._asks = self._asks or bool(lines)
         if held_back:
@@ -129,7 +131,10 @@ class Connection:
         """
         data = line_bytes(line) + b"\r\n"
         with self._lock:
-            full = len(self._said) >= MOST_SAID or self._said_bytes + len(data) > MOST_BYTES
+            full = (
+                len(self._said) >= MAX_OUTGOING_LINES
+                or self._said_bytes + len(data) > MAX_OUTGOING_BYTES
+            )
             if self._gone or full or self.leaving:
                 self.dropped += 1
                 return
@@ -153,9 +158,9 @@ class Connection:
     # What follows is the hub's.
 
     def wants(self, now: float) -> int:
-        """Return what the socket is waited for at `now` [s]: READ, WRITE, both or 0."""
-        reads = not self._over and len(self._heard) < MOST_HEARD and now >= self._rested
-        return READ * reads | WRITE * bool(self._said)
+        """Return what the socket is waited for at `now` [s]: READ_EVENT, WRITE_EVENT, both or 0."""
+        reads = not self._over and len(self._heard) < MAX_WAITING_LINES and now >= self._rested
+        return READ_EVENT * reads | WRITE_EVENT * bool(self._said)
 
     def due(self, now: float) -> float:
         """Return when [s] to ask again though nothing has happened, infinity for never."""
@@ -181,9 +186,9 @@ class Connection:
     def serve(self, ready: int) -> None:
         """Read and write what can be without waiting."""
         try:
-            if ready & READ:
+            if ready & READ_EVENT:
                 self._read()
-            if ready & WRITE:
+            if ready & WRITE_EVENT:
                 self._write()
         except BlockingIOError:
             return
@@ -202,7 +207,7 @@ class Connection:
     @property
     def _rested(self) -> float:
         """Return when [s] it is read again at the earliest."""
-        return self._read_until - BURST / PACE
+        return self._read_until - BURST_BYTES / MAX_READ_RATE
 
     def _send_now(self, data: bytes) -> int:
         """Return how much goes out without waiting. The lock is held, and nothing is queued."""
@@ -212,11 +217,11 @@ class Connection:
             return 0  # the hub finds out why
 
     def _read(self) -> None:
-        data = self._end.recv(CHUNK)
-        if not self._read_until and BROWSER.match(data):
+        data = self._end.recv(CHUNK_BYTES)
+        if not self._read_until and BROWSER_PATTERN.match(data):
             self._die("a web browser, not a station")
             return
-        self._read_until = max(self._read_until, time.monotonic()) + len(data) / PACE
+        self._read_until = max(self._read_until, time.monotonic()) + len(data) / MAX_READ_RATE
         lines = self._decoder.feed(data)
         if self.local and lines and not self.machine:
             lines = self._learn_machine(lines)
@@ -229,11 +234,11 @@ class Connection:
         if lines or not data:
             self._arrived.set()
 
-    def _learn_machine(self, lines: list[str | Overlong]) -> list[str | Overlong]:
+    def _learn_machine(self, lines: list[str | OverlongLine]) -> list[str | OverlongLine]:
         """Return lines without the one that says for which machine they are carried."""
         first = lines[0]
-        carried = CARRIED.fullmatch(first) if isinstance(first, str) else None
-        self.machine = machine_of(carried[1]) if carried else HERE
+        carried = PROXY_PATTERN.fullmatch(first) if isinstance(first, str) else None
+        self.machine = machine_of(carried[1]) if carried else OWN_MACHINE
         return lines[1:] if carried else lines
 
     def _write(self) -> None:

@@ -13,11 +13,13 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from trainer.io.lines import LineDecoder, Overlong, line_bytes
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.lines import LineDecoder, OverlongLine, line_bytes
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 
-CHUNK = 4096  # [bytes]
-SHORTEST = 0.2  # [s]  for an inbox to notice that its port was closed, whatever the outbox took
+CHUNK_BYTES = 4096  # [bytes]
+MIN_CLOSE_WAIT_S = (
+    0.2  # [s]  for an inbox to notice that its port was closed, whatever the outbox took
+)
 
 
 class Sender(Protocol):
@@ -103,7 +105,7 @@ class Outbox:
                 return
 
 
-class Direct:
+class DirectSender:
     """Write lines at once in the caller's thread: for runs that keep no time."""
 
     room: Final = True
@@ -141,7 +143,7 @@ class Inbox:
         read: Callable[[], bytes | None],
         arrived: threading.Event,
         capacity: int = 256,
-        longest: int = LONGEST,
+        longest: int = MAX_LINE_LETTERS,
     ) -> None:
         self.arrived = arrived
         self.ended = False  # everything has been read; what is queued can still be taken
@@ -149,7 +151,7 @@ class Inbox:
         self._read = read
         self._decoder = LineDecoder(longest)
         self._capacity = capacity
-        self._lines: deque[str | Overlong] = deque()
+        self._lines: deque[str | OverlongLine] = deque()
         self._change = threading.Condition()
         self._closing = False
         self._thread = threading.Thread(target=self._run, name="inbox", daemon=True)
@@ -160,7 +162,7 @@ class Inbox:
         """Return how many lines have arrived and have not been taken."""
         return len(self._lines)
 
-    def take(self, most: int | None = None) -> list[str | Overlong]:
+    def take(self, most: int | None = None) -> list[str | OverlongLine]:
         """Return the oldest lines that have arrived, at most so many, without waiting."""
         with self._change:
             count = len(self._lines) if most is None else min(most, len(self._lines))
@@ -186,7 +188,7 @@ class Inbox:
         self.ended = True
         self.arrived.set()
 
-    def _queue(self, lines: list[str | Overlong]) -> None:
+    def _queue(self, lines: list[str | OverlongLine]) -> None:
         for line in lines:
             with self._change:
                 self._change.wait_for(lambda: len(self._lines) < self._capacity or self._closing)
@@ -201,7 +203,7 @@ def reader(descriptor: int) -> Callable[[], bytes | None]:
     """
 
     def read() -> bytes | None:
-        return os.read(descriptor, CHUNK) or None
+        return os.read(descriptor, CHUNK_BYTES) or None
 
     return read
 
@@ -230,7 +232,7 @@ class Line(Sender, Protocol):
         """Return whether all that came has been taken, and nothing more can come."""
         ...
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         """Return the oldest lines that have come, at most so many."""
         ...
 
@@ -252,7 +254,7 @@ class Port(Protocol):
         ...
 
 
-class Joined:
+class JoinedLine:
     """A line made of an optional inbox, and somewhere to send.
 
     A terminal has no port to close: its inbox is left waiting for a key that nobody will press.
@@ -286,7 +288,7 @@ class Joined:
         """Return whether little waits to go out."""
         return self._sender.room
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         """Return the oldest lines that have come, at most so many."""
         return self._inbox.take(most) if self._inbox else []
 
@@ -301,6 +303,6 @@ class Joined:
         if self._port:
             self._port.close()
         if self._inbox:
-            self._inbox.close(max(end - time.monotonic(), SHORTEST) if self._port else 0.0)
+            self._inbox.close(max(end - time.monotonic(), MIN_CLOSE_WAIT_S) if self._port else 0.0)
         if self._port:
             self._port.release()

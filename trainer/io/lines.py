@@ -9,21 +9,21 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 
-BACKSPACE, LINE_FEED, RETURN, KILL, DELETE = b"\b", b"\n", b"\r", b"\x15", b"\x7f"
-RUNS = re.compile(rb"[^\b\n\r\x15\x7f]+|.", re.DOTALL)
+BACKSPACE, LINE_FEED, CARRIAGE_RETURN, KILL_LINE, DELETE = b"\b", b"\n", b"\r", b"\x15", b"\x7f"
+RUN_PATTERN = re.compile(rb"[^\b\n\r\x15\x7f]+|.", re.DOTALL)
 
 # Telnet, RFC 854: commands begin with 255; 251-254 carry an option; 250 opens a list that 240 ends.
-COMMAND, LIST, LIST_END = 255, 250, 240
-OPTIONS = frozenset({251, 252, 253, 254})
+TELNET_COMMAND, LIST_BEGIN, LIST_END = 255, 250, 240
+OPTION_COMMANDS = frozenset({251, 252, 253, 254})
 LINE_ENDS = b"\r\n"
 
 Step = Callable[["TelnetFilter", int], bool]  # takes a byte, returns whether it is text
 
 
 @dataclass(frozen=True)
-class Overlong:
+class OverlongLine:
     """A line that exceeded the limit [characters] and was dropped."""
 
     limit: int
@@ -50,30 +50,30 @@ def line_bytes(line: str) -> bytes:
 class LineDecoder:
     """Cut a stream of bytes into lines; never raises, never holds more than one line."""
 
-    def __init__(self, limit: int = LONGEST) -> None:
+    def __init__(self, limit: int = MAX_LINE_LETTERS) -> None:
         self.limit = limit
         self._pending = bytearray()
         self._giving_up = False  # the rest of an overlong line is being skipped
         self._after_return = False  # a line feed or NUL now belongs to the line end before it
         self._telnet = TelnetFilter()
 
-    def feed(self, data: bytes) -> list[str | Overlong]:
+    def feed(self, data: bytes) -> list[str | OverlongLine]:
         """Return the lines that `data` completes, without their ends."""
-        done: list[str | Overlong] = []
-        for found in RUNS.finditer(self._telnet.feed(data)):
+        done: list[str | OverlongLine] = []
+        for found in RUN_PATTERN.finditer(self._telnet.feed(data)):
             run = found[0]
             if self._after_return:
                 run = run.removeprefix(b"\0")
-            if run in (RETURN, LINE_FEED):
+            if run in (CARRIAGE_RETURN, LINE_FEED):
                 if not (run == LINE_FEED and self._after_return):
                     done += self._end_line()
             elif run in (BACKSPACE, DELETE):
                 self._take_back()
-            elif run == KILL:
+            elif run == KILL_LINE:
                 self._pending.clear()
             else:
                 done += self._extend(run)
-            self._after_return = run == RETURN
+            self._after_return = run == CARRIAGE_RETURN
         return done
 
     @property
@@ -81,7 +81,7 @@ class LineDecoder:
         """Return the size [bytes] of the unfinished line."""
         return len(self._pending)
 
-    def _end_line(self) -> list[str | Overlong]:
+    def _end_line(self) -> list[str | OverlongLine]:
         line = self._pending.decode("utf-8", errors="replace")
         given_up = self._giving_up
         self._pending.clear()
@@ -93,7 +93,7 @@ class LineDecoder:
             self._pending.pop()
         del self._pending[-1:]
 
-    def _extend(self, run: bytes) -> list[str | Overlong]:
+    def _extend(self, run: bytes) -> list[str | OverlongLine]:
         if self._giving_up:
             return []
         if len(self._pending) + len(run) <= self.limit:
@@ -101,7 +101,7 @@ class LineDecoder:
             return []
         self._pending.clear()
         self._giving_up = True
-        return [Overlong(self.limit)]
+        return [OverlongLine(self.limit)]
 
 
 class TelnetFilter:
@@ -113,7 +113,7 @@ class TelnetFilter:
 
     def feed(self, data: bytes) -> bytes:
         """Return `data` without telnet's commands."""
-        if COMMAND not in data and self._state is TelnetFilter._text:
+        if TELNET_COMMAND not in data and self._state is TelnetFilter._text:
             return data
         kept = bytearray()
         for byte in data:
@@ -125,15 +125,15 @@ class TelnetFilter:
         return bytes(kept)
 
     def _text(self, byte: int) -> bool:
-        if byte == COMMAND:
+        if byte == TELNET_COMMAND:
             self._state = TelnetFilter._command
-        return byte != COMMAND
+        return byte != TELNET_COMMAND
 
     def _command(self, byte: int) -> bool:
-        following: dict[int, Step] = {LIST: TelnetFilter._list}
-        following |= dict.fromkeys(OPTIONS, TelnetFilter._option)
+        following: dict[int, Step] = {LIST_BEGIN: TelnetFilter._list}
+        following |= dict.fromkeys(OPTION_COMMANDS, TelnetFilter._option)
         self._state = following.get(byte, TelnetFilter._text)
-        return byte == COMMAND  # twice 255 stands for itself
+        return byte == TELNET_COMMAND  # twice 255 stands for itself
 
     def _option(self, _byte: int) -> bool:
         self._state = TelnetFilter._text

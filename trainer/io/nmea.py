@@ -12,16 +12,16 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
-from trainer.io.orders.sentences import FRAME, checksum
+from trainer.io.orders.sentences import FRAME_PATTERN, checksum
 
-LONGEST: Final = 82  # [characters] of a sentence, its line end included
+MAX_SENTENCE_LETTERS: Final = 82  # [characters] of a sentence, its line end included
 LINE_END: Final = 2  # [characters]
-ADDRESS: Final = re.compile(r"P[A-Z0-9]{2,5}|[A-Z0-9]{5}")
-FINEST: Final = 10**5  # parts of a minute of arc that a position is given in: 2 cm
+ADDRESS_PATTERN: Final = re.compile(r"P[A-Z0-9]{2,5}|[A-Z0-9]{5}")
+MINUTE_PARTS: Final = 10**5  # parts of a minute of arc that a position is given in: 2 cm
 
 
 @dataclass(frozen=True)
-class Sentence:
+class NmeaSentence:
     """A sentence received, its checksum right; a maker's own has the talker P."""
 
     talker: str
@@ -30,7 +30,7 @@ class Sentence:
 
 
 @dataclass(frozen=True)
-class Damaged:
+class DamagedSentence:
     """A line that begins like a sentence and is none."""
 
     reason: str
@@ -40,27 +40,31 @@ def sentence(address: str, *fields: str) -> str:
     """Return a sentence without its line end. ValueError when it is too long to be one."""
     body = ",".join((address, *fields))
     framed = f"${body}*{checksum(body):02X}"
-    if len(framed) > LONGEST - LINE_END:
-        raise ValueError(f"{framed}: {len(framed)} characters; {LONGEST - LINE_END} at most")
+    if len(framed) > MAX_SENTENCE_LETTERS - LINE_END:
+        raise ValueError(
+            f"{framed}: {len(framed)} characters; {MAX_SENTENCE_LETTERS - LINE_END} at most"
+        )
     return framed
 
 
-def hear(line: str) -> Sentence | Damaged | None:
+def parse_sentence(line: str) -> NmeaSentence | DamagedSentence | None:
     """Return what `line` holds, None when it is blank or no sentence at all. Never raises."""
     text = line.strip()
     if not text.startswith("$"):
         return None
-    found = FRAME.fullmatch(text)
+    found = FRAME_PATTERN.fullmatch(text)
     if not (found and text.isascii() and text.isprintable()):
-        return Damaged("not framed by $ and *, with two digits of checksum")
+        return DamagedSentence("not framed by $ and *, with two digits of checksum")
     body, given = found.groups()
     if int(given, 16) != checksum(body):
-        return Damaged(f"wrong checksum {given.upper()}; this sentence's is {checksum(body):02X}")
+        return DamagedSentence(
+            f"wrong checksum {given.upper()}; this sentence's is {checksum(body):02X}"
+        )
     address, *fields = body.split(",")
-    if not ADDRESS.fullmatch(address):
-        return Damaged("no talker and formatter")
+    if not ADDRESS_PATTERN.fullmatch(address):
+        return DamagedSentence("no talker and formatter")
     letters = 1 if address.startswith("P") else 2
-    return Sentence(address[:letters], address[letters:], tuple(fields))
+    return NmeaSentence(address[:letters], address[letters:], tuple(fields))
 
 
 def number(value: float | None, decimals: int) -> str:
@@ -80,8 +84,8 @@ def longitude(degrees: float) -> tuple[str, str]:
 
 def arc(degrees: float, digits: int) -> str:
     """Return the size of an angle as whole degrees, in so many digits, and minutes."""
-    whole, parts = divmod(round(abs(degrees) * 60 * FINEST), 60 * FINEST)
-    minutes, parts = divmod(parts, FINEST)
+    whole, parts = divmod(round(abs(degrees) * 60 * MINUTE_PARTS), 60 * MINUTE_PARTS)
+    minutes, parts = divmod(parts, MINUTE_PARTS)
     return f"{whole:0{digits}d}{minutes:02d}.{parts:05d}"
 
 

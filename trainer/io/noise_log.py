@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-MOST: Final = 20  # entries
-WHILE: Final = 10.0  # [s]
-ENTRY_RETURN_S: Final = 60.0  # until one more of a crowd's entries is written, of MOST
+MAX_ENTRIES: Final = 20  # entries
+ENTRY_PERIOD_S: Final = 10.0  # [s]
+ENTRY_RETURN_S: Final = 60.0  # until one more of a crowd's entries is written, of MAX_ENTRIES
 MAX_SUM_PAUSE_S: Final = 600.0  # between two sums of a crowd that does not rest
 
 
@@ -25,7 +25,7 @@ class NoiseLog:
     def log(self, kind: str, text: str) -> None:
         """Pass an entry on, or count it."""
         self.settle()
-        if self._passed < MOST:
+        if self._passed < MAX_ENTRIES:
             self._passed += 1
             self._log(kind, text)
             return
@@ -33,7 +33,7 @@ class NoiseLog:
 
     def settle(self) -> None:
         """Begin afresh if the while is over, with the number of what was held back."""
-        if self._clock() - self._since >= WHILE:
+        if self._clock() - self._since >= ENTRY_PERIOD_S:
             self.close()
             self._since = self._clock()
             self._passed = 0
@@ -55,21 +55,21 @@ class Tally:
     """The count of one kind: entries that may still be written, and those held back."""
 
     since: float  # [s] when ``places`` was reckoned
-    places: float = MOST
+    places: float = MAX_ENTRIES
     held: int = 0
     due: float = math.inf  # [s] when the number of what is held back is told
-    pause: float = WHILE  # [s] before it is told
+    pause: float = ENTRY_PERIOD_S  # [s] before it is told
     told: float = -math.inf  # [s] when it was told last
 
     def admit(self, now: float) -> bool:
         """Return whether an entry is written; else it is counted."""
         returned = (now - self.since) / ENTRY_RETURN_S
-        self.since, self.places = now, min(self.places + returned, MOST)
+        self.since, self.places = now, min(self.places + returned, MAX_ENTRIES)
         if self.places >= 1.0:
             self.places -= 1.0
             return True
         if not self.held:
-            self.pause = WHILE if now - self.told > self.pause else self.pause
+            self.pause = ENTRY_PERIOD_S if now - self.told > self.pause else self.pause
             self.due = now + self.pause
         self.held += 1
         return False

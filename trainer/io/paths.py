@@ -11,31 +11,33 @@ from typing import Final
 
 import platformdirs
 
-HOST: Final = "127.0.0.1"
-PORT: Final = 17800
-PAGES: Final = 17880  # the port of stations in a browser
-SUFFIX: Final = ".trainer"
+DEFAULT_HOST: Final = "127.0.0.1"
+DEFAULT_PORT: Final = 17800
+PAGES_PORT: Final = 17880  # the port of stations in a browser
+RECORDING_SUFFIX: Final = ".trainer"
 
 # What a session says of itself as it starts, for its user and for the program that started it
 MAKING_READY: Final = "making ready:"  # what it was told is right
-LISTENING: Final = "listening at"
+LISTENING_TEXT: Final = "listening at"
 
-_OURS: Final = "submarine-trainer"
+_FOLDER_NAME: Final = "submarine-trainer"
 
 
 def socket_path() -> Path:
     """Return the local socket of this user's session."""
     runtime = os.environ.get("XDG_RUNTIME_DIR")
     if runtime:
-        return Path(runtime) / _OURS / "session.sock"
+        return Path(runtime) / _FOLDER_NAME / "session.sock"
     user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
-    return Path(tempfile.gettempdir()) / f"{_OURS}-{user}" / "session.sock"
+    return Path(tempfile.gettempdir()) / f"{_FOLDER_NAME}-{user}" / "session.sock"
 
 
 def nearest_session() -> str:
     """Return where this machine's session listens, by its local socket if there is one."""
     path = socket_path()
-    return str(path) if path.exists() else left_address()[0] or f"tcp://{HOST}:{PORT}"
+    return (
+        str(path) if path.exists() else left_address()[0] or f"tcp://{DEFAULT_HOST}:{DEFAULT_PORT}"
+    )
 
 
 def address_path() -> Path:
@@ -67,9 +69,9 @@ def recordings_folder() -> Path:
     Where ``XDG_STATE_HOME`` says, or an earlier version kept them, they stay.
     """
     named = os.environ.get("XDG_STATE_HOME")
-    earlier = Path(named or Path.home() / ".local" / "state") / _OURS  # of all systems, once
+    earlier = Path(named or Path.home() / ".local" / "state") / _FOLDER_NAME  # of all systems, once
     here = named or earlier.is_dir()
-    folder = earlier if here else platformdirs.user_state_path(_OURS, appauthor=False)
+    folder = earlier if here else platformdirs.user_state_path(_FOLDER_NAME, appauthor=False)
     return folder / "recordings"
 
 
@@ -82,6 +84,6 @@ def recording_paths(name: str) -> Iterator[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    yield folder / f"{plain}-{stamp}{SUFFIX}"
+    yield folder / f"{plain}-{stamp}{RECORDING_SUFFIX}"
     for again in count(2):
-        yield folder / f"{plain}-{stamp}-{again}{SUFFIX}"
+        yield folder / f"{plain}-{stamp}-{again}{RECORDING_SUFFIX}"

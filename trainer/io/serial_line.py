@@ -12,21 +12,28 @@ import threading
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from trainer.io.lines import KILL, LINE_FEED
+from trainer.io.lines import KILL_LINE, LINE_FEED
 
 if TYPE_CHECKING:
     import serial
 
-WAIT = 0.1  # [s]  a read's longest wait; bounds how long close() takes
-STALL = 1.0  # [s]  a write's longest wait; 0 would spin for ever inside pyserial on a full line
-FIRST_PAUSE, LONGEST_PAUSE = 0.25, 4.0  # [s]  between attempts to reopen
-CHUNK = 4096  # [bytes]
-FASTEST = 4_000_000  # [baud]
+READ_TIMEOUT_S = 0.1  # [s]  a read's longest wait; bounds how long close() takes
+WRITE_TIMEOUT_S = (
+    1.0  # [s]  a write's longest wait; 0 would spin for ever inside pyserial on a full line
+)
+FIRST_PAUSE_S, MAX_PAUSE_S = 0.25, 4.0  # [s]  between attempts to reopen
+CHUNK_BYTES = 4096  # [bytes]
+MAX_BAUD_RATE = 4_000_000  # [baud]
 
-SCHEMES = ("socket", "rfc2217", "loop", "hwgrep", "spy", "alt", "cp2110")
-NETWORK = ("socket", "rfc2217")
-SLIPS = (OSError, ValueError, TypeError, LookupError)  # all of them seen from pyserial on open
-SYSTEM_SAYS = re.compile(r"(?:Errno -?\d+\] |\(\d+, ')([^:']+)")
+URL_SCHEMES = ("socket", "rfc2217", "loop", "hwgrep", "spy", "alt", "cp2110")
+NETWORK_SCHEMES = ("socket", "rfc2217")
+OPEN_ERRORS = (
+    OSError,
+    ValueError,
+    TypeError,
+    LookupError,
+)  # all of them seen from pyserial on open
+SYSTEM_TEXT_PATTERN = re.compile(r"(?:Errno -?\d+\] |\(\d+, ')([^:']+)")
 
 
 class LinkError(Exception):
@@ -43,7 +50,7 @@ class SerialLine:
         self._baud = baud
         self._port: serial.Serial | None = open_port(url, baud)
         self._closing = threading.Event()
-        self._pause = FIRST_PAUSE
+        self._pause = FIRST_PAUSE_S
         self._writing = threading.Lock()  # held to write, and to take the port away
 
     @property
@@ -63,12 +70,12 @@ class SerialLine:
         try:
             data = bytearray(port.read(1))
             # Asking for more than is there would wait for it; a socket counts only to one.
-            while len(data) < CHUNK and (waiting := port.in_waiting):
+            while len(data) < CHUNK_BYTES and (waiting := port.in_waiting):
                 data += port.read(waiting)
         except OSError:  # what pyserial raises is one
             self.losses += 1
             self.release()
-            return KILL  # half an order must not be completed by what comes after the gap
+            return KILL_LINE  # half an order must not be completed by what comes after the gap
         return bytes(data)
 
     def write(self, data: bytes) -> None:
@@ -96,9 +103,9 @@ class SerialLine:
             return
         try:
             self._port = open_port(self.url, self._baud)
-            self._pause = FIRST_PAUSE
+            self._pause = FIRST_PAUSE_S
         except LinkError:
-            self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
+            self._pause = min(2.0 * self._pause, MAX_PAUSE_S)
 
 
 def open_port(url: str, baud: int) -> "serial.Serial":
@@ -106,16 +113,18 @@ def open_port(url: str, baud: int) -> "serial.Serial":
     import serial  # noqa: PLC0415  only runs with a serial line pay for it
 
     scheme, separator, _ = url.partition("://")
-    if separator and scheme.lower() not in SCHEMES:
-        raise LinkError(f"{url}: no such kind of line{nearest(scheme, list(SCHEMES))}")
-    if not 0 < baud <= FASTEST:
-        raise LinkError(f"{url}: {baud} baud: a line runs at 1 to {FASTEST} baud")
-    if scheme.lower() in NETWORK and not is_address(url):
+    if separator and scheme.lower() not in URL_SCHEMES:
+        raise LinkError(f"{url}: no such kind of line{nearest(scheme, list(URL_SCHEMES))}")
+    if not 0 < baud <= MAX_BAUD_RATE:
+        raise LinkError(f"{url}: {baud} baud: a line runs at 1 to {MAX_BAUD_RATE} baud")
+    if scheme.lower() in NETWORK_SCHEMES and not is_address(url):
         raise LinkError(f"{url}: say {scheme}://HOST:PORT, the port 1 to 65535")
     try:
-        return serial.serial_for_url(url, baud, timeout=WAIT, write_timeout=STALL)
-    except SLIPS as error:
-        missing = "" if separator or not absent(error) else nearest(url, devices())
+        return serial.serial_for_url(
+            url, baud, timeout=READ_TIMEOUT_S, write_timeout=WRITE_TIMEOUT_S
+        )
+    except OPEN_ERRORS as error:
+        missing = "" if separator or not device_is_absent(error) else nearest(url, devices())
         raise LinkError(f"{url}: {reason(error)}{missing}") from error
 
 
@@ -128,14 +137,14 @@ def is_address(url: str) -> bool:
         return False
 
 
-def absent(error: Exception) -> bool:
+def device_is_absent(error: Exception) -> bool:
     """Return whether the device is not there, as POSIX or as Windows reports it."""
     return getattr(error, "errno", None) == errno.ENOENT or "FileNotFound" in str(error)
 
 
 def reason(error: Exception) -> str:
     """Return what the system said, which pyserial wraps in words of its own."""
-    found = SYSTEM_SAYS.findall(str(error))
+    found = SYSTEM_TEXT_PATTERN.findall(str(error))
     return found[-1] if found else str(error) or type(error).__name__
 
 

@@ -22,23 +22,23 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from trainer.io import paths
-from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection
+from trainer.io.connection import CHUNK_BYTES, MAX_OUTGOING_BYTES, READ_EVENT, Connection
 from trainer.io.machine import machine_of
 from trainer.io.serial_line import LinkError
 
-WAITING = 128  # connections that the system keeps until they are taken
-KNOCK = 1.0  # [s]  for a session that listens at a path to answer
-HIGHEST = 65535
-ROOM = 32  # connections
-KEPT = 8  # more, for lines of this machine and user
-STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
-TURNED_AWAY = 8  # more that are being told so; beyond it they are cut off
-LAST_WORDS = 1.0  # [s]  for those
-DEAF = 1.0  # [s]  without new connections after the system had no room for one
-GRACE = 1.0  # [s]  beyond the patience, for the thread to end
+LISTEN_BACKLOG = 128  # connections that the system keeps until they are taken
+KNOCK_TIMEOUT_S = 1.0  # [s]  for a session that listens at a path to answer
+MAX_PORT = 65535
+MAX_CONNECTIONS = 32  # connections
+RESERVED_CONNECTIONS = 8  # more, for lines of this machine and user
+MAX_STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
+MAX_REFUSED_LINES = 8  # more that are being told so; beyond it they are cut off
+REFUSAL_TIMEOUT_S = 1.0  # [s]  for those
+FULL_PAUSE_S = 1.0  # [s]  without new connections after the system had no room for one
+CLOSE_GRACE_S = 1.0  # [s]  beyond the patience, for the thread to end
 NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
 # A client whose machine has died is noticed after 30 + 3 * 10 s.
-KEEPALIVE = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
+KEEPALIVE_OPTIONS = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
 
 
 def parse_address(text: str, example: str) -> tuple[str, int]:
@@ -46,18 +46,18 @@ def parse_address(text: str, example: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
     if not port.isdecimal():
         raise LinkError(f"{text}: say HOST:PORT, such as {example}")
-    return host.strip("[]") or paths.HOST, int(port)
+    return host.strip("[]") or paths.DEFAULT_HOST, int(port)
 
 
 def listen_at(host: str, port: int) -> socket.socket:
     """Return a socket that listens at a TCP port, 0 for any free one. Raises LinkError."""
     where = f"{host}:{port}"
-    if not 0 <= port <= HIGHEST:
-        raise LinkError(f"{where}: a port is 1 to {HIGHEST}, or 0 for any that is free")
+    if not 0 <= port <= MAX_PORT:
+        raise LinkError(f"{where}: a port is 1 to {MAX_PORT}, or 0 for any that is free")
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         family, _, _, _, address = found[0]
-        return socket.create_server(address[:2], family=family, backlog=WAITING)
+        return socket.create_server(address[:2], family=family, backlog=LISTEN_BACKLOG)
     except (OSError, UnicodeError) as error:
         raise LinkError(f"{where}: {why_not(error)}") from error
 
@@ -109,7 +109,7 @@ def listen_here(path: Path) -> LocalSocket:
     try:
         listener.bind(str(path))
         path.chmod(0o600)  # before it listens: until then nobody can connect
-        listener.listen(WAITING)
+        listener.listen(LISTEN_BACKLOG)
         return LocalSocket(listener, path, identity(path))
     except OSError as error:
         listener.close()
@@ -158,7 +158,7 @@ def make_room(path: Path) -> None:
         return  # nothing there, or bind will say what
     if not stat.S_ISSOCK(kind):
         raise LinkError(f"{path}: is there and is no socket; give another path")
-    if answers(path):
+    if socket_answers(path):
         raise LinkError(
             f"{path}: a session listens there; attach to it, or give this one another path"
         )
@@ -166,10 +166,10 @@ def make_room(path: Path) -> None:
         path.unlink()
 
 
-def answers(path: Path) -> bool:
+def socket_answers(path: Path) -> bool:
     """Return whether anything listens at the socket `path`."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as knock:
-        knock.settimeout(KNOCK)
+        knock.settimeout(KNOCK_TIMEOUT_S)
         try:
             knock.connect(str(path))
         except (ConnectionRefusedError, FileNotFoundError):
@@ -237,7 +237,7 @@ class Server:
         """Stop listening, send what is queued for at most `patience` [s], close all."""
         self._leave_at = time.monotonic() + patience
         self._stir()
-        self._thread.join(patience + GRACE)
+        self._thread.join(patience + CLOSE_GRACE_S)
 
     def _open(self, access: socket.socket, listener: socket.socket | LocalSocket) -> None:
         access.settimeout(0.0)
@@ -252,7 +252,7 @@ class Server:
                 self._bell.send(b"!")
 
     def _run(self) -> None:
-        self._selector.register(self._ear, READ, self._hear_bell)
+        self._selector.register(self._ear, READ_EVENT, self._hear_bell)
         while self._connections or math.isinf(self._leave_at):
             now = time.monotonic()
             self._tend_doors(now)
@@ -266,13 +266,13 @@ class Server:
         self._ear.close()
 
     def _hear_bell(self, _ready: int) -> None:
-        self._ear.recv(CHUNK)
+        self._ear.recv(CHUNK_BYTES)
         self._rung = False
 
     def _tend_doors(self, now: float) -> None:
         opened = now >= self._deaf_until and math.isinf(self._leave_at)
         for access, _ in tuple(self._doors):  # another thread may open one
-            self._watch(access, READ * opened, functools.partial(self._admit, access))
+            self._watch(access, READ_EVENT * opened, functools.partial(self._admit, access))
 
     def _tend_connections(self, now: float) -> None:
         for connection in list(self._connections):
@@ -280,7 +280,7 @@ class Server:
                 connection.close(self._leave_at - now)
             if connection.overdue(now):
                 connection.send("? closed: nobody said who is here: role NAME TOKEN")
-                connection.close(LAST_WORDS)
+                connection.close(REFUSAL_TIMEOUT_S)
             if connection.finished(now):
                 self._watch(connection, 0, connection.serve)
                 connection.dispose()
@@ -312,17 +312,17 @@ class Server:
             end, address = access.accept()
         except OSError as error:  # gone again, or the system has no room for it
             if error.errno in NO_ROOM:
-                self._deaf_until = time.monotonic() + DEAF
+                self._deaf_until = time.monotonic() + FULL_PAUSE_S
             return
         local = end.family not in (socket.AF_INET, socket.AF_INET6)
-        room = ROOM + KEPT * local
-        if len(self._connections) >= room + TURNED_AWAY:
+        room = MAX_CONNECTIONS + RESERVED_CONNECTIONS * local
+        if len(self._connections) >= room + MAX_REFUSED_LINES:
             end.close()
             return
         if not local:
             self._make_room()
         full = sum(not connection.leaving for connection in self._connections) >= room
-        prepare(end)
+        prepare_socket(end)
         connection = Connection(end, self._name(address), self._wake, self._stir)
         connection.local = local
         connection.machine = "" if local else machine_of(address[0], end.getsockname()[0])
@@ -330,7 +330,7 @@ class Server:
         self._connections.append(connection)
         if full:
             connection.send(f"? no room: {room} stations are attached; one of them must detach")
-            connection.close(LAST_WORDS)
+            connection.close(REFUSAL_TIMEOUT_S)
             return
         self._newcomers.append(connection)
         self._wake.set()
@@ -341,10 +341,10 @@ class Server:
         Places are kept for those known.
         """
         strangers = [each for each in self._connections if each.stranger and not each.leaving]
-        if len(strangers) >= STRANGERS:
+        if len(strangers) >= MAX_STRANGERS:
             leaver = min(strangers, key=lambda each: each.worth)
             leaver.send("? your place is needed: say who you are at once when you come")
-            leaver.close(LAST_WORDS)
+            leaver.close(REFUSAL_TIMEOUT_S)
 
     def _name(self, address: tuple[str, int] | str) -> str:
         if isinstance(address, tuple):
@@ -353,14 +353,14 @@ class Server:
         return f"local {self._count}"
 
 
-def prepare(end: socket.socket) -> None:
+def prepare_socket(end: socket.socket) -> None:
     """Set the options of a new connection."""
-    end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MOST_BYTES)
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_OUTGOING_BYTES)
     if end.family not in (socket.AF_INET, socket.AF_INET6):
         return
     with contextlib.suppress(OSError):  # gone already: the first read tells
         end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         end.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-        for name, value in KEEPALIVE:
+        for name, value in KEEPALIVE_OPTIONS:
             if hasattr(socket, name):
                 end.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)

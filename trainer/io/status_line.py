@@ -3,12 +3,12 @@
 import math
 from typing import NamedTuple
 
-DAY_AND_MORE = 100 * 3600  # [s]  from here on hours and minutes only
+LONG_TIME_S = 100 * 3600  # [s]  from here on hours and minutes only
 
-HEADER = "time      depth>order hdg>course speed pitch  heel  rudder  stern    bow    rpm"
+HEADER_LINE = "time      depth>order hdg>course speed pitch  heel  rudder  stern    bow    rpm"
 
 
-class View(NamedTuple):
+class StatusView(NamedTuple):
     """The values of the console, in display units."""
 
     time_s: float
@@ -31,10 +31,10 @@ class View(NamedTuple):
 
 def header() -> str:
     """Return the headings of the state line."""
-    return HEADER
+    return HEADER_LINE
 
 
-def state_line(view: View) -> str:
+def state_line(view: StatusView) -> str:
     """Return the state in 79 columns. F: frozen; *: a surface steered by hand.
 
     L, R are left, right; D, R dive, rise. What is too wide for its column is its sign and ###.
@@ -61,7 +61,7 @@ def clock(time_s: float) -> str:
         return number(time_s, 8)
     minutes, seconds = divmod(int(time_s), 60)
     hours, minutes = divmod(minutes, 60)
-    if time_s < DAY_AND_MORE:
+    if time_s < LONG_TIME_S:
         return f"{hours:02d}:{minutes:02d}:{seconds:02d}"
     return f"{hours}:{minutes:02d}".rjust(8)
 

@@ -15,19 +15,19 @@ from pathlib import Path
 from typing import Any, Final, Protocol
 
 from trainer.io.atomic_write import replacing
-from trainer.io.recording.recording import Noted, Recording, RecordingError
+from trainer.io.recording.recording import RecordedEvent, Recording, RecordingError
 
-ROWS: Final = 5000  # of a Parquet file written at once
+BATCH_ROWS: Final = 5000  # of a Parquet file written at once
 
-FORMULAS: Final = ("=", "+", "-", "@", "\t", "\r")  # how they begin
+FORMULA_SIGNS: Final = ("=", "+", "-", "@", "\t", "\r")  # how they begin
 
 Cell = int | float | str | bool | None
 
-PLACED: Final = {"branch": int, "tick": int, "t": float}  # where in the run; t [s]
-TIMINGS: Final = {"lateness_ns": int, "work_ns": int}
-ORDERS: Final = {"who": str, "text": str, "place": int, "accepted": bool, "answer": str}
-EVENTS: Final = {"wall": str, "kind": str, "who": str, "text": str}
-COLUMNS: Final = (
+PLACE_COLUMNS: Final = {"branch": int, "tick": int, "t": float}  # where in the run; t [s]
+TIMING_COLUMNS: Final = {"lateness_ns": int, "work_ns": int}
+ORDER_COLUMNS: Final = {"who": str, "text": str, "place": int, "accepted": bool, "answer": str}
+EVENT_COLUMNS: Final = {"wall": str, "kind": str, "who": str, "text": str}
+MOTION_COLUMNS: Final = (
     *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
     *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
     "validity",
@@ -80,7 +80,7 @@ def export_parquet(
 
 def states_table(recording: Recording, layout: Layout, branch: int) -> Table:
     """Return one row for each tick, SI and radians; timings [ns] where they were measured."""
-    columns = {**PLACED, **dict.fromkeys(layout.columns, float), **TIMINGS}
+    columns = {**PLACE_COLUMNS, **dict.fromkeys(layout.columns, float), **TIMING_COLUMNS}
 
     def rows() -> Iterator[Sequence[Cell]]:
         for tick in recording.flown(branch):
@@ -100,16 +100,16 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
         )
         for each in recording.orders(branch)
     )
-    return Table({"id": int, **PLACED, **ORDERS}, rows)
+    return Table({"id": int, **PLACE_COLUMNS, **ORDER_COLUMNS}, rows)
 
 
-def events_table(events: Iterable[Noted], layout: Layout) -> Table:
+def events_table(events: Iterable[RecordedEvent], layout: Layout) -> Table:
     """Return one row for each event. `wall` is the time of day, UTC."""
     rows = (
         (each.branch, each.tick, each.tick * layout.step, each.wall, each.kind, each.who, each.text)
         for each in events
     )
-    return Table({**PLACED, **EVENTS}, rows)
+    return Table({**PLACE_COLUMNS, **EVENT_COLUMNS}, rows)
 
 
 def _export(
@@ -147,7 +147,7 @@ def _write_csv(table: Table, path: Path) -> None:
 
 def _inert(cell: Cell) -> Cell:
     """Return a cell that no spreadsheet takes for a formula: an apostrophe is put before it."""
-    if not (isinstance(cell, str) and cell.startswith(FORMULAS)):
+    if not (isinstance(cell, str) and cell.startswith(FORMULA_SIGNS)):
         return cell
     try:
         float(cell)
@@ -165,7 +165,7 @@ def _write_parquet(table: Table, path: Path) -> None:
     kinds[bool] = pa.bool_()
     schema = pa.schema([(name, kinds[kind]) for name, kind in table.columns.items()])
     with pq.ParquetWriter(path, schema) as file:
-        while rows := list(islice(table.rows, ROWS)):
+        while rows := list(islice(table.rows, BATCH_ROWS)):
             columns = [
                 pa.array(cells, field.type)
                 for cells, field in zip(zip(*rows, strict=True), schema, strict=True)
@@ -173,7 +173,7 @@ def _write_parquet(table: Table, path: Path) -> None:
             file.write_table(pa.table(columns, schema=schema))
 
 
-class Columns(Protocol):
+class ColumnSink(Protocol):
     """Where each tick's columns go."""
 
     trouble: str
@@ -192,7 +192,7 @@ class CsvFile:
         self.trouble = ""  # why no more are written
         self._batch = batch
         self._file = path.open("wb", buffering=0)
-        self._lines = [",".join(COLUMNS) + "\n"]
+        self._lines = [",".join(MOTION_COLUMNS) + "\n"]
         self._written = 0  # lines on disk, the heading among them
 
     def row(self, values: Sequence[float]) -> None:

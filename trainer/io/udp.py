@@ -6,7 +6,7 @@ from typing import Final
 from trainer.io.lines import line_bytes
 from trainer.io.serial_line import LinkError
 
-HIGHEST: Final = 65535
+MAX_PORT: Final = 65535
 
 
 class Datagrams:
@@ -18,8 +18,8 @@ class Datagrams:
         """Find the host, once; LinkError if there is none or the port is none."""
         self.dropped = 0
         self.trouble = ""  # of the last datagram
-        if not 0 < port <= HIGHEST:
-            raise LinkError(f"a port is 1 to {HIGHEST}")
+        if not 0 < port <= MAX_PORT:
+            raise LinkError(f"a port is 1 to {MAX_PORT}")
         try:
             found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
         except (OSError, UnicodeError) as error:

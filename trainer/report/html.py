@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from trainer.config.files import json_text
 
-HERE: Final = Path(__file__).parent
+PAGE_FOLDER: Final = Path(__file__).parent
 
 
 class Cell(NamedTuple):
@@ -27,7 +27,7 @@ class Cell(NamedTuple):
 def _environment() -> Environment:
     """Return where templates are found: all of them escape what they are given."""
     return Environment(
-        loader=FileSystemLoader(HERE / "templates"),
+        loader=FileSystemLoader(PAGE_FOLDER / "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -35,9 +35,9 @@ def _environment() -> Environment:
     )
 
 
-def page(template: str, style: str, **parts: Any) -> str:
+def fill_page(template: str, style: str, **parts: Any) -> str:
     """Return the page of a template with a style sheet, both files beside this one."""
-    css = Markup((HERE / style).read_text(encoding="utf-8"))  # noqa: S704  our own
+    css = Markup((PAGE_FOLDER / style).read_text(encoding="utf-8"))  # noqa: S704  our own
     return _environment().get_template(template).render(style=css, **parts)
 
 
@@ -69,6 +69,6 @@ def charts(drawn: Iterable[str]) -> Markup:
     return _piece("charts", [Markup(each) for each in drawn])  # noqa: S704  by svg, escaped there
 
 
-def embed(data: Any) -> Markup:
+def embed_json(data: Any) -> Markup:
     """Return data as JSON within a script element."""
     return Markup(json_text(data).replace("</", "<\\/"))  # noqa: S704  nothing can end the element

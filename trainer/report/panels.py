@@ -7,24 +7,24 @@ from typing import Final
 import numpy as np
 from markupsafe import Markup
 
-from trainer.report.plots import TRACK, Curve, Panel
-from trainer.report.svg import Axis, rule, step_of, svg, text, ticks, way
+from trainer.report.plots import TRACK_TITLE, Curve, Panel
+from trainer.report.svg import Axis, line_path, rule, step_of, svg_element, text, ticks
 
-WIDTH, HEIGHT = 460.0, 230.0  # [px]
-LEFT, RIGHT, TOP, BOTTOM = 52.0, 12.0, 26.0, 40.0
-POINTS: Final = 160  # of a curve
-STYLES: Final = 7  # classes of curves in the page's style
-SHAPES: Final = (  # about the point
+PANEL_WIDTH_PX, PANEL_HEIGHT_PX = 460.0, 230.0  # [px]
+LEFT_MARGIN_PX, RIGHT_MARGIN_PX, TOP_MARGIN_PX, BOTTOM_MARGIN_PX = 52.0, 12.0, 26.0, 40.0
+CURVE_POINTS: Final = 160  # of a curve
+CURVE_STYLES: Final = 7  # classes of curves in the page's style
+MARKER_SHAPES: Final = (  # about the point
     "m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0",
     "m-3-3h6v6h-6z",
     "m0-3.6l3.4 6.4h-6.8z",
     "m0-4l4 4l-4 4l-4-4z",
     "m-3-3l6 6m0-6l-6 6",
 )
-ONES: Final = (1, 2, 5)  # labels of a decade
+DECADE_LABELS: Final = (1, 2, 5)  # labels of a decade
 
 
-def draw(panel: Panel) -> Markup:
+def draw_panel(panel: Panel) -> Markup:
     """Return a panel as an SVG element."""
     if panel.decades:
         logs = (replace(curve, x=np.log10(curve.x)) for curve in panel.curves)
@@ -38,21 +38,27 @@ def draw(panel: Panel) -> Markup:
     if not xs.size:
         return Markup()
     across, up = _axes(panel, xs, ys)
-    parts = [text("title", LEFT, 15.0, panel.y), *_grid(panel, across, up)]
+    parts = [text("title", LEFT_MARGIN_PX, 15.0, panel.y), *_grid(panel, across, up)]
     for label, place in panel.marks:
         if across.low <= place <= across.high:
             parts += [
-                rule("mark", across.at(place), TOP, across.at(place), HEIGHT - BOTTOM),
-                text("tick", across.at(place) + 3.0, TOP + 9.0, label),
+                rule(
+                    "mark",
+                    across.at(place),
+                    TOP_MARGIN_PX,
+                    across.at(place),
+                    PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX,
+                ),
+                text("tick", across.at(place) + 3.0, TOP_MARGIN_PX + 9.0, label),
             ]
     for i, (curve, (x, y)) in enumerate(zip(panel.curves, curves, strict=True)):
         if curve.points:
             spots = zip(across.places(x), up.places(y), strict=True)
             parts.append("".join(_dot(i, float(a), float(b)) for a, b in spots))
             continue
-        line = way(across.places(curve.x), up.places(curve.y), POINTS)
-        parts.append(f'<path class="c{i % STYLES}" d="{line}"/>')
-    return svg(f"{panel.y} against {panel.x}", (WIDTH, HEIGHT), parts)
+        line = line_path(across.places(curve.x), up.places(curve.y), CURVE_POINTS)
+        parts.append(f'<path class="c{i % CURVE_STYLES}" d="{line}"/>')
+    return svg_element(f"{panel.y} against {panel.x}", (PANEL_WIDTH_PX, PANEL_HEIGHT_PX), parts)
 
 
 def legend(curves: tuple[Curve, ...]) -> Markup:
@@ -62,7 +68,9 @@ def legend(curves: tuple[Curve, ...]) -> Markup:
         key.format(Markup(sample), curve.label)  # noqa: S704  made here
         for i, curve in enumerate(curves)
         for sample in (
-            _dot(i, 18.0, 4.0) if curve.points else f'<path class="c{i % STYLES}" d="M1 4H35"/>',
+            _dot(i, 18.0, 4.0)
+            if curve.points
+            else f'<path class="c{i % CURVE_STYLES}" d="M1 4H35"/>',
         )
     )
     return Markup('<p class="legend">{}</p>').format(samples)
@@ -75,14 +83,19 @@ def _axes(panel: Panel, xs: np.ndarray, ys: np.ndarray) -> tuple[Axis, Axis]:
     low, high = low - room, high + room
     begin, end = float(xs.min()), float(xs.max())
     end = max(end, begin + 1e-6)
-    if panel.title == TRACK:
-        scale = max((end - begin) / (WIDTH - LEFT - RIGHT), (high - low) / (HEIGHT - TOP - BOTTOM))
-        begin, end = _about(begin, end, scale * (WIDTH - LEFT - RIGHT))
-        low, high = _about(low, high, scale * (HEIGHT - TOP - BOTTOM))
-    ends = (HEIGHT - BOTTOM, TOP)
+    if panel.title == TRACK_TITLE:
+        scale = max(
+            (end - begin) / (PANEL_WIDTH_PX - LEFT_MARGIN_PX - RIGHT_MARGIN_PX),
+            (high - low) / (PANEL_HEIGHT_PX - TOP_MARGIN_PX - BOTTOM_MARGIN_PX),
+        )
+        begin, end = _about(begin, end, scale * (PANEL_WIDTH_PX - LEFT_MARGIN_PX - RIGHT_MARGIN_PX))
+        low, high = _about(low, high, scale * (PANEL_HEIGHT_PX - TOP_MARGIN_PX - BOTTOM_MARGIN_PX))
+    ends = (PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX, TOP_MARGIN_PX)
     if panel.downwards:
-        ends = (TOP, HEIGHT - BOTTOM)
-    return Axis(begin, end, LEFT, WIDTH - RIGHT), Axis(low, high, *ends)
+        ends = (TOP_MARGIN_PX, PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX)
+    return Axis(begin, end, LEFT_MARGIN_PX, PANEL_WIDTH_PX - RIGHT_MARGIN_PX), Axis(
+        low, high, *ends
+    )
 
 
 def _about(low: float, high: float, span: float) -> tuple[float, float]:
@@ -96,25 +109,39 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
     parts = []
     for value in ticks(up.low, up.high, step_of(up.high - up.low, 5)):
         y = up.at(value)
-        parts.append(rule("grid", LEFT, y, WIDTH - RIGHT, y))
-        parts.append(text("tick end", LEFT - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
+        parts.append(rule("grid", LEFT_MARGIN_PX, y, PANEL_WIDTH_PX - RIGHT_MARGIN_PX, y))
+        parts.append(text("tick end", LEFT_MARGIN_PX - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
     if panel.decades:  # 1, 2 and 5 of each
         powers = range(math.floor(across.low), math.ceil(across.high) + 1)
-        places = [(math.log10(m) + power, f"{m * 10.0**power:g}") for power in powers for m in ONES]
+        places = [
+            (math.log10(m) + power, f"{m * 10.0**power:g}")
+            for power in powers
+            for m in DECADE_LABELS
+        ]
         places = [one for one in places if across.low <= one[0] <= across.high]
     else:
         values = ticks(across.low, across.high, step_of(across.high - across.low, 7))
         places = [(value, f"{value + 0.0:.6g}") for value in values]
     for value, label in places:
         x = across.at(value)
-        parts.append(rule("grid", x, TOP, x, HEIGHT - BOTTOM))
-        parts.append(text("tick middle", x, HEIGHT - BOTTOM + 14.0, label))
-    parts.append(text("tick middle", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 8.0, panel.x))
+        parts.append(rule("grid", x, TOP_MARGIN_PX, x, PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX))
+        parts.append(text("tick middle", x, PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX + 14.0, label))
+    parts.append(
+        text(
+            "tick middle",
+            0.5 * (LEFT_MARGIN_PX + PANEL_WIDTH_PX - RIGHT_MARGIN_PX),
+            PANEL_HEIGHT_PX - 8.0,
+            panel.x,
+        )
+    )
     inside = [up.at(value) for value in panel.levels if up.low <= value <= up.high]
-    return [*parts, *(rule("mark", LEFT, y, WIDTH - RIGHT, y) for y in inside)]
+    return [
+        *parts,
+        *(rule("mark", LEFT_MARGIN_PX, y, PANEL_WIDTH_PX - RIGHT_MARGIN_PX, y) for y in inside),
+    ]
 
 
 def _dot(place: int, x: float, y: float) -> str:
     """Return a mark, of one of several shapes."""
-    shape = SHAPES[place % len(SHAPES)]
-    return f'<path class="dot c{place % STYLES}" d="M{x:.1f} {y:.1f}{shape}"/>'
+    shape = MARKER_SHAPES[place % len(MARKER_SHAPES)]
+    return f'<path class="dot c{place % CURVE_STYLES}" d="M{x:.1f} {y:.1f}{shape}"/>'

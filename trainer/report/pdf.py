@@ -11,39 +11,43 @@ from typing import Final
 from trainer.config.files import ConfigError
 from trainer.io.atomic_write import replacing
 
-NAMES: Final = (
+BROWSER_NAMES: Final = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
     *("microsoft-edge", "microsoft-edge-stable", "msedge", "chromium-headless-shell"),
 )
 
 
-MAC: Final = (
+MAC_PATHS: Final = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
     "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
 )
 
 
-WINDOWS: Final = (
+WINDOWS_PATHS: Final = (
     "Google/Chrome/Application/chrome.exe",
     "Chromium/Application/chrome.exe",
     "Microsoft/Edge/Application/msedge.exe",
 )
 
 
-FOLDERS: Final = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")  # of Windows
+WINDOWS_FOLDERS: Final = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")  # of Windows
 
 
-PATIENCE: Final = 120.0  # [s]
+PRINT_TIMEOUT_S: Final = 120.0  # [s]
 
 
 def find_browser() -> str | None:
     """Return a Chromium, Chrome or Edge, None if there is none."""
-    for name in NAMES:
+    for name in BROWSER_NAMES:
         if found := shutil.which(name):
             return found
-    places = [Path(place) for place in MAC]
-    places += [Path(os.environ.get(each, "")) / place for each in FOLDERS for place in WINDOWS]
+    places = [Path(place) for place in MAC_PATHS]
+    places += [
+        Path(os.environ.get(each, "")) / place
+        for each in WINDOWS_FOLDERS
+        for place in WINDOWS_PATHS
+    ]
     return next((str(place) for place in places if place.is_absolute() and place.is_file()), None)
 
 
@@ -83,10 +87,15 @@ def _print(browser: str, html: Path, pdf: Path) -> str:
     ]
     try:
         done = subprocess.run(  # noqa: S603 (a browser found by its name)
-            words, capture_output=True, timeout=PATIENCE, check=False, text=True, errors="replace"
+            words,
+            capture_output=True,
+            timeout=PRINT_TIMEOUT_S,
+            check=False,
+            text=True,
+            errors="replace",
         )
     except subprocess.TimeoutExpired:
-        return f"not done within {PATIENCE:g} s"
+        return f"not done within {PRINT_TIMEOUT_S:g} s"
     except OSError as error:
         return str(error.strerror)
     lines = done.stderr.strip().splitlines()

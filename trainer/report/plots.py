@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-TRACK: Final = "track"  # title of a panel with one scale both ways
-FORMS: Final = (".png", ".svg", ".pdf")
-COLOURS: Final = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+TRACK_TITLE: Final = "track"  # title of a panel with one scale both ways
+FILE_ENDINGS: Final = (".png", ".svg", ".pdf")
+CURVE_COLOURS: Final = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 # five beside seven colours: 35 pairs before one recurs
-LINES: Final = (
+LINE_STYLES: Final = (
     "-",
     "--",
     "-.",
     ":",
     (0, (8, 2, 2, 2, 2, 2)),
 )
-MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
-STYLE: Final[dict[Any, Any]] = {
+POINT_MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
+PLOT_STYLE: Final[dict[Any, Any]] = {
     "font.size": 9.0,
     "axes.grid": True,
     "grid.color": "#CCCCCC",
@@ -41,7 +41,7 @@ STYLE: Final[dict[Any, Any]] = {
     "pdf.fonttype": 42,
 }
 # What would differ from one time to the next.
-METADATA: Final[dict[str, dict[str, Any]]] = {
+FILE_METADATA: Final[dict[str, dict[str, Any]]] = {
     ".png": {"Software": None},
     ".svg": {"Date": None},
     ".pdf": {"CreationDate": None},
@@ -92,7 +92,7 @@ class Bar:
 
 
 @dataclass(frozen=True)
-class Bars:
+class BarGroup:
     """Bars across, from the first on top, about a line: a tornado."""
 
     title: str
@@ -101,13 +101,15 @@ class Bars:
     middle: float
 
 
-def draw(panels: Sequence[Panel | Bars | Screen], path: Path) -> None:
+def draw_plot(panels: Sequence[Panel | BarGroup | Screen], path: Path) -> None:
     """Write ``panels``, one below the other, to ``path``; ConfigError if that cannot be.
 
     Screens are two panels wide, in a PDF each on a page of its own.
     """
-    if path.suffix.lower() not in FORMS:
-        raise ConfigError(f"--plot {path}: must end in {', '.join(FORMS[:-1])} or {FORMS[-1]}")
+    if path.suffix.lower() not in FILE_ENDINGS:
+        raise ConfigError(
+            f"--plot {path}: must end in {', '.join(FILE_ENDINGS[:-1])} or {FILE_ENDINGS[-1]}"
+        )
     try:
         from matplotlib import rc_context  # noqa: PLC0415
         from matplotlib.backends.backend_pdf import PdfPages  # noqa: PLC0415
@@ -116,9 +118,9 @@ def draw(panels: Sequence[Panel | Bars | Screen], path: Path) -> None:
             f"--plot needs matplotlib, which cannot be loaded ({missing}); install it with: "
             "pip install 'submarine-trainer[plot]'"
         ) from missing
-    metadata = METADATA[path.suffix.lower()]
+    metadata = FILE_METADATA[path.suffix.lower()]
     screens = [each for each in panels if isinstance(each, Screen)]
-    with rc_context(STYLE):
+    with rc_context(PLOT_STYLE):
         try:
             with replacing(path) as made:
                 if not screens or path.suffix.lower() != ".pdf":
@@ -131,12 +133,12 @@ def draw(panels: Sequence[Panel | Bars | Screen], path: Path) -> None:
             raise ConfigError(f"--plot {path}: cannot be written: {error.strerror}") from error
 
 
-def figure_of(panels: Sequence[Panel | Bars | Screen]) -> "Figure":
+def figure_of(panels: Sequence[Panel | BarGroup | Screen]) -> "Figure":
     """Return a figure of matplotlib: panels one below the other, those of screens in pairs."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
     from matplotlib.figure import Figure  # noqa: PLC0415
 
-    rows: list[tuple[Panel | Bars, ...]] = []
+    rows: list[tuple[Panel | BarGroup, ...]] = []
     for each in panels:
         if isinstance(each, Screen):
             rows += [each.panels[i : i + 2] for i in range(0, len(each.panels), 2)]
@@ -149,17 +151,17 @@ def figure_of(panels: Sequence[Panel | Bars | Screen]) -> "Figure":
     for i, row in enumerate(rows):
         for j, panel in enumerate(row):
             axes = figure.add_subplot(len(rows), wide, i * wide + j + 1)
-            if isinstance(panel, Bars):
+            if isinstance(panel, BarGroup):
                 _draw_bars(panel, axes)
             else:
                 _draw_panel(panel, axes)
     return figure
 
 
-def _draw_bars(panel: Bars, axes: "Axes") -> None:
+def _draw_bars(panel: BarGroup, axes: "Axes") -> None:
     """Draw bars across; what lies at the low and at the high end of a cause differs by hatching."""
     for place, bar in enumerate(panel.bars):
-        sides = zip(bar.ends, bar.told, COLOURS[1:3], ("", "////"), strict=False)
+        sides = zip(bar.ends, bar.told, CURVE_COLOURS[1:3], ("", "////"), strict=False)
         for end, told, colour, hatch in sides:
             how: dict[str, Any] = {"color": colour, "height": 0.6}
             if hatch:
@@ -186,7 +188,7 @@ def _draw_bars(panel: Bars, axes: "Axes") -> None:
 
 def _draw_panel(panel: Panel, axes: "Axes") -> None:
     """Draw one panel."""
-    styles = zip(cycle(COLOURS), cycle(LINES), cycle(MARKERS))
+    styles = zip(cycle(CURVE_COLOURS), cycle(LINE_STYLES), cycle(POINT_MARKERS))
     if panel.decades:
         axes.set_xscale("log")
     for curve, (colour, line, marker) in zip(panel.curves, styles, strict=False):
@@ -214,7 +216,7 @@ def _draw_panel(panel: Panel, axes: "Axes") -> None:
     axes.set_ylabel(panel.y)
     if panel.downwards:
         axes.invert_yaxis()
-    if panel.title == TRACK:
+    if panel.title == TRACK_TITLE:
         axes.set_aspect("equal", adjustable="datalim")  # a turning circle is round
     if len(panel.curves) > 1:  # beside the axes, where it hides nothing
         axes.legend(fontsize=8.0, loc="upper left", bbox_to_anchor=(1.01, 1.0))

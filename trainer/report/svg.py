@@ -11,14 +11,14 @@ from markupsafe import Markup
 
 from trainer.core.kernel import Numbers
 
-ROUND: Final = (1.0, 2.0, 2.5, 5.0, 10.0)
-ANGLES: Final = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)  # [deg]
-TIMES: Final = (5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 3600.0, 7200.0)  # [s]
-WIDTH, HEIGHT = 960.0, 210.0  # [px]
-LEFT, RIGHT, TOP, BOTTOM = 68.0, 24.0, 26.0, 24.0
-POINTS: Final = 1600  # of a line
-LEGEND: Final = 24.0  # [px] length of a line's sample
-LETTER, TITLE_LETTER = 6.6, 7.6  # [px] about as wide as one
+ROUND_STEPS: Final = (1.0, 2.0, 2.5, 5.0, 10.0)
+ANGLE_STEPS_DEG: Final = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)  # [deg]
+TIME_STEPS_S: Final = (5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 3600.0, 7200.0)  # [s]
+CHART_WIDTH_PX, CHART_HEIGHT_PX = 960.0, 210.0  # [px]
+LEFT_MARGIN_PX, RIGHT_MARGIN_PX, TOP_MARGIN_PX, BOTTOM_MARGIN_PX = 68.0, 24.0, 26.0, 24.0
+LINE_POINTS: Final = 1600  # of a line
+LEGEND_SAMPLE_PX: Final = 24.0  # [px] length of a line's sample
+LETTER_WIDTH_PX, TITLE_LETTER_PX = 6.6, 7.6  # [px] about as wide as one
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def step_of(span: float, most: int, steps: tuple[float, ...] = ()) -> float:
         if span / step <= most:
             return step
     power = 10.0 ** math.floor(math.log10(span / most))
-    return next(power * each for each in ROUND if span / (power * each) <= most + 1e-9)
+    return next(power * each for each in ROUND_STEPS if span / (power * each) <= most + 1e-9)
 
 
 def ticks(low: float, high: float, step: float) -> list[float]:
@@ -66,7 +66,7 @@ def clock(seconds: float) -> str:
     return f"{minutes // 60}:{minutes % 60:02d}:{rest}"
 
 
-def thin(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
+def thin_line(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
     """Return at most about ``most`` points of a line, with the extremes of every stretch."""
     if x.size <= most:
         return x, y
@@ -77,19 +77,19 @@ def thin(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
     return x[rows], y[rows]
 
 
-def way(x: Numbers, y: Numbers, most: int) -> str:
+def line_path(x: Numbers, y: Numbers, most: int) -> str:
     """Return a line through points [px] as a path, broken where one is none."""
     known = np.isfinite(x) & np.isfinite(y)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(int)))
     pieces = []
     for first, after in edges.reshape(-1, 2):
-        points = zip(*thin(x[first:after], y[first:after], most), strict=True)
+        points = zip(*thin_line(x[first:after], y[first:after], most), strict=True)
         pieces.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
     return "".join(pieces)
 
 
 @dataclass(frozen=True)
-class Line:
+class CurveLine:
     """A curve; ``style`` is its class in the page's style: colour and dashes."""
 
     label: str
@@ -113,7 +113,7 @@ class Chart:
     name: str  # where links lead
     title: str
     unit: str
-    lines: tuple[Line, ...]
+    lines: tuple[CurveLine, ...]
     levels: tuple[Level, ...] = ()
     downwards: bool = False  # larger numbers are lower, as depths are
     least: float = 1.0  # span that is shown at least
@@ -122,7 +122,7 @@ class Chart:
 
 
 @dataclass(frozen=True)
-class Ground:
+class ChartGround:
     """The common part of all charts of a page."""
 
     seconds: Numbers
@@ -134,44 +134,48 @@ class Ground:
     def across(self) -> Axis:
         """Return the axis of time."""
         begin, end = float(self.seconds[0]), float(self.seconds[-1])
-        return Axis(begin, max(end, begin + 1.0), LEFT, WIDTH - RIGHT)
+        return Axis(begin, max(end, begin + 1.0), LEFT_MARGIN_PX, CHART_WIDTH_PX - RIGHT_MARGIN_PX)
 
 
-def draw(chart: Chart, ground: Ground) -> Markup:
+def draw_chart(chart: Chart, ground: ChartGround) -> Markup:
     """Return the chart as an SVG element."""
     up = _upright(chart)
-    parts = [text("title", LEFT, 16.0, f"{chart.title} [{chart.unit}]")]
+    parts = [text("title", LEFT_MARGIN_PX, 16.0, f"{chart.title} [{chart.unit}]")]
     for value in ticks(up.low, up.high, step_of(up.high - up.low, 6, chart.steps)):
         y = up.at(value)
-        parts.append(rule("grid", LEFT, y, WIDTH - RIGHT, y))
-        parts.append(text("tick end", LEFT - 6.0, y + 4.0, chart.number(value + 0.0)))
-    parts += backdrop(ground, TOP, HEIGHT - BOTTOM, chart.name)
-    parts += time_axis(ground, HEIGHT - BOTTOM)
+        parts.append(rule("grid", LEFT_MARGIN_PX, y, CHART_WIDTH_PX - RIGHT_MARGIN_PX, y))
+        parts.append(text("tick end", LEFT_MARGIN_PX - 6.0, y + 4.0, chart.number(value + 0.0)))
+    parts += backdrop(ground, TOP_MARGIN_PX, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX, chart.name)
+    parts += time_axis(ground, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX)
     for level in chart.levels:
         if up.low <= level.value <= up.high:
             y = up.at(level.value)
-            parts.append(rule("limit", LEFT, y, WIDTH - RIGHT, y))
-            parts.append(text("limit-name end", WIDTH - RIGHT - 2.0, y - 3.0, level.label))
+            parts.append(rule("limit", LEFT_MARGIN_PX, y, CHART_WIDTH_PX - RIGHT_MARGIN_PX, y))
+            parts.append(
+                text("limit-name end", CHART_WIDTH_PX - RIGHT_MARGIN_PX - 2.0, y - 3.0, level.label)
+            )
     for line in chart.lines:
         x = ground.across.places(ground.seconds if line.seconds is None else line.seconds)
-        drawn = way(x, up.places(line.values), POINTS)
+        drawn = line_path(x, up.places(line.values), LINE_POINTS)
         parts.append(f'<path class="line {line.style}" d="{drawn}"/>')
-    end = LEFT + TITLE_LETTER * len(f"{chart.title} [{chart.unit}]") + 20.0
+    end = LEFT_MARGIN_PX + TITLE_LETTER_PX * len(f"{chart.title} [{chart.unit}]") + 20.0
     for line in chart.lines:  # a sample of each with its name, after the title
-        parts.append(f'<path class="line {line.style}" d="M{end:.1f} 12L{end + LEGEND:.1f} 12"/>')
-        end += LEGEND + 5.0
+        parts.append(
+            f'<path class="line {line.style}" d="M{end:.1f} 12L{end + LEGEND_SAMPLE_PX:.1f} 12"/>'
+        )
+        end += LEGEND_SAMPLE_PX + 5.0
         parts.append(text("tick", end, 16.0, line.label))
-        end += LETTER * len(line.label) + 12.0
-    return svg(f"{chart.title} against time", (WIDTH, HEIGHT), parts)
+        end += LETTER_WIDTH_PX * len(line.label) + 12.0
+    return svg_element(f"{chart.title} against time", (CHART_WIDTH_PX, CHART_HEIGHT_PX), parts)
 
 
-def svg(label: str, size: tuple[float, float], parts: list[str]) -> Markup:
+def svg_element(label: str, size: tuple[float, float], parts: list[str]) -> Markup:
     """Return an SVG element of a width and a height [px]. Its parts are SVG already."""
     head = Markup('<svg viewBox="0 0 {:g} {:g}" role="img" aria-label="{}">').format(*size, label)
     return Markup("{}{}</svg>").format(head, Markup("".join(parts)))  # noqa: S704  made here
 
 
-def backdrop(ground: Ground, top: float, bottom: float, name: str = "") -> Iterator[str]:
+def backdrop(ground: ChartGround, top: float, bottom: float, name: str = "") -> Iterator[str]:
     """Yield the casualties' shades and the marks' lines, in the chart of a name."""
     for begin, end in ground.spans:
         x, width = ground.across.at(begin), ground.across.at(end) - ground.across.at(begin)
@@ -184,12 +188,12 @@ def backdrop(ground: Ground, top: float, bottom: float, name: str = "") -> Itera
         yield f"<g{where}>{rule(style, x, top, x, bottom)}</g>"
 
 
-def time_axis(ground: Ground, bottom: float) -> Iterator[str]:
+def time_axis(ground: ChartGround, bottom: float) -> Iterator[str]:
     """Yield the axis of time with its labels."""
-    return scale(ground.across, bottom, 12, TIMES, clock)
+    return scale_axis(ground.across, bottom, 12, TIME_STEPS_S, clock)
 
 
-def scale(
+def scale_axis(
     across: Axis,
     bottom: float,
     most: int,
@@ -231,5 +235,9 @@ def _upright(chart: Chart) -> Axis:
     lacking = 0.5 * max(chart.least - (high - low), 0.0)
     margin = 0.06 * max(high - low, chart.least)
     low, high = low - lacking - margin, high + lacking + margin
-    ends = (TOP, HEIGHT - BOTTOM) if chart.downwards else (HEIGHT - BOTTOM, TOP)
+    ends = (
+        (TOP_MARGIN_PX, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX)
+        if chart.downwards
+        else (CHART_HEIGHT_PX - BOTTOM_MARGIN_PX, TOP_MARGIN_PX)
+    )
     return Axis(low, high, *ends)

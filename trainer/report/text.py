@@ -4,18 +4,18 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-WIDTH: Final = 79
+PAGE_WIDTH: Final = 79
 INDENT: Final = "  "
 
 
-def plain(text: str) -> str:
+def ascii_text(text: str) -> str:
     """Return ``text`` in ASCII."""
     return text.encode("ascii", "replace").decode()
 
 
 def wrap(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str]:
     """Return ``text`` in lines of the page."""
-    return textwrap.wrap(plain(text), WIDTH, initial_indent=first, subsequent_indent=rest)
+    return textwrap.wrap(ascii_text(text), PAGE_WIDTH, initial_indent=first, subsequent_indent=rest)
 
 
 def items(texts: Iterable[str]) -> list[str]:
@@ -23,14 +23,14 @@ def items(texts: Iterable[str]) -> list[str]:
     return [line for text in texts for line in wrap(f"- {text}")]
 
 
-def figure(number: float | None, form: str = ".3f") -> str:
+def format_number(number: float | None, form: str = ".3f") -> str:
     """Return ``number`` as text, '-' for none."""
     return "-" if number is None else format(number, form)
 
 
-def cut(text: str, width: int) -> str:
+def cut_text(text: str, width: int) -> str:
     """Return ``text`` in ``width`` characters of ASCII. It is the end if not all fits."""
-    text = plain(text)
+    text = ascii_text(text)
     return text if len(text) <= width else "..." + text[3 - width :]
 
 
@@ -39,7 +39,7 @@ def root_text(real: float, imaginary: float) -> str:
     return f"{real:+.5f}" + (f" +-{imaginary:.5f}i" if imaginary else "")
 
 
-def part(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+def titled_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Return a table under a title, a blank line before."""
     return ["", title, *table(heads, rows)]
 
@@ -49,7 +49,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], indent: str = IND
 
     A head may be of two lines with a newline between.
     """
-    lines = [plain(head).split("\n") for head in heads]
+    lines = [ascii_text(head).split("\n") for head in heads]
     deep = max(map(len, lines))
     top = [[*[""] * (deep - len(cell)), *cell] for cell in lines]
     cells = [*([cell[i] for cell in top] for i in range(deep)), *(list(row) for row in rows)]

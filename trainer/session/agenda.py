@@ -10,25 +10,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import problem_of, scale_of
 from trainer.config.derived import Condition, compile_condition
-from trainer.config.exercise import Armed
+from trainer.config.exercise import ConditionalCasualty
 from trainer.config.files import ConfigError, Place
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
-from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.status_line import clock
 from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
 
-PLANNING: Final = frozenset({"plan", "cancel"})  # journalled, though they move nothing
-MOST: Final = 40  # planned at once, and told at once
-WRITTEN: Final = Place("when", "")
-SPENT: Final = PLACES["triggers_spent"]
+PLAN_WORDS: Final = frozenset({"plan", "cancel"})  # journalled, though they move nothing
+MAX_PLANS: Final = 40  # planned at once, and told at once
+WHEN_PLACE: Final = Place("when", "")
+SPENT_TRIGGERS: Final = STATE_PLACES["triggers_spent"]
 
 
-class Ahead(NamedTuple):
+class ComingOrder(NamedTuple):
     """An order that is to come: its time [s] or condition, and its number."""
 
     when: float | str
@@ -52,7 +52,7 @@ class Ahead(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Planned:
+class PlannedOrder:
     """An order that an instructor has planned, for a time or a condition."""
 
     number: int
@@ -61,10 +61,10 @@ class Planned:
     condition: Condition | None = None
 
     @property
-    def ahead(self) -> Ahead:
+    def ahead(self) -> ComingOrder:
         """Return it as it is told."""
         when = self.condition.text if self.condition else self.seconds
-        return Ahead(when, self.order.text, self.number)
+        return ComingOrder(when, self.order.text, self.number)
 
     def is_due(self, boat: Boat) -> bool:
         """Return whether it acts on the tick that comes."""
@@ -76,7 +76,7 @@ class Planned:
 class Plans(NamedTuple):
     """The plans of instructors at one moment."""
 
-    planned: tuple[Planned, ...] = ()
+    planned: tuple[PlannedOrder, ...] = ()
     last: int = 0  # the number of the newest
 
 
@@ -85,9 +85,9 @@ class Agenda:
     """The orders ahead of one session."""
 
     boat: Boat
-    schedule: Sequence[Scheduled] = ()
-    armed: Sequence[Armed] = ()
-    planned: dict[int, Planned] = field(default_factory=dict)
+    schedule: Sequence[ScheduledOrder] = ()
+    armed: Sequence[ConditionalCasualty] = ()
+    planned: dict[int, PlannedOrder] = field(default_factory=dict)
     _last: int = 0  # the number of the newest
     _told: tuple[object, ...] = ()  # what was so when the instructors were last told
 
@@ -125,19 +125,19 @@ class Agenda:
             self._drop(order)
         elif order.name == "plan":
             made = self._made(order, seconds)
-            if isinstance(made, Planned):
+            if isinstance(made, PlannedOrder):
                 self._take(made)
 
-    def due(self) -> list[Planned]:
+    def due(self) -> list[PlannedOrder]:
         """Take out those that act on the tick that comes, by their times."""
         found = [each for each in self.planned.values() if each.is_due(self.boat)]
         for each in found:
             del self.planned[each.number]
         return sorted(found, key=lambda each: (each.seconds, each.number))
 
-    def ahead(self, place: int) -> list[Ahead]:
+    def ahead(self, place: int) -> list[ComingOrder]:
         """Return what is to come, timed first; ``place`` is that of the schedule's next entry."""
-        own = [Ahead(entry.seconds, entry.order.text) for entry in self.schedule[place:]]
+        own = [ComingOrder(entry.seconds, entry.order.text) for entry in self.schedule[place:]]
         own += [ahead_of(each) for each in self._waiting()]
         found = own + [each.ahead for each in self.planned.values()]
         timed = [each for each in found if isinstance(each.when, float)]
@@ -146,7 +146,7 @@ class Agenda:
     def facts(self, place: int) -> list[Fact]:
         """Return the whole list as programs are told it, its length first."""
         told = self.ahead(place)
-        return [Fact("plans", str(len(told))), *(each.fact for each in told[:MOST])]
+        return [Fact("plans", str(len(told))), *(each.fact for each in told[:MAX_PLANS])]
 
     def listing(self, place: int) -> list[str]:
         """Return the list in words."""
@@ -155,56 +155,56 @@ class Agenda:
     def has_changed(self, place: int) -> bool:
         """Return whether something has come or gone since this was last asked."""
         before = self._told
-        self._told = place, self.boat.plain[SPENT], *self.planned
+        self._told = place, self.boat.plain[SPENT_TRIGGERS], *self.planned
         return self._told != before
 
-    def _waiting(self) -> list[Armed]:
+    def _waiting(self) -> list[ConditionalCasualty]:
         """Return the casualties whose conditions have not come true yet, or may once more."""
-        spent = int(self.boat.plain[SPENT])
+        spent = int(self.boat.plain[SPENT_TRIGGERS])
         return [
             each
             for bit, each in enumerate(self.armed)
             if each.rule == "again" or not spent >> bit & 1
         ]
 
-    def _made(self, order: Order, now: float) -> Planned | Refused:
+    def _made(self, order: Order, now: float) -> PlannedOrder | Refused:
         """Return what an order plans at a time [s]."""
         inner = parse(order.subject)
         if not isinstance(inner, Order):
             return Refused(f"{order.subject}: no order of this version")
         number = self._last + 1
         if order.word != "when":
-            return Planned(number, inner, order.value + (now if order.word == "in" else 0.0))
+            return PlannedOrder(number, inner, order.value + (now if order.word == "in" else 0.0))
         text = order.text.removeprefix("when ").removesuffix(f" then {inner.text}")
         try:
-            return Planned(number, inner, condition=compile_condition(text, WRITTEN))
+            return PlannedOrder(number, inner, condition=compile_condition(text, WHEN_PLACE))
         except ConfigError as error:
             return Refused(str(error))
 
-    def _problem(self, made: Planned) -> str:
+    def _problem(self, made: PlannedOrder) -> str:
         """Return why an order cannot be planned, "" if it can."""
-        if len(self.planned) >= MOST:
-            return f"{MOST} orders are planned: cancel one"
+        if len(self.planned) >= MAX_PLANS:
+            return f"{MAX_PLANS} orders are planned: cancel one"
         if made.condition and not scale_of(self.boat, made.condition.quantity):
             return f"{self.boat.file.path.name} has no {made.condition.quantity}"
         if not made.condition and made.seconds < self.boat.time:
             return f"{clock(made.seconds)} is past: it is {clock(self.boat.time)}"
         return problem_of(self.boat, made.order) if made.order.name == "casualty" else ""
 
-    def _take(self, made: Planned) -> None:
+    def _take(self, made: PlannedOrder) -> None:
         self.planned[made.number] = made
         self._last = made.number
 
-    def _drop(self, order: Order) -> list[Planned]:
+    def _drop(self, order: Order) -> list[PlannedOrder]:
         wanted = list(self.planned) if order.word == "all" else [int(order.value)]
         return [self.planned.pop(number) for number in wanted if number in self.planned]
 
 
-def ahead_of(armed: Armed) -> Ahead:
+def ahead_of(armed: ConditionalCasualty) -> ComingOrder:
     """Return a casualty that waits for a condition; a time is told as one."""
     condition, casualty = armed.condition, armed.casualty
     timed = condition.quantity == "time" and condition.sense > 0.0
     again = ", again each time" if armed.rule == "again" else ""
     degree = "" if casualty.measure.sudden else f" {casualty.severity:g} ramp {casualty.ramp_s:g}"
     text = f"casualty {casualty.name}{degree}{again}"
-    return Ahead(condition.threshold if timed else condition.text, text)
+    return ComingOrder(condition.threshold if timed else condition.text, text)

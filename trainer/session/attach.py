@@ -11,13 +11,13 @@ from trainer.config.files import ConfigError
 from trainer.io import paths
 from trainer.io.client import dial
 from trainer.io.line import Inbox, Line, Outbox, reader, writer
-from trainer.io.lines import Overlong
+from trainer.io.lines import OverlongLine
 from trainer.io.orders import sentences
 from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
-ENDS: Final = ("over", "left", "next")  # facts after which the line is to be gone
-PATIENCE: Final = 2.0  # [s] for what is still to be said at the end
+CLOSING_FACTS: Final = ("over", "left", "next")  # facts after which the line is to be gone
+FLUSH_TIMEOUT_S: Final = 2.0  # [s] for what is still to be said at the end
 
 
 def attach_to(url: str | None, role: str, token: str | None) -> int:
@@ -34,16 +34,16 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
     if os.isatty(0):
         line.send("subscribe teletype")
     inbox, out = Inbox(reader(0), wake), Outbox(writer(1), line_end=b"\n")
-    properly = carry(line, inbox, out, wake)
-    line.close(PATIENCE)
-    out.close(PATIENCE)
+    properly = carry_lines(line, inbox, out, wake)
+    line.close(FLUSH_TIMEOUT_S)
+    out.close(FLUSH_TIMEOUT_S)
     if properly:
         return 0
     click.echo(f"trainer: {line.name}: the session is gone: {line.trouble or 'closed'}", err=True)
     return 1
 
 
-def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> bool:
+def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> bool:
     """Carry lines both ways until the session closes. Return whether it has said that it would.
 
     Ctrl-C, and the end of an input that nobody types, leave the session.
@@ -55,17 +55,17 @@ def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> bool:
             wake.wait()
             wake.clear()
             for typed in inbox.take():
-                if not isinstance(typed, Overlong):
+                if not isinstance(typed, OverlongLine):
                     line.send(typed)
             if inbox.ended and not inbox.waiting and not left and not os.isatty(0):
                 left = True
                 line.send("detach")
             for said in line.take(1000):
-                if isinstance(said, Overlong):
+                if isinstance(said, OverlongLine):
                     continue
-                sentence = sentences.read(said)
+                sentence = sentences.parse_sentence(said)
                 if sentence and sentence.kind == "TRF":
-                    properly = properly or sentence.fields[2] in ENDS
+                    properly = properly or sentence.fields[2] in CLOSING_FACTS
                 elif text := in_words(said, sentence):
                     out.send(text)
     finally:

@@ -12,8 +12,15 @@ from trainer.session.crew import CrewTalk
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
-from trainer.session.stations.station import Asked, Closed, Fact, Lines, Reception, Station
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, Role
+from trainer.session.stations.station import (
+    Fact,
+    LongAnswer,
+    NoReception,
+    Reception,
+    Request,
+    Station,
+)
 
 MAX_LINES_AT_ONCE: Final = 32  # of one station before the clock is looked at again
 CLOSE_TIMEOUT_S: Final = 0.5  # for a line to get out what it was sent before it is closed
@@ -39,8 +46,8 @@ class Attendance:
     agenda: Agenda
     introduction: Introduction
     wake: threading.Event
-    hear: Callable[[Asked], None]  # an order, and takes the steps that it allows
-    reception: Reception = field(default_factory=Closed)
+    hear: Callable[[Request], None]  # an order, and takes the steps that it allows
+    reception: Reception = field(default_factory=NoReception)
     until_left: bool = False  # the run ends when the last of those who came by themselves has gone
 
     def __post_init__(self) -> None:
@@ -51,12 +58,12 @@ class Attendance:
         for line in (*self._briefed(station), hint(station.role, self.crew.hand)):
             station.line.send(line)
 
-    def brief(self, asked: Asked) -> Lines:
+    def brief(self, asked: Request) -> LongAnswer:
         """Answer the order ``briefing``: what is told to whoever comes, once more."""
         station = asked.station
         self._introduce(station)
         facts = [] if asked.heard.machine else in_words(self._exercise_facts(station))
-        return Lines((*self._briefed(station), *facts))
+        return LongAnswer((*self._briefed(station), *facts))
 
     def listen(self) -> None:
         """Admit newcomers, take what the stations say, and see out who has left."""
@@ -93,14 +100,16 @@ class Attendance:
     def _admit_newcomers(self) -> None:
         """Let those be stations who have come since the last call."""
         for station in self.reception.newcomers():
-            if station.role is not STRANGER:  # who has to say who it is, is told nothing before
+            if (
+                station.role is not STRANGER_ROLE
+            ):  # who has to say who it is, is told nothing before
                 self.greet(station)
             self.log.stations.append(station)
             self.log.strangers.log("station", f"{station.line.name} has come")
 
     def _entered(self, station: Station, before: tuple[Role, bool]) -> tuple[Role, bool]:
         """Greet or introduce a newcomer; return its role, and whether it has said so."""
-        if before[0] is STRANGER and station.role is not STRANGER:
+        if before[0] is STRANGER_ROLE and station.role is not STRANGER_ROLE:
             self.greet(station)
         if station.settled and not before[1]:  # an observer's role is the same as before
             self._introduce(station)
@@ -114,7 +123,7 @@ class Attendance:
         self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
         self.log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
         self.log.note(station, self.conduct.outcome_for(station.role))
-        if station.role is INSTRUCTOR:
+        if station.role is INSTRUCTOR_ROLE:
             self.log.note(station, self.agenda.facts(self.history.place))
         self.log.note_alerts(station)
 
@@ -127,7 +136,7 @@ class Attendance:
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
         told = self.introduction
-        return told.instructor if station.role is INSTRUCTOR else told.crew
+        return told.instructor if station.role is INSTRUCTOR_ROLE else told.crew
 
     def _see_out(self, station: Station) -> None:
         """Let a line go: it is closed by a thread of its own, since that may wait."""

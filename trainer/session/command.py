@@ -8,8 +8,8 @@ from typing import Final
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.alarm import Alarm
 from trainer.session.event_log import EventLog
-from trainer.session.stations.roles import INSTRUCTOR
-from trainer.session.stations.station import Asked, Fact, Station
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
+from trainer.session.stations.station import Fact, Request, Station
 
 ANSWER_TIMEOUT_S: Final = 10.0  # for whoever has command to keep it
 
@@ -46,7 +46,7 @@ class Command:
             return ""
         return f"{self.holder.line.name} has command: take command asks for it"
 
-    def ask(self, asked: Asked) -> Reply:
+    def ask(self, asked: Request) -> Reply:
         """Ask whoever has command for it; who does not answer in time has lost it."""
         station = asked.station
         self._settle(station)
@@ -63,7 +63,7 @@ class Command:
         holder = self.holder.line.name
         return f"{holder} is asked; without an answer {within} you have command"
 
-    def give(self, asked: Asked) -> Reply:
+    def give(self, asked: Request) -> Reply:
         """Give command to who asked for it, else to another instructor."""
         taker = self.asker
         if taker is None:
@@ -74,7 +74,7 @@ class Command:
         self._pass_to(taker)
         return f"{taker.line.name} has command"
 
-    def keep(self, asked: Asked) -> Reply:
+    def keep(self, asked: Request) -> Reply:
         """Keep command, which somebody asks for."""
         asker, self.asker = self.asker, None
         if asker is None:
@@ -85,7 +85,7 @@ class Command:
         return "you keep command"
 
     def _instructors(self) -> list[Station]:
-        there = [each for each in self.log.stations if each.role is INSTRUCTOR]
+        there = [each for each in self.log.stations if each.role is INSTRUCTOR_ROLE]
         return [each for each in there if not each.line.ended and not each.leaving]
 
     def _settle(self, station: Station) -> None:

@@ -10,30 +10,35 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 from trainer.boat.depths import collapse_of, hull_depth
-from trainer.boat.grounding import Call, GroundMonitor
+from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.command import Command
-from trainer.session.control import HERE, Control
+from trainer.session.control import PRESENT_MOMENT, Control
 from trainer.session.event_log import EventLog, Rank
 from trainer.session.exercise import (
-    AT_ITS_END,
-    OVER,
-    Debriefing,
-    Ending,
-    Following,
+    EXERCISE_OVER,
+    OVER_TEXT,
+    BackgroundTask,
+    DebriefSource,
+    ExerciseEnd,
     Judgement,
-    Work,
+    NextExercises,
 )
 from trainer.session.manning import unmanned_axes
 from trainer.session.stations.past import PastReader
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, not_for_visitors
-from trainer.session.stations.station import Asked, Duty, Fact, Lines, Station
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, Role, not_for_visitors
+from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Station
 
-Made = TypeVar("Made")
+ResultT = TypeVar("ResultT")
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # for `quit` to be said again
-NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
+NOT_CREW: Final = (
+    INSTRUCTOR_ROLE.name,
+    STRANGER_ROLE.name,
+    "observer",
+    "visitor",
+)  # nobody asks: ready?
 
 
 @dataclass
@@ -44,12 +49,12 @@ class Conduct:
     log: EventLog
     show: Callable[[], None]  # the present moment
     wake: Callable[[], object]  # has the session's thread listen
-    ending: Ending = field(default_factory=Ending)
-    debriefing: Debriefing | None = None
+    ending: ExerciseEnd = field(default_factory=ExerciseEnd)
+    debriefing: DebriefSource | None = None
     scored: bool = False  # there is something to judge
     kept: Path | None = None  # where the session is recorded
     visitors: bool = False  # may begin the exercise again
-    following: Following = field(default_factory=Following)
+    following: NextExercises = field(default_factory=NextExercises)
     clock: Callable[[], float] = time.monotonic
     ready: list[Station] = field(default_factory=list)
     begun: bool = False  # time has run
@@ -58,12 +63,12 @@ class Conduct:
     compiled_from: int = 0  # the tick, where the run began interpreted
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     command: Command = field(init=False)
-    work: Work = field(init=False)
+    work: BackgroundTask = field(init=False)
     past: PastReader = field(init=False)
 
     def __post_init__(self) -> None:
         self.command = Command(self.log, self.wake, self.clock)
-        self.work = Work(self.wake)
+        self.work = BackgroundTask(self.wake)
         history = self.control.history
         history.recording.wake = self.wake
         self.ground = GroundMonitor(history.boat)
@@ -118,7 +123,7 @@ class Conduct:
             fact = Fact("collapse", f"{depth:.1f}")
             self.tell_depth(control.failure, fact, Rank.EMERGENCY)
 
-    def tell_ground(self) -> list[Call]:
+    def tell_ground(self) -> list[GroundCall]:
         """Tell of the ground; return what was told."""
         calls = list(self.ground.look()) if self.ground.bottom else []
         for call in calls:
@@ -153,11 +158,11 @@ class Conduct:
         """Return that the exercise is over, "" before, or for what is obeyed then."""
         if not self.ending.over:
             return ""
-        if order.name == "again" and order.subject == HERE:
+        if order.name == "again" and order.subject == PRESENT_MOMENT:
             return "here is the end of the exercise: again from 2 min, or from a moment kept"
         if after_end:
             return ""
-        return OVER if role is INSTRUCTOR else f"{AT_ITS_END}: the instructor goes on"
+        return OVER_TEXT if role is INSTRUCTOR_ROLE else f"{EXERCISE_OVER}: the instructor goes on"
 
     def unconfirmed(self, station: Station) -> str:
         """Return how many others ``quit`` would end, "" where it was said twice."""
@@ -196,12 +201,12 @@ class Conduct:
         if not ending.over:
             return []
         told = [Fact("exercise-over", ending.how)]
-        if ending.marks and (ending.released or role is INSTRUCTOR):
+        if ending.marks and (ending.released or role is INSTRUCTOR_ROLE):
             told.append(Fact("marks", ending.marks.fields))
             told += [Fact("reason", fields) for fields in ending.marks.reason_fields]
         elif self._unmarked:
             told.append(Fact("marks", f"{ending.how},"))
-        if ending.debrief and role is INSTRUCTOR:
+        if ending.debrief and role is INSTRUCTOR_ROLE:
             told.append(Fact("debrief", ending.debrief))
         return told
 
@@ -268,7 +273,9 @@ class Conduct:
 
         self._begin("marks", lambda: judge(kept, branch), judged)
 
-    def _begin(self, what: str, make: Callable[[], Made], take: Callable[[Made], None]) -> None:
+    def _begin(
+        self, what: str, make: Callable[[], ResultT], take: Callable[[ResultT], None]
+    ) -> None:
         """Make something beside the session, and take it, or tell why there is none."""
 
         def task() -> Callable[[], None]:
@@ -297,13 +304,13 @@ class Conduct:
         for reason, fields in zip(found.reasons, found.reason_fields, strict=True):
             self.log.tell(kind, f"  {reason}", fact=Fact("reason", fields))
 
-    def _end(self, asked: Asked) -> Reply:
+    def _end(self, asked: Request) -> Reply:
         boat = self.control.boat
         self.ending.end("ended", f"ended at {boat.time:g} s by the {asked.station.who}")
         self._stop()
         return "the exercise is over"
 
-    def _release(self, _asked: Asked) -> Reply:
+    def _release(self, _asked: Request) -> Reply:
         ending = self.ending
         if not ending.over:
             return Refused("the exercise is not over: type end exercise first")
@@ -315,7 +322,7 @@ class Conduct:
         self._tell_reasons("marks", ending.marks)
         return "everybody has the marks"
 
-    def _debrief(self, _asked: Asked) -> Reply:
+    def _debrief(self, _asked: Request) -> Reply:
         if self.debriefing is None or self.kept is None:
             return Refused("no debrief: this session is not recorded")
         if not self.control.time.frozen:
@@ -333,16 +340,16 @@ class Conduct:
 
     # What follows
 
-    def _next(self, asked: Asked) -> Reply | Lines:
+    def _next(self, asked: Request) -> Reply | LongAnswer:
         name = asked.order.subject
         if not name:
             names = [each.name for each in course()]
-            return Lines(names, "type next NAME to begin one of these")
+            return LongAnswer(names, "type next NAME to begin one of these")
         if why := self._no_next(name):
             return Refused(why)
         self.log.tell("time", "the next exercise is being made ready")
         for station in self.log.stations:  # the file's name may tell what is hidden
-            told = name if station.role is INSTRUCTOR else ""
+            told = name if station.role is INSTRUCTOR_ROLE else ""
             self.log.note(station, [Fact("next", told)])
         self.control.following, self.control.ended = name, True
         return f"next: {name}"
@@ -358,30 +365,30 @@ class Conduct:
             return "this exercise is not over: type end exercise first"
         return self.following.problem(name)
 
-    def _history(self, asked: Asked) -> None:
+    def _history(self, asked: Request) -> None:
         self.past.answer(asked, self.control.history, self.kept)
 
     # Who is there
 
-    def _who(self, asked: Asked) -> Lines:
+    def _who(self, asked: Request) -> LongAnswer:
         """Return the account of every station; tell a program the same in facts."""
         stations = self.log.stations
         facts = [Fact("stations", str(len(stations)))]
         facts += [Fact("aboard", self._aboard(each, asked.station)) for each in stations]
         self.log.note(asked.station, facts)
-        return Lines([each.account() for each in stations])
+        return LongAnswer([each.account() for each in stations])
 
     def _aboard(self, station: Station, asker: Station) -> str:
         """Return what a program is told of a station that is here."""
         marks = {
             "you": station is asker,
-            "command": station.role is INSTRUCTOR and not self.command.elsewhere(station),
+            "command": station.role is INSTRUCTOR_ROLE and not self.command.elsewhere(station),
             "ready": station in self.ready,
         }
         told = " ".join(mark for mark, holds in marks.items() if holds)
         return f"{station.role.name},{station.called},{told},{station.line.name}"
 
-    def _be_ready(self, asked: Asked) -> Reply:
+    def _be_ready(self, asked: Request) -> Reply:
         station = asked.station
         if self.begun:
             return Refused("the exercise has begun")

@@ -7,12 +7,12 @@ from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.recording import Moment
 from trainer.session.history import History
 from trainer.session.time.timekeeping import Timekeeping
 
-HERE: Final = "here"  # the present moment, where one is named
+PRESENT_MOMENT: Final = "here"  # the present moment, where one is named
 Duty = Callable[[Order, str], Reply]  # takes who orders it
 
 
@@ -23,7 +23,7 @@ class Control:
     boat: Boat
     time: Timekeeping
     history: History
-    schedule: Sequence[Scheduled] = ()
+    schedule: Sequence[ScheduledOrder] = ()
     steps: int = 0  # ticks that a single-step order still allows
     ended: bool = False
     following: str = ""  # the exercise that begins when this session ends
@@ -112,9 +112,9 @@ class Control:
         kept = self.history.snapshots()
         if order.subject in kept:
             return self._go_back(kept[order.subject], why)
-        if order.subject == HERE:
+        if order.subject == PRESENT_MOMENT:
             return self._go_back(self.history.now(), why)
-        there = ", ".join((HERE, *kept))
+        there = ", ".join((PRESENT_MOMENT, *kept))
         return Refused(f"no snapshot {order.subject}; again from {there}, or from so long ago")
 
     def _restart(self, _order: Order, who: str) -> Reply:

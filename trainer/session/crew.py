@@ -13,38 +13,42 @@ from typing import Final, NamedTuple
 
 from trainer.boat.ballast_orders import PumpMonitor
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import readings
-from trainer.boat.crew_orders import ordered_fact, standing_on
+from trainer.boat.casualties import instrument_readings
+from trainer.boat.crew_orders import ordered_fact, standing_order
 from trainer.boat.depths import DepthGuard
-from trainer.boat.helm import obey
-from trainer.config.exercise import AXES
+from trainer.boat.helm import obey_order
+from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
 from trainer.io.recording.facts import (
-    GUARD,
+    GUARD_GIVER,
     NO_CREW_FACT,
-    SCHEDULE,
+    SCHEDULE_GIVER,
     CrewFact,
     CrewNews,
     Giver,
     meeting,
 )
-from trainer.session.manning import BY_HAND, CONCERNED, WORDS, axis_of, in_hand
-from trainer.session.stations.roles import INSTRUCTOR
+from trainer.session.manning import BY_HAND, REPEATING_ROLES, WORDS_AXIS, axis_of, in_hand
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Fact, Saying
 
-LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
-AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
-SURE: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}  # to go
-PLANES: Final = ("stern", "bow", "lever")
-WORKS: Final = {"course": ("rudder",), "depth": PLANES, "pitch": PLANES}
-STEERED: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
-MOVING: Final = frozenset(PLANES) | STEERED
-WATER: Final = frozenset({"flood", "pump"})
-HEARD: Final = frozenset({"order", "tell", "aye", "belay", "allow", "report"}) | MOVING
+REPEAT_TIMEOUT_S: Final = 10.0  # [s] without a repeat, after which the order is shown again
+RUDDER_AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
+REACHED_MARGINS: Final = {
+    "course": math.radians(5.0),
+    "depth": 1.0,
+    "pitch": math.radians(1.0),
+}  # to go
+PLANE_AXES: Final = ("stern", "bow", "lever")
+WORKED_AXES: Final = {"course": ("rudder",), "depth": PLANE_AXES, "pitch": PLANE_AXES}
+STEERING_WORDS: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
+MOVING_WORDS: Final = frozenset(PLANE_AXES) | STEERING_WORDS
+WATER_WORDS: Final = frozenset({"flood", "pump"})
+CREW_WORDS: Final = frozenset({"order", "tell", "aye", "belay", "allow", "report"}) | MOVING_WORDS
 
 
-class Telling(NamedTuple):
+class CrewMessage(NamedTuple):
     """Something to be told: its kind, words for people, and a fact for programs."""
 
     kind: str
@@ -53,7 +57,7 @@ class Telling(NamedTuple):
     saying: Saying | None = None
 
 
-class Watched(NamedTuple):
+class StationOrder(NamedTuple):
     """An order that a station gives: what is said before its answer, and who."""
 
     why: str
@@ -62,7 +66,7 @@ class Watched(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Spoken:
+class CrewOrder:
     """An order to the crew, and what the crew has said to it."""
 
     axis: str
@@ -77,13 +81,13 @@ class Spoken:
     @property
     def says(self) -> str:
         """Return the order as people say it."""
-        return self.given.subject if self.axis == WORDS else self.told
+        return self.given.subject if self.axis == WORDS_AXIS else self.told
 
 
 class Talk(NamedTuple):
     """The orders and words on board that stand at one moment."""
 
-    spoken: tuple[Spoken, ...] = ()  # the newest last
+    spoken: tuple[CrewOrder, ...] = ()  # the newest last
     freed: frozenset[str] = frozenset()
     meeting: Giver | None = None
 
@@ -91,7 +95,7 @@ class Talk(NamedTuple):
 class Repeat(NamedTuple):
     """The words of a repeat, and whether they are those of the order."""
 
-    spoken: Spoken
+    spoken: CrewOrder
     right: bool
 
 
@@ -108,26 +112,26 @@ class CrewTalk:
     due: float = math.inf  # [tick] at which a repeat is next found missing
     pumps: PumpMonitor = field(default_factory=PumpMonitor)  # what is to be reported of them
     meeting: Giver | None = None  # who has said "meet her", while the boat still swings
-    _spoken: dict[str, Spoken] = field(default_factory=dict)  # by axis, the newest last
+    _spoken: dict[str, CrewOrder] = field(default_factory=dict)  # by axis, the newest last
 
     @property
     def told(self) -> str:
         """Return the last words to the crew."""
-        spoken = self._spoken.get(WORDS)
+        spoken = self._spoken.get(WORDS_AXIS)
         return spoken.given.subject if spoken else ""
 
-    def standing(self, role: str) -> list[Telling]:
+    def standing(self, role: str) -> list[CrewMessage]:
         """Return what a program of that role is told of the orders that stand."""
         found = []
         for each in self._spoken.values():
-            found.append(Telling("crew", "", Fact("crew-order", each.told)))
-            if each.repeated or role not in CONCERNED[each.axis]:
-                found.append(Telling("crew", "", Fact("repeated", each.told)))
+            found.append(CrewMessage("crew", "", Fact("crew-order", each.told)))
+            if each.repeated or role not in REPEATING_ROLES[each.axis]:
+                found.append(CrewMessage("crew", "", Fact("repeated", each.told)))
         return found
 
     def unrepeated(self, role: str) -> list[tuple[int, Fact]]:
         """Return the orders that wait for a role's repeat or another's, with their ticks."""
-        own = "" if role == INSTRUCTOR.name else role
+        own = "" if role == INSTRUCTOR_ROLE.name else role
         waiting = (each for each in self._spoken.values() if not each.repeated and each.by != own)
         return [(each.tick, Fact("crew-order", each.told)) for each in waiting]
 
@@ -136,9 +140,11 @@ class CrewTalk:
     def obey(self, order: Order, role: str) -> Reply:
         """Carry out what is said, as far as the boat has to do with it. Return the answer."""
         if order.name == "order":
-            return obey(self.boat, order)
+            return obey_order(self.boat, order)
         if order.name == "belay":
-            return "belayed" if WORDS in self._spoken else Refused("no words to the crew stand")
+            return (
+                "belayed" if WORDS_AXIS in self._spoken else Refused("no words to the crew stand")
+            )
         if order.name == "tell":
             return f"told: {order.subject}"
         if order.name == "report":
@@ -150,7 +156,7 @@ class CrewTalk:
         if order.name != "belay":
             return order
         axis = order.word or next(reversed(self._spoken), "all")
-        clear = parse("belay words" if axis == WORDS else f"order clear {axis}")
+        clear = parse("belay words" if axis == WORDS_AXIS else f"order clear {axis}")
         return clear if isinstance(clear, Order) else order
 
     def fact_of(self, order: Order, role: str) -> CrewFact:
@@ -163,24 +169,26 @@ class CrewTalk:
             return CrewFact(news, repeat.spoken.says)
         return ordered_fact(self.boat, order)
 
-    def note(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[Telling]:
+    def note(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[CrewMessage]:
         """Note what was said, with its fact; return what there is to tell."""
         role = giver.role
-        if order.name in WATER and giver != SCHEDULE:  # what that does is nobody's to report
+        if (
+            order.name in WATER_WORDS and giver != SCHEDULE_GIVER
+        ):  # what that does is nobody's to report
             self.pumps.note(self.boat, order, role)
             self._look_ahead()
-        if order.name not in HEARD:
+        if order.name not in CREW_WORDS:
             return []
-        if order.name in MOVING:
+        if order.name in MOVING_WORDS:
             return self._moved(order, role)
         if fact.news is CrewNews.ORDERED:
             return self._ordered(order, role, tick, fact.order)
         if order.name in ("order", "tell") and not order.word.startswith("clear"):
             return []  # its answer was never written
-        notes: dict[str, Callable[[], list[Telling]]] = {
+        notes: dict[str, Callable[[], list[CrewMessage]]] = {
             "aye": lambda: self._repeated(order, role),
             "allow": lambda: self._freed(order.word),
-            "report": lambda: reported(order, role),
+            "report": lambda: report_text(order, role),
         }
         return notes.get(order.name, lambda: self._belayed(order))()
 
@@ -200,25 +208,27 @@ class CrewTalk:
 
     # Orders and repeats
 
-    def _ordered(self, order: Order, role: str, tick: int, ordered: str) -> list[Telling]:
+    def _ordered(self, order: Order, role: str, tick: int, ordered: str) -> list[CrewMessage]:
         """Note an order: on its axis the older one stands no longer."""
-        axis = WORDS if order.name == "tell" else axis_of(order)
-        told = order.text if axis == WORDS else ordered
+        axis = WORDS_AXIS if order.name == "tell" else axis_of(order)
+        told = order.text if axis == WORDS_AXIS else ordered
         self._spoken.pop(axis, None)
-        self._spoken[axis] = Spoken(axis, told, order, tick, role)
+        self._spoken[axis] = CrewOrder(axis, told, order, tick, role)
         self._look_ahead()
-        by = "" if role == SCHEDULE.role else f"{role}: "
-        words = f"to the crew: {order.subject}" if axis == WORDS else f"ordered: {told}"
-        saying = Saying("schedule" if role == SCHEDULE.role else role, words)
-        return [Telling("crew", f"{by}{words}", Fact("crew-order", told), saying)]
+        by = "" if role == SCHEDULE_GIVER.role else f"{role}: "
+        words = f"to the crew: {order.subject}" if axis == WORDS_AXIS else f"ordered: {told}"
+        saying = Saying("schedule" if role == SCHEDULE_GIVER.role else role, words)
+        return [CrewMessage("crew", f"{by}{words}", Fact("crew-order", told), saying)]
 
-    def _belayed(self, order: Order) -> list[Telling]:
+    def _belayed(self, order: Order) -> list[CrewMessage]:
         axis = order.word.removeprefix("clear_")
         gone = [each for each in self._spoken.values() if axis in (each.axis, "all")]
         for each in gone:
             del self._spoken[each.axis]
         self._look_ahead()
-        return [Telling("crew", f"belay: {each.says}", Fact("belayed", each.told)) for each in gone]
+        return [
+            CrewMessage("crew", f"belay: {each.says}", Fact("belayed", each.told)) for each in gone
+        ]
 
     def _aye(self, order: Order, role: str) -> Reply:
         """Answer a repeat."""
@@ -229,7 +239,7 @@ class CrewTalk:
             return f"{found.spoken.says} aye"
         return f"WRONG REPEAT: {order.subject}; ordered is {found.spoken.says}"
 
-    def _repeated(self, order: Order, role: str) -> list[Telling]:
+    def _repeated(self, order: Order, role: str) -> list[CrewMessage]:
         """Note a repeat: right, the order is new no longer; wrong, it is counted."""
         found = self._find(order.subject, role)
         if isinstance(found, Refused):
@@ -239,10 +249,10 @@ class CrewTalk:
             self._spoken[spoken.axis] = replace(spoken, repeated=True)
             self._look_ahead()
             saying = Saying(role, f"{spoken.says} aye")
-            return [Telling("crew", ": ".join(saying), Fact("repeated", spoken.told), saying)]
+            return [CrewMessage("crew", ": ".join(saying), Fact("repeated", spoken.told), saying)]
         told = f"{order.subject}; {spoken.told}"
         text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
-        return [Telling("crew", text, Fact("wrong-repeat", told))]
+        return [CrewMessage("crew", text, Fact("wrong-repeat", told))]
 
     def _find(self, words: str, role: str) -> Repeat | Refused:
         """Return the order that is repeated, the newest without words.
@@ -254,14 +264,14 @@ class CrewTalk:
             for each in reversed(self._spoken.values())
             if not each.repeated
             and each.by != role
-            and role in (*CONCERNED[each.axis], INSTRUCTOR.name)
+            and role in (*REPEATING_ROLES[each.axis], INSTRUCTOR_ROLE.name)
         ]
         if not new:
             return Refused("there is no new order to repeat")
         if not words:
             return Repeat(new[0], right=True)
         said = said_order(words)
-        axis = axis_of(said) if said else WORDS
+        axis = axis_of(said) if said else WORDS_AXIS
         meant = [each for each in new if each.axis == axis]
         if not meant:
             return Refused(f'"{words}" repeats no order; the new order is {new[0].says}: say aye')
@@ -269,7 +279,7 @@ class CrewTalk:
 
     # What is missing or wrong
 
-    def missing(self, tick: int, attends: Callable[[str], bool]) -> list[Telling]:
+    def missing(self, tick: int, attends: Callable[[str], bool]) -> list[CrewMessage]:
         """Return what there is to tell after a tick.
 
         Orders that nobody has repeated in time, each once, what comes in hand, and what the pumps
@@ -280,62 +290,67 @@ class CrewTalk:
             if each.repeated or each.reminded or self._late_at(each) > tick:
                 continue
             self._spoken[each.axis] = replace(each, reminded=True)
-            if any(attends(role) for role in CONCERNED[each.axis] if role != each.by):
-                text = f"NOT REPEATED in {LATE:g} s: {each.says}"
-                found.append(Telling("crew", text, Fact("crew-order", each.told)))
+            if any(attends(role) for role in REPEATING_ROLES[each.axis] if role != each.by):
+                text = f"NOT REPEATED in {REPEAT_TIMEOUT_S:g} s: {each.says}"
+                found.append(CrewMessage("crew", text, Fact("crew-order", each.told)))
         if self._taken_at == tick:
-            axes = ",".join(axis for axis in AXES if axis in self.hand)
+            axes = ",".join(axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in self.hand)
             words = f"by hand from now on: {axes.replace(',', ', ')}"
-            found.append(Telling("crew", words, Fact("exercise", f"hand={axes}")))
-        found += [pumped(*each) for each in self.pumps.look(self.boat)]
+            found.append(CrewMessage("crew", words, Fact("exercise", f"hand={axes}")))
+        found += [pump_text(*each) for each in self.pumps.look(self.boat)]
         self._look_ahead(tick)
         return found
 
-    def wrong_way(self, order: Order, role: str) -> list[Telling]:
+    def wrong_way(self, order: Order, role: str) -> list[CrewMessage]:
         """Return whether an order by hand goes to the wrong side of the crew's order.
 
-        The first within ``LATE`` of the order counts: later ones may well meet the swing.
+        The first within ``REPEAT_TIMEOUT_S`` of the order counts: later ones may well meet the
+        swing.
         """
-        for axis, surfaces in WORKS.items():
+        for axis, surfaces in WORKED_AXES.items():
             spoken = self._spoken.get(axis)
             if spoken is None or spoken.begun or order.name not in surfaces:
                 continue
             to_go = self._to_go(axis)
             if self._late_at(spoken) >= self.boat.ticks and to_go * order.value < 0.0:
                 text = f"WRONG WAY: {role}: {order.text}; ordered is {spoken.told}"
-                return [Telling("watch", text, Fact("wrong-way", f"{order.text}; {spoken.told}"))]
+                return [
+                    CrewMessage("watch", text, Fact("wrong-way", f"{order.text}; {spoken.told}"))
+                ]
         return []
 
     def _to_go(self, axis: str) -> float:
         """Return which way an order is to be carried out: right or rise positive, 0 in doubt."""
-        standing = standing_on(self.boat, axis)
+        standing = standing_order(self.boat, axis)
         if standing is None:
             return 0.0
-        shown = readings(self.boat)
+        shown = instrument_readings(self.boat)
         if axis == "course":
             left = standing.value - shown.heading
             left = left if standing.side else math.remainder(left, math.tau)
-            clear = standing.side or abs(left) < math.pi - SURE[axis]
-            return left if clear and abs(left) > SURE[axis] else 0.0
+            clear = standing.side or abs(left) < math.pi - REACHED_MARGINS[axis]
+            return left if clear and abs(left) > REACHED_MARGINS[axis] else 0.0
         now = -shown.depth if axis == "depth" else float(self.boat.state.theta)
         left = (-standing.value if axis == "depth" else standing.value) - now
-        return left if abs(left) > SURE[axis] else 0.0
+        return left if abs(left) > REACHED_MARGINS[axis] else 0.0
 
-    def _moved(self, order: Order, role: str) -> list[Telling]:
+    def _moved(self, order: Order, role: str) -> list[CrewMessage]:
         """Note that a surface was worked, and whether a swing is being met."""
-        for axis, surfaces in WORKS.items():
+        for axis, surfaces in WORKED_AXES.items():
             if axis in self._spoken and order.name in surfaces:
                 self._spoken[axis] = replace(self._spoken[axis], begun=True)
-        if order.name in STEERED:
+        if order.name in STEERING_WORDS:
             self.meeting = meeting(role) if order.word == "meet" else None
         return []
 
-    def due_by_hand(self) -> Watched | None:
+    def due_by_hand(self) -> StationOrder | None:
         """Return what is to be ordered after this tick by who watches for it."""
         if self.meeting and self._swing_met():
-            return Watched(f"{self.meeting}: swing met", self.meeting, AMIDSHIPS)
+            return StationOrder(f"{self.meeting}: swing met", self.meeting, RUDDER_AMIDSHIPS)
         order = self.guard.order(self.boat)
-        return Watched(GUARD.words, GUARD, order) if order and self._guarded else None
+        return (
+            StationOrder(GUARD_GIVER.words, GUARD_GIVER, order) if order and self._guarded else None
+        )
 
     def _swing_met(self) -> bool:
         """Return whether the swing that is being met has stopped."""
@@ -348,9 +363,9 @@ class CrewTalk:
         """Return whether the guard may take the planes: not where they may be automatic."""
         return "planes" in self.worked
 
-    def _late_at(self, spoken: Spoken) -> float:
+    def _late_at(self, spoken: CrewOrder) -> float:
         """Return the tick at which a missing repeat is told."""
-        return spoken.tick + math.ceil(LATE / self.boat.method.step - 1e-9)
+        return spoken.tick + math.ceil(REPEAT_TIMEOUT_S / self.boat.method.step - 1e-9)
 
     @property
     def _taken_at(self) -> float:
@@ -379,10 +394,10 @@ class CrewTalk:
 
     def conditions(self, role: str) -> list[tuple[str, str]]:
         """Return what programs are told of who steers what, as keys and values."""
-        later = self.hand_from > 0.0 and role == INSTRUCTOR.name
+        later = self.hand_from > 0.0 and role == INSTRUCTOR_ROLE.name
         told = {
             "hand-from": f"{self.hand_from:g}" if later else "",
-            "hand": ",".join(axis for axis in AXES if axis in self.in_force),
+            "hand": ",".join(axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in self.in_force),
             "allowed": ",".join(sorted(self.allowed | self.freed)) if self.in_force else "",
             "free": "yes" if self.freed else "",
         }
@@ -393,7 +408,7 @@ class CrewTalk:
 
         One to the planes is refused while the guard has them; what moves nothing by itself never.
         """
-        planes = order.name in (*PLANES, "planes")
+        planes = order.name in (*PLANE_AXES, "planes")
         if planes and self._guarded and self.guard.holds(self.boat):
             return f"the boat levels by itself before {self.guard.deepest:g} m: try again soon"
         taken = in_hand(order, self.worked, self.allowed)
@@ -408,28 +423,28 @@ class CrewTalk:
             return Refused(f"{axis} may be automatic already")
         return f"{axis} may be automatic; the run is free: it has no marks"
 
-    def _freed(self, axis: str) -> list[Telling]:
+    def _freed(self, axis: str) -> list[CrewMessage]:
         self.freed.add(axis)
         free = f"{axis} may be automatic: the run is free, flown without marks"
         told = ",".join(sorted(self.allowed | self.freed))
         return [
-            Telling("exercise", free, Fact("exercise", "free=yes")),
-            Telling("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={told}")),
+            CrewMessage("exercise", free, Fact("exercise", "free=yes")),
+            CrewMessage("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={told}")),
         ]
 
 
-def reported(order: Order, role: str) -> list[Telling]:
+def report_text(order: Order, role: str) -> list[CrewMessage]:
     """Return what is told of a report."""
     told = f"{role}: {order.subject}"
-    return [Telling("crew", f"{role} reports: {order.subject}", Fact("report", told))]
+    return [CrewMessage("crew", f"{role} reports: {order.subject}", Fact("report", told))]
 
 
-def pumped(by: str, done: str) -> Telling:
+def pump_text(by: str, done: str) -> CrewMessage:
     """Return what is told of a pump's work, of the instructor's own to nobody else."""
     fact = Fact("report", f"{by}: {done}")
-    if by == INSTRUCTOR.name:
-        return Telling("exercise", done, fact)
-    return Telling("crew", f"{by} reports: {done}", fact)
+    if by == INSTRUCTOR_ROLE.name:
+        return CrewMessage("exercise", done, fact)
+    return CrewMessage("crew", f"{by} reports: {done}", fact)
 
 
 def said_order(words: str) -> Order | None:
@@ -443,12 +458,12 @@ def said_order(words: str) -> Order | None:
     return None
 
 
-def is_repeated(words: str, spoken: Spoken) -> bool:
+def is_repeated(words: str, spoken: CrewOrder) -> bool:
     """Return whether words repeat an order: as it was given, or as it was told.
 
     A number without its unit is in the unit of the order. A side may be left out, not mistaken.
     """
-    if spoken.axis == WORDS:
+    if spoken.axis == WORDS_AXIS:
         return plain_words(words) == plain_words(spoken.given.subject)
     units = {*METRES.names, *FEET.names}
     if spoken.given.unit is FEET and not units & set(re.findall("[a-z]+", words)):

@@ -4,10 +4,10 @@
    the line alone (``LINE`` below) it does itself, and an order that its role may not give it
    refuses itself, because a stranger's words go no further than his line.
 2. **Asked.** All else comes to ``Dispatch.hear`` in the thread that ticks, one order at a time.
-   ``refusal`` walks the gates in the order of ``GATES``: who has command, whether it was meant
-   (``quit``), the visitor's, a boat that is lost, the end of the exercise, what is worked by hand,
-   a replay. The first gate that is shut answers. A call of the Python face, and a plan whose time
-   has come, walk the same gates, but come from no station.
+   ``refusal`` walks the gates in the order of ``ORDER_GATES``: who has command, whether it was
+   meant (``quit``), the visitor's, a boat that is lost, the end of the exercise, what is worked by
+   hand, a replay. The first gate that is shut answers. A call of the Python face, and a plan whose
+   time has come, walk the same gates, but come from no station.
 3. **What is due comes before.** The exercise's orders up to this tick are carried out, so that an
    order finds the boat as the exercise has it. They walk no gate: the exercise may order what it
    forbids its crew.
@@ -29,24 +29,24 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, NamedTuple
 
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED_WORDS
 from trainer.io.recording.facts import (
     NO_CREW_FACT,
-    SCHEDULE,
+    SCHEDULE_GIVER,
     CrewFact,
     Giver,
     GiverKind,
     plan_of,
 )
 from trainer.io.recording.recording import RecordingError
-from trainer.session.crew import Telling
-from trainer.session.event_log import CREW
+from trainer.session.crew import CrewMessage
+from trainer.session.event_log import CREW_KIND
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
-from trainer.session.stations.roles import INSTRUCTOR, ROLES, roles_with
-from trainer.session.stations.station import Asked, Duty, Fact, Lines, Saying, Station
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, roles_with
+from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 
 Gate = Callable[[Order, Station | None, Parts], str]
 
@@ -86,15 +86,15 @@ class Rule(NamedTuple):
         return self.journalled or self.obeyer in (Obeyer.TIME, Obeyer.PAST, Obeyer.RECORD)
 
 
-WATCHING: Final = Rule(Obeyer.QUESTION, watching=True)
+WATCH_RULE: Final = Rule(Obeyer.QUESTION, watching=True)
 NEWS_KINDS: Final = {Obeyer.TIME: "time", Obeyer.PAST: "moment"}  # that everybody hears of
-GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
+RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
     (
         Rule(Obeyer.LINE, watching=True),
         ("role", "help", "name", "subscribe", "unsubscribe", "detach"),
     ),
-    (WATCHING, ("status", "briefing", "casualties", "plans", "log", "who", "history")),
-    (WATCHING, ("branches", "snapshots", "mark", "ack")),
+    (WATCH_RULE, ("status", "briefing", "casualties", "plans", "log", "who", "history")),
+    (WATCH_RULE, ("branches", "snapshots", "mark", "ack")),
     (Rule(Obeyer.BOAT, in_replay=False, after_end=False), BOAT_ORDERS - CREW_TALK),
     (Rule(Obeyer.CREW, in_replay=False, after_end=False), BOAT_ORDERS & CREW_TALK),
     (Rule(Obeyer.CREW, in_replay=False), CREW_TALK - BOAT_ORDERS),
@@ -113,7 +113,7 @@ GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
     (Rule(Obeyer.COMMAND, watching=True), ("command",)),
     (Rule(Obeyer.COMMAND), ("give", "keep")),
 )
-ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in GROUPS for word in words}
+ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in RULE_GROUPS for word in words}
 
 
 # The gates: each says why it is shut, "" where it is open.
@@ -121,7 +121,7 @@ ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in GROUPS for wo
 
 def command_gate(order: Order, station: Station | None, session: Parts) -> str:
     """Return who else has command: an instructor without it watches, asks and marks."""
-    if station is None or station.role is not INSTRUCTOR or ORDERS[order.name].watching:
+    if station is None or station.role is not INSTRUCTOR_ROLE or ORDERS[order.name].watching:
         return ""
     return session.conduct.command.elsewhere(station)
 
@@ -144,7 +144,7 @@ def lost_gate(order: Order, _station: Station | None, session: Parts) -> str:
 
 def end_gate(order: Order, station: Station | None, session: Parts) -> str:
     """Return that the exercise is over: time stands still, and the boat obeys nobody."""
-    role = station.role if station else INSTRUCTOR
+    role = station.role if station else INSTRUCTOR_ROLE
     return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
 
 
@@ -158,7 +158,7 @@ def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
     return "" if ORDERS[order.name].in_replay else session.history.flown.barred
 
 
-GATES: Final[Sequence[Gate]] = (
+ORDER_GATES: Final[Sequence[Gate]] = (
     *(command_gate, quit_gate, visitor_gate),
     *(lost_gate, end_gate, hand_gate, replay_gate),
 )
@@ -169,7 +169,7 @@ def refusal(order: Order, station: Station | None, session: Parts) -> Refused | 
 
     ``station`` is None for what comes from no line: a plan, or a call of the Python face.
     """
-    for gate in GATES:
+    for gate in ORDER_GATES:
         if reason := gate(order, station, session):
             return Refused(reason)
     return None
@@ -183,7 +183,7 @@ class Dispatch:
     duties: Mapping[str, Duty]  # who answers what is not passed on
     refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
 
-    def hear(self, asked: Asked) -> None:
+    def hear(self, asked: Request) -> None:
         """Answer what a station has asked or ordered, and tell the others."""
         session, station = self.session, asked.station
         order = session.crew.meant(asked.order)
@@ -195,7 +195,7 @@ class Dispatch:
             self._pass_on(order, answer, station)
             return
         reply = shut or self.duties[order.name](asked)
-        if isinstance(reply, Lines):
+        if isinstance(reply, LongAnswer):
             station.answer(asked, reply.result, *reply.lines)
         elif reply is not None:
             station.answer(asked, reply)
@@ -217,7 +217,7 @@ class Dispatch:
         kept = rule.journalled or place is not None or giver.kind is GiverKind.PLAN
         number = session.history.order(giver, order, place) if kept else None
         fact = NO_CREW_FACT
-        if place is not None and order.name in UNSCHEDULED:
+        if place is not None and order.name in UNSCHEDULED_WORDS:
             answer: Reply = Refused(f"{order.text} has no place in a schedule")
         elif rule.journalled:
             answer, fact = self.obey(order, giver, speaker)
@@ -245,7 +245,7 @@ class Dispatch:
             return session.agenda.obey(order), fact
         talk = obeyer is Obeyer.CREW
         tellings = [] if talk else session.crew.wrong_way(order, role)
-        answer = session.crew.obey(order, role) if talk else obey(session.boat, order)
+        answer = session.crew.obey(order, role) if talk else obey_order(session.boat, order)
         if not isinstance(answer, Refused):
             fact = session.crew.fact_of(order, role)
             tellings += session.crew.note(order, giver, session.history.tick, fact)
@@ -255,10 +255,10 @@ class Dispatch:
             session.shown.show()
         return answer, fact
 
-    def say(self, tellings: Sequence[Telling], speaker: Station | None = None) -> None:
+    def say(self, tellings: Sequence[CrewMessage], speaker: Station | None = None) -> None:
         """Tell what was said. Who has said it has an answer in place of the text."""
         for telling in tellings:
-            by = speaker if telling.kind == CREW else None
+            by = speaker if telling.kind == CREW_KIND else None
             self.session.event_log.tell(*telling[:2], by, telling.fact, telling.saying)
 
     def obey_watch(self) -> None:
@@ -277,7 +277,7 @@ class Dispatch:
         """Carry out what the schedule has up to the tick that comes."""
         session = self.session
         for place, entry in session.history.flown.due_of_schedule(session.agenda.schedule):
-            answer = self.carry_out(entry.order, SCHEDULE, place)
+            answer = self.carry_out(entry.order, SCHEDULE_GIVER, place)
             told = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
             if isinstance(answer, Refused):
                 self.refused.append(told)
@@ -285,7 +285,7 @@ class Dispatch:
     def obey_plans(self) -> None:
         """Carry out the instructors' plans that are due at this tick."""
         for plan in self.session.agenda.due():
-            answer = self.give(plan.order, plan_of(INSTRUCTOR.name, plan.number))
+            answer = self.give(plan.order, plan_of(INSTRUCTOR_ROLE.name, plan.number))
             self._tell_due(plan.ahead.moment, plan.order, answer)
             self.tell_plans()
 
@@ -303,7 +303,7 @@ class Dispatch:
         if station is None and not session.agenda.has_changed(place):
             return
         for each in [station] if station else session.event_log.stations:
-            if each.role is INSTRUCTOR:
+            if each.role is INSTRUCTOR_ROLE:
                 session.event_log.note(each, session.agenda.facts(place))
 
     def _carried_out(self, order: Order, giver: Giver, speaker: Station | None = None) -> Reply:

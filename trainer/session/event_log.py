@@ -16,16 +16,20 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.session.history import History
-from trainer.session.stations.roles import INSTRUCTOR, Role, hears
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, hears_kind
 from trainer.session.stations.station import Fact, News, Saying, Station
 
-KEPT: Final = 500  # of what has happened, for who comes late
+MAX_KEPT_EVENTS: Final = 500  # of what has happened, for who comes late
 MARK: Final = "mark"  # the kind of a remark
-CREW: Final = "crew"  # the kind of what is said to the crew and by it
-SAID: Final = ("wrong-way", "exercise", "report")  # facts of what was said that are of another kind
-OPEN: Final = 100  # alerts at most that wait to be seen
-UNSAFE: Final = "should the power go, the last orders would be lost; they act and are recorded"
-SAFE: Final = "what was ordered is safe should the power go"
+CREW_KIND: Final = "crew"  # the kind of what is said to the crew and by it
+SPOKEN_FACTS: Final = (
+    "wrong-way",
+    "exercise",
+    "report",
+)  # facts of what was said that are of another kind
+MAX_OPEN_ALERTS: Final = 100  # alerts at most that wait to be seen
+UNSAFE_TEXT: Final = "should the power go, the last orders would be lost; they act and are recorded"
+SAFE_TEXT: Final = "what was ordered is safe should the power go"
 
 
 class Rank(Enum):
@@ -39,7 +43,7 @@ class Rank(Enum):
 KIND_RANKS: Final = {"depth": Rank.ALARM, "watch": Rank.ALARM, "pilot": Rank.WARNING}
 
 
-class Counting(Protocol):
+class CallCounter(Protocol):
     """A monitor that counts its calls: the times [s] of each."""
 
     times: dict[str, list[float]]
@@ -51,7 +55,7 @@ class EventLog:
 
     history: History
     stations: list[Station] = field(default_factory=list)
-    news: deque[News] = field(default_factory=lambda: deque(maxlen=KEPT))
+    news: deque[News] = field(default_factory=lambda: deque(maxlen=MAX_KEPT_EVENTS))
     heard: Station | None = None  # who is listened to
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
     alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
@@ -86,7 +90,7 @@ class EventLog:
             said = f"mark by {self.signature(by)}: {text}"
             saying = Saying(by.role.name, f"mark: {text}")
         news = News(self.history.tick, boat.time, kind, said, fact, saying)
-        talk = kind == CREW or (fact is not None and fact.what in SAID)
+        talk = kind == CREW_KIND or (fact is not None and fact.what in SPOKEN_FACTS)
         keeper = self.history.flown.talk if talk else self.history.recording
         keeper.event(news.tick, kind, *((by.who, text, by.role.name) if by else ("", text)))
         for hear in self.hearers:
@@ -106,7 +110,7 @@ class EventLog:
         self.alerts[self._alert] = news
         self.ranks[self._alert] = rank or KIND_RANKS[kind]
         for kept in (self.alerts, self.ranks):
-            kept.pop(self._alert - OPEN, None)
+            kept.pop(self._alert - MAX_OPEN_ALERTS, None)
         for hear in self.hearers:  # as it is recorded
             hear(news)
         self._spread(news._replace(text=f"{text} [{self._alert}]"), None)
@@ -115,7 +119,7 @@ class EventLog:
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
         """Take alerts as seen, one by its number or all that ``by`` was told. Tell the others."""
-        known = {n: news for n, news in self.alerts.items() if hears(by.role, news.kind)}
+        known = {n: news for n, news in self.alerts.items() if hears_kind(by.role, news.kind)}
         wanted = list(known) if order.word == "all" else [int(order.value)]
         if not set(wanted) <= set(known) or not wanted:
             there = ", ".join(map(str, known)) or "none"
@@ -126,7 +130,7 @@ class EventLog:
             self.tell(seen.kind, ": ".join(saying), by, Fact("ack", str(number)), saying)
         return f"seen: {', '.join(map(str, wanted))}"
 
-    def settle(self, counting: Sequence[Counting]) -> None:
+    def settle(self, counting: Sequence[CallCounter]) -> None:
         """Forget the alerts and counts that have not come yet, after a jump in time."""
         tick = self.history.tick
         self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= tick}
@@ -151,12 +155,12 @@ class EventLog:
         step = self.history.boat.method.step
         for station in self.stations:
             for tick, fact in waiting(station.role.name):
-                station.note(News(tick, tick * step, CREW, "", fact))
+                station.note(News(tick, tick * step, CREW_KIND, "", fact))
 
     def note_alerts(self, station: Station) -> None:
         """Tell a program the alerts that nobody has seen yet."""
         for number, news in self.alerts.items():
-            if hears(station.role, news.kind):
+            if hears_kind(station.role, news.kind):
                 for each in self._numbered(number, news):
                     station.note(each)
 
@@ -169,7 +173,7 @@ class EventLog:
     def _note(self, news: News) -> None:
         """Tell programs a fact beside what they were told."""
         for station in self.stations:
-            if hears(station.role, news.kind):
+            if hears_kind(station.role, news.kind):
                 station.note(news)
 
     def _spread(self, news: News, by: Station | None) -> None:
@@ -193,7 +197,7 @@ class EventLog:
 
         Of one that was obeyed: as news of that kind (None: by whose it was), by a fact ``what``.
         """
-        kinds = "exercise" if station.role is INSTRUCTOR else "order"
+        kinds = "exercise" if station.role is INSTRUCTOR_ROLE else "order"
         refused = isinstance(answer, Refused)
         result = f"refused: {answer.reason}" if isinstance(answer, Refused) else str(answer)
         words = f"{order.text}: {result}"
@@ -208,8 +212,8 @@ class EventLog:
 
     def signature(self, station: Station) -> str:
         """Return by whom a thing is said: its role, of several instructors their line too."""
-        several = sum(1 for each in self.stations if each.role is INSTRUCTOR) > 1
-        return station.who if several and station.role is INSTRUCTOR else station.role.name
+        several = sum(1 for each in self.stations if each.role is INSTRUCTOR_ROLE) > 1
+        return station.who if several and station.role is INSTRUCTOR_ROLE else station.role.name
 
     def note(self, station: Station, facts: Iterable[Fact]) -> None:
         """Tell a station facts of now, if it is a program."""
@@ -244,7 +248,11 @@ class EventLog:
         if bool(why) is self.unsafe:
             return
         self.unsafe = bool(why)
-        text = f"THE DISK IS BEHIND: {why}; {UNSAFE}" if why else f"the disk has caught up: {SAFE}"
+        text = (
+            f"THE DISK IS BEHIND: {why}; {UNSAFE_TEXT}"
+            if why
+            else f"the disk has caught up: {SAFE_TEXT}"
+        )
         self.tell("trouble", text)
 
     def log(self, kind: str, text: str) -> None:
@@ -256,5 +264,5 @@ class EventLog:
 
     def lately(self, role: Role, count: int) -> list[str]:
         """Return the last of what ``role`` hears of."""
-        heard = [news for news in self.news if hears(role, news.kind)]
+        heard = [news for news in self.news if hears_kind(role, news.kind)]
         return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]

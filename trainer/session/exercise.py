@@ -16,20 +16,20 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Final
 
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.grounding import clearance
-from trainer.boat.limits import deep, over_ground, showing
+from trainer.boat.limits import height_showing, is_deep, over_ground
 from trainer.boat.world.scope import eye_height
-from trainer.config.condition import QUANTITIES
+from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
 from trainer.config.files import ConfigError
 
-PATIENCE: Final = 20.0  # [s] at the end, for marks and pages
-TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
-AT_ITS_END: Final = "the exercise is over"
-OVER: Final = f"{AT_ITS_END}: again, again from 2 min, next, debrief, release marks or quit"
-PHI, THETA = PLACES["phi"], PLACES["theta"]
+CLOSE_TIMEOUT_S: Final = 20.0  # [s] at the end, for marks and pages
+CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
+EXERCISE_OVER: Final = "the exercise is over"
+OVER_TEXT: Final = f"{EXERCISE_OVER}: again, again from 2 min, next, debrief, release marks or quit"
+PHI_PLACE, THETA_PLACE = STATE_PLACES["phi"], STATE_PLACES["theta"]
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Judgement:
 
 
 @dataclass(frozen=True)
-class Debriefing:
+class DebriefSource:
     """Who judges a branch of a recording, and who writes its debrief. RuntimeError tells why not.
 
     Both take as long as they need: they are called in threads of their own.
@@ -71,7 +71,7 @@ class Debriefing:
 
 
 @dataclass
-class Losing:
+class LossMonitor:
     """The watch on losing conditions. A condition loses when it holds for so long."""
 
     loss: Loss
@@ -79,7 +79,7 @@ class Losing:
     held: int = 0  # ticks for which they have held
 
     @classmethod
-    def of(cls, loss: Loss, boat: Boat) -> "Losing":
+    def of(cls, loss: Loss, boat: Boat) -> "LossMonitor":
         """Return the watch for a loss over a boat."""
         return cls(loss, max(math.ceil(loss.seconds / boat.method.step - 1e-9), 0))
 
@@ -100,25 +100,27 @@ def is_met(condition: Condition, boat: Boat) -> bool:
 def quantity_of(boat: Boat, name: str) -> float:
     """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
     if name == "showing":
-        return -math.inf if deep(boat) else showing(boat)
+        return -math.inf if is_deep(boat) else height_showing(boat)
     if found := {"eye": eye_height, "clearance": clearance}.get(name):
         return found(boat)
     if name == "course":
-        return boat.plain[PLACES["psi"]] % math.tau
+        return boat.plain[STATE_PLACES["psi"]] % math.tau
     if name == "heavy":
-        return (boat.plain[PLACES["weight"]] - float(boat.vessel.buoyancy)) / float(boat.vessel.g)
+        return (boat.plain[STATE_PLACES["weight"]] - float(boat.vessel.buoyancy)) / float(
+            boat.vessel.g
+        )
     if name == "speed_over_ground":
         return over_ground(boat.state)
     factor = scale_of(boat, name)
-    return boat.plain[PLACES[QUANTITIES[name].place]] / factor if factor else math.nan
+    return boat.plain[STATE_PLACES[STATE_QUANTITIES[name].place]] / factor if factor else math.nan
 
 
 @dataclass
-class Ending:
+class ExerciseEnd:
     """The end of one exercise: over or not, and why."""
 
     last_tick: float = math.inf  # at which its time is up
-    lost: Sequence[Losing] = ()
+    lost: Sequence[LossMonitor] = ()
     over: str = ""  # when and by whom, once it is
     why: str = ""  # it is lost: for the instructor, since it may tell what is hidden
     how: str = ""  # lost or ended
@@ -127,10 +129,10 @@ class Ending:
     debrief: str = ""  # the file that was written
 
     @classmethod
-    def of(cls, boat: Boat, losses: Sequence[Loss], seconds: float | None) -> "Ending":
+    def of(cls, boat: Boat, losses: Sequence[Loss], seconds: float | None) -> "ExerciseEnd":
         """Return the end of an exercise of so many ``seconds``, lost by any of these."""
         last = math.inf if seconds is None else round(seconds / boat.method.step)
-        return cls(last, tuple(Losing.of(each, boat) for each in losses))
+        return cls(last, tuple(LossMonitor.of(each, boat) for each in losses))
 
     @property
     def watched(self) -> bool:
@@ -161,13 +163,13 @@ class Ending:
     def _lost(self, boat: Boat) -> str:
         """Return by what it is lost now, "" if it is not."""
         lost = [each.loss.text for each in self.lost if each.look(boat)]  # all of them count
-        heel, pitch = TURNED_OVER
-        turned = abs(boat.plain[PHI]) > heel or abs(boat.plain[THETA]) > pitch
+        heel, pitch = CAPSIZE_ANGLES_RAD
+        turned = abs(boat.plain[PHI_PLACE]) > heel or abs(boat.plain[THETA_PLACE]) > pitch
         return lost[0] if lost else ("turned over" if turned else "")
 
 
 @dataclass
-class Work:
+class BackgroundTask:
     """A task beside the session, and what the session does with its result."""
 
     wake: Callable[[], object]  # has the session's thread call ``settle``
@@ -198,14 +200,14 @@ class Work:
     def finish(self) -> None:
         """Wait for what is being done, and take it. What waits for others waits no more."""
         self.closing.set()
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + CLOSE_TIMEOUT_S
         for thread in self.threads:
             thread.join(max(end - time.monotonic(), 0.0))
         self.settle()
 
 
 @dataclass(frozen=True)
-class Following:
+class NextExercises:
     """The exercises that may follow in this process, or why another process is needed."""
 
     problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none

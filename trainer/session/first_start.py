@@ -18,32 +18,32 @@ from typing import Any, Final
 
 import trainer
 from trainer.boat import compilation
-from trainer.config.files import ConfigError, is_path, parse_toml, read_text, shipped
+from trainer.config.files import ConfigError, is_path, parse_toml, read_text, shipped_path
 from trainer.core.cache import cache_folder, cache_lasts
 from trainer.session.options import RunOptions
 
-EVALUATION: Final = 0.02  # [s] of the clock for an evaluation of the rates: ten of them
-EVALUATIONS: Final = {  # in a tick; one with other methods
+EVALUATION_TIME_S: Final = 0.02  # [s] of the clock for an evaluation of the rates: ten of them
+TICK_EVALUATIONS: Final = {  # in a tick; one with other methods
     **dict.fromkeys(("heun", "abm2", "abm3", "abm4", "hamming4", "o30c31", "bdf2", "bdf3"), 2.0),
     "rk2": 2.0,
     "rk3": 3.0,
     "rk4": 4.0,
     "rkv": math.inf,
 }
-PREPARING: Final = (
+PREPARING_TEXT: Final = (
     "First start: still preparing in the background ({percent} %). You can sail now; "
     "only fast time has to wait."
 )
 NEARLY_READY: Final = "First start: the last parts are still being prepared. You can sail now."
 
 
-def prepare(options: RunOptions) -> str:
+def prepare_core(options: RunOptions) -> str:
     """Settle how the core of a run runs. Return what its user is to be told, "" for nothing."""
     if os.name != "posix" or compilation.is_settled() or compilation.is_interpreted():
         return ""
     if compilation.is_kept() or is_hurried(options) or complaints():
         return ""
-    compilation.do_without()
+    compilation.use_interpreter()
     if not cache_lasts():
         return (
             "No folder for prepared code can be written to: you can sail, but not in fast time. "
@@ -52,12 +52,12 @@ def prepare(options: RunOptions) -> str:
     compile_beside()
     if compilation.is_tick_kept():
         return NEARLY_READY
-    return PREPARING.format(percent=compilation.progress())
+    return PREPARING_TEXT.format(percent=compilation.tick_progress())
 
 
 def is_hurried(options: RunOptions) -> bool:
     """Return whether ticks are to come faster than the interpreter surely makes them."""
-    exercise = table("exercises", options.exercise)
+    exercise = load_table("exercises", options.exercise)
     said = {"step": "step_s", "vessel": "vessel", "integrator": "integrator"}
     chosen = {
         name: getattr(options, name)
@@ -65,14 +65,14 @@ def is_hurried(options: RunOptions) -> bool:
         else exercise.get(key, getattr(options, name))
         for name, key in said.items()
     }
-    step = chosen["step"] or table("vessels", chosen["vessel"]).get("run", {}).get("step_s")
+    step = chosen["step"] or load_table("vessels", chosen["vessel"]).get("run", {}).get("step_s")
     if not isinstance(step, int | float):
         return True
-    least = EVALUATION * EVALUATIONS.get(str(chosen["integrator"]), 1.0)
+    least = EVALUATION_TIME_S * TICK_EVALUATIONS.get(str(chosen["integrator"]), 1.0)
     return bool(step / options.speed < least)
 
 
-def table(kind: str, name: Any) -> Mapping[str, Any]:
+def load_table(kind: str, name: Any) -> Mapping[str, Any]:
     """Return the tables of a shipped file or a user's. {}: it cannot be read.
 
     What is wrong with it is told by who reads it in earnest.
@@ -80,7 +80,7 @@ def table(kind: str, name: Any) -> Mapping[str, Any]:
     if name is None:
         return {}
     try:
-        text = read_text(Path(name) if is_path(str(name)) else shipped(kind, str(name)))
+        text = read_text(Path(name) if is_path(str(name)) else shipped_path(kind, str(name)))
         return parse_toml(text, str(name))
     except ConfigError:
         return {}
@@ -88,7 +88,7 @@ def table(kind: str, name: Any) -> Mapping[str, Any]:
 
 def complaints() -> bool:
     """Return whether compiling beside a run has failed. Then it is done where its user sees why."""
-    with compilation.compiling() as free:
+    with compilation.compilation_lock() as free:
         return free is not None and compilation.has_complained()
 
 
@@ -100,12 +100,12 @@ def compile_beside() -> None:
     """
     ours = str(Path(trainer.__file__).parents[1])
     found = os.pathsep.join(filter(None, (ours, os.environ.get("PYTHONPATH"))))
-    with compilation.compiling() as lock:
+    with compilation.compilation_lock() as lock:
         if lock is None:
             return
         if not compilation.is_tick_kept():
             compilation.write_progress(0)
-        with (cache_folder() / compilation.COMPLAINTS).open("wb") as said:
+        with (cache_folder() / compilation.ERROR_LOG_NAME).open("wb") as said:
             process = subprocess.Popen(  # noqa: S603  our own words
                 [sys.executable, "-P", "-m", "trainer.session.warm_up", str(lock)],
                 env=os.environ | {"PYTHONPATH": found},

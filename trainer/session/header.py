@@ -25,9 +25,9 @@ from trainer import __version__
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config import nomoto
-from trainer.config.baseline import BASELINE
+from trainer.config.baseline import BASELINE_SUFFIX
 from trainer.config.files import (
-    ABANDONED,
+    ABANDONED_FILES,
     ConfigError,
     collecting,
     key_of,
@@ -45,22 +45,24 @@ from trainer.session.layout import LAYOUT, changes
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 
-PLAN: Final = "1"
-OPTIONS: Final[Mapping[str, Any]] = {  # of the command line, that a plan depends on; their kind
+PLAN_FORMAT: Final = "1"
+PLAN_OPTIONS: Final[
+    Mapping[str, Any]
+] = {  # of the command line, that a plan depends on; their kind
     **dict.fromkeys(("exercise", "sea", "orders_file", "equations", "rates"), str | None),
     **dict.fromkeys(("vessel", "trig", "integrator"), str),
     **dict.fromkeys(("duration", "step"), int | float | None),
     "seed": int,
 }
-TRAINEES: Final = "trainees"
+TRAINEES_KEY: Final = "trainees"
 # form 1 differentiated a rudder that stood still within each step
 NOMOTO_FORM: Final = "2"
-LONGEST_NAME: Final = 60  # [characters]
+MAX_NAME_LETTERS: Final = 60  # [characters]
 # a key of exercises that came later, and changes nothing of how the boat is flown
-FLIES_NOTHING: Final = re.compile(r"^visitors[ \t]*=.*\n", re.MULTILINE)
-LARGEST: Final = 2.0**63  # of a number among the options
-LIBRARIES: Final = ("numpy", "numba")
-NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+VISITORS_PATTERN: Final = re.compile(r"^visitors[ \t]*=.*\n", re.MULTILINE)
+MAX_OPTION_NUMBER: Final = 2.0**63  # of a number among the options
+USED_LIBRARIES: Final = ("numpy", "numba")
+NO_CHANGES: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
 def _are_texts(found: object) -> bool:
@@ -68,7 +70,7 @@ def _are_texts(found: object) -> bool:
 
 
 # The parts of a header that are JSON, and what they have to be.
-PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
+HEADER_PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
     "options": lambda found: isinstance(found, dict),
     "texts": lambda found: isinstance(found, dict) and _are_texts(list(found.values())),
     "method": lambda found: isinstance(found, dict),
@@ -79,16 +81,16 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
 
 
 @contextmanager
-def looking(path: Path) -> Iterator[Recording]:
+def open_recording(path: Path) -> Iterator[Recording]:
     """Yield a recording to be looked at inside the block; ConfigError where it cannot be."""
     with refusing_damage(), closing(Recording.look(path)) as recording:
         yield recording
 
 
 @contextmanager
-def reading(path: Path) -> Iterator[Recording]:
+def open_whole_recording(path: Path) -> Iterator[Recording]:
     """Yield a recording whose branches are few enough to be read as a whole; ConfigError."""
-    with looking(path) as recording:
+    with open_recording(path) as recording:
         recording.refuse_branches()
         yield recording
 
@@ -104,10 +106,10 @@ def refusing_damage() -> Iterator[None]:
 
 def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict[str, str]:
     """Return the header of a run that ``options`` planned from ``texts``, its boat just started."""
-    planned = {name: getattr(options, name) for name in OPTIONS}
+    planned = {name: getattr(options, name) for name in PLAN_OPTIONS}
     planned["given"] = sorted(options.given & planned.keys())
     return {
-        "plan": PLAN,
+        "plan": PLAN_FORMAT,
         "trainer": __version__,
         "core": core_digest(),
         **_surroundings(),
@@ -120,7 +122,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
         "seed": json.dumps(int(boat.state.seed)),
         "width": options.width,
         "nomoto": NOMOTO_FORM,
-        **({TRAINEES: json.dumps(names_of(options.trainee))} if options.trainee else {}),
+        **({TRAINEES_KEY: json.dumps(names_of(options.trainee))} if options.trainee else {}),
     }
 
 
@@ -128,8 +130,10 @@ def names_of(given: Iterable[str]) -> list[str]:
     """Return names of trainees as they are kept, each once; ConfigError if one is none."""
     names = [" ".join(name.split()) for name in given]
     for name in names:
-        if not name or not name.isprintable() or len(name) > LONGEST_NAME:
-            wrong = f"--trainee {quote(name)}: a name has 1 to {LONGEST_NAME} printable characters"
+        if not name or not name.isprintable() or len(name) > MAX_NAME_LETTERS:
+            wrong = (
+                f"--trainee {quote(name)}: a name has 1 to {MAX_NAME_LETTERS} printable characters"
+            )
             raise ConfigError(wrong)
     return list(dict.fromkeys(names))
 
@@ -137,13 +141,13 @@ def names_of(given: Iterable[str]) -> list[str]:
 def trainees_of(header: Mapping[str, str]) -> tuple[str, ...]:
     """Return the names of the trainees of a recording, none where it cannot be read."""
     try:
-        found = json.loads(header.get(TRAINEES, "[]"))
+        found = json.loads(header.get(TRAINEES_KEY, "[]"))
     except (ValueError, RecursionError):
         return ()
     return tuple(found) if _are_texts(found) else ()
 
 
-def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> Plan:
+def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES) -> Plan:
     """Return the plan of the run, from what was recorded alone.
 
     ``otherwise`` has options to be taken instead of the recorded; a vessel among them is read from
@@ -153,7 +157,7 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -
     found, texts = _part(header, "options"), _part(header, "texts")
     _check_options(found)
     options = RunOptions(
-        **{name: found[name] for name in OPTIONS if name != "orders_file"},
+        **{name: found[name] for name in PLAN_OPTIONS if name != "orders_file"},
         orders_file=found["orders_file"] and Path(found["orders_file"]),
         given=frozenset(found["given"]) | otherwise.keys(),
     )
@@ -180,7 +184,7 @@ def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(_part(header, "layout"))
 
 
-def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> list[str]:
+def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES) -> list[str]:
     """Return what would be computed from now and was not then, a line each. None: the same bits."""
     found: list[str] = []
     for part in (_other_program(header), _other_texts(header), _other_plan(header, otherwise)):
@@ -202,36 +206,38 @@ def notes(header: Mapping[str, str]) -> list[str]:
 @cache
 def _surroundings() -> Mapping[str, str]:
     """Return what a run is computed by, beside the trainer."""
-    libraries = {name: metadata.version(name) for name in LIBRARIES}
+    libraries = {name: metadata.version(name) for name in USED_LIBRARIES}
     machine = f"{platform.machine()} {platform.system()}"
     return {"python": platform.python_version(), **libraries, "machine": machine}
 
 
 def _part(header: Mapping[str, str], name: str) -> Any:
     """Return a part of the header; ConfigError if it is missing or of another form."""
-    if header.get("plan") != PLAN:
+    if header.get("plan") != PLAN_FORMAT:
         form = quote(header.get("plan", "none"))
-        raise ConfigError(f"recording: plan = {form}: this version reads plan {quote(PLAN)}")
+        raise ConfigError(f"recording: plan = {form}: this version reads plan {quote(PLAN_FORMAT)}")
     try:
         found = json.loads(header[name], parse_constant=no_constant)
     except (KeyError, ValueError, RecursionError):
         raise ConfigError(f"recording: its header has no readable {name}") from None
-    if not PARTS[name](found):
+    if not HEADER_PARTS[name](found):
         raise ConfigError(f"recording: {name} = {quote(found)}: is of another form")
     return found
 
 
 def _check_options(recorded: Mapping[str, Any]) -> None:
     """Check that they are all there and of their kind; ConfigError naming the first that is not."""
-    for name, kind in {**OPTIONS, "given": list}.items():
+    for name, kind in {**PLAN_OPTIONS, "given": list}.items():
         if name not in recorded:
             raise ConfigError(f"recording: its header has no option {name}")
         if not isinstance(recorded[name], kind) or isinstance(recorded[name], bool):
             wrong = quote(recorded[name])
             raise ConfigError(f"recording: option {name} = {wrong}: is of another kind")
-        if isinstance(recorded[name], int | float) and not abs(recorded[name]) <= LARGEST:
+        if isinstance(recorded[name], int | float) and not abs(recorded[name]) <= MAX_OPTION_NUMBER:
             wrong = quote(recorded[name])
-            raise ConfigError(f"recording: option {name} = {wrong}: must be {LARGEST:g} at most")
+            raise ConfigError(
+                f"recording: option {name} = {wrong}: must be {MAX_OPTION_NUMBER:g} at most"
+            )
     if not _are_texts(recorded["given"]):
         raise ConfigError(f"recording: option given = {quote(recorded['given'])}: must be names")
 
@@ -244,7 +250,7 @@ def _other_program(header: Mapping[str, str]) -> Iterator[str]:
         yield f"core {core_digest()}, recorded {header.get('core', 'none')}: other equations"
     form = header.get("nomoto", "1")
     texts = _part(header, "texts").values()
-    if form != NOMOTO_FORM and any(nomoto.SCHEMA in text for text in texts):
+    if form != NOMOTO_FORM and any(nomoto.NOMOTO_SCHEMA in text for text in texts):
         yield f"Nomoto ships of form {NOMOTO_FORM}, recorded {form}: they go by other steps"
     layout = layout_of(header)
     if layout != LAYOUT:
@@ -264,14 +270,14 @@ def _few(names: list[str]) -> str:
 def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
     """Yield what today's files say otherwise, or that they are gone."""
     for key, was in _part(header, "texts").items():
-        if key in ABANDONED or key.endswith(BASELINE):
+        if key in ABANDONED_FILES or key.endswith(BASELINE_SUFFIX):
             continue
         try:
             now = read_as_kept(path_of(key), was)
         except ConfigError as wrong:
             yield f"{wrong}; it was read when this was recorded"
         else:
-            if FLIES_NOTHING.sub("", now) != FLIES_NOTHING.sub("", was):
+            if VISITORS_PATTERN.sub("", now) != VISITORS_PATTERN.sub("", was):
                 yield from changes(key, now, was)
 
 

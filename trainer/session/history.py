@@ -15,28 +15,28 @@ from typing import Final, Protocol
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.boat.world.encounters import EncounterMonitor
-from trainer.boat.world.world import PARTS
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
-from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, Giver
 from trainer.io.recording.recording import (
-    Journalled,
     Moment,
-    Noted,
+    RecordedEvent,
+    RecordedOrder,
     Recording,
     RecordingError,
 )
 from trainer.session.moments import Moments
 from trainer.session.world_orders import WorldOrder, to_world, world_orders
 
-FIRST: Final = 1  # the branch that begins with the run
-AUTOMATIC_EVERY: Final = 10.0  # [s] between moments kept in memory beside the recording
-AUTOMATIC_KEPT: Final = 360  # of them: one hour
+FIRST_BRANCH: Final = 1  # the branch that begins with the run
+MOMENT_PERIOD_S: Final = 10.0  # [s] between moments kept in memory beside the recording
+MAX_KEPT_MOMENTS: Final = 360  # of them: one hour
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class Talk(Protocol):
         ...
 
 
-class Unrecorded:
+class NoTalkRecord:
     """Records nothing: what a replay says again is in the recording."""
 
     def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
@@ -131,11 +131,13 @@ class LiveRun:
         self._history = history
         self.talk: Talk = history.recording
 
-    def has_orders(self, schedule: Sequence[Scheduled]) -> bool:
+    def has_orders(self, schedule: Sequence[ScheduledOrder]) -> bool:
         """Return whether orders of the schedule are still to come."""
         return self._history.place < len(schedule)
 
-    def due_of_schedule(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[int, Scheduled]]:
+    def due_of_schedule(
+        self, schedule: Sequence[ScheduledOrder]
+    ) -> Iterator[tuple[int, ScheduledOrder]]:
         """Yield the entries that act on the next tick or before it, with their places."""
         history = self._history
         while history.flown is self and history.place < len(schedule):
@@ -144,7 +146,7 @@ class LiveRun:
                 return
             yield history.place, entry
 
-    def recorded(self, _schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, Giver]]:
+    def recorded(self, _schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
         """Yield no order: all are given now."""
         return iter(())
 
@@ -197,22 +199,24 @@ class ReplayedRun:
     barred = "a replay is running: take over first"
     replaying = True
 
-    def __init__(self, history: "History", orders: Sequence[Journalled], end: Moment) -> None:
+    def __init__(self, history: "History", orders: Sequence[RecordedOrder], end: Moment) -> None:
         self._history = history
         self._orders = deque(orders)  # still to come
         self._end = end
-        self.talk: Talk = Unrecorded()
+        self.talk: Talk = NoTalkRecord()
         self.different = ""  # where it first left its recording
 
-    def has_orders(self, _schedule: Sequence[Scheduled]) -> bool:
+    def has_orders(self, _schedule: Sequence[ScheduledOrder]) -> bool:
         """Return that there may be orders, or its end."""
         return True
 
-    def due_of_schedule(self, _schedule: Sequence[Scheduled]) -> Iterator[tuple[int, Scheduled]]:
+    def due_of_schedule(
+        self, _schedule: Sequence[ScheduledOrder]
+    ) -> Iterator[tuple[int, ScheduledOrder]]:
         """Yield nothing: what the schedule ordered is among the recorded orders."""
         return iter(())
 
-    def recorded(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, Giver]]:
+    def recorded(self, schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
         """Yield the orders that were given at this tick, and who gave each."""
         history = self._history
         while self._orders and self._orders[0].tick <= history.tick:
@@ -279,7 +283,7 @@ class ReplayedRun:
 Run = LiveRun | ReplayedRun
 
 
-def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
+def order_of(entry: RecordedOrder, schedule: Sequence[ScheduledOrder]) -> Order | None:
     """Return the order that was journalled, None if this version does not understand it.
 
     That of a schedule is taken from there: a casualty's has more to it than its words.
@@ -300,7 +304,7 @@ class History:
     place: int = 0  # of the schedule's next entry
     flown: Run = field(init=False)
     automatic: Moments = field(
-        default_factory=lambda: Moments(AUTOMATIC_KEPT, STATE.itemsize), repr=False
+        default_factory=lambda: Moments(MAX_KEPT_MOMENTS, STATE.itemsize), repr=False
     )
     _period: int = field(init=False)  # [ticks] between the automatic moments
     # the latest order to the world, by the number of the order that a state includes last
@@ -308,7 +312,7 @@ class History:
 
     def __post_init__(self) -> None:
         self.flown = LiveRun(self)
-        self._period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
+        self._period = max(round(MOMENT_PERIOD_S / self.boat.method.step), 1)
 
     @property
     def tick(self) -> int:
@@ -326,7 +330,7 @@ class History:
             self.recording.go_on(self.now())
         before = self._world_order(self.recording.branch, self.after)
         self.after = number = self.recording.order(self.tick, giver, order.text, place)
-        ours = order.name in PARTS
+        ours = order.name in WORLD_PARTS
         self._to_world[number] = WorldOrder(number, self.tick, order, before) if ours else before
         if place is not None:
             self.place = place + 1
@@ -341,7 +345,7 @@ class History:
         if refused and latest and latest.number == number:
             self._to_world[number] = latest.before
 
-    def include(self, entry: Journalled) -> None:
+    def include(self, entry: RecordedOrder) -> None:
         """Take it that the present state includes an order of the journal."""
         self.after = entry.id
         if entry.place is not None:
@@ -404,7 +408,7 @@ class History:
 
     def start(self) -> Moment | Refused:
         """Return the initial conditions, whatever was ordered in a freeze there."""
-        return self.recording.moment(FIRST, 0) or self.before(self.boat.time)
+        return self.recording.moment(FIRST_BRANCH, 0) or self.before(self.boat.time)
 
     def branches(self) -> list[Stretch]:
         """Return all that has been flown, oldest first; the present one reaches up to now."""
@@ -418,7 +422,7 @@ class History:
             for each in self.recording.branches()
         ]
 
-    def noted(self) -> list[Noted]:
+    def noted(self) -> list[RecordedEvent]:
         """Return what was noted on the present branch and on what led to it."""
         begun = {each.id: each for each in self.recording.branches()}
         ends: dict[int, float] = {}
@@ -437,14 +441,14 @@ class History:
         found = self.recording.moment(branch, self.recording.last_tick(branch))
         return found or Refused(f"the end of branch {branch} is not recorded")
 
-    def return_to(self, end: Moment, why: str, schedule: Sequence[Scheduled]) -> None:
+    def return_to(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
         """Go to the end of a branch, give again what was ordered there, and fork."""
         given = self.recording.orders(end.branch, end.after)  # before anything is changed
         self._restore(end)
         for entry in given:
             order = order_of(entry, schedule)
             if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
-                obey(self.boat, order)
+                obey_order(self.boat, order)
             self.include(entry)
         self.go_to(Moment(end.branch, end.tick, self._state(), self.after, self.place), why)
 
@@ -472,7 +476,7 @@ class History:
         self.recording.fork(self.now(), why)
         self.automatic.forget_after(self.tick)
 
-    def said(self) -> list[Journalled]:
+    def said(self) -> list[RecordedOrder]:
         """Return the orders that the present state includes; none while they cannot be read."""
         try:
             orders = self.recording.orders(self.recording.branch)

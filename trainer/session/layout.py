@@ -13,12 +13,12 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Record
 from trainer.core.state import STATE
 
-MOST: Final = 10  # lines of one file that are told
-LONGEST: Final = 60  # [characters] of a line or value shown
-SETTING: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
+MAX_TOLD_LINES: Final = 10  # lines of one file that are told
+MAX_SHOWN_LETTERS: Final = 60  # [characters] of a line or value shown
+SETTING_PATTERN: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
 
 
-class Unlike(NamedTuple):
+class StateDifference(NamedTuple):
     """The difference of two states: the first number, its two values, and the count."""
 
     name: str
@@ -69,7 +69,7 @@ def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
     return record
 
 
-def unlike(recorded: bytes, flown: bytes) -> Unlike | None:
+def state_difference(recorded: bytes, flown: bytes) -> StateDifference | None:
     """Return how two states of this version differ, bit by bit. None if they do not."""
     bits = [np.frombuffer(state, dtype=np.uint64) for state in (recorded, flown)]
     places = np.flatnonzero(bits[0] != bits[1])
@@ -77,14 +77,14 @@ def unlike(recorded: bytes, flown: bytes) -> Unlike | None:
         return None
     first = int(places[0])
     values = [float(np.frombuffer(state, dtype=np.float64)[first]) for state in (recorded, flown)]
-    return Unlike(LAYOUT[first], values[0], values[1], int(places.size))
+    return StateDifference(LAYOUT[first], values[0], values[1], int(places.size))
 
 
 def changes(file: str, now: str, was: str) -> list[str]:
     """Return a line for each changed one, with the file's name and its number."""
     told = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
-    more = len(told) - MOST
-    return [*told[:MOST], f"{file}: and {more} more lines"] if more > 0 else told
+    more = len(told) - MAX_TOLD_LINES
+    return [*told[:MAX_TOLD_LINES], f"{file}: and {more} more lines"] if more > 0 else told
 
 
 def _changes(now: list[str], was: list[str]) -> Iterator[str]:
@@ -110,7 +110,7 @@ def _describe_change(new: str, old: str) -> str:
     ends = new.rpartition("#"), old.rpartition("#")
     if ends[0][1:] == ends[1][1:] and ends[0][1]:  # the same comment
         new, old = ends[0][0], ends[1][0]
-    settings = SETTING.fullmatch(new), SETTING.fullmatch(old)
+    settings = SETTING_PATTERN.fullmatch(new), SETTING_PATTERN.fullmatch(old)
     if settings[0] and settings[1] and settings[0][1] == settings[1][1]:
         return f"{settings[0][1]} = {_short(settings[0][2])} was {_short(settings[1][2])}"
     return f"{_short(new)} was {_short(old)}"
@@ -119,4 +119,4 @@ def _describe_change(new: str, old: str) -> str:
 def _short(text: str) -> str:
     """Return a line in printable ASCII and not longer than is readable."""
     plain = text.strip().encode("unicode_escape").decode("ascii") or "an empty line"
-    return plain if len(plain) <= LONGEST else plain[: LONGEST - 3] + "..."
+    return plain if len(plain) <= MAX_SHOWN_LETTERS else plain[: MAX_SHOWN_LETTERS - 3] + "..."

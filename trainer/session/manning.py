@@ -4,19 +4,19 @@ import re
 from collections.abc import Callable, Collection
 from typing import Final, NamedTuple
 
-from trainer.config.exercise import AXES
+from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS
 from trainer.io.orders.grammar import Order, parse
-from trainer.session.stations.roles import CREW, ROLES
+from trainer.session.stations.roles import CREW_ROLES, ROLES
 
-WORDS: Final = "words"  # the axis of an order in words
-STEERS: Final = ("helm", "pilot")
-DIVES: Final = ("planes", "pilot", "diving")
-CONCERNED: Final = {  # who repeats an order
-    "course": STEERS,
-    "speed": STEERS,
-    "depth": DIVES,
-    "pitch": DIVES,
-    WORDS: CREW,
+WORDS_AXIS: Final = "words"  # the axis of an order in words
+STEERING_ROLES: Final = ("helm", "pilot")
+DIVING_ROLES: Final = ("planes", "pilot", "diving")
+REPEATING_ROLES: Final = {  # who repeats an order
+    "course": STEERING_ROLES,
+    "speed": STEERING_ROLES,
+    "depth": DIVING_ROLES,
+    "pitch": DIVING_ROLES,
+    WORDS_AXIS: CREW_ROLES,
 }
 # The axes that an exercise may have worked by hand: in words, and an order by hand.
 BY_HAND: Final = {
@@ -25,25 +25,25 @@ BY_HAND: Final = {
     "speed": ("the engine is", "bell ahead standard"),
     "ballast": ("the ballast is", "pump depth-control 1"),
 }
-TURNED: Final = re.compile("^course (left|right)")  # `to` a course, where `by` is not meant
+TURN_PATTERN: Final = re.compile("^course (left|right)")  # `to` a course, where `by` is not meant
 STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}  # else itself
 
 
-class Taken(NamedTuple):
+class HandAxis(NamedTuple):
     """An axis that is worked by hand, and why it is not the autopilot's."""
 
     axis: str
     why: str
 
 
-def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> Taken | None:
+def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> HandAxis | None:
     """Return the axis of an automatic order that is worked by hand, None without."""
     names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
     taken = [axis for axis in automatic_axes(order) if axis in hand]
     if names.intersection(allowed) or not taken:
         return None
     says, example = BY_HAND[taken[0]]
-    return Taken(taken[0], f"{says} in hand in this exercise: {example}")
+    return HandAxis(taken[0], f"{says} in hand in this exercise: {example}")
 
 
 def automatic_axes(order: Order) -> list[str]:
@@ -51,7 +51,7 @@ def automatic_axes(order: Order) -> list[str]:
     if order.word == "off":
         return []
     names = {order.name, f"{order.name} {order.word}"}
-    return [axis for axis, orders in AXES.items() if names & set(orders)]
+    return [axis for axis, orders in AUTOMATIC_ORDERS_BY_AXIS.items() if names & set(orders)]
 
 
 def axis_of(order: Order) -> str:
@@ -64,14 +64,18 @@ def unmanned_axes(hand: Collection[str], attends: Callable[[str], bool]) -> list
 
     ``attends`` tells whether somebody with that role is there.
     """
-    return [axis for axis in AXES if axis in hand and not any(map(attends, workers(axis)))]
+    return [
+        axis
+        for axis in AUTOMATIC_ORDERS_BY_AXIS
+        if axis in hand and not any(map(attends, workers(axis)))
+    ]
 
 
 def workers(axis: str) -> list[str]:
     """Return the roles of the crew that may work an axis by hand."""
     order = parse(BY_HAND[axis][1])
     name = order.name if isinstance(order, Order) else ""
-    return [role for role in CREW if name in ROLES[role].commands]
+    return [role for role in CREW_ROLES if name in ROLES[role].commands]
 
 
 def unheard(
@@ -84,14 +88,14 @@ def unheard(
     """
     if order.name not in ("order", "tell") or order.word.startswith("clear"):
         return ""
-    axis = WORDS if order.name == "tell" else axis_of(order)
-    if not set(CONCERNED[axis]).isdisjoint(roles):
+    axis = WORDS_AXIS if order.name == "tell" else axis_of(order)
+    if not set(REPEATING_ROLES[axis]).isdisjoint(roles):
         return ""
-    if axis == WORDS:
+    if axis == WORDS_AXIS:
         return "nobody of the crew is here"
-    own = parse(TURNED.sub(r"course \1 to", order.text.removeprefix("order ")))
+    own = parse(TURN_PATTERN.sub(r"course \1 to", order.text.removeprefix("order ")))
     automatic = ""
     if isinstance(own, Order) and not in_hand(own, hand, allowed):
         automatic = f"`{own.text}` for the autopilot, "
     by_hand = f"`{BY_HAND[STEERED_BY_HAND.get(axis, axis)][1]}` by hand"
-    return f"nobody mans the {CONCERNED[axis][0]}: {automatic}{by_hand}"
+    return f"nobody mans the {REPEATING_ROLES[axis][0]}: {automatic}{by_hand}"

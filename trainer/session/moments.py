@@ -5,7 +5,7 @@ from typing import Final
 
 from trainer.io.recording.recording import Moment
 
-TOUCHED: Final = b"\xff"  # written everywhere at first, so that the memory is really there
+FILL_BYTE: Final = b"\xff"  # written everywhere at first, so that the memory is really there
 
 
 class Moments:
@@ -15,7 +15,7 @@ class Moments:
         """Take room for so many moments, each with a state of so many bytes."""
         self._most = most
         self._row = struct.Struct(f"=4q{size}s")  # branch, tick, after, place and state
-        self._rows = bytearray(TOUCHED * (most * self._row.size))
+        self._rows = bytearray(FILL_BYTE * (most * self._row.size))
         self._begin = 0
         self._count = 0
 

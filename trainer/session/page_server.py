@@ -18,15 +18,17 @@ from trainer.session.options import RunOptions
 from trainer.session.ports import refusing
 from trainer.session.stations.roles import read_tokens, refuse_open_door
 
-FIRST: Final = 0.25  # [s] until a dead server is begun again, twice as long each time after
-LONGEST_WAIT: Final = 8.0  # [s]
-GOOD: Final = 30.0  # [s] after which a server has done well, and waits are short again
+FIRST_RESTART_S: Final = (
+    0.25  # [s] until a dead server is begun again, twice as long each time after
+)
+MAX_WAIT_S: Final = 8.0  # [s]
+STEADY_TIME_S: Final = 30.0  # [s] after which a server has done well, and waits are short again
 CLOSE_TIMEOUT_S: Final = 3.0  # for it to end
 SILENCE_TIMEOUT_S: Final = 10  # a process without a sign of life for so long hangs
 START_TIMEOUT_S: Final = 120  # until the first one: a slow machine imports for long
 WRONG_INPUT: Final = 2  # an exit code: again would be no better
-INHERITS: Final = os.name == "posix"  # else a process cannot be given a socket
-EXAMPLE: Final = f"{paths.HOST}:{paths.PAGES}"
+INHERITS_SOCKETS: Final = os.name == "posix"  # else a process cannot be given a socket
+EXAMPLE_ADDRESS: Final = f"{paths.DEFAULT_HOST}:{paths.PAGES_PORT}"
 
 
 class ServerProcess:
@@ -116,7 +118,7 @@ class PageServer:
         """Serve the session at ``url``. ``tell`` is called by another thread, with a trouble."""
         before, self._url, self._tell = self._url, url, tell
         if self._thread is None:
-            if not INHERITS:
+            if not INHERITS_SOCKETS:
                 self.listener.close()  # it was to see that the address is free
             self._begin(opens=self.options.browse)
             self._thread = threading.Thread(target=self._keep, name="pages", daemon=True)
@@ -137,7 +139,7 @@ class PageServer:
 
     def _begin(self, *, opens: bool) -> None:
         """Begin a process, unless the session ends; tell where the system has no room for it."""
-        inherited = (self.listener.fileno(),) if INHERITS else ()
+        inherited = (self.listener.fileno(),) if INHERITS_SOCKETS else ()
         self._process = None
         try:
             with self._lock:
@@ -150,7 +152,7 @@ class PageServer:
         """Return the command of the process."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         words = ["web", "--connect", self._url, "--web", f"{host}:{self.port}"]
-        words += ["--owner", str(self.listener.fileno() if INHERITS else -1)]
+        words += ["--owner", str(self.listener.fileno() if INHERITS_SOCKETS else -1)]
         words += ["--open" if opens else "--no-open"]
         for name in ("cert", "key"):
             path = getattr(self.options, name)
@@ -159,18 +161,18 @@ class PageServer:
 
     def _keep(self) -> None:
         """Begin the process again whenever it has died or hangs."""
-        wait = FIRST
+        wait = FIRST_RESTART_S
         while True:
             begun = time.monotonic()
             trouble = self._await_trouble()
-            wait = FIRST if time.monotonic() - begun >= GOOD else wait
+            wait = FIRST_RESTART_S if time.monotonic() - begun >= STEADY_TIME_S else wait
             if self._closing.wait(wait):
                 return
             if trouble is None:
                 self._tell("there are no pages: their server was refused")
                 return
             self._tell(trouble)
-            wait = min(2.0 * wait, LONGEST_WAIT)
+            wait = min(2.0 * wait, MAX_WAIT_S)
             self._begin(opens=False)
 
     def _await_trouble(self) -> str | None:
@@ -194,9 +196,9 @@ def serving_pages(options: RunOptions) -> Iterator[PageServer | None]:
         return
     option = "--web-at" if options.browse else "--web"
     with refusing(option):
-        host, port = parse_address(options.web or EXAMPLE, EXAMPLE)
+        host, port = parse_address(options.web or EXAMPLE_ADDRESS, EXAMPLE_ADDRESS)
     refuse_open_door(option, host, read_tokens(options.token))
-    listener = listen(option, host, port, insists=options.web is not None)
+    listener = listen_for_browsers(option, host, port, insists=options.web is not None)
     server = PageServer(host, listener, listener.getsockname()[1], options)
     try:
         yield server
@@ -204,7 +206,7 @@ def serving_pages(options: RunOptions) -> Iterator[PageServer | None]:
         server.close()
 
 
-def listen(option: str, host: str, port: int, *, insists: bool) -> socket.socket:
+def listen_for_browsers(option: str, host: str, port: int, *, insists: bool) -> socket.socket:
     """Return a socket that listens for browsers; ConfigError.
 
     Unless it insists on a port that is taken, it is any that is free.

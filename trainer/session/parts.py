@@ -14,9 +14,9 @@ from trainer.session.control import Control
 from trainer.session.crew import CrewTalk
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
-from trainer.session.shown import Shown
-from trainer.session.standing import Standing
-from trainer.session.stations.subscriptions import Sending
+from trainer.session.shown import ScreenOutput
+from trainer.session.standing import StandRecord
+from trainer.session.stations.subscriptions import Sender
 from trainer.session.time.timekeeping import Timekeeping
 
 
@@ -46,7 +46,7 @@ class Parts:
     boat: Boat
     time: Timekeeping
     history: History
-    sending: Sending
+    sending: Sender
     agenda: Agenda
     crew: CrewTalk
     monitors: Monitors
@@ -55,11 +55,11 @@ class Parts:
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history, self.agenda.schedule)
-        self.shown = Shown(self.history, self.time, self.crew, self.sending)
+        self.shown = ScreenOutput(self.history, self.time, self.crew, self.sending)
         self.conduct = Conduct(
             self.control, self.event_log, self.shown.show, self.wake.set, hand=self.crew.hand
         )
-        self.standing = Standing(self.crew, self.agenda, self.history)
+        self.standing = StandRecord(self.crew, self.agenda, self.history)
 
     def return_to(self, moment: Moment, why: str) -> None:
         """Go back to a moment of this run: a new branch begins there, frozen."""

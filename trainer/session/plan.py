@@ -17,28 +17,28 @@ from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
 from trainer.config.derived import Loss
 from trainer.config.exercise import (
-    Armed,
+    ConditionalCasualty,
     Exercise,
-    Initial,
-    Limits,
+    ExerciseLimits,
+    StartState,
     load_exercise,
 )
 from trainer.config.files import ConfigError, read_text
 from trainer.config.reference_crew import Crew
-from trainer.config.score_rules import Rule
+from trainer.config.score_rules import ScoreRule
 from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.config.world import WorldTables
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
-from trainer.io.orders.table import UNSCHEDULED
+from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
+from trainer.io.orders.table import UNSCHEDULED_WORDS
 from trainer.session.options import RunOptions
 from trainer.units import KNOT
 
 STEP_LIMITS = 0.001, 2.0  # [s]
 # what an exercise may set, by the option that overrules it
-OVERRULED: Final = {
+OVERRULED_SETTINGS: Final = {
     "vessel": "vessel",
     "equations": "equations",
     "rates": "rates",
@@ -47,7 +47,7 @@ OVERRULED: Final = {
     "seed": "seed",
     "duration": "duration_s",
 }
-HANDED: Final = {  # what puts an axis in hand, as it stands
+HAND_AXES: Final = {  # what puts an axis in hand, as it stands
     "rudder": ("rudder manual",),
     "planes": ("planes manual",),
     "ballast": ("trim manual", "hover off"),
@@ -65,13 +65,13 @@ class Plan:
     duration: float | None  # [s]
     title: str  # "" without an exercise
     briefing: str
-    initial: Initial
-    schedule: list[Scheduled]
+    initial: StartState
+    schedule: list[ScheduledOrder]
     casualties: Mapping[str, Casualty]
-    armed: tuple[Armed, ...]
-    limits: Limits
-    scores: tuple[Rule, ...]
-    own_schedule: tuple[Scheduled, ...] = ()  # of the exercise alone, without --orders
+    armed: tuple[ConditionalCasualty, ...]
+    limits: ExerciseLimits
+    scores: tuple[ScoreRule, ...]
+    own_schedule: tuple[ScheduledOrder, ...] = ()  # of the exercise alone, without --orders
     instructor: str = ""  # what the instructor alone is told
     hand: tuple[str, ...] = ()  # axes that the crew works
     hand_from: float = 0.0  # [s]
@@ -128,7 +128,7 @@ class Plan:
             raise ConfigError(f"[initial] heavy_t = {heavy:g}, forward_t = {forward:g}: {why}")
         boat.casualties = self.casualties
         for entry in self.armed:
-            casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
+            casualties_module.arm_casualty(boat, entry.condition, entry.casualty, entry.rule)
         boat.meet_world()
 
 
@@ -161,11 +161,11 @@ def plan_run(options: RunOptions) -> Plan:
         duration=chosen.duration,
         title=exercise.heading.name if exercise else "",
         briefing=exercise.heading.briefing if exercise else "",
-        initial=exercise.initial if exercise else Initial(),
+        initial=exercise.initial if exercise else StartState(),
         schedule=sorted(schedule, key=lambda entry: entry.seconds),
         casualties=exercise.casualties if exercise else load_casualties(),
         armed=exercise.armed if exercise else (),
-        limits=exercise.limits if exercise else Limits(),
+        limits=exercise.limits if exercise else ExerciseLimits(),
         scores=exercise.scores if exercise else (),
         own_schedule=tuple(sorted(own, key=lambda entry: entry.seconds)),
         instructor=(heading and heading.instructor) or "",
@@ -181,17 +181,17 @@ def plan_run(options: RunOptions) -> Plan:
     )
 
 
-def into_hand(exercise: Exercise, file: VesselFile) -> list[Scheduled]:
+def into_hand(exercise: Exercise, file: VesselFile) -> list[ScheduledOrder]:
     """Return the orders that put the crew's controls in hand. The boat has an autopilot."""
     heading = exercise.heading
     if file.autopilot is None or not heading.hand:
         return []
     speed = exercise.initial.speed_kn
     speed = file.run.start_speed_kn if speed is None else speed
-    words = {**HANDED, "speed": (f"turns {speed:g}",)}
+    words = {**HAND_AXES, "speed": (f"turns {speed:g}",)}
     orders = [parse(text) for axis in heading.hand for text in words[axis]]
     at = heading.hand_from_s or 0.0
-    return [Scheduled(at, order, 0) for order in orders if isinstance(order, Order)]
+    return [ScheduledOrder(at, order, 0) for order in orders if isinstance(order, Order)]
 
 
 def refuse_depth(depth: float | None, file: VesselFile, place: str) -> None:
@@ -209,7 +209,7 @@ def exercise_options(exercise: Exercise, given: frozenset[str]) -> dict[str, Any
     said = {item.name: getattr(exercise.heading, item.name) for item in fields(exercise.heading)}
     return {
         option: said[key]
-        for option, key in OVERRULED.items()
+        for option, key in OVERRULED_SETTINGS.items()
         if said[key] is not None and option not in given
     }
 
@@ -226,7 +226,7 @@ def choose_method(file: VesselFile, options: RunOptions) -> Method:
     return Method(equations, rates, options.trig, integrator, step)
 
 
-def read_schedule(path: Path | None) -> list[Scheduled]:
+def read_schedule(path: Path | None) -> list[ScheduledOrder]:
     """Return the scheduled orders in that file; ConfigError naming the line that is wrong."""
     if path is None:
         return []
@@ -238,7 +238,7 @@ def read_schedule(path: Path | None) -> list[Scheduled]:
     if isinstance(schedule, BadSchedule):
         raise ConfigError(str(schedule))
     for entry in schedule:
-        if entry.order.name in UNSCHEDULED:
+        if entry.order.name in UNSCHEDULED_WORDS:
             raise ConfigError(
                 f"{path.name}:{entry.line_number}: {entry.order.text} has no place in a schedule"
             )

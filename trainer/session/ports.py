@@ -14,7 +14,7 @@ import click
 from trainer.config.files import ConfigError, nearest
 from trainer.io import paths
 from trainer.io.connection import Connection
-from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, reader, writer
+from trainer.io.line import DirectSender, Inbox, JoinedLine, Line, Outbox, reader, writer
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import Server, parse_address, private_folder
 from trainer.io.status_line import clock
@@ -27,10 +27,10 @@ from trainer.session.stations.roles import (
     refuse_open_door,
 )
 from trainer.session.stations.station import Log, News, Station
-from trainer.session.stations.subscriptions import Sending
+from trainer.session.stations.subscriptions import Sender
 
-INTRODUCTION: Final = 10.0  # [s] for a line to give its role, where a token is asked for
-PATIENCE: Final = 0.5  # [s] for ports at the end, and for a pipe at the start
+ROLE_TIMEOUT_S: Final = 10.0  # [s] for a line to give its role, where a token is asked for
+PORT_TIMEOUT_S: Final = 0.5  # [s] for ports at the end, and for a pipe at the start
 
 
 @dataclass
@@ -51,7 +51,7 @@ class Ports:
     """The ports of a session. Each part is closed with the stack."""
 
     wake: threading.Event
-    sending: Sending
+    sending: Sender
     log: Log
     stack: contextlib.ExitStack
     stations: list[Station] = field(default_factory=list)
@@ -60,15 +60,15 @@ class Ports:
     def terminal(self, *, unhurried: bool) -> Station:
         """Return the station of the terminal: a person, who instructs."""
         out = writer(1)
-        sender = Direct(out, b"\n") if unhurried else Outbox(out, line_end=b"\n")
+        sender = DirectSender(out, b"\n") if unhurried else Outbox(out, line_end=b"\n")
         inbox = Inbox(reader(0), self.wake)
         if unhurried and not os.isatty(0):
             while not inbox.ended:  # a pipe's orders act before the first tick
                 inbox.arrived.clear()
-                if not inbox.ended and not inbox.arrived.wait(PATIENCE):
+                if not inbox.ended and not inbox.arrived.wait(PORT_TIMEOUT_S):
                     break
             inbox.arrived.set()
-        return self._person(Joined("console", inbox, sender))
+        return self._person(JoinedLine("console", inbox, sender))
 
     def console_line(self, url: str, baud: int) -> Station:
         """Return the station of a person at a serial line. ConfigError if it cannot be opened."""
@@ -88,18 +88,18 @@ class Ports:
         tokens = read_tokens(options.token)
         if address is not None:
             with refusing("--listen"):
-                host, port = parse_address(address, f"{paths.HOST}:{paths.PORT}")
+                host, port = parse_address(address, f"{paths.DEFAULT_HOST}:{paths.DEFAULT_PORT}")
             refuse_open_door("--listen", host, tokens)
         joinable = math.isfinite(options.speed) and (options.serve or not options.headless)
         at_home = path is None and options.socket is None and joinable  # without being asked for
         if address is None and path is None and not at_home:
             return None
-        hub = Server(self.wake, INTRODUCTION if tokens else math.inf)
-        self.stack.callback(hub.close, PATIENCE)
+        hub = Server(self.wake, ROLE_TIMEOUT_S if tokens else math.inf)
+        self.stack.callback(hub.close, PORT_TIMEOUT_S)
         if address is not None:
             with refusing("--listen"):
                 there = f"tcp://{host}:{hub.listen(host, port)}"
-                click.echo(f"{paths.LISTENING} {there}", err=True)
+                click.echo(f"{paths.LISTENING_TEXT} {there}", err=True)
                 self.addresses.append(there)
         if path is not None:
             with refusing("--socket"):
@@ -137,16 +137,16 @@ class Ports:
     def news_printer(self) -> Callable[[News], None]:
         """Return what prints all that happens at the terminal, which is never waited for."""
         out = Outbox(writer(1), line_end=b"\n")
-        self.stack.callback(out.close, PATIENCE)
+        self.stack.callback(out.close, PORT_TIMEOUT_S)
         return lambda news: out.send(f"{clock(news.seconds)}  {news.kind:9} {news.text}")
 
-    def _serial(self, option: str, url: str, baud: int) -> Joined:
+    def _serial(self, option: str, url: str, baud: int) -> JoinedLine:
         try:
             line = SerialLine(url, baud)
         except LinkError as error:
             raise ConfigError(f"{option} {error}") from None
         self.stack.callback(line.close)
-        return Joined(url, Inbox(line.read, self.wake), Outbox(line.write), line)
+        return JoinedLine(url, Inbox(line.read, self.wake), Outbox(line.write), line)
 
     def _person(self, line: Line) -> Station:
         station = self._station(line, Access("instructor"))
@@ -174,7 +174,7 @@ def refusing(option: str) -> Iterator[None]:
 def listen_here(hub: Server, path: Path) -> None:
     """Listen at a local socket, and say so."""
     hub.listen_here(path)
-    click.echo(f"{paths.LISTENING} {path}", err=True)
+    click.echo(f"{paths.LISTENING_TEXT} {path}", err=True)
 
 
 def keeps_no_time(options: RunOptions) -> bool:

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from trainer.boat.casualties import available, degrees, listing
+from trainer.boat.casualties import available_casualties, casualty_listing, degrees
 from trainer.io.orders.grammar import Reply
 from trainer.session.agenda import Agenda
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
-from trainer.session.shown import Shown
-from trainer.session.stations.roles import INSTRUCTOR
-from trainer.session.stations.station import Asked, Duty, Fact, Lines, News
+from trainer.session.shown import ScreenOutput
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
+from trainer.session.stations.station import Duty, Fact, LongAnswer, News, Request
 
 
 @dataclass
@@ -20,14 +20,16 @@ class Questions:
     history: History
     log: EventLog
     agenda: Agenda
-    shown: Shown
+    shown: ScreenOutput
 
     @property
     def duties(self) -> Mapping[str, Duty]:
         """Return who answers which question."""
         return {
-            "status": lambda asked: Lines(self.shown.status(asked.station)),
-            "log": lambda asked: Lines(self.log.lately(asked.station.role, int(asked.order.value))),
+            "status": lambda asked: LongAnswer(self.shown.status(asked.station)),
+            "log": lambda asked: LongAnswer(
+                self.log.lately(asked.station.role, int(asked.order.value))
+            ),
             "casualties": self._casualties,
             "plans": self._plans,
             "branches": self._branches,
@@ -36,26 +38,26 @@ class Questions:
             "ack": lambda asked: self.log.acknowledge(asked.order, asked.station),
         }
 
-    def _casualties(self, asked: Asked) -> Lines:
+    def _casualties(self, asked: Request) -> LongAnswer:
         boat = self.history.boat
-        facts = [Fact("casualty", ",".join(fields)) for fields in available(boat)]
+        facts = [Fact("casualty", ",".join(fields)) for fields in available_casualties(boat)]
         facts += [Fact("degree", degree.fields) for degree in degrees(boat)]
         self.log.note(asked.station, facts)
-        return Lines(listing(boat))
+        return LongAnswer(casualty_listing(boat))
 
-    def _plans(self, asked: Asked) -> Lines:
-        if asked.station.role is INSTRUCTOR:
+    def _plans(self, asked: Request) -> LongAnswer:
+        if asked.station.role is INSTRUCTOR_ROLE:
             self.log.note(asked.station, self.agenda.facts(self.history.place))
-        return Lines(self.agenda.listing(self.history.place))
+        return LongAnswer(self.agenda.listing(self.history.place))
 
-    def _branches(self, asked: Asked) -> Lines:
+    def _branches(self, asked: Request) -> LongAnswer:
         stretches = self.history.branches()
         for stretch in stretches:
             now = self.history.tick, self.history.boat.time
             asked.station.note(News(*now, "moment", "", Fact("branch", stretch.fields)))
-        return Lines([str(stretch) for stretch in stretches])
+        return LongAnswer([str(stretch) for stretch in stretches])
 
-    def _snapshots(self, asked: Asked) -> str:
+    def _snapshots(self, asked: Request) -> str:
         step = self.history.boat.method.step
         moments = self.history.snapshots()
         for name, moment in moments.items():
@@ -64,7 +66,7 @@ class Questions:
         kept = [f"{name} ({moment.tick * step:g} s)" for name, moment in moments.items()]
         return f"snapshots: {', '.join(kept) or 'none by name'}; backtrack reaches any tick"
 
-    def _mark(self, asked: Asked) -> Reply:
+    def _mark(self, asked: Request) -> Reply:
         """Mark this moment; it is in the file before it is answered."""
         remark = asked.order.subject
         self.log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))

@@ -14,35 +14,35 @@ import click
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError, collecting, json_text
 from trainer.core.kernel import Record
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
-from trainer.io.recording.recording import Branch, Journalled, Recording
+from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import (
-    NOTHING,
+    NO_CHANGES,
     differences,
     layout_of,
     method_of,
     notes,
+    open_whole_recording,
     plan_of,
-    reading,
 )
 from trainer.session.history import order_of
-from trainer.session.layout import Unlike, read_state, unlike
+from trainer.session.layout import StateDifference, read_state, state_difference
 from trainer.session.plan import Plan
 from trainer.session.resume import refuse_other
 from trainer.session.world_orders import WorldOrders, worlds_begun
 
 
 @dataclass(frozen=True)
-class Parting:
+class Divergence:
     """Where a flight first left its recording."""
 
     tick: int  # of the recording
-    unlike: Unlike
+    unlike: StateDifference
 
     def __str__(self) -> str:
         name, recorded, flown, numbers = self.unlike
@@ -51,13 +51,13 @@ class Parting:
 
 
 @dataclass
-class Flight:
+class ReplayFlight:
     """One branch flown again."""
 
     branch: Branch
     compared: int = 0  # states
     unequal: int = 0  # of them
-    parting: Parting | None = None
+    parting: Divergence | None = None
     answers: list[str] = field(default_factory=list)  # that are not the recorded ones
     trouble: str = ""  # why it could not be flown, or not to its end
 
@@ -79,7 +79,9 @@ class Course:
     worlds: Mapping[int, WorldOrders]  # the orders to it where each branch begins
 
 
-def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) -> list[Flight]:
+def replay_anyway(
+    recording: Recording, otherwise: Mapping[str, Any] = NO_CHANGES
+) -> list[ReplayFlight]:
     """Fly every branch again by this version, from the recorded texts, whatever differs today.
 
     What does, and whether the bits can be the same at all, is told by ``log_book.differences``.
@@ -91,7 +93,7 @@ def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) 
     boat = Boat(plan.file, plan.method)
     pace = method_of(header).step / plan.method.step
     course = Course(plan, boat, layout_of(header), pace, bool(otherwise), worlds_begun(recording))
-    flights = [Flight(branch) for branch in recording.branches()]
+    flights = [ReplayFlight(branch) for branch in recording.branches()]
     for flight in flights:
         troubles: list[str] = []
         with collecting(troubles), np.errstate(all="ignore"):
@@ -100,12 +102,12 @@ def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) 
     return flights
 
 
-def _fly(recording: Recording, flight: Flight, course: Course) -> None:
+def _fly(recording: Recording, flight: ReplayFlight, course: Course) -> None:
     """Fly a branch to its end; ConfigError where it cannot be flown further."""
     branch, boat = flight.branch, course.boat
     course.plan.start(boat)  # also what no state holds: the triggers armed
     if branch.parent is None:
-        compare(flight, branch.tick, branch.state, course)
+        compare_states(flight, branch.tick, branch.state, course)
     flown, after = 0, 0
     if not course.afresh:
         boat.restore(recorded_state(branch.state, course))
@@ -114,30 +116,32 @@ def _fly(recording: Recording, flight: Flight, course: Course) -> None:
     orders = deque(recording.orders(branch.id, after))
     for tick, state in recording.states(branch.id):
         while flown < tick * course.pace - 1e-9:
-            give(orders, flown, flight, course)
+            give_orders(orders, flown, flight, course)
             if status := boat.tick():
                 raise ConfigError(boat.failure(status))
             flown += 1
         if tick > branch.tick and abs(flown - tick * course.pace) < 1e-9:
-            compare(flight, tick, state, course)
-    give(orders, math.inf, flight, course)
+            compare_states(flight, tick, state, course)
+    give_orders(orders, math.inf, flight, course)
 
 
-def give(orders: deque[Journalled], flown: float, flight: Flight, course: Course) -> None:
+def give_orders(
+    orders: deque[RecordedOrder], flown: float, flight: ReplayFlight, course: Course
+) -> None:
     """Give the boat the orders of the tick that stands at ``flown`` ticks now."""
     while orders and orders[0].tick * course.pace <= flown + 1e-9:
         entry = orders.popleft()
         order = order_of(entry, course.plan.schedule)
         if order is None or order.name not in BOAT_ORDERS:
             continue
-        answer = obey(course.boat, order)
+        answer = obey_order(course.boat, order)
         refused = isinstance(answer, Refused)
         if entry.accepted is refused:
             text = answer.reason if isinstance(answer, Refused) else answer
             flight.answers.append(f"tick {entry.tick}: {entry.text}: {entry.answer}; now: {text}")
 
 
-def compare(flight: Flight, tick: int, recorded: bytes, course: Course) -> None:
+def compare_states(flight: ReplayFlight, tick: int, recorded: bytes, course: Course) -> None:
     """Compare the boat as it is with the state recorded at ``tick``."""
     flown = course.boat.records.state.tobytes()
     flight.compared += 1
@@ -146,10 +150,10 @@ def compare(flight: Flight, tick: int, recorded: bytes, course: Course) -> None:
     then = recorded_state(recorded, course)
     if course.pace != 1.0:
         then["tick"] = course.boat.state.tick
-    found = unlike(then.tobytes(), flown)
+    found = state_difference(then.tobytes(), flown)
     if found:
         flight.unequal += 1
-        flight.parting = flight.parting or Parting(tick, found)
+        flight.parting = flight.parting or Divergence(tick, found)
 
 
 def recorded_state(state: bytes, course: Course) -> Record:
@@ -159,7 +163,7 @@ def recorded_state(state: bytes, course: Course) -> Record:
 
 def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_json: bool) -> int:
     """Fly a recording again and print how it went; return the exit code."""
-    with reading(path) as recording:
+    with open_whole_recording(path) as recording:
         header = recording.header()
         found = differences(header, otherwise)
         refuse_other(path, found, anyway=anyway)
@@ -172,7 +176,7 @@ def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_js
     return 0 if all(flight.same for flight in flights) else 1
 
 
-def as_row(flight: Flight) -> dict[str, Any]:
+def as_row(flight: ReplayFlight) -> dict[str, Any]:
     """Return a flight as JSON has it."""
     parting = flight.parting and asdict(flight.parting)
     return {
@@ -188,7 +192,7 @@ def as_row(flight: Flight) -> dict[str, Any]:
     }
 
 
-def describe_flight(flight: Flight) -> list[str]:
+def describe_flight(flight: ReplayFlight) -> list[str]:
     """Return a flight in words."""
     branch = flight.branch
     begun = f", from tick {branch.tick} ({branch.why})" if branch.parent else ""

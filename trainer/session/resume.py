@@ -8,14 +8,14 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import ordered_fact
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.boat.world.scope import periscope_of
 from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.facts import NO_CREW_FACT
 from trainer.io.recording.recording import Recording
-from trainer.session.exercise import Debriefing
+from trainer.session.exercise import DebriefSource
 from trainer.session.header import (
     differences,
     layout_of,
@@ -26,13 +26,13 @@ from trainer.session.history import History, order_of
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
-from trainer.session.run import Begun, PreparedRun, fly
-from trainer.session.warm_up import set_garbage_aside, warm
+from trainer.session.run import LastingParts, PreparedRun, fly_session
+from trainer.session.warm_up import set_garbage_aside, warm_boat
 from trainer.session.world_orders import settle_world
 
 
 def resume_boat(
-    path: Path, options: RunOptions, debriefing: Debriefing | None = None, *, anyway: bool
+    path: Path, options: RunOptions, debriefing: DebriefSource | None = None, *, anyway: bool
 ) -> int:
     """Go on with the recording at ``path``; return the exit code."""
     with refusing_damage():
@@ -43,7 +43,7 @@ def resume_boat(
             refuse_other(path, differences(header), anyway=anyway)
             plan = plan_of(header)
             boat = Boat(plan.file, plan.method)
-            warm(boat)
+            warm_boat(boat)
             set_garbage_aside()
             history = bring_up(recording, plan, boat, layout_of(header))
             history.noted()  # what is damaged in its past is told before anything begins
@@ -59,8 +59,8 @@ def resume_boat(
         how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
     plan = plan if seconds is None else replace(plan, duration=seconds)
-    begun = Begun(debriefing=debriefing)
-    return fly(PreparedRun(plan, boat, history, str(path), begun), options).code
+    begun = LastingParts(debriefing=debriefing)
+    return fly_session(PreparedRun(plan, boat, history, str(path), begun), options).code
 
 
 def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
@@ -106,7 +106,7 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
                 history.ticked(history.tick)
             order = order_of(entry, plan.schedule)
             if order is not None and order.name in BOAT_ORDERS:
-                answer = obey(boat, order)
+                answer = obey_order(boat, order)
                 fact = NO_CREW_FACT if isinstance(answer, Refused) else ordered_fact(boat, order)
                 history.answered(entry.id, answer, fact)
             history.include(entry)

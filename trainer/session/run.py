@@ -25,12 +25,12 @@ from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.file import TakenError
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.status_line import course
-from trainer.io.tables import COLUMNS, CsvFile, NoFile
+from trainer.io.tables import MOTION_COLUMNS, CsvFile, NoFile
 from trainer.session.account import SummaryOptions, account
 from trainer.session.agenda import Agenda
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
-from trainer.session.exercise import Debriefing, Ending, Following, problem_with
+from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises, problem_with
 from trainer.session.first_start import compile_beside
 from trainer.session.header import header_of
 from trainer.session.history import History
@@ -38,33 +38,33 @@ from trainer.session.manning import in_hand
 from trainer.session.options import RunOptions
 from trainer.session.page_server import PageServer, serving_pages
 from trainer.session.parts import Monitors
-from trainer.session.plan import OVERRULED, Plan, plan_run
-from trainer.session.ports import PATIENCE, Ports, keeps_no_time
+from trainer.session.plan import OVERRULED_SETTINGS, Plan, plan_run
+from trainer.session.ports import PORT_TIMEOUT_S, Ports, keeps_no_time
 from trainer.session.rerun.batch import Subject
 from trainer.session.rerun.request import open_log
-from trainer.session.session import Rows, Session
+from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.briefing import Briefing
-from trainer.session.stations.past import recalled
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER
-from trainer.session.stations.station import Closed, Fact
-from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
+from trainer.session.stations.past import recalled_past
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE
+from trainer.session.stations.station import Fact, NoReception
+from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster
 from trainer.session.stations.view import StateReader
-from trainer.session.time.ledger import SECOND
+from trainer.session.time.ledger import SECOND_NS
 from trainer.session.time.pacer import Clock, MonotonicClock, Policy
 from trainer.session.time.timekeeping import Punctuality, Timekeeping
-from trainer.session.warm_up import refuse_unstable, set_garbage_aside, warm
+from trainer.session.warm_up import refuse_unstable, set_garbage_aside, warm_boat
 from trainer.units import KNOT
 
-OVER = "the session is over"
-EXERCISE: Final[Mapping[str, Any]] = {  # what another exercise settles anew: as not given
-    each.name: each.default for each in fields(RunOptions) if each.name in OVERRULED
+SESSION_OVER = "the session is over"
+EXERCISE_DEFAULTS: Final[Mapping[str, Any]] = {  # what another exercise settles anew: as not given
+    each.name: each.default for each in fields(RunOptions) if each.name in OVERRULED_SETTINGS
 }
-NAMES = 100  # that a new recording is tried under
+MAX_NAME_TRIES = 100  # that a new recording is tried under
 PERCENT_PER_LINE = 20  # [%] of the tick compiled on a first start, between lines that tell it
-BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
+BATCH_ROWS = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
 
-class Ended(NamedTuple):
+class RunResult(NamedTuple):
     """The result of a run: its exit code, and the exercise that follows."""
 
     code: int
@@ -79,43 +79,48 @@ class PreparedRun:
     boat: Boat
     history: History
     kept: str  # path of the recording, "" for none
-    begun: "Begun"
-    following: Following = field(default_factory=Following)
+    begun: "LastingParts"
+    following: NextExercises = field(default_factory=NextExercises)
 
 
 @dataclass
-class Begun:
+class LastingParts:
     """The parts that outlive an exercise: clock, judge, pages for browsers."""
 
     clock: Clock = field(default_factory=MonotonicClock)
-    debriefing: Debriefing | None = None
+    debriefing: DebriefSource | None = None
     pages: PageServer | None = None
 
 
 def run_boat(
-    options: RunOptions, clock: Clock | None = None, debriefing: Debriefing | None = None
+    options: RunOptions, clock: Clock | None = None, debriefing: DebriefSource | None = None
 ) -> int:
     """Run as the command line's ``options`` say, by the machine's clock; return the exit code.
 
     Where the instructor has ordered another exercise next, that is begun, frozen, in its turn.
     """
-    begun = Begun(clock or MonotonicClock(), debriefing)
+    begun = LastingParts(clock or MonotonicClock(), debriefing)
     with serving_pages(options) as begun.pages:
         while True:
             ended = run_once(options, begun)
             if not ended.following:
                 return ended.code
-            given = options.given - OVERRULED.keys()
+            given = options.given - OVERRULED_SETTINGS.keys()
             options = replace(
-                options, **EXERCISE, exercise=ended.following, given=given, record=None, frozen=True
+                options,
+                **EXERCISE_DEFAULTS,
+                exercise=ended.following,
+                given=given,
+                record=None,
+                frozen=True,
             )
 
 
-def run_once(options: RunOptions, begun: Begun) -> Ended:
+def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
     """Run one exercise, or none, to its end."""
     with remembering() as texts:
         plan = plan_run(options)
-    boat = ready(plan, options)
+    boat = ready_boat(plan, options)
     set_garbage_aside()
     kept: Path | None = None
     state = boat.records.state.tobytes()
@@ -129,12 +134,12 @@ def run_once(options: RunOptions, begun: Begun) -> Ended:
     barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
     prepared = PreparedRun(
         *(plan, boat, History(boat, recording), str(kept or ""), begun),
-        Following(problem_with(load_exercise), barred),
+        NextExercises(problem_with(load_exercise), barred),
     )
     try:
-        return fly(prepared, options)
+        return fly_session(prepared, options)
     except ConfigError:
-        discard(kept)  # it was begun for a run that is refused
+        discard_recording(kept)  # it was begun for a run that is refused
         raise
 
 
@@ -152,20 +157,20 @@ def refuse_automatic(plan: Plan, path: Path | None) -> None:
         raise ConfigError(*problems)
 
 
-def discard(kept: Path | None) -> None:
+def discard_recording(kept: Path | None) -> None:
     """Remove a recording of nothing."""
     for ending in ("", "-wal", "-shm", "-journal"):
         if kept is not None:
             kept.with_name(kept.name + ending).unlink(missing_ok=True)
 
 
-def ready(plan: Plan, options: RunOptions) -> Boat:
+def ready_boat(plan: Plan, options: RunOptions) -> Boat:
     """Return the boat as the plan starts it; ConfigError if it cannot be."""
     refuse_automatic(plan, options.orders_file)
     boat = Boat(plan.file, plan.method)
     if options.serve and not compilation.is_needed():
         click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
-    warm(boat)
+    warm_boat(boat)
     if not options.unsafe_step:
         refuse_unstable(boat)
     plan.start(boat)
@@ -201,7 +206,9 @@ def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
     if alone or math.isinf(options.speed):
         return ()
     return tuple(
-        islice(paths_module.recording_paths(options.exercise or plan.file.path.stem), NAMES)
+        islice(
+            paths_module.recording_paths(options.exercise or plan.file.path.stem), MAX_NAME_TRIES
+        )
     )
 
 
@@ -211,12 +218,12 @@ def lives_on(options: RunOptions) -> bool:
     return attended and math.isfinite(options.speed) and "duration" not in options.given
 
 
-def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
+def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
     """Open the ports, run the session to its end, account for it."""
     boat, history, plan = prepared.boat, prepared.history, prepared.plan
     method = boat.method
     told = briefing_of(plan, options)
-    recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH)
+    recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH_ROWS)
     endless = plan.duration is None or lives_on(options)
     last_tick = math.inf if endless else round((plan.duration or 0.0) / method.step)
     time = Timekeeping.at(prepared.begun.clock, method.step, options.speed, Policy(options.overrun))
@@ -226,10 +233,10 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
     sending = log or publisher
     wake = threading.Event()
     with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
-        stack.callback(publisher.close, PATIENCE)  # also where a port cannot be opened
+        stack.callback(publisher.close, PORT_TIMEOUT_S)  # also where a port cannot be opened
         here = situation(plan, boat, options.note)
         introduction = Introduction(
-            (*told.heading(INSTRUCTOR), *here), (*told.heading(STRANGER), *here), told
+            (*told.heading(INSTRUCTOR_ROLE), *here), (*told.heading(STRANGER_ROLE), *here), told
         )
         session = Session(
             *(boat, time, history, sending),
@@ -238,7 +245,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
             wake,
             introduction,
-            Rows(recorder, COLUMNS if options.csv_path else ()),
+            ColumnFile(recorder, MOTION_COLUMNS if options.csv_path else ()),
             last_tick,
         )
         session.attendance.until_left = options.until_left
@@ -249,26 +256,26 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
         open_lines(ports, session, options)
         shown = progress_bar(last_tick) if options.headless else contextlib.nullcontext()
         quiet = np.errstate(all="ignore")
-        with interrupts(session):
+        with end_on_interrupt(session):
             open_door(ports, session, options, prepared.begun.pages)
             started = time.clock.now()
             with quiet, shown as session.progress, time.attended():
                 session.run(frozen=options.frozen)
-        wall = (time.clock.now() - started) / SECOND
+        wall = (time.clock.now() - started) / SECOND_NS
         session.conduct.work.finish()
         session.event_log.strangers.close()
         if not session.control.following:  # else whoever is there comes back for it
-            session.event_log.tell("time", OVER, fact=Fact("over"))
-        sending.close(PATIENCE)
+            session.event_log.tell("time", SESSION_OVER, fact=Fact("over"))
+        sending.close(PORT_TIMEOUT_S)
         for station in session.event_log.stations:
-            station.close(PATIENCE)
+            station.close(PORT_TIMEOUT_S)
         recorder.close()
         history.recording.close()
         summary = SummaryOptions(prepared.kept, options.verbose, aside=not options.headless)
         code = account(session, wall, summary)
         if log:
             code = max(code, log.account())
-        return Ended(code, session.control.following)
+        return RunResult(code, session.control.following)
 
 
 def crew_talk(plan: Plan, boat: Boat) -> CrewTalk:
@@ -285,9 +292,9 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
     conduct.visitors = plan.visitors
     conduct.kept = Path(prepared.kept) if prepared.kept else None
     if lives_on(options):
-        conduct.ending = Ending.of(prepared.boat, plan.lost, plan.duration)
+        conduct.ending = ExerciseEnd.of(prepared.boat, plan.lost, plan.duration)
     if prepared.boat.ticks:
-        session.event_log.news.extend(recalled(prepared.history))
+        session.event_log.news.extend(recalled_past(prepared.history))
     if compilation.is_interpreted() and options.note and cache_lasts():
         await_code(session)
 
@@ -313,7 +320,7 @@ def await_code(session: Session) -> None:
             return lambda: log.tell("trouble", why) if why else None
         return lambda: session.conduct.go_over(tick)
 
-    told = [compilation.progress()]
+    told = [compilation.tick_progress()]
     work.begin("machine code", task)
 
 
@@ -336,7 +343,7 @@ def open_door(
     ports: Ports, session: Session, options: RunOptions, pages: PageServer | None
 ) -> None:
     """Open the sockets for those who come, and greet those who are there."""
-    session.attendance.reception = ports.lobby(options) or Closed()
+    session.attendance.reception = ports.lobby(options) or NoReception()
     if options.browse:
         session.event_log.hearers.append(ports.news_printer())
     if pages:
@@ -346,10 +353,10 @@ def open_door(
         session.attendance.greet(station)
 
 
-def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publisher | Promptly:
+def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publisher | PromptSender:
     """Return what sends to the stations: at once where no time is kept."""
     roster = Roster(StateReader(boat, time.ledger.summary))
-    return Promptly(roster) if keeps_no_time(options) else Publisher(roster)
+    return PromptSender(roster) if keeps_no_time(options) else Publisher(roster)
 
 
 def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
@@ -412,7 +419,7 @@ def progress_bar(last_tick: float) -> Iterator[Any]:
 
 
 @contextlib.contextmanager
-def interrupts(session: Session) -> Iterator[None]:
+def end_on_interrupt(session: Session) -> Iterator[None]:
     """End the run after the tick at hand, by Ctrl-C or a request to terminate."""
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -5,27 +5,27 @@ from collections.abc import Callable, Mapping
 from dataclasses import InitVar, dataclass, field
 from typing import Final
 
-from trainer.boat.boat import TICK
+from trainer.boat.boat import TICK_PLACE
 from trainer.io.orders.grammar import Order, Reply
 from trainer.io.recording.facts import Giver
-from trainer.io.tables import Columns, NoFile
+from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
 from trainer.session.event_log import Rank
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
-from trainer.session.stations.station import Asked, Duty, Fact
-from trainer.session.time.ledger import SECOND
-from trainer.session.time.pacer import WOKEN, Event
+from trainer.session.stations.station import Duty, Fact, Request
+from trainer.session.time.ledger import SECOND_NS
+from trainer.session.time.pacer import WAIT_WOKEN, PacerEvent
 
-STEPPING_PERIOD_NS: Final = SECOND // 5  # of single steps before the stations are heard again
+STEPPING_PERIOD_NS: Final = SECOND_NS // 5  # of single steps before the stations are heard again
 
 
 @dataclass
-class Rows:
+class ColumnFile:
     """The file of each tick's columns, if there is one."""
 
-    recorder: Columns = field(default_factory=NoFile)
+    recorder: ColumnSink = field(default_factory=NoFile)
     columns: tuple[str, ...] = ()
 
 
@@ -34,7 +34,7 @@ class Session(Parts):
     """One run from its first tick to its end."""
 
     introduction: InitVar[Introduction] = Introduction()  # noqa: RUF009  frozen
-    rows: Rows = field(default_factory=Rows)
+    rows: ColumnFile = field(default_factory=ColumnFile)
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
 
@@ -64,7 +64,7 @@ class Session(Parts):
             if self.time.pacer.frozen and self._deserted():
                 self.conduct.desert()
                 return
-            if self.time.pacer.wait(self.wake) is WOKEN:
+            if self.time.pacer.wait(self.wake) is WAIT_WOKEN:
                 self.wake.clear()
                 self.attendance.listen()
             else:
@@ -89,7 +89,7 @@ class Session(Parts):
         was_frozen = pacer.frozen
         pacer.begin()
         status = self.boat.tick()
-        tick = int(self.boat.plain[TICK])
+        tick = int(self.boat.plain[TICK_PLACE])
         if status:
             self.control.failure = self.boat.failure(status)
             self.event_log.tell("trouble", f"FROZEN: {self.control.failure}")
@@ -110,9 +110,9 @@ class Session(Parts):
     @property
     def _over(self) -> bool:
         """Return whether the run has been ended or has reached its last tick."""
-        return self.control.ended or self.boat.plain[TICK] >= self.last_tick
+        return self.control.ended or self.boat.plain[TICK_PLACE] >= self.last_tick
 
-    def _hear(self, asked: Asked) -> None:
+    def _hear(self, asked: Request) -> None:
         """Answer what a station says, and take the steps that it orders."""
         self.dispatch.hear(asked)
         self._take_steps()
@@ -165,7 +165,7 @@ class Session(Parts):
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
 
-    def _tell_late(self, events: tuple[Event, ...]) -> None:
+    def _tell_late(self, events: tuple[PacerEvent, ...]) -> None:
         """Tell of a tick that was late, and show the speed if it had to fall."""
         speed = self.time.speed
         for kind, text in self.time.judge(events):

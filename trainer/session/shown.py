@@ -5,22 +5,22 @@ from dataclasses import dataclass, field
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
 from trainer.session.stations.display import panel
-from trainer.session.stations.roles import INSTRUCTOR
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Sending
+from trainer.session.stations.subscriptions import Sender
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.status import status_lines
 from trainer.session.time.timekeeping import Timekeeping
 
 
 @dataclass
-class Shown:
+class ScreenOutput:
     """What is sent to the screens of one session."""
 
     history: History
     time: Timekeeping
     crew: CrewTalk
-    sending: Sending
+    sending: Sender
     _pace: Pace = field(default_factory=Pace)  # as it was last shown: what changes it shows it
     _reader: StateReader = field(init=False)
 
@@ -43,7 +43,7 @@ class Shown:
 
     def status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
-        if station.role is INSTRUCTOR:
+        if station.role is INSTRUCTOR_ROLE:
             return status_lines(self.history.boat, self.time.ledger.summary())
         picture = Picture(self.history.tick, self.history.now().state, self._pace)
         return panel(station.role.channels, self._reader.frame(picture))

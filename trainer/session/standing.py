@@ -10,22 +10,22 @@ from dataclasses import dataclass, field
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import GiverKind
 from trainer.session.agenda import Agenda, Plans
-from trainer.session.crew import HEARD, CrewTalk, Talk
+from trainer.session.crew import CREW_WORDS, CrewTalk, Talk
 from trainer.session.history import History
 
 Stand = tuple[Talk, Plans]
-NOTHING: Stand = Talk(), Plans()
+EMPTY_STAND: Stand = Talk(), Plans()
 
 
 @dataclass
-class Standing:
+class StandRecord:
     """The words and plans of one session, by the order that they stand after."""
 
     crew: CrewTalk
     agenda: Agenda
     history: History
-    _latest: Stand = NOTHING
-    _by_order: dict[int, Stand] = field(default_factory=lambda: {0: NOTHING}, repr=False)
+    _latest: Stand = EMPTY_STAND
+    _by_order: dict[int, Stand] = field(default_factory=lambda: {0: EMPTY_STAND}, repr=False)
 
     def keep(self) -> None:
         """Keep what stands after the last order. Most change nothing, and share what is kept."""
@@ -47,7 +47,7 @@ class Standing:
     def _present(self) -> Stand:
         if self.history.after not in self._by_order:
             self._read()
-        return self._by_order.get(self.history.after, NOTHING)
+        return self._by_order.get(self.history.after, EMPTY_STAND)
 
     def _read(self) -> None:
         """Hear the journal's orders again, from the first to those of the present state."""
@@ -55,7 +55,7 @@ class Standing:
         for entry in self.history.said():
             order = parse(entry.text)
             taken = entry.accepted is not False
-            if isinstance(order, Order) and taken and order.name in HEARD:
+            if isinstance(order, Order) and taken and order.name in CREW_WORDS:
                 crew.note(order, entry.giver, entry.tick, entry.crew)  # but no report of pumps
             if isinstance(order, Order) and (taken or entry.giver.kind is GiverKind.PLAN):
                 agenda.note(order, entry.giver, entry.tick * agenda.boat.method.step)

@@ -16,7 +16,7 @@ from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Summary
 from trainer.units import KNOT
 
-WIDTH = 79  # [characters]
+MAX_LINE_LETTERS = 79  # [characters]
 
 
 def status_lines(boat: Boat, ledger: Summary) -> list[str]:
@@ -61,7 +61,11 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         *sea_lines(boat),
         *(ballast_lines(boat) if boat.vessel.fitted else ()),
         *casualty_lines(boat),
-        *(textwrap.wrap(f"frozen: {held}", WIDTH, subsequent_indent="  ") if held else ()),
+        *(
+            textwrap.wrap(f"frozen: {held}", MAX_LINE_LETTERS, subsequent_indent="  ")
+            if held
+            else ()
+        ),
         (
             f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
             f"overruns {ledger.overruns}, gaps {ledger.gaps}"
@@ -71,18 +75,21 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
 
 def casualty_lines(boat: Boat) -> list[str]:
     """Return what a station's instruments show, and the casualties there are."""
-    shown = casualties.readings(boat)
+    shown = casualties.instrument_readings(boat)
     instruments = (
         f"instruments: depth {shown.depth:.1f} m, "
         f"heading {course(math.degrees(shown.heading), 1)}, log {shown.speed / KNOT:.1f} kn"
     )
     kinds = ", ".join(
-        f"{each.kind} {casualties.describe(boat, each.kind, each.amount)}".rstrip()
-        for each in casualties.active(boat)
+        f"{each.kind} {casualties.describe_amount(boat, each.kind, each.amount)}".rstrip()
+        for each in casualties.active_casualties(boat)
     )
     if not kinds:
         return [instruments]
-    return [instruments, *textwrap.wrap(f"casualties: {kinds}", WIDTH, subsequent_indent="  ")]
+    return [
+        instruments,
+        *textwrap.wrap(f"casualties: {kinds}", MAX_LINE_LETTERS, subsequent_indent="  "),
+    ]
 
 
 def sea_lines(boat: Boat) -> list[str]:

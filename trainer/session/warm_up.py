@@ -14,25 +14,25 @@ from trainer.boat import casualties, compilation
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import cache_folder
-from trainer.core.entry import COLUMNS, LOOKOUT, sail
+from trainer.core.entry import LOOKOUT, ROW_COLUMNS, sail
 from trainer.core.start import set_out
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
-BOAT: Final = "the boat, this once (about a minute)"
-LONGEST: Final = 600  # [s] of processor time: whatever happens, it ends
+BOAT_TEXT: Final = "the boat, this once (about a minute)"
+MAX_CPU_TIME_S: Final = 600  # [s] of processor time: whatever happens, it ends
 TICK_NICENESS: Final = 5  # a run is waiting for it, and goes first all the same
 REST_NICENESS: Final = 10
 
 
-def warm(boat: Boat) -> None:
+def warm_boat(boat: Boat) -> None:
     """Try the boat out, compiling it if need be: nothing compiles once the clock runs."""
-    with compilation.announced(BOAT, partial(click.echo, err=True)):
+    with compilation.announce_compiling(BOAT_TEXT, partial(click.echo, err=True)):
         try_out(boat)
 
 
@@ -52,11 +52,11 @@ def try_out(boat: Boat) -> None:
     set_out(*boat.records)
     boat.stand_by()
     boat.put_to_sea(boat.sea)
-    casualties.insert(boat, "propulsion-lost")
+    casualties.insert_casualty(boat, "propulsion-lost")
     boat.tick()
-    casualties.readings(boat)
-    casualties.clear(boat, "all")
-    LimitMonitor.over(boat, Limits())
+    casualties.instrument_readings(boat)
+    casualties.clear_casualty(boat, "all")
+    LimitMonitor.over(boat, ExerciseLimits())
     state = boat.records.state.tobytes()
     StateReader(boat, Ledger(boat.method.step).summary).frame(Picture(0, state, Pace()))
     boat.restore(before)
@@ -67,7 +67,7 @@ def refuse_unstable(boat: Boat) -> None:
     from trainer.boat import stability  # noqa: PLC0415
 
     low, high = boat.file.run.speed_range_kn
-    flights = stability.responses(boat, (low * KNOT, 0.5 * (low + high) * KNOT, high * KNOT))
+    flights = stability.boat_responses(boat, (low * KNOT, 0.5 * (low + high) * KNOT, high * KNOT))
     if not stability.stable_at(flights.values(), boat.records.scheme, boat.method.step):
         verdict = stability.stable_step(boat, flights)
         raise ConfigError(
@@ -87,7 +87,7 @@ def precompile(lock: int | None = None) -> None:
     """
     with contextlib.ExitStack() as stack:
         if lock is None:
-            lock = stack.enter_context(compilation.compiling())
+            lock = stack.enter_context(compilation.compilation_lock())
         if lock is not None and not compilation.is_kept():
             compile_in_stages()
 
@@ -99,14 +99,14 @@ def compile_in_stages() -> None:
         from trainer.boat.first_tick import compile_tick  # noqa: PLC0415  an interpreted run must not
 
         compile_tick(compilation.write_progress)
-        compilation.keep("tick")
+        compilation.mark_compiled("tick")
     limit_work(REST_NICENESS - TICK_NICENESS)
     boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
     try_out(boat)
     # what flies manoeuvres calls the tick from kernels: many ticks in one call
-    sail(tuple(boat.records), np.zeros(1, LOOKOUT), np.zeros((1, COLUMNS)))
-    compilation.keep()
-    for name in (compilation.COMPLAINTS, compilation.PROGRESS):
+    sail(tuple(boat.records), np.zeros(1, LOOKOUT), np.zeros((1, ROW_COLUMNS)))
+    compilation.mark_compiled()
+    for name in (compilation.ERROR_LOG_NAME, compilation.PROGRESS_NAME):
         (cache_folder() / name).unlink(missing_ok=True)
 
 
@@ -116,7 +116,7 @@ def limit_work(niceness: int) -> None:
         import resource  # noqa: PLC0415  not everywhere
 
         os.nice(niceness)
-        resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
+        resource.setrlimit(resource.RLIMIT_CPU, (MAX_CPU_TIME_S, MAX_CPU_TIME_S))
 
 
 if __name__ == "__main__":

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from trainer.boat.boat import Boat
-from trainer.boat.world.world import PARTS
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.recording.recording import Journalled, Recording, RecordingError
+from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 
 WorldOrders = Sequence[tuple[int, Order]]  # each with its tick
 
@@ -29,9 +29,9 @@ def world_orders(latest: WorldOrder | None) -> WorldOrders:
     return found[::-1]
 
 
-def to_world(entry: Journalled, before: WorldOrder | None) -> WorldOrder | None:
+def to_world(entry: RecordedOrder, before: WorldOrder | None) -> WorldOrder | None:
     """Return the latest order to the world after an order of the journal."""
-    if entry.accepted is False or entry.text.partition(" ")[0] not in PARTS:  # most are not
+    if entry.accepted is False or entry.text.partition(" ")[0] not in WORLD_PARTS:  # most are not
         return before
     order = parse(entry.text)
     return WorldOrder(entry.id, entry.tick, order, before) if isinstance(order, Order) else before

@@ -11,9 +11,12 @@ from typing import Final
 
 import segno
 
-from trainer.web.gate import ANYWHERE, LOOPBACK
+from trainer.web.gate import LOOPBACK_HOSTS, WILDCARD_HOSTS
 
-SOMEWHERE: Final = ("192.0.2.1", 9)  # an address for documents (RFC 5737): nothing is sent there
+UNSENT_ADDRESS: Final = (
+    "192.0.2.1",
+    9,
+)  # an address for documents (RFC 5737): nothing is sent there
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,7 @@ class Address:
     @property
     def here(self) -> bool:
         """Return whether only this machine's browsers reach it."""
-        if self.host in LOOPBACK:
+        if self.host in LOOPBACK_HOSTS:
             return True
         with contextlib.suppress(ValueError):
             return ipaddress.ip_address(self.host).is_loopback
@@ -36,7 +39,7 @@ class Address:
     @property
     def url(self) -> str:
         """Return the address for a browser; it holds no token."""
-        host = reachable_address() if self.host in ANYWHERE else self.host
+        host = reachable_address() if self.host in WILDCARD_HOSTS else self.host
         bracketed = f"[{host}]" if ":" in host else host
         return f"{'https' if self.secure else 'http'}://{bracketed}:{self.port}/"
 
@@ -44,12 +47,12 @@ class Address:
 def reachable_address() -> str:
     """Return the address by which other machines most likely reach this one."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end, contextlib.suppress(OSError):
-        end.connect(SOMEWHERE)
+        end.connect(UNSENT_ADDRESS)
         return str(end.getsockname()[0])
     return socket.gethostname()
 
 
-def announce(address: Address) -> str:
+def announce_address(address: Address) -> str:
     """Return an address as the terminal shows it; beyond this machine, for a camera too."""
     told = f"pages at {address.url}"
     if address.here:

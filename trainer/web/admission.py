@@ -23,7 +23,7 @@ from typing import Final, cast
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.machine import THIS_MACHINE, machine_of
-from trainer.web.gate import HEADERS, Refusals
+from trainer.web.gate import SECURITY_HEADERS, Refusals
 
 MAX_CONNECTIONS: Final = 500
 MAX_CONNECTIONS_HERE: Final = 100  # of those; no other machine can take them
@@ -41,7 +41,7 @@ DESCRIPTORS_OF_CONNECTION: Final = 2  # itself, and its file or its line to the 
 
 
 @dataclass(frozen=True)
-class Room:
+class ConnectionRoom:
     """The places for connections: of this machine, of all others, of each other one."""
 
     here: int = MAX_CONNECTIONS_HERE
@@ -49,7 +49,7 @@ class Room:
     machine: int = MAX_CONNECTIONS_OF_MACHINE
 
     @classmethod
-    def of(cls, descriptors: int) -> "Room":
+    def of(cls, descriptors: int) -> "ConnectionRoom":
         """Return the places that so many descriptors of files allow."""
         most = (descriptors - DESCRIPTORS_RESERVED) // DESCRIPTORS_OF_CONNECTION
         if most >= MAX_CONNECTIONS:
@@ -167,7 +167,7 @@ class WholeRequests:
             return
         body = await whole_body(receive)
         with visit.answering():
-            await self._app(scope, replayed(body, receive), send)
+            await self._app(scope, replay_parts(body, receive), send)
 
 
 async def whole_body(receive: Receive) -> list[Message]:
@@ -183,7 +183,7 @@ async def whole_body(receive: Receive) -> list[Message]:
     return parts
 
 
-def replayed(parts: list[Message], receive: Receive) -> Receive:
+def replay_parts(parts: list[Message], receive: Receive) -> Receive:
     """Return what yields parts that have come already, and then those to come."""
     waiting = iter(parts)
 
@@ -226,7 +226,7 @@ def turned_away(why: str) -> bytes:
         "Content-Length": str(len(body)),
         "Connection": "close",
         "Retry-After": f"{REQUEST_TIMEOUT_S:.0f}",
-        **HEADERS,
+        **SECURITY_HEADERS,
     }
     head = "".join(f"{name}: {value}\r\n" for name, value in headers.items())
     return f"HTTP/1.1 503 Service Unavailable\r\n{head}\r\n".encode() + body
@@ -238,7 +238,7 @@ Protocols = Callable[[Visit], asyncio.Protocol]
 class Admission:
     """Gives places to connections, and takes them back."""
 
-    def __init__(self, room: Room, refusals: Refusals) -> None:
+    def __init__(self, room: ConnectionRoom, refusals: Refusals) -> None:
         self._room = room
         self._refusals = refusals
         self.machines: Counter[str] = Counter()  # connections at once of each
@@ -328,13 +328,13 @@ class Admission:
         context: ssl.SSLContext | None,
     ) -> None:
         """Let a connection speak, from its first byte on."""
-        starting = asyncio.create_task(connect(visit, end, protocol, context))
+        starting = asyncio.create_task(connect_socket(visit, end, protocol, context))
         visit.end = starting.cancel
         self._starting.add(starting)
         starting.add_done_callback(self._starting.discard)
 
 
-async def connect(
+async def connect_socket(
     visit: Visit,
     end: CountedSocket,
     protocol: Callable[[], asyncio.Protocol],

@@ -25,31 +25,31 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from trainer.io.connection import carried_for
 from trainer.io.machine import THIS_MACHINE, machine_of
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import LONGEST, Order
-from trainer.io.orders.sentences import LONGEST_ANSWER
+from trainer.io.orders.grammar import MAX_LINE_LETTERS, Order
+from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
 from trainer.io.serial_line import LinkError
 from trainer.web.gate import Refusals
 
 # Why a page's line is closed; a page says what to do about each.
 DEBRIEF_FACT: Final = ",debrief,"  # in a sentence: read it
-NO_SESSION: Final = 4001
-OLDER_PAGE: Final = 4002
-REFUSED: Final = 4003
-NO_ROOM: Final = 4004
+NO_SESSION_CODE: Final = 4001
+OLDER_PAGE_CODE: Final = 4002
+REFUSED_CODE: Final = 4003
+NO_ROOM_CODE: Final = 4004
 
 FRAMES_A_SECOND: Final = 100  # ten times what a lever sends
 FRAMES_AT_ONCE: Final = 300
-LINE: Final = re.compile(r"[ -~]*")  # plain ASCII, and one line
-SHELVED: Final = 100  # debriefs at most; the oldest gives way
-CLOSING: Final = 1.0  # [s] for a session to take what is on its way
-A_MACHINE: Final = 8  # lines at once, of another machine
-ELSEWHERE: Final = 30  # of all of them; a session has room for 40, the last for this machine
+ASCII_LINE: Final = re.compile(r"[ -~]*")  # plain ASCII, and one line
+MAX_DEBRIEFS: Final = 100  # debriefs at most; the oldest gives way
+CLOSE_TIMEOUT_S: Final = 1.0  # [s] for a session to take what is on its way
+MAX_PAGES_OF_MACHINE: Final = 8  # lines at once, of another machine
+MAX_REMOTE_PAGES: Final = 30  # of all of them; a session has room for 40, the last for this machine
 
 Reach = Callable[[], socket]  # raises LinkError
 
 
 @dataclass
-class Shelf:
+class DebriefShelf:
     """The debriefs that a session has told an instructor's page, under keys that nobody guesses."""
 
     files: dict[str, Path] = field(default_factory=dict)
@@ -67,7 +67,7 @@ class Shelf:
         path = found[0]
         key = next((key for key, kept in self.files.items() if kept == path), token_urlsafe(16))
         self.files[key] = path
-        if len(self.files) > SHELVED:
+        if len(self.files) > MAX_DEBRIEFS:
             del self.files[next(iter(self.files))]
         return f"/debrief/{key}/{quote(path.name)}"
 
@@ -107,7 +107,7 @@ class Bridge:
     reach: Reach
     refusals: Refusals
     machines: Counter[str] = field(default_factory=Counter)  # lines at once of each other one
-    shelf: Shelf = field(default_factory=Shelf)
+    shelf: DebriefShelf = field(default_factory=DebriefShelf)
 
     async def carry(self, page: WebSocket, words: Mapping[str, str]) -> None:
         """Carry lines both ways until either end goes.
@@ -119,15 +119,17 @@ class Bridge:
                 end = await asyncio.to_thread(self.reach)
                 shelf = self.shelf if is_here(end) else None
                 local = not isinstance(end.getpeername(), tuple)  # a session of this user
-                reader, writer = await asyncio.open_connection(sock=end, limit=2 * LONGEST_ANSWER)
+                reader, writer = await asyncio.open_connection(
+                    sock=end, limit=2 * MAX_ANSWER_LETTERS
+                )
                 if page.client and local:
                     writer.write(f"{carried_for(page.client.host)}\n".encode("ascii"))
                 await self._attend(page, reader, writer, words, shelf)
         except RefusedError as error:
             self.refusals.add(page.client, f"{error}: its line is closed")
-            await close(page, NO_ROOM, str(error))
+            await close_page(page, NO_ROOM_CODE, str(error))
         except (LinkError, OSError) as error:
-            await close(page, NO_SESSION, str(error))
+            await close_page(page, NO_SESSION_CODE, str(error))
 
     @contextlib.contextmanager
     def place(self, machine: str) -> Iterator[None]:
@@ -135,10 +137,12 @@ class Bridge:
         if machine == THIS_MACHINE:
             yield
             return
-        if self.machines[machine] >= A_MACHINE:
-            raise RefusedError(f"{A_MACHINE} pages of this machine are open: close one of them")
-        if self.machines.total() >= ELSEWHERE:
-            raise RefusedError(f"no room: {ELSEWHERE} pages of other machines are open")
+        if self.machines[machine] >= MAX_PAGES_OF_MACHINE:
+            raise RefusedError(
+                f"{MAX_PAGES_OF_MACHINE} pages of this machine are open: close one of them"
+            )
+        if self.machines.total() >= MAX_REMOTE_PAGES:
+            raise RefusedError(f"no room: {MAX_REMOTE_PAGES} pages of other machines are open")
         self.machines[machine] += 1
         try:
             yield
@@ -152,7 +156,7 @@ class Bridge:
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
         words: Mapping[str, str],
-        shelf: Shelf | None,
+        shelf: DebriefShelf | None,
     ) -> None:
         """Carry both ways until one of them ends; then end the other."""
         ways = [
@@ -167,10 +171,10 @@ class Bridge:
             await asyncio.gather(*ways, return_exceptions=True)
             writer.close()
             with contextlib.suppress(OSError, TimeoutError):
-                await asyncio.wait_for(writer.wait_closed(), CLOSING)
+                await asyncio.wait_for(writer.wait_closed(), CLOSE_TIMEOUT_S)
 
     async def _down(
-        self, reader: asyncio.StreamReader, page: WebSocket, shelf: Shelf | None
+        self, reader: asyncio.StreamReader, page: WebSocket, shelf: DebriefShelf | None
     ) -> None:
         """Carry the session's lines to the page; a page that does not read is not waited for.
 
@@ -183,12 +187,12 @@ class Bridge:
                 if (
                     shelf
                     and DEBRIEF_FACT in sentence
-                    and (more := await asyncio.to_thread(also, sentence, shelf))
+                    and (more := await asyncio.to_thread(debrief_fact, sentence, shelf))
                 ):
                     await page.send_text(more)
         except (OSError, ValueError, WebSocketDisconnect, RuntimeError):
             pass
-        await close(page, NO_SESSION, "the session has closed the line")
+        await close_page(page, NO_SESSION_CODE, "the session has closed the line")
 
     async def _up(
         self, page: WebSocket, writer: asyncio.StreamWriter, words: Mapping[str, str]
@@ -197,17 +201,17 @@ class Bridge:
         allowance = Allowance(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         try:
             while True:
-                line = checked(await page.receive(), allowance)
+                line = check_frame(await page.receive(), allowance)
                 writer.write((with_word(line, words) + "\n").encode("ascii"))
                 await writer.drain()
         except RefusedError as error:
             self.refusals.add(page.client, f"{error}: its line is closed")
-            await close(page, REFUSED, str(error))
+            await close_page(page, REFUSED_CODE, str(error))
         except (OSError, WebSocketDisconnect):
             pass
 
 
-def checked(message: Mapping[str, object], allowance: Allowance) -> str:
+def check_frame(message: Mapping[str, object], allowance: Allowance) -> str:
     """Return the line in a frame; RefusedError if it could not be one."""
     if message["type"] == "websocket.disconnect":
         raise WebSocketDisconnect
@@ -216,9 +220,9 @@ def checked(message: Mapping[str, object], allowance: Allowance) -> str:
     text = message.get("text")
     if not isinstance(text, str):
         raise RefusedError("a frame that is no text")
-    if len(text) > LONGEST:
-        raise RefusedError(f"a frame of {len(text)} characters; the longest is {LONGEST}")
-    if not LINE.fullmatch(text):
+    if len(text) > MAX_LINE_LETTERS:
+        raise RefusedError(f"a frame of {len(text)} characters; the longest is {MAX_LINE_LETTERS}")
+    if not ASCII_LINE.fullmatch(text):
         raise RefusedError("a frame that is not one line of plain ASCII")
     return text
 
@@ -234,9 +238,9 @@ def is_here(end: socket) -> bool:
     return not isinstance(peer, tuple) or ip_address(peer[0].partition("%")[0]).is_loopback
 
 
-def also(line: str, shelf: Shelf) -> str:
+def debrief_fact(line: str, shelf: DebriefShelf) -> str:
     """Return the fact of where the debrief of a line is, "" for none."""
-    told = sentences.read(line)
+    told = sentences.parse_sentence(line)
     if told is None or told.kind != "TRF" or told.fields[2] != "debrief":
         return ""
     address = shelf.keep(told.fields[3])
@@ -246,7 +250,7 @@ def also(line: str, shelf: Shelf) -> str:
 
 def with_word(line: str, words: Mapping[str, str]) -> str:
     """Return a line, with the token that is kept where it takes a role without."""
-    heard = sentences.hear(line) if "role" in line else None
+    heard = sentences.parse_line(line) if "role" in line else None
     if heard is None or not heard.machine:
         return line
     order = heard.order
@@ -256,7 +260,7 @@ def with_word(line: str, words: Mapping[str, str]) -> str:
     return sentences.order_sentence(f"role {order.word} {word}", heard.tag) if word else line
 
 
-async def close(page: WebSocket, code: int, why: str) -> None:
+async def close_page(page: WebSocket, code: int, why: str) -> None:
     """Close a page's line, if it is still open."""
     with contextlib.suppress(RuntimeError, WebSocketDisconnect, OSError):
         await page.close(code, why[:120])

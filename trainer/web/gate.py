@@ -21,13 +21,13 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.lines import plain
-from trainer.io.noise_log import WHILE, NoiseLog
+from trainer.io.noise_log import ENTRY_PERIOD_S, NoiseLog
 
 Tell = Callable[[str], None]
 
-LOOPBACK: Final = ("127.0.0.1", "localhost", "::1")
-ANYWHERE: Final = ("0.0.0.0", "::", "")  # noqa: S104  compared, not listened at
-HEADERS: Final[Mapping[str, str]] = {
+LOOPBACK_HOSTS: Final = ("127.0.0.1", "localhost", "::1")
+WILDCARD_HOSTS: Final = ("0.0.0.0", "::", "")  # noqa: S104  compared, not listened at
+SECURITY_HEADERS: Final[Mapping[str, str]] = {
     "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; object-src 'none'; "
     "base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
     "Cross-Origin-Opener-Policy": "same-origin",
@@ -37,23 +37,25 @@ HEADERS: Final[Mapping[str, str]] = {
     "X-Content-Type-Options": "nosniff",
     "Cache-Control": "no-cache",
 }
-NAMED: Final = re.compile(r"(?:\[(?P<six>[0-9A-Fa-f:.]+)\]|(?P<name>[^][:@/ ]*))(?::[0-9]{1,5})?")
-SAFE: Final = frozenset({"GET", "HEAD"})  # methods that change nothing
+HOST_AND_PORT: Final = re.compile(
+    r"(?:\[(?P<six>[0-9A-Fa-f:.]+)\]|(?P<name>[^][:@/ ]*))(?::[0-9]{1,5})?"
+)
+SAFE_METHODS: Final = frozenset({"GET", "HEAD"})  # methods that change nothing
 
 
 @dataclass(frozen=True)
-class Door:
+class ServerNames:
     """The names that this server answers to."""
 
     names: frozenset[str]
     any_address: bool
 
     @classmethod
-    def at(cls, host: str) -> "Door":
+    def at(cls, host: str) -> "ServerNames":
         """Return the names of a server that listens at ``host``."""
         own = {socket.gethostname().casefold()}
-        beyond = {f"{name}.local" for name in own} | own if host not in LOOPBACK else set()
-        return cls(frozenset({*LOOPBACK, host.casefold(), *beyond}), host in ANYWHERE)
+        beyond = {f"{name}.local" for name in own} | own if host not in LOOPBACK_HOSTS else set()
+        return cls(frozenset({*LOOPBACK_HOSTS, host.casefold(), *beyond}), host in WILDCARD_HOSTS)
 
     def admits(self, given: str) -> bool:
         """Return whether a Host header names this server."""
@@ -65,7 +67,7 @@ class Door:
 
 def hostname(given: str) -> str:
     """Return the name or address in ``HOST[:PORT]``, "" if it is not of that form."""
-    found = NAMED.fullmatch(given)
+    found = HOST_AND_PORT.fullmatch(given)
     return (found["six"] or found["name"]).casefold() if found else ""
 
 
@@ -96,7 +98,7 @@ class Refusals:
         self._log.log("refused", plain(text))
         if not self._due:
             self._due = True
-            asyncio.get_running_loop().call_later(WHILE, self._settle)
+            asyncio.get_running_loop().call_later(ENTRY_PERIOD_S, self._settle)
 
     def close(self) -> None:
         """Tell how many have not been told one by one."""
@@ -110,7 +112,7 @@ class Refusals:
 class Gate:
     """Stands before the pages: refuses what has no business here, guards the rest."""
 
-    def __init__(self, app: ASGIApp, door: Door, refusals: Refusals) -> None:
+    def __init__(self, app: ASGIApp, door: ServerNames, refusals: Refusals) -> None:
         self._app = app
         self._door = door
         self._refusals = refusals
@@ -122,13 +124,13 @@ class Gate:
             return
         why = self._refusal(scope)
         if not why:
-            await self._app(scope, receive, guarded(send))
+            await self._app(scope, receive, guard_sender(send))
             return
         self._refusals.add(scope.get("client"), f"refused: {why}")
         if scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008, "reason": why})
         else:
-            await PlainTextResponse(f"{why}\n", 403)(scope, receive, guarded(send))
+            await PlainTextResponse(f"{why}\n", 403)(scope, receive, guard_sender(send))
 
     def _refusal(self, scope: Scope) -> str:
         """Return why a request is refused, "" if it is not."""
@@ -137,7 +139,7 @@ class Gate:
         if not self._door.admits(host):
             name = host[:80] or "a server without a name"
             return f"this is not {name}: use the address that the server has told"
-        if not origin and scope["type"] == "http" and scope["method"] in SAFE:
+        if not origin and scope["type"] == "http" and scope["method"] in SAFE_METHODS:
             return ""
         secure = scope["scheme"] in ("https", "wss")
         if origin != f"{'https' if secure else 'http'}://{host}":
@@ -145,7 +147,7 @@ class Gate:
         return ""
 
 
-class Styles(HTMLParser):
+class StyleHashes(HTMLParser):
     """The hashes of what a page has of styles within: their elements and their attributes."""
 
     def __init__(self) -> None:
@@ -178,7 +180,7 @@ def hash_of(text: str) -> str:
 
 def policy_of(html: str) -> str:
     """Return the policy of a debrief: a browser shows it in its own styles."""
-    styles = Styles()
+    styles = StyleHashes()
     styles.feed(html)
     allowed = " ".join(["'unsafe-hashes'", *sorted(styles.hashes)])
     return (
@@ -187,13 +189,13 @@ def policy_of(html: str) -> str:
     )
 
 
-def guarded(send: Send) -> Send:
+def guard_sender(send: Send) -> Send:
     """Return a sender that adds the headers to each answer."""
 
     async def send_with_headers(message: Message) -> None:
         if message["type"] == "http.response.start":
             headers = MutableHeaders(scope=message)
-            for name, value in HEADERS.items():
+            for name, value in SECURITY_HEADERS.items():
                 headers.setdefault(name, value)
         await send(message)
 

@@ -19,12 +19,15 @@ from trainer.io.line import Line
 from trainer.io.orders import sentences
 from trainer.io.serial_line import LinkError
 from trainer.io.server import listen_at, parse_address
-from trainer.web.address import Address, announce, open_page
+from trainer.web.address import Address, announce_address, open_page
 from trainer.web.bridge import Reach
-from trainer.web.server import Certificate, serve
+from trainer.web.server import Certificate, serve_at_socket
 
-PATIENCE: Final = 5.0  # [s] for a session to say whether it asks for a token
-OUT_OF_DATE: Final = (9, 10)  # X509_V_ERR_CERT_NOT_YET_VALID, X509_V_ERR_CERT_HAS_EXPIRED
+TOKEN_TIMEOUT_S: Final = 5.0  # [s] for a session to say whether it asks for a token
+CERTIFICATE_DATE_ERRORS: Final = (
+    9,
+    10,
+)  # X509_V_ERR_CERT_NOT_YET_VALID, X509_V_ERR_CERT_HAS_EXPIRED
 HANDSHAKE_ROUNDS: Final = 5  # in memory; three are needed
 
 
@@ -41,14 +44,21 @@ def serve_pages(
     """
     refuse_other_lines(url)
     host, port = address_of(where)
-    reach = reaching(url, where, beyond=not Address(host, port).here)
+    reach = find_session(url, where, beyond=not Address(host, port).here)
     try:
         reach().close()
     except OpenError as error:
         raise ConfigError(str(error)) from None
     except LinkError as error:
         click.echo(f"trainer: {error}; the pages wait for one", err=True)
-    attend(reach, Address(host, port), listen(host, port), certificate, unheard, opens=opens)
+    run_pages(
+        reach,
+        Address(host, port),
+        listen_for_browsers(host, port),
+        certificate,
+        send_no_pulse,
+        opens=opens,
+    )
 
 
 def serve_owner(
@@ -61,12 +71,12 @@ def serve_owner(
     """
     threading.Thread(target=end_with_owner, name="owner", daemon=True).start()
     host, port = address_of(where)
-    listener = listen(host, port) if owner < 0 else socket.socket(fileno=owner)
+    listener = listen_for_browsers(host, port) if owner < 0 else socket.socket(fileno=owner)
     address, pulse = Address(host, port), pulse_for_owner()
-    attend(lambda: client.reach(url), address, listener, certificate, pulse, opens=opens)
+    run_pages(lambda: client.reach(url), address, listener, certificate, pulse, opens=opens)
 
 
-def attend(
+def run_pages(
     reach: Reach,
     asked: Address,
     listener: socket.socket,
@@ -77,21 +87,23 @@ def attend(
 ) -> None:
     """Tell where the pages are, open them, and serve them until a signal."""
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, leave)
+        signal.signal(number, leave_program)
     address = Address(asked.host, listener.getsockname()[1], certificate is not None)
     with listener:
-        click.echo(announce(address), err=True)
+        click.echo(announce_address(address), err=True)
         if opens:
-            threading.Thread(target=show, args=(address,), name="browser", daemon=True).start()
-        serve(reach, listener, address, certificate, pulse)
+            threading.Thread(
+                target=open_pages, args=(address,), name="browser", daemon=True
+            ).start()
+        serve_at_socket(reach, listener, address, certificate, pulse)
 
 
-def leave(*_signal: object) -> NoReturn:
+def leave_program(*_signal: object) -> NoReturn:
     """End this program, as its user has asked; exit code 0."""
     sys.exit(0)
 
 
-def show(address: Address) -> None:
+def open_pages(address: Address) -> None:
     """Open the pages in a browser, or say what to do."""
     if told := open_page(address):
         click.echo(told, err=True)
@@ -106,7 +118,7 @@ def refuse_other_lines(url: str | None) -> None:
         raise ConfigError(f"--connect {error}") from None
 
 
-def reaching(url: str | None, where: str, *, beyond: bool) -> Reach:
+def find_session(url: str | None, where: str, *, beyond: bool) -> Reach:
     """Return what reaches the session that is there now.
 
     Pages ``beyond`` this machine reach it only if it asks for a token, each time anew: another
@@ -127,12 +139,12 @@ def reaching(url: str | None, where: str, *, beyond: bool) -> Reach:
 def address_of(text: str) -> tuple[str, int]:
     """Return host and port of ``HOST:PORT``; ConfigError."""
     try:
-        return parse_address(text, f"{paths.HOST}:{paths.PAGES}")
+        return parse_address(text, f"{paths.DEFAULT_HOST}:{paths.PAGES_PORT}")
     except LinkError as error:
         raise ConfigError(f"--web {error}") from None
 
 
-def listen(host: str, port: int) -> socket.socket:
+def listen_for_browsers(host: str, port: int) -> socket.socket:
     """Return a socket that listens for browsers; ConfigError."""
     try:
         return listen_at(host, port)
@@ -147,7 +159,7 @@ def end_with_owner() -> None:
     signal.raise_signal(signal.SIGTERM)
 
 
-def unheard() -> None:
+def send_no_pulse() -> None:
     """Give no sign of life, where nobody listens for it."""
 
 
@@ -215,7 +227,7 @@ def out_of_date(server: ssl.SSLContext, cert: Path) -> str:
             except ssl.SSLWantReadError:
                 continue
             except ssl.SSLCertVerificationError as error:
-                return error.verify_message if error.verify_code in OUT_OF_DATE else ""
+                return error.verify_message if error.verify_code in CERTIFICATE_DATE_ERRORS else ""
             except ssl.SSLError:  # what else is wrong with it a browser says
                 return ""
     return ""
@@ -229,15 +241,15 @@ def asks_token(url: str) -> bool:
         line.send(sentences.order_sentence("who", "1"))
         return answer_of(line, arrived) == "no"
     finally:
-        line.close(PATIENCE)
+        line.close(TOKEN_TIMEOUT_S)
 
 
 def answer_of(line: Line, arrived: threading.Event) -> str:
     """Return "ok" or "no", as a session answers the first question; LinkError for no answer."""
-    while arrived.wait(PATIENCE) and not line.ended:
+    while arrived.wait(TOKEN_TIMEOUT_S) and not line.ended:
         arrived.clear()
         for said in line.take(100):
-            sentence = sentences.read(said) if isinstance(said, str) else None
+            sentence = sentences.parse_sentence(said) if isinstance(said, str) else None
             if sentence and sentence.tag == "1" and sentence.fields[0] in ("ok", "no"):
                 return sentence.fields[0]
     raise LinkError(f"{line.name}: no answer: is that a session?")

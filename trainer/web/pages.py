@@ -15,25 +15,25 @@ from typing import Any, Final
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from trainer import __version__
-from trainer.config.contacts import TYPES
+from trainer.config.contacts import SHIP_TYPES
 from trainer.config.course import course
 from trainer.config.files import ConfigError, read_text
 from trainer.io.orders.help import limits_and_units, usage
-from trainer.io.orders.quantities import NUMBERS
+from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import FORMS, Form, heading_word
 
-LOCALE: Final = Path(__file__).parent / "locale"
-KNOWN: Final = ("msgid", "msgstr")
-LINE: Final = re.compile(r'(?:(\w+(?:\[\d+\])?)\s+)?("(?:[^"\\]|\\.)*")')
-HOLE: Final = re.compile(r"\{\d\}")  # where a value stands
+LOCALE_FOLDER: Final = Path(__file__).parent / "locale"
+CATALOGUE_KEYWORDS: Final = ("msgid", "msgstr")
+CATALOGUE_LINE: Final = re.compile(r'(?:(\w+(?:\[\d+\])?)\s+)?("(?:[^"\\]|\\.)*")')
+VALUE_HOLE: Final = re.compile(r"\{\d\}")  # where a value stands
 
 Catalogue = dict[str, str]  # what is said, by the English words
-HERE: Final = Path(__file__).parent
-ASSETS: Final = HERE / "assets"
-LEAD, CREW, WATCH = "Lead", "Crew", "Watch"
+WEB_FOLDER: Final = Path(__file__).parent
+ASSETS_FOLDER: Final = WEB_FOLDER / "assets"
+LEAD_GROUP, CREW_GROUP, WATCH_GROUP = "Lead", "Crew", "Watch"
 
 
-def catalogues(folder: Path = LOCALE) -> dict[str, Catalogue]:
+def catalogues(folder: Path = LOCALE_FOLDER) -> dict[str, Catalogue]:
     """Return the catalogues by their languages, such as "de"; ConfigError if one is wrong."""
     return {path.stem: read_catalogue(path) for path in sorted(folder.glob("*.po"))}
 
@@ -42,7 +42,7 @@ def read_catalogue(path: Path) -> Catalogue:
     """Return the entries of a catalogue that are translated; ConfigError for what is none."""
     found: Catalogue = {}
     for first, msgid, msgstr, fuzzy in entries(path):
-        if sorted(HOLE.findall(msgid)) != sorted(HOLE.findall(msgstr)) and msgstr:
+        if sorted(VALUE_HOLE.findall(msgid)) != sorted(VALUE_HOLE.findall(msgstr)) and msgstr:
             raise ConfigError(f"{path.name}: line {first}: {msgstr!r}: not the holes of {msgid!r}")
         if msgid in found:
             raise ConfigError(f"{path.name}: line {first}: msgid {msgid!r}: is there twice")
@@ -74,9 +74,11 @@ def entries(path: Path) -> list[tuple[int, str, str, bool]]:
 
 def read_line(line: str, place: str) -> tuple[str, str]:
     """Return the keyword of a line, "" where it goes on, and its text; ConfigError."""
-    match = LINE.fullmatch(line)
-    if match is None or match[1] not in (None, *KNOWN):
-        raise ConfigError(f"{place}: {line}: expected {' or '.join(KNOWN)} and a text in quotes")
+    match = CATALOGUE_LINE.fullmatch(line)
+    if match is None or match[1] not in (None, *CATALOGUE_KEYWORDS):
+        raise ConfigError(
+            f"{place}: {line}: expected {' or '.join(CATALOGUE_KEYWORDS)} and a text in quotes"
+        )
     return match[1] or "", str(ast.literal_eval(match[2]))
 
 
@@ -97,43 +99,43 @@ PAGES: Final = (
     Page("", "Control room", "", "choice.html"),
     Page(
         *("instructor", "Instructor", "instructor", "instructor.html"),
-        *(LEAD, "Time, casualties and orders; looks back, judges, debriefs"),
+        *(LEAD_GROUP, "Time, casualties and orders; looks back, judges, debriefs"),
     ),
     Page(
         *("helm", "Helm", "helm", "steering.html"),
-        *(CREW, "Steers the course and orders the engine"),
+        *(CREW_GROUP, "Steers the course and orders the engine"),
     ),
     Page(
         *("planes", "Planes", "planes", "steering.html"),
-        *(CREW, "Keeps depth and angle with bow and stern planes"),
+        *(CREW_GROUP, "Keeps depth and angle with bow and stern planes"),
     ),
     Page(
         *("pilot", "Pilot", "pilot", "steering.html"),
-        *(CREW, "Helm and planes, worked by one person"),
+        *(CREW_GROUP, "Helm and planes, worked by one person"),
     ),
     Page(
         *("ballast", "Ballast", "ballast", "ballast.html"),
-        *(CREW, "Tanks, pumps, valves and air"),
+        *(CREW_GROUP, "Tanks, pumps, valves and air"),
     ),
     Page(
         *("diving", "Diving officer", "diving", "diving.html"),
-        *(CREW, "Orders planes and ballast, and keeps the boat in trim"),
+        *(CREW_GROUP, "Orders planes and ballast, and keeps the boat in trim"),
     ),
     Page(
         *("scope", "Periscope", "scope", "scope.html"),
-        *(CREW, "Looks round, takes bearings and ranges, marks contacts"),
+        *(CREW_GROUP, "Looks round, takes bearings and ranges, marks contacts"),
     ),
     Page(
         *("observer", "Observer", "observer", "observer.html"),
-        *(WATCH, "All instruments, no controls; marks moments"),
+        *(WATCH_GROUP, "All instruments, no controls; marks moments"),
     ),
     Page(
         *("wall", "Wall", "observer", "wall.html"),
-        *(WATCH, "A large screen that everybody looks at"),
+        *(WATCH_GROUP, "A large screen that everybody looks at"),
     ),
     Page(
         *("kiosk", "Kiosk", "visitor", "kiosk.html"),
-        *(WATCH, "For visitors: one lever, three minutes"),
+        *(WATCH_GROUP, "For visitors: one lever, three minutes"),
     ),
 )
 
@@ -142,7 +144,7 @@ PAGES: Final = (
 def _environment() -> Environment:
     """Return where templates are found: all of them escape what they are given."""
     environment = Environment(
-        loader=FileSystemLoader(HERE / "templates"),
+        loader=FileSystemLoader(WEB_FOLDER / "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -161,7 +163,10 @@ def order_words(taken: Container[str] | None = None) -> dict[str, Any]:
         form for form in FORMS if not form.refusal and (taken is None or name_of(form) in taken)
     ]
     forms = [(usage(form), form.says) for form in wanted]
-    return {"forms": forms, "numbers": {name: limits_and_units(n) for name, n in NUMBERS.items()}}
+    return {
+        "forms": forms,
+        "numbers": {name: limits_and_units(n) for name, n in NUMBER_KINDS.items()},
+    }
 
 
 def name_of(form: Form) -> str:
@@ -183,7 +188,7 @@ def lessons() -> list[dict[str, Any]]:
 
 def mastheads() -> list[tuple[str, str]]:
     """Return the height [m] of the masthead of each type of ship, the highest first."""
-    kinds = sorted(TYPES.items(), key=lambda each: -each[1].mast)
+    kinds = sorted(SHIP_TYPES.items(), key=lambda each: -each[1].mast)
     return [(name, f"{ship.mast:g}") for name, ship in kinds]
 
 

@@ -22,23 +22,34 @@ from starlette.websockets import WebSocket
 from uvicorn.protocols.websockets.auto import AutoWebSocketsProtocol
 
 from trainer import __version__
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.sentences import order_sentence
 from trainer.web.address import Address
-from trainer.web.admission import Admission, Room, Visit, WholeRequests, allowed_descriptors
-from trainer.web.bridge import OLDER_PAGE, Allowance, Bridge, Reach
-from trainer.web.gate import Door, Gate, Refusals, policy_of
-from trainer.web.pages import ASSETS, MISSING_PAGE, PAGES, Page, render
+from trainer.web.admission import (
+    Admission,
+    ConnectionRoom,
+    Visit,
+    WholeRequests,
+    allowed_descriptors,
+)
+from trainer.web.bridge import OLDER_PAGE_CODE, Allowance, Bridge, Reach
+from trainer.web.gate import Gate, Refusals, ServerNames, policy_of
+from trainer.web.pages import ASSETS_FOLDER, MISSING_PAGE, PAGES, Page, render
 
-KEPT_WORD: Final = "word-"  # how the cookie of a role's token begins
-LONGEST_WORD: Final = LONGEST - len(order_sentence("role instructor ", "999999"))  # [characters]
-SAID: Final = re.compile(rf"(?P<role>[a-z]+) (?P<word>[!#%-)+-~]{{0,{LONGEST_WORD}}})")
-LONGEST_BODY: Final = 200  # [bytes]
-LONGEST_FRAME: Final = 4096  # [bytes] a longer one is not even read
+# how the cookie of a role's token begins
+TOKEN_COOKIE_PREFIX: Final = "word-"  # noqa: S105
+MAX_TOKEN_LETTERS: Final = MAX_LINE_LETTERS - len(
+    order_sentence("role instructor ", "999999")
+)  # [characters]
+ROLE_TOKEN_FORM: Final = re.compile(
+    rf"(?P<role>[a-z]+) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})"
+)
+MAX_BODY_BYTES: Final = 200  # [bytes]
+MAX_FRAME_BYTES: Final = 4096  # [bytes] a longer one is not even read
 MAX_LINE_BYTES_PER_S: Final = 65536  # of a page's line; a lever sends a thousand
 MAX_LINE_BYTES_AT_ONCE: Final = 4 * 1024 * 1024
 PULSE_PERIOD_S: Final = 1.0
-A_WEEK: Final = 7 * 24 * 3600  # [s]
+TOKEN_AGE_S: Final = 7 * 24 * 3600  # [s]
 
 
 @dataclass(frozen=True)
@@ -49,7 +60,7 @@ class Certificate:
     key: Path
 
 
-class Complaints(logging.Handler):
+class ComplaintHandler(logging.Handler):
     """Tells what the server's library complains of, as long as it is little."""
 
     def __init__(self, refusals: Refusals) -> None:
@@ -69,7 +80,7 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
     async def line(page: WebSocket) -> None:
         await page.accept()
         if page.query_params.get("version") != __version__:
-            await page.close(OLDER_PAGE, f"this page is not of the trainer {__version__}")
+            await page.close(OLDER_PAGE_CODE, f"this page is not of the trainer {__version__}")
             return
         await bridge.carry(page, words_of(page.cookies))
 
@@ -93,18 +104,18 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
     pages = Starlette(
         routes=[
             Route("/debrief/{key}/{name}", debrief),
-            *(Route(f"/{page.name}", shown(page)) for page in PAGES),
+            *(Route(f"/{page.name}", answer_page(page)) for page in PAGES),
             Route("/word", keep_word, methods=["POST"]),
             WebSocketRoute("/line", line),
-            Mount("/assets", StaticFiles(directory=ASSETS)),
+            Mount("/assets", StaticFiles(directory=ASSETS_FOLDER)),
         ],
         middleware=[Middleware(GZipMiddleware, minimum_size=500)],
         exception_handlers={404: show_the_way_back},
     )
-    return WholeRequests(Gate(pages, Door.at(host), refusals))
+    return WholeRequests(Gate(pages, ServerNames.at(host), refusals))
 
 
-def shown(page: Page) -> Callable[[Request], Awaitable[Response]]:
+def answer_page(page: Page) -> Callable[[Request], Awaitable[Response]]:
     """Return what answers with a page, which is made once."""
     made = render(page)
 
@@ -116,14 +127,14 @@ def shown(page: Page) -> Callable[[Request], Awaitable[Response]]:
 
 async def keep_word(request: Request) -> Response:
     """Keep a role's token in the browser, where no script of a page can read it."""
-    found = SAID.fullmatch(await body_of(request))
+    found = ROLE_TOKEN_FORM.fullmatch(await body_of(request))
     if not found or found["role"] not in {page.role for page in PAGES if page.role}:
         return PlainTextResponse("say ROLE WORD\n", 400)
     answer = PlainTextResponse("kept\n")
     answer.set_cookie(
-        KEPT_WORD + found["role"],
+        TOKEN_COOKIE_PREFIX + found["role"],
         found["word"],
-        max_age=A_WEEK if found["word"] else 0,
+        max_age=TOKEN_AGE_S if found["word"] else 0,
         path="/line",  # nothing else needs it
         secure=request.url.scheme == "https",
         httponly=True,
@@ -138,7 +149,7 @@ async def body_of(request: Request) -> str:
     try:
         async for part in request.stream():
             body += part
-            if len(body) > LONGEST_BODY:
+            if len(body) > MAX_BODY_BYTES:
                 return ""
     except ClientDisconnect:
         return ""
@@ -147,8 +158,8 @@ async def body_of(request: Request) -> str:
 
 def words_of(cookies: dict[str, str]) -> dict[str, str]:
     """Return the tokens that a browser keeps, by role."""
-    kept = {name: word for name, word in cookies.items() if name.startswith(KEPT_WORD)}
-    return {name.removeprefix(KEPT_WORD): word for name, word in kept.items()}
+    kept = {name: word for name, word in cookies.items() if name.startswith(TOKEN_COOKIE_PREFIX)}
+    return {name.removeprefix(TOKEN_COOKIE_PREFIX): word for name, word in kept.items()}
 
 
 class MeasuredLine(asyncio.Protocol):
@@ -183,7 +194,7 @@ def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicor
         lifespan="off",
         proxy_headers=False,  # whoever is here might say that he is somebody else
         ws=type("Line", (MeasuredLine, cast("type", AutoWebSocketsProtocol)), {}),
-        ws_max_size=LONGEST_FRAME,
+        ws_max_size=MAX_FRAME_BYTES,
         ws_ping_interval=10.0,  # a page that does not answer, asleep or gone, is let go
         ws_ping_timeout=20.0,
         ws_per_message_deflate=False,  # lines are short, and thirty pages are many
@@ -194,7 +205,7 @@ def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicor
     )
 
 
-class Host(uvicorn.Server):
+class PageServer(uvicorn.Server):
     """The server, which takes connections by the rules of their admission."""
 
     def __init__(
@@ -243,7 +254,7 @@ class Host(uvicorn.Server):
             self.should_exit = True
 
 
-def serve(
+def serve_at_socket(
     reach: Reach,
     listener: socket.socket,
     address: Address,
@@ -257,10 +268,10 @@ def serve(
     refusals = Refusals(lambda text: click.echo(f"pages: {text}", err=True))
     logger = logging.getLogger("uvicorn.error")
     logger.propagate = False
-    logger.addHandler(Complaints(refusals))
+    logger.addHandler(ComplaintHandler(refusals))
     app = application(reach, address.host, refusals)
-    admission = Admission(Room.of(allowed_descriptors()), refusals)
+    admission = Admission(ConnectionRoom.of(allowed_descriptors()), refusals)
     try:
-        Host(configuration(app, certificate), listener, admission, pulse).run()
+        PageServer(configuration(app, certificate), listener, admission, pulse).run()
     finally:
         refusals.close()

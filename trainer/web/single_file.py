@@ -11,25 +11,31 @@ from html import escape
 from pathlib import PurePosixPath
 from typing import Any, Final
 
-from trainer.web.pages import ASSETS, PAGES, order_words, render
+from trainer.web.pages import ASSETS_FOLDER, PAGES, order_words, render
 
-SHEET: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
-SCRIPT: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
-IMPORT: Final = re.compile(r'^import (?:(\{[^}]*\}) from )?"(\.[^"]+)";$', re.MULTILINE | re.DOTALL)
-EXPORT: Final = re.compile(r"^export (?=(?:async )?(?:const|let|class|function) )", re.MULTILINE)
-NAMED: Final = re.compile(r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE)
+STYLESHEET_TAG: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
+SCRIPT_TAG: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
+IMPORT_STATEMENT: Final = re.compile(
+    r'^import (?:(\{[^}]*\}) from )?"(\.[^"]+)";$', re.MULTILINE | re.DOTALL
+)
+EXPORT_KEYWORD: Final = re.compile(
+    r"^export (?=(?:async )?(?:const|let|class|function) )", re.MULTILINE
+)
+EXPORTED_NAME: Final = re.compile(
+    r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE
+)
 # what a page in a file has in another one's place
-INSTEAD: Final = {"js/protocol/link.js": "js/tab/link.js"}
-WORKER: Final = "js/tab/worker.js"
+REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
+WORKER_SCRIPT: Final = "js/tab/worker.js"
 # orders that such a page takes, beside those that only write numbers
-TAKEN: Final = frozenset(
+TAB_ORDERS: Final = frozenset(
     (
         *("sea", "casualty", "clear", "casualties", "freeze", "run", "step", "time", "snapshot"),
         *("snapshots", "restore", "reset", "backtrack", "replay", "take", "branches", "branch"),
         *("mark", "log", "status", "history"),
     )
 )
-NOTE: Final = (
+TAB_NOTE: Final = (
     "A boat in a file: it is flown by this page alone. "
     "Marks are not judged here; nothing is sent or kept."
 )
@@ -39,19 +45,19 @@ class UnknownPageError(Exception):
     """A page that cannot be one file."""
 
 
-def modules(entry: str, seen: dict[str, str] | None = None) -> dict[str, str]:
+def collect_modules(entry: str, seen: dict[str, str] | None = None) -> dict[str, str]:
     """Return the sources of a module and of what it imports, that first."""
     found = {} if seen is None else seen
-    source = (ASSETS / INSTEAD.get(entry, entry)).read_text(encoding="utf-8")
-    for _, path in IMPORT.findall(source):
-        wanted = beside(entry, path)
+    source = (ASSETS_FOLDER / REPLACED_SCRIPTS.get(entry, entry)).read_text(encoding="utf-8")
+    for _, path in IMPORT_STATEMENT.findall(source):
+        wanted = resolve_module(entry, path)
         if wanted not in found:
-            modules(wanted, found)
+            collect_modules(wanted, found)
     found[entry] = source
     return found
 
 
-def beside(module: str, path: str) -> str:
+def resolve_module(module: str, path: str) -> str:
     """Return the module that another names by a relative path."""
     parts: list[str] = []
     for part in (PurePosixPath(module).parent / path).parts:
@@ -68,9 +74,9 @@ def bundle(entry: str) -> str:
     Each module is a function of its own, whose exports are in a table by its path.
     """
     parts = ['"use strict";\n(() => {\nconst M = {};\n']
-    for path, source in modules(entry).items():
-        names = NAMED.findall(source)
-        text = EXPORT.sub("", IMPORT.sub(partial(taken, path), source))
+    for path, source in collect_modules(entry).items():
+        names = EXPORTED_NAME.findall(source)
+        text = EXPORT_KEYWORD.sub("", IMPORT_STATEMENT.sub(partial(replace_import, path), source))
         if re.search(r"^(?:import|export)\b", text, re.MULTILINE):
             raise UnknownPageError(f"{path}: an import or export of a kind that is not known")
         parts.append(
@@ -80,20 +86,20 @@ def bundle(entry: str) -> str:
     return "".join(parts)
 
 
-def taken(module: str, found: re.Match[str]) -> str:
+def replace_import(module: str, found: re.Match[str]) -> str:
     """Return what stands for an import: the same names from the table."""
     if not found[1]:
         return ""
     names = re.sub(r"(\w+) as (\w+)", r"\1: \2", found[1])
-    return f"const {names} = M[{json.dumps(beside(module, found[2]))}];"
+    return f"const {names} = M[{json.dumps(resolve_module(module, found[2]))}];"
 
 
-def closed(text: str) -> str:
+def close_text(text: str) -> str:
     """Return a script's text so that nothing in it ends the element around it."""
     return re.sub(r"<(?=/script|!--|script)", r"\\x3c", text, flags=re.IGNORECASE)
 
 
-def packed(data: bytes) -> str:
+def pack_data(data: bytes) -> str:
     """Return bytes deflated and in base64, the same at every time."""
     return base64.b64encode(zlib.compress(data, 9)).decode("ascii")
 
@@ -116,25 +122,27 @@ def policy(scripts: list[str], sheet: str) -> str:
 def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> str:
     """Return the station's page with a boat inside."""
     page = next(each for each in PAGES if each.name == name)
-    taken = {row.split(";")[0].split()[0] for row in boat["orders"]} | TAKEN
+    taken = {row.split(";")[0].split()[0] for row in boat["orders"]} | TAB_ORDERS
     html = render(page, order_words=partial(order_words, taken), lessons=list)
-    sheet = "\n".join((ASSETS / path).read_text(encoding="utf-8") for path in SHEET.findall(html))
-    entry = SCRIPT.findall(html)[0]
-    script = closed(bundle(entry))
+    sheet = "\n".join(
+        (ASSETS_FOLDER / path).read_text(encoding="utf-8") for path in STYLESHEET_TAG.findall(html)
+    )
+    entry = SCRIPT_TAG.findall(html)[0]
+    script = close_text(bundle(entry))
     policed = policy([script], sheet)
     head = (
         f'<meta http-equiv="Content-Security-Policy" content="{escape(policed)}">\n'
         f"<style>{sheet}</style>\n"
     )
-    html = SCRIPT.sub("", SHEET.sub("", html))
+    html = SCRIPT_TAG.sub("", STYLESHEET_TAG.sub("", html))
     html = re.sub(r"<title>.*?</title>", lambda _: f"<title>{escape(title)}</title>", html)
     html = html.replace('<meta charset="utf-8">\n', f'<meta charset="utf-8">\n{head}', 1)
-    note = f'<aside id="tab-note" class="quiet" aria-label="This page">{escape(NOTE)}</aside>'
+    note = f'<aside id="tab-note" class="quiet" aria-label="This page">{escape(TAB_NOTE)}</aside>'
     text = json.dumps(boat, separators=(",", ":"), sort_keys=True)
     blocks = {
-        "worker": closed(bundle(WORKER)),
-        "core": packed(core),
-        "boat": packed(text.encode()),
+        "worker": close_text(bundle(WORKER_SCRIPT)),
+        "core": pack_data(core),
+        "boat": pack_data(text.encode()),
     }
     data = "".join(
         f'<script type="text/plain" id="tab-{block}">{content}</script>\n'

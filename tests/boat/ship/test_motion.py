@@ -8,12 +8,12 @@ import pytest
 from helpers.ships import COEFFICIENTS, HEELED, ROLLING, SHIP
 
 from trainer.boat.ship.forces import System
-from trainer.boat.ship.models import heeling, model_of
-from trainer.boat.ship.motion import Moment, ShipMotion
-from trainer.config.ship import Result, ShipFile
+from trainer.boat.ship.models import model_of, with_roll
+from trainer.boat.ship.motion import ShipMoment, ShipMotion
+from trainer.config.ship import FitResult, ShipFile
 from trainer.identify.kernels.extended_filter import sail_record
 
-RESULT = Result(model="mmg", speed_kn=15.0, revolutions_per_s=1.5)
+RESULT = FitResult(model="mmg", speed_kn=15.0, revolutions_per_s=1.5)
 QUICK = replace(SHIP.dimensions, rudder_rate_deg_s=1000.0)
 
 
@@ -31,7 +31,7 @@ T = 2.0  # [s]
 @pytest.mark.parametrize("file", [LEVEL, HEELING], ids=["level", "heeling"])
 def test_it_sails_to_the_bits_of_the_states_that_a_fit_goes_by(file: ShipFile) -> None:
     model = model_of("mmg", wind=False)
-    model = heeling(model) if file.roll else model
+    model = with_roll(model) if file.roll else model
     rudder = math.radians(20.0) * np.sin(np.arange(200) / 15.0)
     record = np.zeros((200, 12))
     record[:, 4], record[:, 5], record[:, 8], record[:, 9] = rudder, 1.5, T, 1.0
@@ -41,7 +41,7 @@ def test_it_sails_to_the_bits_of_the_states_that_a_fit_goes_by(file: ShipFile) -
     system = System(np.array(file.constants), model.terms, values, none, model.driven)
     assert sail_record(system, record, states) == 200
 
-    motion, now = ShipMotion(file), Moment(0.0, 0.0, tuple(begin.tolist()), 0.0, 1.5)
+    motion, now = ShipMotion(file), ShipMoment(0.0, 0.0, tuple(begin.tolist()), 0.0, 1.5)
     for row in range(1, 200):
         then = motion.after(now, float(rudder[row]), T)
         assert then is not None
@@ -75,4 +75,6 @@ def test_straight_ahead_it_stays_so() -> None:
 
 def test_without_way_it_is_no_ship() -> None:
     motion = ShipMotion(LEVEL)
-    assert motion.after(Moment(0.0, 0.0, (0.01001, 0.0, 0.0, 0.0), 0.0, 0.0), 0.0, 900.0) is None
+    assert (
+        motion.after(ShipMoment(0.0, 0.0, (0.01001, 0.0, 0.0, 0.0), 0.0, 0.0), 0.0, 900.0) is None
+    )

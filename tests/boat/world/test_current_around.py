@@ -10,8 +10,8 @@ import pytest
 from helpers.places import ROOT, environment
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
-from trainer.boat.world.current import CurrentAround, Ellipse, Line, current_text, flow_of
+from trainer.boat.helm import obey_order
+from trainer.boat.world.current import CurrentAround, Line, TidalEllipse, current_text, flow_of
 from trainer.config.current import Current, Tide, key_tables
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
@@ -147,7 +147,7 @@ def test_orders_told_again_after_a_jump_make_the_same_bits_as_those_lived_throug
             assert again.at(tick + later, DEEP) == lived.at(tick + later, DEEP)
         assert lived.at(tick + 120, DEEP) == lived.changes[-1].line  # no trace of the tide
     first = given[0][0]  # a tick of the past has the water that it had
-    assert lived.at(first - 1, DEEP) == Ellipse(TIDE)(0.5 * (first - 1), DEEP)
+    assert lived.at(first - 1, DEEP) == TidalEllipse(TIDE)(0.5 * (first - 1), DEEP)
 
 
 def drifted() -> CurrentAround:
@@ -246,7 +246,7 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
 ) -> None:
     boat = begun(plan_of(""))
     assert boat.tick is boat.advance
-    assert isinstance(obey(boat, order("current set 090 drift 2")), str)
+    assert isinstance(obey_order(boat, order("current set 090 drift 2")), str)
     assert boat.tick is not boat.advance
     for _ in range(10):
         boat.tick()
@@ -256,9 +256,9 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
 
 
 def test_the_ramp_of_an_order_is_the_file_s(plan_of: Callable[..., Plan]) -> None:
-    told = obey(begun(plan_of(UNIFORM + "ramp_s = 120\n")), order("current off"))
+    told = obey_order(begun(plan_of(UNIFORM + "ramp_s = 120\n")), order("current off"))
     assert told == "current off: no current, within 120 s"
-    told = obey(begun(plan_of("")), order("current set 010 drift 0.5"))
+    told = obey_order(begun(plan_of("")), order("current set 010 drift 0.5"))
     assert told == "current set 010 drift 0.5 kn: towards 010 at 0.5 kn, within 60 s"
 
 

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.boat.world.contacts import Contacts
 from trainer.boat.world.encounters import (
     EncounterMonitor,
-    Own,
+    OwnMotion,
     closest_approach,
-    passing,
-    plot,
+    passing_ranges,
+    plot_ships,
 )
-from trainer.boat.world.hulls import OwnHull, Pose, overlap
+from trainer.boat.world.hulls import OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import Situation
-from trainer.config.contacts import TYPES
+from trainer.config.contacts import SHIP_TYPES
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
@@ -44,7 +44,7 @@ def ordered(boat: Boat, text: str) -> str:
     """Return how a boat's world answers an order; refusals begin with one."""
     order = parse(text)
     assert isinstance(order, Order)
-    reply = obey(boat, order)
+    reply = obey_order(boat, order)
     return f"refused: {reply.reason}" if isinstance(reply, Refused) else reply
 
 
@@ -63,14 +63,14 @@ def test_the_closest_approach_of_the_textbook() -> None:
 
 
 def test_without_relative_speed_there_is_no_time_of_closest_approach() -> None:
-    seen = plot(Own(0.0, 0.0, 0.0, 5.0, 0.0), one(300.0, 400.0, 0.0, 5.05), LIMIT)
+    seen = plot_ships(OwnMotion(0.0, 0.0, 0.0, 5.0, 0.0), one(300.0, 400.0, 0.0, 5.05), LIMIT)
     assert (seen.closest[0], seen.range[0]) == pytest.approx((500.0, 500.0))
     assert math.isnan(seen.until[0])
     assert not seen.turning[0]
 
 
 def test_a_ship_that_has_passed_has_its_closest_approach_behind() -> None:
-    seen = plot(Own(0.0, 0.0, 0.0, 5.0, 0.0), one(-1000.0, 200.0, math.pi, 5.0), LIMIT)
+    seen = plot_ships(OwnMotion(0.0, 0.0, 0.0, 5.0, 0.0), one(-1000.0, 200.0, math.pi, 5.0), LIMIT)
     assert seen.until[0] == pytest.approx(-100.0)
     assert seen.closest[0] == pytest.approx(200.0)
 
@@ -78,11 +78,13 @@ def test_a_ship_that_has_passed_has_its_closest_approach_behind() -> None:
 def test_a_turning_ship_is_foreseen_on_its_arc() -> None:
     """It circles with a radius of 500 m: never nearer than that circle, which a line would cut."""
     ship = one(0.0, 1500.0, -0.5 * math.pi, 5.0, 0.01)
-    seen = plot(Own(0.0, 0.0, 0.0, 0.0, 0.0), ship, LIMIT)
+    seen = plot_ships(OwnMotion(0.0, 0.0, 0.0, 0.0, 0.0), ship, LIMIT)
     # the circle's middle is 500 m to starboard of the ship, that is north of it
     assert seen.turning[0]
     assert seen.closest[0] == pytest.approx(math.hypot(500.0, 1500.0) - 500.0, abs=1.0)
-    straight = plot(Own(0.0, 0.0, 0.0, 0.0, 0.0), one(0.0, 1500.0, -0.5 * math.pi, 5.0), LIMIT)
+    straight = plot_ships(
+        OwnMotion(0.0, 0.0, 0.0, 0.0, 0.0), one(0.0, 1500.0, -0.5 * math.pi, 5.0), LIMIT
+    )
     assert straight.closest[0] == pytest.approx(0.0, abs=1e-9)
 
 
@@ -138,9 +140,9 @@ def test_the_least_range_of_a_tick_lies_between_its_ends(tmp_path: Path) -> None
     """A ship lies 300 m east of the middle of a step of 400 m."""
     lying = '[[contact]]\nname = "buoy"\ntype = "tug"\npoints = [[0, 300]]\n'
     contacts = ships_of(EncounterMonitor.over(under_way(tmp_path, lying)))
-    _, least = passing(contacts, 1, (-200.0, 0.0), (200.0, 0.0))
+    _, least = passing_ranges(contacts, 1, (-200.0, 0.0), (200.0, 0.0))
     assert least[0] == pytest.approx(300.0)
-    _, least = passing(contacts, 1, (100.0, 0.0), (400.0, 0.0))
+    _, least = passing_ranges(contacts, 1, (100.0, 0.0), (400.0, 0.0))
     assert least[0] == pytest.approx(math.hypot(100.0, 300.0))
 
 
@@ -185,7 +187,7 @@ def test_the_sail_alone_touches_a_keel(tmp_path: Path) -> None:
     """A tanker draws 11 m; the sail of bb2 is 11.4 m above its origin, the hull 6 m at most."""
     hull = OwnHull.of(under_way(tmp_path, ""))
     pose = Pose(0.0, 0.0, 21.0, 0.0, 0.0, 0.0)
-    tanker = TYPES["tanker"]
+    tanker = SHIP_TYPES["tanker"]
     assert hull.touches(pose, tanker, 0.0, 0.0, 0.5 * math.pi)
     assert not hull.touches(pose, tanker, -40.0, 0.0, 0.5 * math.pi)  # the sail is ahead of it
     assert not hull.touches(pose._replace(depth=23.0), tanker, 0.0, 0.0, 0.5 * math.pi)
@@ -194,15 +196,15 @@ def test_the_sail_alone_touches_a_keel(tmp_path: Path) -> None:
 def test_nothing_is_passed_over_between_two_looks(tmp_path: Path) -> None:
     """A yacht's beam is gone in a fraction of a tick."""
     hull = OwnHull.of(under_way(tmp_path, ""))
-    yacht = TYPES["yacht"]
+    yacht = SHIP_TYPES["yacht"]
     assert hull.looks(30.0, yacht) >= 30.0 / (0.25 * yacht.beam)
 
 
 def test_ships_lie_in_each_other_or_beside() -> None:
-    tug = TYPES["tug"]
+    tug = SHIP_TYPES["tug"]
     across = (0.0, 20.0, 0.5 * math.pi, tug)
-    assert overlap((0.0, 0.0, 0.0, tug), across)
-    assert not overlap((0.0, 0.0, 0.0, tug), (0.0, 12.0, 0.0, tug))
+    assert ships_overlap((0.0, 0.0, 0.0, tug), across)
+    assert not ships_overlap((0.0, 0.0, 0.0, tug), (0.0, 12.0, 0.0, tug))
 
 
 def test_without_ships_nothing_is_watched(tmp_path: Path) -> None:
@@ -273,11 +275,11 @@ def test_a_ship_that_drifts_goes_with_the_water(tmp_path: Path) -> None:
 def test_the_closest_approach_of_a_ship_that_drifts_is_over_the_ground(tmp_path: Path) -> None:
     """It goes to the north-east, and passes north-west of the boat."""
     contacts = ships_of(EncounterMonitor.over(under_way(tmp_path, ADRIFT)))
-    straight = plot(Own(100.0, 0.0, 0.0, 0.0, 0.0), contacts.at(0), LIMIT)
+    straight = plot_ships(OwnMotion(100.0, 0.0, 0.0, 0.0, 0.0), contacts.at(0), LIMIT)
     assert straight.closest[1] == pytest.approx(700.0 / math.sqrt(2.0))
     assert straight.until[1] == pytest.approx(450.0 / KNOT / 2.0)
     turning = contacts.at(0)._replace(turning=np.array([0.0, 1e-9, 0.0]))
-    bent = plot(Own(100.0, 0.0, 0.0, 0.0, 1e-9), turning, 1e-9)
+    bent = plot_ships(OwnMotion(100.0, 0.0, 0.0, 0.0, 1e-9), turning, 1e-9)
     assert bent.turning[1]
     assert bent.closest[1] == pytest.approx(straight.closest[1], rel=1e-3)
 

@@ -7,7 +7,7 @@ import pytest
 
 from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.boat.world.contacts import contacts_of
-from trainer.boat.world.steered import Course, Steered, SteeredNomoto
+from trainer.boat.world.steered import SteeredContact, SteeredNomoto, SteeredState
 from trainer.config.contacts import read_contacts
 from trainer.config.files import ConfigError, Place, remembering
 from trainer.config.nomoto import NomotoFile, nomoto_text_of
@@ -32,9 +32,9 @@ def ship(**changes: float) -> NomotoFile:
     return NomotoFile(schema="nomoto/1", name="a ship", **{**numbers, **changes})
 
 
-def steered(speed: float, course: float, file: NomotoFile | None = None) -> Steered:
-    start = Course(0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0)
-    return Steered(SteeredNomoto(file or ship()), STEP, 0.0, start, course, speed)
+def steered(speed: float, course: float, file: NomotoFile | None = None) -> SteeredContact:
+    start = SteeredState(0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0)
+    return SteeredContact(SteeredNomoto(file or ship()), STEP, 0.0, start, course, speed)
 
 
 @pytest.mark.parametrize("course", [math.radians(60.0), math.radians(-120.0), 0.0])
@@ -65,9 +65,11 @@ def test_a_rudder_gives_the_same_circle_at_half_the_speed() -> None:
 def test_a_turn_does_not_depend_on_the_step() -> None:
     """A rudder that is held still within each step would come half a step late."""
     file, speed = ship(rudder_limit_deg=10.0), 15.0 * KNOT
-    start = Course(0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0)
+    start = SteeredState(0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0)
     headings = [
-        math.degrees(Steered(SteeredNomoto(file), step, 0.0, start, 3.0, speed).at(40.0).course)
+        math.degrees(
+            SteeredContact(SteeredNomoto(file), step, 0.0, start, 3.0, speed).at(40.0).course
+        )
         for step in (STEP, STEP / 32)
     ]
     assert headings[0] == pytest.approx(headings[1], abs=0.02)

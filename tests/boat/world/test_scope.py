@@ -13,35 +13,35 @@ import pytest
 from click.testing import CliRunner
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.scope import (
-    HIGH,
-    LOW,
-    MINUTE,
+    ARC_MINUTE,
+    HIGH_POWER,
+    LOW_POWER,
     Eye,
     Mast,
     Periscope,
     Sight,
     elevation,
     eye_height,
-    hidden,
-    horizon,
+    hidden_height,
+    horizon_distance,
     look_at,
     periscope_of,
-    stadimeter,
+    stadimeter_range,
 )
 from trainer.cli.main import cli
-from trainer.config.contacts import TYPES
-from trainer.config.exercise import Limits, parse_exercise
+from trainer.config.contacts import SHIP_TYPES
+from trainer.config.exercise import ExerciseLimits, parse_exercise
 from trainer.config.vessel import parse_vessel
-from trainer.debrief.data import gather
-from trainer.debrief.scoring import attain
-from trainer.debrief.ships_met import shown as shown_ticks
-from trainer.debrief.trajectory import COLUMNS, Trajectory
+from trainer.debrief.data import gather_debrief
+from trainer.debrief.scoring import take_measure
+from trainer.debrief.ships_met import shown_rows as shown_ticks
+from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.io.recording.recording import Noted, Recording
+from trainer.io.recording.recording import RecordedEvent, Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
@@ -74,7 +74,7 @@ def order_of(text: str) -> Order:
 
 def give(boat: Boat, text: str) -> str:
     """Return how a boat answers an order; refusals begin with one."""
-    reply = obey(boat, order_of(text))
+    reply = obey_order(boat, order_of(text))
     return f"refused: {reply.reason}" if isinstance(reply, Refused) else reply
 
 
@@ -105,17 +105,19 @@ def shown(boat: Boat, channel: str) -> dict[str, str]:
 
 def ship(north: float, east: float, course: float = 0.0, kind: str = "tanker") -> Any:
     """Return a ship without lights."""
-    found = TYPES[kind]
+    found = SHIP_TYPES[kind]
     sizes = {"length": found.length, "beam": found.beam, "mast": found.mast}
     place = {"north": north, "east": east, "course": course, "heading": course}
     return SimpleNamespace(name="big", type=kind, lights=(), **place, **sizes)
 
 
 def test_the_horizon_is_bowditch_s() -> None:
-    assert horizon(1.9) == pytest.approx(5408.0, abs=0.5)
-    assert -elevation(0.0, horizon(1.9), 1.9) / MINUTE == pytest.approx(2.42, abs=0.005)
-    assert hidden(10_000.0, 1.9) == pytest.approx(1.37, abs=0.005)
-    assert hidden(5000.0, 1.9) == 0.0
+    assert horizon_distance(1.9) == pytest.approx(5408.0, abs=0.5)
+    assert -elevation(0.0, horizon_distance(1.9), 1.9) / ARC_MINUTE == pytest.approx(
+        2.42, abs=0.005
+    )
+    assert hidden_height(10_000.0, 1.9) == pytest.approx(1.37, abs=0.005)
+    assert hidden_height(5000.0, 1.9) == 0.0
 
 
 def test_a_ship_is_seen_by_its_angles_and_hidden_by_the_horizon() -> None:
@@ -128,7 +130,7 @@ def test_a_ship_is_seen_by_its_angles_and_hidden_by_the_horizon() -> None:
     assert sight.bottom == pytest.approx(elevation(0.0, 3000.0, 1.9))
     far = look_at(ship(20_000.0, 0.0), eye)
     assert far is not None
-    assert far.bottom == pytest.approx(elevation(0.0, horizon(1.9), 1.9), rel=1e-3)
+    assert far.bottom == pytest.approx(elevation(0.0, horizon_distance(1.9), 1.9), rel=1e-3)
     assert look_at(ship(40_000.0, 0.0), eye) is None
     assert look_at(ship(3000.0, 0.0), eye._replace(height=-0.1)) is None
 
@@ -154,13 +156,16 @@ def test_the_stadimeter_measures_in_steps() -> None:
     sight = look_at(ship(3000.0, 0.0), Eye(0.0, 0.0, 1.9, 0.0))
     assert isinstance(sight, Sight)
     exact = 40.0 / (sight.top - sight.bottom)
-    assert stadimeter(40.0, sight, HIGH) == pytest.approx(exact, rel=0.25 / 45.0)
-    apart = sight._replace(top=sight.bottom + 3.2 * MINUTE)
-    assert stadimeter(40.0, apart, LOW) == pytest.approx(40.0 / (4.0 * MINUTE))
-    assert stadimeter(40.0, apart, HIGH) == pytest.approx(40.0 / (3.0 * MINUTE))
+    assert stadimeter_range(40.0, sight, HIGH_POWER) == pytest.approx(exact, rel=0.25 / 45.0)
+    apart = sight._replace(top=sight.bottom + 3.2 * ARC_MINUTE)
+    assert stadimeter_range(40.0, apart, LOW_POWER) == pytest.approx(40.0 / (4.0 * ARC_MINUTE))
+    assert stadimeter_range(40.0, apart, HIGH_POWER) == pytest.approx(40.0 / (3.0 * ARC_MINUTE))
     small = look_at(ship(12_000.0, 0.0, kind="fishing"), Eye(0.0, 0.0, 1.9, 0.0))
     assert small is not None
-    assert stadimeter(12.0, small._replace(top=small.bottom + 0.9 * MINUTE), LOW) is None
+    assert (
+        stadimeter_range(12.0, small._replace(top=small.bottom + 0.9 * ARC_MINUTE), LOW_POWER)
+        is None
+    )
 
 
 def test_the_mast_comes_out_in_its_time_and_turns_back_on_its_way(tmp_path: Path) -> None:
@@ -235,7 +240,7 @@ def test_at_too_high_a_speed_the_mast_shakes_and_measures_nothing(tmp_path: Path
 
 def test_a_mast_that_shakes_is_called_once_until_it_stood_still_for_long(tmp_path: Path) -> None:
     boat = at_sea(tmp_path, depth=60.0, speed=9.5)
-    monitor = LimitMonitor.over(boat, Limits())
+    monitor = LimitMonitor.over(boat, ExerciseLimits())
     give(boat, "scope raise")
     told: dict[float, list[str]] = {}
     for tick in range(1, 200):
@@ -250,7 +255,7 @@ def test_a_mast_that_shakes_is_called_once_until_it_stood_still_for_long(tmp_pat
     assert (first, 75.0 <= again < 80.0) == (0.5, True)
     (call,) = told[first]
     assert call.startswith("tick 1 (0.5 s): MAST SHAKES: 9.5 kn is too fast for it, 8 at most")
-    assert LimitMonitor.over(boat, Limits()).look(boat) == []
+    assert LimitMonitor.over(boat, ExerciseLimits()).look(boat) == []
 
 
 def test_a_range_is_told_with_the_gyro_s_bearing(tmp_path: Path) -> None:
@@ -301,26 +306,26 @@ def flown(boat: Boat, ticks: int, orders: dict[int, str], marks: dict[int, str])
     for tick in range(ticks + 1):
         if tick in orders:
             give(boat, orders[tick])
-        rows.append(boat.numbers(tuple(name for name in COLUMNS if "[" not in name)))
+        rows.append(boat.numbers(tuple(name for name in PASSAGE_COLUMNS if "[" not in name)))
         if tick < ticks:
             fly(boat, 1)
-    names = [name for name in COLUMNS if "[" not in name]
+    names = [name for name in PASSAGE_COLUMNS if "[" not in name]
     count = len(rows)
-    columns = dict.fromkeys(COLUMNS, np.zeros(count)) | dict(
+    columns = dict.fromkeys(PASSAGE_COLUMNS, np.zeros(count)) | dict(
         zip(names, np.array(rows).T, strict=True)
     )
     none = np.full(count, np.nan)
     noted = tuple(
-        Noted(1, tick, "mark", "scope", text, "", "scope") for tick, text in marks.items()
+        RecordedEvent(1, tick, "mark", "scope", text, "", "scope") for tick, text in marks.items()
     )
-    return Trajectory(boat, Limits(), (), np.arange(count), columns, none, none, noted)
+    return Trajectory(boat, ExerciseLimits(), (), np.arange(count), columns, none, none, noted)
 
 
 def attained(passage: Trajectory, measure: str) -> tuple[float | None, str]:
     """Return what a measure makes of a passage, and why it has no value."""
     rule = f'[[scores]]\nname = "It"\nmeasure = "{measure}"\nfull = 0\nzero = 10\n'
     (only,) = parse_exercise(HEAD + rule, Path("drill.toml")).scores
-    found = attain(passage, only)
+    found = take_measure(passage, only)
     return found.value, found.why
 
 
@@ -347,7 +352,7 @@ def test_a_resumed_run_goes_on_counting(tmp_path: Path) -> None:
     done = CliRunner().invoke(cli, words + more)
     assert done.exit_code == 0, done.output
     with contextlib.closing(Recording.reopen(file)) as recording:
-        rows, raises = shown_ticks(gather(recording, file, None).trajectory)
+        rows, raises = shown_ticks(gather_debrief(recording, file, None).trajectory)
         plan = plan_of(recording.header())
         boat = Boat(plan.file, plan.method)
         bring_up(recording, plan, boat, layout_of(recording.header()))
@@ -405,7 +410,7 @@ def test_who_never_looks_has_detected_nothing(tmp_path: Path) -> None:
 
 def test_a_remark_of_another_is_no_mark_of_the_lookout_s(tmp_path: Path) -> None:
     passage = flown(at_sea(tmp_path, TANKER), 60, LOOKS, {50: "contact 200"})
-    remark = Noted(1, 45, "mark", "instructor 1", "contact 029", "", "instructor")
+    remark = RecordedEvent(1, 45, "mark", "instructor 1", "contact 029", "", "instructor")
     told = replace(passage, marks=(*passage.marks, remark))
     assert attained(told, "time-to-detect") == (None, "big was not marked")
     alone = replace(passage, marks=(remark,))

@@ -10,21 +10,21 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.world.hulls import Pose
 from trainer.boat.world.ship_force import (
-    NEAREST,
-    PLACES,
-    WEIGHTS,
-    Passing,
-    Pull,
-    acceleration,
-    faded,
+    MAX_PULLING_SHIPS,
+    STATION_PLACES,
+    STATION_WEIGHTS,
+    PassingShip,
+    ShipPull,
+    pull_share,
+    water_acceleration,
 )
 from trainer.boat.world.world import World
-from trainer.config.contacts import TYPES
+from trainer.config.contacts import SHIP_TYPES
 from trainer.config.vessel import load_vessel
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 
-TANKER = TYPES["tanker"]
+TANKER = SHIP_TYPES["tanker"]
 SPEED = 15.0 * 1852.0 / 3600.0  # [m/s]
 HEAD = 'schema = "exercise/1"\nname = "Ships"\nbriefing = "Ships."\nduration_s = 1200\n'
 
@@ -48,13 +48,13 @@ def test_far_away_a_ship_is_a_dipole_of_its_double_body() -> None:
 
     step = np.array([h, 0.0, 0.0])
     expected = -SPEED * (velocity(r + step) - velocity(r - step)) / (2.0 * h)
-    found = acceleration((TANKER, 0.0, 0.0, 0.0, SPEED), r[None, :])[0]
+    found = water_acceleration((TANKER, 0.0, 0.0, 0.0, SPEED), r[None, :])[0]
     assert found == pytest.approx(expected, rel=1e-3)
 
 
 def peaks(boat: Boat, abeam: float, depth: float) -> np.ndarray:
     """Return the largest forces [t] and moments [t m] as a tanker passes."""
-    pull = Pull(boat)
+    pull = ShipPull(boat)
     pose = Pose(0.0, 0.0, depth, 0.0, 0.0, 0.0)
     passing = [
         pull.whole(pose, (TANKER, float(north), abeam, 0.0, SPEED)) for north in range(-400, 401, 5)
@@ -75,7 +75,7 @@ def test_a_tanker_pulls_as_much_as_another_program_has_it(
 
 
 def test_a_ship_on_the_other_side_pulls_the_other_way(boat: Boat) -> None:
-    pull, pose = Pull(boat), Pose(0.0, 0.0, 17.5, 0.0, 0.0, 0.0)
+    pull, pose = ShipPull(boat), Pose(0.0, 0.0, 17.5, 0.0, 0.0, 0.0)
     right = pull.whole(pose, (TANKER, 30.0, 80.0, 0.0, SPEED))
     left = pull.whole(pose, (TANKER, 30.0, -80.0, 0.0, SPEED))
     assert right * np.array((1, -1, 1, 1, 1, -1)) == pytest.approx(left, rel=1e-12)
@@ -84,13 +84,15 @@ def test_a_ship_on_the_other_side_pulls_the_other_way(boat: Boat) -> None:
 
 def test_moments_are_those_of_the_forces_along_the_axis(boat: Boat) -> None:
     """Each station's force, by the water's acceleration there, at its arm: r x F."""
-    pull, pose = Pull(boat), Pose(0.0, 0.0, 20.0, 0.0, 0.0, 0.0)
-    ship: Passing = (TANKER, 40.0, 70.0, 0.2, SPEED)
-    arms = np.stack([PLACES * boat.file.hull.length, *[np.zeros(PLACES.size)] * 2], axis=1)
+    pull, pose = ShipPull(boat), Pose(0.0, 0.0, 20.0, 0.0, 0.0, 0.0)
+    ship: PassingShip = (TANKER, 40.0, 70.0, 0.2, SPEED)
+    arms = np.stack(
+        [STATION_PLACES * boat.file.hull.length, *[np.zeros(STATION_PLACES.size)] * 2], axis=1
+    )
     c = boat.vessel
     masses = [c.buoyancy / c.g - c[name] for name in ("X_udot", "Y_vdot", "Z_wdot")]
     points = arms + np.array((0.0, 0.0, 20.0))
-    forces = WEIGHTS[:, None] * acceleration(ship, points) * np.array(masses, float)
+    forces = STATION_WEIGHTS[:, None] * water_acceleration(ship, points) * np.array(masses, float)
     found = pull.whole(pose, ship)
     assert found[:3] == pytest.approx(forces.sum(axis=0), rel=1e-9)
     assert found[3:] == pytest.approx(np.cross(arms, forces).sum(axis=0), rel=1e-9)
@@ -100,20 +102,22 @@ def test_moments_are_those_of_the_forces_along_the_axis(boat: Boat) -> None:
 
 def test_only_the_relative_place_matters(boat: Boat) -> None:
     """The whole scene turned and moved gives the same forces in body axes."""
-    pull = Pull(boat)
+    pull = ShipPull(boat)
     first = pull.whole(Pose(0.0, 0.0, 20.0, 0.0, 0.0, 0.0), (TANKER, 0.0, 90.0, 0.3, SPEED))
     turned = Pose(500.0, -200.0, 20.0, 0.0, 0.0, 0.5 * math.pi)
-    there: Passing = (TANKER, 410.0, -200.0, 0.3 + 0.5 * math.pi, SPEED)
+    there: PassingShip = (TANKER, 410.0, -200.0, 0.3 + 0.5 * math.pi, SPEED)
     assert pull.whole(turned, there) == pytest.approx(first, rel=1e-9, abs=1e-3)
 
 
 def test_a_pull_fades_out_and_comes_of_the_nearest_alone(boat: Boat) -> None:
     length = boat.file.hull.length
     mean = 0.5 * (TANKER.length + length)
-    assert (faded(mean, TANKER, length), faded(1.5 * mean, TANKER, length)) == (1.0, 0.0)
-    assert faded(1.25 * mean, TANKER, length) == pytest.approx(0.5)
-    pull, pose = Pull(boat), Pose(0.0, 0.0, 17.5, 0.0, 0.0, 0.0)
-    ships: list[Passing] = [(TANKER, 10.0, 60.0 + 5.0 * i, 0.0, SPEED) for i in range(NEAREST + 1)]
+    assert (pull_share(mean, TANKER, length), pull_share(1.5 * mean, TANKER, length)) == (1.0, 0.0)
+    assert pull_share(1.25 * mean, TANKER, length) == pytest.approx(0.5)
+    pull, pose = ShipPull(boat), Pose(0.0, 0.0, 17.5, 0.0, 0.0, 0.0)
+    ships: list[PassingShip] = [
+        (TANKER, 10.0, 60.0 + 5.0 * i, 0.0, SPEED) for i in range(MAX_PULLING_SHIPS + 1)
+    ]
     assert pull.on(pose, ships) == pytest.approx(pull.on(pose, ships[:-1]), rel=1e-15)
 
 

@@ -9,10 +9,10 @@ import pytest
 
 from trainer.boat.ship.motion import ShipMotion
 from trainer.boat.world.contacts import Contacts, contacts_of
-from trainer.boat.world.steered import Steered
-from trainer.boat.world.steered_ship import ENGINE, SteeredShip
+from trainer.boat.world.steered import SteeredContact
+from trainer.boat.world.steered_ship import ENGINE_RISE_S, SteeredShip
 from trainer.config.contacts import read_contacts
-from trainer.config.files import ConfigError, Place, read_text, remembering, shipped
+from trainer.config.files import ConfigError, Place, read_text, remembering, shipped_path
 from trainer.config.ship import ShipFile, load_ship
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.units import KNOT
@@ -24,7 +24,7 @@ SPEED = 15.0 * KNOT
 @pytest.fixture(scope="module")
 def file() -> ShipFile:
     """Return the Mariner, as it is shipped."""
-    return load_ship(shipped("ships", "mariner"))
+    return load_ship(shipped_path("ships", "mariner"))
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +32,8 @@ def ship(file: ShipFile) -> SteeredShip:
     return SteeredShip(file)
 
 
-def going(ship: SteeredShip, course: float, speed: float = SPEED) -> Steered:
-    return Steered(ship, STEP, 0.0, ship.begin(0.0, 0.0, 0.0, SPEED), course, speed)
+def going(ship: SteeredShip, course: float, speed: float = SPEED) -> SteeredContact:
+    return SteeredContact(ship, STEP, 0.0, ship.begin(0.0, 0.0, 0.0, SPEED), course, speed)
 
 
 @pytest.mark.parametrize("course", [math.radians(60.0), math.radians(-120.0), 0.0])
@@ -73,7 +73,7 @@ def test_its_propeller_takes_a_minute_to_the_revolutions_ordered(
 ) -> None:
     way = going(ship, 0.0, 10.0 * KNOT)
     assert file.result
-    slower = file.result.revolutions_per_s / ENGINE * 2.0
+    slower = file.result.revolutions_per_s / ENGINE_RISE_S * 2.0
     assert way.at(2.0).turns == pytest.approx(way.at(0.0).turns - slower)
     assert way.at(3000.0).speed == pytest.approx(10.0 * KNOT, rel=1e-3)
 
@@ -102,7 +102,9 @@ ROW = {"name": "one", "type": "cargo", "points": [[100, 200]], "course_deg": 90,
 
 def exercise(folder: Path, **changes: object) -> Contacts:
     """Return the ships of an exercise with one whose file is beside it."""
-    (folder / "found.toml").write_text(read_text(shipped("ships", "mariner")), encoding="utf-8")
+    (folder / "found.toml").write_text(
+        read_text(shipped_path("ships", "mariner")), encoding="utf-8"
+    )
     given = {**ROW, "ship": "./found.toml", **changes}
     rows = [{key: value for key, value in given.items() if value is not None}]
     read = read_contacts(rows, Place("x.toml", "contact"), folder / "x.toml")
@@ -178,7 +180,7 @@ def test_what_cannot_be_is_refused(tmp_path: Path, kind: str) -> None:
 
 
 def test_a_ship_that_no_fit_has_written_cannot_sail(tmp_path: Path) -> None:
-    text = read_text(shipped("ships", "mariner")).split("[result]")[0]
+    text = read_text(shipped_path("ships", "mariner")).split("[result]")[0]
     (tmp_path / "bare.toml").write_text(text, encoding="utf-8")
     with pytest.raises(ConfigError, match=r"bare.toml: lacks \[result\]"):
         exercise(tmp_path, ship="./bare.toml")

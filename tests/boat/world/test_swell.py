@@ -8,7 +8,13 @@ import pytest
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.world.swell import DIGITS, REACH, outputs, packed, swell_round
+from trainer.boat.world.swell import (
+    PACKING_DIGITS,
+    REACH_STEPS,
+    bank_outputs,
+    pack_numbers,
+    swell_round,
+)
 from trainer.config.sea import parse_sea
 from trainer.config.vessel import load_vessel
 from trainer.core.sea.sea import advance_sea
@@ -86,7 +92,7 @@ def test_the_outputs_of_any_step_are_the_core_s(bank: int) -> None:
     boat = at_sea(SEAS["peaked" if bank else "filter"])
     run(boat, 400)
     step = int(boat.state.sea_steps)
-    mine = outputs(int(boat.state.seed), bank, step - 4, step)
+    mine = bank_outputs(int(boat.state.seed), bank, step - 4, step)
     theirs = [complex(*boat.state.sea_past[each & 3, :2]) for each in range(step - 4, step)]
     assert mine == pytest.approx(np.array(theirs), abs=1e-6)
 
@@ -102,12 +108,14 @@ def test_waves_elsewhere_are_as_high_as_at_the_boat(name: str) -> None:
 
 
 def test_what_is_packed_can_be_unpacked_and_fits_a_line() -> None:
-    text = packed(np.array([-1.0, 0.0, 0.9999]), 2)
-    whole = [64 * DIGITS.index(text[i]) + DIGITS.index(text[i + 1]) for i in (0, 2, 4)]
+    text = pack_numbers(np.array([-1.0, 0.0, 0.9999]), 2)
+    whole = [
+        64 * PACKING_DIGITS.index(text[i]) + PACKING_DIGITS.index(text[i + 1]) for i in (0, 2, 4)
+    ]
     assert whole == [0, 2048, 4095]
     boat = at_sea(SEAS["filter"])
     boat.state.sea_cosines = 0.5  # as while one sea becomes another
     swell = swell_round(boat.plain, G)
     groups, waves = swell.packed_groups() or "", swell.packed_waves() or ""
-    assert (len(groups), len(waves)) == (8 * REACH, 450)
+    assert (len(groups), len(waves)) == (8 * REACH_STEPS, 450)
     assert len(groups) + len(waves) < 1800  # and the rest of a line of 2000

@@ -8,27 +8,27 @@ from trainer.boat.world.tracks import (
     Piece,
     Stretch,
     Way,
-    column,
-    lay,
+    lay_way,
     path_along,
+    piece_column,
     rest_of,
     situation,
-    unreached,
+    unreached_stretch,
 )
-from trainer.config.contacts import ACCELERATION
+from trainer.config.contacts import SHIP_ACCELERATION_M_S2
 
 START = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def where(way: Way, time: float) -> tuple[float, ...]:
     """Return north, east, course, speed and rate of turn at a time."""
-    return tuple(float(each[0]) for each in situation(column(way.at(time)), time)[:5])
+    return tuple(float(each[0]) for each in situation(piece_column(way.at(time)), time)[:5])
 
 
 def test_a_way_is_what_small_steps_of_its_speed_and_turn_add_up_to() -> None:
     points = [(0.0, 0.0), (4000.0, 0.0), (6000.0, 5000.0), (2000.0, 9000.0)]
     course, path = path_along(points, (3.0, 7.0, 5.0), 500.0)
-    way = lay(20.0, START._replace(course=course), path)
+    way = lay_way(20.0, START._replace(course=course), path)
     north, east, h = 0.0, 0.0, 0.05
     for i in range(round(3000.0 / h)):
         _, _, psi, speed, _ = where(way, (i + 0.5) * h)
@@ -37,16 +37,16 @@ def test_a_way_is_what_small_steps_of_its_speed_and_turn_add_up_to() -> None:
     assert found[0] == pytest.approx(north, abs=0.05)
     assert found[1] == pytest.approx(east, abs=0.05)
     assert found[3] == 5.0
-    assert not unreached(way)
+    assert not unreached_stretch(way)
 
 
 def test_nothing_jumps_from_piece_to_piece() -> None:
     points = [(0.0, 0.0), (3000.0, 1000.0), (3000.0, 8000.0), (-3000.0, 9000.0)]
     course, path = path_along(points, (4.0, 6.0, 2.0), 300.0)
-    way = lay(0.0, START._replace(course=course, speed=4.0), path)
+    way = lay_way(0.0, START._replace(course=course, speed=4.0), path)
     for before, after in zip(way.pieces, way.pieces[1:], strict=False):
-        end = situation(column(before), before.ends)
-        begin = situation(column(after), before.ends)
+        end = situation(piece_column(before), before.ends)
+        begin = situation(piece_column(after), before.ends)
         for one, other in zip(end[:4], begin[:4], strict=True):
             assert one[0] == pytest.approx(other[0], abs=1e-6)
 
@@ -54,7 +54,7 @@ def test_nothing_jumps_from_piece_to_piece() -> None:
 def test_a_ship_passes_a_way_point_inside_its_turn_and_goes_on_along_the_next_leg() -> None:
     """A right angle of radius R is cut by R (sqrt 2 - 1) at its corner."""
     _, path = path_along([(0.0, 0.0), (2000.0, 0.0), (2000.0, 3000.0)], (5.0, 5.0), 400.0)
-    way = lay(0.0, START._replace(speed=5.0), path)
+    way = lay_way(0.0, START._replace(speed=5.0), path)
     middle = (1600.0 + 0.25 * math.pi * 400.0) / 5.0
     north, east, psi, _, turning = where(way, middle)
     assert math.hypot(north - 2000.0, east) == pytest.approx(400.0 * (math.sqrt(2.0) - 1.0))
@@ -63,16 +63,16 @@ def test_a_ship_passes_a_way_point_inside_its_turn_and_goes_on_along_the_next_le
 
 
 def test_a_speed_is_changed_by_the_same_rate_either_way() -> None:
-    way = lay(0.0, START._replace(speed=8.0), [Stretch(0.0, math.inf, 2.0)])
-    slow = 6.0 / ACCELERATION
+    way = lay_way(0.0, START._replace(speed=8.0), [Stretch(0.0, math.inf, 2.0)])
+    slow = 6.0 / SHIP_ACCELERATION_M_S2
     assert where(way, 0.5 * slow)[3] == pytest.approx(5.0)
     assert where(way, 2.0 * slow)[:1] == pytest.approx((5.0 * slow + 2.0 * slow,))
     assert where(way, 2.0 * slow)[3] == 2.0
 
 
 def test_a_ship_stops_and_stays() -> None:
-    way = lay(0.0, START._replace(speed=4.0), [Stretch(0.0, math.inf, 0.0)])
-    assert where(way, 1e6)[:1] == pytest.approx((16.0 / (2.0 * ACCELERATION),))
+    way = lay_way(0.0, START._replace(speed=4.0), [Stretch(0.0, math.inf, 0.0)])
+    assert where(way, 1e6)[:1] == pytest.approx((16.0 / (2.0 * SHIP_ACCELERATION_M_S2),))
     assert where(way, 1e6)[3] == 0.0
 
 
@@ -94,14 +94,14 @@ def test_a_leg_too_short_for_its_turns_is_refused(
 def test_a_speed_that_a_leg_is_too_short_for_is_found() -> None:
     points = [(0.0, 0.0), (2000.0, 0.0), (2500.0, 0.0)]
     _, path = path_along(points, (2.0, 8.0), 300.0)
-    assert unreached(lay(0.0, START._replace(speed=2.0), path)) == 1
+    assert unreached_stretch(lay_way(0.0, START._replace(speed=2.0), path)) == 1
 
 
 def test_the_rest_of_a_way_is_the_same_way() -> None:
     points = [(0.0, 0.0), (3000.0, 0.0), (3000.0, 9000.0)]
     _, path = path_along(points, (2.0, 6.0), 300.0)
-    way = lay(0.0, START._replace(speed=2.0), path)
+    way = lay_way(0.0, START._replace(speed=2.0), path)
     for time in (100.0, 1400.0, 1500.0, 1700.0):
         now, rest = rest_of(way, time)
-        again = lay(time, now, rest)
+        again = lay_way(time, now, rest)
         assert where(again, 2500.0) == pytest.approx(where(way, 2500.0), abs=1e-6)

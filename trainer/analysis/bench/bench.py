@@ -21,21 +21,21 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer.analysis.bench.on_time import head, row
-from trainer.analysis.bench.order_delay import SPEED, Latency, time_orders
+from trainer.analysis.bench.order_delay import TIME_SPEED, Latency, time_orders
 from trainer.analysis.bench.session_tick import (
-    Attended,
+    SessionTickCost,
     run_to,
     session_of,
     temporary,
     time_attended,
 )
 from trainer.analysis.bench.tick import (
+    BATCH_COUNT,
     BATCH_NS,
-    BATCHES,
-    STANDARD,
-    Troubled,
-    Update,
-    ready,
+    STANDARD_METHOD,
+    CasualtyTick,
+    UpdateCost,
+    ready_boat,
     time_troubled,
     time_update,
 )
@@ -46,23 +46,23 @@ from trainer.core.state import SCRATCH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
-from trainer.report.text import INDENT, plain, wrap
+from trainer.report.text import INDENT, ascii_text, wrap
 from trainer.session.time.ledger import Spread, Summary
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
 WORDS_1969: Final = 8192  # [16-bit words] the memory of 1969
-RECORDS: Final = {
+CORE_RECORDS: Final = {
     "state": STATE,
     "vessel": VESSEL,
     "compact": COMPACT,
     "scheme": SCHEME,
     "scratch": SCRATCH,
 }
-HOT: Final = (STANDARD, ("full", "exact", "adams2"), ("full", "exact", "rk4"))
+BUSY_LOOP_METHODS: Final = (STANDARD_METHOD, ("full", "exact", "adams2"), ("full", "exact", "rk4"))
 
 
 @dataclass(frozen=True)
-class Machine:
+class BenchMachine:
     """The conditions of the figures."""
 
     cpu_model: str
@@ -75,7 +75,7 @@ class Machine:
 
 
 @dataclass(frozen=True)
-class Paced:
+class PacedTicks:
     """Ticks in real time, recorded, with a console attached; the waiting excluded."""
 
     step_s: float
@@ -95,7 +95,7 @@ class Paced:
 
 
 @dataclass(frozen=True)
-class Size:
+class RecordSize:
     """The size of a record."""
 
     bytes: int
@@ -103,21 +103,21 @@ class Size:
 
 
 @dataclass(frozen=True)
-class Figures:
+class BenchFigures:
     """Everything that was measured."""
 
     vessel: str
-    machine: Machine
-    real_time: tuple[Paced, ...]
-    updates: tuple[Update, ...]
-    troubled: Troubled
-    attended: Attended
+    machine: BenchMachine
+    real_time: tuple[PacedTicks, ...]
+    updates: tuple[UpdateCost, ...]
+    troubled: CasualtyTick
+    attended: SessionTickCost
     latency: Latency
-    sizes: dict[str, Size]
+    sizes: dict[str, RecordSize]
     memory_1969_words_of_16_bits: int
 
 
-def bench(file: VesselFile, seconds: int) -> Figures:
+def bench_boat(file: VesselFile, seconds: int) -> BenchFigures:
     """Return the figures of a boat.
 
     It takes twice ``seconds`` [s] of real time at each step of 1969.
@@ -125,19 +125,21 @@ def bench(file: VesselFile, seconds: int) -> Figures:
     For as long it is steered over TCP. ConfigError if the boat cannot fly straight, or loses its
     numbers at such a step.
     """
-    ordered = ready(file, HOT[0], file.run.step_s)
-    twice = (*DUTY_1969, *DUTY_1969, file.run.step_s / SPEED)  # recorded, and not
+    ordered = ready_boat(file, BUSY_LOOP_METHODS[0], file.run.step_s)
+    twice = (*DUTY_1969, *DUTY_1969, file.run.step_s / TIME_SPEED)  # recorded, and not
     length = sum(round(seconds / step) for step in twice)
     quiet = not sys.stderr.isatty()
     with click.progressbar(length=length, label="ticking", file=sys.stderr, hidden=quiet) as bar:
         paced = tuple(
-            pace(ready(file, HOT[0], step), seconds, lambda _tick: bar.update(1))
+            run_paced(
+                ready_boat(file, BUSY_LOOP_METHODS[0], step), seconds, lambda _tick: bar.update(1)
+            )
             for step in DUTY_1969
         )
         latency = time_orders(ordered, seconds, lambda _tick: bar.update(1))
-    return Figures(
+    return BenchFigures(
         vessel=file.name,
-        machine=Machine(
+        machine=BenchMachine(
             cpu_model=cpu_model(Path("/proc/cpuinfo")),
             cpu_target=binding.get_host_cpu_name(),
             cpu_count=os.cpu_count() or 1,
@@ -147,16 +149,21 @@ def bench(file: VesselFile, seconds: int) -> Figures:
             numba=numba.__version__,
         ),
         real_time=paced,
-        updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
-        troubled=time_troubled(file, HOT[0]),
-        attended=time_attended(lambda: ready(file, HOT[0], file.run.step_s)),
+        updates=tuple(
+            time_update(ready_boat(file, way, file.run.step_s)) for way in BUSY_LOOP_METHODS
+        ),
+        troubled=time_troubled(file, BUSY_LOOP_METHODS[0]),
+        attended=time_attended(lambda: ready_boat(file, BUSY_LOOP_METHODS[0], file.run.step_s)),
         latency=latency,
-        sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},
+        sizes={
+            name: RecordSize(kind.itemsize, kind.itemsize // 2)
+            for name, kind in CORE_RECORDS.items()
+        },
         memory_1969_words_of_16_bits=WORDS_1969,
     )
 
 
-def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
+def run_paced(boat: Boat, seconds: int, progress: Callable[[int], None]) -> PacedTicks:
     """Return what became of the ticks of ``seconds`` [s] of real time."""
     step = boat.method.step
     ticks = round(seconds / step)
@@ -170,7 +177,7 @@ def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
     ledger = kept(temporary(boat), ticks)
     unrecorded = kept(NoRecording(), 2 * ticks)
     percent = 100.0 * ledger.duty_cycle
-    return Paced(
+    return PacedTicks(
         step_s=step,
         ticks=ledger.ticks,
         duty_cycle_percent=percent,
@@ -203,7 +210,7 @@ def cpu_model(listing: Path) -> str:
 # The page for a terminal, 79 columns of ASCII
 
 
-def render(figures: Figures) -> str:
+def render(figures: BenchFigures) -> str:
     """Return the figures as text."""
     machine = figures.machine
     versions = f"python {machine.python}, numpy {machine.numpy}, numba {machine.numba}"
@@ -224,7 +231,7 @@ def render(figures: Figures) -> str:
         f"  with a sea, tanks at work and six casualties {figures.troubled.troubled.median_ns:.0f}",
         f"  ({figures.troubled.times_the_calm:.2f} times the calm one)",
         *_session_cost(figures.attended),
-        *("", f"ORDERS OVER TCP (five subscribers, time x{SPEED:g}: a tick each {period})"),
+        *("", f"ORDERS OVER TCP (five subscribers, time x{TIME_SPEED:g}: a tick each {period})"),
         head("  [us]", 16),
         row("  reply", latency.reply, 16),
         f"    {latency.orders} orders; from order to effect: {effect}",
@@ -235,10 +242,10 @@ def render(figures: Figures) -> str:
         ),
         f"  {'all':<14}{total:>8}{total // 2:>14}{then}",
     ]
-    return plain("\n".join(lines))
+    return ascii_text("\n".join(lines))
 
 
-def _real_time(paced: Iterable[Paced]) -> list[str]:
+def _real_time(paced: Iterable[PacedTicks]) -> list[str]:
     """Return duty cycle, work and punctuality at each step."""
     lines = ["", "REAL TIME (modified set, lagged rates, adams2, a console; waiting is not work)"]
     for run in paced:
@@ -261,11 +268,11 @@ def _real_time(paced: Iterable[Paced]) -> list[str]:
     return lines
 
 
-def _updates(updates: Iterable[Update]) -> list[str]:
+def _updates(updates: Iterable[UpdateCost]) -> list[str]:
     """Return what an update costs, called and in a loop."""
     lines = [
         "",
-        f"UPDATE, HOT ([ns], medians of {BATCHES} batches of {BATCH_NS / 1e6:g} ms or more)",
+        f"UPDATE, HOT ([ns], medians of {BATCH_COUNT} batches of {BATCH_NS / 1e6:g} ms or more)",
         f"  {'':<26}{'from Python':>12}{'in a kernel':>12}{'crossing':>10}{'ticks a batch':>16}",
     ]
     for update in updates:
@@ -281,7 +288,7 @@ def _updates(updates: Iterable[Update]) -> list[str]:
     ]
 
 
-def _session_cost(attended: Attended) -> list[str]:
+def _session_cost(attended: SessionTickCost) -> list[str]:
     """Return what a tick of the session costs, by what attends to it."""
     names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
     costs = (

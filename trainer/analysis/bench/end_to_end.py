@@ -27,25 +27,27 @@ from typing import Final
 
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
-from trainer.session.time.ledger import SECOND, Histogram, Spread
+from trainer.session.time.ledger import SECOND_NS, Histogram, Spread
 
-SIZE: Final = 40, 120  # rows and columns
-TRAINER: Final = (sys.executable, "-m", "trainer")
-ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
-RATE: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
-ANGLE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
-A_SECOND: Final = 4  # orders, for a second asked for
-GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)  # of whose multiples any number are spread evenly
-PATIENCE: Final = 30.0  # [s] a first start
-BINS: Final = 10  # of the histogram, to a step
-ALLOWED: Final = 0.020  # [s] beyond half a step
-WIDEST: Final = 40  # [characters] of its bars
+TERMINAL_SIZE: Final = 40, 120  # rows and columns
+TRAINER_COMMAND: Final = (sys.executable, "-m", "trainer")
+RUDDER_ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
+SENTENCE_RATE_HZ: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
+RUDDER_SENTENCE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
+ORDERS_PER_SECOND: Final = 4  # orders, for a second asked for
+GOLDEN_RATIO: Final = 0.5 * (
+    math.sqrt(5.0) - 1.0
+)  # of whose multiples any number are spread evenly
+START_TIMEOUT_S: Final = 30.0  # [s] a first start
+BINS_PER_STEP: Final = 10  # of the histogram, to a step
+ALLOWED_DELAY_S: Final = 0.020  # [s] beyond half a step
+MAX_BAR_LENGTH: Final = 40  # [characters] of its bars
 
 
 def begin_session(words: Sequence[str]) -> "subprocess.Popen[str]":
     """Begin a session in a process of its own, whose words are kept."""
     return subprocess.Popen(  # noqa: S603  our own program
-        [*TRAINER, "serve", "--verbose", *words],
+        [*TRAINER_COMMAND, "serve", "--verbose", *words],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -54,7 +56,7 @@ def begin_session(words: Sequence[str]) -> "subprocess.Popen[str]":
 
 
 @dataclass
-class Line:
+class TerminalLine:
     """Our end of a line, and the name of the other."""
 
     descriptor: int
@@ -87,7 +89,7 @@ class Line:
 
 
 @contextlib.contextmanager
-def line() -> Iterator[Line]:
+def line() -> Iterator[TerminalLine]:
     """Yield a line whose other end a program can open; the system must have such."""
     import fcntl  # noqa: PLC0415  not everywhere
     import struct  # noqa: PLC0415
@@ -95,15 +97,15 @@ def line() -> Iterator[Line]:
 
     ours, theirs = os.openpty()
     try:
-        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", *SIZE, 0, 0))
-        yield Line(ours, os.ttyname(theirs))
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", *TERMINAL_SIZE, 0, 0))
+        yield TerminalLine(ours, os.ttyname(theirs))
     finally:
         os.close(theirs)
         os.close(ours)
 
 
 @contextlib.contextmanager
-def on_terminal(*words: str) -> Iterator[tuple[Line, "subprocess.Popen[bytes]"]]:
+def on_terminal(*words: str) -> Iterator[tuple[TerminalLine, "subprocess.Popen[bytes]"]]:
     """Run the program on a terminal inside the block.
 
     Yield our end of it and the process.
@@ -111,7 +113,7 @@ def on_terminal(*words: str) -> Iterator[tuple[Line, "subprocess.Popen[bytes]"]]
     with line() as screen:
         terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)
         with subprocess.Popen(  # noqa: S603  our own program
-            [*TRAINER, *words],
+            [*TRAINER_COMMAND, *words],
             stdin=terminal,
             stdout=terminal,
             stderr=terminal,
@@ -122,7 +124,7 @@ def on_terminal(*words: str) -> Iterator[tuple[Line, "subprocess.Popen[bytes]"]]
 
 
 @dataclass(frozen=True)
-class EndToEnd:
+class InstrumentDelay:
     """How long it took an order to be seen at an instrument."""
 
     step_s: float
@@ -133,21 +135,30 @@ class EndToEnd:
     histogram: tuple[int, ...]  # orders by bin
 
 
-def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
-    """Return the latency of A_SECOND orders for each of ``seconds``; ConfigError if none acts."""
+def time_helm(file: VesselFile, seconds: float) -> InstrumentDelay:
+    """Return the latency of so many orders a second for ``seconds``; ConfigError if none acts."""
     step = file.run.step_s
     with line() as helm, line() as instrument:
         words = ("serve", "--vessel", str(file.path), "--line", f"helm={helm.name}")
-        nmea = ("--nmea", instrument.name, "--nmea-sentences", "RSA", "--nmea-rate", RATE)
+        nmea = (
+            "--nmea",
+            instrument.name,
+            "--nmea-sentences",
+            "RSA",
+            "--nmea-rate",
+            SENTENCE_RATE_HZ,
+        )
         alone = ("--listen", "none", "--socket", "none", "--no-record")
         with subprocess.Popen(  # noqa: S603  our own program
-            [*TRAINER, *words, *nmea, *alone],
+            [*TRAINER_COMMAND, *words, *nmea, *alone],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
         ) as process:
             try:
-                taken = list(steer(helm, instrument, step, round(A_SECOND * seconds)))
+                taken = list(
+                    time_rudder_orders(helm, instrument, step, round(ORDERS_PER_SECOND * seconds))
+                )
             finally:
                 process.terminate()
             complaint = process.stderr.read().decode() if process.stderr else ""
@@ -156,17 +167,19 @@ def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
     return summarise(taken, step)
 
 
-def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[int]:
+def time_rudder_orders(
+    helm: TerminalLine, instrument: TerminalLine, step: float, orders: int
+) -> Iterator[int]:
     """Order the rudder about so often. Yield how long [ns] each order took to be seen."""
-    angle = reading(instrument, time.monotonic() + PATIENCE)
-    for number, (words, sense) in zip(range(orders), itertools.cycle(ORDERS), strict=False):
+    angle = next_rudder_angle(instrument, time.monotonic() + START_TIMEOUT_S)
+    for number, (words, sense) in zip(range(orders), itertools.cycle(RUDDER_ORDERS), strict=False):
         pause = time.monotonic() + step * phase(number)
-        while angle is not None and (shown := reading(instrument, pause)) is not None:
+        while angle is not None and (shown := next_rudder_angle(instrument, pause)) is not None:
             angle = shown
         begun = time.monotonic_ns()
         helm.say(words)
         while angle is not None:
-            before, angle = angle, reading(instrument, time.monotonic() + PATIENCE)
+            before, angle = angle, next_rudder_angle(instrument, time.monotonic() + START_TIMEOUT_S)
             if angle is not None and sense * (angle - before) > 0.0:
                 break
         if angle is None:
@@ -176,34 +189,34 @@ def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[in
 
 def phase(number: int) -> float:
     """Return the part of a tick [-] between a tick seen and an order."""
-    return (number + 0.5) * GOLDEN % 1.0
+    return (number + 0.5) * GOLDEN_RATIO % 1.0
 
 
-def reading(instrument: Line, until: float) -> float | None:
+def next_rudder_angle(instrument: TerminalLine, until: float) -> float | None:
     """Return the rudder's next angle [deg] to starboard. None: none comes in time."""
-    found = instrument.find(ANGLE, until)
+    found = instrument.find(RUDDER_SENTENCE, until)
     return float(found[1]) if found else None
 
 
-def summarise(taken: list[int], step: float) -> EndToEnd:
+def summarise(taken: list[int], step: float) -> InstrumentDelay:
     """Return the figures of times [ns] from order to instrument."""
-    histogram, width = Histogram(), step / BINS
-    counts = [0] * (int(max(taken) / SECOND / width) + 1)
+    histogram, width = Histogram(), step / BINS_PER_STEP
+    counts = [0] * (int(max(taken) / SECOND_NS / width) + 1)
     for each in taken:
         histogram.add(each)
-        counts[int(each / SECOND / width)] += 1
+        counts[int(each / SECOND_NS / width)] += 1
     median = round(statistics.median(taken))  # itself: a bin is wider than what lines may take
-    return EndToEnd(
+    return InstrumentDelay(
         step_s=step,
         orders=len(taken),
         latency=replace(histogram.spread(), p50_ns=median),
-        allowed_median_ms=1e3 * (0.5 * step + ALLOWED),
+        allowed_median_ms=1e3 * (0.5 * step + ALLOWED_DELAY_S),
         bin_ms=1e3 * width,
         histogram=tuple(counts),
     )
 
 
-def lines(figures: EndToEnd) -> list[str]:
+def lines(figures: InstrumentDelay) -> list[str]:
     """Return the figures as lines of a page."""
     spread, most = figures.latency, max(figures.histogram)
     allowed = f"at most {figures.allowed_median_ms:.0f}: half a step and 20 ms"
@@ -214,7 +227,7 @@ def lines(figures: EndToEnd) -> list[str]:
         f"  {figures.orders} orders: {found}",
         *(
             f"  {place * figures.bin_ms:6.0f} ms {count:4} "
-            f"{'#' * math.ceil(WIDEST * (count / most))}".rstrip()
+            f"{'#' * math.ceil(MAX_BAR_LENGTH * (count / most))}".rstrip()
             for place, count in enumerate(figures.histogram)
         ),
     ]

@@ -12,7 +12,7 @@ from trainer.session.time.pacer import MonotonicClock, Pacer, Policy
 from trainer.session.time.timekeeping import Punctuality
 
 
-def beat(seconds: float, step: float) -> Summary:
+def run_idle_loop(seconds: float, step: float) -> Summary:
     """Return what became of the ticks of an idle loop at every ``step`` [s]."""
     pacer = Pacer(MonotonicClock(), Ledger(step), 1.0, Policy.CATCH_UP)
     wake = threading.Event()
@@ -48,7 +48,7 @@ def main(seconds: str, step: str, *words: str) -> None:
     asked = Punctuality(realtime="realtime" in words)
     with busy:
         asked.keep()
-        summary = beat(float(seconds), float(step))
+        summary = run_idle_loop(float(seconds), float(step))
         asked.relax()
     print(
         json.dumps({"granted": asked.granted and asked.granted.line(), **asdict(summary.lateness)})

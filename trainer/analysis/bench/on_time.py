@@ -24,20 +24,20 @@ from typing import Any, Final
 from trainer.analysis.bench.end_to_end import begin_session, line, on_terminal
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
-from trainer.io.paths import LISTENING
+from trainer.io.paths import LISTENING_TEXT
 from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Histogram, Spread
 
-BUSY: Final = (sys.executable, "-c", "while True: pass")
-ENDED: Final = 60.0  # [s] for a process to end, beyond the time it was given
-WISHES: Final = ("subscribe gauges at 50 hz", "subscribe steering at 50 hz")
-MISSED: Final = ("overruns", "slipped", "gaps")  # in the account of a run
-STEP: Final = 0.01  # [s]
-METRONOME: Final = (sys.executable, "-m", "trainer.analysis.bench.metronome")
+BUSY_COMMAND: Final = (sys.executable, "-c", "while True: pass")
+END_TIMEOUT_S: Final = 60.0  # [s] for a process to end, beyond the time it was given
+SUBSCRIBE_LINES: Final = ("subscribe gauges at 50 hz", "subscribe steering at 50 hz")
+MISSED_TICK_COUNTS: Final = ("overruns", "slipped", "gaps")  # in the account of a run
+LOOP_STEP_S: Final = 0.01  # [s]
+METRONOME_COMMAND: Final = (sys.executable, "-m", "trainer.analysis.bench.metronome")
 
 
 @dataclass(frozen=True)
-class Crowd:
+class CrowdLateness:
     """The ticks of a session among all that could hold it up."""
 
     among: tuple[str, ...]
@@ -49,52 +49,56 @@ class Crowd:
 
 
 @contextlib.contextmanager
-def hogs(count: int) -> Iterator[None]:
+def busy_processors(count: int) -> Iterator[None]:
     """Keep ``count`` processors busy inside the block."""
     with contextlib.ExitStack() as stack:
         for _ in range(count):
-            process = stack.enter_context(subprocess.Popen(BUSY))  # noqa: S603  our own
+            process = stack.enter_context(subprocess.Popen(BUSY_COMMAND))  # noqa: S603  our own
             stack.callback(process.kill)
         yield
 
 
-def sail_in_crowd(file: VesselFile, seconds: float) -> Crowd:
+def sail_in_crowd(file: VesselFile, seconds: float) -> CrowdLateness:
     """Return what became of the ticks of ``seconds`` [s]; ConfigError if the session failed."""
     rerun = importlib.util.find_spec("rerun") is not None
     count = os.cpu_count() or 1
-    with tempfile.TemporaryDirectory(prefix="trainer-") as name, line() as hung, hogs(count):
+    with (
+        tempfile.TemporaryDirectory(prefix="trainer-") as name,
+        line() as hung,
+        busy_processors(count),
+    ):
         folder = Path(name)
         words = ["--vessel", str(file.path), "--duration", str(seconds)]
         words += ["--line", f"helm={hung.name}", "--listen", "none"]
         words += ["--socket", str(folder / "s"), "--record", str(folder / "run.trainer")]
         words += ["--rrd", str(folder / "run.rrd")] if rerun else []
-        for wish in WISHES:
+        for wish in SUBSCRIBE_LINES:
             hung.say(wish)  # and nothing that it brings is ever read
         with begin_session(words) as session:
             try:
                 for written in session.stderr or ():  # until stations can join, or it is over
-                    if LISTENING in written:
+                    if LISTENING_TEXT in written:
                         break
-                with console(folder / "s"):
-                    account, complaint = session.communicate(timeout=seconds + ENDED)
+                with open_console(folder / "s"):
+                    account, complaint = session.communicate(timeout=seconds + END_TIMEOUT_S)
             finally:
                 session.kill()
         if session.returncode:
             raise ConfigError(f"the session among the crowd failed: {complaint.strip()}")
         lateness, ticks = lateness_of(folder / "run.trainer")
     among = (f"{count} busy processes", "a console", "a hung serial line")
-    return Crowd(
+    return CrowdLateness(
         among=(*among, "a Rerun file") if rerun else among,
-        granted=entry(account, "the clock"),
+        granted=account_entry(account, "the clock"),
         step_s=file.run.step_s,
         ticks=ticks,
-        missed=count_missed(entry(account, "on time")),
+        missed=count_missed(account_entry(account, "on time")),
         lateness=lateness,
     )
 
 
 @contextlib.contextmanager
-def console(socket: Path) -> Iterator[None]:
+def open_console(socket: Path) -> Iterator[None]:
     """Keep the instructor's screen open on a terminal inside the block."""
     with on_terminal("attach", "--connect", str(socket)) as (screen, process):
 
@@ -122,7 +126,7 @@ def lateness_of(recording: Path) -> tuple[Spread, int]:
     return histogram.spread(), ticks
 
 
-def entry(account: str, name: str) -> str:
+def account_entry(account: str, name: str) -> str:
     """Return what an account says under a name, "" if it says nothing."""
     found = [text for text in account.splitlines() if text.startswith(name)]
     return found[0].removeprefix(name).strip() if found else ""
@@ -131,11 +135,11 @@ def entry(account: str, name: str) -> str:
 def count_missed(entry: str) -> int:
     """Return how many deadlines an account says were missed."""
     parts = (part.split() for part in entry.split(","))
-    return sum(int(part[1]) for part in parts if part and part[0] in MISSED)
+    return sum(int(part[1]) for part in parts if part and part[0] in MISSED_TICK_COUNTS)
 
 
 @dataclass(frozen=True)
-class Loop:
+class LoopLateness:
     """How late the ticks of a loop began, and what the system had granted it."""
 
     granted: str
@@ -143,25 +147,25 @@ class Loop:
 
 
 @dataclass(frozen=True)
-class OnTime:
+class TickPunctuality:
     """How late ticks begin, by what else goes on."""
 
     seconds: float  # of each loop
     busy_processes: int
-    alone: Loop
-    beside_thread: Loop  # with a real-time priority, where permitted, as a run has it
-    beside_processes: Loop
-    realtime: Loop  # beside processes too
-    crowd: Crowd
+    alone: LoopLateness
+    beside_thread: LoopLateness  # with a real-time priority, where permitted, as a run has it
+    beside_processes: LoopLateness
+    realtime: LoopLateness  # beside processes too
+    crowd: CrowdLateness
 
 
-def time_ticks(file: VesselFile, seconds: float, minutes: float) -> OnTime:
+def time_ticks(file: VesselFile, seconds: float, minutes: float) -> TickPunctuality:
     """Return the figures of loops of ``seconds`` [s]. A session of ``minutes`` is in a crowd."""
     count = os.cpu_count() or 1
-    alone, beside_thread = loop(seconds), loop(seconds, "busy", "realtime")
-    with hogs(count):
-        beside, realtime = loop(seconds), loop(seconds, "realtime")
-    return OnTime(
+    alone, beside_thread = measure_loop(seconds), measure_loop(seconds, "busy", "realtime")
+    with busy_processors(count):
+        beside, realtime = measure_loop(seconds), measure_loop(seconds, "realtime")
+    return TickPunctuality(
         seconds=seconds,
         busy_processes=count,
         alone=alone,
@@ -172,15 +176,15 @@ def time_ticks(file: VesselFile, seconds: float, minutes: float) -> OnTime:
     )
 
 
-def loop(seconds: float, *words: str) -> Loop:
+def measure_loop(seconds: float, *words: str) -> LoopLateness:
     """Return what became of a loop in a process of its own."""
-    command = [*METRONOME, str(seconds), str(STEP), *words]
+    command = [*METRONOME_COMMAND, str(seconds), str(LOOP_STEP_S), *words]
     ran = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
     said: dict[str, Any] = json.loads(ran.stdout)
-    return Loop(said.pop("granted"), Spread(**said))
+    return LoopLateness(said.pop("granted"), Spread(**said))
 
 
-def lines(figures: OnTime) -> list[str]:
+def lines(figures: TickPunctuality) -> list[str]:
     """Return the figures as lines of a page."""
     crowd, busy = figures.crowd, f"beside {figures.busy_processes} busy processes"
     rows = [
@@ -191,7 +195,7 @@ def lines(figures: OnTime) -> list[str]:
     ]
     return [
         "",
-        f"ON TIME (a loop of {1.0 / STEP:.0f} Hz for {figures.seconds:g} s each)",
+        f"ON TIME (a loop of {1.0 / LOOP_STEP_S:.0f} Hz for {figures.seconds:g} s each)",
         head("lateness [us]"),
         *rows,
         f"  a session of {crowd.ticks} ticks, {crowd.step_s:g} s apart, among",

@@ -12,26 +12,35 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.bench.session_tick import PATIENCE, SUBSCRIBERS, run_to, session_of, temporary
+from trainer.analysis.bench.session_tick import (
+    LAST_LINES_TIMEOUT_S,
+    SUBSCRIBED_CHANNELS,
+    run_to,
+    session_of,
+    temporary,
+)
 from trainer.boat.boat import Boat
 from trainer.core.state import STATE
-from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.server import Server
 from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.time.ledger import Histogram, Spread
 
-SPEED: Final = 10.0  # [-] of time, so that a minute has orders enough
+TIME_SPEED: Final = 10.0  # [-] of time, so that a minute has orders enough
 
 
-PAUSE: Final = 1.0, 2.0  # [ticks] between orders: anywhere within a tick, and one for each at least
+PAUSE_TICKS: Final = (
+    1.0,
+    2.0,
+)  # [ticks] between orders: anywhere within a tick, and one for each at least
 
 
-HOST: Final = "127.0.0.1"
+LOCAL_HOST: Final = "127.0.0.1"
 
 
-ORDERS: Final = ("rudder left full", "rudder right full")
+RUDDER_ORDERS: Final = ("rudder left full", "rudder right full")
 
 
 @dataclass(frozen=True)
@@ -65,46 +74,49 @@ def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> La
     He is a thread of this process: what he costs is in the figures. ConfigError if the boat loses
     its numbers.
     """
-    period = boat.method.step / SPEED
+    period = boat.method.step / TIME_SPEED
     recording, replies = temporary(boat), Histogram()
     with contextlib.ExitStack() as stack:
-        session = stack.enter_context(session_of(boat, SPEED, recording, SUBSCRIBERS))
+        session = stack.enter_context(session_of(boat, TIME_SPEED, recording, SUBSCRIBED_CHANNELS))
         hub = Server(session.wake)
         helmsman = stack.enter_context(ThreadPoolExecutor(1))
-        stack.callback(hub.close, PATIENCE)
+        stack.callback(hub.close, LAST_LINES_TIMEOUT_S)
         session.attendance.reception = Callers(hub, session)
         session.progress = progress
-        steered = helmsman.submit(steer, hub.listen(HOST, 0), period, replies)
+        steered = helmsman.submit(send_rudder_orders, hub.listen(LOCAL_HOST, 0), period, replies)
         run_to(session, round(seconds / period))
-        hub.close(PATIENCE)
+        hub.close(LAST_LINES_TIMEOUT_S)
         states = [np.frombuffer(state, STATE)[0] for _, state in recording.states(recording.branch)]
         given = [each.tick for each in recording.orders(recording.branch) if each.accepted]
         slowest = max((effect(states[tick:]) for tick in given[:-1]), default=0)
         return Latency(steered.result(), period, replies.spread(), slowest)
 
 
-def steer(port: int, period: float, replies: Histogram) -> int:
+def send_rudder_orders(port: int, period: float, replies: Histogram) -> int:
     """Order the rudder about until the line is closed; return how many orders were answered.
 
     Ticks are ``period`` [s] apart.
     """
     dice = random.Random(1969)  # noqa: S311  instants, not secrets
-    with socket.create_connection((HOST, port)) as line, line.makefile(encoding="ascii") as said:
-        words = itertools.chain(("role helm",), itertools.cycle(ORDERS))
+    with (
+        socket.create_connection((LOCAL_HOST, port)) as line,
+        line.makefile(encoding="ascii") as said,
+    ):
+        words = itertools.chain(("role helm",), itertools.cycle(RUDDER_ORDERS))
         for tag, order in enumerate(words):
             begun = time.perf_counter_ns()
             try:
                 line.sendall(f"{order_sentence(order, str(tag))}\n".encode("ascii"))
             except OSError:
                 return tag - 1
-            answers = ((read(text), str(tag)) for text in said)
+            answers = ((parse_sentence(text), str(tag)) for text in said)
             if not any(
                 a and (a.kind, a.tag) == ("TRA", own) and a.fields[0] != "say" for a, own in answers
             ):
                 return tag - 1
             if tag:
                 replies.add(time.perf_counter_ns() - begun)
-            time.sleep(period * dice.uniform(*PAUSE))
+            time.sleep(period * dice.uniform(*PAUSE_TICKS))
     raise AssertionError
 
 

@@ -11,17 +11,17 @@ from typing import Final
 import click
 import numpy as np
 
-from trainer.analysis.bench.standard_hour import TICKS, Ticks, digest, fly_standard_hour
+from trainer.analysis.bench.standard_hour import HOUR_TICKS, TickRunner, digest, fly_standard_hour
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
 from trainer.boat.assemble import Records
-from trainer.boat.export.targets import LEVELS, NATIVE, processor
+from trainer.boat.export.targets import NATIVE_NAME, PROCESSOR_LEVELS, find_processor
 from trainer.config.files import ConfigError
 
-MEMBERS: Final = 17  # a lane of each block and one more
+FLEET_MEMBERS: Final = 17  # a lane of each block and one more
 
 
-CHILD: Final = """
+CHILD_PROGRAM: Final = """
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
 print(digest(fly_standard_hour(in_a_loop, {last})))
@@ -43,19 +43,19 @@ def in_a_fleet(records: Records, count: int) -> int:
     What members do that is not done side by side, such as a sea, is part of it.
     """
     vessel, compact, scheme, state, _ = records
-    fleet = Fleet(vessel, compact, scheme, np.repeat(state, MEMBERS))
+    fleet = Fleet(vessel, compact, scheme, np.repeat(state, FLEET_MEMBERS))
     lost = fly_members(fleet, NO_ORDERS, count, max(count, 1), ()).lost
     state[:] = fleet.states[-1:]
     return int((lost >= 0).any())
 
 
-def in_another_process(environment: dict[str, str], last: int = TICKS) -> str:
+def in_another_process(environment: dict[str, str], last: int = HOUR_TICKS) -> str:
     """Return the digest of the hour up to ``last``. Another Python has other settings of numba.
 
     ConfigError if it fails.
     """
     done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", CHILD.format(last=last)],
+        [sys.executable, "-c", CHILD_PROGRAM.format(last=last)],
         env=os.environ | environment,
         capture_output=True,
         text=True,
@@ -68,8 +68,8 @@ def in_another_process(environment: dict[str, str], last: int = TICKS) -> str:
 
 def levels_here() -> list[str]:
     """Return the levels of processor that this one can stand in for."""
-    here = set(processor(NATIVE).needs)
-    return [level for level, flags in LEVELS.items() if here.issuperset(flags)]
+    here = set(find_processor(NATIVE_NAME).needs)
+    return [level for level, flags in PROCESSOR_LEVELS.items() if here.issuperset(flags)]
 
 
 def for_level(level: str) -> dict[str, str]:
@@ -77,17 +77,17 @@ def for_level(level: str) -> dict[str, str]:
     return {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": "+sse2"}
 
 
-def fly_hour(take: Ticks, last: int = TICKS) -> str:
+def fly_hour(take: TickRunner, last: int = HOUR_TICKS) -> str:
     """Return the digest of the hour up to ``last``, its ticks taken by ``take``."""
     return digest(fly_standard_hour(take, last))
 
 
-def ways(last: int = TICKS) -> dict[str, Callable[[], str]]:
+def ways(last: int = HOUR_TICKS) -> dict[str, Callable[[], str]]:
     """Return how to compute the hour up to ``last``, by name."""
     interpreted = {"NUMBA_DISABLE_JIT": "1"}
     return {
         "compiled": partial(fly_hour, in_a_loop, last),
-        f"in a fleet of {MEMBERS}": partial(fly_hour, in_a_fleet, last),
+        f"in a fleet of {FLEET_MEMBERS}": partial(fly_hour, in_a_fleet, last),
         "interpreted": partial(in_another_process, interpreted, last),
         **{level: partial(in_another_process, for_level(level), last) for level in levels_here()},
     }
@@ -100,7 +100,7 @@ def same_bits(ways: Mapping[str, Callable[[], str]]) -> SameBits:
     with click.progressbar(ways.items(), label="an hour", file=sys.stderr, hidden=quiet) as bar:
         for name, way in bar:
             digests[name] = way()
-    return SameBits(TICKS, digests, len(set(digests.values())) == 1)
+    return SameBits(HOUR_TICKS, digests, len(set(digests.values())) == 1)
 
 
 def lines(figures: SameBits) -> list[str]:

@@ -9,7 +9,7 @@ from trainer.config.vessel import VesselFile
 
 
 @dataclass(frozen=True)
-class Wanted:
+class BenchRequest:
     """The subject of a measurement, and its length."""
 
     file: VesselFile
@@ -22,12 +22,12 @@ class Wanted:
 class Section:
     """One part: how it is measured, and its figures as lines of a page."""
 
-    measure: Callable[[Wanted], Any]
+    measure: Callable[[BenchRequest], Any]
     lines: Callable[[Any], list[str]]
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class OmittedSection:
     """A part that cannot be measured here, and why."""
 
     left_out: str
@@ -36,20 +36,20 @@ class LeftOut:
 def or_left_out(lacking: type[Exception], section: Section) -> Section:
     """Return a part that is left out, and says why, where ``lacking`` is raised."""
 
-    def measure(wanted: Wanted) -> Any:
+    def measure(wanted: BenchRequest) -> Any:
         try:
             return section.measure(wanted)
         except lacking as error:
-            return LeftOut(str(error))
+            return OmittedSection(str(error))
 
     def lines(figures: Any) -> list[str]:
-        return [figures.left_out] if isinstance(figures, LeftOut) else section.lines(figures)
+        return [figures.left_out] if isinstance(figures, OmittedSection) else section.lines(figures)
 
     return Section(measure, lines)
 
 
 def measure_sections(
-    sections: Mapping[str, Section], names: Iterable[str], wanted: Wanted
+    sections: Mapping[str, Section], names: Iterable[str], wanted: BenchRequest
 ) -> tuple[dict[str, Any], list[str]]:
     """Return the figures of parts as a tree by name, and their pages."""
     figures, pages = {}, []

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.analysis.bench.tick import Batches, time_batches
+from trainer.analysis.bench.tick import BatchCost, time_batches
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError
-from trainer.io.line import Joined, Outbox, writer
+from trainer.io.line import JoinedLine, Outbox, writer
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import COLUMNS, CsvFile
+from trainer.io.tables import MOTION_COLUMNS, CsvFile
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
@@ -28,20 +28,20 @@ from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
-SUBSCRIBERS: Final = ("steering", "diving", "tanks", "motion", "gauges")
-RATE: Final = 10.0  # [Hz]
-PATIENCE: Final = 0.5  # [s] for the last lines
+SUBSCRIBED_CHANNELS: Final = ("steering", "diving", "tanks", "motion", "gauges")
+SUBSCRIPTION_RATE_HZ: Final = 10.0  # [Hz]
+LAST_LINES_TIMEOUT_S: Final = 0.5  # [s] for the last lines
 
 
 @dataclass(frozen=True)
-class Attended:
+class SessionTickCost:
     """The cost of a tick at full speed, by what attends to it."""
 
-    boat: Batches  # the core alone
-    bare: Batches  # a session with nothing attached
-    csv_row: Batches  # and so much more for a row of a CSV file
-    recorded: Batches
-    subscribed: Batches  # recorded, and five subscribers at 10 Hz
+    boat: BatchCost  # the core alone
+    bare: BatchCost  # a session with nothing attached
+    csv_row: BatchCost  # and so much more for a row of a CSV file
+    recorded: BatchCost
+    subscribed: BatchCost  # recorded, and five subscribers at 10 Hz
     times_the_bare: float  # least over least: interference only adds
 
 
@@ -59,16 +59,18 @@ def session_of(
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:
             out = Outbox(writer(sink.fileno()))
-            line = Joined(channel, None, out)
+            line = JoinedLine(channel, None, out)
             station = Station(line, Access("instructor"), publisher, session.event_log.log)
-            station.wishes.begin(channel, RATE, station.role, machine=channel != "teletype")
+            station.wishes.begin(
+                channel, SUBSCRIPTION_RATE_HZ, station.role, machine=channel != "teletype"
+            )
             session.event_log.stations.append(station)
         try:
             yield session
         finally:
-            publisher.close(PATIENCE)
+            publisher.close(LAST_LINES_TIMEOUT_S)
             for station in session.event_log.stations:
-                station.close(PATIENCE)
+                station.close(LAST_LINES_TIMEOUT_S)
 
 
 def run_to(session: Session, tick: int) -> None:
@@ -88,7 +90,7 @@ def temporary(boat: Boat) -> Recording:
     return Recording.create(None, {}, boat.records.state.tobytes())
 
 
-def time_attended(make: Callable[[], Boat]) -> Attended:
+def time_attended(make: Callable[[], Boat]) -> SessionTickCost:
     """Return the cost of a tick of boats under way, by what attends to it."""
     alone, bare, recorded, subscribed = (make() for _ in range(4))
     rows = CsvFile(Path(os.devnull), 1)  # each row at once, as in real time
@@ -102,7 +104,7 @@ def time_attended(make: Callable[[], Boat]) -> Attended:
 
     def row(count: int) -> None:
         for _ in range(count):
-            rows.row(alone.numbers(COLUMNS))
+            rows.row(alone.numbers(MOTION_COLUMNS))
 
     with contextlib.closing(rows), contextlib.ExitStack() as stack:
         sessions = [
@@ -110,10 +112,10 @@ def time_attended(make: Callable[[], Boat]) -> Attended:
             for boat, recording, channels in (
                 (bare, NoRecording(), ()),
                 (recorded, temporary(recorded), ()),
-                (subscribed, temporary(subscribed), SUBSCRIBERS),
+                (subscribed, temporary(subscribed), SUBSCRIBED_CHANNELS),
             )
         ]
         costs = time_batches([tick, row, *(whole(session) for session in sessions)])
     boat_cost, row_cost, *rest = costs
     ratio = rest[2].least_ns / rest[0].least_ns
-    return Attended(boat_cost, rest[0], row_cost, rest[1], rest[2], ratio)
+    return SessionTickCost(boat_cost, rest[0], row_cost, rest[1], rest[2], ratio)

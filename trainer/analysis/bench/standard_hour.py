@@ -12,21 +12,21 @@ from typing import Final
 
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.sea import load_sea
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.grammar import Refused
-from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
 from trainer.units import KNOT
 
-VESSEL: Final = Path(__file__).with_name("standard_boat.toml")
-METHOD: Final = Method("modified", "lagged", "exact", "adams2", 0.5)
-SPEED: Final = 10.0  # [kn]
-DEPTH: Final = 60.0  # [m]
-SEA: Final = "sea-state-5"
-SEED: Final = 1969
-TICKS: Final = 7200
-ORDERS: Final = """
+VESSEL_PATH: Final = Path(__file__).with_name("standard_boat.toml")
+HOUR_METHOD: Final = Method("modified", "lagged", "exact", "adams2", 0.5)
+START_SPEED_KN: Final = 10.0  # [kn]
+START_DEPTH_M: Final = 60.0  # [m]
+SEA_NAME: Final = "sea-state-5"
+HOUR_SEED: Final = 1969
+HOUR_TICKS: Final = 7200
+HOUR_ORDERS: Final = """
 60 depth 90
 120 course 075
 300 pump trim forward 4
@@ -59,12 +59,12 @@ ORDERS: Final = """
 3450 planes auto
 """
 
-Ticks = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
+TickRunner = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
 
 
-def orders() -> list[Scheduled]:
+def orders() -> list[ScheduledOrder]:
     """Return what is ordered in the hour, by time."""
-    found = parse_schedule(ORDERS, "the standard hour")
+    found = parse_schedule(HOUR_ORDERS, "the standard hour")
     if isinstance(found, BadSchedule):
         raise TypeError(str(found))
     return found
@@ -72,25 +72,25 @@ def orders() -> list[Scheduled]:
 
 def standard_boat() -> Boat:
     """Return the boat at the start of the hour."""
-    boat = Boat(load_vessel(str(VESSEL)), METHOD)
-    boat.start(SPEED * KNOT, DEPTH, 0.0, SEED)
-    boat.put_to_sea(load_sea(SEA))
+    boat = Boat(load_vessel(str(VESSEL_PATH)), HOUR_METHOD)
+    boat.start(START_SPEED_KN * KNOT, START_DEPTH_M, 0.0, HOUR_SEED)
+    boat.put_to_sea(load_sea(SEA_NAME))
     return boat
 
 
-def fly_standard_hour(take: Ticks, last: int = TICKS) -> Boat:
+def fly_standard_hour(take: TickRunner, last: int = HOUR_TICKS) -> Boat:
     """Return the boat after the hour, its ticks taken by ``take``. Up to tick ``last`` if sooner.
 
     RuntimeError if an order is refused or the boat loses its numbers.
     """
     boat = standard_boat()
     for entry in (*orders(), None):
-        until = last if entry is None else min(round(entry.seconds / METHOD.step), last)
+        until = last if entry is None else min(round(entry.seconds / HOUR_METHOD.step), last)
         status = take(boat.records, until - int(boat.state.tick))
         if status:
             raise RuntimeError(boat.failure(status))
         if entry is not None and until < last:
-            answer = obey(boat, entry.order)
+            answer = obey_order(boat, entry.order)
             if isinstance(answer, Refused):
                 raise RuntimeError(f"{entry.order.text}: {answer.reason}")
     return boat

@@ -16,19 +16,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.analysis.bench.end_to_end import TRAINER, on_terminal
+from trainer.analysis.bench.end_to_end import TRAINER_COMMAND, on_terminal
 from trainer.boat import compilation
 from trainer.core.cache import cache_folder
 
-TIMES: Final = 3
-RUN: Final = ("run", "--headless", "--duration", "0.5", "--no-record", "--speed")
-SLOW: Final = "10"  # of time: a tick is then 50 ms, which the interpreter makes
-SHOWN: Final = re.compile(rb"[0-9]\.[0-9]")  # a depth or a course on the screen
-PATIENCE: Final = 60.0  # [s]
+START_COUNT: Final = 3
+RUN_WORDS: Final = ("run", "--headless", "--duration", "0.5", "--no-record", "--speed")
+SLOW_SPEED: Final = "10"  # of time: a tick is then 50 ms, which the interpreter makes
+SHOWN_NUMBER: Final = re.compile(rb"[0-9]\.[0-9]")  # a depth or a course on the screen
+SCREEN_TIMEOUT_S: Final = 60.0  # [s]
 
 
 @dataclass(frozen=True)
-class Starting:
+class StartTimes:
     """Times [s] from the start of a process."""
 
     python: float  # to nothing
@@ -40,19 +40,21 @@ class Starting:
     console_times_numba: float | None
 
 
-def time_starts() -> Starting:
+def time_starts() -> StartTimes:
     """Return how soon commands answer."""
     numba = least(lambda: time_to_end(sys.executable, "-c", "import numba"))
     with empty_cache() as environment:
-        first = least(lambda: time_to_end(*TRAINER, *RUN, SLOW, **environment)) - 0.5 / float(SLOW)
-    time_to_end(*TRAINER, *RUN, "max")  # compiles if need be
+        first = least(
+            lambda: time_to_end(*TRAINER_COMMAND, *RUN_WORDS, SLOW_SPEED, **environment)
+        ) - 0.5 / float(SLOW_SPEED)
+    time_to_end(*TRAINER_COMMAND, *RUN_WORDS, "max")  # compiles if need be
     console = least(time_to_screen) if hasattr(os, "openpty") else None
-    return Starting(
+    return StartTimes(
         python=least(lambda: time_to_end(sys.executable, "-c", "pass")),
         numba=numba,
-        help=least(lambda: time_to_end(*TRAINER, "--help")),
+        help=least(lambda: time_to_end(*TRAINER_COMMAND, "--help")),
         first_run=first,
-        later_run=least(lambda: time_to_end(*TRAINER, *RUN, "max")),
+        later_run=least(lambda: time_to_end(*TRAINER_COMMAND, *RUN_WORDS, "max")),
         console=console,
         console_times_numba=console and console / numba,
     )
@@ -60,7 +62,7 @@ def time_starts() -> Starting:
 
 def least(measure: Callable[[], float]) -> float:
     """Return the least of a few measurements."""
-    return min(measure() for _ in range(TIMES))
+    return min(measure() for _ in range(START_COUNT))
 
 
 def time_to_end(*command: str, **environment: str) -> float:
@@ -81,7 +83,7 @@ def empty_cache() -> Iterator[dict[str, str]]:
     with tempfile.TemporaryDirectory(prefix="bench-") as name:
         folder = Path(name) / cache_folder().name
         folder.mkdir()
-        with (folder / compilation.LOCK).open("wb") as lock:
+        with (folder / compilation.LOCK_NAME).open("wb") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             yield {"NUMBA_CACHE_DIR": name}
 
@@ -91,7 +93,7 @@ def time_to_screen() -> float:
     with tempfile.TemporaryDirectory(prefix="bench-") as folder:
         begun = time.perf_counter()
         with on_terminal("run", "--no-record", "--socket", f"{folder}/s") as (screen, process):
-            found = screen.find(SHOWN, time.monotonic() + PATIENCE)
+            found = screen.find(SHOWN_NUMBER, time.monotonic() + SCREEN_TIMEOUT_S)
             taken = time.perf_counter() - begun
             process.terminate()
             while process.poll() is None:
@@ -99,7 +101,7 @@ def time_to_screen() -> float:
     return taken if found else float("inf")
 
 
-def lines(figures: Starting) -> list[str]:
+def lines(figures: StartTimes) -> list[str]:
     """Return the figures as lines of a page."""
     rows = [
         ("python -c pass", figures.python),

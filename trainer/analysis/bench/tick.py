@@ -11,25 +11,25 @@ from typing import Final
 from trainer.boat import casualties
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
-from trainer.boat.limits import showing
+from trainer.boat.limits import height_showing
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Record, kernel
 from trainer.core.update import update
 from trainer.units import KNOT
 
-BATCHES: Final = 21
+BATCH_COUNT: Final = 21
 BATCH_NS: Final = 10_000_000  # [ns] a batch takes at least; the clock resolves far better
-STANDARD: Final = ("modified", "lagged", "adams2")
-SEA: Final = "sea-state-5"
-CASUALTIES: Final = (
+STANDARD_METHOD: Final = ("modified", "lagged", "adams2")
+SEA_NAME: Final = "sea-state-5"
+CASUALTY_KINDS: Final = (
     *("rudder-slow", "stern-slow", "bow-slow"),
     *("depth-gauge-noisy", "gyro-biased", "log-noisy"),
 )
 
 
 @dataclass(frozen=True)
-class Batches:
+class BatchCost:
     """The cost of one repetition: over batches of equal length, the median and the least."""
 
     median_ns: float
@@ -38,7 +38,7 @@ class Batches:
     repetitions: int  # in a batch
 
 
-def time_batches(works: Sequence[Callable[[int], object]]) -> list[Batches]:
+def time_batches(works: Sequence[Callable[[int], object]]) -> list[BatchCost]:
     """Return the cost of one repetition of each of ``works``. Each is called with a count.
 
     Their batches take turns, so that a change of the machine's pace meets them all.
@@ -46,10 +46,10 @@ def time_batches(works: Sequence[Callable[[int], object]]) -> list[Batches]:
     counts = [long_enough(work) for work in works]
     costs = [
         [time_repetitions(work, count) / count for work, count in zip(works, counts, strict=True)]
-        for _ in range(BATCHES)
+        for _ in range(BATCH_COUNT)
     ]
     return [
-        Batches(statistics.median(cost), min(cost), BATCHES, count)
+        BatchCost(statistics.median(cost), min(cost), BATCH_COUNT, count)
         for cost, count in zip(zip(*costs, strict=True), counts, strict=True)
     ]
 
@@ -73,24 +73,24 @@ def time_repetitions(work: Callable[[int], object], count: int) -> int:
 
 
 @dataclass(frozen=True)
-class Update:
+class UpdateCost:
     """One way to compute the boat: called from Python, and inside a compiled loop."""
 
     equations: str
     rates: str
     integrator: str
     step_s: float
-    called: Batches
-    in_kernel: Batches
+    called: BatchCost
+    in_kernel: BatchCost
     crossing_ns: float  # the least of called less the least of in_kernel: interference only adds
 
 
 @dataclass(frozen=True)
-class Troubled:
+class CasualtyTick:
     """A tick in the compiled loop. It is in a calm, and with sea, tanks and six casualties."""
 
-    calm: Batches
-    troubled: Batches
+    calm: BatchCost
+    troubled: BatchCost
     times_the_calm: float  # least over least: interference only adds
 
 
@@ -111,21 +111,21 @@ def in_a_loop(records: Records, count: int) -> int:
     return int(take_ticks(vessel, compact, scheme, count, state, scratch))
 
 
-def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
+def ready_boat(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
     """Return a boat under way in trim. Its tick is compiled and the garbage out of the way."""
     equations, rates, integrator = way
     boat = Boat(file, Method(equations, rates, "exact", integrator, step))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     start = boat.snapshot()
     boat.tick()
-    showing(boat)
+    height_showing(boat)
     boat.restore(start)
     gc.collect()
     gc.freeze()  # as a run does: a full collection with numba loaded takes 0.1 s
     return boat
 
 
-def time_update(boat: Boat) -> Update:
+def time_update(boat: Boat) -> UpdateCost:
     """Return the cost of the core's tick, with and without a call from Python."""
     tick = boat.tick
 
@@ -135,7 +135,7 @@ def time_update(boat: Boat) -> Update:
 
     called, in_kernel = time_batches([call, partial(in_a_loop, boat.records)])
     method = boat.method
-    return Update(
+    return UpdateCost(
         equations=method.equations,
         rates=method.rates,
         integrator=method.integrator,
@@ -146,15 +146,15 @@ def time_update(boat: Boat) -> Update:
     )
 
 
-def time_troubled(file: VesselFile, way: tuple[str, str, str]) -> Troubled:
+def time_troubled(file: VesselFile, way: tuple[str, str, str]) -> CasualtyTick:
     """Return what sea, tanks (where the boat has any) and casualties add to a tick."""
-    boats = [ready(file, way, file.run.step_s) for _ in range(2)]
+    boats = [ready_boat(file, way, file.run.step_s) for _ in range(2)]
     troubled = boats[1]
-    troubled.put_to_sea(load_sea(SEA))
+    troubled.put_to_sea(load_sea(SEA_NAME))
     troubled.state.hover = troubled.vessel.fitted
     troubled.state.move_trim = 1e9 * troubled.vessel.fitted
-    for name in CASUALTIES:
-        casualties.insert(troubled, name)
+    for name in CASUALTY_KINDS:
+        casualties.insert_casualty(troubled, name)
 
     calm, worst = time_batches([partial(in_a_loop, boat.records) for boat in boats])
-    return Troubled(calm, worst, worst.least_ns / calm.least_ns)
+    return CasualtyTick(calm, worst, worst.least_ns / calm.least_ns)

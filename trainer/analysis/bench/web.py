@@ -19,7 +19,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 from trainer import __version__
 from trainer.analysis.bench.end_to_end import begin_session
-from trainer.analysis.bench.on_time import ENDED, count_missed, entry, head, lateness_of, row
+from trainer.analysis.bench.on_time import (
+    END_TIMEOUT_S,
+    account_entry,
+    count_missed,
+    head,
+    lateness_of,
+    row,
+)
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
@@ -32,16 +39,16 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import Page
 
-STATIONS: Final = 30
-ROLES: Final = {  # who they are, and what each wants to see
+STATION_COUNT: Final = 30
+ROLE_CHANNELS: Final = {  # who they are, and what each wants to see
     "helm": ("gauges", "orders", "steering", "engine", "time"),
     "planes": ("gauges", "orders", "diving", "time"),
     "ballast": ("gauges", "ballast", "time"),
     "observer": ("gauges", "time"),
     "instructor": ("motion", "orders", "time"),
 }
-SHORT: Final = 10.0  # [s] a shorter run is not to take many times as long as it says
-SERVED: Final = re.compile(r"pages at (http://\S+)/")
+SHORT_RUN_S: Final = 10.0  # [s] a shorter run is not to take many times as long as it says
+PAGES_ADDRESS: Final = re.compile(r"pages at (http://\S+)/")
 FIRST_PICTURE: Final = """() => new Promise((done) => {
   const look = () => {
     const there = document.querySelector("#state")?.dataset.state === "running";
@@ -96,7 +103,7 @@ class Effort:
     @classmethod
     def of(cls, seconds: float) -> "Effort":
         """Return what suits a run of so long."""
-        return cls(5, 60, 100, 2000) if seconds >= SHORT else cls(2, 20, 50, 1000)
+        return cls(5, 60, 100, 2000) if seconds >= SHORT_RUN_S else cls(2, 20, 50, 1000)
 
 
 class NoBrowserError(ConfigError):
@@ -104,7 +111,7 @@ class NoBrowserError(ConfigError):
 
 
 @dataclass(frozen=True)
-class Looking:
+class PageDelay:
     """The waiting of somebody at a page; times [ms]."""
 
     browser: str
@@ -121,7 +128,7 @@ class Looking:
 
 
 @dataclass(frozen=True)
-class Ticks:
+class WebTicks:
     """The ticks of a session, and how late they began."""
 
     stations: int
@@ -131,15 +138,15 @@ class Ticks:
 
 
 @dataclass(frozen=True)
-class Web:
+class WebFigures:
     """The cost of stations in a browser."""
 
-    looking: Looking
-    alone: Ticks
-    attended: Ticks
+    looking: PageDelay
+    alone: WebTicks
+    attended: WebTicks
 
 
-def time_pages(file: VesselFile, seconds: float) -> Web:
+def time_pages(file: VesselFile, seconds: float) -> WebFigures:
     """Return the figures of sessions of ``seconds`` [s] each; NoBrowserError, ConfigError."""
     browser = able_browser()
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
@@ -150,9 +157,9 @@ def time_pages(file: VesselFile, seconds: float) -> Web:
         with sailing(file, folder, "attended", "--web", "127.0.0.1:0") as session:
             end = time.monotonic() + seconds
             with attending(session.url):
-                looking = look(session.url, browser, Effort.of(seconds))
+                looking = watch_page(session.url, browser, Effort.of(seconds))
                 time.sleep(max(end - time.monotonic(), 0.0))
-        return Web(looking, alone, ticks_of(session, STATIONS))
+        return WebFigures(looking, alone, ticks_of(session, STATION_COUNT))
 
 
 def able_browser() -> str:
@@ -167,7 +174,7 @@ def able_browser() -> str:
 
 
 @dataclass
-class Sailing:
+class WebSession:
     """A session in a process of its own, its recording, and where its pages are."""
 
     process: "subprocess.Popen[str]"
@@ -177,13 +184,13 @@ class Sailing:
 
 
 @contextlib.contextmanager
-def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[Sailing]:
+def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[WebSession]:
     """Run a session while the block lasts; then it has its account. ConfigError if it fails."""
     recording = folder / f"{name}.trainer"
     words += ("--vessel", str(file.path), "--record", str(recording))
     words += ("--listen", "none", "--socket", str(folder / f"{name}.sock"))
     with begin_session(words) as process:
-        session = Sailing(process, recording)
+        session = WebSession(process, recording)
         try:
             texts, begun = [], "pages at" if "--web" in words else "listening at"
             for text in process.stderr or ():
@@ -193,21 +200,23 @@ def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[
             else:
                 failure = "".join(texts).strip()
                 raise ConfigError(f"the session of the bench failed: {failure}")
-            served = SERVED.search(texts[-1])
+            served = PAGES_ADDRESS.search(texts[-1])
             session.url = served[1] if served else ""
             yield session
             process.send_signal(signal.SIGTERM)
-            session.account, told = process.communicate(timeout=ENDED)
+            session.account, told = process.communicate(timeout=END_TIMEOUT_S)
         finally:
             process.kill()
     if process.returncode:
         raise ConfigError(f"the session of the bench failed: {told.strip()}")
 
 
-def ticks_of(session: Sailing, stations: int) -> Ticks:
+def ticks_of(session: WebSession, stations: int) -> WebTicks:
     """Return the ticks of a session that is over."""
     lateness, ticks = lateness_of(session.recording)
-    return Ticks(stations, ticks, count_missed(entry(session.account, "on time")), lateness)
+    return WebTicks(
+        stations, ticks, count_missed(account_entry(session.account, "on time")), lateness
+    )
 
 
 @contextlib.contextmanager
@@ -218,21 +227,21 @@ def attending(url: str) -> Iterator[None]:
     """
     with contextlib.ExitStack() as stack:
         readers = []
-        for number in range(STATIONS):
-            role = list(ROLES)[number % len(ROLES)]
-            line = stack.enter_context(dial(url))
+        for number in range(STATION_COUNT):
+            role = list(ROLE_CHANNELS)[number % len(ROLE_CHANNELS)]
+            line = stack.enter_context(open_page_line(url))
             line.send(order_sentence(f"role {role}", "1"))
-            for channel in ROLES[role]:
+            for channel in ROLE_CHANNELS[role]:
                 line.send(order_sentence(f"subscribe {channel}", "2"))
             reader = threading.Thread(target=deque, args=(line, 0), daemon=True)  # reads all
             reader.start()
             readers.append(reader)
         yield
     for reader in readers:
-        reader.join(ENDED)
+        reader.join(END_TIMEOUT_S)
 
 
-def dial(url: str) -> Any:
+def open_page_line(url: str) -> Any:
     """Return a line at the pages' server, as a page has it."""
     from websockets.sync.client import connect  # noqa: PLC0415  an extra's
 
@@ -241,7 +250,7 @@ def dial(url: str) -> Any:
     return connect(where, **how)
 
 
-def look(url: str, browser: str, effort: Effort) -> Looking:
+def watch_page(url: str, browser: str, effort: Effort) -> PageDelay:
     """Return what somebody at the helm's page waits for."""
     from playwright.sync_api import sync_playwright  # noqa: PLC0415  for development
 
@@ -255,18 +264,18 @@ def look(url: str, browser: str, effort: Effort) -> Looking:
         raise ConfigError("no order of the bench was obeyed")
     answers, pixels = (sorted(column) for column in zip(*times, strict=True))
     costs.sort()
-    return Looking(
+    return PageDelay(
         browser=f"Chromium {version}",
         loads=effort.loads,
-        first_picture=part(firsts, 0.5),
+        first_picture=value_at_share(firsts, 0.5),
         orders=len(times),
-        answer_median=part(answers, 0.5),
-        answer_p95=part(answers, 0.95),
-        pixel_median=part(pixels, 0.5),
-        pixel_p95=part(pixels, 0.95),
+        answer_median=value_at_share(answers, 0.5),
+        answer_p95=value_at_share(answers, 0.95),
+        pixel_median=value_at_share(pixels, 0.5),
+        pixel_p95=value_at_share(pixels, 0.95),
         pictures=pictures,
-        script_median=part(costs, 0.5),
-        script_p95=part(costs, 0.95),
+        script_median=value_at_share(costs, 0.5),
+        script_p95=value_at_share(costs, 0.95),
     )
 
 
@@ -276,12 +285,12 @@ def first_picture(page: "Page", url: str) -> float:
     return float(page.evaluate(FIRST_PICTURE))
 
 
-def part(ordered: list[float], share: float) -> float:
+def value_at_share(ordered: list[float], share: float) -> float:
     """Return the value that a ``share`` [-] of them do not exceed; 0 for none."""
     return ordered[min(int(share * len(ordered)), len(ordered) - 1)] if ordered else 0.0
 
 
-def lines(figures: Web) -> list[str]:
+def lines(figures: WebFigures) -> list[str]:
     """Return the figures as lines of a page."""
     seen, alone, attended = figures.looking, figures.alone, figures.attended
     answer = f"median {seen.answer_median:.1f} ms (5), 95 % {seen.answer_p95:.1f} ms (20)"

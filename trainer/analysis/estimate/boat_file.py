@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer import __version__
-from trainer.analysis.check import EQUATIONS, round_speeds
+from trainer.analysis.check import EQUATION_SETS, round_speeds
 from trainer.analysis.estimate.coefficients import (
-    PLATE,
+    PLATE_DRAG,
     Hull,
     cross_flow_drag,
     hull_of,
@@ -21,27 +21,39 @@ from trainer.analysis.estimate.coefficients import (
     strip_masses,
 )
 from trainer.analysis.estimate.geometry import integral, panels_of_surface
-from trainer.analysis.estimate.uncertainty import Estimate, estimate, outside, rests
-from trainer.analysis.gains import design
+from trainer.analysis.estimate.uncertainty import (
+    Estimate,
+    coefficient_origins,
+    estimate_hull,
+    range_warnings,
+)
+from trainer.analysis.gains import design_gains
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
-from trainer.boat.stability import responses, stable_at
-from trainer.config.coefficients import AXES
+from trainer.boat.stability import boat_responses, stable_at
+from trainer.config.coefficients import FORCE_AXES
 from trainer.config.files import ConfigError, format_key, path_named, toml_value
-from trainer.config.hull import BOW, RUDDER, STERN, X, defaulted, load_hull
-from trainer.config.plausibility import MASS_PRIME
+from trainer.config.hull import (
+    BOW_CONTROL,
+    RUDDER_CONTROL,
+    STERN_CONTROL,
+    X_CONTROL,
+    list_defaults,
+    load_hull,
+)
+from trainer.config.plausibility import MASS_PRIME_RANGE
 from trainer.config.vessel import VesselFile, parse_vessel
 from trainer.core.kernel import Numbers
-from trainer.core.terms import COEFFICIENTS, TABLE
+from trainer.core.terms import COEFFICIENTS, TERM_TABLE
 from trainer.units import KNOT
 
-GRAVITY: Final = 9.81  # [m/s2]
+GRAVITY_M_S2: Final = 9.81  # [m/s2]
 ROLL_RADIUS, PITCH_RADIUS = 0.36, 0.25  # [breadths], [lengths]: BB2 0.358, 0.251
-STABILITY: Final = 0.05  # [heights] of the centre of buoyancy above that of gravity
-RATE: Final = 7.1  # [deg/s] of planes of a boat of 70 m
-LIKE: Final = 70.0  # [m] the boat whose times are scaled
+STABILITY_HEIGHTS: Final = 0.05  # [heights] of the centre of buoyancy above that of gravity
+PLANE_RATE_DEG_S: Final = 7.1  # [deg/s] of planes of a boat of 70 m
+REFERENCE_LENGTH_M: Final = 70.0  # [m] the boat whose times are scaled
 DEAD_TIME, TIME_CONSTANT = 3.0, 6.0  # [s] of its engine; own estimates
-BELLS: Final = {  # shares of the design speed; own estimates
+TELEGRAPH_BELLS: Final = {  # shares of the design speed; own estimates
     "ahead_one_third": 0.4,
     "ahead_two_thirds": 0.7,
     "ahead_standard": 0.85,
@@ -51,22 +63,33 @@ BELLS: Final = {  # shares of the design speed; own estimates
     "astern_two_thirds": -0.4,
     "astern_full": -0.6,
 }
-SLOWEST, FASTEST = 0.4, 1.2  # [design speeds] between which gains are made
-STEPS: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)  # [s] tried, the longest first
-FINE: Final = 0.1  # lengths run in a step, at most
-ROLLED: Final = 0.18  # [rad] of a free roll in a step, at most: Adams feeds it by 0.9 % a cycle
-STRIPS: Final = 7  # of the hull in waves
+SLOWEST_GAIN_SPEED, FASTEST_GAIN_SPEED = 0.4, 1.2  # [design speeds] between which gains are made
+TRIED_STEPS_S: Final = (
+    0.5,
+    0.2,
+    0.1,
+    0.05,
+    0.02,
+    0.01,
+    0.005,
+    0.002,
+)  # [s] tried, the longest first
+MAX_STEP_LENGTHS: Final = 0.1  # lengths run in a step, at most
+MAX_ROLL_STEP_RAD: Final = (
+    0.18  # [rad] of a free roll in a step, at most: Adams feeds it by 0.9 % a cycle
+)
+WAVE_STRIPS: Final = 7  # of the hull in waves
 WIDE_STRIPS: Final = 5  # of the hull beyond the range of the coefficients
-DEPTH: Final = 0.85  # [lengths] of the start
-SHALLOWEST: Final = 5.0  # [m] of it
-FIRST: Final = "schema"  # the key that a vessel file begins with
+START_DEPTH_LENGTHS: Final = 0.85  # [lengths] of the start
+MIN_START_DEPTH_M: Final = 5.0  # [m] of it
+FIRST_KEY: Final = "schema"  # the key that a vessel file begins with
 MASS_SLACK: Final = 0.3  # of the mass against the displaced
-HEAD: Final = """\
+FILE_HEAD: Final = """\
 # {name}: estimated from the drawing of its hull by `trainer estimate`, version {version}.
 # Nothing here is measured. docs/own-hull.md says how it was made and how far it may be trusted.
 # Body axes: x forward, y starboard, z down; the origin on the hull's axis, abeam of the centre of
 # gravity. Each coefficient has its standard deviation (sd) and what it rests on."""
-STUDY: Final = """\
+STUDY_TEXT: Final = """\
 # Bands of a turn: draws of all coefficients of an estimated boat. Any other manoeuvre, or an
 # exercise, may stand in the place of the turn: docs/sweeps.md.
 schema = "sweep/1"
@@ -93,12 +116,12 @@ distribution = "estimate"
 """
 
 
-def load(name_or_path: str) -> Hull:
+def open_hull(name_or_path: str) -> Hull:
     """Return a shipped hull by its name, or that of a file; ConfigError."""
-    return checked(hull_of(load_hull(path_named(name_or_path, "hulls"))))
+    return check_hull(hull_of(load_hull(path_named(name_or_path, "hulls"))))
 
 
-def checked(hull: Hull) -> Hull:
+def check_hull(hull: Hull) -> Hull:
     """Return the hull; ConfigError with all that its shape and its panels forbid."""
     problems = [*_hull_problems(hull), *_part_problems(hull)]
     if problems:
@@ -110,9 +133,9 @@ def _hull_problems(hull: Hull) -> Iterator[str]:
     """Yield that no boat is so slender, and what keeps the mass from being that of this hull."""
     length, place = hull.file.form.length, hull.file.place
     prime = hull.shape.volume / (0.5 * length**3)
-    if prime < MASS_PRIME[0]:
+    if prime < MASS_PRIME_RANGE[0]:
         breadth = float(hull.shape.breadth.max())
-        most = length * math.sqrt(prime / MASS_PRIME[0]) / breadth
+        most = length * math.sqrt(prime / MASS_PRIME_RANGE[0]) / breadth
         told = f"{length / breadth:.0f} breadths, must be at most {most:.0f}: is it in feet?"
         yield place.inside("hull").wrong("length", length, told)
     given, displaced = hull.file.mass.mass, hull.file.water.rho * hull.shape.volume
@@ -147,7 +170,7 @@ def _part_problems(hull: Hull) -> Iterator[str]:
         yield place.wrong("KT", list(p.KT), told)
 
 
-def digits(value: float) -> float:
+def round_to_digits(value: float) -> float:
     """Return a number to six digits."""
     return float(f"{value:.6g}") + 0.0
 
@@ -160,33 +183,37 @@ def mass_of(hull: Hull) -> float:
 
 def estimate_of(hull: Hull) -> Estimate:
     """Return the estimate of a hull with its own mass."""
-    return estimate(hull, mass_of(hull))
+    return estimate_hull(hull, mass_of(hull))
 
 
 def boat_tables(made: Estimate) -> dict[str, Any]:
     """Return the tables of the vessel, without gains."""
     hull, given = made.hull, made.hull.file.controls
     kinds = {panel.control for panel in hull.panels}
-    rate = RATE * math.sqrt(LIKE / hull.ell) if given.rate_deg_s is None else given.rate_deg_s
+    rate = (
+        PLANE_RATE_DEG_S * math.sqrt(REFERENCE_LENGTH_M / hull.ell)
+        if given.rate_deg_s is None
+        else given.rate_deg_s
+    )
     return {
-        FIRST: "gertler-hagen-2510/1",
+        FIRST_KEY: "gertler-hagen-2510/1",
         "name": hull.file.name,
         "kind": "estimated from its drawing",
-        "fluid": {"rho": hull.file.water.rho, "g": GRAVITY},
+        "fluid": {"rho": hull.file.water.rho, "g": GRAVITY_M_S2},
         "vessel": _body(made),
         "propulsion": _propulsion(made),
         "control_surfaces": {
             "rudder_limit_deg": given.limit_deg,
             "stern_plane_limit_deg": given.limit_deg,
-            "bow_plane_limit_deg": given.limit_deg if BOW in kinds else 0.0,
-            "rate_deg_s": digits(min(rate, 1000.0)),
+            "bow_plane_limit_deg": given.limit_deg if BOW_CONTROL in kinds else 0.0,
+            "rate_deg_s": round_to_digits(min(rate, 1000.0)),
             "time_constant_s": 0.0,
-            "tail": "x" if X in kinds else "cruciform",
+            "tail": "x" if X_CONTROL in kinds else "cruciform",
         },
         "envelope": _envelope(made),
-        "run": _run(hull, STEPS[0]),
+        "run": _run(hull, TRIED_STEPS_S[0]),
         **_waves(made),
-        "coefficients": {term.key: digits(made.values[term.key]) for term in COEFFICIENTS},
+        "coefficients": {term.key: round_to_digits(made.values[term.key]) for term in COEFFICIENTS},
     }
 
 
@@ -195,49 +222,57 @@ def _body(made: Estimate) -> dict[str, Any]:
     hull, mass, given = made.hull, made.mass, made.hull.file.mass
     s = hull.shape
     breadth, height = float(s.breadth.max()), float(s.height.max())
-    above = STABILITY * height if given.cb_above_cg is None else given.cb_above_cg
+    above = STABILITY_HEIGHTS * height if given.cb_above_cg is None else given.cb_above_cg
     pitch = mass * (PITCH_RADIUS * hull.ell) ** 2 if given.Iy is None else given.Iy
     table: dict[str, Any] = {
         "length": hull.ell,
         "mass": mass,
-        "weight": mass * GRAVITY,
-        "buoyancy": mass * GRAVITY,
-        "cg": [0.0, 0.0, digits(given.cg_below_axis)],
-        "cb": [0.0, 0.0, digits(given.cg_below_axis - above)],
+        "weight": mass * GRAVITY_M_S2,
+        "buoyancy": mass * GRAVITY_M_S2,
+        "cg": [0.0, 0.0, round_to_digits(given.cg_below_axis)],
+        "cb": [0.0, 0.0, round_to_digits(given.cg_below_axis - above)],
         "Ix": mass * (ROLL_RADIUS * breadth) ** 2 if given.Ix is None else given.Ix,
         "Iy": pitch,
         "Iz": pitch if given.Iz is None else given.Iz,
         "beam": breadth,
         "cg_from_nose": s.x_G,
     }
-    return {key: each if isinstance(each, list) else digits(each) for key, each in table.items()}
+    return {
+        key: each if isinstance(each, list) else round_to_digits(each)
+        for key, each in table.items()
+    }
 
 
 def _propulsion(made: Estimate) -> dict[str, Any]:
     """Return thrust rows, engine and bells."""
     hull, p = made.hull, made.hull.file.propeller
-    design, scale = hull.file.speed.design_kn, math.sqrt(hull.ell / LIKE)
+    design, scale = hull.file.speed.design_kn, math.sqrt(hull.ell / REFERENCE_LENGTH_M)
     table: dict[str, Any] = {}
     turns = revolutions(hull, resistance(hull))
     if p is not None and turns is not None:
         table = {
-            "rps_per_mps": digits(turns),
+            "rps_per_mps": round_to_digits(turns),
             "propeller_diameter": p.diameter,
             "KT": [*p.KT],
             "KQ": [*p.KQ],
         }
     rows = [  # ahead, and with the engine astern
-        {"eta_min": least, **{name: digits(made.values[f"{name}{place}"]) for name in "abc"}}
+        {
+            "eta_min": least,
+            **{name: round_to_digits(made.values[f"{name}{place}"]) for name in "abc"},
+        }
         for place, least in (("1", 0.0), ("3", -99.0))
     ]
     for row in rows:  # the sum is zero to the last bit, and the rows join
         row["a"] = -(rows[0]["b"] + rows[0]["c"])
     return {
         **table,
-        "dead_time_s": digits(DEAD_TIME * scale),
-        "time_constant_s": digits(TIME_CONSTANT * scale),
-        "max_ordered_speed_kn": digits(FASTEST * design),
-        "bells_kn": {name: digits(share * design) for name, share in BELLS.items()},
+        "dead_time_s": round_to_digits(DEAD_TIME * scale),
+        "time_constant_s": round_to_digits(TIME_CONSTANT * scale),
+        "max_ordered_speed_kn": round_to_digits(FASTEST_GAIN_SPEED * design),
+        "bells_kn": {
+            name: round_to_digits(share * design) for name, share in TELEGRAPH_BELLS.items()
+        },
         "sets": rows,
     }
 
@@ -248,21 +283,23 @@ def _envelope(made: Estimate) -> dict[str, Any]:
     drag = cross_flow_drag(hull) / s.ell**2
     tail = [panel for panel in hull.panels if panel.aft]
     sails = [panel for panel in hull.panels if panel.sail]
-    bare = estimate(Hull(hull.file, s, ()), made.mass).values
+    bare = estimate_hull(Hull(hull.file, s, ()), made.mass).values
     edges = [s.length * (1.0 - i / WIDE_STRIPS) for i in range(WIDE_STRIPS + 1)]
     means = [_between(hull, s.breadth, fore, aft) / (aft - fore) for aft, fore in pairwise(edges)]
     table: dict[str, Any] = {
-        "hull_share_horizontal": digits(min(1.0, abs(bare["Y_v"]) / abs(c["Y_v"]))),
-        "hull_share_vertical": digits(min(1.0, abs(bare["Z_w"]) / abs(c["Z_w"]))),
-        "strip_width": [digits(WIDE_STRIPS * mean / sum(means)) for mean in means],
-        "crossflow_y": digits(drag * integral(s.height, s.x)),
-        "crossflow_z": digits(drag * integral(s.breadth, s.x)),
+        "hull_share_horizontal": round_to_digits(min(1.0, abs(bare["Y_v"]) / abs(c["Y_v"]))),
+        "hull_share_vertical": round_to_digits(min(1.0, abs(bare["Z_w"]) / abs(c["Z_w"]))),
+        "strip_width": [round_to_digits(WIDE_STRIPS * mean / sum(means)) for mean in means],
+        "crossflow_y": round_to_digits(drag * integral(s.height, s.x)),
+        "crossflow_z": round_to_digits(drag * integral(s.breadth, s.x)),
     }
     if tail:
         at = sum(p.area * p.place(0.5) for p in tail) / sum(p.area for p in tail)
-        table["tail_place"] = digits(max(at / s.ell, -0.6))
+        table["tail_place"] = round_to_digits(max(at / s.ell, -0.6))
         for key, axis in (("tail_y", 0), ("tail_z", 1)):
-            table[key] = digits(PLATE * sum(p.area * abs(p.normal[axis]) for p in tail) / s.ell**2)
+            table[key] = round_to_digits(
+                PLATE_DRAG * sum(p.area * abs(p.normal[axis]) for p in tail) / s.ell**2
+            )
     if sails:
         area = sum(p.area for p in sails)
         at, up = (
@@ -271,9 +308,9 @@ def _envelope(made: Estimate) -> dict[str, Any]:
         )
         mass = sum(plate_mass(p) * on_both(p.radius_ratio) * p.normal[0] ** 2 for p in sails)
         table |= {
-            "sail_place": [digits(at), digits(-up)],
-            "sail_y": digits(PLATE * area / s.ell**2),
-            "sail_added_mass": digits(hull.file.water.rho * mass),
+            "sail_place": [round_to_digits(at), round_to_digits(-up)],
+            "sail_y": round_to_digits(PLATE_DRAG * area / s.ell**2),
+            "sail_added_mass": round_to_digits(hull.file.water.rho * mass),
         }
     return table
 
@@ -291,8 +328,13 @@ def _run(hull: Hull, step: float) -> dict[str, Any]:
     return {
         "step_s": step,
         "start_speed_kn": design,
-        "start_depth_m": digits(max(SHALLOWEST, round(DEPTH * hull.ell))),
-        "speed_range_kn": [digits(SLOWEST * design), digits(FASTEST * design)],
+        "start_depth_m": round_to_digits(
+            max(MIN_START_DEPTH_M, round(START_DEPTH_LENGTHS * hull.ell))
+        ),
+        "speed_range_kn": [
+            round_to_digits(SLOWEST_GAIN_SPEED * design),
+            round_to_digits(FASTEST_GAIN_SPEED * design),
+        ],
     }
 
 
@@ -302,7 +344,7 @@ def _waves(made: Estimate) -> dict[str, Any]:
     if abs(s.centroid - s.x_G) > 0.004 * s.ell:
         return {}
     across, down = strip_masses(s)
-    edges = [s.length * i / STRIPS for i in range(STRIPS + 1)]
+    edges = [s.length * i / WAVE_STRIPS for i in range(WAVE_STRIPS + 1)]
     parts = list(pairwise(edges))
     volumes = [_between(hull, s.area, *part) for part in parts]
     per = made.mass / sum(volumes)
@@ -314,15 +356,15 @@ def _waves(made: Estimate) -> dict[str, Any]:
     ):
         own = [_between(hull, widths, *part) for part in parts]
         whole = -k3 * made.values[coefficient]
-        added[key] = [digits(whole * each / sum(own)) for each in own]
+        added[key] = [round_to_digits(whole * each / sum(own)) for each in own]
     places = [
         s.x_G - _between(hull, s.area * s.x, *part) / volume
         for part, volume in zip(parts, volumes, strict=True)
     ]
     return {
         "wave_strips": {
-            "x_m": [digits(x) for x in places],
-            "displaced_kg": [digits(per * volume) for volume in volumes],
+            "x_m": [round_to_digits(x) for x in places],
+            "displaced_kg": [round_to_digits(per * volume) for volume in volumes],
             **added,
         }
     }
@@ -353,18 +395,18 @@ def _lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
 
 def _coefficient_lines(made: Estimate, values: Mapping[str, float]) -> Iterator[str]:
     """Yield the coefficients by axis, each with its deviation and what it rests on."""
-    for axis in AXES:
+    for axis in FORCE_AXES:
         yield from ("", f"[coefficients.{axis}]")
         for term in COEFFICIENTS:
             if term.equation == axis:
                 sd = f"sd {made.sd[term.key]:.2g}"
-                note = f"# L^{term.power}, {sd}; {rests()[term.key]}"
+                note = f"# L^{term.power}, {sd}; {coefficient_origins()[term.key]}"
                 yield f"{term.key} = {values[term.key]!r}   {note}"
 
 
 def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
     """Return the vessel file of an estimate, without gains."""
-    lines = HEAD.format(name=made.hull.file.name, version=__version__).splitlines()
+    lines = FILE_HEAD.format(name=made.hull.file.name, version=__version__).splitlines()
     for key, value in tables.items():
         if key == "coefficients":
             lines += _coefficient_lines(made, value)
@@ -374,18 +416,18 @@ def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
             lines.append(f"{key} = {toml_value(value)}")
     documentation = {  # what draws need, and what the reader should know
         "by": f"trainer estimate, version {__version__}",
-        "outside": [*outside(made.hull)],
-        "defaulted": [*defaulted(made.hull.file)],
-        "covariance": [[digits(x) for x in row] for row in made.covariance.tolist()],
-        "constants": {name: digits(x) for name, x in made.constants.items()},
-        "sd": {term.key: float(f"{made.sd[term.key]:.3g}") for term in TABLE},
+        "outside": [*range_warnings(made.hull)],
+        "defaulted": [*list_defaults(made.hull.file)],
+        "covariance": [[round_to_digits(x) for x in row] for row in made.covariance.tolist()],
+        "constants": {name: round_to_digits(x) for name, x in made.constants.items()},
+        "sd": {term.key: float(f"{made.sd[term.key]:.3g}") for term in TERM_TABLE},
         "hull": dict(made.hull.file.tables),
     }
     return "\n".join([*lines, *_lines("estimate", documentation)]) + "\n"
 
 
 @dataclass(frozen=True)
-class Written:
+class WrittenBoat:
     """A boat as it is written, and what there is to say about it."""
 
     made: Estimate
@@ -394,43 +436,43 @@ class Written:
     lacks: tuple[str, ...]  # what it could not be given, in words
 
 
-def write_boat(hull: Hull, path: Path) -> Written:
+def write_boat(hull: Hull, path: Path) -> WrittenBoat:
     """Return the boat of a hull, with a step and gains; ConfigError without one."""
     made = estimate_of(hull)
     tables = boat_tables(made)
     steps = stable_steps(parse_vessel(boat_text(made, tables), path))
-    tables["run"] = _run(hull, steps[0] if steps else STEPS[-1])
+    tables["run"] = _run(hull, steps[0] if steps else TRIED_STEPS_S[-1])
     kinds = {panel.control for panel in hull.panels}
-    lacking = [name for name in (RUDDER, STERN) if not {name, X} & kinds]
-    problem = "" if steps else f"no step of {STEPS[-1]:g} s or longer is stable"
+    lacking = [name for name in (RUDDER_CONTROL, STERN_CONTROL) if not {name, X_CONTROL} & kinds]
+    problem = "" if steps else f"no step of {TRIED_STEPS_S[-1]:g} s or longer is stable"
     if lacking:
         problem = f"no panel has control = {' or '.join(lacking)}"
     for step in [] if problem else steps:
         with_step = {**tables, "run": _run(hull, step)}
         try:
-            gains = design(parse_vessel(boat_text(made, with_step), path))
+            gains = design_gains(parse_vessel(boat_text(made, with_step), path))
             text = boat_text(made, {**with_step, "autopilot": gains})
-            return Written(made, text, parse_vessel(text, path), ())
+            return WrittenBoat(made, text, parse_vessel(text, path), ())
         except ConfigError as wrong:
             problem = problem or wrong.problems[0]
     text = boat_text(made, tables)
-    return Written(made, text, parse_vessel(text, path), (problem,))
+    return WrittenBoat(made, text, parse_vessel(text, path), (problem,))
 
 
 def stable_steps(file: VesselFile) -> list[float]:
     """Return the steps [s] that are stable by all equation sets, the longest first."""
     speeds = [speed * KNOT for speed in round_speeds(*file.run.speed_range_kn)]
     flights, schemes = [], []
-    for equations in EQUATIONS:
+    for equations in EQUATION_SETS:
         method = Method(equations, "lagged", "exact", "adams2", file.run.step_s)
-        flights.append(responses(Boat(file, method), speeds).values())
+        flights.append(boat_responses(Boat(file, method), speeds).values())
         schemes.append(scheme_record(method))
-    run = FINE * file.hull.length / (file.run.start_speed_kn * KNOT)
-    most = min(run, ROLLED / max(roll_frequency(file), 1e-9))
+    run = MAX_STEP_LENGTHS * file.hull.length / (file.run.start_speed_kn * KNOT)
+    most = min(run, MAX_ROLL_STEP_RAD / max(roll_frequency(file), 1e-9))
     return [
         step
-        for step in STEPS
-        if step <= max(most, STEPS[-1])
+        for step in TRIED_STEPS_S
+        if step <= max(most, TRIED_STEPS_S[-1])
         and all(
             stable_at(flown, scheme, step) for flown, scheme in zip(flights, schemes, strict=True)
         )
@@ -448,4 +490,4 @@ def roll_frequency(file: VesselFile) -> float:
 def study_text(boat: str, rudder: float) -> str:
     """Return a study of turns of draws of a boat; ``rudder`` in degrees."""
     name = boat if "/" in boat else f"./{boat}"
-    return STUDY.format(boat=toml_value(name), rudder=rudder)
+    return STUDY_TEXT.format(boat=toml_value(name), rudder=rudder)

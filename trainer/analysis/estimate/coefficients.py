@@ -14,33 +14,37 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.estimate.geometry import Panel, Shape, integral, panels_of_surface, shape_of
-from trainer.config.hull import BOW, RUDDER, STERN, HullFile, X
-from trainer.config.schema import SMALLEST
+from trainer.config.hull import BOW_CONTROL, RUDDER_CONTROL, STERN_CONTROL, X_CONTROL, HullFile
+from trainer.config.schema import MIN_NONZERO_SIZE
 from trainer.core.kernel import Numbers
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
-Values = dict[str, float]
-Constants = Mapping[str, float]
+CoefficientValues = dict[str, float]
+FittedConstants = Mapping[str, float]
 
 # [DNV] DNV-RP-C205: added mass of a rectangle over that of the ellipse's circle, by the ratio of
 # its sides, that across the flow first
 RECTANGLE_RATIO: Final = np.log((0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0))
-RECTANGLE: Final = (2.23, 1.98, 1.70, 1.51, 1.36, 1.21, 1.14)
+RECTANGLE_DRAG: Final = (2.23, 1.98, 1.70, 1.51, 1.36, 1.21, 1.14)
 
-SLOPE: Final = 0.9 * 2.0 * math.pi  # [1/rad] of [WF]
+SECTION_LIFT_SLOPE: Final = 0.9 * 2.0 * math.pi  # [1/rad] of [WF]
 VISCOUS_STATION: Final = (0.378, 0.527)  # [DATCOM]: of the length, and of the tail's centroid
-AHEAD: Final = 0.35  # X_vv over Y_v: BB2 0.32, SDV 0.53; own estimate
+DRIFT_DRAG_RATIO: Final = 0.35  # X_vv over Y_v: BB2 0.32, SDV 0.53; own estimate
 ROLL_DAMPING: Final = 0.5  # own estimate
-PLATE: Final = 0.6  # drag of a panel across the flow: its slope already carries part; own estimate
+PLATE_DRAG: Final = (
+    0.6  # drag of a panel across the flow: its slope already carries part; own estimate
+)
 SMALL_SWINGS: Final = 5.0  # that of plates at a low Keulegan number, from BB2's roll decay
-MIXED: Final = 0.6  # of the strips' remainder: BB2 0.48, the tables of Iowa 0.85; own estimate
-PIVOTS: Final = np.linspace(0.1, 0.6, 11)  # [lengths] ahead of the CG, of a boat that turns
-CROSS_FLOW: Final = (0.55, 1.1)  # drag above and below that Reynolds number
+MIXED_SHARE: Final = (
+    0.6  # of the strips' remainder: BB2 0.48, the tables of Iowa 0.85; own estimate
+)
+PIVOT_PLACES: Final = np.linspace(0.1, 0.6, 11)  # [lengths] ahead of the CG, of a boat that turns
+CROSS_FLOW_DRAG: Final = (0.55, 1.1)  # drag above and below that Reynolds number
 CRITICAL_REYNOLDS: Final = 4e5
-DRIFT: Final = 0.15  # [-] of the speed, which goes across
-ASTERN: Final = -0.7  # thrust astern over that ahead; own estimate
-FACTORS: Final = {  # those not fitted, which a draw varies as well
+DRIFT_RATIO: Final = 0.15  # [-] of the speed, which goes across
+ASTERN_THRUST_RATIO: Final = -0.7  # thrust astern over that ahead; own estimate
+UNFITTED_FACTORS: Final = {  # those not fitted, which a draw varies as well
     "cross_flow": 1.0,
     "surface_drag": 1.0,
     "mixed": 1.0,
@@ -77,10 +81,10 @@ def hull_of(file: HullFile) -> Hull:
     return Hull(file, shape, tuple(panels))
 
 
-def slope(panel: Panel) -> float:
+def lift_slope(panel: Panel) -> float:
     """Return the lift slope [1/rad] of a panel and its image, [WF]."""
     A, cosine = panel.aspect, math.cos(panel.sweep)
-    return SLOPE * A / (cosine * math.sqrt(A * A / cosine**4 + 4.0) + 1.8)
+    return SECTION_LIFT_SLOPE * A / (cosine * math.sqrt(A * A / cosine**4 + 4.0) + 1.8)
 
 
 def on_both(ratio: float) -> float:
@@ -104,8 +108,8 @@ def strip_masses(shape: Shape) -> tuple[Numbers, Numbers]:
     if not shape.boxy:
         return across, down
     sides = np.log(np.maximum(h, 1e-9) / np.maximum(b, 1e-9))
-    across = across * np.interp(sides, RECTANGLE_RATIO, RECTANGLE)
-    return across, down * np.interp(-sides, RECTANGLE_RATIO, RECTANGLE)
+    across = across * np.interp(sides, RECTANGLE_RATIO, RECTANGLE_DRAG)
+    return across, down * np.interp(-sides, RECTANGLE_RATIO, RECTANGLE_DRAG)
 
 
 def plate_mass(panel: Panel) -> float:
@@ -114,7 +118,7 @@ def plate_mass(panel: Panel) -> float:
     return 0.25 * math.pi * panel.chord**2 * panel.span * A / math.sqrt(A * A + 1.0)
 
 
-def bare_masses(hull: Hull, factor: float) -> Values:
+def bare_masses(hull: Hull, factor: float) -> CoefficientValues:
     """Return the added masses of the bare hull."""
     s = hull.shape
     across, down = strip_masses(s)
@@ -137,7 +141,7 @@ def bare_masses(hull: Hull, factor: float) -> Values:
     }
 
 
-def panel_masses(hull: Hull) -> Values:
+def panel_masses(hull: Hull) -> CoefficientValues:
     """Return the added masses of the panels."""
     found = dict.fromkeys(("Y_vdot", "Z_wdot", "N_rdot", "M_qdot", "Y_rdot", "Z_qdot"), 0.0)
     found |= dict.fromkeys(("K_pdot", "K_vdot", "K_rdot"), 0.0)
@@ -160,7 +164,7 @@ def panel_masses(hull: Hull) -> Values:
     return found | {twin: found[name] for twin, name in twins.items()}
 
 
-def products(c: Mapping[str, float]) -> Values:
+def products(c: Mapping[str, float]) -> CoefficientValues:
     """Return the products of velocities that the added masses entail, [K]."""
     return {
         "X_qq": c["Z_qdot"],
@@ -189,7 +193,9 @@ def products(c: Mapping[str, float]) -> Values:
     }
 
 
-def bare_lift(hull: Hull, bare: Mapping[str, float], constants: Constants, drag: float) -> Values:
+def bare_lift(
+    hull: Hull, bare: Mapping[str, float], constants: FittedConstants, drag: float
+) -> CoefficientValues:
     """Return the linear coefficients of the bare hull.
 
     Own: Munk's moment of the ideal fluid, and one viscous force near the stern.
@@ -216,21 +222,21 @@ def bare_lift(hull: Hull, bare: Mapping[str, float], constants: Constants, drag:
     }
 
 
-def efficiency(panel: Panel, constants: Constants) -> float:
+def efficiency(panel: Panel, constants: FittedConstants) -> float:
     """Return the share [-] of its lift slope that a panel keeps on the hull."""
     if panel.sail:
         return constants["sail_lift"]
     return constants["tail_lift"] if panel.aft else 1.0
 
 
-def panel_lift(hull: Hull, constants: Constants) -> Values:
+def panel_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return the linear coefficients of the panels."""
     names = ("Y_v", "N_v", "Y_r", "N_r", "Z_w", "M_w", "Z_q", "M_q")
     found = dict.fromkeys((*names, "K_v", "K_p", "K_r", "Y_p", "N_p"), 0.0)
     L = hull.ell
     for panel in hull.panels:
         ny, nz = panel.normal
-        own = efficiency(panel, constants) * slope(panel) * panel.area / L**2
+        own = efficiency(panel, constants) * lift_slope(panel) * panel.area / L**2
         both, alone = own * on_both(panel.radius_ratio), own * on_panel(panel.radius_ratio)
         x, r = panel.place(0.25) / L, panel.arm / L
         # the hull's share beside a sail acts aft of it: its wake on the afterbody
@@ -256,41 +262,41 @@ def panel_lift(hull: Hull, constants: Constants) -> Values:
     return found
 
 
-def control_lift(hull: Hull, constants: Constants) -> Values:
+def control_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return the coefficients of rudder and planes."""
     names = ("Y_dr", "N_dr", "K_dr", "Z_ds", "M_ds", "Z_db", "M_db")
     found = dict.fromkeys((*names, "X_drdr", "X_dsds", "X_dbdb"), 0.0)
     L = hull.ell
     for panel in hull.panels:
         ny, nz = panel.normal
-        C, x = slope(panel), panel.place(0.25) / L
+        C, x = lift_slope(panel), panel.place(0.25) / L
         own = panel.share * C * panel.area / L**2 * on_panel(panel.radius_ratio)
         force = own * (constants["tail_control"] if panel.aft else 1.0)
-        drag = own * efficiency(panel, constants) * C / (SLOPE / 2.0 * panel.aspect)
-        if panel.control in (RUDDER, X):
+        drag = own * efficiency(panel, constants) * C / (SECTION_LIFT_SLOPE / 2.0 * panel.aspect)
+        if panel.control in (RUDDER_CONTROL, X_CONTROL):
             found["Y_dr"] += force * abs(ny)
             found["N_dr"] += force * abs(ny) * x
-            found["K_dr"] += force * ny * panel.arm / L if panel.control == RUDDER else 0.0
+            found["K_dr"] += force * ny * panel.arm / L if panel.control == RUDDER_CONTROL else 0.0
             found["X_drdr"] -= drag
-        if panel.control in (STERN, X):
+        if panel.control in (STERN_CONTROL, X_CONTROL):
             found["Z_ds"] -= force * abs(nz)
             found["M_ds"] += force * abs(nz) * x
             found["X_dsds"] -= drag
-        if panel.control == BOW:
+        if panel.control == BOW_CONTROL:
             found["Z_db"] -= force * abs(nz)
             found["M_db"] += force * abs(nz) * x
             found["X_dbdb"] -= drag
     return found
 
 
-def sail_vortex(hull: Hull, constants: Constants) -> Values:
+def sail_vortex(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return the forces of a sail's vortex on the hull behind it; own, after Mackay."""
     found = dict.fromkeys(("Z_vv", "Z_vr", "Z_rr", "M_vv", "M_vr", "M_rr"), 0.0)
     s = hull.shape
     for panel in hull.panels:
         if not panel.sail:
             continue
-        strength = constants["out_of_plane"] * panel.chord / s.ell * slope(panel)
+        strength = constants["out_of_plane"] * panel.chord / s.ell * lift_slope(panel)
         behind = s.x >= panel.station(0.25)
         x = s.X[behind] / s.ell
         along = s.x[behind] / s.ell
@@ -310,28 +316,28 @@ def cross_flow_drag(hull: Hull) -> float:
     given = hull.file.speed.cross_flow_drag
     if given is not None:
         return given
-    reynolds = DRIFT * hull.speed * hull.shape.diameter / hull.file.water.nu
-    return CROSS_FLOW[0] if reynolds > CRITICAL_REYNOLDS else CROSS_FLOW[1]
+    reynolds = DRIFT_RATIO * hull.speed * hull.shape.diameter / hull.file.water.nu
+    return CROSS_FLOW_DRAG[0] if reynolds > CRITICAL_REYNOLDS else CROSS_FLOW_DRAG[1]
 
 
-def cross_flow(hull: Hull, constants: Constants) -> Values:
+def cross_flow(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return the coefficients of the drag across the flow, strip by strip."""
     s, L = hull.shape, hull.ell
     C = constants["cross_flow"] * cross_flow_drag(hull)
     X = s.X / L
     plates = [
-        (PLATE * constants["surface_drag"] * panel.area / L**2, panel) for panel in hull.panels
+        (PLATE_DRAG * constants["surface_drag"] * panel.area / L**2, panel) for panel in hull.panels
     ]
     side = [(a * abs(p.normal[0]), p.place(0.5) / L) for a, p in plates]
     down = [(a * abs(p.normal[1]), p.place(0.5) / L) for a, p in plates]
     along = s.x / L
-    found: Values = {}
+    found: CoefficientValues = {}
     for names, width, fins in (
         (("Y_vav", "N_vav", "Y_var", "N_rar", "N_avr"), s.height / L, side),
         (("Z_waw", "M_waw", "Z_waq", "M_qaq", "M_awq"), s.breadth / L, down),
     ):
         drag = Strips(C, X, width, along, fins)
-        found |= dict(zip(names, drag.fitted(MIXED * constants["mixed"]), strict=True))
+        found |= dict(zip(names, drag.fitted(MIXED_SHARE * constants["mixed"]), strict=True))
     found["M_waw"] = -found["M_waw"]  # M is -X Z; where q takes part it turns the other way too
     found["K_vav"] = -C * integral(s.height * s.centre, s.x) / L**3
     found["K_pap"] = 0.0
@@ -372,7 +378,7 @@ class Strips:
         bare = Strips(self.C, self.X, self.width, self.along, [])
         drift, drift_moment = self.pushed(1.0, 0.0)[0], bare.pushed(1.0, 0.0)[1]
         turn = self.pushed(0.0, 1.0)[1]
-        v = -PIVOTS
+        v = -PIVOT_PLACES
         pushed = np.array([self.pushed(each, 1.0) for each in v])
         force = pushed[:, 0] - drift * v * np.abs(v)
         moment = pushed[:, 1] - drift_moment * v * np.abs(v) - turn
@@ -421,7 +427,7 @@ def _thrust_terms(hull: Hull) -> tuple[float, float, float]:
     return whole * D**4 * k0, whole * D**3 * k1 * slow, whole * D**2 * k2 * slow * slow
 
 
-def propulsion(hull: Hull, drag: float) -> Values:
+def propulsion(hull: Hull, drag: float) -> CoefficientValues:
     """Return the thrust rows and the torque's effect on roll."""
     found = dict.fromkeys(("K_star", "K_star_eta"), 0.0)
     a, b, c = -drag, 0.0, drag
@@ -430,7 +436,7 @@ def propulsion(hull: Hull, drag: float) -> Values:
     if p is not None and g is not None:
         second, first, rest = _thrust_terms(hull)
         a, b, c = rest - drag, first * g, second * g * g
-        astern = ASTERN * c
+        astern = ASTERN_THRUST_RATIO * c
         J = (1.0 - p.wake) / (g * p.diameter)
         KQ = p.KQ[0] + p.KQ[1] * J + p.KQ[2] * J * J
         hand = 1.0 if p.clockwise_from_astern else -1.0
@@ -441,29 +447,32 @@ def propulsion(hull: Hull, drag: float) -> Values:
     return found | {"a3": a, "b3": 0.0, "c3": astern}
 
 
-def coefficients(hull: Hull, constants: Constants) -> Values:
+def coefficients(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return all 131 coefficients of a hull, those of no formula zero."""
-    given = FACTORS | dict(constants)
+    given = UNFITTED_FACTORS | dict(constants)
     drag = given["resistance"] * resistance(hull)
     bare = bare_masses(hull, given["added_mass"])
     found = dict.fromkeys((term.key for term in COEFFICIENTS), 0.0)
-    masses = add(bare, panel_masses(hull))
+    masses = add_coefficients(bare, panel_masses(hull))
     found |= masses | products(masses)
-    found |= add(bare_lift(hull, bare, given, drag), panel_lift(hull, given))
+    found |= add_coefficients(bare_lift(hull, bare, given, drag), panel_lift(hull, given))
     found |= control_lift(hull, given) | cross_flow(hull, given)
     vortex = sail_vortex(hull, given)
     found |= vortex | {
         "M_vr": vortex["M_vr"] + masses["Y_pdot"],
         "M_rr": vortex["M_rr"] + masses["K_rdot"],
     }
-    found |= {"X_vv": AHEAD * abs(found["Y_v"]), "X_ww": AHEAD * abs(found["Z_w"])}
+    found |= {
+        "X_vv": DRIFT_DRAG_RATIO * abs(found["Y_v"]),
+        "X_ww": DRIFT_DRAG_RATIO * abs(found["Z_w"]),
+    }
     found |= propulsion(hull, drag)
-    return {key: value if abs(value) >= SMALLEST else 0.0 for key, value in found.items()}
+    return {key: value if abs(value) >= MIN_NONZERO_SIZE else 0.0 for key, value in found.items()}
 
 
-def add(*parts: Mapping[str, float]) -> Values:
+def add_coefficients(*parts: Mapping[str, float]) -> CoefficientValues:
     """Return the sums of coefficients by name."""
-    found: Values = {}
+    found: CoefficientValues = {}
     for part in parts:
         for key, value in part.items():
             found[key] = found.get(key, 0.0) + value

@@ -12,14 +12,14 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.hull import Form, HullFile, Panels
+from trainer.config.hull import HullFile, HullForm, Panels
 from trainer.core.kernel import Numbers
 
-STATIONS: Final = 801  # along the hull, on every machine
-NOSE, TAIL = 1.5, 3.0  # [-] usual lengths in breadths; own estimate
-FULLNESS: Final = {"ellipse": 1.0, "box": 1.15}
+STATION_COUNT: Final = 801  # along the hull, on every machine
+NOSE_BREADTHS, TAIL_BREADTHS = 1.5, 3.0  # [-] usual lengths in breadths; own estimate
+SECTION_FULLNESS: Final = {"ellipse": 1.0, "box": 1.15}
 NEAR_STERN: Final = 0.75  # [-] of the length: surfaces aft of it work in the wake
-ROOT: Final = 0.6  # [-] of the root chord: where the hull's radius is that of the root
+ROOT_CHORD_SHARE: Final = 0.6  # [-] of the root chord: where the hull's radius is that of the root
 
 
 def integral(values: Numbers, at: Numbers) -> float:
@@ -55,11 +55,11 @@ def _end_slope(near: float, far: float, rise: float, further: float) -> float:
     return 3.0 * rise if rise * further <= 0.0 and abs(slope) > 3.0 * abs(rise) else slope
 
 
-def profile(form: Form, x: Numbers) -> Numbers:
+def profile(form: HullForm, x: Numbers) -> Numbers:
     """Return breadth over the greatest breadth [-] of a hull of nose, middle and tail."""
     breadth = form.breadth or 0.0
-    nose = form.nose_length or NOSE * breadth
-    tail = form.tail_length or TAIL * breadth
+    nose = form.nose_length or NOSE_BREADTHS * breadth
+    tail = form.tail_length or TAIL_BREADTHS * breadth
     ahead = np.clip((x - nose) / nose, -1.0, 0.0)
     t = np.clip((x - (form.length - tail)) / tail, 0.0, 1.0)
     base = form.base_diameter / breadth
@@ -170,7 +170,7 @@ class Shape:
 def shape_of(file: HullFile) -> Shape:
     """Return the bare hull of a file."""
     form = file.form
-    x = np.linspace(0.0, form.length, STATIONS)
+    x = np.linspace(0.0, form.length, STATION_COUNT)
     if form.stations:
         rows = np.array(form.stations)
         inside = (x >= rows[0, 0]) & (x <= rows[-1, 0])
@@ -180,7 +180,7 @@ def shape_of(file: HullFile) -> Shape:
         widest, share = form.breadth or 0.0, profile(form, x)
         breadth, height = widest * share, (form.height or widest) * share
         centre = np.zeros_like(x)
-    fullness = form.section_fullness or FULLNESS[form.section]
+    fullness = form.section_fullness or SECTION_FULLNESS[form.section]
     bare = Shape(
         length=form.length,
         ell=file.length,
@@ -306,7 +306,7 @@ def root_radius(surface: Panels, shape: Shape, angle: float) -> float:
     """Return where a panel begins [m]: at the hull, unless the file says so."""
     if surface.root_radius is not None:
         return surface.root_radius
-    x = surface.le_root + ROOT * surface.root_chord
+    x = surface.le_root + ROOT_CHORD_SHARE * surface.root_chord
     a, b = shape.at(shape.breadth, x) / 2.0, shape.at(shape.height, x) / 2.0
     if a <= 0.0 or b <= 0.0 or surface.axis_up:
         return 0.0

@@ -9,34 +9,36 @@ import numpy as np
 from markupsafe import Markup
 
 from trainer import __version__
-from trainer.analysis.estimate.boat_file import Written
+from trainer.analysis.estimate.boat_file import WrittenBoat
 from trainer.analysis.estimate.coefficients import Hull
 from trainer.analysis.estimate.geometry import Panel
-from trainer.analysis.estimate.survey import Band, Influence, Survey
-from trainer.analysis.estimate.uncertainty import rests
+from trainer.analysis.estimate.survey import EstimateBand, Influence, Survey
+from trainer.analysis.estimate.uncertainty import coefficient_origins
 from trainer.config.files import as_typed
-from trainer.core.terms import TABLE
-from trainer.report.html import embed, page, paragraph, section, table
-from trainer.report.svg import Axis, rect, rule, scale, svg, text
-from trainer.report.text import figure, plain, wrap
+from trainer.core.terms import TERM_TABLE
+from trainer.report.html import embed_json, fill_page, paragraph, section, table
+from trainer.report.svg import Axis, rect, rule, scale_axis, svg_element, text
+from trainer.report.text import ascii_text, format_number, wrap
 from trainer.report.text import table as text_table
 
-WIDTH: Final = 640.0  # [px]
-EDGE: Final = 20.0  # [px] beside the hull
-ROOM: Final = 42.0  # [px] above each view: its title, and below it a name of a surface
-AXIS: Final = 30.0  # [px] below each view
-EVERY: Final = 2  # stations a point of the outline
-BROAD: Final = 0.3  # share of a panel that a view shows: less is seen edge on, and not named
-ROW, BARS_LEFT, BARS_WIDTH, BARS_EDGE = 26.0, 150.0, 340.0, 40.0  # [px] of a bar chart
-LETTER: Final = 6.2  # [px] about as wide as one
-ENOUGH: Final = 40  # draws, of which one lies beyond either end of 95 %
-HEADS: Final = ("", "estimate", "68 %", "95 %")
+PAPER_WIDTH_PX: Final = 640.0  # [px]
+PAPER_EDGE_PX: Final = 20.0  # [px] beside the hull
+TITLE_ROOM_PX: Final = 42.0  # [px] above each view: its title, and below it a name of a surface
+AXIS_ROOM_PX: Final = 30.0  # [px] below each view
+OUTLINE_STRIDE: Final = 2  # stations a point of the outline
+MIN_PANEL_SHARE: Final = (
+    0.3  # share of a panel that a view shows: less is seen edge on, and not named
+)
+BAR_ROW_PX, BARS_LEFT, BARS_WIDTH, BARS_EDGE = 26.0, 150.0, 340.0, 40.0  # [px] of a bar chart
+LETTER_WIDTH_PX: Final = 6.2  # [px] about as wide as one
+MIN_BAND_DRAWS: Final = 40  # draws, of which one lies beyond either end of 95 %
+BAND_HEADS: Final = ("", "estimate", "68 %", "95 %")
 INFLUENCE_HEADS: Final = ("input", "value", "changed by", "lower", "higher")
-NOTE: Final = (
+BAND_NOTE: Final = (
     "Bands are of draws of the whole set: first the constants of the method, then each "
     "coefficient. They know nothing of a wrong drawing."
 )
-LEGEND: Final = "Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + NOTE
+BAND_LEGEND: Final = "Thick: 68 of 100 draws; thin: 95 of 100; line: the estimate. " + BAND_NOTE
 
 
 @dataclass(frozen=True)
@@ -59,18 +61,24 @@ def draw_hull(hull: Hull) -> Markup:
     lowest = min(float((s.centre - s.height / 2.0).min()), float(corners[:, 1].min()))
     wide = max(float(s.breadth.max()) / 2.0, float(np.abs(corners[:, 2]).max()))
     aft = max(0.0, float(corners[:, 0].max()) - s.length)  # how far surfaces go beyond the stern
-    px_per_m = (WIDTH - 2.0 * EDGE) / (s.length + aft)
+    px_per_m = (PAPER_WIDTH_PX - 2.0 * PAPER_EDGE_PX) / (s.length + aft)
     for view, low, high in (("side", lowest, highest), ("top", -wide, wide)):
-        top += ROOM
+        top += TITLE_ROOM_PX
         bottom = top + px_per_m * (high - low)
         paper = Paper(
-            Axis(0.0, s.length, EDGE, EDGE + px_per_m * s.length), Axis(low, high, bottom, top)
+            Axis(0.0, s.length, PAPER_EDGE_PX, PAPER_EDGE_PX + px_per_m * s.length),
+            Axis(low, high, bottom, top),
         )
         title = "From starboard" if view == "side" else "From above, starboard upwards"
-        parts += [text("title", EDGE, top - 24.0, f"{title} [m]"), *_view(hull, view, paper)]
-        parts += scale(paper.along, bottom + 8.0, 10)
-        top = bottom + AXIS
-    return svg(f"{hull.file.name} from the side and from above", (WIDTH, top), parts)
+        parts += [
+            text("title", PAPER_EDGE_PX, top - 24.0, f"{title} [m]"),
+            *_view(hull, view, paper),
+        ]
+        parts += scale_axis(paper.along, bottom + 8.0, 10)
+        top = bottom + AXIS_ROOM_PX
+    return svg_element(
+        f"{hull.file.name} from the side and from above", (PAPER_WIDTH_PX, top), parts
+    )
 
 
 def corners_of(panel: Panel) -> list[tuple[float, float, float]]:
@@ -90,7 +98,7 @@ def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
     half, middle = (
         (s.height / 2.0, s.centre) if view == "side" else (s.breadth / 2.0, 0.0 * s.centre)
     )
-    places = [*range(0, len(s.x), EVERY), len(s.x) - 1]
+    places = [*range(0, len(s.x), OUTLINE_STRIDE), len(s.x) - 1]
     over = [paper.point(s.x[i], (middle + half)[i]) for i in places]
     under = [paper.point(s.x[i], (middle - half)[i]) for i in reversed(places)]
     yield f'<path class="hull" d="M{"L".join([*over, *under])}Z"/>'
@@ -102,12 +110,12 @@ def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
         points = "L".join(paper.point(*corner) for corner in corners)
         moves = "" if panel.control == "none" else " moves"
         yield f'<path class="panel{moves}" d="M{points}Z"/>'
-        if panel.name not in named and abs(panel.normal[k - 1]) > BROAD:
+        if panel.name not in named and abs(panel.normal[k - 1]) > MIN_PANEL_SHARE:
             named.add(panel.name)  # above its outline, or before it where the edge is near
             x = paper.along.at(sum(corner[0] for corner in corners) / 4.0)
             z = paper.up.at(max(corner[1] for corner in corners))
-            near = x + LETTER * len(panel.name) / 2.0 > WIDTH
-            style, x = ("name end", min(x, WIDTH - 2.0)) if near else ("name middle", x)
+            near = x + LETTER_WIDTH_PX * len(panel.name) / 2.0 > PAPER_WIDTH_PX
+            style, x = ("name end", min(x, PAPER_WIDTH_PX - 2.0)) if near else ("name middle", x)
             yield text(style, x, z - 4.0, panel.name)
     yield from _centres(hull, view, paper)
 
@@ -128,7 +136,7 @@ def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
         yield rule("propeller", x, paper.up.at(half), x, paper.up.at(-half))
 
 
-def draw_bands(bands: tuple[Band, ...]) -> Markup:
+def draw_bands(bands: tuple[EstimateBand, ...]) -> Markup:
     """Return the bands of figures of one unit as bars, the estimate marked."""
     there = [band for band in bands if band.value is not None and None not in band.bands.values()]
     if not there:
@@ -139,7 +147,7 @@ def draw_bands(bands: tuple[Band, ...]) -> Markup:
     across = Axis(low, high, BARS_LEFT, BARS_LEFT + BARS_WIDTH)
     parts: list[str] = []
     for i, band in enumerate(there):
-        y = 8.0 + ROW * i
+        y = 8.0 + BAR_ROW_PX * i
         parts.append(text("tick end", BARS_LEFT - 8.0, y + 12.0, band.name))
         for style, pair in zip(("core", "outer"), band.bands.values(), strict=True):
             if pair:
@@ -155,11 +163,11 @@ def draw_bands(bands: tuple[Band, ...]) -> Markup:
 
 def _bar_chart(title: str, parts: list[str], rows: int, across: Axis, unit: str) -> Markup:
     """Return rows of bars with an axis below, in a division that is small on a narrow screen."""
-    bottom = 8.0 + ROW * rows
-    parts += scale(across, bottom, 6)
+    bottom = 8.0 + BAR_ROW_PX * rows
+    parts += scale_axis(across, bottom, 6)
     if unit != "-":
         parts.append(text("tick", across.end + 8.0, bottom + 16.0, unit))
-    drawn = svg(title, (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)
+    drawn = svg_element(title, (BARS_LEFT + BARS_WIDTH + BARS_EDGE, bottom + 24.0), parts)
     return Markup('<div class="bars">{}</div>').format(drawn)
 
 
@@ -170,24 +178,24 @@ def draw_influences(found: tuple[Influence, ...]) -> Markup:
     across = Axis(-most, most, left, left + BARS_WIDTH - 20.0)
     parts: list[str] = []
     for i, one in enumerate(found):
-        y = 8.0 + ROW * i
+        y = 8.0 + BAR_ROW_PX * i
         parts.append(text("tick end", left - 8.0, y + 12.0, one.key))
         for style, effect, at in (("lower", one.down, y), ("higher", one.up, y + 8.0)):
             ends = sorted((across.at(0.0), across.at(100.0 * (effect or 0.0))))
             parts.append(rect(style, ends[0], at, ends[1] - ends[0], 8.0))
-    parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), 8.0 + ROW * len(found)))
+    parts.append(rule("axis", across.at(0.0), 4.0, across.at(0.0), 8.0 + BAR_ROW_PX * len(found)))
     return _bar_chart("What moves the turn most", parts, len(found), across, "%")
 
 
-def render(found: Survey, written: Written) -> str:
+def render(found: Survey, written: WrittenBoat) -> str:
     """Return the page for a terminal, 79 columns."""
-    lines = [plain(f"ESTIMATE: {found.vessel}"), ""]
+    lines = [ascii_text(f"ESTIMATE: {found.vessel}"), ""]
     lines += [f"  {name}: {words}" for name, words in facts(found)]
     lines += ["", "STABILITY (above 0: stable by itself)"]
-    lines += text_table(HEADS, (band_row(band) for band in found.margins))
+    lines += text_table(BAND_HEADS, (band_row(band) for band in found.margins))
     lines += ["", turn_title(found).upper()]
-    lines += text_table(HEADS, (band_row(band) for band in found.turn))
-    lines += [*wrap(NOTE, "  ", "  "), "", "WHAT MOVES THE STEADY DIAMETER MOST [%]"]
+    lines += text_table(BAND_HEADS, (band_row(band) for band in found.turn))
+    lines += [*wrap(BAND_NOTE, "  ", "  "), "", "WHAT MOVES THE STEADY DIAMETER MOST [%]"]
     typed, flies = as_typed(written.file.path), bool(found.influences)
     lines += (
         text_table(INFLUENCE_HEADS, map(influence_row, found.influences))
@@ -210,7 +218,7 @@ def facts(found: Survey) -> list[tuple[str, str]]:
         for plane, speed in found.critical_speed_kn.items()
         if speed is not None
     ]
-    period = figure(found.roll_period_s, ".3g")
+    period = format_number(found.roll_period_s, ".3g")
     return [
         ("mass", f"{found.mass_kg:.6g} kg; the hull displaces {found.displaced_kg:.6g} kg"),
         ("step", f"{found.step_s:g} s, the longest that is stable and that the gains hold"),
@@ -223,17 +231,17 @@ def facts(found: Survey) -> list[tuple[str, str]]:
 def turn_title(found: Survey) -> str:
     """Return what turn was flown, and how many draws its bands rest on."""
     flown = f"{found.flown} of {found.draws} draws flew it" if found.draws else "no draws, no bands"
-    few = ": few, the bands are rough" if 0 < found.flown < ENOUGH else ""
+    few = ": few, the bands are rough" if 0 < found.flown < MIN_BAND_DRAWS else ""
     return f"Turn, rudder {found.rudder_deg:g} deg, {found.speed_kn:g} kn ({flown}{few})"
 
 
-def band_row(band: Band) -> tuple[str, ...]:
+def band_row(band: EstimateBand) -> tuple[str, ...]:
     """Return a figure with its bands as cells."""
     name = band.name if band.unit == "-" else f"{band.name} [{band.unit}]"
     ends = (
         "-" if pair is None else f"{pair[0]:.3g} to {pair[1]:.3g}" for pair in band.bands.values()
     )
-    return (name, figure(band.value, ".3g"), *ends)
+    return (name, format_number(band.value, ".3g"), *ends)
 
 
 def influence_row(one: Influence) -> tuple[str, ...]:
@@ -243,7 +251,7 @@ def influence_row(one: Influence) -> tuple[str, ...]:
     return (one.key, f"{one.value:.4g}{unit}", one.change, down, up)
 
 
-def html_page(found: Survey, written: Written) -> str:
+def html_page(found: Survey, written: WrittenBoat) -> str:
     """Return the page with the hull drawn, every coefficient, the bands and what moves them."""
     drawn = Markup('<div class="wide drawing">{}</div>').format(draw_hull(written.made.hull))
     warned = [paragraph(each, "bad") for each in found.warnings] or [paragraph("None.")]
@@ -264,18 +272,18 @@ def html_page(found: Survey, written: Written) -> str:
         "coefficients": ("Coefficients", [*_coefficients(written)]),
         "defaulted": ("Defaulted", [paragraph(", ".join(found.defaulted))]),
     }
-    return page(
+    return fill_page(
         "estimate.html",
         "guide.css",
         title=found.vessel,
         heading=f"Estimated from its drawing by trainer estimate, version {__version__}",
         contents=[(name, title) for name, (title, _) in chapters.items()],
         parts=[section(name, title, *parts) for name, (title, parts) in chapters.items()],
-        data=embed(asdict(found)),
+        data=embed_json(asdict(found)),
     )
 
 
-def _hull_words(written: Written) -> Markup:
+def _hull_words(written: WrittenBoat) -> Markup:
     """Return what the drawing shows."""
     shape = written.made.hull.shape
     return paragraph(
@@ -287,11 +295,11 @@ def _hull_words(written: Written) -> Markup:
     )
 
 
-def _banded(words: str, bands: tuple[Band, ...]) -> list[Markup]:
+def _banded(words: str, bands: tuple[EstimateBand, ...]) -> list[Markup]:
     """Return figures with their bands, those of the first one's unit drawn."""
     drawn = tuple(band for band in bands if band.unit == bands[0].unit)
-    rows = table(HEADS, map(band_row, bands))
-    return [paragraph(words), rows, draw_bands(drawn), paragraph(LEGEND, "soft")]
+    rows = table(BAND_HEADS, map(band_row, bands))
+    return [paragraph(words), rows, draw_bands(drawn), paragraph(BAND_LEGEND, "soft")]
 
 
 def _inputs(found: Survey) -> Iterator[Markup]:
@@ -305,7 +313,7 @@ def _inputs(found: Survey) -> Iterator[Markup]:
     yield paragraph("Upper bar: the input lower; bar under it: higher.", "soft")
 
 
-def _coefficients(written: Written) -> Iterator[Markup]:
+def _coefficients(written: WrittenBoat) -> Iterator[Markup]:
     """Yield every coefficient with its deviation and what it rests on."""
     made = written.made
     rows = [
@@ -314,9 +322,9 @@ def _coefficients(written: Written) -> Iterator[Markup]:
             f"{made.values[term.key]:.4g}",
             f"{made.sd[term.key]:.2g}",
             f"L^{term.power} {term.multiplies}",
-            rests()[term.key],
+            coefficient_origins()[term.key],
         )
-        for term in TABLE
+        for term in TERM_TABLE
     ]
     yield paragraph(
         "All 131, in the prime system. sd: standard deviation. Doubled where the hull is outside "

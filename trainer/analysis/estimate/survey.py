@@ -8,47 +8,47 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.check import critical_speeds, flights, margins
+from trainer.analysis.check import critical_speeds, margins, straight_flights
 from trainer.analysis.estimate.boat_file import (
-    STABILITY,
-    Written,
+    STABILITY_HEIGHTS,
+    WrittenBoat,
     boat_tables,
     estimate_of,
     mass_of,
 )
 from trainer.analysis.estimate.coefficients import cross_flow_drag, hull_of
-from trainer.analysis.estimate.uncertainty import drawn_tables, outside
-from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.estimate.uncertainty import drawn_tables, range_warnings
+from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError, parse_toml
-from trainer.config.hull import TABLES, HullFile, Panels, defaulted, read_hull
+from trainer.config.hull import HULL_TABLES, HullFile, Panels, list_defaults, read_hull
 from trainer.config.vessel import VesselFile, read_vessel
 from trainer.units import KNOT
 
-DIAMETER: Final = "steady diameter"
-MEASURES: Final = {  # unit by name
-    **dict.fromkeys((DIAMETER, "tactical diameter", "advance"), "m"),
+DIAMETER_MEASURE: Final = "steady diameter"
+MEASURE_UNITS: Final = {  # unit by name
+    **dict.fromkeys((DIAMETER_MEASURE, "tactical diameter", "advance"), "m"),
     "steady speed, of the first": "-",
 }
-BANDS: Final = {"68 %": (16.0, 84.0), "95 %": (2.5, 97.5)}
-HALF: Final = 0.5  # of the limit, the rudder in the turn
-RUN: Final = 60.0  # [lengths] of the turn, at its first speed
-LONGEST: Final = 20_000  # [ticks] of it, at any step
-SHORTEST: Final = 10.0  # [s]
-CHANGE: Final = 0.1  # of an input, up and down
-SHIFT: Final = 0.01  # [lengths] of a place, aft and forward
-PLACES: Final = ("le_root", "cg_from_nose")  # what is shifted
-FOLLOWS: Final = {"le_root": "le_tip"}  # what is shifted with it
+BAND_PERCENTILES: Final = {"68 %": (16.0, 84.0), "95 %": (2.5, 97.5)}
+TURN_RUDDER_SHARE: Final = 0.5  # of the limit, the rudder in the turn
+TURN_LENGTHS: Final = 60.0  # [lengths] of the turn, at its first speed
+MAX_TURN_TICKS: Final = 20_000  # [ticks] of it, at any step
+MIN_TURN_S: Final = 10.0  # [s]
+INPUT_CHANGE: Final = 0.1  # of an input, up and down
+PLACE_SHIFT_LENGTHS: Final = 0.01  # [lengths] of a place, aft and forward
+SHIFTED_PLACES: Final = ("le_root", "cg_from_nose")  # what is shifted
+FOLLOWING_PLACES: Final = {"le_root": "le_tip"}  # what is shifted with it
 NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "rho", "nu")
-MOST_INPUTS: Final = 10
-REVERSAL: Final = 0.7  # of the design speed: a stern plane reversal above it is told
-SLACK: Final = 0.02  # of the mass against the displaced
+MAX_INPUTS: Final = 10
+REVERSAL_SPEED_SHARE: Final = 0.7  # of the design speed: a stern plane reversal above it is told
+MASS_SLACK: Final = 0.02  # of the mass against the displaced
 
 
 @dataclass(frozen=True)
-class Band:
+class EstimateBand:
     """One figure: its estimate, and where draws of it lie."""
 
     name: str
@@ -85,12 +85,12 @@ class Survey:
     step_s: float
     limit_deg: float  # of rudder and planes
     rate_deg_s: float
-    margins: tuple[Band, ...]
+    margins: tuple[EstimateBand, ...]
     critical_speed_kn: dict[str, float | None]
     roll_period_s: float | None
     speed_kn: float
     rudder_deg: float
-    turn: tuple[Band, ...]
+    turn: tuple[EstimateBand, ...]
     draws: int
     flown: int  # draws that could fly the turn
     influences: tuple[Influence, ...]
@@ -98,12 +98,12 @@ class Survey:
     warnings: tuple[str, ...]
 
 
-def turns_of(written: Written, draws: int) -> int:
+def turns_of(written: WrittenBoat, draws: int) -> int:
     """Return how many turns a survey flies at most."""
     return 2 + draws + 2 * len(inputs_of(written.made.hull.file))
 
 
-def survey(written: Written, draws: int, heard: Callable[[int], object]) -> Survey:
+def survey_boat(written: WrittenBoat, draws: int, heard: Callable[[int], object]) -> Survey:
     """Return what there is to say about a boat, with ``draws`` of its coefficients.
 
     ``heard`` is told how many turns have been flown since it was told last.
@@ -117,7 +117,7 @@ def survey(written: Written, draws: int, heard: Callable[[int], object]) -> Surv
     )
     turns = fly_turns(chain([file], boats), half_rudder(file), heard)
     drawn = [written.made.draw(number) for number in numbers]
-    (flight,) = flights(file, [file.run.start_speed_kn])
+    (flight,) = straight_flights(file, [file.run.start_speed_kn])
     rolls = (mode.period_s for mode in flight.modes if mode.name.startswith("roll"))
     flown = [each for each in turns[1:] if each is not None]
     by_draw = [margins(replace(file, coefficients=c)) for c in drawn]
@@ -140,19 +140,19 @@ def survey(written: Written, draws: int, heard: Callable[[int], object]) -> Surv
         rudder_deg=math.degrees(half_rudder(file)),
         turn=tuple(
             _band(name, unit, (turns[0] or {}).get(name), [each.get(name) for each in flown])
-            for name, unit in MEASURES.items()
+            for name, unit in MEASURE_UNITS.items()
         ),
         draws=draws,
         flown=len(flown),
         influences=tuple(influences(written, turns[0], heard)),
-        defaulted=defaulted(hull.file),
+        defaulted=list_defaults(hull.file),
         warnings=tuple(warnings(written, critical)),
     )
 
 
 def half_rudder(file: VesselFile) -> float:
     """Return half the rudder's limit [rad]."""
-    return math.radians(HALF * file.surfaces.rudder_limit_deg)
+    return math.radians(TURN_RUDDER_SHARE * file.surfaces.rudder_limit_deg)
 
 
 def fly_turns(
@@ -170,32 +170,32 @@ def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
     """Return the measures of a turn by the full set, None if it cannot be flown."""
     method = Method("full", "lagged", "exact", "adams2", file.run.step_s)
     speed = file.run.start_speed_kn * KNOT
-    time = min(RUN * file.hull.length / speed, LONGEST * method.step)
-    turn = Turn(angle_deg=math.degrees(rudder), duration_s=max(time, SHORTEST))
+    time = min(TURN_LENGTHS * file.hull.length / speed, MAX_TURN_TICKS * method.step)
+    turn = Turn(angle_deg=math.degrees(rudder), duration_s=max(time, MIN_TURN_S))
     boat = Submarine(file, method, Rig("own", "own", "trainer"))
     try:
-        flight = fly(boat, turn, speed)
+        flight = fly_manoeuvre(boat, turn, speed)
     except ConfigError:
         return None
     if flight.lost:
         return None
     told = {one.name: one.value for one in turn.measures(flight)}
-    return {name: value for name in MEASURES if (value := told[name]) is not None}
+    return {name: value for name in MEASURE_UNITS if (value := told[name]) is not None}
 
 
-def _band(name: str, unit: str, value: float | None, drawn: Sequence[float | None]) -> Band:
+def _band(name: str, unit: str, value: float | None, drawn: Sequence[float | None]) -> EstimateBand:
     """Return a figure with the bands of draws of it."""
     there = np.array([each for each in drawn if each is not None and math.isfinite(each)])
-    bands: dict[str, tuple[float, float] | None] = dict.fromkeys(BANDS)
+    bands: dict[str, tuple[float, float] | None] = dict.fromkeys(BAND_PERCENTILES)
     if len(there) > 1:
-        for band, ends in BANDS.items():
+        for band, ends in BAND_PERCENTILES.items():
             low, high = np.percentile(there, ends)
             bands[band] = (float(low), float(high))
-    return Band(name, unit, value, bands)
+    return EstimateBand(name, unit, value, bands)
 
 
 @dataclass(frozen=True)
-class Input:
+class HullInput:
     """A number of a hull file that can be changed."""
 
     key: str
@@ -205,24 +205,24 @@ class Input:
     place: bool  # shifted, not scaled
 
 
-def inputs_of(file: HullFile) -> list[Input]:
+def inputs_of(file: HullFile) -> list[HullInput]:
     """Return the numbers of a hull, those in use that the file leaves out too."""
     hull = hull_of(file)
     used = {
         ("mass", "mass"): mass_of(hull),
         ("mass", "cg_from_nose"): hull.shape.x_G,
-        ("mass", "cb_above_cg"): STABILITY * float(hull.shape.height.max()),
+        ("mass", "cb_above_cg"): STABILITY_HEIGHTS * float(hull.shape.height.max()),
         ("speed", "cross_flow_drag"): cross_flow_drag(hull),
     }
     found = []
-    for table, record in TABLES.items():
+    for table, record in HULL_TABLES.items():
         if table == "propeller" and file.propeller is None:
             continue
         given = file.tables.get(table, {})
         found += list(_inputs(record, given, (table,), used))
     if file.form.stations:
         found += [
-            Input(f"hull.stations, {name}", "m", ("stations", k), 1.0, place=False)
+            HullInput(f"hull.stations, {name}", "m", ("stations", k), 1.0, place=False)
             for k, name in ((1, "breadth"), (2, "height"))
         ]
     for i, row in enumerate(file.tables["surfaces"]):
@@ -235,7 +235,7 @@ def _inputs(
     given: Mapping[str, Any],
     steps: tuple[str | int, ...],
     used: Mapping[tuple[Any, ...], float],
-) -> Iterator[Input]:
+) -> Iterator[HullInput]:
     """Yield the numbers of one table."""
     for item in fields(record):
         default = None if item.default is MISSING else item.default
@@ -247,10 +247,10 @@ def _inputs(
             if steps[0] == "surfaces":
                 key = f"{given['name']}: {item.name}"
             unit = item.metadata["kind"].form.unit
-            yield Input(key, unit, where, float(value), item.name in PLACES)
+            yield HullInput(key, unit, where, float(value), item.name in SHIFTED_PLACES)
 
 
-def changed(file: HullFile, one: Input, sign: float) -> HullFile:
+def change_hull(file: HullFile, one: HullInput, sign: float) -> HullFile:
     """Return the hull with one input changed; ConfigError if there is no such hull."""
     tables: dict[str, Any] = {
         key: dict(each) if isinstance(each, Mapping) else each for key, each in file.tables.items()
@@ -258,11 +258,13 @@ def changed(file: HullFile, one: Input, sign: float) -> HullFile:
     if one.steps[0] == "stations":
         k = one.steps[1]
         tables["hull"]["stations"] = [
-            [x * (1.0 + sign * CHANGE) if j == k else x for j, x in enumerate(row)]
+            [x * (1.0 + sign * INPUT_CHANGE) if j == k else x for j, x in enumerate(row)]
             for row in tables["hull"]["stations"]
         ]
         return read_hull(tables, file.path)
-    shift = sign * SHIFT * file.length if one.place else sign * CHANGE * one.value
+    shift = (
+        sign * PLACE_SHIFT_LENGTHS * file.length if one.place else sign * INPUT_CHANGE * one.value
+    )
     name = str(one.steps[-1])
     if one.steps[0] == "surfaces":
         tables["surfaces"] = [dict(row) for row in tables["surfaces"]]
@@ -270,62 +272,62 @@ def changed(file: HullFile, one: Input, sign: float) -> HullFile:
     else:
         table = tables.setdefault(str(one.steps[0]), {})
     table[name] = one.value + shift
-    follower = FOLLOWS.get(name)
+    follower = FOLLOWING_PLACES.get(name)
     if follower in table:
         table[follower] += shift
     return read_hull(tables, file.path)
 
 
 def influences(
-    written: Written, turn: dict[str, float] | None, heard: Callable[[int], object]
+    written: WrittenBoat, turn: dict[str, float] | None, heard: Callable[[int], object]
 ) -> list[Influence]:
     """Return the ten inputs that move the steady diameter most."""
-    own = (turn or {}).get(DIAMETER)
+    own = (turn or {}).get(DIAMETER_MEASURE)
     if own is None:
         return []
     file = written.made.hull.file
     wanted = [(one, sign) for one in inputs_of(file) for sign in (-1.0, 1.0)]
     boats = {each: boat for each in wanted if (boat := _changed_boat(written, *each)) is not None}
     turns = fly_turns([written.file, *boats.values()], half_rudder(written.file), heard)
-    effect: dict[Input, dict[float, float]] = {}
+    effect: dict[HullInput, dict[float, float]] = {}
     for (one, sign), each in zip(boats, turns[1:], strict=True):
-        if each is not None and DIAMETER in each:
-            effect.setdefault(one, {})[sign] = each[DIAMETER] / own - 1.0
+        if each is not None and DIAMETER_MEASURE in each:
+            effect.setdefault(one, {})[sign] = each[DIAMETER_MEASURE] / own - 1.0
     found = [
         Influence(
             one.key,
             one.value,
             one.unit,
-            f"{SHIFT * file.length:.3g} m" if one.place else f"{CHANGE:.0%}",
+            f"{PLACE_SHIFT_LENGTHS * file.length:.3g} m" if one.place else f"{INPUT_CHANGE:.0%}",
             by_sign.get(-1.0),
             by_sign.get(1.0),
         )
         for one, by_sign in effect.items()
     ]
-    return sorted(found, key=lambda each: -each.size)[:MOST_INPUTS]
+    return sorted(found, key=lambda each: -each.size)[:MAX_INPUTS]
 
 
-def _changed_boat(written: Written, one: Input, sign: float) -> VesselFile | None:
+def _changed_boat(written: WrittenBoat, one: HullInput, sign: float) -> VesselFile | None:
     """Return the boat of a changed hull, with the gains of the estimate; None without such."""
     own = parse_toml(written.text, written.file.path.name)
     try:
-        made = estimate_of(hull_of(changed(written.made.hull.file, one, sign)))
+        made = estimate_of(hull_of(change_hull(written.made.hull.file, one, sign)))
         tables = boat_tables(made) | {key: own[key] for key in ("run", "autopilot") if key in own}
         return read_vessel(tables, "", written.file.path)
     except ConfigError:
         return None
 
 
-def warnings(written: Written, critical: Mapping[str, float | None]) -> Iterator[str]:
+def warnings(written: WrittenBoat, critical: Mapping[str, float | None]) -> Iterator[str]:
     """Yield what is unusual about a boat, in words."""
     file, hull = written.file, written.made.hull
     displaced = hull.file.water.rho * hull.shape.volume
-    if abs(file.hull.mass / displaced - 1.0) > SLACK:
+    if abs(file.hull.mass / displaced - 1.0) > MASS_SLACK:
         yield (
             f"[mass] mass = {file.hull.mass:.6g} kg, the hull displaces {displaced:.6g} kg: "
             "one of them, or the drawing, is wrong"
         )
-    for told in outside(hull):
+    for told in range_warnings(hull):
         yield f"outside the range of the method, every sd is doubled: {told}"
     yield from _unit_warnings(hull.file)
     planes = {"Gv": "stern planes", "Gh": "rudders"}
@@ -336,18 +338,18 @@ def warnings(written: Written, critical: Mapping[str, float | None]) -> Iterator
                 f"larger {planes[name]}, or farther aft, would help; or the drawing lacks some"
             )
     stern = critical["stern"]
-    if stern is not None and stern > REVERSAL * hull.file.speed.design_kn:
+    if stern is not None and stern > REVERSAL_SPEED_SHARE * hull.file.speed.design_kn:
         yield (
             f"the stern planes reverse at {stern:.2g} kn, near the design speed: larger "
             "stern planes, or a centre of buoyancy less high above that of gravity"
         )
     if hull.file.mass.cb_above_cg is None:
-        above = STABILITY * float(hull.shape.height.max())
+        above = STABILITY_HEIGHTS * float(hull.shape.height.max())
         yield (
             f"[mass] cb_above_cg is taken as {above:.3g} m, give or take half: pitch and roll "
             "depend on it"
         )
-    if abs(hull.shape.centroid - hull.shape.x_G) > SLACK * hull.shape.length:
+    if abs(hull.shape.centroid - hull.shape.x_G) > MASS_SLACK * hull.shape.length:
         yield (
             f"[mass] cg_from_nose = {hull.shape.x_G:.4g} m, the volume's centre is at "
             f"{hull.shape.centroid:.4g} m: the boat is taken as trimmed level"

@@ -16,48 +16,53 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.estimate.coefficients import (
+    CoefficientValues,
     Hull,
-    Values,
     bare_masses,
     coefficients,
     hull_of,
 )
-from trainer.analysis.sweep.draws import fill_normals, stream, uniforms
+from trainer.analysis.sweep.draws import fill_normals, stream_number, uniforms
 from trainer.config.files import ConfigError, Place, as_table
-from trainer.config.hull import BOW, read_hull
+from trainer.config.hull import BOW_CONTROL, read_hull
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
-from trainer.core.terms import TABLE, THRUST
+from trainer.core.terms import TERM_TABLE, THRUST_KEYS
 
-TABLES: Final = Path(__file__).with_name("constants.toml")
-ETA: Final = 0.15  # of its parent, a coefficient of eta
-LINEAR: Final = ("Y_v", "N_v", "Y_r", "N_r", "Z_w", "M_w", "Z_q", "M_q")
+TABLES_PATH: Final = Path(__file__).with_name("constants.toml")
+ETA_DEVIATION: Final = 0.15  # of its parent, a coefficient of eta
+LINEAR_COEFFICIENTS: Final = ("Y_v", "N_v", "Y_r", "N_r", "Z_w", "M_w", "Z_q", "M_q")
 OWN_SHARE: Final = 0.25  # of the deviation of those, beside the constants
-PAIRS: Final = {"N_vdot": "Y_rdot", "M_wdot": "Z_qdot", "Y_pdot": "K_vdot", "N_pdot": "K_rdot"}
-ONE_SIGN: Final = (  # damping, added mass and control effect never change their sign
+TWIN_COEFFICIENTS: Final = {
+    "N_vdot": "Y_rdot",
+    "M_wdot": "Z_qdot",
+    "Y_pdot": "K_vdot",
+    "N_pdot": "K_rdot",
+}
+FIXED_SIGN_COEFFICIENTS: Final = (  # damping, added mass and control effect never change their sign
     *("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot"),
     *("Y_v", "N_r", "Z_w", "M_q", "K_p", "K_pap", "Y_vav", "Z_waw", "N_rar", "M_qaq"),
     *("Y_dr", "N_dr", "Z_ds", "M_ds", "Z_db", "M_db"),
 )
-LEAST: Final = 0.1  # of the estimate is left of them
-NUDGE: Final = 1e-3  # of the logarithm of a constant
-SMALL_CRAFT: Final = 5.0  # [m] below it openings count
-TESTED: Final = {"L/D": (5.0, 12.0), "breadth/height": (0.8, 1.25)}
-AFT: Final = 0.75  # [lengths] tail surfaces lie aft of it
+MIN_REMAINING_SHARE: Final = 0.1  # of the estimate is left of them
+CONSTANT_NUDGE: Final = 1e-3  # of the logarithm of a constant
+SMALL_CRAFT_LENGTH_M: Final = 5.0  # [m] below it openings count
+TESTED_RANGES: Final = {"L/D": (5.0, 12.0), "breadth/height": (0.8, 1.25)}
+AFT_PLACE_LENGTHS: Final = 0.75  # [lengths] tail surfaces lie aft of it
 
 
 @cache
 def tables() -> Mapping[str, Any]:
     """Return the constants with their covariance, and the rules of the deviations."""
-    return tomllib.loads(TABLES.read_text(encoding="utf-8"))
+    return tomllib.loads(TABLES_PATH.read_text(encoding="utf-8"))
 
 
-def fitted() -> dict[str, float]:
+def fitted_constants() -> dict[str, float]:
     """Return the nine constants that are fitted [-]."""
     return dict(tables()["fitted"])
 
 
-def outside(hull: Hull) -> tuple[str, ...]:
+def range_warnings(hull: Hull) -> tuple[str, ...]:
     """Return in what a hull is outside the range of the method, in words."""
     s = hull.shape
     ratios = {
@@ -66,20 +71,22 @@ def outside(hull: Hull) -> tuple[str, ...]:
     }
     found = [
         f"{name} is {ratios[name]:.3g}, the method is tested from {low:g} to {high:g}"
-        for name, (low, high) in TESTED.items()
+        for name, (low, high) in TESTED_RANGES.items()
         if not low <= ratios[name] <= high
     ]
     found += [
-        f"{panel.name} at {panel.station(0.25) / s.length:.2f} lengths, a tail is aft of {AFT:g}"
+        f"{panel.name} at {panel.station(0.25) / s.length:.2f} lengths, a tail is aft of "
+        f"{AFT_PLACE_LENGTHS:g}"
         for panel in hull.panels
-        if panel.control not in ("none", BOW) and panel.station(0.25) < AFT * s.length
+        if panel.control not in ("none", BOW_CONTROL)
+        and panel.station(0.25) < AFT_PLACE_LENGTHS * s.length
     ]
     return tuple(dict.fromkeys(found))
 
 
 def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]:
     """Return the standard deviation [-] of each of the 131 coefficients; ``mass`` in kg."""
-    bare = bare_masses(hull, fitted()["added_mass"])
+    bare = bare_masses(hull, fitted_constants()["added_mass"])
     scales = {  # what deviations are shares of [-]
         **{key: abs(value) for key, value in c.items()},
         "mass": 2.0 * mass / (hull.file.water.rho * hull.ell**3),
@@ -88,23 +95,23 @@ def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, flo
         "larger": max(abs(c["Y_vdot"]), abs(c["Z_wdot"])),
         "turning": max(abs(c["N_rdot"]), abs(c["M_qdot"])),
     }
-    wide = 2.0 if outside(hull) else 1.0
+    wide = 2.0 if range_warnings(hull) else 1.0
     found = {}
     for rule in tables()["deviation"]:
         for key in rule["keys"]:
             size = rule["share"] * scales[rule.get("of", key)]
             found[key] = wide * (size + rule.get("more", 0.0) * scales[rule.get("unit", "mass")])
-    for term in TABLE:
+    for term in TERM_TABLE:
         if term.key not in found:
-            found[term.key] = wide * ETA * scales[term.key.removesuffix("_eta")]
+            found[term.key] = wide * ETA_DEVIATION * scales[term.key.removesuffix("_eta")]
     return found
 
 
 @cache
-def rests() -> dict[str, str]:
+def coefficient_origins() -> dict[str, str]:
     """Return what each coefficient is made of, in words."""
     found = {key: rule["rests"] for rule in tables()["deviation"] for key in rule["keys"]}
-    return {term.key: found.get(term.key, "no formula; 15 % of its parent") for term in TABLE}
+    return {term.key: found.get(term.key, "no formula; 15 % of its parent") for term in TERM_TABLE}
 
 
 @dataclass(frozen=True)
@@ -119,7 +126,7 @@ class Estimate:
     sd: Mapping[str, float]  # [-]
 
     @cached_property
-    def estimated(self) -> Values:
+    def estimated(self) -> CoefficientValues:
         """Return what the formulas give [-]."""
         return coefficients(self.hull, self.constants)
 
@@ -139,16 +146,16 @@ class Estimate:
         return root_of(whole)
 
     @cached_property
-    def by_constants(self) -> Values:
+    def by_constants(self) -> CoefficientValues:
         """Return the deviation of each coefficient that the constants make [-]."""
         change = np.array(
-            [list(self._changed(row).values()) for row in NUDGE * np.eye(len(self.names))]
+            [list(self._changed(row).values()) for row in CONSTANT_NUDGE * np.eye(len(self.names))]
         )
-        slopes = (change - np.array(list(self.estimated.values()))) / NUDGE
+        slopes = (change - np.array(list(self.estimated.values()))) / CONSTANT_NUDGE
         spread = np.sqrt(np.sum((self.root @ slopes) ** 2, axis=0))
         return dict(zip(self.estimated, map(float, spread), strict=True))
 
-    def _changed(self, logarithms: Numbers) -> Values:
+    def _changed(self, logarithms: Numbers) -> CoefficientValues:
         """Return the coefficients with the logarithms of the constants changed."""
         factors = np.exp(logarithms)
         given = {
@@ -157,38 +164,40 @@ class Estimate:
         }
         return coefficients(self.hull, given)
 
-    def draw(self, number: int) -> Values:
+    def draw(self, number: int) -> CoefficientValues:
         """Return the coefficients of one draw [-]; number 0 is the estimate itself."""
         if number == 0:
             return dict(self.values)
-        normals = deviates(number, len(self.names) + len(TABLE))
+        normals = deviates(number, len(self.names) + len(TERM_TABLE))
         logarithms = self.root @ normals[: len(self.names)]
         i = self.names.index("resistance")
-        if self.hull.ell < SMALL_CRAFT and logarithms[i] > 0.0:
+        if self.hull.ell < SMALL_CRAFT_LENGTH_M and logarithms[i] > 0.0:
             of = tables()["unfitted"]
             logarithms[i] *= of["openings"] / of["resistance"]
         changed, own = self._changed(logarithms), normals[len(self.names) :]
         found = {
             term.key: self._drawn(term.key, changed[term.key], float(own[i]))
-            for i, term in enumerate(TABLE)
-            if term.key not in THRUST
+            for i, term in enumerate(TERM_TABLE)
+            if term.key not in THRUST_KEYS
         }
-        found |= {twin: found[key] for twin, key in PAIRS.items() if twin in found}
-        return found | {key: changed[key] for key in THRUST}
+        found |= {twin: found[key] for twin, key in TWIN_COEFFICIENTS.items() if twin in found}
+        return found | {key: changed[key] for key in THRUST_KEYS}
 
     def _drawn(self, key: str, changed: float, deviate: float) -> float:
         """Return one coefficient [-] by the constants drawn and a deviate of its own."""
         sd, common, value = self.sd[key], self.by_constants[key], self.values[key]
         shared = min(1.0, sd / common) if common > 0.0 else 0.0
-        rest = OWN_SHARE * sd if key in LINEAR else math.sqrt(max(sd**2 - common**2, 0.0))
+        rest = (
+            OWN_SHARE * sd if key in LINEAR_COEFFICIENTS else math.sqrt(max(sd**2 - common**2, 0.0))
+        )
         drawn = value + shared * (changed - self.estimated[key]) + rest * deviate
-        if key in ONE_SIGN and drawn * value < LEAST * value * value:
-            return LEAST * value
+        if key in FIXED_SIGN_COEFFICIENTS and drawn * value < MIN_REMAINING_SHARE * value * value:
+            return MIN_REMAINING_SHARE * value
         return drawn
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class JointCoefficients:
     """Coefficients of a ship that was fitted, with their covariance."""
 
     values: Mapping[str, float]  # by name, as the covariance has them in its rows
@@ -199,7 +208,7 @@ class Joint:
         """Return the matrix that makes normal deviates those of the coefficients."""
         return root_of(self.covariance)
 
-    def draw(self, number: int) -> Values:
+    def draw(self, number: int) -> CoefficientValues:
         """Return the coefficients of one draw; number 0 is the fit itself."""
         if number == 0:
             return dict(self.values)
@@ -220,16 +229,16 @@ def root_of(covariance: Numbers) -> Numbers:
 def deviates(number: int, count: int) -> Numbers:
     """Return the normal deviates [-] of a draw, the same on every machine."""
     found = np.empty(count)
-    fill_normals(uniforms(number, stream("estimate", ""), 0, count), found)
+    fill_normals(uniforms(number, stream_number("estimate", ""), 0, count), found)
     return found
 
 
-def estimate(hull: Hull, mass: float) -> Estimate:
+def estimate_hull(hull: Hull, mass: float) -> Estimate:
     """Return the estimate of a hull of a mass [kg] by the fitted constants."""
-    values = coefficients(hull, fitted())
+    values = coefficients(hull, fitted_constants())
     covariance = np.array(tables()["covariance"]["rows"])
     sd = deviations(hull, values, mass)
-    return Estimate(hull, mass, fitted(), covariance, values, sd)
+    return Estimate(hull, mass, fitted_constants(), covariance, values, sd)
 
 
 def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
@@ -246,16 +255,16 @@ def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
     if lacking:
         raise ConfigError(place.problem(f"lacks {', '.join(lacking)}"))
     hull = hull_of(read_hull(own["hull"], file.path))
-    names = tuple(fitted())
+    names = tuple(fitted_constants())
     constants = _numbers(own["constants"], names, place.inside("constants"))
-    sd = _numbers(own["sd"], tuple(term.key for term in TABLE), place.inside("sd"))
+    sd = _numbers(own["sd"], tuple(term.key for term in TERM_TABLE), place.inside("sd"))
     rows = _rows(own["covariance"], len(names), place)
     made = coefficients(hull, constants)
     values = made | dict(file.coefficients)
     return Estimate(hull, file.hull.mass, constants, rows, values, sd)
 
 
-def filed_joint(table: Mapping[str, Any], place: Place) -> Joint:
+def filed_joint(table: Mapping[str, Any], place: Place) -> JointCoefficients:
     """Return what the file of a fitted ship says of its coefficients together.
 
     ``table`` holds its tables. ConfigError if it has no covariance, or one that is damaged.
@@ -270,7 +279,7 @@ def filed_joint(table: Mapping[str, Any], place: Place) -> Joint:
             told = "must be a number: [covariance] has a row of it"
             raise ConfigError(place.inside("coefficients").wrong(name, value, told))
     values = {name: float(given[name]) for name in rows}
-    return Joint(values, _rows(list(rows.values()), len(rows), place))
+    return JointCoefficients(values, _rows(list(rows.values()), len(rows), place))
 
 
 def _numbers(table: object, names: tuple[str, ...], place: Place) -> dict[str, float]:
@@ -298,7 +307,7 @@ def _rows(rows: object, count: int, place: Place) -> Numbers:
 def drawn_tables(made: Estimate, table: Mapping[str, Any], number: int) -> dict[str, Any]:
     """Return the tables of a vessel with a draw of its coefficients in them."""
     drawn = made.draw(number)
-    own = {key: value for key, value in drawn.items() if key not in THRUST}
+    own = {key: value for key, value in drawn.items() if key not in THRUST_KEYS}
     rows = []
     for row in table["propulsion"]["sets"]:  # in the ratio of the draw to the estimate
         keys = {name: f"{name}{'1' if row['eta_min'] >= 0.0 else '3'}" for name in "abc"}

@@ -8,29 +8,29 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.fleet.lanes import LANES, a_view
-from trainer.core.autopilot.steering import GAIN_COUNT, OWN
+from trainer.analysis.fleet.lanes import LANE_COUNT, a_view
+from trainer.core.autopilot.steering import GAIN_COUNT, OWN_LAW
 from trainer.core.ballast.air import at_work
 from trainer.core.ballast.ballast import advance_ballast
-from trainer.core.ballast.tanks import END, NEGATIVE, TRIM_FORWARD
+from trainer.core.ballast.tanks import NEGATIVE_TANK, TANKS_END, TRIM_FORWARD
 from trainer.core.casualties import FIRST_SLOT
 from trainer.core.current import is_moving
 from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
 from trainer.core.scheme import ADAMS
-from trainer.core.scheme import COMPACT as COMPACT_SET
+from trainer.core.scheme import COMPACT_EQUATIONS as COMPACT_SET
 from trainer.core.state import GROUND_DEPTH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
-TERMS = 2  # of Adams' method
-KNOWN: Final = {"depth_law": float(OWN)}  # of the state
+ADAMS_TERMS = 2  # of Adams' method
+FIXED_STATE: Final = {"depth_law": float(OWN_LAW)}  # of the state
 
 
 @kernel
-def follows(scheme: Record) -> bool:
+def supports_scheme(scheme: Record) -> bool:
     """Return whether the scheme computes boats as it is done here."""
     how = scheme[0]
     lagged_compact = how.equations == COMPACT_SET and how.exact == 0
-    two_terms = how.method == ADAMS and how.depth == TERMS
+    two_terms = how.method == ADAMS and how.depth == ADAMS_TERMS
     return lagged_compact and two_terms and how.trigger_kind[0] == 0.0
 
 
@@ -46,11 +46,11 @@ def tanks_rest(vessel: Record, state: Record) -> bool:
     for i in range(s.to_move.size):
         if s.to_move[i] != 0.0:
             return False
-    for i in range(END - TRIM_FORWARD):
+    for i in range(TANKS_END - TRIM_FORWARD):
         if s.breach[i] > 0.0:
             return False
     at_rest = True
-    for i in range(NEGATIVE + 1):
+    for i in range(NEGATIVE_TANK + 1):
         at_rest = at_rest and not at_work(vessel, i, state)
     return at_rest
 
@@ -66,7 +66,7 @@ def alone_in_the_world(state: Record) -> bool:
 
 
 @kernel
-def ordinary(vessel: Record, state: Record) -> bool:
+def supports_boat(vessel: Record, state: Record) -> bool:
     """Return whether a boat can be computed here as long as it stays deep."""
     c = vessel[0]
     s = state[0]
@@ -75,7 +75,7 @@ def ordinary(vessel: Record, state: Record) -> bool:
     steady = s.trim_by_hand != 0.0 and s.wave_share == 0.0 and s.wave_count == 0.0
     steady = steady and s.ascent == 0.0 and s.trim_flood == 0.0 and s.trim_forward == 0.0
     free = s.held_depth == 0.0 and s.held_position == 0.0 and s.held_tanks == 0.0
-    sound = s.casualty[FIRST_SLOT] == 0.0 and s.depth_law == OWN
+    sound = s.casualty[FIRST_SLOT] == 0.0 and s.depth_law == OWN_LAW
     return (
         constant_buoyancy
         and calm
@@ -125,19 +125,19 @@ def _count(layout: np.dtype) -> int:
 VESSEL_FIRST: Final = _count(STATE)
 COMPACT_FIRST: Final = VESSEL_FIRST + _count(VESSEL)
 WORK_FIRST: Final = COMPACT_FIRST + _count(COMPACT)
-NUMBERS: Final = WORK_FIRST + _count(LANE_WORK)
+LANE_NUMBERS: Final = WORK_FIRST + _count(LANE_WORK)
 
-state_in = a_view("state", STATE, 0, KNOWN)
+state_in = a_view("state", STATE, 0, FIXED_STATE)
 vessel_in = a_view("vessel", VESSEL, VESSEL_FIRST, {})
 compact_in = a_view("compact", COMPACT, COMPACT_FIRST, {})
 work_in = a_view("work", LANE_WORK, WORK_FIRST, {})
 
 
 def new_block() -> Numbers:
-    """Return room for LANES boats, on a boundary of the processor's cache lines."""
-    room = np.zeros(NUMBERS * LANES + 8)
+    """Return room for LANE_COUNT boats, on a boundary of the processor's cache lines."""
+    room = np.zeros(LANE_NUMBERS * LANE_COUNT + 8)
     skipped = -room.ctypes.data % 64 // 8
-    return room[skipped : skipped + NUMBERS * LANES]
+    return room[skipped : skipped + LANE_NUMBERS * LANE_COUNT]
 
 
 @kernel
@@ -178,9 +178,9 @@ def load_constants(vessel: Record, compact: Record, lane: int, out: Numbers) -> 
     """Write the constants of a boat to its lane of the block ``out``."""
     c = vessel[0]
     for i in range(c.whole.size):
-        out[(VESSEL_FIRST + i) * LANES + lane] = c.whole[i]
+        out[(VESSEL_FIRST + i) * LANE_COUNT + lane] = c.whole[i]
     for i in range(compact[0].whole.size):
-        out[(COMPACT_FIRST + i) * LANES + lane] = compact[0].whole[i]
+        out[(COMPACT_FIRST + i) * LANE_COUNT + lane] = compact[0].whole[i]
     work = work_in(out, lane)[0]
     depths, stations = int(c.surface_depths), c.station_x.size
     work.tables_clear = c.surface_depth[depths - 1] if depths > 0 else -np.inf
@@ -191,7 +191,7 @@ def load_constants(vessel: Record, compact: Record, lane: int, out: Numbers) -> 
 def load_state(state: Record, lane: int, out: Numbers) -> None:
     """Write a boat's state to its lane of the block ``out``."""
     for i in range(state[0].whole.size):
-        out[i * LANES + lane] = state[0].whole[i]
+        out[i * LANE_COUNT + lane] = state[0].whole[i]
     work_in(out, lane)[0].strayed = 0.0
     bracket_gains(lane, out)
 
@@ -200,4 +200,4 @@ def load_state(state: Record, lane: int, out: Numbers) -> None:
 def store_state(block: Numbers, lane: int, state: Record) -> None:
     """Write the state in a lane to its record."""
     for i in range(state[0].whole.size):
-        state[0].whole[i] = block[i * LANES + lane]
+        state[0].whole[i] = block[i * LANE_COUNT + lane]

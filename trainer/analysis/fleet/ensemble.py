@@ -12,16 +12,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from trainer.analysis.fleet.member import Fleet, Schedule, Track, fly_one_by_one
-from trainer.boat.boat import PLACES
+from trainer.analysis.fleet.member import Fleet, FlightTrack, Schedule, fly_one_by_one
+from trainer.boat.boat import STATE_PLACES
 from trainer.boat.compilation import known_compiler
 from trainer.core.kernel import Numbers
 from trainer.core.state import new_scratch
 
-__all__ = ["NO_ORDERS", "Fleet", "Flown", "Schedule", "fly_members", "orders"]
+__all__ = ["NO_ORDERS", "Fleet", "FleetFlight", "Schedule", "fly_members", "orders"]
 
 
-class Flown(NamedTuple):
+class FleetFlight(NamedTuple):
     """The result of a fleet's flight."""
 
     rows: Numbers  # [member, row, column], SI and radians; NaN from where a member was lost
@@ -32,8 +32,8 @@ def orders(tick: ArrayLike, place: ArrayLike, value: ArrayLike) -> Schedule:
     """Return a schedule from arrays [order], alike for all, or [member, order].
 
     ``tick`` counts from the start of the flight: 0 acts before the first tick. ``place`` is that of
-    a number in the state, see ``boat.PLACES``. Of two orders at one tick the one given later acts
-    later.
+    a number in the state, see ``boat.STATE_PLACES``. Of two orders at one tick the one given later
+    acts later.
     """
     ticks, places, values = np.broadcast_arrays(
         *(np.atleast_2d(np.asarray(given)) for given in (tick, place, value))
@@ -51,7 +51,7 @@ NO_ORDERS = orders([], [], [])
 
 def fly_members(
     fleet: Fleet, schedule: Schedule, ticks: int, every: int, columns: tuple[str, ...]
-) -> Flown:
+) -> FleetFlight:
     """Advance all members by ``ticks``, their states in place, and return the rows.
 
     ``columns`` are places of the state by name. They are kept at the start and after every
@@ -59,16 +59,16 @@ def fly_members(
     was. The interpreter is free meanwhile: fleets fly in threads beside each other.
     """
     count = fleet.states.size
-    track = Track(
+    track = FlightTrack(
         every,
-        np.array([PLACES[name] for name in columns], np.int64),
+        np.array([STATE_PLACES[name] for name in columns], np.int64),
         np.full((count, ticks // every + 1, len(columns)), np.nan),
         np.full(count, -1, np.int64),
     )
     if known_compiler():
         from trainer.analysis.fleet import side_by_side  # noqa: PLC0415  only where it can be had
 
-        side_by_side.fly(fleet, schedule, ticks, side_by_side.new_work(), track)
+        side_by_side.fly_members_by_block(fleet, schedule, ticks, side_by_side.new_work(), track)
     else:
         fly_one_by_one(fleet, schedule, ticks, new_scratch(), track)
-    return Flown(track.rows, track.lost)
+    return FleetFlight(track.rows, track.lost)

@@ -1,10 +1,10 @@
 """Boats side by side in one array, and the views that read one of them.
 
-A block holds LANES boats. Each number of the boat is LANES numbers next to each other, one for each
-lane, so that the processor can work on several boats by one instruction. A kernel takes what
-``a_view`` makes for a record, and the compiler takes it for a place in the block. So the core's
-equations, by which one boat is computed, are compiled once more for boats side by side, and are
-written once.
+A block holds LANE_COUNT boats. Each number of the boat is LANE_COUNT numbers next to each other,
+one for each lane, so that the processor can work on several boats by one instruction. A kernel
+takes what ``a_view`` makes for a record, and the compiler takes it for a place in the block. So the
+core's equations, by which one boat is computed, are compiled once more for boats side by side, and
+are written once.
 
 A loop over ``every_lane()`` becomes vector code if nothing in it calls a library or leaves early,
 and if both sides of a choice are loaded before it is made.
@@ -38,13 +38,13 @@ from numba.extending import (
 
 from trainer.core.kernel import inlined
 
-Known = Mapping[str, float]
+FixedFields = Mapping[str, float]
 
-LANES: Final = 16
-DOUBLE: Final = types.float64
-BLOCK: Final = types.Array(DOUBLE, 1, "C")
+LANE_COUNT: Final = 16
+DOUBLE_TYPE: Final = types.float64
+BLOCK_TYPE: Final = types.Array(DOUBLE_TYPE, 1, "C")
 DOUBLE_IR: Final = ir.DoubleType()
-UNIT: Final = DOUBLE_IR(3.0 * 2.0**51)  # a double whose last binary place is the unit
+UNIT_DOUBLE: Final = DOUBLE_IR(3.0 * 2.0**51)  # a double whose last binary place is the unit
 UNIT_BITS: Final = ir.IntType(64)(0x4338 << 48)
 
 
@@ -54,7 +54,7 @@ class LaneRecord(types.Type):
     ``first`` is the place of its first number.
     """
 
-    def __init__(self, name: str, layout: np.dtype[Any], first: int, known: Known) -> None:
+    def __init__(self, name: str, layout: np.dtype[Any], first: int, known: FixedFields) -> None:
         """Take the layout of the record for which it stands, and what is known of it."""
         self.layout, self.first, self.known = layout, first, known
         super().__init__(name=f"LaneRecord({name}, {first})")
@@ -93,7 +93,7 @@ class LaneModel(models.StructModel):
 
     def __init__(self, manager: Any, view: types.Type) -> None:
         """Lay it out."""
-        members = [("block", types.CPointer(DOUBLE)), ("lane", types.intp)]
+        members = [("block", types.CPointer(DOUBLE_TYPE)), ("lane", types.intp)]
         super().__init__(manager, view, members)
 
 
@@ -106,7 +106,7 @@ class FieldType(AttributeTemplate):
     def generic_resolve(self, view: LaneRecord, name: str) -> Any:  # type: ignore[override]
         """Return the type; None if there is no such field."""
         member = view.member(name)
-        return member if member is None or member.shape else DOUBLE
+        return member if member is None or member.shape else DOUBLE_TYPE
 
 
 @typed_as(operator.getitem)
@@ -118,7 +118,7 @@ class ElementType(AbstractTemplate):
         view = args[0]
         if isinstance(view, LaneRecord):
             return signature(view, view, types.intp)
-        return signature(DOUBLE, view, view.index) if isinstance(view, LaneNumbers) else None
+        return signature(DOUBLE_TYPE, view, view.index) if isinstance(view, LaneNumbers) else None
 
 
 @typed_as(operator.setitem)
@@ -129,13 +129,13 @@ class AssignmentType(AbstractTemplate):
         """Return the types of view, index and number."""
         view = args[0]
         if isinstance(view, LaneNumbers):
-            return signature(types.none, view, view.index, DOUBLE)
+            return signature(types.none, view, view.index, DOUBLE_TYPE)
         return None
 
 
 def _address(builder: Any, view: Any, place: Any) -> Any:
     """Return the address of the number at ``place`` of the view's boat."""
-    numbers = builder.mul(place, cgutils.intp_t(LANES), flags=["nsw"])
+    numbers = builder.mul(place, cgutils.intp_t(LANE_COUNT), flags=["nsw"])
     return builder.gep(view.block, [builder.add(numbers, view.lane, flags=["nsw"])], inbounds=True)
 
 
@@ -161,7 +161,7 @@ def _get_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 def _set_field(context: Any, builder: Any, kinds: Any, args: Any, name: str) -> None:
     kind, given = kinds.args
     view = _open_view(context, builder, kind, args[0])
-    number = context.cast(builder, args[1], given, DOUBLE)
+    number = context.cast(builder, args[1], given, DOUBLE_TYPE)
     builder.store(number, _address(builder, view, cgutils.intp_t(kind.member(name).first)))
 
 
@@ -190,7 +190,7 @@ def _set_element(context: Any, builder: Any, kinds: Any, args: Any) -> None:
     builder.store(args[2], _element(context, builder, kinds.args[0], args))
 
 
-def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
+def a_view(name: str, layout: np.dtype[Any], first: int, known: FixedFields) -> Any:
     """Return a function of a block and a lane that gives a kernel its record.
 
     ``first`` is the place of the record's first number among those of a boat. Numbers that are
@@ -206,7 +206,7 @@ def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
             seen.block, seen.lane = array.data, args[1]
             return seen._getvalue()  # noqa: SLF001
 
-        return kind(BLOCK, types.intp), lower
+        return kind(BLOCK_TYPE, types.intp), lower
 
     return view
 
@@ -217,7 +217,7 @@ def every_lane() -> Any:
 
     A loop whose length is known at once would be unrolled before it could become vector code.
     """
-    return range(LANES)
+    return range(LANE_COUNT)
 
 
 @intrinsic
@@ -225,12 +225,12 @@ def nearest(_typing: Any, _number: Any) -> Any:
     """Return the result of ``elementary._nearest`` by instructions on lanes, up to 2^51."""
 
     def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
-        floor = builder.module.declare_intrinsic("llvm.floor", [UNIT.type])
-        whole = builder.call(floor, [builder.fadd(args[0], UNIT.type(0.5))])
-        bits = builder.bitcast(builder.fadd(whole, UNIT), UNIT_BITS.type)
+        floor = builder.module.declare_intrinsic("llvm.floor", [UNIT_DOUBLE.type])
+        whole = builder.call(floor, [builder.fadd(args[0], UNIT_DOUBLE.type(0.5))])
+        bits = builder.bitcast(builder.fadd(whole, UNIT_DOUBLE), UNIT_BITS.type)
         return builder.sub(bits, UNIT_BITS)
 
-    return types.int64(DOUBLE), lower
+    return types.int64(DOUBLE_TYPE), lower
 
 
 @intrinsic
@@ -238,10 +238,10 @@ def as_float(_typing: Any, _whole: Any) -> Any:
     """Return the result of ``elementary._as_float``, likewise."""
 
     def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
-        above = builder.bitcast(builder.add(args[0], UNIT_BITS), UNIT.type)
-        return builder.fsub(above, UNIT)
+        above = builder.bitcast(builder.add(args[0], UNIT_BITS), UNIT_DOUBLE.type)
+        return builder.fsub(above, UNIT_DOUBLE)
 
-    return DOUBLE(types.int64), lower
+    return DOUBLE_TYPE(types.int64), lower
 
 
 @intrinsic
@@ -253,10 +253,10 @@ def times_power_of_two(_typing: Any, _number: Any, _power: Any) -> Any:
         biased = builder.shl(builder.add(power, power.type(1023)), power.type(52))
         return builder.fmul(number, builder.bitcast(biased, number.type))
 
-    return DOUBLE(DOUBLE, types.int64), lower
+    return DOUBLE_TYPE(DOUBLE_TYPE, types.int64), lower
 
 
-def relaid(kernel: Any, instead: Mapping[str, Any]) -> Any:
+def relay_kernel(kernel: Any, instead: Mapping[str, Any]) -> Any:
     """Return ``kernel`` to be compiled into its caller, with all that it calls.
 
     The equations are the kernel's own. Where the kernel, or one that it calls, calls a kernel whose

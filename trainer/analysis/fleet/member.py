@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from trainer.core.kernel import Record, kernel, unlocked
 from trainer.core.update import update
 
-Places = NDArray[np.int64]
+PlaceArray = NDArray[np.int64]
 
 
 class Fleet(NamedTuple):
@@ -29,25 +29,25 @@ class Schedule(NamedTuple):
     Before tick ``tick``, counted from the start of the flight, the place gets the value.
     """
 
-    tick: Places
-    place: Places
+    tick: PlaceArray
+    place: PlaceArray
     value: NDArray[np.float64]
 
 
-class Track(NamedTuple):
+class FlightTrack(NamedTuple):
     """The part of a flight that is kept: places of the state by tick.
 
     They are kept every so many ticks, the start first.
     """
 
     every: int
-    places: Places
+    places: PlaceArray
     rows: NDArray[np.float64]  # [member, row, place]
-    lost: Places  # [ticks] done when a member's numbers were lost, -1: never
+    lost: PlaceArray  # [ticks] done when a member's numbers were lost, -1: never
 
 
 @kernel
-def span(records: Record, member: int) -> slice:
+def record_span(records: Record, member: int) -> slice:
     """Return where a member's record is.
 
     The last record serves all members beyond it.
@@ -57,14 +57,14 @@ def span(records: Record, member: int) -> slice:
 
 
 @kernel
-def note(out: Track, member: int, row: int, state: Record) -> None:
+def write_track_row(out: FlightTrack, member: int, row: int, state: Record) -> None:
     """Write a row of the track."""
     for i in range(out.places.size):
         out.rows[member, row, i] = state[0].whole[out.places[i]]
 
 
 @kernel
-def forget(out: Track, member: int, start: int, end: int) -> None:
+def clear_track_rows(out: FlightTrack, member: int, start: int, end: int) -> None:
     """Write that from tick ``start`` to ``end`` there is nothing to tell."""
     for row in range(start // out.every + 1, end // out.every + 1):
         for i in range(out.places.size):
@@ -72,11 +72,13 @@ def forget(out: Track, member: int, start: int, end: int) -> None:
 
 
 @kernel
-def fly_alone(fleet: Fleet, member: int, start: int, end: int, scratch: Record, out: Track) -> None:
+def fly_alone(
+    fleet: Fleet, member: int, start: int, end: int, scratch: Record, out: FlightTrack
+) -> None:
     """Advance a member from tick ``start`` to ``end``, or to where its numbers are lost."""
-    vessel = fleet.vessels[span(fleet.vessels, member)]
-    compact = fleet.compacts[span(fleet.compacts, member)]
-    state = fleet.states[span(fleet.states, member)]
+    vessel = fleet.vessels[record_span(fleet.vessels, member)]
+    compact = fleet.compacts[record_span(fleet.compacts, member)]
+    state = fleet.states[record_span(fleet.states, member)]
     if out.lost[member] >= 0:
         return
     for i in range(scratch[0].gains.size):
@@ -84,14 +86,14 @@ def fly_alone(fleet: Fleet, member: int, start: int, end: int, scratch: Record, 
     for tick in range(start, end):
         if update(vessel, compact, fleet.scheme, state, scratch) != 0:
             out.lost[member] = tick
-            forget(out, member, tick, end)
+            clear_track_rows(out, member, tick, end)
             return
         if (tick + 1) % out.every == 0:
-            note(out, member, (tick + 1) // out.every, state)
+            write_track_row(out, member, (tick + 1) // out.every, state)
 
 
 @kernel
-def obey(schedule: Schedule, member: int, tick: int, next_order: int, state: Record) -> int:
+def obey_orders(schedule: Schedule, member: int, tick: int, next_order: int, state: Record) -> int:
     """Carry out the orders due before ``tick``, from ``next_order`` on.
 
     Return the next one.
@@ -105,7 +107,7 @@ def obey(schedule: Schedule, member: int, tick: int, next_order: int, state: Rec
 
 
 @kernel
-def due(schedule: Schedule, member: int, next_order: int, end: int) -> int:
+def next_order_tick(schedule: Schedule, member: int, next_order: int, end: int) -> int:
     """Return the tick before which the next order acts.
 
     It is ``end`` if no order acts before that.
@@ -117,22 +119,22 @@ def due(schedule: Schedule, member: int, next_order: int, end: int) -> int:
 
 @kernel
 def fly_member(
-    fleet: Fleet, schedule: Schedule, ticks: int, member: int, scratch: Record, out: Track
+    fleet: Fleet, schedule: Schedule, ticks: int, member: int, scratch: Record, out: FlightTrack
 ) -> None:
     """Advance a member by ``ticks``, and obey its orders."""
-    state = fleet.states[span(fleet.states, member)]
-    note(out, member, 0, state)
+    state = fleet.states[record_span(fleet.states, member)]
+    write_track_row(out, member, 0, state)
     tick, given = min(ticks, 0), 0  # a literal 0 would make all below compile twice
     while tick < ticks and out.lost[member] < 0:
-        given = obey(schedule, member, tick, given, state)
-        end = due(schedule, member, given, ticks)
+        given = obey_orders(schedule, member, tick, given, state)
+        end = next_order_tick(schedule, member, given, ticks)
         fly_alone(fleet, member, tick, end, scratch, out)
         tick = end
 
 
 @unlocked
 def fly_one_by_one(
-    fleet: Fleet, schedule: Schedule, ticks: int, scratch: Record, out: Track
+    fleet: Fleet, schedule: Schedule, ticks: int, scratch: Record, out: FlightTrack
 ) -> None:
     """Advance every member by ``ticks``; the interpreter is free meanwhile."""
     for member in range(fleet.states.size):

@@ -1,4 +1,4 @@
-"""Members of a fleet side by side, LANES of them at a time.
+"""Members of a fleet side by side, LANE_COUNT of them at a time.
 
 They fly from one order of theirs to the next. A member that is not ordinary, or strays, flies that
 stretch alone. So does one whose centres lie off the middle, or that has products of inertia.
@@ -9,27 +9,27 @@ from typing import NamedTuple
 import numpy as np
 
 from trainer.analysis.fleet.block import (
-    follows,
     load_constants,
     load_state,
     make_ready,
     new_block,
-    ordinary,
     store_state,
+    supports_boat,
+    supports_scheme,
     under_way,
     work_in,
 )
-from trainer.analysis.fleet.lanes import LANES
+from trainer.analysis.fleet.lanes import LANE_COUNT
 from trainer.analysis.fleet.member import (
     Fleet,
-    Places,
+    FlightTrack,
+    PlaceArray,
     Schedule,
-    Track,
-    due,
     fly_alone,
-    note,
-    obey,
-    span,
+    next_order_tick,
+    obey_orders,
+    record_span,
+    write_track_row,
 )
 from trainer.analysis.fleet.tick import tick_abreast
 from trainer.core.compact import off_centre
@@ -37,23 +37,23 @@ from trainer.core.kernel import Numbers, Record, kernel, unlocked
 from trainer.core.state import new_scratch
 
 
-class Work(NamedTuple):
+class ThreadWork(NamedTuple):
     """The work space of one thread."""
 
     scratch: Record
     block: Numbers
-    next_order: Places  # by lane, in its row of the schedule
-    alone: Places  # by lane, 1: this stretch is flown by ``update``
+    next_order: PlaceArray  # by lane, in its row of the schedule
+    alone: PlaceArray  # by lane, 1: this stretch is flown by ``update``
 
 
-def new_work() -> Work:
+def new_work() -> ThreadWork:
     """Return a work space."""
-    lanes = np.zeros(LANES, np.int64)
-    return Work(new_scratch(), new_block(), lanes, lanes.copy())
+    lanes = np.zeros(LANE_COUNT, np.int64)
+    return ThreadWork(new_scratch(), new_block(), lanes, lanes.copy())
 
 
 @kernel
-def choose(fleet: Fleet, first: int, count: int, work: Work, out: Track) -> int:
+def choose_members(fleet: Fleet, first: int, count: int, work: ThreadWork, out: FlightTrack) -> int:
     """Return how many of ``count`` members fly side by side.
 
     Write which do not, and make the others ready.
@@ -61,11 +61,11 @@ def choose(fleet: Fleet, first: int, count: int, work: Work, out: Track) -> int:
     together = 0
     for lane in range(count):
         member = first + lane
-        vessel = fleet.vessels[span(fleet.vessels, member)]
-        compact = fleet.compacts[span(fleet.compacts, member)]
-        state = fleet.states[span(fleet.states, member)]
+        vessel = fleet.vessels[record_span(fleet.vessels, member)]
+        compact = fleet.compacts[record_span(fleet.compacts, member)]
+        state = fleet.states[record_span(fleet.states, member)]
         work.alone[lane] = 1
-        if out.lost[member] < 0 and ordinary(vessel, state):
+        if out.lost[member] < 0 and supports_boat(vessel, state):
             make_ready(vessel, fleet.scheme[0].h, state)
             if not off_centre(compact, state):
                 work.alone[lane] = 0
@@ -74,17 +74,19 @@ def choose(fleet: Fleet, first: int, count: int, work: Work, out: Track) -> int:
 
 
 @kernel
-def fly_abreast(fleet: Fleet, first: int, start: int, end: int, work: Work, out: Track) -> None:
+def fly_abreast(
+    fleet: Fleet, first: int, start: int, end: int, work: ThreadWork, out: FlightTrack
+) -> None:
     """Advance the lanes of the block from tick ``start`` to ``end``, and note their rows."""
-    count = min(LANES, fleet.states.size - first)
-    for lane in range(LANES):
-        load_state(fleet.states[span(fleet.states, first + lane)], lane, work.block)
+    count = min(LANE_COUNT, fleet.states.size - first)
+    for lane in range(LANE_COUNT):
+        load_state(fleet.states[record_span(fleet.states, first + lane)], lane, work.block)
     for tick in range(start, end):
         tick_abreast(fleet.scheme, work.block)
         if (tick + 1) % out.every != 0:
             continue
         for i in range(out.places.size):
-            place, row = out.places[i] * LANES, (tick + 1) // out.every
+            place, row = out.places[i] * LANE_COUNT, (tick + 1) // out.every
             for lane in range(count):
                 if work.alone[lane] == 0:
                     out.rows[first + lane, row, i] = work.block[place + lane]
@@ -94,17 +96,19 @@ def fly_abreast(fleet: Fleet, first: int, start: int, end: int, work: Work, out:
 def any_without_past(fleet: Fleet, first: int, count: int) -> bool:
     """Return whether any of ``count`` members has no past from which to integrate."""
     for member in range(first, first + count):
-        if not under_way(fleet.states[span(fleet.states, member)]):
+        if not under_way(fleet.states[record_span(fleet.states, member)]):
             return True
     return False
 
 
 @kernel
-def fly_stretch(fleet: Fleet, first: int, start: int, end: int, work: Work, out: Track) -> None:
+def fly_stretch(
+    fleet: Fleet, first: int, start: int, end: int, work: ThreadWork, out: FlightTrack
+) -> None:
     """Advance a block, the members from ``first`` on, from tick ``start`` to ``end``."""
-    count = min(LANES, fleet.states.size - first)
+    count = min(LANE_COUNT, fleet.states.size - first)
     tick = start
-    if not follows(fleet.scheme):
+    if not supports_scheme(fleet.scheme):
         for lane in range(count):
             fly_alone(fleet, first + lane, tick, end, work.scratch, out)
         return
@@ -112,51 +116,56 @@ def fly_stretch(fleet: Fleet, first: int, start: int, end: int, work: Work, out:
         for lane in range(count):
             fly_alone(fleet, first + lane, tick, tick + 1, work.scratch, out)
         tick += 1
-    if choose(fleet, first, count, work, out) > 0:
+    if choose_members(fleet, first, count, work, out) > 0:
         fly_abreast(fleet, first, tick, end, work, out)
     for lane in range(count):
         if work.alone[lane] == 0 and work_in(work.block, lane)[0].strayed == 0.0:
-            store_state(work.block, lane, fleet.states[span(fleet.states, first + lane)])
+            store_state(work.block, lane, fleet.states[record_span(fleet.states, first + lane)])
         else:
             fly_alone(fleet, first + lane, tick, end, work.scratch, out)
 
 
 @kernel
-def begin(fleet: Fleet, first: int, work: Work, out: Track) -> None:
+def begin_block(fleet: Fleet, first: int, work: ThreadWork, out: FlightTrack) -> None:
     """Write the first rows of a block's members, and their constants to the block."""
-    for lane in range(LANES):
+    for lane in range(LANE_COUNT):
         member = first + lane
         work.next_order[lane] = 0
         if member < fleet.states.size:
-            note(out, member, 0, fleet.states[span(fleet.states, member)])
+            write_track_row(out, member, 0, fleet.states[record_span(fleet.states, member)])
         if first == 0 or fleet.vessels.size > 1 or fleet.compacts.size > 1:
-            vessel = fleet.vessels[span(fleet.vessels, member)]
-            compact = fleet.compacts[span(fleet.compacts, member)]
+            vessel = fleet.vessels[record_span(fleet.vessels, member)]
+            compact = fleet.compacts[record_span(fleet.compacts, member)]
             load_constants(vessel, compact, lane, work.block)
 
 
 @kernel
 def fly_block(
-    fleet: Fleet, schedule: Schedule, ticks: int, first: int, work: Work, out: Track
+    fleet: Fleet, schedule: Schedule, ticks: int, first: int, work: ThreadWork, out: FlightTrack
 ) -> None:
     """Advance the members from ``first`` on by ``ticks``, as many as fly side by side."""
-    begin(fleet, first, work, out)
+    begin_block(fleet, first, work, out)
     tick = min(ticks, 0)  # a literal 0 would make all below compile twice
     while tick < ticks:
         end = ticks
-        for lane in range(min(LANES, fleet.states.size - first)):
+        for lane in range(min(LANE_COUNT, fleet.states.size - first)):
             member = first + lane
             if out.lost[member] < 0:
-                given, state = work.next_order[lane], fleet.states[span(fleet.states, member)]
-                given = obey(schedule, member, tick, given, state)
-                end = due(schedule, member, given, end)
+                given, state = (
+                    work.next_order[lane],
+                    fleet.states[record_span(fleet.states, member)],
+                )
+                given = obey_orders(schedule, member, tick, given, state)
+                end = next_order_tick(schedule, member, given, end)
                 work.next_order[lane] = given
         fly_stretch(fleet, first, tick, end, work, out)
         tick = end
 
 
 @unlocked
-def fly(fleet: Fleet, schedule: Schedule, ticks: int, work: Work, out: Track) -> None:
+def fly_members_by_block(
+    fleet: Fleet, schedule: Schedule, ticks: int, work: ThreadWork, out: FlightTrack
+) -> None:
     """Advance every member by ``ticks``; the interpreter is free meanwhile."""
-    for first in range(0, fleet.states.size, LANES):
+    for first in range(0, fleet.states.size, LANE_COUNT):
         fly_block(fleet, schedule, ticks, first, work, out)

@@ -6,20 +6,26 @@ member again by ``update``, whose bits are otherwise those of a lane.
 """
 
 from trainer.analysis.fleet.block import (
+    ADAMS_TERMS,
     BRACKET_BELOW,
     BRACKET_TOP,
     GAIN_RISES,
     LOW_GAINS,
     LOW_SPEED,
     SPEED_RISE,
-    TERMS,
     bracket_gains,
     compact_in,
     state_in,
     vessel_in,
     work_in,
 )
-from trainer.analysis.fleet.lanes import as_float, every_lane, nearest, relaid, times_power_of_two
+from trainer.analysis.fleet.lanes import (
+    as_float,
+    every_lane,
+    nearest,
+    relay_kernel,
+    times_power_of_two,
+)
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot.course import keep_course
 from trainer.core.autopilot.depth import keep_depth
@@ -88,12 +94,12 @@ def _interpolate(u: float, gains: Numbers) -> None:
         gains[i] = gains[LOW_GAINS + i] + share * gains[GAIN_RISES + i]
 
 
-COUNTED = {
+LANE_KERNELS = {
     "_nearest": nearest,
     "_as_float": as_float,
     "_times_power_of_two": times_power_of_two,
 }
-_both = relaid(cosine_and_sine, COUNTED)
+_both = relay_kernel(cosine_and_sine, LANE_KERNELS)
 
 
 @inlined
@@ -108,8 +114,8 @@ def _cosine(x: float) -> float:
     return _both(x)[0]
 
 
-_INSTEAD = {
-    **COUNTED,
+LANE_REPLACEMENTS = {
+    **LANE_KERNELS,
     "sine": _sine,
     "cosine": _cosine,
     "slot_of": _no_slot,
@@ -120,25 +126,25 @@ _INSTEAD = {
     "law_in_waves": _in_a_calm,
     "learning_in_waves": _learning_in_a_calm,
 }
-_slew_depth = relaid(slew_depth, _INSTEAD)
-_slew_course = relaid(slew_course, _INSTEAD)
-_keep_depth = relaid(keep_depth, _INSTEAD)
-_keep_course = relaid(keep_course, _INSTEAD)
-_fade = relaid(fade, _INSTEAD)
-_keep_speed = relaid(keep_speed, _INSTEAD)
-_forces = relaid(forces, _INSTEAD)
-_every_force = relaid(further_forces, _INSTEAD)
-_add_external = relaid(add_external, _INSTEAD)
-_lagged = relaid(lagged_rates, _INSTEAD)
-_kinematics = relaid(kinematics, _INSTEAD)
-_adams = relaid(adams_of, _INSTEAD)
-_move_surfaces = relaid(move_surfaces, _INSTEAD)
-_answer_telegraph = relaid(answer_telegraph, _INSTEAD)
-_lost = relaid(lost, _INSTEAD)
-_cross = relaid(cross_speed_squared, _INSTEAD)
-_incidence = relaid(incidence, _INSTEAD)
-ALMOST = 1.0 - 1e-9  # [-] of the torque limit; beyond it a boat flies alone
-STEEP = 1.3  # [rad] pitch, somewhat below that at which the angles are turned
+_slew_depth = relay_kernel(slew_depth, LANE_REPLACEMENTS)
+_slew_course = relay_kernel(slew_course, LANE_REPLACEMENTS)
+_keep_depth = relay_kernel(keep_depth, LANE_REPLACEMENTS)
+_keep_course = relay_kernel(keep_course, LANE_REPLACEMENTS)
+_fade = relay_kernel(fade, LANE_REPLACEMENTS)
+_keep_speed = relay_kernel(keep_speed, LANE_REPLACEMENTS)
+_forces = relay_kernel(forces, LANE_REPLACEMENTS)
+_every_force = relay_kernel(further_forces, LANE_REPLACEMENTS)
+_add_external = relay_kernel(add_external, LANE_REPLACEMENTS)
+_lagged = relay_kernel(lagged_rates, LANE_REPLACEMENTS)
+_kinematics = relay_kernel(kinematics, LANE_REPLACEMENTS)
+_adams = relay_kernel(adams_of, LANE_REPLACEMENTS)
+_move_surfaces = relay_kernel(move_surfaces, LANE_REPLACEMENTS)
+_answer_telegraph = relay_kernel(answer_telegraph, LANE_REPLACEMENTS)
+_lost = relay_kernel(lost, LANE_REPLACEMENTS)
+_cross = relay_kernel(cross_speed_squared, LANE_REPLACEMENTS)
+_incidence = relay_kernel(incidence, LANE_REPLACEMENTS)
+TORQUE_LIMIT_SHARE = 1.0 - 1e-9  # [-] of the torque limit; beyond it a boat flies alone
+STEEP_PITCH_RAD = 1.3  # [rad] pitch, somewhat below that at which the angles are turned
 
 
 @inlined
@@ -167,7 +173,7 @@ def keep_gains(out: Numbers) -> None:
 
 
 @kernel
-def aim(h: float, out: Numbers) -> None:
+def aim_autopilot(h: float, out: Numbers) -> None:
     """Write the gains, and the references of the autopilot."""
     for lane in every_lane():
         gains = work_in(out, lane)[0].gains
@@ -177,7 +183,7 @@ def aim(h: float, out: Numbers) -> None:
 
 
 @kernel
-def command(h: float, out: Numbers) -> None:
+def command_controls(h: float, out: Numbers) -> None:
     """Write the commands of surfaces and revolutions.
 
     As one loop it would not be vector code.
@@ -193,7 +199,7 @@ def command(h: float, out: Numbers) -> None:
 
 
 @kernel
-def push(trig: int, out: Numbers) -> None:
+def compute_forces(trig: int, out: Numbers) -> None:
     """Write the forces."""
     extended = 0
     for lane in every_lane():
@@ -215,7 +221,7 @@ def find_outside(h: float, out: Numbers) -> None:
         work = work_in(out, lane)[0]
         cross = _cross(vessel_in(out, lane), state_in(out, lane))
         inside = 1.0 if s.u > 0.0 and cross <= c.handover_from * s.u * s.u else 0.0
-        level = 1.0 if abs(s.theta) < STEEP and abs(s.phi) < STEEP else 0.0
+        level = 1.0 if abs(s.theta) < STEEP_PITCH_RAD and abs(s.phi) < STEEP_PITCH_RAD else 0.0
         even = 1.0 if s.last_step in (h, 0.0) else 0.0
         work.strayed += 1.0 - inside * level * even
         for i in range(3):
@@ -224,7 +230,7 @@ def find_outside(h: float, out: Numbers) -> None:
 
 
 @kernel
-def accelerate(trig: int, out: Numbers) -> None:
+def compute_rates(trig: int, out: Numbers) -> None:
     """Write the rates, and find the lanes that are not deep."""
     for lane in every_lane():
         s, work = state_in(out, lane)[0], work_in(out, lane)[0]
@@ -235,24 +241,24 @@ def accelerate(trig: int, out: Numbers) -> None:
 
 
 @kernel
-def integrate(scheme: Record, out: Numbers) -> None:
+def advance_motion(scheme: Record, out: Numbers) -> None:
     """Advance the motion."""
     for lane in every_lane():
         s = state_in(out, lane)[0]
         s.last_p, s.last_q, s.last_r, s.last_step = s.p, s.q, s.r, scheme[0].h
-        _adams(scheme, TERMS, state_in(out, lane))
+        _adams(scheme, ADAMS_TERMS, state_in(out, lane))
         s.sailed_x, s.sailed_y = s.x, s.y
 
 
 @kernel
-def deflect(h: float, out: Numbers) -> None:
+def deflect_surfaces(h: float, out: Numbers) -> None:
     """Move the surfaces."""
     for lane in every_lane():
         _move_surfaces(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
-def answer(h: float, out: Numbers) -> None:
+def advance_command_speed(h: float, out: Numbers) -> None:
     """Advance the command speed by the engine room's answer to the telegraph.
 
     It is a step of its own: in one loop with another neither would become vector code.
@@ -265,13 +271,13 @@ def answer(h: float, out: Numbers) -> None:
         torque = turns * (c.torque[AHEAD, BY_N_N] * turns + c.torque[AHEAD, BY_N_FLOW] * flow)
         torque += c.torque[AHEAD, BY_FLOW_FLOW] * flow * flow
         limited = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer > s.u else 0.0
-        at_limit = 1.0 if torque > c.torque_limit * ALMOST else 0.0
+        at_limit = 1.0 if torque > c.torque_limit * TORQUE_LIMIT_SHARE else 0.0
         astern = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer < 0.0 else 0.0
         work_in(out, lane)[0].strayed += limited * at_limit + astern
 
 
 @kernel
-def see(out: Numbers) -> None:
+def watch_lanes(out: Numbers) -> None:
     """Count the tick, and find the lanes that have lost their numbers."""
     for lane in every_lane():
         c, s = vessel_in(out, lane)[0], state_in(out, lane)[0]
@@ -292,12 +298,12 @@ def tick_abreast(scheme: Record, out: Numbers) -> None:
     """
     how = scheme[0]
     keep_gains(out)
-    aim(how.h, out)
-    command(how.h, out)
-    push(how.trig, out)
+    aim_autopilot(how.h, out)
+    command_controls(how.h, out)
+    compute_forces(how.trig, out)
     find_outside(how.h, out)
-    accelerate(how.trig, out)
-    integrate(scheme, out)
-    deflect(how.h, out)
-    answer(how.h, out)
-    see(out)
+    compute_rates(how.trig, out)
+    advance_motion(scheme, out)
+    deflect_surfaces(how.h, out)
+    advance_command_speed(how.h, out)
+    watch_lanes(out)

@@ -12,41 +12,41 @@ from trainer import __version__
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, reasons
 from trainer.analysis.guide.findings import Finding, StepRun
-from trainer.analysis.guide.programme import SETS, Flown, Leg, Task, fly_all
+from trainer.analysis.guide.programme import SET_METHODS, FlightTable, Leg, Task, fly_all
 from trainer.analysis.guide.trials import (
-    Compared,
-    WavesCompared,
+    TrialComparison,
+    WaveComparison,
     compare_trials,
     compare_waves,
     load_published,
     trials_path,
 )
 from trainer.analysis.guide.verdicts import (
-    BEYOND,
-    SHOWN,
-    WITHIN,
+    BEYOND_TOLERANCE,
+    NOT_JUDGED,
+    WITHIN_TOLERANCE,
     Judgement,
-    account,
     judge,
-    passes,
+    passes_all,
+    verdict_account,
 )
-from trainer.analysis.manoeuvres.catalogue import Parameters, parameters
+from trainer.analysis.manoeuvres.catalogue import ParameterValues, manoeuvre_parameters
 from trainer.analysis.programs import characteristic, neutral, thrust
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest
 
-REDUCED: Final = ("modified", "basic")  # sets judged by the full one
-ANSWERS: Final = "modified"  # the one that runs, on which the guide's verdict rests
-LIBRARIES: Final = ("numpy", "numba")
+REDUCED_SETS: Final = ("modified", "basic")  # sets judged by the full one
+VERDICT_SET: Final = "modified"  # the one that runs, on which the guide's verdict rests
+NAMED_LIBRARIES: Final = ("numpy", "numba")
 
 
 @dataclass(frozen=True)
-class Sheet:
+class LegSheet:
     """One leg, judged."""
 
     title: str
     manoeuvre: str
-    parameters: Parameters  # [deg], [s] and [kn]
+    parameters: ParameterValues  # [deg], [s] and [kn]
     problems: dict[str, str]  # why there is no flight, by equation set
     judgements: dict[str, tuple[Judgement, ...]]  # by reduced set
 
@@ -58,9 +58,11 @@ class Sheet:
         """Return whether nothing judged is beyond tolerance; None: nothing is judged."""
         if self.problems.get(equations) and not self.problems.get("full"):
             return False
-        if not self.counted(equations, WITHIN) + self.counted(equations, BEYOND):
+        if not self.counted(equations, WITHIN_TOLERANCE) + self.counted(
+            equations, BEYOND_TOLERANCE
+        ):
             return None
-        return not self.counted(equations, BEYOND)
+        return not self.counted(equations, BEYOND_TOLERANCE)
 
 
 @dataclass(frozen=True)
@@ -72,21 +74,21 @@ class Guide:
     step_s: float
     versions: dict[str, str]
     checksums: dict[str, str]  # sha256 of what it was made from
-    sheets: tuple[Sheet, ...]
+    sheets: tuple[LegSheet, ...]
     findings: tuple[Finding, ...]
     steps: tuple[StepRun, ...]
-    drops: tuple[reasons.Drop, ...]
-    trials: tuple[Compared, ...]
-    waves: tuple[WavesCompared, ...]
-    neutral: neutral.Neutral
-    modes: characteristic.Report
-    thrust: thrust.Report
+    drops: tuple[reasons.DropEffect, ...]
+    trials: tuple[TrialComparison, ...]
+    waves: tuple[WaveComparison, ...]
+    neutral: neutral.NeutralReport
+    modes: characteristic.ModesReport
+    thrust: thrust.ThrustReport
     passed: bool  # something is judged, and nothing beyond tolerance
 
     @property
     def conclusion(self) -> str:
         """Return the verdict of the whole guide in words."""
-        if all(sheet.passed(ANSWERS) is None for sheet in self.sheets):
+        if all(sheet.passed(VERDICT_SET) is None for sheet in self.sheets):
             return "Nothing was judged"
         return "Within tolerance" if self.passed else "Out of tolerance"
 
@@ -98,31 +100,33 @@ class GuideContents:
     file: VesselFile
     guide: Guide
     legs: tuple[Leg, ...]
-    flown: Flown
+    flown: FlightTable
 
 
-def tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
+def guide_tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
     """Return every flight that a guide of these legs needs, each once."""
     path = trials_path(file)
     found = (
-        *(leg.task(file, equations) for leg in legs for equations in SETS),
+        *(leg.task(file, equations) for leg in legs for equations in SET_METHODS),
         *findings.step_tasks(file),
-        *findings.tasks(file),
+        *findings.finding_tasks(file),
         *reasons.drop_tasks(file),
         *(trial.task(file) for trial in (load_published(path)[0] if path else ())),
     )
     return tuple(dict.fromkeys(found))
 
 
-def write(
+def write_guide(
     file: VesselFile, legs: Sequence[Leg], made: str, cores: int, step: Callable[[], None]
 ) -> GuideContents:
     """Return the guide of a boat in these legs; ``step`` is called after each flight."""
-    flown = fly_all(file.path, tasks(file, legs), cores, step)
-    return assemble(file, legs, made, flown)
+    flown = fly_all(file.path, guide_tasks(file, legs), cores, step)
+    return assemble_guide(file, legs, made, flown)
 
 
-def assemble(file: VesselFile, legs: Sequence[Leg], made: str, flown: Flown) -> GuideContents:
+def assemble_guide(
+    file: VesselFile, legs: Sequence[Leg], made: str, flown: FlightTable
+) -> GuideContents:
     """Return the guide from its flights."""
     sheets = tuple(_sheet(file, leg, flown) for leg in legs)
     stepped = findings.step_study(file, flown)
@@ -141,43 +145,43 @@ def assemble(file: VesselFile, legs: Sequence[Leg], made: str, flown: Flown) -> 
             "trainer": __version__,
             "core": core_digest(),
             "python": sys.version.split()[0],
-            **{name: metadata.version(name) for name in LIBRARIES},
+            **{name: metadata.version(name) for name in NAMED_LIBRARIES},
             "machine": platform.machine(),
         },
         checksums=checksums,
         sheets=sheets,
-        findings=findings.study(file, flown, stepped),
+        findings=findings.study_findings(file, flown, stepped),
         steps=stepped,
         drops=reasons.drop_study(file, flown),
         trials=tuple(compare_trials(file, trials, flown)),
         waves=tuple(compare_waves(file, waves)),
-        neutral=neutral.neutral(file, speeds),
-        modes=characteristic.characteristic(file, speeds, characteristic.Means()),
-        thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),
-        passed=passes([sheet.passed(ANSWERS) for sheet in sheets]),
+        neutral=neutral.report_neutral(file, speeds),
+        modes=characteristic.report_modes(file, speeds, characteristic.MeanMotions()),
+        thrust=thrust.survey_thrust(file, (0.0, *speeds), thrust.command_speeds(file)),
+        passed=passes_all([sheet.passed(VERDICT_SET) for sheet in sheets]),
     )
     return GuideContents(file, guide, tuple(legs), flown)
 
 
-def _sheet(file: VesselFile, leg: Leg, flown: Flown) -> Sheet:
+def _sheet(file: VesselFile, leg: Leg, flown: FlightTable) -> LegSheet:
     """Return one leg judged."""
-    flights = {each: flown[leg.task(file, each)] for each in SETS}
+    flights = {each: flown[leg.task(file, each)] for each in SET_METHODS}
     full = flights["full"]
     judgements = {}
-    for equations in REDUCED:
+    for equations in REDUCED_SETS:
         other = flights[equations]
         if not isinstance(full, str) and not isinstance(other, str):
             judgements[equations] = judge(leg.manoeuvre, full, other)
     problems = {each: flight for each, flight in flights.items() if isinstance(flight, str)}
-    return Sheet(leg.title, leg.name, parameters(leg.manoeuvre), problems, judgements)
+    return LegSheet(leg.title, leg.name, manoeuvre_parameters(leg.manoeuvre), problems, judgements)
 
 
-def tally(guide: Guide, equations: str) -> dict[str, Any]:
+def tally_set(guide: Guide, equations: str) -> dict[str, Any]:
     """Return how many numbers and manoeuvres of a reduced set are within and beyond."""
     sheets = guide.sheets
     return {
-        "within": sum(sheet.counted(equations, WITHIN) for sheet in sheets),
-        "beyond": sum(sheet.counted(equations, BEYOND) for sheet in sheets),
-        "shown": sum(sheet.counted(equations, SHOWN) for sheet in sheets),
-        "manoeuvres": account([sheet.passed(equations) for sheet in sheets]),
+        "within": sum(sheet.counted(equations, WITHIN_TOLERANCE) for sheet in sheets),
+        "beyond": sum(sheet.counted(equations, BEYOND_TOLERANCE) for sheet in sheets),
+        "shown": sum(sheet.counted(equations, NOT_JUDGED) for sheet in sheets),
+        "manoeuvres": verdict_account([sheet.passed(equations) for sheet in sheets]),
     }

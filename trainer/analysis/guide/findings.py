@@ -15,48 +15,59 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.check import critical_speed, round_speeds
-from trainer.analysis.guide.programme import Flown, Task
+from trainer.analysis.guide.programme import FlightTable, Task
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig
 from trainer.analysis.manoeuvres.turns import Turn
-from trainer.analysis.manoeuvres.vehicle import largest
+from trainer.analysis.manoeuvres.vehicle import largest_value
 from trainer.analysis.manoeuvres.vertical import Meander, TrimChange
 from trainer.boat.assemble import Method
 from trainer.config.vessel import VesselFile
 from trainer.units import KNOT
 
-SHARES: Final = (0.5, 1.0, 2.0, 3.0)  # of the boat's own step: 0.25, 0.5, 1 and 1.5 s of 1969
-FINE: Final = 0.1  # of it, the standard
-LEAD: Final = 12.0  # own steps before controls move: whole ones of every share
-SCHEMES: Final = (
+STEP_SHARES: Final = (0.5, 1.0, 2.0, 3.0)  # of the boat's own step: 0.25, 0.5, 1 and 1.5 s of 1969
+FINE_STEP_SHARE: Final = 0.1  # of it, the standard
+LEAD_STEPS: Final = 12.0  # own steps before controls move: whole ones of every share
+STUDIED_SCHEMES: Final = (
     ("Adams 2", "adams2", "lagged"),
     ("Adams 2", "adams2", "exact"),
     ("Euler", "euler", "lagged"),
     ("Runge-Kutta 4", "rk4", "exact"),
 )
-WATCHED: Final = ("u", "w", "v", "r", "theta", "phi", "psi")
-GOOD: Final = 1.0  # [%] error up to which a step is fine,
-BAD: Final = 5.0  # and from which it is of no use
-STILL: Final = 1e-3  # [rad] or of the speed: a column that moves less is not looked at
-AT_ONCE: Final = Rig(controls="once")
-HOLDS: Final = "holds"
-IN_PART: Final = "holds in part"
-FAILS: Final = "does not hold on this hull"
-UNTOLD: Final = "cannot be shown on this hull"
-RATIOS: Final = (0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 1.8)  # of the critical speed
-NEAR: Final = 0.15  # [-] of it: where the reversal has to be
-TAIL: Final = 0.1  # [-] of a flight, its last part
-OFFSET: Final = TrimChange(angle_deg=2.0, duration_s=600.0)
-IN_TURNS: Final = ("Z_rr", "Z_vr", "Z_vv", "M_rr", "M_vr", "M_vv")
-RUINED: Final = 1.5  # [-] times the depth change with all terms
-LOST: Final = "depth is lost"
-LESS: Final = "depth changes less"
-LITTLE: Final = "little changes"
-ABSENT: Final = "not in this hull's data"
-TURN: Final = Turn()
-MEANDER: Final = Meander()
-BY_REPORT: Final = Rig(law="report")
-NONLINEAR: Final = ("Z_waw", "Z_ww", "Z_aw", "M_waw", "M_ww", "M_aw", "M_awq", "M_qaq")
+WATCHED_COLUMNS: Final = ("u", "w", "v", "r", "theta", "phi", "psi")
+GOOD_ERROR_PERCENT: Final = 1.0  # [%] error up to which a step is fine,
+BAD_ERROR_PERCENT: Final = 5.0  # and from which it is of no use
+MIN_COLUMN_CHANGE: Final = 1e-3  # [rad] or of the speed: a column that moves less is not looked at
+INSTANT_RIG: Final = Rig(controls="once")
+HOLDS_VERDICT: Final = "holds"
+PARTIAL_VERDICT: Final = "holds in part"
+FAILS_VERDICT: Final = "does not hold on this hull"
+UNKNOWN_VERDICT: Final = "cannot be shown on this hull"
+CRITICAL_SPEED_RATIOS: Final = (
+    0.6,
+    0.7,
+    0.8,
+    0.9,
+    0.95,
+    1.05,
+    1.1,
+    1.2,
+    1.4,
+    1.8,
+)  # of the critical speed
+REVERSAL_TOLERANCE: Final = 0.15  # [-] of it: where the reversal has to be
+FLIGHT_TAIL_SHARE: Final = 0.1  # [-] of a flight, its last part
+PLANE_OFFSET: Final = TrimChange(angle_deg=2.0, duration_s=600.0)
+TURN_COEFFICIENTS: Final = ("Z_rr", "Z_vr", "Z_vv", "M_rr", "M_vr", "M_vv")
+RUINED_DEPTH_RATIO: Final = 1.5  # [-] times the depth change with all terms
+LOST_DEPTH_EFFECT: Final = "depth is lost"
+LESS_DEPTH_EFFECT: Final = "depth changes less"
+LITTLE_EFFECT: Final = "little changes"
+ABSENT_EFFECT: Final = "not in this hull's data"
+STUDIED_TURN: Final = Turn()
+STUDIED_MEANDER: Final = Meander()
+REPORT_RIG: Final = Rig(law="report")
+NONLINEAR_COEFFICIENTS: Final = ("Z_waw", "Z_ww", "Z_aw", "M_waw", "M_ww", "M_aw", "M_awq", "M_qaq")
 
 
 @dataclass(frozen=True)
@@ -74,7 +85,7 @@ class StepRun:
 
 def cases(file: VesselFile) -> dict[str, tuple[Manoeuvre, float]]:
     """Return the manoeuvres of the study and their speeds [m/s]."""
-    lead, own = LEAD * file.run.step_s, file.run.start_speed_kn
+    lead, own = LEAD_STEPS * file.run.step_s, file.run.start_speed_kn
     top = round_speeds(*file.run.speed_range_kn)[-1]
     turn = Turn(duration_s=300.0 * file.run.step_s / 0.5, keep=(), lead_s=lead)
     trim = TrimChange(duration_s=240.0 * file.run.step_s / 0.5, lead_s=lead)
@@ -85,46 +96,52 @@ def cases(file: VesselFile) -> dict[str, tuple[Manoeuvre, float]]:
     }
 
 
-def standard(file: VesselFile, manoeuvre: Manoeuvre, speed: float) -> Task:
+def standard_flight(file: VesselFile, manoeuvre: Manoeuvre, speed: float) -> Task:
     """Return the flight that is taken as true."""
-    fine = Method("full", "exact", "exact", "rk4", FINE * file.run.step_s)
-    return Task(manoeuvre, speed, fine, AT_ONCE)
+    fine = Method("full", "exact", "exact", "rk4", FINE_STEP_SHARE * file.run.step_s)
+    return Task(manoeuvre, speed, fine, INSTANT_RIG)
 
 
 def fly_schemes(
     file: VesselFile, manoeuvre: Manoeuvre, speed: float
 ) -> Iterator[tuple[tuple[str, str, str], float, Task]]:
     """Yield scheme, step [s] and flight of all that is tried."""
-    for scheme in SCHEMES:
-        for share in SHARES:
+    for scheme in STUDIED_SCHEMES:
+        for share in STEP_SHARES:
             step = share * file.run.step_s
             method = Method("full", scheme[2], "exact", scheme[1], step)
-            yield scheme, step, Task(manoeuvre, speed, method, AT_ONCE)
+            yield scheme, step, Task(manoeuvre, speed, method, INSTANT_RIG)
 
 
 def step_tasks(file: VesselFile) -> Iterator[Task]:
     """Yield the flights of the study."""
     for manoeuvre, speed in cases(file).values():
-        yield standard(file, manoeuvre, speed)
+        yield standard_flight(file, manoeuvre, speed)
         yield from (task for _, _, task in fly_schemes(file, manoeuvre, speed))
 
 
-def step_study(file: VesselFile, flown: Flown) -> tuple[StepRun, ...]:
+def step_study(file: VesselFile, flown: FlightTable) -> tuple[StepRun, ...]:
     """Return how far every scheme and step is from the standard."""
     found = []
     for case, (manoeuvre, speed) in cases(file).items():
-        true = flown[standard(file, manoeuvre, speed)]
+        true = flown[standard_flight(file, manoeuvre, speed)]
         if isinstance(true, str) or true.lost:
             continue
         for (name, _, rates), step, task in fly_schemes(file, manoeuvre, speed):
-            percent, worst = error(true, flown[task])
-            verdict = "lost" if percent is None else "coarse" if percent <= BAD else "of no use"
-            verdict = "fine" if percent is not None and percent <= GOOD else verdict
+            percent, worst = worst_error(true, flown[task])
+            verdict = (
+                "lost"
+                if percent is None
+                else "coarse"
+                if percent <= BAD_ERROR_PERCENT
+                else "of no use"
+            )
+            verdict = "fine" if percent is not None and percent <= GOOD_ERROR_PERCENT else verdict
             found.append(StepRun(case, name, rates, step, percent, worst, verdict))
     return tuple(found)
 
 
-def error(true: Flight, other: Flight | str) -> tuple[float | None, str]:
+def worst_error(true: Flight, other: Flight | str) -> tuple[float | None, str]:
     """Return the worst error [%] of any column's extremes and end, and which; None: lost.
 
     Of as much as the column changes. Phase is not judged: Adams answers to a step of a control as
@@ -133,10 +150,10 @@ def error(true: Flight, other: Flight | str) -> tuple[float | None, str]:
     if isinstance(other, str) or other.lost:
         return None, ""
     worst = (0.0, "")
-    for name in WATCHED:
+    for name in WATCHED_COLUMNS:
         span = float(np.ptp(true.column(name)))
         unit = true.speed if name in "uvw" else 1.0
-        if span < STILL * unit:
+        if span < MIN_COLUMN_CHANGE * unit:
             continue
         furthest = max(
             abs(a - b) for a, b in zip(_ends(true, name), _ends(other, name), strict=True)
@@ -170,33 +187,35 @@ def _standard(file: VesselFile) -> Method:
 
 def _offset(file: VesselFile, speed: float) -> Task:
     """Return planes to dive by a little, held, at ``speed`` [m/s]."""
-    return Task(OFFSET, speed, _standard(file))
+    return Task(PLANE_OFFSET, speed, _standard(file))
 
 
 def _turn(file: VesselFile, *zeroed: str) -> Task:
     """Return the turn at the top speed, depth by the law of 1969, with coefficients at zero."""
     top = round_speeds(*file.run.speed_range_kn)[-1]
-    return Task(TURN, top * KNOT, _standard(file), BY_REPORT, zeroed)
+    return Task(STUDIED_TURN, top * KNOT, _standard(file), REPORT_RIG, zeroed)
 
 
 def _meander(file: VesselFile, *zeroed: str) -> Task:
     """Return the meander at the start speed, with coefficients at zero."""
-    return Task(MEANDER, file.run.start_speed_kn * KNOT, _standard(file), zeroed=zeroed)
+    return Task(STUDIED_MEANDER, file.run.start_speed_kn * KNOT, _standard(file), zeroed=zeroed)
 
 
-def tasks(file: VesselFile) -> Iterator[Task]:
+def finding_tasks(file: VesselFile) -> Iterator[Task]:
     """Yield the flights that the findings look at."""
     critical = critical_speed(file, "stern")
-    for ratio in RATIOS if critical else ():
+    for ratio in CRITICAL_SPEED_RATIOS if critical else ():
         yield _offset(file, ratio * (critical or 0.0))
     yield _turn(file)
-    for name in (*IN_TURNS, "K_vav"):
+    for name in (*TURN_COEFFICIENTS, "K_vav"):
         yield _turn(file, name)
     yield _meander(file)
-    yield _meander(file, *NONLINEAR)
+    yield _meander(file, *NONLINEAR_COEFFICIENTS)
 
 
-def study(file: VesselFile, flown: Flown, steps: tuple[StepRun, ...]) -> tuple[Finding, ...]:
+def study_findings(
+    file: VesselFile, flown: FlightTable, steps: tuple[StepRun, ...]
+) -> tuple[Finding, ...]:
     """Return all findings, judged."""
     return (
         reversal(file, flown),
@@ -207,19 +226,19 @@ def study(file: VesselFile, flown: Flown, steps: tuple[StepRun, ...]) -> tuple[F
     )
 
 
-def reversal(file: VesselFile, flown: Flown) -> Finding:
+def reversal(file: VesselFile, flown: FlightTable) -> Finding:
     """Return whether stern planes reverse at the critical speed of EC470."""
     title = "Stern planes reverse"
     claim = "below the critical speed of EC470, planes to dive make the boat rise"
     critical = critical_speed(file, "stern")
     if critical is None:
-        return Finding(title, claim, UNTOLD, "this hull has no critical speed")
+        return Finding(title, claim, UNKNOWN_VERDICT, "this hull has no critical speed")
     rates = {}
-    for ratio in RATIOS:
+    for ratio in CRITICAL_SPEED_RATIOS:
         flight = flown[_offset(file, ratio * critical)]
         if not isinstance(flight, str) and not flight.lost:
             z, t = flight.column("z"), flight.t
-            begin = int((1.0 - TAIL) * (t.size - 1))
+            begin = int((1.0 - FLIGHT_TAIL_SHARE) * (t.size - 1))
             rates[ratio * critical] = float((z[-1] - z[begin]) / (t[-1] - t[begin]))
     rows = tuple(
         (f"{speed / KNOT:.2f}", f"{1000.0 * rate:+.1f}", "dives" if rate > 0.0 else "rises")
@@ -234,18 +253,19 @@ def reversal(file: VesselFile, flown: Flown) -> Finding:
     ]
     if len(turns) != 1:
         words = (
-            f"of {len(RATIOS)} speeds about the {critical / KNOT:.2f} kn of EC470 {len(rates)} can "
+            f"of {len(CRITICAL_SPEED_RATIOS)} speeds about the {critical / KNOT:.2f} kn of "
+            f"EC470 {len(rates)} can "
             f"be flown, and the depth rate turns {len(turns)} times between them"
         )
-        verdict = FAILS if len(rates) == len(RATIOS) else UNTOLD
+        verdict = FAILS_VERDICT if len(rates) == len(CRITICAL_SPEED_RATIOS) else UNKNOWN_VERDICT
         return Finding(title, claim, verdict, words, heads, rows)
     flies, says = turns[0] / KNOT, critical / KNOT
-    verdict = HOLDS if abs(flies - says) <= NEAR * says else FAILS
+    verdict = HOLDS_VERDICT if abs(flies - says) <= REVERSAL_TOLERANCE * says else FAILS_VERDICT
     words = f"EC470 gives {says:.2f} kn, in flight with 2 degrees it is {flies:.2f} kn"
     return Finding(title, claim, verdict, words, heads, rows)
 
 
-def depth_in_turns(file: VesselFile, flown: Flown) -> Finding:
+def depth_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
     """Return what six coefficients do for depth in a turn."""
     title = "Depth in turns"
     claim = (
@@ -256,18 +276,24 @@ def depth_in_turns(file: VesselFile, flown: Flown) -> Finding:
     heads = ("without", "its value here", "largest depth change [m]", "times", "")
     if isinstance(whole, str) or whole.lost:
         words = whole if isinstance(whole, str) else whole.lost
-        return Finding(title, claim, UNTOLD, words)
-    base = largest(whole.change("z"))
+        return Finding(title, claim, UNKNOWN_VERDICT, words)
+    base = largest_value(whole.change("z"))
     rows = [("nothing", "", f"{base:+.2f}", "1.00", "")]
     by_effect: dict[str, list[str]] = {}
-    for name in IN_TURNS:
+    for name in TURN_COEFFICIENTS:
         row = _without(file, name, flown[_turn(file, name)], base)
         by_effect.setdefault(row[-1], []).append(name)
         rows.append(row)
-    lost = by_effect.get(LOST, [])
-    verdict = HOLDS if lost == list(IN_TURNS) else IN_PART if lost else FAILS
-    if len(by_effect.get(ABSENT, [])) == len(IN_TURNS):
-        verdict = UNTOLD
+    lost = by_effect.get(LOST_DEPTH_EFFECT, [])
+    verdict = (
+        HOLDS_VERDICT
+        if lost == list(TURN_COEFFICIENTS)
+        else PARTIAL_VERDICT
+        if lost
+        else FAILS_VERDICT
+    )
+    if len(by_effect.get(ABSENT_EFFECT, [])) == len(TURN_COEFFICIENTS):
+        verdict = UNKNOWN_VERDICT
     effects = "; ".join(f"{effect}: {', '.join(names)}" for effect, names in by_effect.items())
     words = f"with all terms depth changes by {abs(base):.2f} m; without one of them, {effects}"
     return Finding(title, claim, verdict, words, heads, tuple(rows))
@@ -279,26 +305,38 @@ def _without(
     """Return the row of one coefficient at zero, its effect last; ``base`` [m] is with all."""
     value = file.coefficients[name]
     if not value:
-        return name, "0", f"{base:+.2f}", "1.00", ABSENT
+        return name, "0", f"{base:+.2f}", "1.00", ABSENT_EFFECT
     if isinstance(flight, str) or flight.lost:
-        return name, f"{value:.4g}", "-", "-", LOST
-    deep = largest(flight.change("z"))
+        return name, f"{value:.4g}", "-", "-", LOST_DEPTH_EFFECT
+    deep = largest_value(flight.change("z"))
     ratio = abs(deep / base)
-    effect = LOST if ratio >= RUINED else LESS if ratio <= 1.0 / RUINED else LITTLE
+    effect = (
+        LOST_DEPTH_EFFECT
+        if ratio >= RUINED_DEPTH_RATIO
+        else LESS_DEPTH_EFFECT
+        if ratio <= 1.0 / RUINED_DEPTH_RATIO
+        else LITTLE_EFFECT
+    )
     return name, f"{value:.4g}", f"{deep:+.2f}", f"{ratio:.2f}", effect
 
 
-def roll_in_turns(file: VesselFile, flown: Flown) -> Finding:
+def roll_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
     """Return what K_vav does to roll in a turn."""
     title, claim = "Roll in turns", "without K_vav the roll of a turn changes by about 70 %"
     whole, without = flown[_turn(file)], flown[_turn(file, "K_vav")]
     if not file.coefficients["K_vav"]:
-        return Finding(title, claim, UNTOLD, "this hull's data have no K_vav")
+        return Finding(title, claim, UNKNOWN_VERDICT, "this hull's data have no K_vav")
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, UNTOLD, "the turn cannot be flown")
-    before, after = largest(whole.change("phi")), largest(without.change("phi"))
+        return Finding(title, claim, UNKNOWN_VERDICT, "the turn cannot be flown")
+    before, after = largest_value(whole.change("phi")), largest_value(without.change("phi"))
     percent = 100.0 * (after - before) / abs(before)
-    verdict = HOLDS if abs(percent) >= 50.0 else IN_PART if abs(percent) > 5.0 else FAILS
+    verdict = (
+        HOLDS_VERDICT
+        if abs(percent) >= 50.0
+        else PARTIAL_VERDICT
+        if abs(percent) > 5.0
+        else FAILS_VERDICT
+    )
     share = file.coefficients["K_vav"] / (file.coefficients["K_v"] or float("nan"))
     words = (
         f"the largest roll changes by {percent:+.0f} %; K_vav is {share:.1f} times K_v here, and "
@@ -307,20 +345,20 @@ def roll_in_turns(file: VesselFile, flown: Flown) -> Finding:
     return Finding(title, claim, verdict, words)
 
 
-def nonlinear_terms(file: VesselFile, flown: Flown) -> Finding:
+def nonlinear_terms(file: VesselFile, flown: FlightTable) -> Finding:
     """Return what the nonlinear terms of the vertical plane do to a meander."""
     title = "Nonlinear vertical terms"
     claim = "without all of them pitch is off by 21 %, depth by 14 %"
-    whole, without = flown[_meander(file)], flown[_meander(file, *NONLINEAR)]
+    whole, without = flown[_meander(file)], flown[_meander(file, *NONLINEAR_COEFFICIENTS)]
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, UNTOLD, "the meander cannot be flown")
+        return Finding(title, claim, UNKNOWN_VERDICT, "the meander cannot be flown")
     percent = {}
     for name in ("theta", "z"):
-        before, after = largest(whole.change(name)), largest(without.change(name))
+        before, after = largest_value(whole.change(name)), largest_value(without.change(name))
         percent[name] = 100.0 * (after - before) / before
     worst = max(abs(one) for one in percent.values())
-    verdict = HOLDS if worst >= 10.0 else IN_PART if worst > 5.0 else FAILS
-    given = [name for name in NONLINEAR if file.coefficients[name]]
+    verdict = HOLDS_VERDICT if worst >= 10.0 else PARTIAL_VERDICT if worst > 5.0 else FAILS_VERDICT
+    given = [name for name in NONLINEAR_COEFFICIENTS if file.coefficients[name]]
     words = (
         f"the meander's pitch is off by {percent['theta']:+.1f} %, its depth by "
         f"{percent['z']:+.1f} %; of these terms this hull's data have {', '.join(given) or 'none'}"
@@ -335,13 +373,13 @@ def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
     yield Finding(
         "Euler at 1 s",
         "Euler cannot be used at twice the step that Adams is used at",
-        HOLDS if euler.verdict in ("lost", "of no use") else FAILS,
+        HOLDS_VERDICT if euler.verdict in ("lost", "of no use") else FAILS_VERDICT,
         _error(euler),
     )
     yield Finding(
         "Adams at 0.5 s",
         "second-order Adams is fine at the boat's own step",
-        HOLDS if adams.verdict == "fine" else FAILS,
+        HOLDS_VERDICT if adams.verdict == "fine" else FAILS_VERDICT,
         _error(adams),
     )
     yield _lag_costs(steps, own)
@@ -376,7 +414,7 @@ def _lag_costs(steps: tuple[StepRun, ...], own: float) -> Finding:
         if pair["lagged"] is not None and pair["exact"] is not None
     ]
     whole = len(costs) == len(pairs) and costs
-    verdict = HOLDS if whole and max(costs) <= 1.0 else FAILS
+    verdict = HOLDS_VERDICT if whole and max(costs) <= 1.0 else FAILS_VERDICT
     words = "a case is lost" if not whole else f"they add at most {max(costs):.2g} % to the error"
     claim = "accelerations of the last cycle do no harm"
     return Finding("Lagged accelerations", claim, verdict, words)

@@ -9,22 +9,22 @@ from typing import Any, Final
 
 from trainer.config.files import ConfigError, no_constant, quote
 
-EMBEDDED: Final = re.compile(
+EMBEDDED_GUIDE: Final = re.compile(
     r'<script type="application/json" id="guide">(.*?)</script>', re.DOTALL
 )
 
 
-SAME: Final = 1e-6  # [-] relative difference that is none
+SAME_NUMBER_RATIO: Final = 1e-6  # [-] relative difference that is none
 
 
-TINY: Final = 1e-12
+TINY_NUMBER: Final = 1e-12
 
 
-MOST: Final = 50_000_000  # [byte] of an earlier guide
+MAX_GUIDE_BYTES: Final = 50_000_000  # [byte] of an earlier guide
 
 
 @dataclass(frozen=True)
-class Moved:
+class GuideMove:
     """One number or verdict that is not what it was."""
 
     what: str
@@ -42,13 +42,13 @@ class Moved:
 def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
     """Return an earlier guide, JSON or HTML; ConfigError if it is none of that boat."""
     try:
-        if path.stat().st_size > MOST:
+        if path.stat().st_size > MAX_GUIDE_BYTES:
             raise ConfigError(f"--baseline {path}: is larger than any guide; not read")
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "is not UTF-8 text"
         raise ConfigError(f"--baseline {path}: {reason}") from None
-    embedded = EMBEDDED.search(text)
+    embedded = EMBEDDED_GUIDE.search(text)
     try:
         written = embedded[1].replace("<\\/", "</") if embedded else text
         guide = json.loads(written, parse_constant=no_constant)
@@ -88,11 +88,11 @@ def leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]]
             yield f"{name}: pitch [deg]", row["ours"][1]
 
 
-def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[Moved, ...]:
+def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[GuideMove, ...]:
     """Return what differs between two guides, the largest change first."""
     before, after = dict(leaves(earlier)), dict(leaves(now))
     found = [
-        Moved(name, before.get(name), after.get(name))
+        GuideMove(name, before.get(name), after.get(name))
         for name in dict.fromkeys([*before, *after])
         if not _same(before.get(name), after.get(name))
     ]
@@ -102,11 +102,11 @@ def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[
 def _same(before: float | str | None, after: float | str | None) -> bool:
     """Return whether two entries are the same, numbers but for rounding."""
     if isinstance(before, float) and isinstance(after, float):
-        return abs(after - before) <= SAME * max(abs(before), abs(after)) + TINY
+        return abs(after - before) <= SAME_NUMBER_RATIO * max(abs(before), abs(after)) + TINY_NUMBER
     return before == after
 
 
-def _size(one: Moved) -> float:
+def _size(one: GuideMove) -> float:
     """Return how much an entry counts: verdicts first, then by relative change."""
     if isinstance(one.before, str) or isinstance(one.after, str):
         return float("inf")

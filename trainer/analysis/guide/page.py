@@ -6,12 +6,17 @@ from typing import Final
 
 from markupsafe import Markup
 
-from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Sheet, tally
-from trainer.analysis.guide.moves import Moved
-from trainer.analysis.guide.programme import SETS, Leg
+from trainer.analysis.guide.contents import REDUCED_SETS, Guide, GuideContents, LegSheet, tally_set
+from trainer.analysis.guide.moves import GuideMove
+from trainer.analysis.guide.programme import SET_METHODS, Leg
 from trainer.analysis.guide.summary import format_entry, verdicts_of
-from trainer.analysis.guide.trials import Compared, WavesCompared
-from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement
+from trainer.analysis.guide.trials import TrialComparison, WaveComparison
+from trainer.analysis.guide.verdicts import (
+    BEYOND_TOLERANCE,
+    NOT_JUDGED,
+    WITHIN_TOLERANCE,
+    Judgement,
+)
 from trainer.analysis.manoeuvres.catalogue import format_parameters
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.programs import characteristic, neutral, thrust
@@ -19,16 +24,16 @@ from trainer.report.columns import figure, in_degrees, page_unit
 from trainer.report.html import (
     Cell,
     charts,
-    embed,
-    page,
+    embed_json,
+    fill_page,
     paragraph,
     section,
     table,
 )
-from trainer.report.panels import draw, legend
-from trainer.report.plots import TRACK, Curve, Panel
+from trainer.report.panels import draw_panel, legend
+from trainer.report.plots import TRACK_TITLE, Curve, Panel
 
-VERDICT_STYLES: Final = {WITHIN: "good", BEYOND: "bad", SHOWN: "soft"}
+VERDICT_STYLES: Final = {WITHIN_TOLERANCE: "good", BEYOND_TOLERANCE: "bad", NOT_JUDGED: "soft"}
 COLUMN_NAMES: Final = {
     "t": "time",
     "u": "speed ahead",
@@ -47,9 +52,9 @@ COLUMN_NAMES: Final = {
     "delta_s": "stern planes",
     "delta_b": "bow planes",
 }
-MOVES_SHOWN = 300
-LEAST = 0.05  # [%] shown
-CONTENTS: Final = {
+MAX_MOVES_SHOWN = 300
+MIN_SHOWN_PERCENT = 0.05  # [%] shown
+CHAPTER_TITLES: Final = {
     "overview": "Overview",
     "findings": "What was found in 1969",
     "published": "Published results",
@@ -88,8 +93,8 @@ def overview(guide: Guide) -> Markup:
             f"{count['within']} numbers within, {count['beyond']} beyond, {count['shown']} shown "
             "and not judged."
         )
-        for each in REDUCED
-        for count in (tally(guide, each),)
+        for each in REDUCED_SETS
+        for count in (tally_set(guide, each),)
     ]
     words = (
         "The full set is flown with exact accelerations by Runge and Kutta, the reduced sets with "
@@ -103,7 +108,7 @@ def overview(guide: Guide) -> Markup:
     return section("overview", "Overview", *totals, paragraph(words), table(heads, rows))
 
 
-def since_baseline(found: tuple[Moved, ...]) -> Markup:
+def since_baseline(found: tuple[GuideMove, ...]) -> Markup:
     """Return what moved since the baseline."""
     if not found:
         return section("moved", "Since the baseline", paragraph("Nothing moved."))
@@ -114,7 +119,7 @@ def since_baseline(found: tuple[Moved, ...]) -> Markup:
             format_entry(one.after),
             "" if one.percent is None else f"{one.percent:+.3g} %",
         )
-        for one in found[:MOVES_SHOWN]
+        for one in found[:MAX_MOVES_SHOWN]
     ]
     words = f"{len(found)} entries are not what they were, SI and radians; the first are shown."
     heads = ("what", "before", "now", "change")
@@ -147,7 +152,11 @@ def drops(guide: Guide) -> Markup:
             drop.coefficient,
             f"{drop.value:.4g}" if drop.value else "",
             *(
-                "-" if value is None else f"{value:+.1f}" if abs(value) >= LEAST else "0"
+                "-"
+                if value is None
+                else f"{value:+.1f}"
+                if abs(value) >= MIN_SHOWN_PERCENT
+                else "0"
                 for value in map(drop.percent.__getitem__, columns)
             ),
         )
@@ -203,7 +212,7 @@ def trials(guide: Guide) -> Markup:
     return section("published", "Published results", paragraph(words), *found)
 
 
-def _trial(one: Compared) -> Markup:
+def _trial(one: TrialComparison) -> Markup:
     """Return one published manoeuvre."""
     trial = one.trial
     heads = ["quantity", "unit", "ours"]
@@ -220,7 +229,7 @@ def _trial(one: Compared) -> Markup:
     return heading + paragraph(source + ".", "soft") + table(heads, rows)
 
 
-def _waves(one: WavesCompared) -> Markup:
+def _waves(one: WaveComparison) -> Markup:
     """Return motion in published waves."""
     names = ("published", "ours", "difference", "%")
     heads = ("depth [m]", "quantity", *names, "without flow", "difference", "%")
@@ -274,7 +283,10 @@ def programs(book: GuideContents) -> Markup:
     ):
         parts.append(Markup("<h3>{}</h3>\n").format(name))
         parts.append(
-            charts(figure.format(panel.title, draw(panel), legend(panel.curves)) for panel in drawn)
+            charts(
+                figure.format(panel.title, draw_panel(panel), legend(panel.curves))
+                for panel in drawn
+            )
         )
         parts.append(Markup("<pre>{}</pre>\n").format(text))
     return section("programs", "Neutral angles, modes, thrust", *parts)
@@ -286,9 +298,9 @@ def manoeuvres(book: GuideContents) -> Iterator[Markup]:
         yield _leg(book, leg, sheet)
 
 
-def _leg(book: GuideContents, leg: Leg, sheet: Sheet) -> Markup:
+def _leg(book: GuideContents, leg: Leg, sheet: LegSheet) -> Markup:
     """Return one manoeuvre: what was ordered, charts and numbers."""
-    wanted = {each: book.flown[leg.task(book.file, each)] for each in SETS}
+    wanted = {each: book.flown[leg.task(book.file, each)] for each in SET_METHODS}
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
     given = format_parameters(sheet.parameters)
     about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
@@ -299,23 +311,23 @@ def _leg(book: GuideContents, leg: Leg, sheet: Sheet) -> Markup:
     ]
     if flights:
         pictures = _panels(leg.manoeuvre.shows, flights)
-        parts.append(legend(pictures[0].curves) + charts(draw(panel) for panel in pictures))
+        parts.append(legend(pictures[0].curves) + charts(draw_panel(panel) for panel in pictures))
     heads = ("quantity", "unit", "full", "modified", "difference", "", "basic", "difference", "")
     parts.append(table(heads, _rows(sheet)))
     return section(anchor(leg.title), leg.title, *parts)
 
 
-def _rows(sheet: Sheet) -> list[list[str | Cell]]:
+def _rows(sheet: LegSheet) -> list[list[str | Cell]]:
     """Return the numbers of a sheet, both reduced sets side by side."""
     by_set = {
-        each: {one.quantity: one for one in sheet.judgements.get(each, ())} for each in REDUCED
+        each: {one.quantity: one for one in sheet.judgements.get(each, ())} for each in REDUCED_SETS
     }
     rows = []
     for quantity in dict.fromkeys(name for found in by_set.values() for name in found):
         present = [found[quantity] for found in by_set.values() if quantity in found]
         one = present[0]
         cells: list[str | Cell] = [quantity, in_degrees(one.unit), figure(one.full, one.unit)]
-        for equations in REDUCED:
+        for equations in REDUCED_SETS:
             cells += _judgement_cells(by_set[equations].get(quantity))
         rows.append(cells)
     return rows
@@ -337,13 +349,13 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
 # The page
 
 
-def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
+def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
     """Return the page; ``moves`` is what moved since a baseline, None without one."""
     guide = book.guide
-    names = dict(CONTENTS)
+    names = dict(CHAPTER_TITLES)
     if moves is not None:
         names["moved"] = "Since the baseline"
-    return page(
+    return fill_page(
         "guide.html",
         "guide.css",
         vessel=guide.vessel,
@@ -361,7 +373,7 @@ def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
             programs(book),
             *manoeuvres(book),
         ],
-        data=embed(asdict(guide)),
+        data=embed_json(asdict(guide)),
     )
 
 
@@ -369,18 +381,18 @@ def _panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, 
     """Return the panels of a manoeuvre, a curve for each flight; depth from its start."""
     found = []
     for name in shows:
-        if name != TRACK and not all(flight.has(name) for flight in flights.values()):
+        if name != TRACK_TITLE and not all(flight.has(name) for flight in flights.values()):
             continue
         curves = []
         for label, flight in flights.items():
             factor, _ = page_unit(name)
-            if name == TRACK:
+            if name == TRACK_TITLE:
                 curves.append(Curve(label, flight.column("y"), flight.column("x")))
                 continue
             values = flight.change(name) if name == "z" else flight.column(name)
             curves.append(Curve(label, flight.t, factor * values))
-        if name == TRACK:
-            found.append(Panel(TRACK, "east [m]", "track, north [m]", tuple(curves)))
+        if name == TRACK_TITLE:
+            found.append(Panel(TRACK_TITLE, "east [m]", "track, north [m]", tuple(curves)))
         else:
             title = f"{COLUMN_NAMES[name]} [{page_unit(name)[1]}]"
             found.append(Panel(title, "time [s]", title, tuple(curves), downwards=name == "z"))

@@ -14,40 +14,43 @@ import numpy as np
 from trainer.analysis.check import round_speeds
 from trainer.analysis.manoeuvres.casualties import OutOfBalance
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
-from trainer.analysis.manoeuvres.flight import CHOICES, Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.flight import FIELD_CHOICES, Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot, TrimChange
-from trainer.analysis.programs.characteristic import vertical
-from trainer.analysis.workers import workers
+from trainer.analysis.programs.characteristic import vertical_system
+from trainer.analysis.workers import worker_pool
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
-OWN: Final = Rig()
-ALONE: Final = 4.0  # [s]
-CHUNK: Final = 6  # flights handed to a process at once
-SETS: Final = {  # equation set: accelerations, integrator
+OWN_RIG: Final = Rig()
+LONE_PROCESS_S: Final = 4.0  # [s]
+CHUNK_FLIGHTS: Final = 6  # flights handed to a process at once
+SET_METHODS: Final = {  # equation set: accelerations, integrator
     "full": ("exact", "rk4"),
     "modified": ("lagged", "adams2"),
     "basic": ("lagged", "adams2"),
 }
-OF_ONE_SPEED: Final = (  # at the boat's own speed or from rest, each to both sides or up and down
+# at the boat's own speed or from rest, each to both sides or up and down
+ONE_SPEED_MANOEUVRES: Final = (
     *("climbing-turn", "acceleration", "utmost-acceleration", "impulse", "rudder-impulse"),
     *("turning-circle", "zigzag-10", "zigzag-20", "pull-out", "spiral", "reverse-spiral"),
     *("vertical-zigzag", "crash-stop", "backing", "roll-decay", "plane-jam", "rudder-jam"),
 )
-BOTH_WAYS: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
-SHALLOW: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
-NEAR: Final = 2.5  # [diameters] of the origin's depth there: an estimate of periscope depth
-LOADS: Final = (0.002, -0.002)  # [-] of the weight, out of balance
-EXECUTES: Final = (5.0, 20.0)  # [deg] of the overshoots
-RUDDERS: Final = (15.0, 35.0)  # [deg] of the turns
-GRID: Final = 0.5  # [kn]
+TWO_SIDED_MANOEUVRES: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
+SHALLOW_MANOEUVRES: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
+SHALLOW_DEPTH_DIAMETERS: Final = (
+    2.5  # [diameters] of the origin's depth there: an estimate of periscope depth
+)
+LOAD_SHARES: Final = (0.002, -0.002)  # [-] of the weight, out of balance
+EXECUTE_ANGLES_DEG: Final = (5.0, 20.0)  # [deg] of the overshoots
+RUDDER_ANGLES_DEG: Final = (15.0, 35.0)  # [deg] of the turns
+SPEED_GRID_KN: Final = 0.5  # [kn]
 OFFSETS_1969, EXECUTES_1969 = (10.0, 20.0), (4.0, 8.0, 12.0, 16.0)  # [deg] of the overshoots
 RUDDERS_1969: Final = (15.0, 25.0, 35.0)  # [deg]
-RUDDER: Final = "rudder"  # stands for its angle until the boat's limit is known
+RUDDER_PLACEHOLDER: Final = "rudder"  # stands for its angle until the boat's limit is known
 
 
 @dataclass(frozen=True)
@@ -57,15 +60,15 @@ class Task:
     manoeuvre: Manoeuvre
     speed: float  # [m/s]
     method: Method
-    rig: Rig = OWN
+    rig: Rig = OWN_RIG
     zeroed: tuple[str, ...] = ()  # coefficients taken away
     beside: Method | None = None  # of a flight whose events it takes within a cycle, as Conn has it
 
 
-Flown = dict[Task, Flight | str]  # in words why there is no flight
+FlightTable = dict[Task, Flight | str]  # in words why there is no flight
 
 
-def processors() -> int:
+def processor_count() -> int:
     """Return how many processors this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
@@ -89,30 +92,32 @@ def fly_task(path: Path, task: Task) -> Flight | str:
     try:
         others: tuple[float | None, ...] = ()
         if task.beside:
-            others = fly(Submarine(file, task.beside, task.rig), manoeuvre, task.speed).events
-        return fly(boat, manoeuvre, task.speed, others)
+            others = fly_manoeuvre(
+                Submarine(file, task.beside, task.rig), manoeuvre, task.speed
+            ).events
+        return fly_manoeuvre(boat, manoeuvre, task.speed, others)
     except ConfigError as wrong:
         return str(wrong)
 
 
-def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]) -> Flown:
+def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]) -> FlightTable:
     """Return the flights of all ``tasks`` by the boat of a file. ``step`` is called after each.
 
-    Other processors are called in for what this one has not done in ALONE, which is about what
-    starting them takes; they load the machine code that is there by then.
+    Other processors are called in for what this one has not done in LONE_PROCESS_S, which is about
+    what starting them takes; they load the machine code that is there by then.
     """
     wanted = list(dict.fromkeys(tasks))
-    found: Flown = {}
+    found: FlightTable = {}
     begin = monotonic()
     for task in wanted:
-        if cores > 1 and monotonic() - begin > ALONE:
+        if cores > 1 and monotonic() - begin > LONE_PROCESS_S:
             break
         found[task] = fly_task(path, task)
         step()
     rest = wanted[len(found) :]
     if rest:
-        with workers(cores) as pool:
-            flights = pool.map(partial(fly_task, path), rest, chunksize=CHUNK)
+        with worker_pool(cores) as pool:
+            flights = pool.map(partial(fly_task, path), rest, chunksize=CHUNK_FLIGHTS)
             for task, flight in zip(rest, flights, strict=True):
                 found[task] = flight
                 step()
@@ -127,7 +132,7 @@ class Leg:
     variant: str  # what is particular, such as "execute 5 deg"
     speed_kn: float
     manoeuvre: Manoeuvre
-    rig: Rig = OWN
+    rig: Rig = OWN_RIG
 
     @property
     def title(self) -> str:
@@ -148,20 +153,20 @@ class Leg:
 
 def own_method(file: VesselFile, equations: str) -> Method:
     """Return how the guide computes an equation set, at the boat's own step."""
-    rates, integrator = SETS[equations]
+    rates, integrator = SET_METHODS[equations]
     return Method(equations, rates, "exact", integrator, file.run.step_s)
 
 
 def best_damped(file: VesselFile) -> float | None:
     """Return the speed [kn] on a grid at which vertical motion dies away fastest. None: at none."""
     low, high = file.run.speed_range_kn
-    grid = np.arange(np.ceil(low / GRID) * GRID, high + 1e-9, GRID)
-    slowest = [float(-vertical(file, float(u) * KNOT).eigenvalues.real.max()) for u in grid]
+    grid = np.arange(np.ceil(low / SPEED_GRID_KN) * SPEED_GRID_KN, high + 1e-9, SPEED_GRID_KN)
+    slowest = [float(-vertical_system(file, float(u) * KNOT).eigenvalues.real.max()) for u in grid]
     best = int(np.argmax(slowest))
     return float(grid[best]) if slowest[best] > 0.0 else None
 
 
-def legs(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
+def guide_legs(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
     """Return the legs of the guide that this boat has the controls for, in order.
 
     They begin at ``depth`` [m]; None: deep, and some of them near the surface too. ConfigError for
@@ -172,7 +177,7 @@ def legs(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
 
 
 def legs_of_1969(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
-    """Return the programme that was flown for the report, as ``legs`` has the guide's.
+    """Return the programme that was flown for the report, as ``guide_legs`` has the guide's.
 
     At five speeds: 40 overshoots by two angles until four pitches, 15 turns by three rudders,
     meanders and trims; both accelerations, and a pulse of planes and rudder. Speeds are fifths of
@@ -211,7 +216,7 @@ def _legs_of_1969(file: VesselFile) -> Iterator[Leg]:
             told = f"planes {angle:g} deg, execute {execute:g} deg"
             yield Leg("overshoot", told, speed, Overshoot(angle_deg=angle, execute_deg=execute))
         for rudder in RUDDERS_1969:
-            yield Leg("turn", RUDDER, speed, Turn(angle_deg=rudder))
+            yield Leg("turn", RUDDER_PLACEHOLDER, speed, Turn(angle_deg=rudder))
         yield Leg("trim", "", speed, TrimChange())
     own = file.run.start_speed_kn
     for name in ("acceleration", "utmost-acceleration", "impulse", "rudder-impulse"):
@@ -228,18 +233,20 @@ def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Le
     yield from deep
     diameter = float(boat.boat.vessel.diameter)
     if diameter > 0.0:  # else the boat does not feel the surface
-        own, near = file.run.start_speed_kn, Rig(depth=round(NEAR * diameter, 1))
-        for name in SHALLOW:
-            yield from (replace(leg, rig=near) for leg in ways(name, own, find_manoeuvre(name)))
+        own, near = file.run.start_speed_kn, Rig(depth=round(SHALLOW_DEPTH_DIAMETERS * diameter, 1))
+        for name in SHALLOW_MANOEUVRES:
+            yield from (
+                replace(leg, rig=near) for leg in both_ways(name, own, find_manoeuvre(name))
+            )
 
 
-def ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") -> Iterator[Leg]:
+def both_ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") -> Iterator[Leg]:
     """Yield a manoeuvre to each side, to rise and to dive, where it has these.
 
     One that has both rises to starboard and dives to port.
     """
-    fields = [name for name in CHOICES if hasattr(manoeuvre, name)]
-    for picked in zip(*(CHOICES[field] for field in fields), strict=True) if fields else [()]:
+    fields = [name for name in FIELD_CHOICES if hasattr(manoeuvre, name)]
+    for picked in zip(*(FIELD_CHOICES[field] for field in fields), strict=True) if fields else [()]:
         told = ", ".join(filter(None, (variant, *picked)))
         yield Leg(name, told, speed, replace(manoeuvre, **dict(zip(fields, picked, strict=True))))
 
@@ -251,30 +258,30 @@ def _legs_by_speed(file: VesselFile) -> Iterator[Leg]:
     best = best_damped(file)
     more = () if best is None else (best,)
     for speed in sorted({*speeds, *more}):
-        yield from ways("meander", speed, find_manoeuvre("meander"))
+        yield from both_ways("meander", speed, find_manoeuvre("meander"))
     for speed in (low, high):
-        for execute in EXECUTES:
+        for execute in EXECUTE_ANGLES_DEG:
             overshoot = replace(find_manoeuvre("overshoot"), execute_deg=execute)  # type: ignore[call-arg]
-            yield from ways("overshoot", speed, overshoot, f"execute {execute:g} deg")
+            yield from both_ways("overshoot", speed, overshoot, f"execute {execute:g} deg")
     for speed in (low, high):
-        for rudder in RUDDERS:
+        for rudder in RUDDER_ANGLES_DEG:
             turn = replace(find_manoeuvre("turn"), angle_deg=rudder)  # type: ignore[call-arg]
-            yield from ways("turn", speed, turn, RUDDER)
+            yield from both_ways("turn", speed, turn, RUDDER_PLACEHOLDER)
     for speed in speeds:
-        yield from ways("trim", speed, find_manoeuvre("trim"))
+        yield from both_ways("trim", speed, find_manoeuvre("trim"))
 
 
 def _legs_of_one_speed(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs at the boat's own speed, or from rest."""
     own = file.run.start_speed_kn
-    for name in OF_ONE_SPEED:
+    for name in ONE_SPEED_MANOEUVRES:
         manoeuvre = find_manoeuvre(name)
         speed = 0.0 if manoeuvre.from_rest else own
-        if name in BOTH_WAYS:
+        if name in TWO_SIDED_MANOEUVRES:
             yield Leg(name, "", speed, manoeuvre)
         else:
-            yield from ways(name, speed, manoeuvre)
-    for share in LOADS:
+            yield from both_ways(name, speed, manoeuvre)
+    for share in LOAD_SHARES:
         kept = ("depth",) if share < 0.0 else ()
         told = f"{share:+.1%}, {'depth kept' if kept else 'planes still'}"
         yield Leg("out-of-balance", told, own, OutOfBalance(share=share, keep=kept))
@@ -282,7 +289,7 @@ def _legs_of_one_speed(file: VesselFile) -> Iterator[Leg]:
 
 def _name_by_angle(leg: Leg) -> Leg:
     """Return the leg with the rudder's angle in its name, where it is the boat's limit or not."""
-    if not leg.variant.startswith(RUDDER):
+    if not leg.variant.startswith(RUDDER_PLACEHOLDER):
         return leg
     angle = getattr(leg.manoeuvre, "angle_deg")  # noqa: B009 (not every manoeuvre has one)
-    return replace(leg, variant=leg.variant.replace(RUDDER, f"rudder {angle:g} deg", 1))
+    return replace(leg, variant=leg.variant.replace(RUDDER_PLACEHOLDER, f"rudder {angle:g} deg", 1))

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.analysis.guide.programme import Flown, Task
+from trainer.analysis.guide.programme import FlightTable, Task
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.boat.assemble import Method
@@ -12,20 +12,20 @@ from trainer.config.vessel import VesselFile
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
-Look = Mapping[str, tuple[str, ...]]  # manoeuvre: measures that are shown
+MeasureNames = Mapping[str, tuple[str, ...]]  # manoeuvre: measures that are shown
 
 
-LOOKED_AT: Final[Look] = {
+JUDGED_MEASURES: Final[MeasureNames] = {
     "turn": ("steady diameter", "steady speed", "largest roll"),
     "meander": ("pitch peak 1", "damping ratio"),
 }
 
 
-NOTHING: Final = 0.1  # [%] a smaller effect on everything is not shown
+MIN_EFFECT_PERCENT: Final = 0.1  # [%] a smaller effect on everything is not shown
 
 
 @dataclass(frozen=True)
-class Drop:
+class DropEffect:
     """One coefficient put to zero in the full set."""
 
     coefficient: str
@@ -58,12 +58,14 @@ def _task(file: VesselFile, name: str, zeroed: tuple[str, ...]) -> Task:
 
 def drop_tasks(file: VesselFile) -> Iterator[Task]:
     """Yield the flights that tell what the dropped coefficients do."""
-    yield from tasks_without(file, list_dropped(file), LOOKED_AT)
-    for name in LOOKED_AT:
+    yield from tasks_without(file, list_dropped(file), JUDGED_MEASURES)
+    for name in JUDGED_MEASURES:
         yield _task(file, name, list_dropped(file))
 
 
-def tasks_without(file: VesselFile, coefficients: Sequence[str], look: Look) -> Iterator[Task]:
+def tasks_without(
+    file: VesselFile, coefficients: Sequence[str], look: MeasureNames
+) -> Iterator[Task]:
     """Yield the flights with all coefficients, and without each of some."""
     for name in look:
         yield _task(file, name, ())
@@ -71,7 +73,7 @@ def tasks_without(file: VesselFile, coefficients: Sequence[str], look: Look) -> 
             yield _task(file, name, (coefficient,))
 
 
-def _figures(look: Look, name: str, flight: Flight | str) -> dict[str, float | None]:
+def _figures(look: MeasureNames, name: str, flight: Flight | str) -> dict[str, float | None]:
     """Return the measures looked at, by manoeuvre and name."""
     if isinstance(flight, str):
         return {}
@@ -79,22 +81,24 @@ def _figures(look: Look, name: str, flight: Flight | str) -> dict[str, float | N
     return {f"{name}: {measure}": values.get(measure) for measure in look[name]}
 
 
-def drop_study(file: VesselFile, flown: Flown) -> tuple[Drop, ...]:
+def drop_study(file: VesselFile, flown: FlightTable) -> tuple[DropEffect, ...]:
     """Return the effect of each dropped coefficient, the largest first, then of all together."""
-    together = _drop(file, flown, list_dropped(file), LOOKED_AT)
-    return (*effects(file, flown, list_dropped(file), LOOKED_AT), together)
+    together = _drop(file, flown, list_dropped(file), JUDGED_MEASURES)
+    return (*drop_effects(file, flown, list_dropped(file), JUDGED_MEASURES), together)
 
 
-def effects(
-    file: VesselFile, flown: Flown, coefficients: Sequence[str], look: Look
-) -> tuple[Drop, ...]:
-    """Return what each of some coefficients does, the largest effect first, none of NOTHING."""
+def drop_effects(
+    file: VesselFile, flown: FlightTable, coefficients: Sequence[str], look: MeasureNames
+) -> tuple[DropEffect, ...]:
+    """Return what each of some coefficients does, the largest effect first, small ones not."""
     alone = [_drop(file, flown, (coefficient,), look) for coefficient in coefficients]
-    alone = [drop for drop in alone if drop.worst >= NOTHING]
+    alone = [drop for drop in alone if drop.worst >= MIN_EFFECT_PERCENT]
     return tuple(sorted(alone, key=lambda drop: -drop.worst))
 
 
-def _drop(file: VesselFile, flown: Flown, zeroed: tuple[str, ...], look: Look) -> Drop:
+def _drop(
+    file: VesselFile, flown: FlightTable, zeroed: tuple[str, ...], look: MeasureNames
+) -> DropEffect:
     """Return what putting coefficients to zero changes [%]."""
     percent: dict[str, float | None] = {}
     for name in look:
@@ -104,5 +108,5 @@ def _drop(file: VesselFile, flown: Flown, zeroed: tuple[str, ...], look: Look) -
             new = after.get(measure)
             percent[measure] = 100.0 * (new - value) / abs(value) if value and new else None
     if len(zeroed) == 1:
-        return Drop(zeroed[0], file.coefficients[zeroed[0]], percent)
-    return Drop("all of them", 0.0, percent)
+        return DropEffect(zeroed[0], file.coefficients[zeroed[0]], percent)
+    return DropEffect("all of them", 0.0, percent)

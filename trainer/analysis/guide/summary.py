@@ -3,28 +3,28 @@
 from collections.abc import Iterator
 from itertools import chain
 
-from trainer.analysis.guide.contents import REDUCED, Guide, Sheet, tally
-from trainer.analysis.guide.moves import Moved
-from trainer.analysis.guide.verdicts import BEYOND, WITHIN
-from trainer.report.text import INDENT, cut, plain, table, wrap
+from trainer.analysis.guide.contents import REDUCED_SETS, Guide, LegSheet, tally_set
+from trainer.analysis.guide.moves import GuideMove
+from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, WITHIN_TOLERANCE
+from trainer.report.text import INDENT, ascii_text, cut_text, table, wrap
 
-MOST = 20  # entries that moved
+MAX_MOVES_SHOWN = 20  # entries that moved
 
 
-def verdicts_of(sheet: Sheet) -> Iterator[tuple[str, str]]:
+def verdicts_of(sheet: LegSheet) -> Iterator[tuple[str, str]]:
     """Yield the verdict of each reduced set, with its numbers beyond and judged."""
     words = {True: "within", False: "BEYOND", None: "not judged"}
-    for equations in REDUCED:
-        beyond = sheet.counted(equations, BEYOND)
-        judged = beyond + sheet.counted(equations, WITHIN)
+    for equations in REDUCED_SETS:
+        beyond = sheet.counted(equations, BEYOND_TOLERANCE)
+        judged = beyond + sheet.counted(equations, WITHIN_TOLERANCE)
         yield words[sheet.passed(equations)], f"{beyond} of {judged}" if judged else "-"
 
 
-def render(guide: Guide, moves: tuple[Moved, ...] | None) -> str:
+def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
     """Return the guide in short; ``moves`` is what moved since a baseline, None without one."""
     heads = ("", "modified", "beyond", "basic", "beyond")
-    lines = [plain(f"QUALIFICATION TEST GUIDE: {guide.vessel}"), ""]
-    rows = [(cut(sheet.title, 40), *chain(*verdicts_of(sheet))) for sheet in guide.sheets]
+    lines = [ascii_text(f"QUALIFICATION TEST GUIDE: {guide.vessel}"), ""]
+    rows = [(cut_text(sheet.title, 40), *chain(*verdicts_of(sheet))) for sheet in guide.sheets]
     lines += table(heads, rows)
     lines += ["", "FINDINGS OF 1969"]
     for one in guide.findings:
@@ -33,8 +33,8 @@ def render(guide: Guide, moves: tuple[Moved, ...] | None) -> str:
         lines += ["", f"{len(guide.trials)} published manoeuvres beside ours: in the document"]
     if moves is not None:
         lines += ["", *_moves(moves)]
-    for equations in REDUCED:
-        told = tally(guide, equations)
+    for equations in REDUCED_SETS:
+        told = tally_set(guide, equations)
         lines += wrap(
             f"{equations}: manoeuvres within tolerance, {told['manoeuvres']}; of their numbers "
             f"{told['within']} within, {told['beyond']} beyond"
@@ -43,15 +43,15 @@ def render(guide: Guide, moves: tuple[Moved, ...] | None) -> str:
     return "\n".join(lines)
 
 
-def _moves(moves: tuple[Moved, ...]) -> list[str]:
+def _moves(moves: tuple[GuideMove, ...]) -> list[str]:
     """Return what moved, the most first."""
     if not moves:
         return ["Nothing moved since the baseline."]
     lines = [f"MOVED SINCE THE BASELINE: {len(moves)}"]
-    for one in moves[:MOST]:
+    for one in moves[:MAX_MOVES_SHOWN]:
         lines += wrap(f"{one.what}: {format_entry(one.before)} -> {format_entry(one.after)}")
-    if len(moves) > MOST:
-        lines.append(f"{INDENT}... and {len(moves) - MOST} more")
+    if len(moves) > MAX_MOVES_SHOWN:
+        lines.append(f"{INDENT}... and {len(moves) - MAX_MOVES_SHOWN} more")
     return lines
 
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.guide.programme import Flown, Task
+from trainer.analysis.guide.programme import FlightTable, Task
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre
-from trainer.analysis.manoeuvres.flight import CHOICES, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.flight import FIELD_CHOICES, Flight, Manoeuvre
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.linear import head_waves, in_head_waves
+from trainer.boat.linear import head_wave_response, head_waves
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -27,27 +27,27 @@ from trainer.config.files import (
     parse_toml,
     quote,
     read_text,
-    shipped,
     shipped_names,
+    shipped_path,
 )
-from trainer.config.schema import Choice, Quantities, Quantity, Text, of, read_record, within
+from trainer.config.schema import Choice, Quantities, Quantity, Text, read_record, required, within
 from trainer.config.vessel import VesselFile
 
-KEYS: Final = ("title", "source", "note", "manoeuvre", "speed_m_s", "columns", "results")
-UNITS: Final = {  # of the file, to SI and radians
+TRIAL_KEYS: Final = ("title", "source", "note", "manoeuvre", "speed_m_s", "columns", "results")
+FILE_UNITS: Final = {  # of the file, to SI and radians
     **dict.fromkeys(("m", "s", "m/s", "rad", "rad/s", "-"), 1.0),
     **dict.fromkeys(("deg", "deg/s"), math.radians(1.0)),
 }
-WORDS: Final = Text(500, "what it is, and whose")
-SPEED: Final = Quantity("m/s", within(0, 50), "at which it begins; 0: from rest")
-PARAMETER: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
-VALUE: Final = Quantity("-", within(-1e9, 1e9), "as published, in the unit of its result")
-STEP: Final = 0.2  # of the boat's own: the step of Runge and Kutta
-READING: Final = re.compile(r"(\w+) after (\d+(?:\.\d*)?) s")
+NOTE_FIELD: Final = Text(500, "what it is, and whose")
+SPEED_FIELD: Final = Quantity("m/s", within(0, 50), "at which it begins; 0: from rest")
+PARAMETER_FIELD: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
+VALUE_FIELD: Final = Quantity("-", within(-1e9, 1e9), "as published, in the unit of its result")
+STEP_SHARE: Final = 0.2  # of the boat's own: the step of Runge and Kutta
+TIMED_READING: Final = re.compile(r"(\w+) after (\d+(?:\.\d*)?) s")
 
 
 @dataclass(frozen=True)
-class Published:
+class PublishedValue:
     """One quantity as published, in the units of its source."""
 
     quantity: str
@@ -65,14 +65,14 @@ class Trial:
     manoeuvre: Manoeuvre
     speed: float  # [m/s]
     columns: tuple[str, ...]  # of the results: trials, computations of others
-    results: tuple[Published, ...]
+    results: tuple[PublishedValue, ...]
 
     def task(self, file: VesselFile) -> Task:
         """Return our flight of it."""
         return Task(
             self.manoeuvre,
             self.speed,
-            Method("full", "exact", "exact", "rk4", STEP * file.run.step_s),
+            Method("full", "exact", "exact", "rk4", STEP_SHARE * file.run.step_s),
         )
 
 
@@ -85,18 +85,18 @@ def _by_depth(unit: str, meaning: str) -> Quantities:
 class HeadWaves:
     """Motion in regular waves from ahead as published, planes fixed."""
 
-    title: str = of(WORDS)
-    source: str = of(WORDS)
-    speed_m_s: float = of(Quantity("m/s", within(0.1, 50), "of the boat"))
-    period_s: float = of(Quantity("s", within(1, 60), "of the waves"))
-    height_m: float = of(Quantity("m", within(0.01, 25), "of the waves"))
-    depth_m: tuple[float, ...] = of(_by_depth("m", "depths of the origin"))
-    heave: tuple[float, ...] = of(_by_depth("-", "amplitude over the waves'"))
-    pitch_deg: tuple[float, ...] = of(_by_depth("deg", "amplitude"))
+    title: str = required(NOTE_FIELD)
+    source: str = required(NOTE_FIELD)
+    speed_m_s: float = required(Quantity("m/s", within(0.1, 50), "of the boat"))
+    period_s: float = required(Quantity("s", within(1, 60), "of the waves"))
+    height_m: float = required(Quantity("m", within(0.01, 25), "of the waves"))
+    depth_m: tuple[float, ...] = required(_by_depth("m", "depths of the origin"))
+    heave: tuple[float, ...] = required(_by_depth("-", "amplitude over the waves'"))
+    pitch_deg: tuple[float, ...] = required(_by_depth("deg", "amplitude"))
 
 
 @dataclass(frozen=True)
-class InWaves:
+class WaveMotion:
     """One depth of published waves, and our heave [-] and pitch [deg]."""
 
     depth_m: float
@@ -106,16 +106,16 @@ class InWaves:
 
 
 @dataclass(frozen=True)
-class WavesCompared:
+class WaveComparison:
     """Published waves and our motion in them."""
 
     waves: HeadWaves
     problem: str  # why there is none
-    rows: tuple[InWaves, ...]
+    rows: tuple[WaveMotion, ...]
 
 
 @dataclass(frozen=True)
-class Compared:
+class TrialComparison:
     """One trial and our numbers, in the units of its source."""
 
     trial: Trial
@@ -129,8 +129,8 @@ def trials_path(file: VesselFile) -> Path | None:
     if beside.is_file():
         return beside
     name = file.path.stem
-    is_shipped = name in shipped_names("vessels") and shipped("vessels", name) == file.path
-    return shipped("trials", name) if is_shipped and name in shipped_names("trials") else None
+    is_shipped = name in shipped_names("vessels") and shipped_path("vessels", name) == file.path
+    return shipped_path("trials", name) if is_shipped and name in shipped_names("trials") else None
 
 
 def load_published(path: Path) -> tuple[tuple[Trial, ...], tuple[HeadWaves, ...]]:
@@ -168,18 +168,18 @@ def _waves(row: Mapping[str, Any], place: Place) -> HeadWaves:
 
 def _trial(row: Mapping[str, Any], place: Place) -> Trial:
     """Return one trial; ConfigError if it is wrong."""
-    for key in KEYS:
+    for key in TRIAL_KEYS:
         if key not in row:
             raise ConfigError(place.problem(f"lacks {key}"))
     columns = _words("columns", row["columns"], place)
     if not isinstance(row["results"], list):
         raise ConfigError(place.wrong("results", row["results"], "must be a list of results"))
     return Trial(
-        title=WORDS.read("title", row["title"], place),
-        source=WORDS.read("source", row["source"], place),
+        title=NOTE_FIELD.read("title", row["title"], place),
+        source=NOTE_FIELD.read("source", row["source"], place),
         note=str(row["note"]),
         manoeuvre=_manoeuvre(row, place),
-        speed=SPEED.read("speed_m_s", row["speed_m_s"], place),
+        speed=SPEED_FIELD.read("speed_m_s", row["speed_m_s"], place),
         columns=columns,
         results=tuple(_read_result(result, columns, place) for result in row["results"]),
     )
@@ -195,13 +195,13 @@ def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
     known = {field.name: getattr(manoeuvre, field.name) for field in fields(manoeuvre)}
     given = {}
     for key, value in row.items():
-        if key in KEYS:
+        if key in TRIAL_KEYS:
             continue
         if key not in known:
             raise ConfigError(place.wrong(key, value, f"no such key{nearest(key, known)}"))
-        read: Callable[[str, object, Place], Any] = PARAMETER.read
-        if key in CHOICES:
-            read = Choice(CHOICES[key], "as --side, or rise and dive").read
+        read: Callable[[str, object, Place], Any] = PARAMETER_FIELD.read
+        if key in FIELD_CHOICES:
+            read = Choice(FIELD_CHOICES[key], "as --side, or rise and dive").read
         elif isinstance(known[key], tuple):
             read = _words
         given[key] = read(key, value, place)
@@ -215,36 +215,40 @@ def _words(key: str, value: object, place: Place) -> tuple[str, ...]:
     return tuple(value)
 
 
-def _read_result(row: Any, columns: tuple[str, ...], place: Place) -> Published:
+def _read_result(row: Any, columns: tuple[str, ...], place: Place) -> PublishedValue:
     """Return one result; ConfigError if it is not a quantity, a unit and a value by column."""
     if not isinstance(row, list) or len(row) != len(columns) + 2:
         wanted = f"must be quantity, unit and {len(columns)} values, '' for none"
         raise ConfigError(place.wrong("results", row, wanted))
     quantity, unit, *values = row
-    if not isinstance(unit, str) or unit not in UNITS:
-        raise ConfigError(place.wrong("results", unit, f"unit must be one of {', '.join(UNITS)}"))
+    if not isinstance(unit, str) or unit not in FILE_UNITS:
+        raise ConfigError(
+            place.wrong("results", unit, f"unit must be one of {', '.join(FILE_UNITS)}")
+        )
     numbers = tuple(
-        None if value == "" else VALUE.read(f"results, {quote(str(quantity))}", value, place)
+        None if value == "" else VALUE_FIELD.read(f"results, {quote(str(quantity))}", value, place)
         for value in values
     )
-    return Published(str(quantity), unit, numbers)
+    return PublishedValue(str(quantity), unit, numbers)
 
 
-def compare_trials(file: VesselFile, trials: tuple[Trial, ...], flown: Flown) -> Iterator[Compared]:
+def compare_trials(
+    file: VesselFile, trials: tuple[Trial, ...], flown: FlightTable
+) -> Iterator[TrialComparison]:
     """Yield the trials with our numbers; ConfigError if a quantity is none of the manoeuvre's."""
     for trial in trials:
         flight = flown[trial.task(file)]
         if isinstance(flight, str) or flight.lost:
             problem = flight if isinstance(flight, str) else flight.lost
-            yield Compared(trial, problem, (None,) * len(trial.results))
+            yield TrialComparison(trial, problem, (None,) * len(trial.results))
             continue
         ours = {one.name: one.value for one in trial.manoeuvre.measures(flight)}
-        yield Compared(trial, "", tuple(_ours(one, ours, flight) for one in trial.results))
+        yield TrialComparison(trial, "", tuple(_ours(one, ours, flight) for one in trial.results))
 
 
-def _ours(wanted: Published, ours: Mapping[str, float | None], flight: Flight) -> float | None:
+def _ours(wanted: PublishedValue, ours: Mapping[str, float | None], flight: Flight) -> float | None:
     """Return our number in the published unit; ConfigError if there is no such quantity."""
-    reading = READING.fullmatch(wanted.quantity)
+    reading = TIMED_READING.fullmatch(wanted.quantity)
     if wanted.quantity in ours:
         value = ours[wanted.quantity]
     elif reading and flight.has(reading[1]):
@@ -255,19 +259,19 @@ def _ours(wanted: Published, ours: Mapping[str, float | None], flight: Flight) -
             f"no measure {quote(wanted.quantity)}{nearest(wanted.quantity, ours)}; there are "
             f"{', '.join(ours)}, and any column as 'u after 40 s'"
         )
-    return None if value is None else value / UNITS[wanted.unit]
+    return None if value is None else value / FILE_UNITS[wanted.unit]
 
 
-def compare_waves(file: VesselFile, waves: Sequence[HeadWaves]) -> Iterator[WavesCompared]:
+def compare_waves(file: VesselFile, waves: Sequence[HeadWaves]) -> Iterator[WaveComparison]:
     """Yield published waves with our motion in them, by the full set."""
     for one in waves:
         boat = Boat(file, Method("full", "exact", "exact", "rk4", file.run.step_s))
         if not boat.trimmed(one.speed_m_s):
-            yield WavesCompared(one, f"no straight level flight at {one.speed_m_s:g} m/s", ())
+            yield WaveComparison(one, f"no straight level flight at {one.speed_m_s:g} m/s", ())
             continue
         known = zip(one.depth_m, one.heave, one.pitch_deg, strict=True)
         rows = tuple(
-            InWaves(
+            WaveMotion(
                 depth,
                 (heave, pitch),
                 _motion(boat, one, depth, one.speed_m_s),
@@ -275,11 +279,11 @@ def compare_waves(file: VesselFile, waves: Sequence[HeadWaves]) -> Iterator[Wave
             )
             for depth, heave, pitch in known
         )
-        yield WavesCompared(one, "", rows)
+        yield WaveComparison(one, "", rows)
 
 
 def _motion(boat: Boat, waves: HeadWaves, depth: float, speed: float) -> tuple[float, float]:
     """Return our heave [-] and pitch [deg]; the lift feels the water at ``speed`` [m/s]."""
     omega = 2.0 * math.pi / waves.period_s
-    heave, pitch = in_head_waves(boat, head_waves(boat, omega, depth, speed), omega)
+    heave, pitch = head_wave_response(boat, head_waves(boat, omega, depth, speed), omega)
     return heave, math.degrees(0.5 * waves.height_m * pitch)

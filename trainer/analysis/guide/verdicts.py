@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
-from trainer.analysis.manoeuvres.vehicle import PERCENT, Measure
-from trainer.analysis.programs.compare import compare
+from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT, Measure
+from trainer.analysis.programs.compare import compare_runs
 
-WITHIN: Final = "within"
-BEYOND: Final = "BEYOND"
-SHOWN: Final = "not judged"
-UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
-RATES: Final = ("p", "q", "r")
+WITHIN_TOLERANCE: Final = "within"
+BEYOND_TOLERANCE: Final = "BEYOND"
+NOT_JUDGED: Final = "not judged"
+RATE_UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
+TURN_RATES: Final = ("p", "q", "r")
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Judgement:
     full: float | None
     other: float | None
     allowed: float | None
-    verdict: str  # WITHIN, BEYOND or SHOWN
+    verdict: str  # WITHIN_TOLERANCE, BEYOND_TOLERANCE or NOT_JUDGED
 
     @property
     def difference(self) -> float | None:
@@ -34,7 +34,7 @@ class Judgement:
         return self.other - self.full
 
 
-def account(verdicts: Sequence[bool | None]) -> str:
+def verdict_account(verdicts: Sequence[bool | None]) -> str:
     """Return in words how many judgements pass, and how many were not made (None).
 
     As in ``21 of 21 judged, 9 not judged``.
@@ -44,7 +44,7 @@ def account(verdicts: Sequence[bool | None]) -> str:
     return f"{sum(judged)} of {len(judged)} judged" + f", {left} not judged" * (left > 0)
 
 
-def passes(verdicts: Sequence[bool | None]) -> bool:
+def passes_all(verdicts: Sequence[bool | None]) -> bool:
     """Return whether something was judged, and nothing of it failed."""
     return True in verdicts and False not in verdicts
 
@@ -57,20 +57,20 @@ def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement,
     found = (*_pair_measures(manoeuvre, full, other), *_changes(manoeuvre, full, other))
     if not full.lost:
         return found
-    return tuple(replace(one, allowed=None, verdict=SHOWN) for one in found)
+    return tuple(replace(one, allowed=None, verdict=NOT_JUDGED) for one in found)
 
 
 def _pair_measures(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
     """Yield the measures; what only one flight has is beyond, unless it may be nothing."""
     if full.lost or other.lost:
-        verdict = BEYOND if other.lost else SHOWN
+        verdict = BEYOND_TOLERANCE if other.lost else NOT_JUDGED
         ends = float(full.t[-1]), float(other.t[-1])
         yield Judgement("flown, without being lost, to", "s", *ends, None, verdict)
     by_other = {one.name: one for one in manoeuvre.measures(other)}
     for one in manoeuvre.measures(full):
         yield judge_measure(one, by_other.pop(one.name, None))
     for one in by_other.values():
-        yield Judgement(one.name, one.unit, None, one.value, None, SHOWN)
+        yield Judgement(one.name, one.unit, None, one.value, None, NOT_JUDGED)
 
 
 def judge_measure(one: Measure, other: Measure | None) -> Judgement:
@@ -80,9 +80,9 @@ def judge_measure(one: Measure, other: Measure | None) -> Judgement:
     """
     value = None if other is None else other.value
     if one.value is None or one.allowed is None:
-        return Judgement(one.name, one.unit, one.value, value, None, SHOWN)
+        return Judgement(one.name, one.unit, one.value, value, None, NOT_JUDGED)
     lacking = abs(one.value) if value is None else abs(value - one.value)
-    verdict = WITHIN if lacking <= one.allowed else BEYOND
+    verdict = WITHIN_TOLERANCE if lacking <= one.allowed else BEYOND_TOLERANCE
     return Judgement(one.name, one.unit, one.value, value, one.allowed, verdict)
 
 
@@ -91,11 +91,13 @@ def _changes(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judg
     names = [name for name in manoeuvre.compared if full.has(name)]
     if not names or min(full.t.size, other.t.size) < 2:
         return
-    report = compare(full.series, other.series, names)
+    report = compare_runs(full.series, other.series, names)
     for point in report.points:
         when = f"{report.until_s:g} s" if point.point == "at the end" else point.point
-        allowed = abs(point.change_full) * PERCENT / 100.0
-        verdict = (WITHIN if point.passed else BEYOND) if point.judged else SHOWN
+        allowed = abs(point.change_full) * ALLOWED_PERCENT / 100.0
+        verdict = (
+            (WITHIN_TOLERANCE if point.passed else BEYOND_TOLERANCE) if point.judged else NOT_JUDGED
+        )
         yield Judgement(
             f"change of {point.variable}, {when}",
             unit_of(point.variable),
@@ -108,4 +110,4 @@ def _changes(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judg
 
 def unit_of(column: str) -> str:
     """Return the unit of a column."""
-    return UNITS.get(column, "rad/s" if column in RATES else "rad")
+    return RATE_UNITS.get(column, "rad/s" if column in TURN_RATES else "rad")

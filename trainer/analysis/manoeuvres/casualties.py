@@ -13,17 +13,17 @@ from trainer.analysis.manoeuvres.vehicle import (
     Measure,
     Side,
     Watch,
-    largest,
-    limit,
-    part,
-    share,
+    largest_value,
+    part_measure,
+    share_measure,
+    surface_limit,
 )
 
-LEAD: Final = 2.0  # [s] of straight flight
-UPRIGHT: Final = {"q": "rad/s", "w": "m/s", "theta": "rad", "z": "m", "u": "m/s"}
-TURNING: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "phi": "rad", "u": "m/s"}
-SIXTHS: Final = tuple(i / 6 for i in range(1, 7))  # of a run
-AFTER: Final = 12.0  # [lengths run] that are watched once the planes are free
+LEAD_TIME_S: Final = 2.0  # [s] of straight flight
+UPRIGHT_COLUMNS: Final = {"q": "rad/s", "w": "m/s", "theta": "rad", "z": "m", "u": "m/s"}
+TURNING_COLUMNS: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "phi": "rad", "u": "m/s"}
+RUN_SIXTHS: Final = tuple(i / 6 for i in range(1, 7))  # of a run
+WATCHED_LENGTHS: Final = 12.0  # [lengths run] that are watched once the planes are free
 
 
 def readings(flight: Flight, begin: float, columns: dict[str, str]) -> list[Measure]:
@@ -32,19 +32,19 @@ def readings(flight: Flight, begin: float, columns: dict[str, str]) -> list[Meas
     found = []
     for name, unit in columns.items():
         most = float(abs(flight.change(name)).max())
-        for reading in SIXTHS:
+        for reading in RUN_SIXTHS:
             value = flight.at(begin + reading * (end - begin), name)
             change = None if value is None else value - float(flight.column(name)[0])
-            found.append(part(f"{name} after {reading:.2g} of it", unit, change, most))
+            found.append(part_measure(f"{name} after {reading:.2g} of it", unit, change, most))
     return found
 
 
 @runtime_checkable
-class Loadable(Protocol):
+class LoadableVehicle(Protocol):
     """A vehicle that weight can be put on."""
 
     def load(self, share: float) -> None:
-        """Take a ``share`` [-] of its weight on, or lose it."""
+        """Take a ``share_measure`` [-] of its weight on, or lose it."""
 
 
 @dataclass(frozen=True)
@@ -62,16 +62,16 @@ class OutOfBalance(Manoeuvre):
         """Yield the cycles."""
         for quantity in self.keep:
             conn.vehicle.keep(quantity)
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         speed = conn.value("u")
-        if isinstance(conn.vehicle, Loadable):
+        if isinstance(conn.vehicle, LoadableVehicle):
             conn.vehicle.load(self.share)
         conn.mark("weight")
         yield from conn.hold(self.run_lengths * conn.vehicle.length / speed)
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return readings along the way."""
-        return readings(flight, flight.time_of("weight") or 0.0, UPRIGHT)
+        return readings(flight, flight.time_of("weight") or 0.0, UPRIGHT_COLUMNS)
 
 
 @dataclass(frozen=True)
@@ -88,33 +88,33 @@ class PlaneJam(Manoeuvre):
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of jam and recovery."""
         length, speed, sign = conn.vehicle.length, conn.value("u"), self.sign
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         conn.order("planes", sign * math.radians(self.angle_deg))
         conn.mark("jam")
         conn.order("engine", 0.0)
         yield from conn.hold(self.jammed_lengths * length / speed)
-        conn.order("planes", -sign * limit(conn.vehicle, "planes"))
+        conn.order("planes", -sign * surface_limit(conn.vehicle, "planes"))
         conn.mark("free")
-        level = yield from conn.until(Watch("theta", 0.0, -sign), AFTER * length / speed)
+        level = yield from conn.until(Watch("theta", 0.0, -sign), WATCHED_LENGTHS * length / speed)
         if not level:
             return
         conn.mark("level")
         conn.order("engine", speed)
         conn.vehicle.keep("depth")
-        yield from conn.hold(AFTER * length / speed)
+        yield from conn.hold(WATCHED_LENGTHS * length / speed)
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return pitch and depth at their furthest, the least speed, the time to level."""
         free, level = flight.time_of("free") or 0.0, flight.time_of("level")
         begin = flight.time_of("jam") or 0.0
         return [
-            share("largest pitch", "rad", largest(flight.change("theta"))),
-            share("depth lost", "m", largest(flight.change("z"))),
-            share("speed lost", "m/s", float(flight.change("u").min())),
-            share("time to level", "s", None if level is None else level - begin),
-            share("depth when free", "m", flight.at(free, "z")),
-            share("largest pitch rate up", "rad/s", float(flight.column("q").max())),
-            share("largest pitch rate down", "rad/s", float(flight.column("q").min())),
+            share_measure("largest pitch", "rad", largest_value(flight.change("theta"))),
+            share_measure("depth lost", "m", largest_value(flight.change("z"))),
+            share_measure("speed lost", "m/s", float(flight.change("u").min())),
+            share_measure("time to level", "s", None if level is None else level - begin),
+            share_measure("depth when free", "m", flight.at(free, "z")),
+            share_measure("largest pitch rate up", "rad/s", float(flight.column("q").max())),
+            share_measure("largest pitch rate down", "rad/s", float(flight.column("q").min())),
         ]
 
 
@@ -133,16 +133,16 @@ class RudderJam(Manoeuvre):
         """Yield the cycles of jam and way lost."""
         conn.vehicle.keep("depth")
         length, speed = conn.vehicle.length, conn.value("u")
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         conn.order("rudder", self.sign * math.radians(self.angle_deg))
         conn.mark("jam")
         yield from conn.hold(self.jammed_lengths * length / speed)
         conn.order("engine", 0.0)
         conn.mark("stop")
-        yield from conn.hold(AFTER * length / speed)
+        yield from conn.hold(WATCHED_LENGTHS * length / speed)
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return readings along the way and the largest roll, counted to the side."""
         flight = flight.counted_to(self.side)
-        most = share("largest roll", "rad", largest(flight.change("phi")))
-        return [most, *readings(flight, flight.time_of("jam") or 0.0, TURNING)]
+        most = share_measure("largest roll", "rad", largest_value(flight.change("phi")))
+        return [most, *readings(flight, flight.time_of("jam") or 0.0, TURNING_COLUMNS)]

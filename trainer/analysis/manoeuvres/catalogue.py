@@ -16,7 +16,7 @@ from trainer.analysis.manoeuvres.speeds import (
 )
 from trainer.analysis.manoeuvres.steadiness import PullOut, ReverseSpiral, Spiral
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
-from trainer.analysis.manoeuvres.vehicle import Vehicle, limit
+from trainer.analysis.manoeuvres.vehicle import Vehicle, surface_limit
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,
     Meander,
@@ -29,7 +29,7 @@ from trainer.analysis.manoeuvres.zigzag import VerticalZigZag, ZigZag
 from trainer.config.files import ConfigError, nearest
 from trainer.units import KNOT
 
-ROUNDING: Final = 1e-9  # [kn]
+SPEED_ROUNDING_KN: Final = 1e-9  # [kn]
 
 MANOEUVRES: Final[Mapping[str, Manoeuvre]] = MappingProxyType(
     {
@@ -72,7 +72,7 @@ PARAMETERS: Final = {  # as an engineer names them, and the fields of the manoeu
     "side": "side",
     "direction": "direction",
 }
-Parameters = dict[str, float | str]
+ParameterValues = dict[str, float | str]
 
 
 def find_manoeuvre(name: str) -> Manoeuvre:
@@ -83,7 +83,7 @@ def find_manoeuvre(name: str) -> Manoeuvre:
     return MANOEUVRES[name]
 
 
-def parameters(manoeuvre: Manoeuvre) -> Parameters:
+def manoeuvre_parameters(manoeuvre: Manoeuvre) -> ParameterValues:
     """Return a manoeuvre's parameters by the names of PARAMETERS, in [deg], [s] and [kn].
 
     What is left to the vehicle, such as full ahead, is not among them.
@@ -108,11 +108,11 @@ def within_limits(manoeuvre: Manoeuvre, vehicle: Vehicle) -> Manoeuvre:
     angle = getattr(manoeuvre, "angle_deg", None)
     if angle is None or not manoeuvre.needs or manoeuvre.needs[0] not in vehicle.controls:
         return manoeuvre
-    most = round(math.degrees(limit(vehicle, manoeuvre.needs[0])), 9)
+    most = round(math.degrees(surface_limit(vehicle, manoeuvre.needs[0])), 9)
     return manoeuvre if angle <= most else replace(manoeuvre, angle_deg=most)  # type: ignore[call-arg]
 
 
-def adjust(name: str, vehicle: Vehicle, given: Mapping[str, float | str]) -> Manoeuvre:
+def adjust_manoeuvre(name: str, vehicle: Vehicle, given: Mapping[str, float | str]) -> Manoeuvre:
     """Return the manoeuvre of that name for a vehicle, with the parameters ``given``.
 
     ConfigError if it has no such parameter, or the vehicle's control does not go so far.
@@ -126,7 +126,7 @@ def adjust(name: str, vehicle: Vehicle, given: Mapping[str, float | str]) -> Man
     return manoeuvre
 
 
-def option(parameter: str, value: object = "") -> str:
+def parameter_option(parameter: str, value: object = "") -> str:
     """Return how a parameter is given on the command line. A direction has its own words."""
     return f"--{value}" if parameter == "direction" else f"--{parameter.replace('_', '-')}"
 
@@ -139,7 +139,7 @@ def _no_parameter(name: str, parameter: str, value: object) -> str:
     has = [words.get(key, key.replace("_", "-")) for key in keys]
     field = PARAMETERS[parameter]
     others = ", ".join(other for other, one in MANOEUVRES.items() if hasattr(one, field))
-    given = option(parameter, value)
+    given = parameter_option(parameter, value)
     return (
         f"{given}: {name} has no such parameter; it has {', '.join(has) or 'none'}. "
         f"{given} is for {others}"
@@ -152,7 +152,7 @@ def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, flo
     for parameter, controls in (("angle", first), ("planes", ("planes",))):
         for control in controls:
             if parameter in given and control in vehicle.controls:
-                most = round(math.degrees(limit(vehicle, control)), 9)
+                most = round(math.degrees(surface_limit(vehicle, control)), 9)
                 if float(given[parameter]) > most:
                     raise ConfigError(
                         f"--{parameter} {given[parameter]:g}: the {control} of {vehicle.name} goes "
@@ -160,7 +160,7 @@ def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, flo
                     )
     if "ahead_speed" in given and "engine" in vehicle.controls:
         most = vehicle.controls["engine"].high / KNOT
-        if float(given["ahead_speed"]) > most + ROUNDING:
+        if float(given["ahead_speed"]) > most + SPEED_ROUNDING_KN:
             raise ConfigError(
                 f"--ahead-speed {given['ahead_speed']:g}: the engine of {vehicle.name} is ordered "
                 f"up to {most:.4g} kn"

@@ -19,15 +19,15 @@ from typing import ClassVar, Final, NamedTuple
 import numpy as np
 
 from trainer.analysis.manoeuvres.vehicle import (
+    DIRECTION_SIGNS,
     DIVE,
     PORT,
     RISE,
-    SIGNS,
     STARBOARD,
+    FastVehicle,
     LostError,
     Measure,
     Side,
-    Swift,
     Vehicle,
     Watch,
     check_parts,
@@ -36,11 +36,19 @@ from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
-Cycles = Generator[None, None, None]
-EARLY = 1e-9  # [s] rounding of a sum of steps
-LONGEST = 2_000_000  # [cycles] of a flight
-SIDEWAYS: Final = ("v", "p", "r", "y", "phi", "psi", "delta_r")  # columns that a mirror turns over
-CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
+CycleGenerator = Generator[None, None, None]
+TIME_ROUNDING_S = 1e-9  # [s] rounding of a sum of steps
+MAX_FLIGHT_CYCLES = 2_000_000  # [cycles] of a flight
+MIRRORED_COLUMNS: Final = (
+    "v",
+    "p",
+    "r",
+    "y",
+    "phi",
+    "psi",
+    "delta_r",
+)  # columns that a mirror turns over
+FIELD_CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 
 class Mark(NamedTuple):
@@ -101,17 +109,17 @@ class Conn:
         """Mark an event here and now."""
         self.marks.append(Mark(name, self.time))
 
-    def hold(self, seconds: float) -> Cycles:
+    def hold(self, seconds: float) -> CycleGenerator:
         """Advance by some time, all controls held."""
-        yield from self._pass(self.time + seconds - EARLY, None)
+        yield from self._pass(self.time + seconds - TIME_ROUNDING_S, None)
 
-    def hold_to(self, time: float) -> Cycles:
+    def hold_to(self, time: float) -> CycleGenerator:
         """Advance to ``time`` [s] since the start."""
         yield from self.hold(time - self.time)
 
     def until(self, watch: Watch, most: float) -> Generator[None, None, bool]:
         """Advance until what is watched passes, at most ``most`` [s]. Return whether it did."""
-        end = self.time + most - EARLY
+        end = self.time + most - TIME_ROUNDING_S
         other = self._others.pop(0) if self._others else None
         passed = other is not None and (yield from self._beside(watch, other))
         if not passed:
@@ -149,9 +157,9 @@ class Conn:
             value = self.value(watch.quantity)
         return watch.side * (value - watch.mark)
 
-    def _pass(self, end: float, watch: Watch | None) -> Cycles:
+    def _pass(self, end: float, watch: Watch | None) -> CycleGenerator:
         """Let time pass to ``end`` [s] or until what is watched passes."""
-        if isinstance(self.vehicle, Swift) and self.vehicle.swift:
+        if isinstance(self.vehicle, FastVehicle) and self.vehicle.swift:
             self._close()
             rows = self.vehicle.sail(end, watch)
             if len(rows):
@@ -210,7 +218,7 @@ class Flight:
         """
         if side == STARBOARD:
             return self
-        turned = {name: 0.0 - self.column(name) for name in SIDEWAYS if self.has(name)}
+        turned = {name: 0.0 - self.column(name) for name in MIRRORED_COLUMNS if self.has(name)}
         series = Series(self.series.path, {**self.series.columns, **turned})
         return replace(self, series=series)
 
@@ -238,7 +246,7 @@ class Manoeuvre(ABC):
     from_rest: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        for name, known in CHOICES.items():
+        for name, known in FIELD_CHOICES.items():
             given = getattr(self, name, known[0])
             if given not in known:
                 raise ConfigError(f"{name} = {given!r}: must be {known[0]} or {known[1]}")
@@ -246,7 +254,9 @@ class Manoeuvre(ABC):
     @property
     def sign(self) -> float:
         """Return the sign of the first order: positive to starboard, or to rise."""
-        return next(SIGNS[getattr(self, name)] for name in CHOICES if hasattr(self, name))
+        return next(
+            DIRECTION_SIGNS[getattr(self, name)] for name in FIELD_CHOICES if hasattr(self, name)
+        )
 
     @abstractmethod
     def schedule(self, conn: Conn) -> Iterator[None]:
@@ -257,7 +267,7 @@ class Manoeuvre(ABC):
         """Return what the flight is measured by."""
 
 
-def fly(
+def fly_manoeuvre(
     vehicle: Vehicle, manoeuvre: Manoeuvre, speed: float, others: Sequence[float | None] = ()
 ) -> Flight:
     """Return the flight of a manoeuvre that begins at ``speed`` [m/s].
@@ -268,7 +278,7 @@ def fly(
     check_parts(vehicle, manoeuvre.needs, manoeuvre.compared)
     vehicle.start(speed)
     conn = Conn(vehicle, others)
-    lost, left = "", LONGEST
+    lost, left = "", MAX_FLIGHT_CYCLES
     try:
         with np.errstate(all="ignore"):  # what is lost is told by the vehicle
             for _ in manoeuvre.schedule(conn):
@@ -276,7 +286,7 @@ def fly(
                 conn.look()
                 left -= 1
                 if left == 0:
-                    raise ConfigError(f"{vehicle.name}: does not end in {LONGEST} cycles")
+                    raise ConfigError(f"{vehicle.name}: does not end in {MAX_FLIGHT_CYCLES} cycles")
     except LostError as gone:
         lost = str(gone)
     table = conn.table

@@ -12,10 +12,10 @@ from trainer.config.files import ConfigError
 from trainer.config.nomoto import NomotoFile, load_nomoto
 from trainer.units import KNOT
 
-COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r")
-FASTEST: Final = math.tau  # [rad/s] a ship that turns faster is lost
-OTHER_SPEED: Final = 0.05  # [-] from the file's own, beyond which its numbers do not hold
-STRAIGHT: Final = NomotoState(0.0, 0.0, 0.0, 0.0, 0.0)
+SHIP_COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r")
+MAX_YAW_RATE_RAD_S: Final = math.tau  # [rad/s] a ship that turns faster is lost
+SPEED_TOLERANCE: Final = 0.05  # [-] from the file's own, beyond which its numbers do not hold
+STRAIGHT_STATE: Final = NomotoState(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def steer_ship(path: Path, step: float | None) -> "NomotoShip":
@@ -27,7 +27,7 @@ def steer_ship(path: Path, step: float | None) -> "NomotoShip":
 class NomotoShip:
     """A Nomoto ship under the orders of a manoeuvre."""
 
-    columns = COLUMNS
+    columns = SHIP_COLUMNS
 
     def __init__(self, ship: NomotoFile) -> None:
         """Take the ship's numbers."""
@@ -38,7 +38,7 @@ class NomotoShip:
         self._motion = NomotoMotion(ship)
         self._limit = math.radians(ship.rudder_limit_deg)
         self._neutral = math.radians(ship.neutral_deg or 0.0)
-        self._state = STRAIGHT
+        self._state = STRAIGHT_STATE
         self._rudder = self._ordered = self._neutral
         self._time = 0.0
 
@@ -54,12 +54,12 @@ class NomotoShip:
 
     def start(self, speed: float) -> None:
         """Begin anew, straight ahead at ``speed`` [m/s]; ConfigError far from the file's own."""
-        if abs(speed / self._motion.speed - 1.0) > OTHER_SPEED:
+        if abs(speed / self._motion.speed - 1.0) > SPEED_TOLERANCE:
             raise ConfigError(
                 f"{self.name}: was identified at {self._ship.speed_kn:g} kn, "
                 f"not at {speed / KNOT:g} kn"
             )
-        self._state = STRAIGHT
+        self._state = STRAIGHT_STATE
         self._rudder = self._ordered = self._neutral
         self._time = 0.0
 
@@ -90,7 +90,7 @@ class NomotoShip:
         try:
             self._state = self._motion.after(self._state, helm, h)
         except (ZeroDivisionError, ValueError):  # no time constant; a course beyond all numbers
-            self._state = STRAIGHT._replace(turning=math.inf)
+            self._state = STRAIGHT_STATE._replace(turning=math.inf)
         self._time += h
-        if not abs(self._state.turning) < FASTEST:
+        if not abs(self._state.turning) < MAX_YAW_RATE_RAD_S:
             raise LostError(f"{self.name} spins after {self._time:g} s")

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from trainer.analysis.manoeuvres.catalogue import (
-    Parameters,
-    adjust,
+    ParameterValues,
+    adjust_manoeuvre,
     format_parameters,
-    parameters,
+    manoeuvre_parameters,
 )
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
-from trainer.analysis.manoeuvres.steadiness import WAYS
-from trainer.analysis.manoeuvres.submarine import CALM, DEEP, Rig, Submarine
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly_manoeuvre
+from trainer.analysis.manoeuvres.steadiness import SPIRAL_WAYS
+from trainer.analysis.manoeuvres.submarine import CALM_SEA, DEEP_WATER_M, Rig, Submarine
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
@@ -24,22 +24,22 @@ from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.atomic_write import write_whole
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, figure, table, wrap
+from trainer.report.text import INDENT, format_number, table, wrap
 from trainer.units import KNOT
 
-TRACK = "track"
-TURNS = "turns"  # yaw rate over rudder where turns were steady
-HELD = "rates held"
+TRACK_PANEL = "track"
+TURNS_PANEL = "turns"  # yaw rate over rudder where turns were steady
+HELD_PANEL = "rates held"
 
 
 @dataclass(frozen=True)
-class Report:
+class ManoeuvreReport:
     """All that ``trainer manoeuvre`` says; measures SI and radians."""
 
     vessel: str
     manoeuvre: str
     speed_kn: float  # at the start
-    parameters: Parameters  # [deg], [s] and [kn]
+    parameters: ParameterValues  # [deg], [s] and [kn]
     method: Method | None  # of a boat; another vehicle computes as it does
     rig: Rig | None
     marks: tuple[Mark, ...]
@@ -52,12 +52,13 @@ class Report:
 class ManoeuvreOptions:
     """A user's wishes for a manoeuvre; None is the vehicle's own.
 
-    ``parameters`` are by the names of PARAMETERS. From ``equations`` on it is of boats alone.
+    ``manoeuvre_parameters`` are by the names of PARAMETERS. From ``equations`` on it is of boats
+    alone.
     """
 
     speed: float | None = None  # [kn]
     step: float | None = None  # [s]
-    parameters: Parameters = field(default_factory=dict)
+    parameters: ParameterValues = field(default_factory=dict)
     equations: str = "full"
     rates: str | None = None
     trig: str = "exact"
@@ -65,7 +66,9 @@ class ManoeuvreOptions:
     rig: Rig = field(default_factory=Rig)
 
 
-def fly_boat(file: VesselFile, name: str, options: ManoeuvreOptions) -> tuple[Report, Flight]:
+def fly_boat(
+    file: VesselFile, name: str, options: ManoeuvreOptions
+) -> tuple[ManoeuvreReport, Flight]:
     """Return report and flight of the manoeuvre of that name."""
     runge_kutta = options.integrator in RUNGE_KUTTAS
     method = Method(
@@ -83,22 +86,22 @@ def fly_boat(file: VesselFile, name: str, options: ManoeuvreOptions) -> tuple[Re
 
 def fly_vehicle(
     vehicle: Vehicle, name: str, options: ManoeuvreOptions, usual: float
-) -> tuple[Report, Flight]:
+) -> tuple[ManoeuvreReport, Flight]:
     """Return report and flight of the manoeuvre of that name by any vehicle.
 
     It begins at ``usual`` [kn] unless ``options`` have another speed; ConfigError for one of what
     starts from rest.
     """
-    manoeuvre = adjust(name, vehicle, options.parameters)
+    manoeuvre = adjust_manoeuvre(name, vehicle, options.parameters)
     if manoeuvre.from_rest and options.speed is not None:
         raise ConfigError("--speed: this manoeuvre starts from rest")
     moving = usual if options.speed is None else options.speed
-    flight = fly(vehicle, manoeuvre, 0.0 if manoeuvre.from_rest else moving * KNOT)
-    report = Report(
+    flight = fly_manoeuvre(vehicle, manoeuvre, 0.0 if manoeuvre.from_rest else moving * KNOT)
+    report = ManoeuvreReport(
         vessel=vehicle.name,
         manoeuvre=name,
         speed_kn=flight.speed / KNOT,
-        parameters=parameters(manoeuvre),
+        parameters=manoeuvre_parameters(manoeuvre),
         method=None,
         rig=None,
         marks=flight.marks,
@@ -108,7 +111,7 @@ def fly_vehicle(
     return report, flight
 
 
-def render(report: Report) -> str:
+def render(report: ManoeuvreReport) -> str:
     """Return the report as text."""
     given = format_parameters(report.parameters)
     rows = [(one.name, *format_measure(one)) for one in report.measures]
@@ -127,15 +130,15 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def _method_facts(report: Report) -> list[str]:
+def _method_facts(report: ManoeuvreReport) -> list[str]:
     """Return how a boat was computed and rigged, nothing of another vehicle."""
     method, rig = report.method, report.rig
     if method is None or rig is None:
         return []
     computed = f"{method.equations} set, {method.rates} accelerations, {method.integrator}"
-    place = f"from {DEEP:g} m, where neither hull nor surface sets limits"
+    place = f"from {DEEP_WATER_M:g} m, where neither hull nor surface sets limits"
     if rig.depth is not None:
-        seed = "" if rig.sea == CALM else f", seed {rig.seed}"
+        seed = "" if rig.sea == CALM_SEA else f", seed {rig.seed}"
         place = f"from {rig.depth:g} m; sea: {rig.sea}{seed}"
     return [
         f"{INDENT}{computed}, step {method.step:g} s",
@@ -147,9 +150,9 @@ def _method_facts(report: Report) -> list[str]:
 def format_measure(one: Measure) -> tuple[str, str]:
     """Return number and unit of a measure on a page: degrees for radians."""
     if not one.unit.startswith("rad"):
-        return figure(one.value, ".4g"), one.unit
+        return format_number(one.value, ".4g"), one.unit
     degrees = None if one.value is None else math.degrees(one.value)
-    return figure(degrees, ".4g"), one.unit.replace("rad", "deg")
+    return format_number(degrees, ".4g"), one.unit.replace("rad", "deg")
 
 
 def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
@@ -157,10 +160,10 @@ def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
     marks = tuple((mark.name, mark.t) for mark in flight.marks)
     found = []
     for name in manoeuvre.shows:
-        if name == TRACK:
+        if name == TRACK_PANEL:
             curve = Curve("track", flight.column("y"), flight.column("x"))
             found.append(Panel("track", "east [m]", "north [m]", (curve,)))
-        elif name == TURNS and flight.has("delta_r"):
+        elif name == TURNS_PANEL and flight.has("delta_r"):
             curves = tuple(_steady_turns(flight))
             found.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
         elif flight.has(name):
@@ -179,13 +182,13 @@ def _steady_turns(flight: Flight) -> Iterator[Curve]:
     for way in ways:
         t = np.array([mark.t for mark in flight.marks if _way(mark) == way])
         helm, rate = (np.interp(t, flight.t, flight.column(name)) for name in ("delta_r", "r"))
-        yield Curve(way, np.degrees(helm), np.degrees(rate), points=way == HELD)
+        yield Curve(way, np.degrees(helm), np.degrees(rate), points=way == HELD_PANEL)
 
 
 def _way(mark: Mark) -> str:
-    """Return which way of a direct spiral a mark is of, HELD where a rate was held."""
+    """Return which way of a direct spiral a mark is of, HELD_PANEL where a rate was held."""
     first = mark.name.split()[0]
-    return first if first in WAYS else HELD
+    return first if first in SPIRAL_WAYS else HELD_PANEL
 
 
 def write_csv(flight: Flight, path: Path) -> None:

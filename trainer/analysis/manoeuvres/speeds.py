@@ -10,21 +10,21 @@ from trainer.analysis.manoeuvres.vehicle import (
     Measure,
     Watch,
     first_time,
-    largest,
-    part,
-    share,
+    largest_value,
+    part_measure,
+    share_measure,
     show_only,
 )
 from trainer.units import KNOT
 
-STEP: Final = 5.0 * KNOT  # [m/s] of 1969
-STEPS: Final = 3.0  # [-] the fewest that a step of its own choice makes
-EARLY: Final = 1e-9  # [-] rounding of a number of steps
-READINGS: Final = (0.1, 0.25, 0.5, 0.6, 0.8, 1.0)  # of the duration
-BEYOND = 0.1  # [-] of the time to stop
+ENGINE_STEP_M_S: Final = 5.0 * KNOT  # [m/s] of 1969
+MIN_ENGINE_STEPS: Final = 3.0  # [-] the fewest that a step of its own choice makes
+STEP_ROUNDING: Final = 1e-9  # [-] rounding of a number of steps
+READING_SHARES: Final = (0.1, 0.25, 0.5, 0.6, 0.8, 1.0)  # of the duration
+EXTRA_STOP_SHARE = 0.1  # [-] of the time to stop
 
 
-def ahead(conn: Conn, knots: float | None) -> float:
+def ahead_speed(conn: Conn, knots: float | None) -> float:
     """Return an ordered speed [m/s]; None [kn]: full ahead."""
     return conn.vehicle.controls["engine"].high if knots is None else knots * KNOT
 
@@ -45,9 +45,13 @@ class Acceleration(Manoeuvre):
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the steps up and down."""
         conn.vehicle.keep("depth")
-        most = ahead(conn, self.ahead_kn)
-        step = min(STEP, most / STEPS) if self.step_kn is None else self.step_kn * KNOT
-        steps = math.ceil(most / step - EARLY)
+        most = ahead_speed(conn, self.ahead_kn)
+        step = (
+            min(ENGINE_STEP_M_S, most / MIN_ENGINE_STEPS)
+            if self.step_kn is None
+            else self.step_kn * KNOT
+        )
+        steps = math.ceil(most / step - STEP_ROUNDING)
         for i in [*range(1, steps + 1), *range(steps - 1, -1, -1)]:
             conn.order("engine", most * i / steps)
             conn.mark("step")
@@ -58,7 +62,10 @@ class Acceleration(Manoeuvre):
         ends = [*(mark.t for mark in flight.marks[1:]), float(flight.t[-1])]
         top = float(flight.column("u").max())
         speeds = [flight.at(end, "u") for end in ends]
-        return [part(f"speed after step {i}", "m/s", u, top) for i, u in enumerate(speeds, start=1)]
+        return [
+            part_measure(f"speed after step {i}", "m/s", u, top)
+            for i, u in enumerate(speeds, start=1)
+        ]
 
 
 @dataclass(frozen=True)
@@ -77,7 +84,7 @@ class UtmostAcceleration(Manoeuvre):
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles ahead and stopped."""
         conn.vehicle.keep("depth")
-        conn.order("engine", ahead(conn, self.ahead_kn))
+        conn.order("engine", ahead_speed(conn, self.ahead_kn))
         conn.mark("ahead")
         until = 0.5 * self.duration_s if self.ahead_s is None else self.ahead_s
         yield from conn.hold_to(min(until, self.duration_s))
@@ -88,12 +95,13 @@ class UtmostAcceleration(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return speeds on the way, and how far the depth went."""
         top = float(flight.column("u").max())
-        times = [part * self.duration_s for part in READINGS]
+        times = [part * self.duration_s for part in READING_SHARES]
         found = [
-            part(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top) for time in times
+            part_measure(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top)
+            for time in times
         ]
         if flight.has("z"):
-            found.append(show_only("largest depth change", "m", largest(flight.change("z"))))
+            found.append(show_only("largest depth change", "m", largest_value(flight.change("z"))))
         return found
 
 
@@ -112,7 +120,9 @@ class CrashStop(Manoeuvre):
         conn.order("engine", conn.vehicle.controls["engine"].low)
         conn.mark("astern")
         yield from conn.until(Watch("u", 0.0, -1.0), self.duration_s)
-        yield from conn.hold(BEYOND * conn.time)  # for a boat flown beside that stops later
+        yield from conn.hold(
+            EXTRA_STOP_SHARE * conn.time
+        )  # for a boat flown beside that stops later
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return time, head reach, side reach and change of heading."""
@@ -120,9 +130,11 @@ class CrashStop(Manoeuvre):
         ahead = None if stopped is None else flight.at(stopped, "x")
         aside = None if stopped is None else flight.at(stopped, "y")
         return [
-            share("time to stop", "s", stopped),
-            share("head reach", "m", ahead),
-            share("head reach, in lengths", "-", None if ahead is None else ahead / flight.length),
+            share_measure("time to stop", "s", stopped),
+            share_measure("head reach", "m", ahead),
+            share_measure(
+                "head reach, in lengths", "-", None if ahead is None else ahead / flight.length
+            ),
             show_only("side reach", "m", aside),
             show_only("change of heading", "rad", float(flight.change("psi")[-1])),
         ]
@@ -146,14 +158,14 @@ class Backing(Manoeuvre):
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return speeds and the way made astern. Where the boat then goes by itself is shown."""
-        fastest, furthest = largest(flight.column("u")), largest(flight.change("x"))
+        fastest, furthest = largest_value(flight.column("u")), largest_value(flight.change("x"))
         found = []
-        for reading in READINGS:
+        for reading in READING_SHARES:
             time = reading * self.duration_s
             speed, way = flight.at(time, "u"), flight.at(time, "x")
-            found.append(part(f"speed after {time:g} s", "m/s", speed, fastest))
-            found.append(part(f"way after {time:g} s", "m", way, furthest))
+            found.append(part_measure(f"speed after {time:g} s", "m/s", speed, fastest))
+            found.append(part_measure(f"way after {time:g} s", "m", way, furthest))
         found.append(show_only("change of heading", "rad", float(flight.change("psi")[-1])))
         if flight.has("z"):
-            found.append(show_only("largest depth change", "m", largest(flight.change("z"))))
+            found.append(show_only("largest depth change", "m", largest_value(flight.change("z"))))
         return found

@@ -9,44 +9,46 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
+    DIRECTION_SIGNS,
     PORT,
-    SIGNS,
     STARBOARD,
     Measure,
     Side,
-    part,
-    share,
+    part_measure,
+    share_measure,
     show_only,
 )
 
-PARTS: Final = (1.0, 2 / 3, 1 / 3, 1 / 6, 0.0, -1 / 6, -1 / 3, -2 / 3, -1.0)
+RUDDER_PARTS: Final = (1.0, 2 / 3, 1 / 3, 1 / 6, 0.0, -1 / 6, -1 / 3, -2 / 3, -1.0)
 
 
-SHORTEST: Final = 3.0  # [lengths run] of each part
+MIN_PART_LENGTHS: Final = 3.0  # [lengths run] of each part
 
 
-LONGEST: Final = 40.0
+MAX_PART_LENGTHS: Final = 40.0
 
 
-LOOK_BACK: Final = 2.0  # [lengths run]
+LOOK_BACK_LENGTHS: Final = 2.0  # [lengths run]
 
 
-STEADY: Final = 2e-3  # [-] of the yaw rate seen so far, by which it may change in LOOK_BACK
+STEADY_RATE_CHANGE: Final = (
+    2e-3  # [-] of the yaw rate seen so far, by which it may change in LOOK_BACK_LENGTHS
+)
 
 
-NOTHING: Final = 1e-3  # [-] yaw rate times length over speed that counts as no turn
+MIN_SWIRL: Final = 1e-3  # [-] yaw rate times length over speed that counts as no turn
 
 
-FIRST: Final = "largest"  # mark of the turn that finds the largest yaw rate
+FIRST_MARK: Final = "largest"  # mark of the turn that finds the largest yaw rate
 
 
-WAYS: Final = ("down", "up")  # of a direct spiral: from one side to the other, and back
+SPIRAL_WAYS: Final = ("down", "up")  # of a direct spiral: from one side to the other, and back
 
 
-HELM: Final = 1.0  # [rad] of rudder per error of r L/U
+HELM_GAIN: Final = 1.0  # [rad] of rudder per error of r L/U
 
 
-HELM_INTEGRAL: Final = 0.5  # [rad] the same, per length run
+HELM_INTEGRAL_GAIN: Final = 0.5  # [rad] the same, per length run
 
 
 def swirl(conn: Conn) -> float:
@@ -55,10 +57,10 @@ def swirl(conn: Conn) -> float:
     return conn.value("r") * conn.vehicle.length / speed
 
 
-def settle(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
+def settle_turn(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
     """Advance until the turn is steady. Return whether it became steady."""
     run, rates, runs = 0.0, [swirl(conn)], [0.0]
-    while run < LONGEST:
+    while run < MAX_PART_LENGTHS:
         yield
         run += (
             math.hypot(conn.value("u"), conn.value("v")) * conn.vehicle.step / conn.vehicle.length
@@ -66,8 +68,10 @@ def settle(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
         rates.append(swirl(conn))
         runs.append(run)
         seen[0] = max(seen[0], abs(rates[-1]))
-        recent = rates[int(np.searchsorted(runs, run - LOOK_BACK)) :]
-        if run > SHORTEST and max(recent) - min(recent) <= STEADY * max(seen[0], NOTHING):
+        recent = rates[int(np.searchsorted(runs, run - LOOK_BACK_LENGTHS)) :]
+        if run > MIN_PART_LENGTHS and max(recent) - min(recent) <= STEADY_RATE_CHANGE * max(
+            seen[0], MIN_SWIRL
+        ):
             return True
     return False
 
@@ -95,11 +99,11 @@ class PullOut(Manoeuvre):
         conn.vehicle.keep("depth")
         most = [0.0]
         for side in self.sides:
-            conn.order("rudder", SIGNS[side] * math.radians(self.angle_deg))
-            yield from settle(conn, most)
+            conn.order("rudder", DIRECTION_SIGNS[side] * math.radians(self.angle_deg))
+            yield from settle_turn(conn, most)
             conn.mark("amidships")
             conn.order("rudder", 0.0)
-            yield from settle(conn, most)
+            yield from settle_turn(conn, most)
             conn.mark("left")
 
     def measures(self, flight: Flight) -> list[Measure]:
@@ -110,7 +114,7 @@ class PullOut(Manoeuvre):
         found = []
         for side, *times in zip(self.sides, turned, left, strict=False):
             rates = [flight.at(time, "r") for time in times]
-            found.append(share(f"yaw rate, rudder to {side}", "rad/s", rates[0]))
+            found.append(share_measure(f"yaw rate, rudder to {side}", "rad/s", rates[0]))
             found.append(show_only(f"yaw rate left after {side}", "rad/s", rates[1]))
         return found
 
@@ -132,23 +136,23 @@ class Spiral(Manoeuvre):
         """Yield the cycles of all steps."""
         conn.vehicle.keep("depth")
         most = [0.0]
-        for way, parts in zip(WAYS, (PARTS, PARTS[::-1]), strict=True):
+        for way, parts in zip(SPIRAL_WAYS, (RUDDER_PARTS, RUDDER_PARTS[::-1]), strict=True):
             for share_of_it in parts:
                 angle = share_of_it * self.angle_deg
                 conn.order("rudder", self.sign * math.radians(angle))
-                yield from settle(conn, most)
+                yield from settle_turn(conn, most)
                 conn.mark(f"{way} {angle:+.3g}")
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return yaw rate by rudder, and how far the two ways lie apart."""
         flight = flight.counted_to(self.side)
-        rates: dict[str, dict[str, float]] = {way: {} for way in WAYS}
+        rates: dict[str, dict[str, float]] = {way: {} for way in SPIRAL_WAYS}
         for mark in flight.marks:
             way, angle = mark.name.split()
             rates[way][angle] = flight.at(mark.t, "r") or 0.0
         most = max((abs(rate) for rate in rates["down"].values()), default=0.0)
         found = [
-            part(f"yaw rate at {angle} deg", "rad/s", rate, most)
+            part_measure(f"yaw rate at {angle} deg", "rad/s", rate, most)
             for angle, rate in rates["down"].items()
         ]
         gaps = [abs(rate - rates["up"].get(angle, rate)) for angle, rate in rates["down"].items()]
@@ -170,10 +174,10 @@ class ReverseSpiral(Manoeuvre):
         conn.vehicle.keep("depth")
         most = [0.0]
         conn.order("rudder", self.sign * math.radians(self.angle_deg))
-        yield from settle(conn, most)
+        yield from settle_turn(conn, most)
         largest = swirl(conn)
-        conn.mark(FIRST)
-        for wanted in PARTS[1:-1]:
+        conn.mark(FIRST_MARK)
+        for wanted in RUDDER_PARTS[1:-1]:
             yield from self._held(conn, wanted * largest)
             conn.mark(f"{100.0 * wanted:.0f} %")
 
@@ -181,12 +185,14 @@ class ReverseSpiral(Manoeuvre):
         """Yield the cycles in which the rudder brings r L/U to ``wanted`` and keeps it."""
         low, high = conn.vehicle.controls["rudder"]
         integral = conn.ordered["rudder"]
-        for _ in settle(conn, [abs(wanted)]):
+        for _ in settle_turn(conn, [abs(wanted)]):
             error = wanted - swirl(conn)
-            order = integral + HELM * error
+            order = integral + HELM_GAIN * error
             if low < order < high:
                 speed = math.hypot(conn.value("u"), conn.value("v"))
-                integral += HELM_INTEGRAL * error * speed * conn.vehicle.step / conn.vehicle.length
+                integral += (
+                    HELM_INTEGRAL_GAIN * error * speed * conn.vehicle.step / conn.vehicle.length
+                )
             conn.order("rudder", min(max(order, low), high))
             yield
 
@@ -202,5 +208,7 @@ class ReverseSpiral(Manoeuvre):
         for mark in flight.marks[1:]:
             found.append(show_only(f"yaw rate at {mark.name}", "rad/s", flight.at(mark.t, "r")))
             angle = float(np.interp(mark.t, flight.t, rudder))
-            found.append(part(f"rudder at {mark.name}", "rad", angle, math.radians(self.angle_deg)))
+            found.append(
+                part_measure(f"rudder at {mark.name}", "rad", angle, math.radians(self.angle_deg))
+            )
         return found

@@ -12,32 +12,32 @@ from trainer.analysis.programs.neutral import trim_at
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, lowest_depth
-from trainer.boat.limits import showing
+from trainer.boat.limits import height_showing
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile
 from trainer.core import entry
 from trainer.core.actuators import move_surfaces
-from trainer.core.autopilot.steering import OWN, REPORT, REPORT_LITERAL
+from trainer.core.autopilot.steering import OWN_LAW, REPORT_LAW, REPORT_LITERAL
 from trainer.core.integrators import advance
 from trainer.core.kernel import Numbers
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.update import lost, outside
 
-COLUMNS: Final = (
+BOAT_COLUMNS: Final = (
     *("t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
     *("delta_r", "delta_s", "delta_b", "u_c"),
 )
-SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
-LAWS: Final = {"trainer": OWN, "report": REPORT, "literal": REPORT_LITERAL}
-DEEP: Final = 1000.0  # [m] room for any manoeuvre, and away from the surface
-CALM: Final = "calm"
-STEEPEST: Final = math.radians(80.0)
+CONTROL_SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
+DEPTH_LAWS: Final = {"trainer": OWN_LAW, "report": REPORT_LAW, "literal": REPORT_LITERAL}
+DEEP_WATER_M: Final = 1000.0  # [m] room for any manoeuvre, and away from the surface
+CALM_SEA: Final = "calm"
+MAX_PITCH_RAD: Final = math.radians(80.0)
 SPEED_GAIN: Final = 4.0  # [-] command speed per speed, and
 SPEED_RATE: Final = 0.2  # [1/s] per its integral
-AT_ONCE: Final = 1e9  # [rad/s]
-ROUNDING: Final = 1e-12  # [cycles]
-WATCHED: Final = {
+INSTANT_RATE_RAD_S: Final = 1e9  # [rad/s]
+CYCLE_ROUNDING: Final = 1e-12  # [cycles]
+WATCHED_QUANTITIES: Final = {
     "theta": entry.PITCH,
     "size of theta": entry.PITCH_SIZE,
     "psi": entry.HEADING,
@@ -52,9 +52,11 @@ class Rig:
 
     controls: str = "own"  # "own" rates, lags and dead time, or at "once", as CONTR has them
     trim: str = "own"  # neutral angles: the "own" equations' or those of the "full" set
-    law: str = "trainer"  # of depth keeping, a name of LAWS; without gains the report's
-    depth: float | None = None  # [m] to begin at; None: DEEP, where the hull holds and no sea is
-    sea: str = CALM  # name or path, in force from the start
+    law: str = "trainer"  # of depth keeping, a name of DEPTH_LAWS; without gains the report's
+    depth: float | None = (
+        None  # [m] to begin at; None: DEEP_WATER_M, where the hull holds and no sea is
+    )
+    sea: str = CALM_SEA  # name or path, in force from the start
     seed: int = 1  # of the sea
 
 
@@ -79,7 +81,7 @@ class _Boat(Boat):
 class Submarine:
     """A boat under the orders of a manoeuvre."""
 
-    columns = COLUMNS
+    columns = BOAT_COLUMNS
 
     def __init__(self, file: VesselFile, method: Method, rig: Rig = Rig()) -> None:
         """Fit the boat out; ConfigError for a sea where none is felt."""
@@ -87,11 +89,12 @@ class Submarine:
         self.length = file.hull.length
         self.step = method.step
         self.boat = _Boat(file, method)
-        if rig.sea != CALM:
+        if rig.sea != CALM_SEA:
             self.boat.sea = load_sea(rig.sea)
             if rig.depth is None:
                 raise ConfigError(
-                    f"--sea {rig.sea}: no sea is felt {DEEP:g} m down, where manoeuvres begin "
+                    f"--sea {rig.sea}: no sea is felt {DEEP_WATER_M:g} m down, where "
+                    "manoeuvres begin "
                     "unless told otherwise; give a --depth"
                 )
         self._depth, self._seed = rig.depth, rig.seed
@@ -99,15 +102,17 @@ class Submarine:
         if rig.trim == "full":
             self.boat.model = Boat(file, Method("full", "exact", "exact", "adams2", method.step))
         self._at_once = rig.controls == "once"
-        self._law = LAWS[rig.law] if self.boat.automatic else max(LAWS[rig.law], REPORT)
+        self._law = (
+            DEPTH_LAWS[rig.law] if self.boat.automatic else max(DEPTH_LAWS[rig.law], REPORT_LAW)
+        )
         self._neutral = {"rudder": 0.0, "planes": 0.0}
         self._kept_speed: float | None = None
         self._lookout = np.zeros(1, entry.LOOKOUT)
-        self._lookout["steepest"] = STEEPEST
+        self._lookout["steepest"] = MAX_PITCH_RAD
         own = self.boat.records.vessel
         own["torque_limit"] = 0.0  # what holds revolutions holds them, whatever the engine
         if self._at_once:
-            own["surface_rate"], own["surface_lag"] = AT_ONCE, 0.0
+            own["surface_rate"], own["surface_lag"] = INSTANT_RATE_RAD_S, 0.0
             own["telegraph_dead_time"], own["propulsion_lag"] = 0.0, 0.0
 
     @property
@@ -115,7 +120,7 @@ class Submarine:
         """Return the limits of its controls by name."""
         c, toward = self.boat.vessel, self.boat.toward
         found = {}
-        for control, (surface, letter) in SURFACES.items():
+        for control, (surface, letter) in CONTROL_SURFACES.items():
             most = float(c[f"limit_{letter}"])
             if toward[surface] and most > 0.0:
                 found[control] = Control(-most, most)
@@ -136,7 +141,7 @@ class Submarine:
         """Start the boat at its depth; ConfigError if it may not be there, or shows in the air."""
         file, depth = self.boat.file, self._depth
         if depth is None:
-            self.boat.start(speed, DEEP, 0.0, self._seed)
+            self.boat.start(speed, DEEP_WATER_M, 0.0, self._seed)
             return
         deepest = file.hull.max_depth_m
         if deepest is not None and depth > deepest:
@@ -145,7 +150,7 @@ class Submarine:
                 "the deepest that may be ordered"
             )
         self.boat.start(speed, depth, 0.0, self._seed)
-        height = showing(self.boat)
+        height = height_showing(self.boat)
         if height > 0.0:
             least = math.ceil(10.0 * (depth + height)) / 10.0
             raise ConfigError(
@@ -178,7 +183,7 @@ class Submarine:
         s.eta_wave = 0.0
         for i in np.flatnonzero(columns["z"] < self.boat.reach):
             s.z, s.phi, s.theta = (columns[name][i] for name in ("z", "phi", "theta"))
-            heights[i] = showing(self.boat)
+            heights[i] = height_showing(self.boat)
         self.boat.restore(as_it_was)
         return heights
 
@@ -200,7 +205,7 @@ class Submarine:
         if control == "engine":
             s.speed_by_hand, s.ordered_u_c = 1.0, value
             return
-        surface, letter = SURFACES[control]
+        surface, letter = CONTROL_SURFACES[control]
         s[f"{surface}_by_hand"] = 1.0
         s[f"ordered_{letter}"] = self._neutral[control] + self.boat.toward[surface] * value
 
@@ -219,7 +224,7 @@ class Submarine:
 
     def observe(self) -> tuple[float, ...]:
         """Return the columns as they stand, SI and radians."""
-        return tuple(self.boat.numbers(COLUMNS))
+        return tuple(self.boat.numbers(BOAT_COLUMNS))
 
     def advance(self) -> None:
         """Advance by one cycle; LostError if the numbers go astray."""
@@ -234,7 +239,7 @@ class Submarine:
         if self._depth is not None and (collapse := collapse_of(self.boat)):
             raise LostError(f"{collapse} after {self.boat.time:g} s")
         s = self.boat.state
-        if abs(s.theta) > STEEPEST:
+        if abs(s.theta) > MAX_PITCH_RAD:
             raise LostError(
                 f"pitch is {math.degrees(s.theta):.0f} degrees after {self.boat.time:g} s, "
                 "beyond what the equations are good for"
@@ -247,13 +252,13 @@ class Submarine:
 
     def sail(self, end: float, watch: Watch | None) -> Numbers:
         """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
-        last = math.ceil(end / self.step - ROUNDING)
+        last = math.ceil(end / self.step - CYCLE_ROUNDING)
         eye = self._lookout
-        eye["last"], eye["watched"], eye["status"] = last, entry.NOTHING, 0.0
+        eye["last"], eye["watched"], eye["status"] = last, entry.NO_QUANTITY, 0.0
         if watch:
-            eye["watched"], eye["mark"] = WATCHED[watch.quantity], watch.mark
+            eye["watched"], eye["mark"] = WATCHED_QUANTITIES[watch.quantity], watch.mark
             eye["side"] = watch.side
-        rows = np.empty((max(last - int(self.boat.state.tick), 0), len(COLUMNS)))
+        rows = np.empty((max(last - int(self.boat.state.tick), 0), len(BOAT_COLUMNS)))
         rows = rows[: entry.sail(tuple(self.boat.records), eye, rows)]
         collapse = self._collapse_in(rows)
         self._collapsed = ""
@@ -276,8 +281,8 @@ class Submarine:
         return int(beyond[0]) if beyond.size else None
 
     def _lowest(self, columns: Numbers) -> Numbers:
-        """Return the depth [m] (n,) of the hull's lowest point, by COLUMNS (17, n)."""
-        z, theta = (columns[COLUMNS.index(name)] for name in ("z", "theta"))
+        """Return the depth [m] (n,) of the hull's lowest point, by BOAT_COLUMNS (17, n)."""
+        z, theta = (columns[BOAT_COLUMNS.index(name)] for name in ("z", "theta"))
         return lowest_depth(z, theta, self.length)
 
     def sound(self) -> None:

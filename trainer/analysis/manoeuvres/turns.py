@@ -9,27 +9,29 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
-    PERCENT,
+    ALLOWED_PERCENT,
+    DIRECTION_SIGNS,
     RISE,
-    SIGNS,
     STARBOARD,
     Direction,
     Measure,
     Side,
     first_time,
-    largest,
-    part,
-    peaks,
-    share,
+    largest_value,
+    part_measure,
+    peaks_of,
+    share_measure,
     show_only,
 )
 
-LAST: Final = 10  # a tenth of the turn is its end,
-SETTLED: Final = 0.1  # [-] of the last heel: it is steady that swings no more than this there
-SNAP: Final = 0.2  # [-] of the largest roll: a smaller first flick is none
-LEVEL: Final = 0.01  # [lengths] of depth, and ...
-PLANES: Final = math.radians(0.25)  # ... of the planes: less is level flight; estimates
-HEADING_AFTER: Final = 60.0  # [s] of rudder, when the heading is read
+TURN_END_PARTS: Final = 10  # a tenth of the turn is its end,
+SETTLED_HEEL_RATIO: Final = (
+    0.1  # [-] of the last heel: it is steady that swings no more than this there
+)
+MIN_SNAP_RATIO: Final = 0.2  # [-] of the largest roll: a smaller first flick is none
+LEVEL_DEPTH_LENGTHS: Final = 0.01  # [lengths] of depth, and ...
+LEVEL_PLANES_RAD: Final = math.radians(0.25)  # ... of the planes: less is level flight; estimates
+HEADING_READ_TIME_S: Final = 60.0  # [s] of rudder, when the heading is read
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class ClimbingTurn(Manoeuvre):
         """Yield the cycles of the turn."""
         yield from conn.hold(self.lead_s)
         conn.order("rudder", self.sign * math.radians(self.angle_deg))
-        conn.order("planes", SIGNS[self.direction] * math.radians(self.planes_deg))
+        conn.order("planes", DIRECTION_SIGNS[self.direction] * math.radians(self.planes_deg))
         conn.mark("rudder")
         yield from conn.hold_to(self.duration_s)
 
@@ -88,13 +90,13 @@ class ClimbingTurn(Manoeuvre):
         """Return circle, speed, roll, pitch and climb.
 
         Of a boat that the turn presses down as the planes lift it little climb is left, the
-        difference of much: it may differ by PERCENT of the fastest climb or sinking.
+        difference of much: it may differ by ALLOWED_PERCENT of the fastest climb or sinking.
         """
         flight = flight.counted_to(self.side)
         climbing = -np.diff(flight.column("z")) / np.diff(flight.t)
         climb = [
-            share("steady pitch", "rad", float(flight.column("theta")[-1])),
-            part("steady climb", "m/s", float(climbing[-1]), largest(climbing)),
+            share_measure("steady pitch", "rad", float(flight.column("theta")[-1])),
+            part_measure("steady climb", "m/s", float(climbing[-1]), largest_value(climbing)),
         ]
         return circle(flight) + steady(flight) + climb + heel(flight) + depth(flight)
 
@@ -107,15 +109,15 @@ def circle(flight: Flight) -> list[Measure]:
     begin = flight.time_of("rudder") or 0.0
     turned = abs(flight.change("psi"))
     quarter, half = (first_time(flight.t, turned, angle) for angle in (math.pi / 2, math.pi))
-    heading = flight.at(begin + HEADING_AFTER, "psi")
+    heading = flight.at(begin + HEADING_READ_TIME_S, "psi")
     change = None if heading is None else heading - float(flight.column("psi")[0])
     return [
-        share("advance", "m", _run_since(flight, "x", begin, quarter)),
-        share("transfer", "m", _run_since(flight, "y", begin, quarter)),
-        share("tactical diameter", "m", _run_since(flight, "y", begin, half)),
-        share("time to 90 degrees", "s", None if quarter is None else quarter - begin),
-        share("time to 180 degrees", "s", None if half is None else half - begin),
-        share("heading after 60 s", "rad", change),
+        share_measure("advance", "m", _run_since(flight, "x", begin, quarter)),
+        share_measure("transfer", "m", _run_since(flight, "y", begin, quarter)),
+        share_measure("tactical diameter", "m", _run_since(flight, "y", begin, half)),
+        share_measure("time to 90 degrees", "s", None if quarter is None else quarter - begin),
+        share_measure("time to 180 degrees", "s", None if half is None else half - begin),
+        share_measure("heading after 60 s", "rad", change),
     ]
 
 
@@ -141,11 +143,13 @@ def steady(flight: Flight) -> list[Measure]:
     yaw = yaw_rate(flight)
     diameter = 2.0 * math.hypot(u, v) / abs(yaw) if yaw else None
     return [
-        share("steady diameter", "m", diameter),
-        share("steady speed", "m/s", u),
-        share("steady speed, of the first", "-", u / flight.speed if flight.speed else None),
-        share("steady yaw rate", "rad/s", yaw),
-        share("steady drift angle", "rad", math.atan2(-v, u)),
+        share_measure("steady diameter", "m", diameter),
+        share_measure("steady speed", "m/s", u),
+        share_measure(
+            "steady speed, of the first", "-", u / flight.speed if flight.speed else None
+        ),
+        share_measure("steady yaw rate", "rad/s", yaw),
+        share_measure("steady drift angle", "rad", math.atan2(-v, u)),
     ]
 
 
@@ -159,15 +163,15 @@ def heel(flight: Flight) -> list[Measure]:
     begin = flight.time_of("rudder") or 0.0
     after = flight.since(begin)
     rolls = flight.change("phi")[after]
-    most = largest(rolls)
-    tops = [y for _, y in peaks(flight.t[after], rolls) if abs(y) > SNAP * abs(most)]
+    most = largest_value(rolls)
+    tops = [y for _, y in peaks_of(flight.t[after], rolls) if abs(y) > MIN_SNAP_RATIO * abs(most)]
     snap = tops[0] if tops else None
-    last = share("steady roll", "rad", float(rolls[-1]))
-    if np.ptp(rolls[-max(len(rolls) // LAST, 1) :]) > SETTLED * abs(rolls[-1]):
+    last = share_measure("steady roll", "rad", float(rolls[-1]))
+    if np.ptp(rolls[-max(len(rolls) // TURN_END_PARTS, 1) :]) > SETTLED_HEEL_RATIO * abs(rolls[-1]):
         last = show_only("steady roll", "rad", float(rolls[-1]))
     return [
-        share("snap roll", "rad", snap),
-        share("largest roll", "rad", most),
+        share_measure("snap roll", "rad", snap),
+        share_measure("largest roll", "rad", most),
         last,
     ]
 
@@ -175,22 +179,25 @@ def heel(flight: Flight) -> list[Measure]:
 def depth(flight: Flight) -> list[Measure]:
     """Return how far depth went either way, and where planes and rudder were.
 
-    Depth may differ by PERCENT of its change or by LEVEL lengths, the stern planes by PERCENT of
-    theirs or by PLANES: where depth is kept there is little of either.
+    Depth may differ by ALLOWED_PERCENT of its change or by LEVEL_DEPTH_LENGTHS lengths, the stern
+    planes by ALLOWED_PERCENT of theirs or by LEVEL_PLANES_RAD: where depth is kept there is little
+    of either.
     """
     if not flight.has("z"):
         return []
     changes = flight.change("z")
-    most = largest(changes)
-    room = max(abs(most), 100.0 / PERCENT * LEVEL * flight.length)
+    most = largest_value(changes)
+    room = max(abs(most), 100.0 / ALLOWED_PERCENT * LEVEL_DEPTH_LENGTHS * flight.length)
     found = [
-        part("largest depth change", "m", most, room),
-        part("last depth change", "m", float(changes[-1]), room),
+        part_measure("largest depth change", "m", most, room),
+        part_measure("last depth change", "m", float(changes[-1]), room),
     ]
     for name, told in (("delta_s", "stern planes"), ("delta_r", "rudder")):
         if flight.has(name):
             angles = flight.change(name)
-            room = max(abs(largest(angles)), 100.0 / PERCENT * PLANES)
-            found.append(part(f"largest change, {told}", "rad", largest(angles), room))
-            found.append(part(f"last change, {told}", "rad", float(angles[-1]), room))
+            room = max(abs(largest_value(angles)), 100.0 / ALLOWED_PERCENT * LEVEL_PLANES_RAD)
+            found.append(
+                part_measure(f"largest change, {told}", "rad", largest_value(angles), room)
+            )
+            found.append(part_measure(f"last change, {told}", "rad", float(angles[-1]), room))
     return found

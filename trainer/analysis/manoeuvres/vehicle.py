@@ -17,12 +17,17 @@ PORT: Final = "port"
 RISE: Final = "rise"
 DIVE: Final = "dive"
 # of an order of rudder or planes to that side, as ``Vehicle`` counts them
-SIGNS: Final[Mapping[Side | Direction, float]] = {STARBOARD: 1.0, PORT: -1.0, RISE: 1.0, DIVE: -1.0}
-PERCENT: Final = 5.0  # [%] by which two flights may differ
-SECONDS: Final = 5.0  # [s] by which their zero crossings may
-MOST: Final = 6  # peaks, and crossings, of one quantity
-DEAD: Final = 2e-3  # [-] of the first swing: a smaller one is not told
-FAINT: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
+DIRECTION_SIGNS: Final[Mapping[Side | Direction, float]] = {
+    STARBOARD: 1.0,
+    PORT: -1.0,
+    RISE: 1.0,
+    DIVE: -1.0,
+}
+ALLOWED_PERCENT: Final = 5.0  # [%] by which two flights may differ
+ALLOWED_SECONDS: Final = 5.0  # [s] by which their zero crossings may
+MAX_PEAKS: Final = 6  # peaks, and crossings, of one quantity
+MIN_SWING_RATIO: Final = 2e-3  # [-] of the first swing: a smaller one is not told
+FAINT_SWING_RATIO: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
 
 
 class Control(NamedTuple):
@@ -97,7 +102,7 @@ class Vehicle(Protocol):
 
 
 @runtime_checkable
-class Swift(Protocol):
+class FastVehicle(Protocol):
     """A vehicle that takes many cycles at once. Its numbers are those of single ones."""
 
     @property
@@ -111,7 +116,7 @@ class Swift(Protocol):
         """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
 
 
-def limit(vehicle: Vehicle, control: str) -> float:
+def surface_limit(vehicle: Vehicle, control: str) -> float:
     """Return how far [rad] a surface goes to both sides."""
     low, high = vehicle.controls[control]
     return min(-low, high)
@@ -138,14 +143,16 @@ class Measure:
     allowed: float | None = None  # difference allowed to another flight; None: shown, not judged
 
 
-def share(name: str, unit: str, value: float | None) -> Measure:
-    """Return a measure that may differ by PERCENT of itself."""
-    return Measure(name, unit, value, None if value is None else abs(value) * PERCENT / 100.0)
+def share_measure(name: str, unit: str, value: float | None) -> Measure:
+    """Return a measure that may differ by ALLOWED_PERCENT of itself."""
+    return Measure(
+        name, unit, value, None if value is None else abs(value) * ALLOWED_PERCENT / 100.0
+    )
 
 
-def part(name: str, unit: str, value: float | None, whole: float) -> Measure:
-    """Return a measure that may differ by PERCENT of ``whole``, the largest of its kind."""
-    return Measure(name, unit, value, abs(whole) * PERCENT / 100.0)
+def part_measure(name: str, unit: str, value: float | None, whole: float) -> Measure:
+    """Return a measure that may differ by ALLOWED_PERCENT of ``whole``, the largest of its kind."""
+    return Measure(name, unit, value, abs(whole) * ALLOWED_PERCENT / 100.0)
 
 
 def show_only(name: str, unit: str, value: float | None) -> Measure:
@@ -173,7 +180,7 @@ def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:
     return float(t[place - 1] + part * (t[place] - t[place - 1]))
 
 
-def peaks(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
+def peaks_of(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
     """Return (time, value) of each extreme in which ``values`` turn, in order.
 
     A flat top counts once, at its beginning; what merely hesitates does not count.
@@ -185,7 +192,7 @@ def peaks(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
     return list(zip(t[places].tolist(), values[places].tolist(), strict=True))
 
 
-def crossings(t: Numbers, values: Numbers) -> list[float]:
+def zero_crossings(t: Numbers, values: Numbers) -> list[float]:
     """Return the times [s] at which ``values`` change sign, interpolated."""
     places = np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)) + 1
     return [_between(t, values, int(i), 0.0) for i in places]
@@ -194,28 +201,28 @@ def crossings(t: Numbers, values: Numbers) -> list[float]:
 def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Measure]:
     """Return a swinging quantity's peaks, and its zero crossings from the first peak on.
 
-    Peaks may differ by PERCENT of the first, crossings by SECONDS; a crossing is judged if a swing
-    of more than FAINT of the first follows it.
+    Peaks may differ by ALLOWED_PERCENT of the first, crossings by ALLOWED_SECONDS; a crossing is
+    judged if a swing of more than FAINT_SWING_RATIO of the first follows it.
     """
-    tops = peaks(t, values)
+    tops = peaks_of(t, values)
     if not tops:
         return [show_only(f"{name} peak 1", unit, None)]
     begin, first = tops[0]
-    allowed = abs(first) * PERCENT / 100.0
-    faint = FAINT * abs(first)
+    allowed = abs(first) * ALLOWED_PERCENT / 100.0
+    faint = FAINT_SWING_RATIO * abs(first)
     found = []
-    for i, (when, value) in enumerate(tops[:MOST], start=1):
-        if abs(value) < DEAD * abs(first):
+    for i, (when, value) in enumerate(tops[:MAX_PEAKS], start=1):
+        if abs(value) < MIN_SWING_RATIO * abs(first):
             break
         found.append(Measure(f"{name} peak {i}", unit, value, allowed))
         found.append(show_only(f"time of {name} peak {i}", "s", when))
-    zeros = [at for at in crossings(t, values) if at > begin]
-    for i, when in enumerate(zeros[:MOST], start=1):
+    zeros = [at for at in zero_crossings(t, values) if at > begin]
+    for i, when in enumerate(zeros[:MAX_PEAKS], start=1):
         strong = any(abs(value) >= faint for at, value in tops if at > when)
-        found.append(Measure(f"{name} zero {i}", "s", when, SECONDS if strong else None))
+        found.append(Measure(f"{name} zero {i}", "s", when, ALLOWED_SECONDS if strong else None))
     return found
 
 
-def largest(values: Numbers) -> float:
+def largest_value(values: Numbers) -> float:
     """Return the value farthest from zero, with its sign."""
     return float(values[int(np.argmax(np.abs(values)))])

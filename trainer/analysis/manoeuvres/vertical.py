@@ -15,17 +15,17 @@ from trainer.analysis.manoeuvres.vehicle import (
     Measure,
     Side,
     Watch,
-    crossings,
-    largest,
-    peaks,
-    share,
+    largest_value,
+    peaks_of,
+    share_measure,
     show_only,
     swing_measures,
+    zero_crossings,
 )
 
-LEAD: Final = 2.0  # [s] of straight flight
-CYCLES: Final = 5  # of a decay that are told
-EARLY: Final = 1e-9  # [s] rounding
+LEAD_TIME_S: Final = 2.0  # [s] of straight flight
+SHOWN_DECAY_CYCLES: Final = 5  # of a decay that are told
+TIME_ROUNDING_S: Final = 1e-9  # [s] rounding
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class TrimChange(Manoeuvre):
 
     angle_deg: float = 3.0  # planes
     duration_s: float = 240.0
-    lead_s: float = LEAD
+    lead_s: float = LEAD_TIME_S
     direction: Direction = DIVE
 
     def schedule(self, conn: Conn) -> Iterator[None]:
@@ -55,7 +55,7 @@ class TrimChange(Manoeuvre):
             show_only("last change of pitch", "rad", float(flight.change("theta")[-1])),
             show_only("last change of depth", "m", float(flight.change("z")[-1])),
             show_only("last change of w", "m/s", float(flight.change("w")[-1])),
-            show_only("largest pitch rate", "rad/s", largest(flight.column("q"))),
+            show_only("largest pitch rate", "rad/s", largest_value(flight.column("q"))),
         ]
 
 
@@ -73,7 +73,7 @@ class Pulse(Manoeuvre):
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of pulse and response."""
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         conn.order(self.control, self.sign * math.radians(self.angle_deg))
         conn.mark("pulse")
         yield from conn.hold(self.pulse_lengths * conn.vehicle.length / conn.value("u"))
@@ -86,8 +86,8 @@ class Pulse(Manoeuvre):
         flight = flight.counted_to(getattr(self, "side", STARBOARD))
         after = flight.since(flight.time_of("neutral") or 0.0)
         response = flight.change(self.column)
-        found = [share(f"largest {self.called}", "rad", largest(response))]
-        period, ratio = swing(peaks(flight.t[after], response[after]))
+        found = [share_measure(f"largest {self.called}", "rad", largest_value(response))]
+        period, ratio = swing(peaks_of(flight.t[after], response[after]))
         return [
             *found,
             show_only("period of its swing", "s", period),
@@ -156,15 +156,17 @@ class RollDecay(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return the period, and the amplitude once every cycle."""
         roll = flight.counted_to(self.side).column("phi")
-        zeros = crossings(flight.t, roll)
+        zeros = zero_crossings(flight.t, roll)
         begin = zeros[0] if zeros else math.inf
-        crests = [y for t, y in peaks(flight.t, roll) if y > 0.0 and t > begin][:CYCLES]
+        crests = [y for t, y in peaks_of(flight.t, roll) if y > 0.0 and t > begin][
+            :SHOWN_DECAY_CYCLES
+        ]
         amplitudes = [math.radians(self.angle_deg), *crests]
         swings = (len(zeros) - 1) // 2  # whole ones between the first and the last zero
         period = (zeros[2 * swings] - begin) / swings if swings > 0 else None
-        found = [share("period", "s", period)]
+        found = [share_measure("period", "s", period)]
         for i, (before, amplitude) in enumerate(pairwise(amplitudes), 1):
-            found.append(share(f"amplitude after cycle {i}", "rad", amplitude))
+            found.append(share_measure(f"amplitude after cycle {i}", "rad", amplitude))
             found.append(show_only(f"kept over cycle {i}", "-", amplitude / before))
         return found
 
@@ -185,7 +187,7 @@ class Meander(Manoeuvre):
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the meander."""
         pitch = Watch("size of theta", math.radians(self.execute_deg))
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         conn.order("planes", self.sign * math.radians(self.angle_deg))
         conn.mark("planes")
         reached = yield from conn.until(pitch, self.duration_s - conn.time)
@@ -237,7 +239,7 @@ class Overshoot(Manoeuvre):
         """Yield the cycles of the overshoot."""
         angle = self.sign * math.radians(self.angle_deg)
         pitch = Watch("size of theta", math.radians(self.execute_deg))
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         conn.order("planes", angle)
         conn.mark("planes")
         reached = yield from conn.until(pitch, self.duration_s - conn.time)
@@ -264,7 +266,7 @@ class Overshoot(Manoeuvre):
         if execute is None:
             return found
         pitch, depth = flight.column("theta"), flight.change("z")
-        begin = int(flight.t.searchsorted(execute - EARLY))
+        begin = int(flight.t.searchsorted(execute - TIME_ROUNDING_S))
         until = len(pitch)
         if reversal is not None:
             until = int(flight.t.searchsorted(reversal)) + 1
@@ -272,10 +274,10 @@ class Overshoot(Manoeuvre):
         top, deep = int((sense * pitch[:until]).argmax()), int(abs(depth[:until]).argmax())
         peak = float(pitch[top])
         found += [
-            share("largest pitch", "rad", peak),
+            share_measure("largest pitch", "rad", peak),
             show_only("time of largest pitch", "s", float(flight.t[top])),
             show_only("overshoot angle", "rad", abs(peak) - math.radians(self.execute_deg)),
-            share("depth change", "m", float(depth[deep])),
+            share_measure("depth change", "m", float(depth[deep])),
             show_only("time of depth change", "s", float(flight.t[deep])),
         ]
         after = flight.since(execute)

@@ -15,15 +15,15 @@ from trainer.analysis.manoeuvres.vehicle import (
     Side,
     Watch,
     first_time,
-    largest,
-    peaks,
-    share,
+    largest_value,
+    peaks_of,
+    share_measure,
     show_only,
 )
 from trainer.core.kernel import Numbers
 
-LEAD: Final = 2.0  # [s] of straight motion
-SWINGS: Final = 4  # peaks that are told
+LEAD_TIME_S: Final = 2.0  # [s] of straight motion
+SHOWN_PEAKS: Final = 4  # peaks that are told
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class ThrowOver(Manoeuvre):
             conn.vehicle.keep(quantity)
         level = conn.value(self.watched)
         angle, execute = math.radians(self.angle_deg), math.radians(self.execute_deg)
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         side = self.sign
         while conn.time < self.duration_s:
             conn.order(self.control, side * angle)
@@ -71,32 +71,34 @@ class ThrowOver(Manoeuvre):
         found = self._swings(flight.t, angle, executes)
         rates = self.sign * flight.column(self.rate)
         found += [
-            share("largest rate", "rad/s", float(rates.max())),
-            share("smallest rate", "rad/s", float(rates.min())),
-            share("last speed, of the first", "-", float(flight.column("u")[-1]) / flight.speed),
+            share_measure("largest rate", "rad/s", float(rates.max())),
+            share_measure("smallest rate", "rad/s", float(rates.min())),
+            share_measure(
+                "last speed, of the first", "-", float(flight.column("u")[-1]) / flight.speed
+            ),
         ]
         if len(executes) > 1:
-            found.insert(0, share("time of execute 2", "s", executes[1] - executes[0]))
+            found.insert(0, share_measure("time of execute 2", "s", executes[1] - executes[0]))
         return found + self.track(flight)
 
     def _swings(self, t: Numbers, angle: Numbers, executes: list[float]) -> list[Measure]:
         """Return peak, its time and overshoot of the swings, and the zeros between."""
         begin, mark = executes[0], math.radians(self.execute_deg)
-        tops = [top for top in peaks(t, angle) if abs(top[1]) >= mark][:SWINGS]
+        tops = [top for top in peaks_of(t, angle) if abs(top[1]) >= mark][:SHOWN_PEAKS]
         found = []
         for i, (when, value) in enumerate(tops, start=1):
             found += [
-                share(f"{self.called} peak {i}", "rad", value),
-                share(f"time of {self.called} peak {i}", "s", when - begin),
+                share_measure(f"{self.called} peak {i}", "rad", value),
+                share_measure(f"time of {self.called} peak {i}", "s", when - begin),
                 show_only(f"{self.called} overshoot {i}", "rad", abs(value) - mark),
             ]
             after = t > when
             zero = first_time(t[after], angle[after], 0.0) if after.any() else None
             if zero is not None:
-                found.append(share(f"time of {self.called} zero {i}", "s", zero - begin))
+                found.append(share_measure(f"time of {self.called} zero {i}", "s", zero - begin))
         for i, (when, _) in enumerate(tops[1:], start=2):
             ratio = (when - begin) / (tops[0][0] - begin)
-            found.append(share(f"time of peak {i}, of the first's", "-", ratio))
+            found.append(share_measure(f"time of peak {i}, of the first's", "-", ratio))
         return found
 
 
@@ -124,16 +126,16 @@ class ZigZag(ThrowOver):
         flight = flight.counted_to(self.side)
         aside = flight.change("y")
         most = float(aside.max())
-        runs = [y for _, y in peaks(flight.t, aside) if y > 0.5 * most]
+        runs = [y for _, y in peaks_of(flight.t, aside) if y > 0.5 * most]
         found = [
-            share("first sideways run", "m", runs[0] if runs else None),
+            share_measure("first sideways run", "m", runs[0] if runs else None),
             show_only("largest sideways run", "m", most),
         ]
         if flight.has("phi"):
             rolls = flight.column("phi")
             found += [
-                share("largest roll", "rad", float(rolls.max())),
-                share("smallest roll", "rad", float(rolls.min())),
+                share_measure("largest roll", "rad", float(rolls.max())),
+                share_measure("smallest roll", "rad", float(rolls.min())),
             ]
         return found
 
@@ -158,11 +160,13 @@ class VerticalZigZag(ThrowOver):
     def track(self, flight: Flight) -> list[Measure]:
         """Return the first turning points of depth, in metres and in lengths."""
         turned = [mark.t for mark in flight.marks][1:2]  # before it depth may turn as a plane bites
-        tops = [top for top in peaks(flight.t, flight.change("z")) if turned and top[0] > turned[0]]
+        tops = [
+            top for top in peaks_of(flight.t, flight.change("z")) if turned and top[0] > turned[0]
+        ]
         first = tops[0][1] if tops else None
         lengths = None if first is None else abs(first) / flight.length
         return [
-            share("first depth excursion", "m", first),
-            share("first depth excursion, in lengths", "-", lengths),
-            show_only("largest depth change", "m", largest(flight.change("z"))),
+            share_measure("first depth excursion", "m", first),
+            share_measure("first depth excursion, in lengths", "-", lengths),
+            show_only("largest depth change", "m", largest_value(flight.change("z"))),
         ]

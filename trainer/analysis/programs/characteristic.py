@@ -25,8 +25,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.assemble import body, thrust_rows
-from trainer.boat.depths import Surface, require_covered, surface_at, surface_remarks
+from trainer.boat.assemble import body_values, thrust_rows
+from trainer.boat.depths import SurfaceForces, require_covered, surface_at, surface_remarks
 from trainer.boat.linear import Matrix, Mode, modes
 from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.report_law import (
@@ -37,19 +37,19 @@ from trainer.core.autopilot.report_law import (
 )
 from trainer.core.vessel import vessel_record
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, figure, part, root_text, table, wrap
+from trainer.report.text import INDENT, format_number, root_text, table, titled_table, wrap
 from trainer.units import KNOT
 
-VERTICAL: Final = ("w", "q", "theta")
-HORIZONTAL: Final = ("v", "p", "r", "phi")
-LOOP: Final = ("w", "q", "theta", "z")
+VERTICAL_STATES: Final = ("w", "q", "theta")
+HORIZONTAL_STATES: Final = ("v", "p", "r", "phi")
+DEPTH_LOOP_STATES: Final = ("w", "q", "theta", "z")
 # quasi-linear coefficients of the vertical and of the horizontal plane
-DOWNWARDS: Final = ("Z_w", "M_w", "M_q")
-SIDEWAYS: Final = ("Y_v", "K_v", "N_v", "Y_p", "K_p", "N_r")
-HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
+VERTICAL_COEFFICIENTS: Final = ("Z_w", "M_w", "M_q")
+HORIZONTAL_COEFFICIENTS: Final = ("Y_v", "K_v", "N_v", "Y_p", "K_p", "N_r")
+ROOT_HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
 
 
-class Means(NamedTuple):
+class MeanMotions(NamedTuple):
     """Averages of the motions for the quasi-linear coefficients, in consistent units."""
 
     v: float = 0.0  # |v|, speed
@@ -59,7 +59,10 @@ class Means(NamedTuple):
     r: float = 0.0
 
 
-class Law(NamedTuple):
+STEADY_MOTIONS: Final = MeanMotions()
+
+
+class PlaneLaw(NamedTuple):
     """Plane angle per depth error, pitch, climb rate and pitch rate."""
 
     depth: float = REPORT_DEPTH  # [rad/m]
@@ -69,7 +72,7 @@ class Law(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Linear:
+class LinearSystem:
     """The system E dx/dt = F x, in the order of ``names``. It is in SI or the vessel's units."""
 
     names: tuple[str, ...]
@@ -93,15 +96,17 @@ class Linear:
         return np.asarray(np.linalg.eigvals(self.nature), complex)
 
 
-def dimensional(file: VesselFile) -> Any:
+def dimensional_constants(file: VesselFile) -> Any:
     """Return the constants of the full set, coefficients dimensional, in the vessel's units."""
     rows, eta = thrust_rows(file)
-    return vessel_record(body(file), {**file.coefficients, **rows}, eta)[0]
+    return vessel_record(body_values(file), {**file.coefficients, **rows}, eta)[0]
 
 
-def vertical(file: VesselFile, speed: float, means: Means = Means()) -> Linear:  # noqa: B008
+def vertical_system(
+    file: VesselFile, speed: float, means: MeanMotions = STEADY_MOTIONS
+) -> LinearSystem:
     """Return EC140's motions w, q, theta at ``speed``; x_G is left out, as there."""
-    c = dimensional(file)
+    c = dimensional_constants(file)
     Zw = speed * c.Z_w + c.Z_waw * means.w + c.Z_waq * means.q
     Mw = speed * c.M_w + c.M_waw * means.w
     Mq = speed * c.M_q + c.M_awq * means.w + c.M_qaq * means.q
@@ -116,12 +121,14 @@ def vertical(file: VesselFile, speed: float, means: Means = Means()) -> Linear: 
         [Mw, Mq, couple],
         [0.0, 1.0, 0.0],
     ]
-    return Linear(VERTICAL, np.array(E), np.array(F))
+    return LinearSystem(VERTICAL_STATES, np.array(E), np.array(F))
 
 
-def horizontal(file: VesselFile, speed: float, means: Means = Means()) -> Linear:  # noqa: B008
+def horizontal_system(
+    file: VesselFile, speed: float, means: MeanMotions = STEADY_MOTIONS
+) -> LinearSystem:
     """Return EC200's motions v, p, r, phi at ``speed``."""
-    c = dimensional(file)
+    c = dimensional_constants(file)
     u, m = speed, c.mass
     E = [
         [m - c.Y_vdot, -(c.Y_pdot + m * c.z_g), m * c.x_g - c.Y_rdot, 0.0],
@@ -142,18 +149,20 @@ def horizontal(file: VesselFile, speed: float, means: Means = Means()) -> Linear
         [Nv, u * c.N_p, Nr - u * m * c.x_g, c.x_g * c.weight - c.x_b * c.buoyancy],
         [0.0, 1.0, 0.0, 0.0],
     ]
-    return Linear(HORIZONTAL, np.array(E), np.array(F))
+    return LinearSystem(HORIZONTAL_STATES, np.array(E), np.array(F))
 
 
-def with_depth(free: Linear, speed: float) -> Linear:
+def with_depth(free: LinearSystem, speed: float) -> LinearSystem:
     """Return w, q, theta and z, which follows: z' = w - ``speed`` theta."""
     E, F = np.eye(4), np.zeros((4, 4))
     E[:3, :3], F[:3, :3] = free.E, free.F
     F[3] = [1.0, 0.0, -speed, 0.0]
-    return Linear(LOOP, E, F)
+    return LinearSystem(DEPTH_LOOP_STATES, E, F)
 
 
-def under_surface(linear: Linear, file: VesselFile, speed: float, depth: float) -> Linear:
+def under_surface(
+    linear: LinearSystem, file: VesselFile, speed: float, depth: float
+) -> LinearSystem:
     """Return motions w, q, theta, z at ``speed`` [m/s].
 
     They hold the surface's change with depth [m].
@@ -163,7 +172,7 @@ def under_surface(linear: Linear, file: VesselFile, speed: float, depth: float) 
     F = linear.F.copy()
     F[0, 3] += area * surface.Z_star_slope
     F[1, 3] += area * file.hull.length * surface.M_star_slope
-    return Linear(linear.names, linear.E, F)
+    return LinearSystem(linear.names, linear.E, F)
 
 
 def depth_loop(
@@ -171,24 +180,24 @@ def depth_loop(
     speed: float,
     stern: float,
     bow: float,
-    law: Law = Law(),  # noqa: B008
-) -> Linear:
+    law: PlaneLaw = PlaneLaw(),  # noqa: B008
+) -> LinearSystem:
     """Return w, q, theta, z under [ASSES]'s depth law. Each pair of planes has its own sign.
 
     DS = DB literally is 1 and 1; the bow planes that help are -1 where Z_db < 0 (errata G3).
     Speed is frozen, but not the surge that a pitching z_G causes: it lightens the inertia.
     """
-    c = dimensional(file)
-    free = with_depth(vertical(file, speed), speed)
+    c = dimensional_constants(file)
+    free = with_depth(vertical_system(file, speed), speed)
     E, F = free.E, free.F
     E[1, 1] -= (c.mass * c.z_g) ** 2 / (c.mass - c.X_udot)
     angle = [-law.climb, law.pitch_rate, law.pitch + law.climb * speed, -law.depth]
     F[0] += speed**2 * (stern * c.Z_ds + bow * c.Z_db) * np.array(angle)
     F[1] += speed**2 * (stern * c.M_ds + bow * c.M_db) * np.array(angle)
-    return Linear(LOOP, E, F)
+    return LinearSystem(DEPTH_LOOP_STATES, E, F)
 
 
-def quasi_linear(file: VesselFile, speed: float, means: Means) -> dict[str, float]:
+def quasi_linear(file: VesselFile, speed: float, means: MeanMotions) -> dict[str, float]:
     """Return the quasi-linear coefficients [-] that stand for the linear ones at ``speed``."""
     c, length = file.coefficients, file.hull.length
     v, w = means.v / speed, means.w / speed
@@ -228,7 +237,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Speed:
+class SpeedModes:
     """All that EC140, EC200 and EC320 say about one speed."""
 
     speed_kn: float
@@ -239,19 +248,19 @@ class Speed:
 
 
 @dataclass(frozen=True)
-class Report:
+class ModesReport:
     """All that ``trainer modes`` says about a vessel; means SI."""
 
     vessel: str
     means: dict[str, float]
     bow_sign: float  # of the bow planes in the depth loop
-    speeds: tuple[Speed, ...]
+    speeds: tuple[SpeedModes, ...]
     depth_m: float | None  # None: deep water
-    surface: tuple[Surface, ...]  # by speed; none in deep water
+    surface: tuple[SurfaceForces, ...]  # by speed; none in deep water
     remarks: tuple[str, ...]
 
 
-def motion(linear: Linear) -> Motion:
+def motion_modes(linear: LinearSystem) -> Motion:
     """Return polynomial and roots, by motion and then fastest first.
 
     Where depth is one of the motions all is pitch and depth: its roots have the name ``depth``.
@@ -270,9 +279,9 @@ def motion(linear: Linear) -> Motion:
     return Motion(linear.polynomial, tuple(roots))
 
 
-def characteristic(
-    file: VesselFile, speeds: Iterable[float], means: Means, depth: float | None = None
-) -> Report:
+def report_modes(
+    file: VesselFile, speeds: Iterable[float], means: MeanMotions, depth: float | None = None
+) -> ModesReport:
     """Return polynomials and roots at ``speeds`` [kn], ``means`` [m/s, rad/s] averaged in.
 
     At a ``depth`` [m] near the surface the vertical plane has four roots. ConfigError if the
@@ -283,7 +292,7 @@ def characteristic(
     lift = file.coefficients["Z_db"]  # 0: the bow planes have no lift, else its sign helps
     bow = math.copysign(1.0, lift) if lift else 0.0
     near = () if depth is None else tuple(surface_at(file, at * KNOT, depth) for at in speeds)
-    return Report(
+    return ModesReport(
         vessel=file.name,
         means=means._asdict(),
         bow_sign=bow,
@@ -295,19 +304,19 @@ def characteristic(
 
 
 def _at_speed(
-    file: VesselFile, knots: float, means: Means, bow: float, depth: float | None
-) -> Speed:
+    file: VesselFile, knots: float, means: MeanMotions, bow: float, depth: float | None
+) -> SpeedModes:
     speed = knots * KNOT
-    down, loop = vertical(file, speed, means), depth_loop(file, speed, 1.0, bow)
+    down, loop = vertical_system(file, speed, means), depth_loop(file, speed, 1.0, bow)
     if depth is not None:
         down = under_surface(with_depth(down, speed), file, speed, depth)
         loop = under_surface(loop, file, speed, depth)
-    return Speed(
+    return SpeedModes(
         speed_kn=knots,
         adjusted=quasi_linear(file, speed, means),
-        vertical=motion(down),
-        horizontal=motion(horizontal(file, speed, means)),
-        depth_loop=motion(loop),
+        vertical=motion_modes(down),
+        horizontal=motion_modes(horizontal_system(file, speed, means)),
+        depth_loop=motion_modes(loop),
     )
 
 
@@ -320,15 +329,15 @@ def _motion_lines(title: str, motion: Motion) -> list[str]:
             root_text(root.real, root.imaginary),
             f"{root.frequency_rad_s:.5f}",
             f"{root.damping_ratio:+.3f}",
-            figure(root.period_s, ".1f"),
+            format_number(root.period_s, ".1f"),
             "" if root.stable else "NOT STABLE",
         )
         for root in motion.roots
     ]
-    return [f"{INDENT}{title}", f"{INDENT}  {factors}", *table(HEADS, rows, 2 * INDENT)]
+    return [f"{INDENT}{title}", f"{INDENT}  {factors}", *table(ROOT_HEADS, rows, 2 * INDENT)]
 
 
-def _quasi_linear_or_none(report: Report) -> list[str]:
+def _quasi_linear_or_none(report: ModesReport) -> list[str]:
     """Return the quasi-linear coefficients, if any motion is averaged in."""
     means = {name: value for name, value in report.means.items() if value != 0.0}
     if not means:
@@ -336,7 +345,7 @@ def _quasi_linear_or_none(report: Report) -> list[str]:
     units = {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}
     said = ", ".join(f"|{name}| {value:.4g} {units[name]}" for name, value in means.items())
     lines = ["", *wrap(f"QUASI-LINEAR COEFFICIENTS x 1000 (EC320; mean {said})", "")]
-    for names in (DOWNWARDS, SIDEWAYS):
+    for names in (VERTICAL_COEFFICIENTS, HORIZONTAL_COEFFICIENTS):
         rows = [
             (f"{speed.speed_kn:.4g}", *(f"{1e3 * speed.adjusted[name]:.4f}" for name in names))
             for speed in report.speeds
@@ -345,7 +354,7 @@ def _quasi_linear_or_none(report: Report) -> list[str]:
     return lines
 
 
-def surface_lines(depth: float | None, surface: Iterable[Surface]) -> list[str]:
+def surface_lines(depth: float | None, surface: Iterable[SurfaceForces]) -> list[str]:
     """Return the table of what the calm surface adds, nothing in deep water."""
     if depth is None:
         return []
@@ -362,10 +371,10 @@ def surface_lines(depth: float | None, surface: Iterable[Surface]) -> list[str]:
         )
         for one in surface
     ]
-    return part(f"THE SURFACE AT {depth:g} m (added to deep water)", heads, rows)
+    return titled_table(f"THE SURFACE AT {depth:g} m (added to deep water)", heads, rows)
 
 
-def render(report: Report) -> str:
+def render(report: ModesReport) -> str:
     """Return the report as text."""
     bow = {
         1.0: "in the depth loop the bow planes move with the stern planes",
@@ -393,7 +402,7 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def _locus(report: Report, title: str, which: str) -> Panel:
+def _locus(report: ModesReport, title: str, which: str) -> Panel:
     """Return the roots of one plane of motion at every speed."""
     curves = []
     for speed in report.speeds:
@@ -405,7 +414,7 @@ def _locus(report: Report, title: str, which: str) -> Panel:
     return Panel(title, "real [1/s]", "imaginary [1/s]", tuple(curves), marks)
 
 
-def panels(report: Report) -> tuple[Panel, ...]:
+def panels(report: ModesReport) -> tuple[Panel, ...]:
     """Return the roots of the three motions over speed."""
     where = "" if report.depth_m is None else f", {report.depth_m:g} m down"
     return (

@@ -24,19 +24,21 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, WIDTH, cut, figure, table, wrap
+from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, table, wrap
 
-UNTIL: Final = 120.0  # [s]
-ALLOWED: Final = 5.0  # [%]
+COMPARISON_END_S: Final = 120.0  # [s]
+ALLOWED_PERCENT: Final = 5.0  # [%]
 STEADY_SHARE: Final = 0.1  # of the time: its last part tells whether a value is steady,
 STEADY_SPREAD: Final = 0.02  # [-] of D: which it is with no more change than this
-MINOR: Final = 0.05  # [-] of the largest change: a change below it is shown and not judged
-SURFACES: Final = ("delta_r", "delta_s", "delta_b")
-STILL: Final = 1e-9  # [rad] a step: a surface that moves less stands still
+MINOR_CHANGE_RATIO: Final = (
+    0.05  # [-] of the largest change: a change below it is shown and not judged
+)
+SURFACE_COLUMNS: Final = ("delta_r", "delta_s", "delta_b")
+STILL_SURFACE_RAD: Final = 1e-9  # [rad] a step: a surface that moves less stands still
 STILL_SHARE: Final = 0.1  # [-] of the steps, in which one that is thrown over stands still
-ROUNDING: Final = 1e-6  # [s]
+TIME_ROUNDING_S: Final = 1e-6  # [s]
 # What is compared unless asked otherwise, and the change [SI, rad] that instruments begin to show.
-VARIABLES: Final = {
+COMPARED_VARIABLES: Final = {
     "u": 0.05,
     "z": 0.1,
     "theta": math.radians(0.1),
@@ -44,11 +46,11 @@ VARIABLES: Final = {
     "psi": math.radians(0.1),
     "r": math.radians(0.01),
 }
-HEADS: Final = ("", "", "t full\n[s]", "t other\n[s]", "full", "other", "percent", "")
+POINT_HEADS: Final = ("", "", "t full\n[s]", "t other\n[s]", "full", "other", "percent", "")
 
 
 @dataclass(frozen=True)
-class Point:
+class ReferencePoint:
     """One variable at one reference point of both runs; SI and radians."""
 
     variable: str
@@ -65,7 +67,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class RunComparison:
     """All that ``trainer compare`` says about two runs."""
 
     full: str
@@ -73,32 +75,33 @@ class Comparison:
     until_s: float
     allowed_percent: float
     unchanged: tuple[str, ...]  # variables that the full run does not change
-    points: tuple[Point, ...]
+    points: tuple[ReferencePoint, ...]
     passed: bool
     event_s: float = 0.0  # by how much the first event lies apart, at most a step; 0: by none
 
 
-def compare(
+def compare_runs(
     full: Series,
     reduced: Series,
     variables: Sequence[str],
-    until: float = UNTIL,
-    allowed: float = ALLOWED,
+    until: float = COMPARISON_END_S,
+    allowed: float = ALLOWED_PERCENT,
     event: float = 0.0,
-) -> Comparison:
+) -> RunComparison:
     """Return the percent change of change of ``variables`` up to ``until`` [s] from the start.
 
     ``event`` [s] is how far apart the runs see an event, by ``event_apart``. Without ``variables``
-    all of VARIABLES that both runs have. ConfigError if a run lacks one, or both runs have none.
+    all of COMPARED_VARIABLES that both runs have. ConfigError if a run lacks one, or both runs have
+    none.
     """
     names = list(variables) or [
-        name for name in VARIABLES if name in full.columns and name in reduced.columns
+        name for name in COMPARED_VARIABLES if name in full.columns and name in reduced.columns
     ]
     if not names:
-        known = ", ".join(VARIABLES)
+        known = ", ".join(COMPARED_VARIABLES)
         raise ConfigError(f"{full.path} and {reduced.path} share no column of {known}")
     end = min(until, *(float(run.t[-1] - run.t[0]) for run in (full, reduced)))
-    points: list[Point] = []
+    points: list[ReferencePoint] = []
     unchanged = []
     for name in names:
         run = changes(full, name, end)
@@ -107,7 +110,7 @@ def compare(
         points += [_excuse(point, allowed, worth) if event else point for point in found]
         if not found:
             unchanged.append(name)
-    return Comparison(
+    return RunComparison(
         full=str(full.path),
         reduced=str(reduced.path),
         until_s=end,
@@ -119,7 +122,7 @@ def compare(
     )
 
 
-def _excuse(point: Point, allowed: float, worth: float) -> Point:
+def _excuse(point: ReferencePoint, allowed: float, worth: float) -> ReferencePoint:
     """Return a point that passes too if what is beyond is no more than an event is ``worth``."""
     if not point.judged:
         return point
@@ -136,13 +139,13 @@ def event_apart(full: Series, reduced: Series) -> float:
     """
     step = max(float(np.median(np.diff(run.t))) for run in (full, reduced))
     found = [0.0]
-    for name in SURFACES:
+    for name in SURFACE_COLUMNS:
         if name not in full.columns or name not in reduced.columns:
             continue
         pairs = zip(_throws(full, name), _throws(reduced, name), strict=False)
         apart = [(abs(a[0] - b[0]), a[1] == b[1]) for a, b in pairs]
-        gap, alike = next((one for one in apart if one[0] > ROUNDING), (0.0, True))
-        if alike and gap <= step + ROUNDING:
+        gap, alike = next((one for one in apart if one[0] > TIME_ROUNDING_S), (0.0, True))
+        if alike and gap <= step + TIME_ROUNDING_S:
             found.append(gap)
     return max(found)
 
@@ -153,7 +156,7 @@ def _throws(run: Series, name: str) -> list[tuple[float, float]]:
     None of a surface that hardly ever stands still: an autopilot moves it.
     """
     moves = np.diff(run.column(name))
-    signs = np.where(abs(moves) < STILL, 0.0, np.sign(moves))
+    signs = np.where(abs(moves) < STILL_SURFACE_RAD, 0.0, np.sign(moves))
     if np.mean(signs == 0.0) < STILL_SHARE:
         return []
     before = np.concatenate(([0.0], signs[:-1]))
@@ -170,11 +173,11 @@ def changes(run: Series, name: str, end: float) -> Numbers:
     return np.array([np.append(t[inside], end), np.append(values[inside], last) - values[0]])
 
 
-def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Point]:
+def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[ReferencePoint]:
     """Return the reference points of one variable, none if the full run does not change it."""
     full, reduced = runs
     largest = float(abs(full[1]).max())
-    if largest <= VARIABLES.get(name, 0.0):
+    if largest <= COMPARED_VARIABLES.get(name, 0.0):
         return []
     found = []
     place = int(np.argmax(abs(full[1])))
@@ -187,16 +190,18 @@ def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Po
     is_steady = bool(np.ptp(last) <= STEADY_SPREAD * abs(full[1, -1]))
     label = "steady" if is_steady else "at the end"
     ending = _point(name, label, full[:, -1], reduced[:, -1], allowed)
-    if abs(ending.change_full) < MINOR * largest or (is_extreme and not is_steady):
+    if abs(ending.change_full) < MINOR_CHANGE_RATIO * largest or (is_extreme and not is_steady):
         ending = replace(ending, judged=False, passed=True)
     return [*found, ending]
 
 
-def _point(name: str, point: str, full: Numbers, reduced: Numbers, allowed: float) -> Point:
+def _point(
+    name: str, point: str, full: Numbers, reduced: Numbers, allowed: float
+) -> ReferencePoint:
     """Return both runs at one reference point, each (time, change), judged."""
     by_full, by_reduced = float(full[1]), float(reduced[1])
     percent = 100.0 * (by_full - by_reduced) / by_full if by_full != 0.0 else None
-    return Point(
+    return ReferencePoint(
         variable=name,
         point=point,
         t_full=float(full[0]),
@@ -209,9 +214,9 @@ def _point(name: str, point: str, full: Numbers, reduced: Numbers, allowed: floa
     )
 
 
-def render(report: Comparison) -> str:
+def render(report: RunComparison) -> str:
     """Return the report as text."""
-    room = WIDTH - len("  other ")
+    room = PAGE_WIDTH - len("  other ")
     rows = []
     for point in report.points:
         factor, unit = page_unit(point.variable)
@@ -223,18 +228,18 @@ def render(report: Comparison) -> str:
                 point.point,
                 *(f"{t:.1f}" for t in (point.t_full, point.t_reduced)),
                 *(f"{factor * by:+.4g}" for by in (point.change_full, point.change_reduced)),
-                figure(point.percent, "+.2f"),
+                format_number(point.percent, "+.2f"),
                 verdict,
             )
         )
     lines = [
         "PERCENT CHANGE OF CHANGE (ZC590, ZC691)",
-        f"{INDENT}full  {cut(report.full, room)}",
-        f"{INDENT}other {cut(report.reduced, room)}",
+        f"{INDENT}full  {cut_text(report.full, room)}",
+        f"{INDENT}other {cut_text(report.reduced, room)}",
         f"{INDENT}changes since the start, over {report.until_s:g} s; 100 (full - other)/full",
     ]
     if report.points:
-        lines += ["", *table(HEADS, rows)]
+        lines += ["", *table(POINT_HEADS, rows)]
     if report.unchanged:
         names = ", ".join(report.unchanged)
         lines += wrap(f"too little change in the full run to compare: {names}")
@@ -253,7 +258,7 @@ def render(report: Comparison) -> str:
     return "\n".join([*lines, "", verdict])
 
 
-def panels(report: Comparison, full: Series, reduced: Series) -> tuple[Panel, ...]:
+def panels(report: RunComparison, full: Series, reduced: Series) -> tuple[Panel, ...]:
     """Return the changes of both runs over time, extremes marked."""
     found = []
     for name in dict.fromkeys(point.variable for point in report.points):

@@ -14,33 +14,33 @@ import numpy as np
 
 from trainer.boat.assemble import Method, fit_out
 from trainer.config.vessel import VesselFile
-from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
+from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, PUMPS, TANKS
 from trainer.core.kernel import Record
-from trainer.core.terms import EXTRA_TERMS, KEPT, TABLE
-from trainer.core.vessel import GAINS, INVERTED
-from trainer.report.text import INDENT, cut, part, wrap
+from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS, TERM_TABLE
+from trainer.core.vessel import GAINS, INVERTED_NAMES
+from trainer.report.text import INDENT, cut_text, titled_table, wrap
 
-FILE, DEFAULT, DERIVED, ABSENT = "file", "default", "derived", "absent"
+FILE_ORIGIN, DEFAULT_ORIGIN, DERIVED_ORIGIN, ABSENT_ORIGIN = "file", "default", "derived", "absent"
 # of rho/2 L^power, whatever the term multiplies, since angles have no unit
-DIMENSIONS: Final = {2: "kg/m", 3: "kg", 4: "kg m", 5: "kg m2"}
-INVERSE: Final = {3: "1/m2", 4: "1/m", 5: "-"}  # the same over a moment of inertia
-AXES: Final = "KMN"  # whose compact constants are over a moment of inertia
-BLOCKS: Final = ("whole", "limit", "added")  # other names of numbers that are listed already
-SURFACES: Final = ("rudder", "stern planes", "bow planes")
+DIMENSION_UNITS: Final = {2: "kg/m", 3: "kg", 4: "kg m", 5: "kg m2"}
+INVERSE_UNITS: Final = {3: "1/m2", 4: "1/m", 5: "-"}  # the same over a moment of inertia
+MOMENT_AXES: Final = "KMN"  # whose compact constants are over a moment of inertia
+BLOCK_NAMES: Final = ("whole", "limit", "added")  # other names of numbers that are listed already
+SURFACE_NAMES: Final = ("rudder", "stern planes", "bow planes")
 MASS_UNITS: Final = {**dict.fromkeys("123", "kg"), **dict.fromkeys("456", "kg m2")}
 # what the places of an array are, where they have names
-PLACES: Final[Mapping[str, tuple[str, ...]]] = {
+ARRAY_PLACES: Final[Mapping[str, tuple[str, ...]]] = {
     **dict.fromkeys(("capacity", "x", "y", "z", "start"), TANKS),
-    **dict.fromkeys(("height", "port", "vent_area", "blow_area", "emergency_area"), BLOWN),
+    **dict.fromkeys(("height", "port", "vent_area", "blow_area", "emergency_area"), BLOWN_TANKS),
     **dict.fromkeys(("bank_volume", "bank_full"), BANKS),
     "pump_rate": PUMPS,
     "gain": tuple(GAINS),
     **dict.fromkeys(
-        ("stall_ahead", "stall_slope", "stall_astern", "stall_arm", "plane_drag"), SURFACES
+        ("stall_ahead", "stall_slope", "stall_astern", "stall_arm", "plane_drag"), SURFACE_NAMES
     ),
 }
 # which constants tell how many rows and columns of an array are in use
-COUNTS: Final[Mapping[str, tuple[str, str]]] = {
+ARRAY_COUNTS: Final[Mapping[str, tuple[str, str]]] = {
     "gain_speed": ("", "gain_count"),
     "gain": ("gain_count", ""),
     "surface_depth": ("", "surface_depths"),
@@ -63,7 +63,7 @@ def _sources(unit: str, **keys: str) -> dict[str, Source]:
     return {symbol: Source(unit, key) for symbol, key in keys.items()}
 
 
-HULL: Final = {
+HULL_SOURCES: Final = {
     **_sources("kg/m3", rho="fluid.rho"),
     **_sources("m/s2", g="fluid.g"),
     **_sources("m", ell="vessel.length"),
@@ -74,7 +74,7 @@ HULL: Final = {
     **_sources("kg m2", I_x="vessel.Ix", I_y="vessel.Iy", I_z="vessel.Iz"),
     **_sources("kg m2", I_xy="vessel.Ixy", I_yz="vessel.Iyz", I_xz="vessel.Ixz"),
 }
-CONTROL: Final = {
+CONTROL_SOURCES: Final = {
     **_sources(
         "rad",
         limit_r="control_surfaces.rudder_limit_deg",
@@ -95,7 +95,7 @@ CONTROL: Final = {
     **_sources("m/s", gain_speed="autopilot.speed_kn"),
     **_sources("SI, rad", gain="autopilot"),
 }
-SURFACE: Final = {
+SURFACE_SOURCES: Final = {
     **_sources(
         "m", diameter="= vessel.diameter, beam", x_sail="= vessel.sail_from_nose, cg_from_nose"
     ),
@@ -106,7 +106,7 @@ SURFACE: Final = {
     **_sources("kg/m", surface_Z="free_surface.rows"),
     **_sources("kg", surface_M="free_surface.rows"),
 }
-BALLAST: Final = {
+BALLAST_SOURCES: Final = {
     **_sources("-", fitted="ballast"),
     **_sources("kg", capacity="ballast", start="ballast"),
     **_sources("m", x="ballast", y="ballast", z="ballast", height="ballast.blown"),
@@ -128,7 +128,7 @@ BALLAST: Final = {
     **_sources("m", hull_diameter="= vessel", hull_axis="= vessel", station_x="= vessel.length"),
     **_sources("-", station_share="= program's estimate"),
 }
-ENVELOPE: Final = {
+ENVELOPE_SOURCES: Final = {
     **_sources("-", tested="envelope.tested_deg"),
     **_sources("-", handover_from="envelope.handover_deg", handover_to="envelope.handover_deg"),
     **_sources("m2", cross_arm="= vessel.length"),
@@ -161,12 +161,12 @@ ENVELOPE: Final = {
     **_sources("m", screw="propulsion.propeller_diameter"),
     **_sources("-", strips="wave_strips"),
 }
-GROUPS: Final[Mapping[str, Mapping[str, Source]]] = {
-    "SIZE, MASS AND BALANCE": HULL,
-    "RUDDER, PLANES, ENGINE AND AUTOPILOT": CONTROL,
-    "THE BOAT NEAR THE SURFACE": SURFACE,
-    "TANKS, AIR AND PUMPS": BALLAST,
-    "BEYOND THE RANGE OF THE COEFFICIENTS, AND IN WAVES": ENVELOPE,
+SOURCE_GROUPS: Final[Mapping[str, Mapping[str, Source]]] = {
+    "SIZE, MASS AND BALANCE": HULL_SOURCES,
+    "RUDDER, PLANES, ENGINE AND AUTOPILOT": CONTROL_SOURCES,
+    "THE BOAT NEAR THE SURFACE": SURFACE_SOURCES,
+    "TANKS, AIR AND PUMPS": BALLAST_SOURCES,
+    "BEYOND THE RANGE OF THE COEFFICIENTS, AND IN WAVES": ENVELOPE_SOURCES,
 }
 
 
@@ -196,7 +196,7 @@ class Coefficient:
 
 
 @dataclass(frozen=True)
-class Compact:
+class CompactConstant:
     """One constant of the compact sets, [ASSES] equation (18), as program EC790 prints them."""
 
     symbol: str
@@ -207,14 +207,14 @@ class Compact:
 
 
 @dataclass(frozen=True)
-class Report:
+class ConstantsReport:
     """All that ``trainer check --constants`` says about a vessel."""
 
     vessel: str
     path: str
     groups: dict[str, tuple[Constant, ...]]
     coefficients: tuple[Coefficient, ...]
-    compact: tuple[Compact, ...]
+    compact: tuple[CompactConstant, ...]
 
 
 def origin_of(file: VesselFile, key: str) -> str:
@@ -223,9 +223,9 @@ def origin_of(file: VesselFile, key: str) -> str:
     for name in key.split("."):
         inside = inside.get(name) if isinstance(inside, Mapping) else None
     if inside is not None:
-        return FILE
+        return FILE_ORIGIN
     defaulted = any(f"{key}.".startswith(f"{name}.") for name in file.defaulted)
-    return DEFAULT if defaulted else ABSENT
+    return DEFAULT_ORIGIN if defaulted else ABSENT_ORIGIN
 
 
 def _constants(
@@ -234,51 +234,55 @@ def _constants(
     """Return the constants of a group."""
     found = []
     for symbol, (unit, key) in sources.items():
-        origin = DERIVED if key.startswith("= ") else origin_of(file, key)
+        origin = DERIVED_ORIGIN if key.startswith("= ") else origin_of(file, key)
         values = np.asarray(record[symbol][0], float)
         rows = values.reshape(-1, values.shape[-1]) if values.ndim else values.reshape(1, 1)
-        counts = COUNTS.get(symbol, ("", ""))  # of rows and columns in use
+        counts = ARRAY_COUNTS.get(symbol, ("", ""))  # of rows and columns in use
         high, wide = (int(record[name][0]) if name else None for name in counts)
         numbers = tuple(tuple(map(float, row[:wide])) for row in rows[:high])
-        places = PLACES.get(symbol, ())
+        places = ARRAY_PLACES.get(symbol, ())
         found.append(Constant(symbol, unit, numbers, places, origin, key.removeprefix("= ")))
     return tuple(found)
 
 
-def _compact(file: VesselFile) -> Iterator[Compact]:
+def _compact(file: VesselFile) -> Iterator[CompactConstant]:
     """Yield the constants of both compact sets, the further terms of the file among them."""
     modified, basic = (
         fit_out(file, Method(equations, "lagged", "exact", "adams2", file.run.step_s)).compact
         for equations in ("modified", "basic")
     )
-    powers = {term.key: (term.power, term.mnemonic) for term in TABLE}
+    powers = {term.key: (term.power, term.mnemonic) for term in TERM_TABLE}
     further = tuple(name for name in EXTRA_TERMS if name in file.compact.extra_terms)
-    for name in (*KEPT, *further):
+    for name in (*COMPACT_TERMS, *further):
         power, mnemonic = powers[name]
-        symbol = INVERTED.get(name, name)
-        unit = INVERSE[power] if name[0] in AXES else DIMENSIONS[power]
+        symbol = INVERTED_NAMES.get(name, name)
+        unit = INVERSE_UNITS[power] if name[0] in MOMENT_AXES else DIMENSION_UNITS[power]
         if symbol != name:
             unit = "1/(kg m2)"
-        yield Compact(symbol, mnemonic, unit, float(modified[symbol][0]), float(basic[symbol][0]))
+        yield CompactConstant(
+            symbol, mnemonic, unit, float(modified[symbol][0]), float(basic[symbol][0])
+        )
     for symbol in ("XB", "YB", "ZB"):
-        yield Compact(symbol, symbol, "N m", float(modified[symbol][0]), float(basic[symbol][0]))
+        yield CompactConstant(
+            symbol, symbol, "N m", float(modified[symbol][0]), float(basic[symbol][0])
+        )
 
 
-def constants(file: VesselFile) -> Report:
+def list_vessel_constants(file: VesselFile) -> ConstantsReport:
     """Return every constant of the boat, SI and radians, and where each comes from."""
     record = fit_out(file, Method("full", "exact", "exact", "adams2", file.run.step_s)).vessel
-    groups = {name: _constants(file, record, sources) for name, sources in GROUPS.items()}
+    groups = {name: _constants(file, record, sources) for name, sources in SOURCE_GROUPS.items()}
     rows = _sources("-", eta_1="propulsion.sets", eta_2="propulsion.sets")
     rows |= _sources("-", eta_whole="propulsion.eta_speed")
     groups["LIMITS OF THE THRUST ROWS"] = _constants(file, record, rows)
     coefficients = []
-    for term in TABLE:
+    for term in TERM_TABLE:
         value = float(record[term.key][0])
         key = f"coefficients.{term.key}" if term.key in file.coefficients else "propulsion.sets"
         prime = value / (0.5 * file.fluid.rho * file.hull.length**term.power)
-        unit, origin = DIMENSIONS[term.power], origin_of(file, key)
+        unit, origin = DIMENSION_UNITS[term.power], origin_of(file, key)
         coefficients.append(Coefficient(term.key, term.mnemonic, prime, value, unit, origin, key))
-    return Report(
+    return ConstantsReport(
         vessel=file.name,
         path=str(file.path),
         groups=groups,
@@ -303,18 +307,18 @@ def _array(constant: Constant) -> Iterator[str]:
         yield from wrap(text, 2 * INDENT, 4 * INDENT)
 
 
-def render(report: Report) -> str:
+def render(report: ConstantsReport) -> str:
     """Return the listing as text."""
-    lines = [report.vessel, INDENT + cut(report.path, 77)]
+    lines = [report.vessel, INDENT + cut_text(report.path, 77)]
     for title, found in report.groups.items():
         single = [one for one in found if len(one.values) == 1 == len(one.values[0])]
         rows = [
-            (one.symbol, _number(one.values[0][0]), one.unit, one.origin, cut(one.key, 25))
+            (one.symbol, _number(one.values[0][0]), one.unit, one.origin, cut_text(one.key, 25))
             for one in single
         ]
-        lines += part(title, ("", "value", "unit", "from", ""), rows)
+        lines += titled_table(title, ("", "value", "unit", "from", ""), rows)
         lines += [line for one in found if one not in single for line in _array(one)]
-    lines += part(
+    lines += titled_table(
         "COEFFICIENTS (EB920; value: rho/2 L^n times prime)",
         ("", "1969", "prime [-]", "value", "unit", "from"),
         [
@@ -322,7 +326,7 @@ def render(report: Report) -> str:
             for one in report.coefficients
         ],
     )
-    lines += part(
+    lines += titled_table(
         "COMPACT CONSTANTS (EC790; compensation applied)",
         ("", "1969", "modified", "basic", "unit"),
         [

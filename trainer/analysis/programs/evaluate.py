@@ -15,7 +15,7 @@ import numpy as np
 
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.files import (
-    SHOWN_LIMIT,
+    MAX_QUOTED_LETTERS,
     ConfigError,
     collecting,
     format_key,
@@ -27,23 +27,23 @@ from trainer.core.rates import rates as write_rates
 from trainer.core.scheme import equations_alone
 from trainer.core.state import MOTION, RATES
 
-NECESSARY = (*MOTION[:9], "delta_r", "delta_s", "delta_b", "u_c")
-BALANCE = ("x_g", "y_g", "z_g", "weight")
-LAST = {f"last_{name}": name for name in RATES[:6]}
-KNOWN = (*NECESSARY, *MOTION[9:], *BALANCE, *LAST)
-ANGLES = ("phi", "theta", "psi")
-LARGEST_ANGLE = 1e5  # [rad] the core's sine is accurate up to here
+NECESSARY_KEYS = (*MOTION[:9], "delta_r", "delta_s", "delta_b", "u_c")
+BALANCE_KEYS = ("x_g", "y_g", "z_g", "weight")
+LAST_RATE_KEYS = {f"last_{name}": name for name in RATES[:6]}
+KNOWN_KEYS = (*NECESSARY_KEYS, *MOTION[9:], *BALANCE_KEYS, *LAST_RATE_KEYS)
+ANGLE_KEYS = ("phi", "theta", "psi")
+MAX_ANGLE_RAD = 1e5  # [rad] the core's sine is accurate up to here
 
 
-def evaluate(
+def evaluate_lines(
     file: VesselFile, equations: str, rates: str, trig: str, lines: Iterable[str]
 ) -> Iterator[str]:
     """Yield the rates of each line's state, blank lines skipped; ConfigError naming a bad line."""
     records = fit_out(file, Method(equations, rates, trig, "adams2", 1.0))
-    yield from answers(replace(records, scheme=equations_alone(records.scheme)), lines)
+    yield from evaluate_states(replace(records, scheme=equations_alone(records.scheme)), lines)
 
 
-def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
+def evaluate_states(records: Records, lines: Iterable[str]) -> Iterator[str]:
     """Yield the rates of each line's state. What a line does not give is as in the records."""
     state = records.state
     at_rest = state.copy()
@@ -56,7 +56,7 @@ def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
             raise ConfigError(*(f"line {number}: {text}" for text in wrong.problems)) from None
         state[:] = at_rest
         for key, value in given.items():
-            state[LAST.get(key, key)] = value
+            state[LAST_RATE_KEYS.get(key, key)] = value
         with np.errstate(all="ignore"):  # what overflows is reported below
             write_rates(*records)
         found = state["rates"][0]
@@ -70,7 +70,7 @@ def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
 def _read(line: str) -> dict[str, float]:
     """Return the numbers of one line by key; ConfigError with all that is wrong in it."""
     short = ascii(line.strip())
-    short = short if len(short) <= SHOWN_LIMIT else short[: SHOWN_LIMIT - 3] + "..."
+    short = short if len(short) <= MAX_QUOTED_LETTERS else short[: MAX_QUOTED_LETTERS - 3] + "..."
     try:
         pairs = json.loads(line, object_pairs_hook=list, parse_constant=_refuse)
     except ConfigError:
@@ -81,7 +81,7 @@ def _read(line: str) -> dict[str, float]:
     if not line.lstrip().startswith("{"):
         raise ConfigError(f"must be one JSON object with keys and numbers: {short}")
     keys = [key for key, _ in pairs]
-    problems = [f"lacks {key}" for key in NECESSARY if key not in keys]
+    problems = [f"lacks {key}" for key in NECESSARY_KEYS if key not in keys]
     twice = {key: None for key in keys if keys.count(key) > 1}
     problems += [f"{format_key(key)} is given twice" for key in twice]
     numbers = {}
@@ -100,8 +100,8 @@ def _refuse(name: str) -> NoReturn:
 
 def _number(key: str, value: object) -> float:
     """Return one number; ConfigError if its key, kind or size is wrong."""
-    if key not in KNOWN:
-        raise ConfigError(f"no such key {quote(key)}{nearest(key, KNOWN)}")
+    if key not in KNOWN_KEYS:
+        raise ConfigError(f"no such key {quote(key)}{nearest(key, KNOWN_KEYS)}")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ConfigError(f"{key} = {quote(value)}: must be a number")
     try:
@@ -112,6 +112,6 @@ def _number(key: str, value: object) -> float:
         raise ConfigError(f"{key} = {quote(value)}: is too large for double precision")
     if key == "weight" and number <= 0.0:
         raise ConfigError(f"{key} = {quote(value)}: must be above 0")
-    if key in ANGLES and abs(number) > LARGEST_ANGLE:
-        raise ConfigError(f"{key} = {quote(value)}: must be within +-{LARGEST_ANGLE:g} rad")
+    if key in ANGLE_KEYS and abs(number) > MAX_ANGLE_RAD:
+        raise ConfigError(f"{key} = {quote(value)}: must be within +-{MAX_ANGLE_RAD:g} rad")
     return number

@@ -20,16 +20,16 @@ from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, WIDTH, cut, figure, root_text, table
+from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, root_text, table
 
-ROUNDS: Final = 200
-NUDGE: Final = 1e-6  # [-] of a number, for the difference quotients
-SETTLED: Final = 1e-10  # [-] a step that changes the roots by less is the last
-FURTHEST: Final = 0.3  # [-] of itself that a root moves in a round: real ones shall not meet
-STIFFEST: Final = 1e15  # [-] damping of the step beyond which no step helps
+MAX_FIT_ROUNDS: Final = 200
+SLOPE_NUDGE: Final = 1e-6  # [-] of a number, for the difference quotients
+ROOT_TOLERANCE: Final = 1e-10  # [-] a step that changes the roots by less is the last
+MAX_ROOT_MOVE: Final = 0.3  # [-] of itself that a root moves in a round: real ones shall not meet
+MAX_STEP_DAMPING: Final = 1e15  # [-] damping of the step beyond which no step helps
 PENCIL_SAMPLES: Final = 800  # of the response, for the pencil's start
 SAMPLES_PER_NUMBER: Final = 3  # of the response, for each number sought
-HEADS: Final = (
+TERM_HEADS: Final = (
     "",
     "root\n[1/s]",
     "std error\n[1/s]",
@@ -75,7 +75,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Report:
+class FitReport:
     """All that ``trainer fit`` says about a response."""
 
     file: str
@@ -170,23 +170,23 @@ class _Response:
         slowest = 1.0 / (self.t[-1] - self.t[0])
         roots = _match_roots(numbers, self.like)
         sizes = [[max(abs(s), slowest)] * (1 if s.imag == 0.0 else 2) for s in roots]
-        return np.asarray(FURTHEST * np.concatenate(sizes))
+        return np.asarray(MAX_ROOT_MOVE * np.concatenate(sizes))
 
     def slopes(self, numbers: Numbers) -> Numbers:
         """Return d(left)/d(numbers), (samples, numbers), by central differences."""
         found = []
         for i, number in enumerate(numbers):
             step = np.zeros_like(numbers)
-            step[i] = NUDGE * max(abs(number), 1.0 / (self.t[-1] - self.t[0]))
+            step[i] = SLOPE_NUDGE * max(abs(number), 1.0 / (self.t[-1] - self.t[0]))
             found.append((self.left(numbers + step) - self.left(numbers - step)) / (2.0 * step[i]))
         return np.column_stack(found)
 
 
 def _adjust(response: _Response, numbers: Numbers) -> tuple[Numbers, int]:
-    """Return the numbers of least squares and the rounds taken: ROUNDS if it did not settle."""
+    """Return the numbers of least squares and the rounds taken: all if it did not settle."""
     left, damping = response.left(numbers), 1e-3
     misfit = float(left @ left)
-    for done in range(1, ROUNDS):
+    for done in range(1, MAX_FIT_ROUNDS):
         slopes = response.slopes(numbers)
         normal, downhill = slopes.T @ slopes, -slopes.T @ left
         scale = np.diag(np.maximum(np.diag(normal), np.finfo(float).tiny))
@@ -197,14 +197,14 @@ def _adjust(response: _Response, numbers: Numbers) -> tuple[Numbers, int]:
             if tried <= misfit and np.all(abs(step) <= response.reach(numbers)):
                 break
             damping *= 4.0
-            if damping > STIFFEST:  # no step is better: the least there is
+            if damping > MAX_STEP_DAMPING:  # no step is better: the least there is
                 return numbers, done
         numbers = numbers + step
         gain, misfit = misfit - tried, tried
         damping = max(damping / 8.0, 1e-14)
-        if np.all(abs(step) <= SETTLED * abs(numbers)) or gain <= SETTLED**2 * misfit:
+        if np.all(abs(step) <= ROOT_TOLERANCE * abs(numbers)) or gain <= ROOT_TOLERANCE**2 * misfit:
             return numbers, done
-    return numbers, ROUNDS
+    return numbers, MAX_FIT_ROUNDS
 
 
 def _terms(
@@ -223,7 +223,7 @@ def _terms(
     return tuple(found)
 
 
-def fit(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
+def fit_modes(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
     """Return the fit of ``y`` over ``t`` [s] from roots [1/s].
 
     There is one of each pair, imaginary > 0.
@@ -253,7 +253,7 @@ def fit(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
         terms=_terms(roots, amplitudes(roots, t, y), errors),
         rms=math.sqrt(float(left @ left) / len(y)),
         explained=1.0 - float(left @ left) / float(y @ y),
-        converged=rounds < ROUNDS,
+        converged=rounds < MAX_FIT_ROUNDS,
         rounds=rounds,
     )
 
@@ -292,7 +292,7 @@ def _row(label: str, term: Term) -> tuple[str, ...]:
     return (
         label,
         root_text(term.real, term.imaginary),
-        "" if label == "start" else " ".join(figure(error, ".0e") for error in errors),
+        "" if label == "start" else " ".join(format_number(error, ".0e") for error in errors),
         f"{term.frequency:.5f}",
         f"{term.damping_ratio:+.3f}",
         f"{term.amplitude:+.4g}",
@@ -300,7 +300,7 @@ def _row(label: str, term: Term) -> tuple[str, ...]:
     )
 
 
-def render(report: Report) -> str:
+def render(report: FitReport) -> str:
     """Return the report as text."""
     fit = report.fit
     terms = [*(("start", term) for term in fit.start), *(("fit", term) for term in fit.terms)]
@@ -309,18 +309,18 @@ def render(report: Report) -> str:
     return "\n".join(
         [
             f"FIT OF {report.column} (EC310)",
-            f"{INDENT}{cut(report.file, WIDTH - len(INDENT))}",
+            f"{INDENT}{cut_text(report.file, PAGE_WIDTH - len(INDENT))}",
             f"{INDENT}{report.samples} samples, {report.begin_s:g} to {report.end_s:g} s",
             f"{INDENT}{report.about:.6g} taken off; starting roots from {report.roots_from}",
             "",
-            *table(HEADS, rows),
+            *table(TERM_HEADS, rows),
             "",
             f"{INDENT}{state}; left over {fit.rms:.3g} rms, {fit.explained:.4%} explained",
         ]
     )
 
 
-def panels(report: Report, t: Numbers, y: Numbers) -> tuple[Panel, ...]:
+def panels(report: FitReport, t: Numbers, y: Numbers) -> tuple[Panel, ...]:
     """Return the response with its fit, and what is left."""
     model = response_of(report.fit.terms, t - t[0])
     label = f"{report.column} less {report.about:.4g}"

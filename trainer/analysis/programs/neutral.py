@@ -21,30 +21,38 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.analysis.check import PLANES, critical_speeds
+from trainer.analysis.check import PLANE_NAMES, critical_speeds
 from trainer.analysis.programs.characteristic import surface_lines
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.depths import Surface, near_surface, require_covered, surface_at, surface_remarks
+from trainer.boat.depths import (
+    SurfaceForces,
+    near_surface,
+    require_covered,
+    surface_at,
+    surface_remarks,
+)
 from trainer.config.vessel import VesselFile
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import surface_forces
-from trainer.core.trim import STERN, trim
+from trainer.core.trim import STERN_PLANES, trim
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import part, wrap
+from trainer.report.text import titled_table, wrap
 from trainer.units import KNOT
 
-STEEPEST: Final = math.tan(math.radians(85.0))  # [-] |w|/u looked at; the equations end before
-REAL: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
-HALVINGS: Final = 200
-ROUNDS: Final = 50  # of a speed at which solutions meet, near the surface
-SAME: Final = 1e-9  # [-] difference of two speeds
-DRAWN: Final = 20.0  # [deg] of pitch, either way
-POINTS: Final = 200  # of each side of a curve, in pitch and in speed
-HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
+MAX_FLOW_SLOPE: Final = math.tan(
+    math.radians(85.0)
+)  # [-] |w|/u looked at; the equations end before
+REAL_ROOT_TOLERANCE: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
+MAX_HALVINGS: Final = 200
+MAX_FOLD_ROUNDS: Final = 50  # of a speed at which solutions meet, near the surface
+SAME_SPEED_RATIO: Final = 1e-9  # [-] difference of two speeds
+DRAWN_PITCH_DEG: Final = 20.0  # [deg] of pitch, either way
+CURVE_POINTS: Final = 200  # of each side of a curve, in pitch and in speed
+ANGLE_HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
 
 
-class Side(NamedTuple):
+class SideEquation(NamedTuple):
     """The equation square t^2 + slope t + constant = couple/u^2 h(t).
 
     It holds on one side of t = 0, with t = |w|/u.
@@ -57,7 +65,7 @@ class Side(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Angles:
+class LevelSolution:
     """One solution: level flight by one pair of planes."""
 
     w_m_s: float
@@ -67,12 +75,12 @@ class Angles:
 
 
 @dataclass(frozen=True)
-class Flight:
+class LevelFlights:
     """All solutions by one pair of planes at one speed, the smallest |w| first."""
 
     plane: str
     speed_kn: float
-    solutions: tuple[Angles, ...]
+    solutions: tuple[LevelSolution, ...]
 
 
 @dataclass(frozen=True)
@@ -87,20 +95,20 @@ class Trim:
 
 
 @dataclass(frozen=True)
-class Neutral:
+class NeutralReport:
     """All that ``trainer neutral`` says about a vessel."""
 
     vessel: str
     critical_speed_kn: dict[str, float | None]  # by plane, linear; None: none
     fold_speeds_kn: dict[str, tuple[float, ...]]  # where the number of solutions changes
-    flights: tuple[Flight, ...]
+    flights: tuple[LevelFlights, ...]
     trims: tuple[Trim | None, ...]  # by speed; None: Newton's method finds none
     remarks: tuple[str, ...]
     depth_m: float | None  # None: deep water
-    surface: tuple[Surface, ...]  # by speed; none in deep water
+    surface: tuple[SurfaceForces, ...]  # by speed; none in deep water
 
 
-def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
+def side_equations(file: VesselFile, plane: str) -> tuple[SideEquation, SideEquation]:
     """Return the equation for w > 0 and w < 0 by one pair.
 
     It is the "stern" or the "bow" pair.
@@ -113,29 +121,29 @@ def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
 
     couple = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
     couple *= force / (file.fluid.rho * hull.length**3)
-    down = Side(part("ww") + part("waw"), part("w") + part("aw"), part("star"), couple)
-    up = Side(part("ww") - part("waw"), part("aw") - part("w"), part("star"), -couple)
+    down = SideEquation(part("ww") + part("waw"), part("w") + part("aw"), part("star"), couple)
+    up = SideEquation(part("ww") - part("waw"), part("aw") - part("w"), part("star"), -couple)
     return down, up
 
 
-def required_couple(side: Side, t: float) -> float:
+def required_couple(side: SideEquation, t: float) -> float:
     """Return couple/u^2 [-] at which ``t`` > 0 is a solution."""
     parabola = (side.square * t + side.slope) * t + side.constant
     return parabola * math.hypot(1.0, t) / t
 
 
-def turning_points(side: Side) -> list[float]:
+def turning_points(side: SideEquation) -> list[float]:
     """Return the t > 0 at which ``needed`` is stationary, in order.
 
     Roots of 2 square t^4 + slope t^3 + square t^2 - constant.
     """
     found = np.roots([2.0 * side.square, side.slope, side.square, 0.0, -side.constant])
-    real = [float(t.real) for t in found if abs(t.imag) <= REAL * abs(t)]
-    return sorted({t for t in real if 0.0 < t < STEEPEST})
+    real = [float(t.real) for t in found if abs(t.imag) <= REAL_ROOT_TOLERANCE * abs(t)]
+    return sorted({t for t in real if 0.0 < t < MAX_FLOW_SLOPE})
 
 
-def solutions(side: Side, square_of_speed: float) -> list[float]:
-    """Return every t = |w|/u > 0 to STEEPEST that solves ``side`` at u^2."""
+def solutions(side: SideEquation, square_of_speed: float) -> list[float]:
+    """Return every t = |w|/u > 0 to MAX_FLOW_SLOPE that solves ``side`` at u^2."""
     wanted = side.couple / square_of_speed
     at_zero = math.copysign(math.inf, side.constant) if side.constant else side.slope - wanted
 
@@ -143,16 +151,16 @@ def solutions(side: Side, square_of_speed: float) -> list[float]:
         return required_couple(side, t) - wanted if t > 0.0 else at_zero
 
     found = []
-    for low, high in pairwise([0.0, *turning_points(side), STEEPEST]):
+    for low, high in pairwise([0.0, *turning_points(side), MAX_FLOW_SLOPE]):
         if (excess(low) > 0.0) != (excess(high) > 0.0):
             found.append(_between(side, wanted, low, high))
     return found
 
 
-def _between(side: Side, wanted: float, low: float, high: float) -> float:
+def _between(side: SideEquation, wanted: float, low: float, high: float) -> float:
     """Return the one root between ``low`` and ``high``, by halving down to the last bit."""
     rising = required_couple(side, high) > wanted
-    for _ in range(HALVINGS):
+    for _ in range(MAX_HALVINGS):
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
@@ -170,7 +178,7 @@ def level_flight(file: VesselFile, plane: str, speed: float) -> list[tuple[float
     """
     if not file.coefficients[f"Z_d{plane[0]}"] and not file.coefficients[f"M_d{plane[0]}"]:
         return []
-    down, up = sides(file, plane)
+    down, up = side_equations(file, plane)
     slopes = [*solutions(down, speed**2), *(-t for t in solutions(up, speed**2))]
     if down.constant == 0.0:
         slopes.append(0.0)
@@ -195,7 +203,7 @@ def plane_angle(file: VesselFile, plane: str, t: float, speed: float) -> float:
 
 def fold_speeds(file: VesselFile, plane: str) -> list[float]:
     """Return the speeds at which two solutions meet and vanish, in order. Any consistent units."""
-    points = [(side, t) for side in sides(file, plane) for t in turning_points(side)]
+    points = [(side, t) for side in side_equations(file, plane) for t in turning_points(side)]
     ratios = [(side.couple, required_couple(side, t)) for side, t in points]
     squares = [couple / required for couple, required in ratios if required]
     return sorted(math.sqrt(square) for square in squares if square > 0.0)
@@ -211,12 +219,12 @@ def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[fl
     found: list[float] = []
     for start in fold_speeds(near_surface(file, file.run.start_speed_kn * KNOT, depth), plane):
         speed = start
-        for _ in range(ROUNDS):
+        for _ in range(MAX_FOLD_ROUNDS):
             folds = np.array(fold_speeds(near_surface(file, speed, depth), plane))
             if not folds.size:
                 break
             last, speed = speed, float(folds[np.argmin(abs(folds - speed))])
-            if math.isclose(last, speed, rel_tol=SAME):
+            if math.isclose(last, speed, rel_tol=SAME_SPEED_RATIO):
                 if not any(math.isclose(speed, one) for one in found):
                     found.append(speed)
                 break
@@ -243,22 +251,22 @@ def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None
         surface_forces(r.vessel, r.state, outside)
     alone = equations_alone(r.scheme)
     with np.errstate(all="ignore"):  # a boat without stern planes has a singular system
-        settled = trim(r.vessel, r.compact, alone, r.state, r.scratch, STERN)
+        settled = trim(r.vessel, r.compact, alone, r.state, r.scratch, STERN_PLANES)
     if not settled:
         return None
     pitch, planes = math.degrees(s.theta), math.degrees(s.delta_s)
     return Trim(speed / KNOT, float(s.w), pitch, planes, float(s.u_c))
 
 
-def flight(file: VesselFile, plane: str, speed: float) -> Flight:
+def level_flights(file: VesselFile, plane: str, speed: float) -> LevelFlights:
     """Return all level flights at ``speed`` [m/s] in the units of a page."""
     limit = getattr(file.surfaces, f"{plane}_plane_limit_deg")
     found = [
         (t * speed, math.degrees(math.atan(t)), math.degrees(angle))
         for t, angle in level_flight(file, plane, speed)
     ]
-    solutions = tuple(Angles(*numbers, abs(numbers[-1]) <= limit) for numbers in found)
-    return Flight(plane, speed / KNOT, solutions)
+    solutions = tuple(LevelSolution(*numbers, abs(numbers[-1]) <= limit) for numbers in found)
+    return LevelFlights(plane, speed / KNOT, solutions)
 
 
 def remarks(file: VesselFile) -> tuple[str, ...]:
@@ -273,7 +281,9 @@ def remarks(file: VesselFile) -> tuple[str, ...]:
     return tuple(found)
 
 
-def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = None) -> Neutral:
+def report_neutral(
+    file: VesselFile, speeds: Iterable[float], depth: float | None = None
+) -> NeutralReport:
     """Return the neutral angles at ``speeds`` [kn], critical speeds and trims.
 
     At a ``depth`` [m] they are those under a calm surface. ConfigError if the vessel file has no
@@ -282,17 +292,17 @@ def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = Non
     require_covered(file, depth)
     speeds = [knots * KNOT for knots in speeds]
     boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
-    return Neutral(
+    return NeutralReport(
         vessel=file.name,
         critical_speed_kn=critical_speeds(file),
         fold_speeds_kn={
             plane: tuple(speed / KNOT for speed in fold_speeds_at(file, plane, depth))
-            for plane in PLANES
+            for plane in PLANE_NAMES
         },
         flights=tuple(
-            flight(near_surface(file, speed, depth), plane, speed)
+            level_flights(near_surface(file, speed, depth), plane, speed)
             for speed in speeds
-            for plane in PLANES
+            for plane in PLANE_NAMES
         ),
         trims=tuple(trim_at(boat, speed, depth) for speed in speeds),
         remarks=(*remarks(file), *surface_remarks(file, depth)),
@@ -304,7 +314,7 @@ def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = Non
 # The neutral angles as a page for a terminal, and as a plot.
 
 
-def _angle_rows(flight: Flight) -> Iterator[tuple[str, ...]]:
+def _angle_rows(flight: LevelFlights) -> Iterator[tuple[str, ...]]:
     """Yield the solutions of one flight as lines of the table."""
     head = (f"{flight.speed_kn:.4g}", flight.plane)
     if not flight.solutions:
@@ -324,7 +334,7 @@ def _trim_row(speed: float, found: Trim | None) -> tuple[str, ...]:
     return (f"{speed:.4g}", *cells, f"{found.u_c_m_s / KNOT:.3f}")
 
 
-def render(report: Neutral) -> str:
+def render(report: NeutralReport) -> str:
     """Return the report as text."""
     critical = []
     for plane, speed in report.critical_speed_kn.items():
@@ -337,12 +347,12 @@ def render(report: Neutral) -> str:
         *(line for text in report.remarks for line in wrap("remark: " + text)),
         *surface_lines(report.depth_m, report.surface),
         *("", "CRITICAL SPEEDS (a plane below its own reverses its effect on depth)", *critical),
-        *part(
+        *titled_table(
             "NEUTRAL ANGLES (EC470: one pair of planes, the other at zero)",
-            HEADS,
+            ANGLE_HEADS,
             [row for flight in report.flights for row in _angle_rows(flight)],
         ),
-        *part(
+        *titled_table(
             "TRIM OF THE FULL SET (stern planes, bow planes at zero)",
             ("speed\n[kn]", "w\n[m/s]", "pitch\n[deg]", "stern\n[deg]", "u_c\n[kn]"),
             map(_trim_row, speeds, report.trims),
@@ -351,11 +361,11 @@ def render(report: Neutral) -> str:
     return "\n".join(lines)
 
 
-def _steps(side: Side, most: float) -> list[float]:
+def _steps(side: SideEquation, most: float) -> list[float]:
     """Return the |w|/u at which a curve is drawn: even by themselves, and even in speed [kn]."""
-    steepest = math.tan(math.radians(DRAWN))
-    steps = {*np.geomspace(1e-5, steepest, POINTS).tolist(), *turning_points(side)}
-    for knots in np.linspace(0.0, most, POINTS)[1:]:
+    steepest = math.tan(math.radians(DRAWN_PITCH_DEG))
+    steps = {*np.geomspace(1e-5, steepest, CURVE_POINTS).tolist(), *turning_points(side)}
+    for knots in np.linspace(0.0, most, CURVE_POINTS)[1:]:
         steps |= {t for t in solutions(side, (knots * KNOT) ** 2) if t < steepest}
     return sorted(steps)
 
@@ -366,7 +376,7 @@ def _curve(file: VesselFile, plane: str, most: float) -> list[tuple[float, float
     The curve is followed by its pitch, so that it turns back where two solutions meet.
     """
     points: list[tuple[float, float, float]] = []
-    for side, sense in zip(sides(file, plane), (1.0, -1.0), strict=True):
+    for side, sense in zip(side_equations(file, plane), (1.0, -1.0), strict=True):
         for t in _steps(side, most):
             ratio = required_couple(side, t)
             square = side.couple / ratio if ratio else math.inf
@@ -388,22 +398,22 @@ def _points(
     The surface's share changes with speed, so that no curve is followed: it is dots over speed.
     """
     found = []
-    for knots in np.linspace(0.0, most, POINTS)[1:]:
+    for knots in np.linspace(0.0, most, CURVE_POINTS)[1:]:
         speed = float(knots) * KNOT
         for t, angle in level_flight(near_surface(file, speed, depth), plane, speed):
             pitch = math.degrees(math.atan(t))
-            if abs(pitch) <= DRAWN:
+            if abs(pitch) <= DRAWN_PITCH_DEG:
                 found.append((float(knots), pitch, math.degrees(angle)))
     return found
 
 
-def panels(file: VesselFile, report: Neutral) -> tuple[Panel, ...]:
+def panels(file: VesselFile, report: NeutralReport) -> tuple[Panel, ...]:
     """Return pitch and plane angle over speed, every solution, critical speeds marked."""
     most = max(flight.speed_kn for flight in report.flights)
     dots = report.depth_m is not None
     pitches, planes, marks = [], [], []
     solved = {flight.plane for flight in report.flights if flight.solutions}
-    for plane in filter(solved.__contains__, PLANES):
+    for plane in filter(solved.__contains__, PLANE_NAMES):
         found = (
             _curve(file, plane, most)
             if report.depth_m is None

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.vessel import VesselFile
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, part
+from trainer.report.text import INDENT, titled_table
 
-_AXES = (1, 2, 3)  # places of x, y, z in Weight
-KINDS: Final = ("pumped", "blown", "compartments")  # tables of [ballast]
+WEIGHT_AXES = (1, 2, 3)  # places of x, y, z in Weight
+TANK_TABLES: Final = ("pumped", "blown", "compartments")  # tables of [ballast]
 # What is free to be filled; the rest stays as it is.
-GROUPS: Final = {
+FREE_TANK_GROUPS: Final = {
     "pumped tanks": ("pumped",),
     "all tanks": ("pumped", "blown"),
     "tanks and flooding": ("pumped", "blown", "compartments"),
@@ -47,20 +47,20 @@ class Balance(NamedTuple):
     centre: tuple[float, float, float]  # [m]
 
 
-class Range(NamedTuple):
+class FillingRange(NamedTuple):
     """Least and greatest value over all fillings."""
 
     least: float
     most: float
 
 
-class Limits(NamedTuple):
+class TankLimits(NamedTuple):
     """The range of the tanks: weight [N] and centre of gravity [m], each alone."""
 
-    weight: Range
-    x_g: Range
-    y_g: Range
-    z_g: Range
+    weight: FillingRange
+    x_g: FillingRange
+    y_g: FillingRange
+    z_g: FillingRange
 
 
 def balance(hull: Weight, tanks: Sequence[Weight]) -> Balance:
@@ -74,11 +74,14 @@ def balance(hull: Weight, tanks: Sequence[Weight]) -> Balance:
     return Balance(weight, (x, y, z), (x / weight, y / weight, z / weight))
 
 
-def limits(hull: Weight, tanks: Sequence[Weight]) -> Limits:
+def limits(hull: Weight, tanks: Sequence[Weight]) -> TankLimits:
     """Return the limits of weight [N] and centre [m], ``tanks`` being their full contents."""
-    return Limits(
-        Range(hull.weight, balance(hull, tanks).weight),
-        *(Range(_extreme(hull, tanks, axis, -1), _extreme(hull, tanks, axis, 1)) for axis in _AXES),
+    return TankLimits(
+        FillingRange(hull.weight, balance(hull, tanks).weight),
+        *(
+            FillingRange(_extreme(hull, tanks, axis, -1), _extreme(hull, tanks, axis, 1))
+            for axis in WEIGHT_AXES
+        ),
     )
 
 
@@ -102,7 +105,7 @@ class Tank:
     """A tank or compartment of the boat."""
 
     name: str
-    kind: str  # of KINDS
+    kind: str  # of TANK_TABLES
     full: Weight  # of what it holds when full
     fill: float  # [-] of it, now
 
@@ -117,13 +120,13 @@ class Ranges:
     """Limits over all fillings of some tanks, and the outline of weight and moment."""
 
     free: str  # which
-    limits: Limits
+    limits: TankLimits
     # corners of all that can be: W - B [N] and x_G W - x_B B [N m]
     outline: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
-class Report:
+class TanksReport:
     """All that ``trainer tanks`` says about a vessel."""
 
     vessel: str
@@ -144,7 +147,7 @@ def tanks_of(file: VesselFile, fills: Mapping[str, float]) -> list[Tank]:
     if file.ballast is None:
         raise ConfigError(f"{file.path.name}: has no table [ballast]: there are no tanks to fill")
     unit = file.fluid.rho * file.fluid.g
-    rows = [(kind, row) for kind in KINDS for row in getattr(file.ballast, kind)]
+    rows = [(kind, row) for kind in TANK_TABLES for row in getattr(file.ballast, kind)]
     names = [row.name for _, row in rows]
     problems = []
     for name, share in fills.items():
@@ -189,20 +192,20 @@ def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[
     return np.cumsum([start, *steps, *backwards], axis=0)
 
 
-def fillings(file: VesselFile, fills: Mapping[str, float]) -> Report:
+def report_fillings(file: VesselFile, fills: Mapping[str, float]) -> TanksReport:
     """Return balance and limits of the boat's tanks, filled as ``fills`` [-] says by name."""
     at_start = [tank.contents for tank in tanks_of(file, {})]  # which [vessel] holds
     taken = [water._replace(weight=-water.weight) for water in at_start]
     hull = _together(Weight(file.hull.weight, *file.hull.cg), taken)
     tanks, ranges = tanks_of(file, fills), []
     kinds = {tank.kind for tank in tanks}
-    for name, members in GROUPS.items():
+    for name, members in FREE_TANK_GROUPS.items():
         if members[-1] in kinds:
             fixed = _together(hull, [tank.contents for tank in tanks if tank.kind not in members])
             free = [tank.full for tank in tanks if tank.kind in members]
             corners = tuple((float(w), float(m)) for w, m in outline(file, fixed, free))
             ranges.append(Ranges(name, limits(fixed, free), corners))
-    return Report(
+    return TanksReport(
         vessel=file.name,
         buoyancy_N=file.hull.buoyancy,
         x_b_m=file.hull.cb[0],
@@ -220,7 +223,7 @@ def _weight(name: str, part: Weight, fill: str) -> tuple[str, ...]:
     return (name, fill, f"{1e-3 * part.weight:.1f}", *centre)
 
 
-def _balance(report: Report) -> list[str]:
+def _balance(report: TanksReport) -> list[str]:
     """Return hull, tanks and their sum."""
     heads = ("", "filled", "[kN]", "x [m]", "y [m]", "z [m]")
     now = Weight(report.now.weight, *report.now.centre)
@@ -234,19 +237,19 @@ def _balance(report: Report) -> list[str]:
     x, y, z = (1e-3 * part for part in report.now.moments)
     below = report.now.centre[2] - report.z_b_m
     return [
-        *part("WEIGHT AND BALANCE (EC430)", heads, rows),
+        *titled_table("WEIGHT AND BALANCE (EC430)", heads, rows),
         f"{INDENT}moments about the origin: x {x:+.1f}, y {y:+.1f}, z {z:+.1f} kN m",
         f"{INDENT}W - B {excess:+.1f} kN, bow-down moment {moment:+.1f} kN m",
         f"{INDENT}centre of gravity {below:.4f} m below the centre of buoyancy",
     ]
 
 
-def _span(limits: Range, scale: float, form: str) -> str:
+def _span(limits: FillingRange, scale: float, form: str) -> str:
     """Return a range as text."""
     return f"{scale * limits.least:{form}} to {scale * limits.most:{form}}"
 
 
-def render(report: Report) -> str:
+def render(report: TanksReport) -> str:
     """Return the report as text."""
     heads = ("free to be filled", "weight [kN]", "x_G [m]", "z_G [m]")
     limited = [(ranges.free, ranges.limits) for ranges in report.ranges]
@@ -260,10 +263,10 @@ def render(report: Report) -> str:
         if of.y_g != (0.0, 0.0)
     ]
     title = "LIMITS OVER ALL FILLINGS, each by itself"
-    return "\n".join([report.vessel, *_balance(report), *part(title, heads, rows), *sided])
+    return "\n".join([report.vessel, *_balance(report), *titled_table(title, heads, rows), *sided])
 
 
-def panels(report: Report) -> tuple[Panel, ...]:
+def panels(report: TanksReport) -> tuple[Panel, ...]:
     """Return the outlines of excess weight and moment, the boat as it is among them."""
     here = (
         1e-3 * (report.now.moments[0] - report.x_b_m * report.buoyancy_N),

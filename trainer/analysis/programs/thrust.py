@@ -15,10 +15,10 @@ import numpy as np
 
 from trainer.config.vessel import VesselFile
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, part
+from trainer.report.text import INDENT, titled_table
 from trainer.units import KNOT
 
-HEADS: Final = (
+THRUST_HEADS: Final = (
     "u\n[kn]",
     "u_c\n[kn]",
     "row",
@@ -26,7 +26,7 @@ HEADS: Final = (
     "T/m\n[m/s2]",
     "as flown\n[m/s2]",
 )
-POINTS: Final = 201  # of a curve
+CURVE_POINTS: Final = 201  # of a curve
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Break:
 
 
 @dataclass(frozen=True)
-class Report:
+class ThrustReport:
     """All that ``trainer thrust`` says about a vessel."""
 
     vessel: str
@@ -80,7 +80,7 @@ def thrust(file: VesselFile, u: float, u_c: float) -> float:
     return area * (row.a * u * u + row.b * u * u_c + row.c * u_c * u_c)
 
 
-def at(file: VesselFile, u: float, u_c: float) -> Thrust:
+def table_entry(file: VesselFile, u: float, u_c: float) -> Thrust:
     """Return one entry of the table at ``u`` and ``u_c`` [m/s]."""
     force, mass = thrust(file, u, u_c), file.hull.mass
     added = 0.5 * file.fluid.rho * file.hull.length**3 * file.coefficients["X_udot"]
@@ -104,10 +104,12 @@ def command_speeds(file: VesselFile) -> tuple[float, ...]:
     return tuple(sorted({0.0, *bells, file.propulsion.max_ordered_speed_kn}))
 
 
-def survey(file: VesselFile, speeds: Iterable[float], commands: Sequence[float]) -> Report:
+def survey_thrust(
+    file: VesselFile, speeds: Iterable[float], commands: Sequence[float]
+) -> ThrustReport:
     """Return thrust at ``speeds`` [kn] and every command speed [kn]."""
     furthest = {"ahead": max(commands), "astern": min(commands)}
-    return Report(
+    return ThrustReport(
         vessel=file.name,
         breaks=breaks(file),
         bollard_N={
@@ -115,11 +117,11 @@ def survey(file: VesselFile, speeds: Iterable[float], commands: Sequence[float])
             for name, knots in furthest.items()
             if (knots > 0.0) == (name == "ahead")
         },
-        points=tuple(at(file, u * KNOT, u_c * KNOT) for u in speeds for u_c in commands),
+        points=tuple(table_entry(file, u * KNOT, u_c * KNOT) for u in speeds for u_c in commands),
     )
 
 
-def render(report: Report) -> str:
+def render(report: ThrustReport) -> str:
     """Return the report as text."""
     rows, last = [], None
     for one in report.points:
@@ -140,15 +142,17 @@ def render(report: Report) -> str:
             f"{INDENT}at rest, full {name}: {1e-3 * force:+.4g} kN"
             for name, force in report.bollard_N.items()
         ),
-        *part("THRUST LESS DRAG (ZC300; as flown: with the added mass)", HEADS, rows),
+        *titled_table(
+            "THRUST LESS DRAG (ZC300; as flown: with the added mass)", THRUST_HEADS, rows
+        ),
     ]
     return "\n".join(lines)
 
 
-def panels(file: VesselFile, report: Report) -> tuple[Panel, ...]:
+def panels(file: VesselFile, report: ThrustReport) -> tuple[Panel, ...]:
     """Return thrust over speed, a curve for each command speed. Of rest alone over the range."""
     most = max(one.u_kn for one in report.points) or file.run.speed_range_kn[1]
-    speeds = np.linspace(0.0, most, POINTS)
+    speeds = np.linspace(0.0, most, CURVE_POINTS)
     curves = []
     for command in dict.fromkeys(one.u_c_kn for one in report.points):
         forces = [1e-3 * thrust(file, u * KNOT, command * KNOT) for u in speeds]

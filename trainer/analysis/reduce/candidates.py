@@ -9,34 +9,34 @@ import numpy as np
 
 from trainer.analysis.guide.programme import Leg
 from trainer.analysis.reduce.objective import Candidate, Yardstick
-from trainer.analysis.workers import workers
+from trainer.analysis.workers import worker_pool
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 
-NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
+FACTOR_NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
 
 
-STEEPEST: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
+MAX_SLOPE: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
 
 
-CHUNK: Final = 4  # flights handed to a process at once
+CHUNK_FLIGHTS: Final = 4  # flights handed to a process at once
 
 
-_posts: dict[tuple[Path, str, tuple[Leg, ...]], tuple[Candidate, Yardstick]] = {}
+_worker_posts: dict[tuple[Path, str, tuple[Leg, ...]], tuple[Candidate, Yardstick]] = {}
 
 
 def _differences(path: Path, equations: str, legs: tuple[Leg, ...], factors: Numbers) -> Numbers:
     """Return the differences of a candidate from the full set, in whichever process."""
     post = path, equations, legs
-    if post not in _posts:
+    if post not in _worker_posts:
         file = load_vessel(str(path))
-        _posts[post] = Candidate(file, equations), Yardstick(file, legs)
-    candidate, yardstick = _posts[post]
+        _worker_posts[post] = Candidate(file, equations), Yardstick(file, legs)
+    candidate, yardstick = _worker_posts[post]
     candidate.take(factors)
     return yardstick.differences(candidate)
 
 
-class Crew:
+class CandidatePool:
     """As many candidates as there are processors."""
 
     def __init__(self, path: Path, equations: str, legs: tuple[Leg, ...], cores: int) -> None:
@@ -44,7 +44,7 @@ class Crew:
         self.legs = legs
         self._fly = partial(_differences, path, equations, legs)
         self._cores = cores
-        self._pool = workers(cores) if cores > 1 else None
+        self._pool = worker_pool(cores) if cores > 1 else None
 
     def __enter__(self) -> Self:
         """Return the crew."""
@@ -59,7 +59,7 @@ class Crew:
         """Return the differences of candidates, each by row, in order."""
         if self._pool is None or len(several) == 1:
             return list(map(self._fly, several))
-        chunk = max(1, min(CHUNK, len(several) // self._cores))
+        chunk = max(1, min(CHUNK_FLIGHTS, len(several) // self._cores))
         return list(self._pool.map(self._fly, several, chunksize=chunk))
 
     def slopes(self, factors: Numbers, free: Sequence[int], here: Numbers) -> Numbers:
@@ -67,9 +67,9 @@ class Crew:
         nudged = []
         for place in free:
             there = factors.copy()
-            there[place] += NUDGE
+            there[place] += FACTOR_NUDGE
             nudged.append(there)
         found = np.zeros((here.size, factors.size))
         for place, there in zip(free, self.differences(nudged), strict=True):
-            found[:, place] = (there - here) / NUDGE
-        return np.where(abs(found) > STEEPEST, 0.0, found)
+            found[:, place] = (there - here) / FACTOR_NUDGE
+        return np.where(abs(found) > MAX_SLOPE, 0.0, found)

@@ -8,34 +8,38 @@ import numpy as np
 
 from trainer.analysis.guide.programme import Leg, own_method
 from trainer.analysis.guide.verdicts import Judgement, judge
-from trainer.analysis.manoeuvres.flight import Flight, fly
+from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.boat.assemble import body, thrust_rows
+from trainer.boat.assemble import body_values, thrust_rows
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
-from trainer.core.terms import BASIC_DROPS, EXTRA_TERMS, KEPT
+from trainer.core.terms import BASIC_DROPS, COMPACT_TERMS, EXTRA_TERMS
 from trainer.core.vessel import compact_record
 from trainer.units import KNOT
 
 # What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a
 # boat without rudder drag would pass many a test.
-CONTROLS: Final = (*("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),)
-FIXED: Final = ("X_dbdb", "Z_db", "M_db")
+CONTROL_COEFFICIENTS: Final = (
+    *("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),
+)
+FIXED_COEFFICIENTS: Final = ("X_dbdb", "Z_db", "M_db")
 # Those that couple roll with sway and yaw may go: by accelerations of the last cycle they drive a
 # roll that nothing else damps.
 ADDED_MASSES: Final = (
     *("X_udot", "Y_vdot", "Y_rdot", "Z_wdot", "Z_qdot"),
     *("K_pdot", "M_wdot", "M_qdot", "N_vdot", "N_rdot"),
 )
-FURTHEST: Final = 10.0  # [-] a difference beyond this counts as this
+MAX_DIFFERENCE: Final = 10.0  # [-] a difference beyond this counts as this
 
 
-def terms(file: VesselFile, equations: str) -> tuple[str, ...]:
+def compact_terms(file: VesselFile, equations: str) -> tuple[str, ...]:
     """Return the coefficients of this hull that the compact kernel has room for."""
     dropped = BASIC_DROPS if equations == "basic" else ()
     return tuple(
-        name for name in (*KEPT, *EXTRA_TERMS) if file.coefficients[name] and name not in dropped
+        name
+        for name in (*COMPACT_TERMS, *EXTRA_TERMS)
+        if file.coefficients[name] and name not in dropped
     )
 
 
@@ -44,11 +48,11 @@ class Candidate:
 
     def __init__(self, file: VesselFile, equations: str) -> None:
         """Fit the boat out."""
-        self.terms = terms(file, equations)
+        self.terms = compact_terms(file, equations)
         self._file = file
         self._method = own_method(file, equations)
         self._boats: dict[Rig, Submarine] = {}
-        self._body = body(file)
+        self._body = body_values(file)
         self._rows, self._eta = thrust_rows(file)
         self.take([1.0] * len(self.terms))
 
@@ -68,11 +72,13 @@ class Candidate:
             boat = Submarine(self._file, self._method, leg.rig)
             boat.boat.records.compact[:] = self._compact
             self._boats[leg.rig] = boat
-        return fly(self._boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT, beside.events)
+        return fly_manoeuvre(
+            self._boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT, beside.events
+        )
 
 
 @dataclass(frozen=True)
-class Row:
+class JudgedNumber:
     """One number that is looked at."""
 
     leg: str
@@ -86,7 +92,7 @@ class Yardstick:
         """Fly the legs; those that the full set cannot start are left out."""
         self._flights = dict(_fly_legs(file, legs))
         self.rows = tuple(
-            Row(leg.title, one.quantity)
+            JudgedNumber(leg.title, one.quantity)
             for leg, full in self._flights.items()
             for one in judge(leg.manoeuvre, full, full)
             if one.allowed
@@ -110,21 +116,21 @@ class Yardstick:
 
     def differences(self, candidate: Candidate) -> Numbers:
         """Return candidate less full by row, as multiples of what is allowed [-]."""
-        found = np.full(len(self.rows), FURTHEST)
+        found = np.full(len(self.rows), MAX_DIFFERENCE)
         for leg, judgements in self.judged(candidate):
             for one in judgements:
-                place = self._places.get(Row(leg.title, one.quantity))
+                place = self._places.get(JudgedNumber(leg.title, one.quantity))
                 if place is not None:
-                    found[place] = multiple(one)
+                    found[place] = allowed_multiple(one)
         return found
 
 
-def multiple(one: Judgement) -> float:
+def allowed_multiple(one: Judgement) -> float:
     """Return a difference as a multiple of what is allowed [-]. What is lacking counts as zero."""
     if not one.allowed or one.full is None:
-        return FURTHEST
+        return MAX_DIFFERENCE
     other = 0.0 if one.other is None else one.other
-    return float(np.clip((other - one.full) / one.allowed, -FURTHEST, FURTHEST))
+    return float(np.clip((other - one.full) / one.allowed, -MAX_DIFFERENCE, MAX_DIFFERENCE))
 
 
 def _fly_legs(file: VesselFile, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:
@@ -133,6 +139,6 @@ def _fly_legs(file: VesselFile, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flig
     boats = {rig: Submarine(file, method, rig) for rig in {leg.rig for leg in legs}}
     for leg in legs:
         try:
-            yield leg, fly(boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT)
+            yield leg, fly_manoeuvre(boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             continue

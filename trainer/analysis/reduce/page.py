@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from trainer.analysis.guide.reasons import Drop
-from trainer.analysis.guide.verdicts import account
+from trainer.analysis.guide.reasons import DropEffect
+from trainer.analysis.guide.verdicts import verdict_account
 from trainer.analysis.reduce.reduction import Reduction
-from trainer.analysis.reduce.verdict import PARTS, Checked
-from trainer.report.text import figure, plain, table, wrap
+from trainer.analysis.reduce.verdict import PART_TOLERANCES, LegVerdict
+from trainer.report.text import ascii_text, format_number, table, wrap
 
-SHOWN: Final = 40  # rows of the table of sensitivities
-COLUMNS: Final = (  # of it; JSON has all
+SENSITIVITY_ROWS: Final = 40  # rows of the table of sensitivities
+SENSITIVITY_COLUMNS: Final = (  # of it; JSON has all
     "turn: steady diameter",
     "turn: steady speed",
     "turn: largest roll",
@@ -18,12 +18,12 @@ COLUMNS: Final = (  # of it; JSON has all
     "overshoot: depth change",
     "roll-decay: amplitude after cycle 1",
 )
-ACROSS: Final = 3  # terms a line
+TERMS_PER_LINE: Final = 3  # terms a line
 
 
 def render(found: Reduction) -> str:
     """Return the whole page."""
-    lines = [plain(f"REDUCTION: {found.vessel}"), ""]
+    lines = [ascii_text(f"REDUCTION: {found.vessel}"), ""]
     if found.sensitivity:
         lines += [*sensitivity(found.sensitivity), ""]
     lines += [*_terms(found), "", *_verdict(found.checked), ""]
@@ -38,19 +38,26 @@ def render(found: Reduction) -> str:
     return "\n".join(lines)
 
 
-def sensitivity(drops: Sequence[Drop]) -> list[str]:
+def sensitivity(drops: Sequence[DropEffect]) -> list[str]:
     """Return the table of what each coefficient does by itself."""
-    short = (name.replace("amplitude after ", "").replace(":", "") for name in COLUMNS)
+    short = (name.replace("amplitude after ", "").replace(":", "") for name in SENSITIVITY_COLUMNS)
     heads = ["without", *(name.replace("-", " ").replace(" ", "\n") for name in short)]
     rows = [
-        (drop.coefficient, *(figure(drop.percent.get(name), "+.1f") for name in COLUMNS))
-        for drop in drops[:SHOWN]
+        (
+            drop.coefficient,
+            *(format_number(drop.percent.get(name), "+.1f") for name in SENSITIVITY_COLUMNS),
+        )
+        for drop in drops[:SENSITIVITY_ROWS]
     ]
     words = (
         "What each coefficient does by itself: change [%] when it alone is put to zero in the full "
         "set, at the boat's own speed; none where the manoeuvre then has no such number"
     )
-    more = [f"  ... and {len(drops) - SHOWN} with less effect"] if len(drops) > SHOWN else []
+    more = (
+        [f"  ... and {len(drops) - SENSITIVITY_ROWS} with less effect"]
+        if len(drops) > SENSITIVITY_ROWS
+        else []
+    )
     return [*wrap(words, "", ""), *table(heads, rows), *more]
 
 
@@ -66,8 +73,8 @@ def _terms(found: Reduction) -> Iterator[str]:
         f"{one.term}{'' if one.in_1969 else '+'}".ljust(9) + f"{one.factor:8.4g}"
         for one in found.kept
     ]
-    for i in range(0, len(cells), ACROSS):
-        yield "  " + "    ".join(cells[i : i + ACROSS])
+    for i in range(0, len(cells), TERMS_PER_LINE):
+        yield "  " + "    ".join(cells[i : i + TERMS_PER_LINE])
     yield from wrap(f"Dropped: {', '.join(found.dropped)}", "", "  ")
     if found.needs:
         yield ""
@@ -78,14 +85,15 @@ def _terms(found: Reduction) -> Iterator[str]:
             )
 
 
-def _verdict(checked: Sequence[Checked]) -> Iterator[str]:
+def _verdict(checked: Sequence[LegVerdict]) -> Iterator[str]:
     """Yield how the compact set does, part by part."""
-    for part, percent in PARTS.items():
+    for part, percent in PART_TOLERANCES.items():
         of_part = [one for one in checked if one.part == part]
         judged = [one for one in of_part if one.judged]
         failed = [one for one in judged if one.beyond]
         yield from wrap(
-            f"{part}, {percent:g} %: manoeuvres within, {account([one.passed for one in of_part])};"
+            f"{part}, {percent:g} %: manoeuvres within, "
+            f"{verdict_account([one.passed for one in of_part])};"
             f" {sum(one.beyond for one in judged)} of {sum(one.judged for one in judged)} numbers "
             "beyond",
             "",

@@ -8,11 +8,15 @@ from typing import ClassVar, Final
 import numpy as np
 
 from trainer.analysis.check import round_speeds
-from trainer.analysis.guide.programme import Leg, own_method, ways
-from trainer.analysis.guide.programme import legs as guide_legs
-from trainer.analysis.manoeuvres.casualties import UPRIGHT, OutOfBalance, PlaneJam, RudderJam
+from trainer.analysis.guide.programme import Leg, both_ways, guide_legs, own_method
+from trainer.analysis.manoeuvres.casualties import (
+    UPRIGHT_COLUMNS,
+    OutOfBalance,
+    PlaneJam,
+    RudderJam,
+)
 from trainer.analysis.manoeuvres.catalogue import within_limits
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.speeds import Backing, CrashStop
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
@@ -24,7 +28,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     Direction,
     Measure,
     Side,
-    part,
+    part_measure,
 )
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,
@@ -42,19 +46,28 @@ from trainer.units import KNOT
 # Weaves that only the reduction flies: a control from side to side by the clock.
 
 
-LEAD: Final = 2.0  # [s] of straight flight
-LEGS: Final = (3.0, 6.0, 6.0)  # [lengths run] to one side, the other, and the first again
-READINGS: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
-LEVEL: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi": "rad"}
+LEAD_TIME_S: Final = 2.0  # [s] of straight flight
+WEAVE_LENGTHS: Final = (3.0, 6.0, 6.0)  # [lengths run] to one side, the other, and the first again
+READING_SHARES: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
+LEVEL_COLUMNS: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi": "rad"}
 TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
-LENGTHS: Final = 40.0  # of all else
-SHORTEST: Final = 20.0  # [s] besides
-RUDDER: Final = 30.0  # [deg] the largest, or as far as it goes
-LOAD: Final = 0.002  # [-] of the weight, out of balance
-HALVINGS: Final = 5  # of a control's angle until the full set is not lost
-SIDES: Final[tuple[Side, Side]] = STARBOARD, PORT
-GENTLER: Final = ("jammed_lengths", "share", "planes_deg", "angle_deg")  # what is halved, the first
-PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turns have their numbers
+USUAL_LENGTHS: Final = 40.0  # of all else
+MIN_FLIGHT_S: Final = 20.0  # [s] besides
+MAX_RUDDER_DEG: Final = 30.0  # [deg] the largest, or as far as it goes
+LOAD_SHARE: Final = 0.002  # [-] of the weight, out of balance
+MAX_ANGLE_HALVINGS: Final = 5  # of a control's angle until the full set is not lost
+BOTH_SIDES: Final[tuple[Side, Side]] = STARBOARD, PORT
+HALVED_FIELDS: Final = (
+    "jammed_lengths",
+    "share",
+    "planes_deg",
+    "angle_deg",
+)  # what is halved, the first
+SLOW_MANOEUVRES: Final = (
+    "pull-out",
+    "spiral",
+    "reverse-spiral",
+)  # slow to fly; turns have their numbers
 
 
 @dataclass(frozen=True)
@@ -71,9 +84,9 @@ class _Weave(Manoeuvre):
         """Yield the cycles of the legs."""
         for quantity in self.keep:
             conn.vehicle.keep(quantity)
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         length, speed, sign = conn.vehicle.length, conn.value("u"), self.sign
-        for run in LEGS:
+        for run in WEAVE_LENGTHS:
             conn.order(self.needs[0], sign * math.radians(self.angle_deg))
             conn.mark("leg")
             yield from conn.hold(run * length / speed)
@@ -87,17 +100,19 @@ class _Weave(Manoeuvre):
         times = {
             f"{reading:.2g} of leg {i}": begin + reading * (end - begin)
             for i, (begin, end) in enumerate(zip(begins, ends, strict=True), start=1)
-            for reading in READINGS
+            for reading in READING_SHARES
         }
         found = []
         for name, unit in self.watched.items():
             most = float(abs(flight.change(name)).max())
             for told, time in times.items():
-                found.append(part(f"{name} after {told}", unit, flight.at(time, name), most))
+                found.append(
+                    part_measure(f"{name} after {told}", unit, flight.at(time, name), most)
+                )
         swing = flight.change(self.swinging)
         most = float(abs(swing).max())
-        found.append(part(f"largest {self.swinging}", "rad", float(swing.max()), most))
-        found.append(part(f"smallest {self.swinging}", "rad", float(swing.min()), most))
+        found.append(part_measure(f"largest {self.swinging}", "rad", float(swing.max()), most))
+        found.append(part_measure(f"smallest {self.swinging}", "rad", float(swing.min()), most))
         return found
 
 
@@ -107,7 +122,7 @@ class Weave(_Weave):
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
     keep: ClassVar[tuple[str, ...]] = ("depth",)
-    watched: ClassVar[Mapping[str, str]] = LEVEL
+    watched: ClassVar[Mapping[str, str]] = LEVEL_COLUMNS
     swinging: ClassVar[str] = "psi"
 
     side: Side = STARBOARD
@@ -118,28 +133,28 @@ class VerticalWeave(_Weave):
     """Planes from side to side."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
-    watched: ClassVar[Mapping[str, str]] = UPRIGHT
+    watched: ClassVar[Mapping[str, str]] = UPRIGHT_COLUMNS
     swinging: ClassVar[str] = "theta"
 
     angle_deg: float = 5.0  # control
     direction: Direction = RISE
 
 
-def speeds(file: VesselFile) -> tuple[float, ...]:
+def leg_speeds(file: VesselFile) -> tuple[float, ...]:
     """Return four speeds [kn] up to the boat's fastest, for BB2 5, 10, 15, 20."""
     low, top = file.run.speed_range_kn
     return tuple(float(u) for u in np.linspace(max(low, top / 4.0), top, 4))
 
 
-def turns(file: VesselFile) -> tuple[Leg, ...]:
+def turn_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return steady turns to both sides.
 
     They have four speeds by three angles up to the largest.
     """
-    most = min(RUDDER, file.surfaces.rudder_limit_deg)
+    most = min(MAX_RUDDER_DEG, file.surfaces.rudder_limit_deg)
     return tuple(
         leg
-        for speed in speeds(file)
+        for speed in leg_speeds(file)
         for angle in (most / 3.0, 2.0 * most / 3.0, most)
         for leg in _ways("turn", f"rudder {angle:.3g} deg", speed, Turn(angle_deg=angle), file)
     )
@@ -147,12 +162,12 @@ def turns(file: VesselFile) -> tuple[Leg, ...]:
 
 def fit_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that the factors are fitted to."""
-    return flyable(file, (*turns(file), *_weaves(file), *_upright(file)))
+    return flyable_legs(file, (*turn_legs(file), *_weaves(file), *_upright(file)))
 
 
 def _weaves(file: VesselFile) -> Iterator[Leg]:
     """Yield weaves and diving turns, angles not yet within the boat's limits."""
-    own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
+    own, third, top = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[3]
     for speed, angle in ((own, 10.0), (own, 20.0), (top, 15.0)):
         weave = Weave(angle_deg=angle)
         yield from _ways("weave", f"rudder {angle:g} deg", speed, weave, file)
@@ -160,14 +175,14 @@ def _weaves(file: VesselFile) -> Iterator[Leg]:
         vertical = VerticalWeave(angle_deg=angle)
         yield from _ways("vertical weave", f"planes {angle:g} deg", speed, vertical, file)
     for speed, angle, planes in ((own, 10.0, 5.0), (own, 20.0, 10.0), (third, 20.0, 5.0)):
-        for side in SIDES:
+        for side in BOTH_SIDES:
             dive = ClimbingTurn(angle, planes, side=side, direction=DIVE)
             yield _leg("diving turn", f"rudder {angle:g} deg, {side}", speed, dive, file)
 
 
 def _upright(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs besides turns and weaves, angles not yet within the boat's limits."""
-    own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
+    own, third, top = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[3]
     rounds = round_speeds(*file.run.speed_range_kn)
     slow = rounds[min(1, len(rounds) - 1)]
     for speed in sorted({slow, own, third, top}):
@@ -181,7 +196,7 @@ def _upright(file: VesselFile) -> Iterator[Leg]:
     yield from _ways("impulse", "", own, Impulse(), file)
     yield from _ways("rudder-impulse", "", own, RudderImpulse(), file)
     for speed in (rounds[0], slow, own):
-        for share, keep in ((-LOAD, ("depth",)), (LOAD, ())):
+        for share, keep in ((-LOAD_SHARE, ("depth",)), (LOAD_SHARE, ())):
             kept = "depth kept" if keep else "planes still"
             loaded = OutOfBalance(share=share, keep=keep)
             yield _leg("out of balance", f"{share:+.1%}, {kept}", speed, loaded, file)
@@ -191,36 +206,39 @@ def _upright(file: VesselFile) -> Iterator[Leg]:
     yield from _ways("roll-decay", "", 0.0, RollDecay(), file)
 
 
-def fastest(file: VesselFile) -> tuple[Leg, ...]:
+def fastest_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return legs at the boat's top speed. The fit has their kinds below it."""
-    top = speeds(file)[3]
-    dives = [ClimbingTurn(10.0, 10.0, side=side, direction=DIVE) for side in SIDES]
-    loads = OutOfBalance(share=-LOAD), OutOfBalance(share=LOAD, keep=())
+    top = leg_speeds(file)[3]
+    dives = [ClimbingTurn(10.0, 10.0, side=side, direction=DIVE) for side in BOTH_SIDES]
+    loads = OutOfBalance(share=-LOAD_SHARE), OutOfBalance(share=LOAD_SHARE, keep=())
     legs = (
         *(_leg("diving turn", f"planes 10 deg, {one.side}", top, one, file) for one in dives),
         *_ways("impulse", "", top, Impulse(), file),
         *_ways("rudder-impulse", "", top, RudderImpulse(), file),
-        _leg("out of balance", f"{-LOAD:+.1%}, depth kept", top, loads[0], file),
-        _leg("out of balance", f"{LOAD:+.1%}, planes still", top, loads[1], file),
+        _leg("out of balance", f"{-LOAD_SHARE:+.1%}, depth kept", top, loads[0], file),
+        _leg("out of balance", f"{LOAD_SHARE:+.1%}, planes still", top, loads[1], file),
     )
-    return flyable(file, legs)
+    return flyable_legs(file, legs)
 
 
 def legs_of_guide(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs of the guide, which a set must pass unseen by the fit."""
-    return tuple(leg for leg in guide_legs(file) if leg.name not in PER_CYCLE)
+    return tuple(leg for leg in guide_legs(file) if leg.name not in SLOW_MANOEUVRES)
 
 
 def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that neither fit nor choice see: zig-zags, climbing turns, casualties."""
-    own, third, second = file.run.start_speed_kn, speeds(file)[2], speeds(file)[1]
+    own, third, second = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[1]
     rounds = round_speeds(*file.run.speed_range_kn)
     slow = rounds[min(1, len(rounds) - 1)]
     between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own)
     jams = 0.5 * (own + third), third
-    heavy, light = OutOfBalance(share=1.5 * LOAD), OutOfBalance(share=-1.5 * LOAD, keep=())
+    heavy, light = (
+        OutOfBalance(share=1.5 * LOAD_SHARE),
+        OutOfBalance(share=-1.5 * LOAD_SHARE, keep=()),
+    )
     zigzag = ZigZag(angle_deg=15.0, execute_deg=15.0)
-    climbs = [ClimbingTurn(10.0, 10.0, side=side) for side in SIDES]
+    climbs = [ClimbingTurn(10.0, 10.0, side=side) for side in BOTH_SIDES]
     legs = [
         *(leg for u in (second, third) for leg in _ways("zigzag-15", "", u, zigzag, file)),
         *(_leg("climbing turn", one.side, u, one, file) for u in (second, third) for one in climbs),
@@ -228,7 +246,7 @@ def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
         *(_leg("out of balance", "heavy, depth kept", speed, heavy, file) for speed in between),
         *(_leg("out of balance", "light, planes still", speed, light, file) for speed in between),
     ]
-    return flyable(file, legs)
+    return flyable_legs(file, legs)
 
 
 def _ways(
@@ -236,19 +254,19 @@ def _ways(
 ) -> Iterator[Leg]:
     """Yield a manoeuvre's legs to both sides, or up and down, as `ways` has them."""
     leg = _leg(name, variant, speed, manoeuvre, file)
-    yield from ways(name, leg.speed_kn, leg.manoeuvre, variant)
+    yield from both_ways(name, leg.speed_kn, leg.manoeuvre, variant)
 
 
 def _leg(name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: VesselFile) -> Leg:
     """Return a leg no longer than it takes this boat to show what it does."""
     if speed and hasattr(manoeuvre, "duration_s"):
-        lengths = TURN_LENGTHS if name == "turn" else LENGTHS
-        enough = lengths * file.hull.length / (speed * KNOT) + SHORTEST
+        lengths = TURN_LENGTHS if name == "turn" else USUAL_LENGTHS
+        enough = lengths * file.hull.length / (speed * KNOT) + MIN_FLIGHT_S
         manoeuvre = replace(manoeuvre, duration_s=min(manoeuvre.duration_s, enough))  # type: ignore[call-arg]
     return Leg(name, variant, round(speed, 3), manoeuvre)
 
 
-def flyable(file: VesselFile, legs: tuple[Leg, ...] | list[Leg]) -> tuple[Leg, ...]:
+def flyable_legs(file: VesselFile, legs: tuple[Leg, ...] | list[Leg]) -> tuple[Leg, ...]:
     """Return the legs that the full set can fly. Angles of the planes are smaller where need be."""
     boat = Submarine(file, own_method(file, "full"))
     found = (_flyable(boat, leg) for leg in legs)
@@ -260,15 +278,15 @@ def _flyable(boat: Submarine, leg: Leg) -> Leg | None:
     if not all(control in boat.controls for control in leg.manoeuvre.needs):
         return None
     leg = replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
-    for _ in range(HALVINGS):
+    for _ in range(MAX_ANGLE_HALVINGS):
         try:
-            flight = fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)
+            flight = fly_manoeuvre(boat, leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             return None
         recovers = not isinstance(leg.manoeuvre, PlaneJam) or flight.time_of("level") is not None
         if not flight.lost and recovers:
             return leg
-        field = next((field for field in GENTLER if hasattr(leg.manoeuvre, field)), None)
+        field = next((field for field in HALVED_FIELDS if hasattr(leg.manoeuvre, field)), None)
         if field is None:
             return None
         half = {field: 0.5 * getattr(leg.manoeuvre, field)}

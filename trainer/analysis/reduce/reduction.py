@@ -12,48 +12,57 @@ import numpy as np
 
 from trainer import __version__
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.guide.reasons import Drop
-from trainer.analysis.reduce.candidates import Crew
+from trainer.analysis.guide.reasons import DropEffect
+from trainer.analysis.reduce.candidates import CandidatePool
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
-    CONTROLS,
-    FIXED,
+    CONTROL_COEFFICIENTS,
+    FIXED_COEFFICIENTS,
     Candidate,
     Yardstick,
-    terms,
+    compact_terms,
 )
-from trainer.analysis.reduce.programme import fastest, fit_legs
+from trainer.analysis.reduce.programme import fastest_legs, fit_legs
 from trainer.analysis.reduce.search import (
-    LEASH,
-    LIMIT,
-    STEPS,
-    Aim,
-    Need,
-    Point,
+    FIT_LIMIT,
+    FIT_STEPS,
+    SLACKEST_LEASH,
     Search,
+    SearchAim,
+    SearchPoint,
+    SearchState,
     Slopes,
-    Standing,
-    descend,
+    TermNeed,
+    descend_slopes,
 )
-from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passes, verdict
+from trainer.analysis.reduce.verdict import (
+    LegVerdict,
+    TickCost,
+    hull_coefficients,
+    judge_legs,
+    measure_cost,
+    passes_legs,
+)
 from trainer.config.files import ConfigError, no_constant
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest
-from trainer.core.terms import KEPT
+from trainer.core.terms import COMPACT_TERMS
 from trainer.io.atomic_write import write_whole
 
-ENDING: Final = ".partial.json"
-DIGITS: Final = 4  # of a factor in the file
-ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
-FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data, where it can be
-SEARCHES: Final = 2  # at most
+PARTIAL_SUFFIX: Final = ".partial.json"
+FACTOR_DIGITS: Final = 4  # of a factor in the file
+ASTRAY_RATIO: Final = (
+    1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
+)
+FIRM_LEASH: Final = 0.2  # [-] leash that keeps closer to the hull's data, where it can be
+MAX_SEARCHES: Final = 2  # at most
 BASIC_ROUNDS: Final = 6
 QUICK_ROUNDS: Final = 2  # of the same, of a quick search
 
 
 def checkpoint_of(result: Path) -> Path:
     """Return where the search for that result is kept."""
-    return result.with_name(result.name + ENDING)
+    return result.with_name(result.name + PARTIAL_SUFFIX)
 
 
 def fingerprint(file: VesselFile) -> str:
@@ -62,7 +71,7 @@ def fingerprint(file: VesselFile) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def save_standings(path: Path, file: VesselFile, standings: Mapping[str, Standing]) -> None:
+def save_standings(path: Path, file: VesselFile, standings: Mapping[str, SearchState]) -> None:
     """Write the standings by equation set, whole or not at all. ConfigError if that cannot be."""
     found = {"of": fingerprint(file), **{name: asdict(one) for name, one in standings.items()}}
     try:
@@ -71,16 +80,16 @@ def save_standings(path: Path, file: VesselFile, standings: Mapping[str, Standin
         raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def load_standings(path: Path, file: VesselFile) -> dict[str, Standing]:
+def load_standings(path: Path, file: VesselFile) -> dict[str, SearchState]:
     """Return the standings kept, none if there are none of this boat by this program."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
         if found.pop("of") != fingerprint(file):
             return {}
         return {
-            name: Standing(
+            name: SearchState(
                 **{**one, "factors": tuple(one["factors"]), "kept": tuple(one["kept"])}
-                | {"needed": tuple(Need(**need) for need in one["needed"])}
+                | {"needed": tuple(TermNeed(**need) for need in one["needed"])}
             )
             for name, one in found.items()
         }
@@ -88,7 +97,7 @@ def load_standings(path: Path, file: VesselFile) -> dict[str, Standing]:
         return {}
 
 
-class Log:
+class SearchLog:
     """How far the searches for one boat have come, by name. In a file, if there is one."""
 
     def __init__(self, file: VesselFile, path: Path | None) -> None:
@@ -96,11 +105,11 @@ class Log:
         self._file, self._path = file, path
         self._standings = load_standings(path, file) if path else {}
 
-    def standing(self, name: str) -> Standing | None:
+    def standing(self, name: str) -> SearchState | None:
         """Return how far a search has come; None: it has not begun."""
         return self._standings.get(name)
 
-    def enter(self, name: str, standing: Standing) -> None:
+    def enter(self, name: str, standing: SearchState) -> None:
         """Keep how far a search has come; ConfigError if the file cannot be written."""
         self._standings[name] = standing
         if self._path:
@@ -114,7 +123,7 @@ def discard_checkpoint(path: Path) -> None:
 
 
 @dataclass(frozen=True)
-class Kept:
+class KeptTerm:
     """One term of the compact set."""
 
     term: str
@@ -130,65 +139,66 @@ class Reduction:
     vessel: str
     hull_terms: int  # coefficients that are not zero, besides thrust
     report_terms: int  # of them kept by the reduction of 1969
-    kept: tuple[Kept, ...]
+    kept: tuple[KeptTerm, ...]
     dropped: tuple[str, ...]
-    needs: tuple[Need, ...]  # why terms stay, of a search
-    sensitivity: tuple[Drop, ...]
-    checked: tuple[Checked, ...]
-    cost: Cost | None
+    needs: tuple[TermNeed, ...]  # why terms stay, of a search
+    sensitivity: tuple[DropEffect, ...]
+    checked: tuple[LegVerdict, ...]
+    cost: TickCost | None
     passed: bool
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """The result of a search: factors by set and term, and why terms stay."""
 
     factors: dict[str, dict[str, float]]  # [-] 0: dropped
-    needs: tuple[Need, ...]
+    needs: tuple[TermNeed, ...]
 
 
 def round_factor(value: float) -> float:
     """Return a factor as the file has it."""
-    return float(f"{value:.{DIGITS}g}")
+    return float(f"{value:.{FACTOR_DIGITS}g}")
 
 
 def as_filed(file: VesselFile) -> dict[str, float]:
     """Return the modified set's factors by term, from the file. 0: dropped."""
     factors = file.compensation["modified"]
-    kept = {*KEPT, *file.compact.extra_terms}
+    kept = {*COMPACT_TERMS, *file.compact.extra_terms}
     return {
-        name: factors.get(name, 1.0) if name in kept else 0.0 for name in terms(file, "modified")
+        name: factors.get(name, 1.0) if name in kept else 0.0
+        for name in compact_terms(file, "modified")
     }
 
 
-def report(
+def report_reduction(
     file: VesselFile,
     factors: Mapping[str, float],
-    needs: tuple[Need, ...],
-    sensitivity: tuple[Drop, ...],
+    needs: tuple[TermNeed, ...],
+    sensitivity: tuple[DropEffect, ...],
 ) -> Reduction:
     """Return all that is to be said about the boat's modified set with these factors."""
     candidate = Candidate(file, "modified")
     candidate.take([factors[name] for name in candidate.terms])
-    checked = verdict(file, candidate)
+    checked = judge_legs(file, candidate)
     kept = tuple(
-        Kept(name, file.coefficients[name], factor, name in KEPT)
+        KeptTerm(name, file.coefficients[name], factor, name in COMPACT_TERMS)
         for name, factor in factors.items()
         if factor
     )
-    hull = coefficients(file)
+    hull = hull_coefficients(file)
     staying = {one.term for one in kept}
     return Reduction(
         vessel=file.name,
         hull_terms=len(hull),
-        report_terms=sum(name in KEPT for name in hull),
+        report_terms=sum(name in COMPACT_TERMS for name in hull),
         kept=kept,
         dropped=tuple(name for name in hull if name not in staying),
         needs=tuple(need for need in needs if need.term in staying),
         sensitivity=sensitivity,
         checked=checked,
-        cost=cost(file),
-        passed=passes(checked),
+        cost=measure_cost(file),
+        passed=passes_legs(checked),
     )
 
 
@@ -199,31 +209,33 @@ def search(
     step: Callable[[int], None],
     *,
     quick: bool = False,
-) -> Found:
+) -> SearchResult:
     """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
 
     A ``quick`` one keeps a term whose loss takes long to make up for.
 
     If what is found is astray at the boat's top speed, another is searched for, fitted to flights
     there too, on a firmer leash if that will do, each direction's own added mass kept. ``step`` is
-    called with the number of terms decided, of up to SEARCHES times those that there are.
+    called with the number of terms decided, of up to MAX_SEARCHES times those that there are.
     """
-    log, fast = Log(file, partial), fastest(file)
-    aim = Aim(fit_legs(file), LEASH, CONTROLS, quick)
+    log, fast = SearchLog(file, partial), fastest_legs(file)
+    aim = SearchAim(fit_legs(file), SLACKEST_LEASH, CONTROL_COEFFICIENTS, quick)
     standing, modified = _run_search(file, aim, cores, log, step)
-    if furthest(file, fast, modified) > ASTRAY:
-        aim = Aim((*aim.legs, *fast), FIRM, (*CONTROLS, *ADDED_MASSES), quick)
+    if largest_difference(file, fast, modified) > ASTRAY_RATIO:
+        aim = SearchAim(
+            (*aim.legs, *fast), FIRM_LEASH, (*CONTROL_COEFFICIENTS, *ADDED_MASSES), quick
+        )
         standing, modified = _run_search(file, aim, cores, log, step)
     basic = _basic(file, aim, cores, modified, standing.leash)
-    return Found({"modified": modified, "basic": basic}, standing.needed)
+    return SearchResult({"modified": modified, "basic": basic}, standing.needed)
 
 
 def _run_search(
-    file: VesselFile, aim: Aim, cores: int, log: Log, step: Callable[[int], None]
-) -> tuple[Standing, dict[str, float]]:
+    file: VesselFile, aim: SearchAim, cores: int, log: SearchLog, step: Callable[[int], None]
+) -> tuple[SearchState, dict[str, float]]:
     """Return how a search ends, and its factors by term."""
     name = f"{len(aim.legs)} flights{', quick' * aim.quick}"
-    with Crew(file.path, "modified", aim.legs, cores) as crew:
+    with CandidatePool(file.path, "modified", aim.legs, cores) as crew:
         at_work = Search(file, "modified", crew, aim)
         standing = log.standing(name) or at_work.begin()
         step(len(at_work.terms) - len(at_work.undecided(standing)))
@@ -233,7 +245,9 @@ def _run_search(
     return standing, dict(zip(at_work.terms, map(round_factor, standing.factors), strict=True))
 
 
-def furthest(file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]) -> float:
+def largest_difference(
+    file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]
+) -> float:
     """Return the modified set's largest difference in some legs [-].
 
     It is a multiple of what is allowed.
@@ -244,18 +258,18 @@ def furthest(file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]
 
 
 def _basic(
-    file: VesselFile, aim: Aim, cores: int, modified: Mapping[str, float], leash: float
+    file: VesselFile, aim: SearchAim, cores: int, modified: Mapping[str, float], leash: float
 ) -> dict[str, float]:
     """Return the factors of the basic set: those of the modified one, fitted to less."""
-    names = terms(file, "basic")
+    names = compact_terms(file, "basic")
     start = np.array([modified[name] for name in names])
-    with Crew(file.path, "basic", aim.legs, cores) as crew:
-        free = [i for i, name in enumerate(names) if start[i] and name not in FIXED]
-        here = Point(start, crew.differences([start])[0])
+    with CandidatePool(file.path, "basic", aim.legs, cores) as crew:
+        free = [i for i, name in enumerate(names) if start[i] and name not in FIXED_COEFFICIENTS]
+        here = SearchPoint(start, crew.differences([start])[0])
         for _ in range(QUICK_ROUNDS if aim.quick else BASIC_ROUNDS):
             table = crew.slopes(here.factors, free, here.differences)
             slopes = Slopes(table, free, leash)
-            there = descend(crew.differences, slopes, here, STEPS, LIMIT)
+            there = descend_slopes(crew.differences, slopes, here, FIT_STEPS, FIT_LIMIT)
             if there.cost >= here.cost:
                 break
             here = there

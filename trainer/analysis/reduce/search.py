@@ -17,36 +17,38 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.reduce.candidates import Crew
-from trainer.analysis.reduce.objective import FIXED, Candidate, Yardstick
+from trainer.analysis.reduce.candidates import CandidatePool
+from trainer.analysis.reduce.objective import FIXED_COEFFICIENTS, Candidate, Yardstick
 from trainer.analysis.reduce.programme import legs_of_guide
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 
-LOWEST, HIGHEST = 0.5, 2.0  # [-] factors
-FLOOR: Final = 0.2  # [-] smaller differences weigh as this
-POWERS: Final = (2, 6)
-DAMPINGS: Final = (0.01, 0.3, 10.0, 300.0)
-GAIN: Final = 0.995  # [-] of the cost: a step that brings less is the last
-NORM: Final = 8
+MIN_FACTOR, MAX_FACTOR = 0.5, 2.0  # [-] factors
+MIN_WEIGHTED_DIFFERENCE: Final = 0.2  # [-] smaller differences weigh as this
+COST_POWERS: Final = (2, 6)
+STEP_DAMPINGS: Final = (0.01, 0.3, 10.0, 300.0)
+MIN_COST_GAIN: Final = 0.995  # [-] of the cost: a step that brings less is the last
+COST_NORM: Final = 8
 
-Fly = Callable[[Sequence[Numbers]], list[Numbers]]
-LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
-PROOF: Final = 0.97  # [-] in those of the guide, unseen by the fit
-EASE: Final = 0.8  # [-] of the limit, at which a fit stops
-LEASH: Final = 0.05  # [-] as in Slopes, the slackest
-SLACKER: Final = 4.0  # [-] by which a leash is let out that keeps the set from the limit
-STARTS: Final = 4  # rounds that may bring the set with all terms into the limit
-BATCH: Final = 8  # terms dropped at once, to begin with
-STALE: Final = 6  # terms dropped, or found needed, by the same slopes
-STEPS: Final = 3  # of a fit by the same slopes
-SURE: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
-SETTLING: Final = 3  # rounds of a last fit, when the terms are chosen
-HOPELESS: Final = 4.0  # [-] a difference that new slopes will not mend
-FORESEEN: Final = 3.0  # [-] the same as slopes foresee it; a quick search does not fly to see it
+FlyCandidates = Callable[[Sequence[Numbers]], list[Numbers]]
+FIT_LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
+PROOF_LIMIT: Final = 0.97  # [-] in those of the guide, unseen by the fit
+FIT_STOP_SHARE: Final = 0.8  # [-] of the limit, at which a fit stops
+SLACKEST_LEASH: Final = 0.05  # [-] as in Slopes, the slackest
+LEASH_FACTOR: Final = 4.0  # [-] by which a leash is let out that keeps the set from the limit
+MAX_START_ROUNDS: Final = 4  # rounds that may bring the set with all terms into the limit
+FIRST_BATCH_TERMS: Final = 8  # terms dropped at once, to begin with
+MAX_SLOPE_USES: Final = 6  # terms dropped, or found needed, by the same slopes
+FIT_STEPS: Final = 3  # of a fit by the same slopes
+SURE_NEED: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
+LAST_FIT_ROUNDS: Final = 3  # rounds of a last fit, when the terms are chosen
+HOPELESS_DIFFERENCE: Final = 4.0  # [-] a difference that new slopes will not mend
+FORESEEN_DIFFERENCE: Final = (
+    3.0  # [-] the same as slopes foresee it; a quick search does not fly to see it
+)
 
 
-class Point(NamedTuple):
+class SearchPoint(NamedTuple):
     """Factors, and the differences that they lead to, both by place."""
 
     factors: Numbers
@@ -66,7 +68,7 @@ class Point(NamedTuple):
     @property
     def cost(self) -> float:
         """Return the differences as one number that the largest rule."""
-        return float(np.sum(abs(self.differences) ** NORM) ** (1.0 / NORM))
+        return float(np.sum(abs(self.differences) ** COST_NORM) ** (1.0 / COST_NORM))
 
 
 class Slopes(NamedTuple):
@@ -79,13 +81,13 @@ class Slopes(NamedTuple):
 
 def normal_matrix(slopes: Slopes, differences: Numbers, power: int) -> tuple[Numbers, Numbers]:
     """Return the weighted normal matrix, leash included, and the weights by row."""
-    weights = np.maximum(abs(differences), FLOOR) ** (power - 2)
+    weights = np.maximum(abs(differences), MIN_WEIGHTED_DIFFERENCE) ** (power - 2)
     weights /= weights.max()
     table = slopes.table[:, slopes.free]
     return table.T @ (weights[:, None] * table) + slopes.leash * np.eye(table.shape[1]), weights
 
 
-def take_step(slopes: Slopes, here: Point, power: int, damping: float) -> Numbers:
+def take_step(slopes: Slopes, here: SearchPoint, power: int, damping: float) -> Numbers:
     """Return the factors after one step."""
     places = slopes.free
     matrix, weights = normal_matrix(slopes, here.differences, power)
@@ -93,11 +95,13 @@ def take_step(slopes: Slopes, here: Point, power: int, damping: float) -> Number
     downhill -= slopes.leash * (here.factors[places] - 1.0)
     there = here.factors.copy()
     there[places] += np.linalg.solve(matrix + damping * np.eye(len(places)), downhill)
-    there[places] = np.clip(there[places], LOWEST, HIGHEST)
+    there[places] = np.clip(there[places], MIN_FACTOR, MAX_FACTOR)
     return there
 
 
-def descend(fly: Fly, slopes: Slopes, here: Point, rounds: int, goal: float) -> Point:
+def descend_slopes(
+    fly: FlyCandidates, slopes: Slopes, here: SearchPoint, rounds: int, goal: float
+) -> SearchPoint:
     """Return the best point of ``rounds`` steps by the same slopes.
 
     If some are in the goal, the one of them that departs least from the hull's own coefficients.
@@ -106,20 +110,22 @@ def descend(fly: Fly, slopes: Slopes, here: Point, rounds: int, goal: float) -> 
         if here.worst <= goal:
             break
         tried = [
-            take_step(slopes, here, power, damping) for power in POWERS for damping in DAMPINGS
+            take_step(slopes, here, power, damping)
+            for power in COST_POWERS
+            for damping in STEP_DAMPINGS
         ]
-        points = [Point(*pair) for pair in zip(tried, fly(tried), strict=True)]
+        points = [SearchPoint(*pair) for pair in zip(tried, fly(tried), strict=True)]
         reached = [one for one in points if one.worst <= goal]
         if reached:
             return min(reached, key=lambda one: one.departure)
         best = min(points, key=lambda one: one.cost)
-        if best.cost >= GAIN * here.cost:
+        if best.cost >= MIN_COST_GAIN * here.cost:
             break
         here = best
     return here
 
 
-def without(slopes: Slopes, here: Point, gone: Sequence[int]) -> Numbers:
+def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Numbers:
     """Return the factors with those ``gone`` at zero. The others make up for it."""
     places = slopes.free
     matrix, _ = normal_matrix(slopes, here.differences, 4)
@@ -127,19 +133,19 @@ def without(slopes: Slopes, here: Point, gone: Sequence[int]) -> Numbers:
     which = [places.index(place) for place in gone]
     pull = np.linalg.solve(inverse[np.ix_(which, which)], here.factors[list(gone)])
     there = here.factors.copy()
-    there[places] = np.clip(there[places] - inverse[:, which] @ pull, LOWEST, HIGHEST)
+    there[places] = np.clip(there[places] - inverse[:, which] @ pull, MIN_FACTOR, MAX_FACTOR)
     there[list(gone)] = 0.0
     return there
 
 
-def rises(slopes: Slopes, here: Point) -> Numbers:
+def cost_rises(slopes: Slopes, here: SearchPoint) -> Numbers:
     """Return the rise [-] of the weighted squares for each free factor alone at zero."""
     matrix, _ = normal_matrix(slopes, here.differences, 4)
     return np.asarray(here.factors[slopes.free] ** 2 / np.diag(np.linalg.inv(matrix)))
 
 
 @dataclass(frozen=True)
-class Need:
+class TermNeed:
     """Why a term stays: what would be off without it, the others fitted anew."""
 
     term: str
@@ -149,27 +155,27 @@ class Need:
 
 
 @dataclass(frozen=True)
-class Standing:
+class SearchState:
     """How far a search has come; a round depends on this alone."""
 
     factors: tuple[float, ...]  # [-] by term, 0: dropped
     kept: tuple[int, ...]  # places of the terms
-    needed: tuple[Need, ...] = ()
-    batch: int = BATCH
+    needed: tuple[TermNeed, ...] = ()
+    batch: int = FIRST_BATCH_TERMS
     starts: int = 0  # rounds that the set with all terms has been fitted in
     limit: float = 0.0  # [-] 0: not begun to drop
     proof: float = 0.0
     again: bool = False  # whether the doubtful have been asked about once more
     settled: int = 0  # rounds of the last fit
-    leash: float = LEASH  # [-] as in Slopes
+    leash: float = SLACKEST_LEASH  # [-] as in Slopes
 
     @property
     def done(self) -> bool:
         """Return whether nothing is left to do."""
-        return self.settled >= SETTLING
+        return self.settled >= LAST_FIT_ROUNDS
 
 
-class Aim(NamedTuple):
+class SearchAim(NamedTuple):
     """The task of a search, and how closely it keeps to the hull's data."""
 
     legs: tuple[Leg, ...]
@@ -181,7 +187,9 @@ class Aim(NamedTuple):
 class Search:
     """A boat's compact set on its way to fewer terms."""
 
-    def __init__(self, file: VesselFile, equations: str, crew: Crew, aim: Aim) -> None:
+    def __init__(
+        self, file: VesselFile, equations: str, crew: CandidatePool, aim: SearchAim
+    ) -> None:
         """Have all terms, as the full set has them."""
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
@@ -190,25 +198,29 @@ class Search:
         self._proof = Yardstick(file, legs_of_guide(file))
         self._rows = Yardstick(file, crew.legs).rows
 
-    def begin(self) -> Standing:
+    def begin(self) -> SearchState:
         """Return the standing of a search that has not begun."""
         return self._begin(self._aim.leash)
 
-    def _begin(self, leash: float) -> Standing:
+    def _begin(self, leash: float) -> SearchState:
         """Return the standing before anything is fitted or dropped."""
         everything = tuple(range(len(self.terms)))
-        standing = Standing((1.0,) * len(self.terms), everything, leash=leash)
-        return replace(standing, again=True, settled=SETTLING - 1) if self._aim.quick else standing
+        standing = SearchState((1.0,) * len(self.terms), everything, leash=leash)
+        return (
+            replace(standing, again=True, settled=LAST_FIT_ROUNDS - 1)
+            if self._aim.quick
+            else standing
+        )
 
-    def undecided(self, standing: Standing) -> list[int]:
+    def undecided(self, standing: SearchState) -> list[int]:
         """Return the places of the terms that may still be dropped."""
         decided = {*(need.term for need in standing.needed), *self._aim.stays}
         return [i for i in standing.kept if self.terms[i] not in decided]
 
-    def round(self, standing: Standing, step: Callable[[], None]) -> Standing:
+    def round(self, standing: SearchState, step: Callable[[], None]) -> SearchState:
         """Return the standing after one round; ``step`` is called after each term decided."""
         if standing.limit and not self.undecided(standing) and not standing.again:
-            sure = tuple(need for need in standing.needed if need.worst >= SURE)
+            sure = tuple(need for need in standing.needed if need.worst >= SURE_NEED)
             return replace(standing, needed=sure, again=True)
         here = self._point(np.array(standing.factors))
         slopes = self._slopes(here, standing.kept, standing.leash)
@@ -218,15 +230,15 @@ class Search:
             return self._settle(standing, here, slopes)
         return self._drop(standing, here, slopes, step)
 
-    def _point(self, factors: Numbers) -> Point:
+    def _point(self, factors: Numbers) -> SearchPoint:
         """Return factors with the differences they lead to."""
-        return Point(factors, self._crew.differences([factors])[0])
+        return SearchPoint(factors, self._crew.differences([factors])[0])
 
     def _free(self, kept: Sequence[int]) -> list[int]:
         """Return the places of the factors that may change."""
-        return [i for i in kept if self.terms[i] not in FIXED]
+        return [i for i in kept if self.terms[i] not in FIXED_COEFFICIENTS]
 
-    def _slopes(self, here: Point, kept: Sequence[int], leash: float) -> Slopes:
+    def _slopes(self, here: SearchPoint, kept: Sequence[int], leash: float) -> Slopes:
         """Return the slopes at a point."""
         free = self._free(kept)
         return Slopes(self._crew.slopes(here.factors, free, here.differences), free, leash)
@@ -235,9 +247,13 @@ class Search:
         """Return the slopes for terms of which fewer are kept."""
         return slopes._replace(free=self._free(kept))
 
-    def _fit(self, slopes: Slopes, here: Point, kept: Sequence[int], goal: float) -> Point:
+    def _fit(
+        self, slopes: Slopes, here: SearchPoint, kept: Sequence[int], goal: float
+    ) -> SearchPoint:
         """Return the point that a fit by these slopes leads to."""
-        return descend(self._crew.differences, self._among(slopes, kept), here, STEPS, goal)
+        return descend_slopes(
+            self._crew.differences, self._among(slopes, kept), here, FIT_STEPS, goal
+        )
 
     def proof(self, factors: Numbers) -> Numbers:
         """Return the differences in the guide's flights."""
@@ -246,38 +262,42 @@ class Search:
             self._proven = factors.copy(), self._proof.differences(self.candidate)
         return self._proven[1]
 
-    def _start(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
+    def _start(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:
         """Return the standing after a fit of the set with all terms.
 
         Where a leash keeps it from the limit, a slacker one is begun with.
         """
-        begun, here = here, self._fit(slopes, here, standing.kept, EASE * LIMIT)
+        begun, here = here, self._fit(slopes, here, standing.kept, FIT_STOP_SHARE * FIT_LIMIT)
         proof = float(abs(self.proof(here.factors)).max())
         moved = not np.array_equal(begun.factors, here.factors)  # else one more would do the same
         tried = replace(standing, factors=tuple(here.factors.tolist()), starts=standing.starts + 1)
-        if moved and tried.starts < STARTS and (here.worst > EASE * LIMIT or proof > PROOF):
+        if (
+            moved
+            and tried.starts < MAX_START_ROUNDS
+            and (here.worst > FIT_STOP_SHARE * FIT_LIMIT or proof > PROOF_LIMIT)
+        ):
             return tried
-        if standing.leash > LEASH and (here.worst > LIMIT or proof > PROOF):
-            return self._begin(max(LEASH, standing.leash / SLACKER))
-        return replace(tried, limit=max(LIMIT, here.worst), proof=max(PROOF, proof))
+        if standing.leash > SLACKEST_LEASH and (here.worst > FIT_LIMIT or proof > PROOF_LIMIT):
+            return self._begin(max(SLACKEST_LEASH, standing.leash / LEASH_FACTOR))
+        return replace(tried, limit=max(FIT_LIMIT, here.worst), proof=max(PROOF_LIMIT, proof))
 
-    def _settle(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
+    def _settle(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:
         """Return the standing after a fit as good as can be, if the guide's flights bear it."""
         there = self._fit(slopes, here, standing.kept, 0.0)
         worse = abs(self.proof(there.factors)).max() > standing.proof
         if worse or there.cost >= here.cost:
-            return replace(standing, settled=SETTLING)
+            return replace(standing, settled=LAST_FIT_ROUNDS)
         factors = tuple(there.factors.tolist())
         return replace(standing, factors=factors, settled=standing.settled + 1)
 
     def _drop(
-        self, standing: Standing, here: Point, slopes: Slopes, step: Callable[[], None]
-    ) -> Standing:
+        self, standing: SearchState, here: SearchPoint, slopes: Slopes, step: Callable[[], None]
+    ) -> SearchState:
         """Return the standing after what these slopes are good for."""
         decided = 0
         if self._aim.quick:
             standing = self._foresee(standing, here, slopes, step)
-        while decided < STALE:
+        while decided < MAX_SLOPE_USES:
             order = self._order(standing, here, slopes)[: standing.batch]
             if not order:
                 break
@@ -296,21 +316,21 @@ class Search:
         return standing
 
     def _foresee(
-        self, standing: Standing, here: Point, slopes: Slopes, step: Callable[[], None]
-    ) -> Standing:
+        self, standing: SearchState, here: SearchPoint, slopes: Slopes, step: Callable[[], None]
+    ) -> SearchState:
         """Return the standing with the terms needed that slopes alone tell to be so."""
         among = self._among(slopes, standing.kept)
         for place in self.undecided(standing):
-            change = without(among, here, [place]) - here.factors
+            change = without_terms(among, here, [place]) - here.factors
             foreseen = abs(here.differences + slopes.table @ change)
-            if foreseen.max() > FORESEEN * standing.limit:
+            if foreseen.max() > FORESEEN_DIFFERENCE * standing.limit:
                 row = self._rows[int(np.argmax(foreseen))]
-                need = Need(self.terms[place], float(foreseen.max()), row.leg, row.quantity)
+                need = TermNeed(self.terms[place], float(foreseen.max()), row.leg, row.quantity)
                 standing = replace(standing, needed=(*standing.needed, need))
                 step()
         return standing
 
-    def _tighten(self, standing: Standing, there: Point) -> Standing:
+    def _tighten(self, standing: SearchState, there: SearchPoint) -> SearchState:
         """Return the standing at a point with fewer terms, held to what that point keeps.
 
         What the set with all terms has beyond the limit may have been the doing of one that is
@@ -320,42 +340,44 @@ class Search:
         return replace(
             standing,
             factors=tuple(there.factors.tolist()),
-            limit=max(LIMIT, min(standing.limit, there.worst)),
-            proof=max(PROOF, min(standing.proof, proof)),
+            limit=max(FIT_LIMIT, min(standing.limit, there.worst)),
+            proof=max(PROOF_LIMIT, min(standing.proof, proof)),
         )
 
-    def _order(self, standing: Standing, here: Point, slopes: Slopes) -> list[int]:
+    def _order(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> list[int]:
         """Return the places of what may be dropped, the cheapest first."""
         among = self._among(slopes, standing.kept)
-        cost = dict(zip(among.free, rises(among, here), strict=True))
+        cost = dict(zip(among.free, cost_rises(among, here), strict=True))
         return sorted(self.undecided(standing), key=lambda i: float(cost[i]))
 
     def _try(
-        self, standing: Standing, here: Point, slopes: Slopes, gone: Sequence[int]
-    ) -> tuple[Point, Need | None]:
+        self, standing: SearchState, here: SearchPoint, slopes: Slopes, gone: Sequence[int]
+    ) -> tuple[SearchPoint, TermNeed | None]:
         """Return the point without some terms, and why they are needed; None: they are not."""
         kept = tuple(i for i in standing.kept if i not in gone)
-        factors = without(self._among(slopes, standing.kept), here, gone)
+        factors = without_terms(self._among(slopes, standing.kept), here, gone)
         there = self._point(factors)
-        if self._aim.quick and there.worst > HOPELESS * standing.limit:
+        if self._aim.quick and there.worst > HOPELESS_DIFFERENCE * standing.limit:
             return there, self._need(standing, there, gone)
-        goal = EASE * standing.limit
+        goal = FIT_STOP_SHARE * standing.limit
         there = self._fit(slopes, there, kept, goal)
         need = self._need(standing, there, gone)
-        if need and not self._aim.quick and len(gone) == 1 and need.worst < HOPELESS:
+        if need and not self._aim.quick and len(gone) == 1 and need.worst < HOPELESS_DIFFERENCE:
             anew = self._slopes(there, kept, standing.leash)
             there = self._fit(anew, there, kept, 0.0)
             need = self._need(standing, there, gone)
         return there, need
 
-    def _need(self, standing: Standing, there: Point, gone: Sequence[int]) -> Need | None:
+    def _need(
+        self, standing: SearchState, there: SearchPoint, gone: Sequence[int]
+    ) -> TermNeed | None:
         """Return why terms are needed: what is off without them; None: nothing is."""
         term = self.terms[gone[0]]
         if there.worst > standing.limit:
             row = self._rows[int(np.argmax(abs(there.differences)))]
-            return Need(term, there.worst, row.leg, row.quantity)
+            return TermNeed(term, there.worst, row.leg, row.quantity)
         proof = abs(self.proof(there.factors))
         if proof.max() > standing.proof:
             row = self._proof.rows[int(np.argmax(proof))]
-            return Need(term, float(proof.max()), row.leg, row.quantity)
+            return TermNeed(term, float(proof.max()), row.leg, row.quantity)
         return None

@@ -8,30 +8,29 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.guide import verdicts
-from trainer.analysis.guide.programme import Leg, fly_all
-from trainer.analysis.guide.programme import legs as guide_legs
-from trainer.analysis.guide.reasons import Drop, Look, effects, tasks_without
-from trainer.analysis.guide.verdicts import BEYOND
-from trainer.analysis.manoeuvres.vehicle import PERCENT
-from trainer.analysis.reduce.objective import Candidate, Yardstick, multiple
-from trainer.analysis.reduce.programme import flyable, holdout_legs, turns
+from trainer.analysis.guide.programme import Leg, fly_all, guide_legs
+from trainer.analysis.guide.reasons import DropEffect, MeasureNames, drop_effects, tasks_without
+from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE
+from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
+from trainer.analysis.reduce.objective import Candidate, Yardstick, allowed_multiple
+from trainer.analysis.reduce.programme import flyable_legs, holdout_legs, turn_legs
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
-from trainer.core.entry import COLUMNS, LOOKOUT, sail
+from trainer.core.entry import LOOKOUT, ROW_COLUMNS, sail
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
-PARTS: Final = {  # [%] of change allowed, [s] of zero crossings
-    "guide": PERCENT,
-    "steady turns": PERCENT,
-    "held out": 2.0 * PERCENT,
+PART_TOLERANCES: Final = {  # [%] of change allowed, [s] of zero crossings
+    "guide": ALLOWED_PERCENT,
+    "steady turns": ALLOWED_PERCENT,
+    "held out": 2.0 * ALLOWED_PERCENT,
 }
-TICKS: Final = 2000
-TIMES: Final = 7
-DEEP: Final = 1000.0  # [m]
-LOOKED_AT: Final[Look] = {
+TIMED_TICKS: Final = 2000
+TIMING_REPEATS: Final = 7
+DEEP_WATER_M: Final = 1000.0  # [m]
+SENSITIVITY_MEASURES: Final[MeasureNames] = {
     "turn": ("steady diameter", "steady speed", "largest roll"),
     "meander": ("pitch peak 1", "damping ratio"),
     "overshoot": ("largest pitch", "depth change"),
@@ -40,7 +39,7 @@ LOOKED_AT: Final[Look] = {
 
 
 @dataclass(frozen=True)
-class Checked:
+class LegVerdict:
     """One leg by the compact set."""
 
     part: str
@@ -56,46 +55,46 @@ class Checked:
         return not self.beyond if self.judged else None
 
 
-def legs(file: VesselFile, part: str) -> Sequence[Leg]:
+def verdict_legs(file: VesselFile, part: str) -> Sequence[Leg]:
     """Return the legs of a part of the verdict."""
     if part == "guide":
         return guide_legs(file)
-    return flyable(file, turns(file)) if part == "steady turns" else holdout_legs(file)
+    return flyable_legs(file, turn_legs(file)) if part == "steady turns" else holdout_legs(file)
 
 
-def verdict(file: VesselFile, candidate: Candidate) -> tuple[Checked, ...]:
+def judge_legs(file: VesselFile, candidate: Candidate) -> tuple[LegVerdict, ...]:
     """Return every leg of every part judged."""
-    return tuple(one for part in PARTS for one in _part(file, part, candidate))
+    return tuple(one for part in PART_TOLERANCES for one in _part(file, part, candidate))
 
 
-def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[Checked]:
+def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[LegVerdict]:
     """Yield the legs of one part."""
-    share = PARTS[part] / PERCENT
-    wanted = legs(file, part)
+    share = PART_TOLERANCES[part] / ALLOWED_PERCENT
+    wanted = verdict_legs(file, part)
     yardstick = Yardstick(file, wanted)
     for leg in wanted:
         if leg not in yardstick.legs:
-            yield Checked(part, leg.title, 0, 0, 0.0, "")
+            yield LegVerdict(part, leg.title, 0, 0, 0.0, "")
     for leg, judgements in yardstick.judged(candidate):
         if not judgements:
-            yield Checked(part, leg.title, 1, 1, float("inf"), "it cannot start")
+            yield LegVerdict(part, leg.title, 1, 1, float("inf"), "it cannot start")
             continue
         judged = [one for one in judgements if one.allowed]
-        lost = [one for one in judgements if one.verdict == BEYOND and not one.allowed]
-        sizes = {one.quantity: abs(multiple(one)) / share for one in judged}
+        lost = [one for one in judgements if one.verdict == BEYOND_TOLERANCE and not one.allowed]
+        sizes = {one.quantity: abs(allowed_multiple(one)) / share for one in judged}
         sizes |= {one.quantity: float("inf") for one in lost}
         worst = max(sizes, key=lambda name: sizes[name], default="")
         beyond = sum(size > 1.0 for size in sizes.values())
-        yield Checked(part, leg.title, len(sizes), beyond, sizes.get(worst, 0.0), worst)
+        yield LegVerdict(part, leg.title, len(sizes), beyond, sizes.get(worst, 0.0), worst)
 
 
-def passes(checked: Sequence[Checked]) -> bool:
+def passes_legs(checked: Sequence[LegVerdict]) -> bool:
     """Return whether something is judged, and nothing beyond what is allowed."""
-    return verdicts.passes([one.passed for one in checked])
+    return verdicts.passes_all([one.passed for one in checked])
 
 
 @dataclass(frozen=True)
-class Cost:
+class TickCost:
     """The least time of a tick, the whole boat's, back to back."""
 
     full_ns: float
@@ -107,7 +106,7 @@ class Cost:
         return self.compact_ns / self.full_ns
 
 
-def cost(file: VesselFile) -> Cost | None:
+def measure_cost(file: VesselFile) -> TickCost | None:
     """Return the cost of a tick, full set exact, compact lagged. None of a boat that cannot start.
 
     Both by Adams, at the boat's own step and speed.
@@ -119,7 +118,7 @@ def cost(file: VesselFile) -> Cost | None:
         )
     except ConfigError:
         return None
-    return Cost(full, compact)
+    return TickCost(full, compact)
 
 
 def _nanoseconds(file: VesselFile, method: Method) -> float:
@@ -127,28 +126,28 @@ def _nanoseconds(file: VesselFile, method: Method) -> float:
     boat = Boat(file, method)
     eye = np.zeros(1, LOOKOUT)
     eye["last"], eye["steepest"] = 1e18, 10.0
-    rows = np.empty((TICKS, COLUMNS))
+    rows = np.empty((TIMED_TICKS, ROW_COLUMNS))
     least = float("inf")
-    for _ in range(TIMES):
-        boat.start(file.run.start_speed_kn * KNOT, DEEP, 0.0)
+    for _ in range(TIMING_REPEATS):
+        boat.start(file.run.start_speed_kn * KNOT, DEEP_WATER_M, 0.0)
         begin = perf_counter_ns()
         flown = sail(tuple(boat.records), eye, rows)
         least = min(least, (perf_counter_ns() - begin) / max(flown, 1))
     return least
 
 
-def coefficients(file: VesselFile) -> tuple[str, ...]:
+def hull_coefficients(file: VesselFile) -> tuple[str, ...]:
     """Return the coefficients that this hull has."""
     return tuple(term.key for term in COEFFICIENTS if file.coefficients[term.key])
 
 
-def flights(file: VesselFile) -> int:
+def flight_count(file: VesselFile) -> int:
     """Return how many flights the table takes."""
-    return len(set(tasks_without(file, coefficients(file), LOOKED_AT)))
+    return len(set(tasks_without(file, hull_coefficients(file), SENSITIVITY_MEASURES)))
 
 
-def table(file: VesselFile, cores: int, step: Callable[[], None]) -> tuple[Drop, ...]:
+def effect_table(file: VesselFile, cores: int, step: Callable[[], None]) -> tuple[DropEffect, ...]:
     """Return the effect [%] of each coefficient at zero in the full set, largest first."""
-    wanted = tasks_without(file, coefficients(file), LOOKED_AT)
+    wanted = tasks_without(file, hull_coefficients(file), SENSITIVITY_MEASURES)
     flown = fly_all(file.path, wanted, cores, step)
-    return effects(file, flown, coefficients(file), LOOKED_AT)
+    return drop_effects(file, flown, hull_coefficients(file), SENSITIVITY_MEASURES)

@@ -6,26 +6,26 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from trainer import __version__
-from trainer.analysis.reduce.search import Need
+from trainer.analysis.reduce.search import TermNeed
 from trainer.core.terms import EXTRA_TERMS
 
-OURS: Final = ("compact", "compensation.modified", "compensation.basic", "reduction")
+REDUCTION_TABLES: Final = ("compact", "compensation.modified", "compensation.basic", "reduction")
 
 
-HEADER: Final = re.compile(r"\s*\[\[?\s*([^\]]+?)\s*\]")
+TABLE_HEADER: Final = re.compile(r"\s*\[\[?\s*([^\]]+?)\s*\]")
 
 
-WIDTH: Final = 96
+LINE_WIDTH: Final = 96
 
 
-BEFORE: Final = re.compile(r"^\[coefficients", re.MULTILINE)
+COEFFICIENTS_HEADER: Final = re.compile(r"^\[coefficients", re.MULTILINE)
 
 
-def rewritten(text: str, tables: str) -> str:
+def rewrite_vessel(text: str, tables: str) -> str:
     """Return the text of a vessel file with its reduction replaced by ``tables``."""
     kept = "\n".join(_without_ours(text.splitlines()))
     kept = re.sub(r"\n{3,}", "\n\n", kept)
-    first = BEFORE.search(kept)
+    first = COEFFICIENTS_HEADER.search(kept)
     if not first:
         return f"{kept.rstrip()}\n\n{tables}"
     place = _above_comments(kept, first.start())
@@ -44,15 +44,17 @@ def _without_ours(lines: Sequence[str]) -> Iterator[str]:
     """Yield the lines that are not of a table of ours; comments of their own stay."""
     ours = False
     for line in lines:
-        header = HEADER.match(line)
+        header = TABLE_HEADER.match(line)
         if header:
-            ours = header[1].replace(" ", "") in OURS
+            ours = header[1].replace(" ", "") in REDUCTION_TABLES
         if not ours or line.startswith("#"):
             yield line
 
 
 def factor_tables(
-    factors: Mapping[str, Mapping[str, float]], needs: Sequence[Need], notes: Mapping[str, float]
+    factors: Mapping[str, Mapping[str, float]],
+    needs: Sequence[TermNeed],
+    notes: Mapping[str, float],
 ) -> str:
     """Return the tables of a reduction's ``factors`` by equation set and term. 0: dropped.
 
@@ -60,7 +62,7 @@ def factor_tables(
     """
     extra = [name for name in EXTRA_TERMS if factors["modified"].get(name)]
     names, indent = " ".join(f'"{name}",' for name in extra), " " * 4
-    rows = textwrap.wrap(names, WIDTH, initial_indent=indent, subsequent_indent=indent)
+    rows = textwrap.wrap(names, LINE_WIDTH, initial_indent=indent, subsequent_indent=indent)
     lines = ["[compact]", "extra_terms = [", *rows, "]", ""]
     for name, of_set in factors.items():
         shown = {

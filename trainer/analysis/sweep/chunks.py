@@ -8,20 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.sweep.job import Batch, Job, differences
-from trainer.analysis.sweep.results import facts_of, read, table_of, write
+from trainer.analysis.sweep.job import Batch, Job, fact_differences
+from trainer.analysis.sweep.results import facts_of, read_table, table_of, write_table
 from trainer.config.files import ConfigError
 from trainer.io.atomic_write import write_whole
 from trainer.io.file_lock import holding
 
-MANIFEST: Final = "manifest.json"
+MANIFEST_NAME: Final = "manifest.json"
 
 
-LOCK: Final = "lock"  # held by the process that writes there
+LOCK_NAME: Final = "lock"  # held by the process that writes there
 
 
 @dataclass(frozen=True)
-class Parts:
+class ChunkStore:
     """The chunks of one job that are on disk."""
 
     folder: Path
@@ -38,13 +38,13 @@ class Parts:
 
     def keep(self, place: int, batch: Batch) -> None:
         """Write a chunk; OSError if it cannot be."""
-        write(table_of(batch, self.schema), self.file(place))
+        write_table(table_of(batch, self.schema), self.file(place))
 
     def tables(self) -> Iterator[Any]:
         """Yield the chunks in their order; ConfigError naming one that cannot be read."""
         for place in range(self.chunks):
             try:
-                yield read(self.file(place))
+                yield read_table(self.file(place))
             except OSError as wrong:
                 text = f"{self.file(place)}: cannot be read ({wrong}): delete it, and run again"
                 raise ConfigError(text) from None
@@ -66,7 +66,7 @@ def writing_alone(out: Path) -> Iterator[None]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with contextlib.ExitStack() as lock:
-            if other := lock.enter_context(holding(folder / LOCK)):
+            if other := lock.enter_context(holding(folder / LOCK_NAME)):
                 text = f"another sweep writes it, process {other}: wait for it, or give --out"
                 raise ConfigError(f"{out}: {text} another name")
             yield
@@ -74,10 +74,10 @@ def writing_alone(out: Path) -> Iterator[None]:
         raise ConfigError(f"{folder}: cannot be written: {error.strerror or error}") from None
 
 
-def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:
+def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
     """Return the folder of a job, new or as it was left. ConfigError if it is another's."""
     folder = folder_of(out)
-    manifest = folder / MANIFEST
+    manifest = folder / MANIFEST_NAME
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if manifest.exists():
@@ -90,7 +90,7 @@ def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:
         raise ConfigError(f"{folder}: cannot be written: {error.strerror}") from None
     except (json.JSONDecodeError, UnicodeDecodeError):
         raise ConfigError(f"{manifest}: is no manifest: delete {folder}, or give --out") from None
-    return Parts(folder, schema, chunks)
+    return ChunkStore(folder, schema, chunks)
 
 
 def result_of(job: Job, out: Path) -> Any:
@@ -98,7 +98,7 @@ def result_of(job: Job, out: Path) -> Any:
     if not out.exists():
         return None
     try:
-        table = read(out)
+        table = read_table(out)
     except OSError:
         raise ConfigError(f"{out}: is there and no result of a study; give --out another") from None
     _compare(facts_of(table), job, out, "is the result of")
@@ -107,7 +107,7 @@ def result_of(job: Job, out: Path) -> Any:
 
 def _compare(facts: dict[str, Any], job: Job, path: Path, verb: str) -> None:
     """Check that facts on disk are the job's; ConfigError with what differs."""
-    found = differences(facts, job.facts)
+    found = fact_differences(facts, job.facts)
     if found:
         text = f"{path}: {verb} another study: delete it, or give --out another name"
         raise ConfigError(text, *found)

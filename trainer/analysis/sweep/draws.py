@@ -15,14 +15,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.sweep.records import ESTIMATE, Sample, Vary
+from trainer.analysis.sweep.records import ESTIMATE_DISTRIBUTION, Sample, VaryRow
 from trainer.core.elementary import logarithm
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.noise import uniform
 
 # M. Wichura, Algorithm AS 241, Appl. Statist. 37 (1988) 477: numerator
 # and denominator near the middle, in the tails, and far out in them, the highest power first
-MIDDLE, MIDDLE_SQUARED, TAIL = 0.425, 0.180625, 5.0
+MIDDLE_HALF_WIDTH, MIDDLE_SQUARED, TAIL_END = 0.425, 0.180625, 5.0
 MIDDLE_UP = (
     *(2509.0809287301226727, 33430.575583588128105, 67265.770927008700853),
     *(45921.953931549871457, 13731.693765509461125, 1971.5909503065514427),
@@ -72,11 +72,15 @@ def normal_quantile(share: float) -> float:
     ``share`` [-] is above 0 and below 1.
     """
     away = share - 0.5
-    if abs(away) <= MIDDLE:
+    if abs(away) <= MIDDLE_HALF_WIDTH:
         return away * ratio(MIDDLE_UP, MIDDLE_DOWN, MIDDLE_SQUARED - away * away)
     tail = share if away < 0.0 else 1.0 - share
     r = math.sqrt(-logarithm(tail))
-    size = ratio(TAIL_UP, TAIL_DOWN, r - 1.6) if r <= TAIL else ratio(FAR_UP, FAR_DOWN, r - TAIL)
+    size = (
+        ratio(TAIL_UP, TAIL_DOWN, r - 1.6)
+        if r <= TAIL_END
+        else ratio(FAR_UP, FAR_DOWN, r - TAIL_END)
+    )
     return -size if away < 0.0 else size
 
 
@@ -94,11 +98,11 @@ def fill_normals(shares: Numbers, out: Numbers) -> None:
         out[i] = normal_quantile(shares[i])
 
 
-GRID, LATIN, MONTE_CARLO = "grid", "latin-hypercube", "monte-carlo"
-SEEDS: Final = 2.0**49  # seeds are whole numbers below it, which an exercise may have too
+GRID_SAMPLE, LATIN_SAMPLE, MONTE_CARLO_SAMPLE = "grid", "latin-hypercube", "monte-carlo"
+SEED_LIMIT: Final = 2.0**49  # seeds are whole numbers below it, which an exercise may have too
 
 
-def stream(purpose: str, name: str) -> int:
+def stream_number(purpose: str, name: str) -> int:
     """Return the number of a stream of random numbers."""
     return zlib.crc32(f"sweep {purpose} {name}".encode())
 
@@ -113,7 +117,7 @@ def uniforms(seed: int, of: int, first: int, count: int) -> Numbers:
 @lru_cache(maxsize=64)
 def strata(seed: int, name: str, members: int) -> NDArray[np.int64]:
     """Return which of ``members`` equal parts of a variable each member has: a permutation."""
-    keys = uniforms(seed, stream("strata", name), 0, members)
+    keys = uniforms(seed, stream_number("strata", name), 0, members)
     found = np.empty(members, np.int64)
     found[np.argsort(keys, kind="stable")] = np.arange(members)
     return found
@@ -124,12 +128,12 @@ class Draws:
     """The numbers of all members of a study."""
 
     sample: Sample
-    rows: tuple[Vary, ...]
+    rows: tuple[VaryRow, ...]
 
     @property
     def members(self) -> int:
         """Return how many members there are."""
-        if self.sample.plan != GRID:
+        if self.sample.plan != GRID_SAMPLE:
             return int(self.sample.members or 0)
         return int(np.prod([len(row.values or ()) for row in self.rows], dtype=object))
 
@@ -137,12 +141,12 @@ class Draws:
         """Return the seed of all that is random in each member's flight."""
         if self.sample.seeds == "one":
             return np.full(count, int(self.sample.seed), np.int64)
-        drawn = uniforms(int(self.sample.seed), stream("seed", ""), first, count)
-        return (drawn * SEEDS).astype(np.int64)
+        drawn = uniforms(int(self.sample.seed), stream_number("seed", ""), first, count)
+        return (drawn * SEED_LIMIT).astype(np.int64)
 
     def drawn(self, first: int, count: int) -> dict[str, NDArray[Any]]:
         """Return the numbers, or words, of members from ``first`` on, by variable."""
-        if self.sample.plan == GRID:  # the last variable changes fastest
+        if self.sample.plan == GRID_SAMPLE:  # the last variable changes fastest
             members = np.arange(first, first + count)
             sizes = [len(row.values or ()) for row in self.rows]
             steps = [*accumulate(reversed(sizes[1:]), int.__mul__, initial=1)][::-1]
@@ -152,8 +156,8 @@ class Draws:
             }
         seed, found = int(self.sample.seed), {}
         for row in self.rows:
-            shares = uniforms(seed, stream("share", row.name), first, count)
-            if self.sample.plan != MONTE_CARLO:
+            shares = uniforms(seed, stream_number("share", row.name), first, count)
+            if self.sample.plan != MONTE_CARLO_SAMPLE:
                 part = strata(seed, row.name, self.members)[first : first + count]
                 shares = np.asarray((part + shares) / self.members)
             found[row.name] = of_shares(row, shares)
@@ -163,7 +167,9 @@ class Draws:
         """Return the middle of each variable, of draws the estimate. A study is tried with it."""
         half = np.array([0.5])
         return {
-            row.name: 0 if row.distribution == ESTIMATE else of_shares(row, half).tolist()[0]
+            row.name: 0
+            if row.distribution == ESTIMATE_DISTRIBUTION
+            else of_shares(row, half).tolist()[0]
             for row in self.rows
         }
 
@@ -173,13 +179,13 @@ def list_values(values: Sequence[float | str]) -> NDArray[Any]:
     return np.array(values, object if isinstance(values[0], str) else np.float64)
 
 
-def of_shares(row: Vary, shares: Numbers) -> NDArray[Any]:
+def of_shares(row: VaryRow, shares: Numbers) -> NDArray[Any]:
     """Return the values of a variable below which ``shares`` of its distribution lie."""
     if row.values is not None:
         places = np.minimum((shares * len(row.values)).astype(int), len(row.values) - 1)
         return np.asarray(list_values(row.values)[places])
-    if row.distribution == ESTIMATE:
-        return np.asarray(1 + (shares * (SEEDS - 1.0)).astype(np.int64))  # numbers of draws
+    if row.distribution == ESTIMATE_DISTRIBUTION:
+        return np.asarray(1 + (shares * (SEED_LIMIT - 1.0)).astype(np.int64))  # numbers of draws
     if row.distribution == "normal":
         deviates = np.empty(len(shares))
         fill_normals(shares, deviates)

@@ -13,7 +13,7 @@ from trainer.analysis.series import Series
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey
+from trainer.boat.helm import obey_order
 from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
@@ -21,11 +21,11 @@ from trainer.config.vessel import read_vessel
 from trainer.debrief.rehearsal import due_orders
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
-from trainer.io.tables import COLUMNS
+from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.plan import Plan, into_hand
 
-CHUNK: Final = 16
-WORDS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
+CHUNK_MEMBERS: Final = 16
+SPOKEN_ORDERS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
     schedule = [
         each
         for each in (*into_hand(exercise, file), *exercise.schedule_of(seed))
-        if each.order.name not in WORDS
+        if each.order.name not in SPOKEN_ORDERS
     ]
     said, table = exercise.heading, study.method
     own = {  # the study's word over the exercise's
@@ -82,29 +82,29 @@ def go_out(plan: Plan) -> Outing:
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     step = plan.method.step
-    rows, refused, lost = [boat.numbers(COLUMNS)], "", ""
+    rows, refused, lost = [boat.numbers(MOTION_COLUMNS)], "", ""
     with np.errstate(all="ignore"):
         for places in due_orders(plan):
             for order in (plan.schedule[place].order for place in places):
-                reply = obey(boat, order)
+                reply = obey_order(boat, order)
                 if isinstance(reply, Refused) and not refused:
                     refused = f"{order.text}: refused: {reply.reason}"
             status = boat.tick()
             if status:
                 lost = boat.failure(status)
                 break
-            rows.append(boat.numbers(COLUMNS))
+            rows.append(boat.numbers(MOTION_COLUMNS))
     table = np.array(rows)
-    columns = {name: table[:, i] for i, name in enumerate(COLUMNS)}
+    columns = {name: table[:, i] for i, name in enumerate(MOTION_COLUMNS)}
     series = Series(Path(plan.file.name), columns)
-    speed = float(table[0, COLUMNS.index("u")])
+    speed = float(table[0, MOTION_COLUMNS.index("u")])
     return Outing(Flight(speed, plan.file.hull.length, step, series, (), lost), refused)
 
 
-class Exercising:
+class ExerciseSubject:
     """The members of a study that fly an exercise."""
 
-    chunk = CHUNK
+    chunk = CHUNK_MEMBERS
 
     def __init__(self, study: Study) -> None:
         """Take the study; ConfigError if its middle member cannot fly, or is refused an order."""

@@ -12,18 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, Schedule, orders
-from trainer.analysis.manoeuvres.flight import LONGEST, Conn, Manoeuvre, Mark
-from trainer.analysis.manoeuvres.submarine import DEEP, SURFACES
+from trainer.analysis.manoeuvres.flight import MAX_FLIGHT_CYCLES, Conn, Manoeuvre, Mark
+from trainer.analysis.manoeuvres.submarine import CONTROL_SURFACES, DEEP_WATER_M
 from trainer.analysis.manoeuvres.vehicle import Control
 from trainer.boat.assemble import (
     Method,
-    body,
+    body_values,
     compact_coefficients,
     fit_out,
     scheme_record,
     thrust_rows,
 )
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.envelope import write_envelope
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
@@ -33,11 +33,11 @@ from trainer.core.scheme import equations_alone
 from trainer.core.sea.sea import order_sea
 from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE, new_scratch
-from trainer.core.terms import POWERS
+from trainer.core.terms import LENGTH_POWERS
 from trainer.core.vessel import COMPACT, VESSEL, compact_record, vessel_record
 
 
-class Line(NamedTuple):
+class ScriptLine(NamedTuple):
     """One thing done, before the tick of that number."""
 
     tick: int
@@ -49,7 +49,7 @@ class Line(NamedTuple):
 class Script(NamedTuple):
     """All that is done in a manoeuvre, and how long it takes."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[ScriptLine, ...]
     marks: tuple[Mark, ...]
     ticks: int
 
@@ -66,7 +66,7 @@ class Scribe:
         self.step = step
         self.controls = controls
         self.tick = 0
-        self.lines: list[Line] = []
+        self.lines: list[ScriptLine] = []
 
     def start(self, speed: float) -> None:
         """Begin anew."""
@@ -79,11 +79,11 @@ class Scribe:
 
     def order(self, control: str, value: float) -> None:
         """Write down an order."""
-        self.lines.append(Line(self.tick, "order", control, value))
+        self.lines.append(ScriptLine(self.tick, "order", control, value))
 
     def keep(self, quantity: str) -> None:
         """Write down what is to be kept."""
-        self.lines.append(Line(self.tick, "keep", quantity, 0.0))
+        self.lines.append(ScriptLine(self.tick, "keep", quantity, 0.0))
 
     def observe(self) -> tuple[float, ...]:
         """Return the time [s]."""
@@ -105,7 +105,7 @@ def script_of(
         for _ in manoeuvre.schedule(conn):
             scribe.advance()
             conn.look()
-            if scribe.tick > LONGEST:
+            if scribe.tick > MAX_FLIGHT_CYCLES:
                 return None
     except KeyError:  # it asks for what the scribe has not
         return None
@@ -114,7 +114,7 @@ def script_of(
     return Script(tuple(scribe.lines), tuple(conn.marks), scribe.tick)
 
 
-class Start(NamedTuple):
+class FleetStart(NamedTuple):
     """How all boats of a fleet start."""
 
     speed: Numbers  # [member] [m/s]
@@ -124,7 +124,9 @@ class Start(NamedTuple):
 
 
 @kernel
-def start_fleet(fleet: Fleet, exact: Record, how: Start, scratch: Record, fit: Numbers) -> None:
+def start_fleet(
+    fleet: Fleet, exact: Record, how: FleetStart, scratch: Record, fit: Numbers
+) -> None:
     """Start every boat of a fleet at depth in a calm.
 
     ``fit`` becomes 1 where a boat flies straight, else 0.
@@ -152,11 +154,11 @@ def start_fleet(fleet: Fleet, exact: Record, how: Start, scratch: Record, fit: N
         s.depth_law = how.law
 
 
-SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
-KEPT: Final = ("stern", "bow")  # what keeps depth
+SURFACE_SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
+DEPTH_SURFACES: Final = ("stern", "bow")  # what keeps depth
 
 
-class Made(NamedTuple):
+class VesselBatch(NamedTuple):
     """Vessels by member, and the sense of a deflection as ``Boat.toward`` has it."""
 
     vessels: Record
@@ -167,13 +169,15 @@ class Made(NamedTuple):
 def toward_of(coefficients: Mapping[str, Any], count: int) -> dict[str, Numbers]:
     """Return the sign of a surface's deflection that turns right or makes it rise."""
     found = {}
-    for surface, (name, sign) in SENSES.items():
+    for surface, (name, sign) in SURFACE_SENSES.items():
         effect = sign * np.broadcast_to(np.asarray(coefficients[name], float), count)
         found[surface] = np.where(effect == 0.0, 0.0, np.copysign(1.0, effect))
     return found
 
 
-def by_coefficients(boat: Boat, changes: Mapping[tuple[str, ...], Numbers], count: int) -> Made:
+def by_coefficients(
+    boat: Boat, changes: Mapping[tuple[str, ...], Numbers], count: int
+) -> VesselBatch:
     """Return one boat with coefficients, or their factors, that differ from member to member.
 
     ``changes`` are by the steps of their key, "coefficients" or "compensation" first.
@@ -185,20 +189,20 @@ def by_coefficients(boat: Boat, changes: Mapping[tuple[str, ...], Numbers], coun
     for steps, numbers in changes.items():
         (coefficients if steps[0] == "coefficients" else factors[steps[1]])[steps[-1]] = numbers
     wide = replace(file, coefficients=coefficients, compensation=factors)
-    hull, (rows, eta) = body(file), thrust_rows(file)
+    hull, (rows, eta) = body_values(file), thrust_rows(file)
     vessels = np.zeros(count, VESSEL)
     vessels["whole"] = boat.records.vessel["whole"]
     full = vessel_record(hull, {**coefficients, **rows}, eta)
-    for name in set(terms) & set(POWERS):
+    for name in set(terms) & set(LENGTH_POWERS):
         vessels[name] = full[name]
     if terms:
         write_envelope(file, vessels)
     kept: dict[str, Any] = {**compact_coefficients(wide, method.equations), **rows}
     compacts = compact_record(hull, kept, eta)
-    return Made(vessels, compacts, toward_of(coefficients, count))
+    return VesselBatch(vessels, compacts, toward_of(coefficients, count))
 
 
-def by_files(files: Sequence[VesselFile], method: Method) -> Made:
+def by_files(files: Sequence[VesselFile], method: Method) -> VesselBatch:
     """Return boats of their own files."""
     count = len(files)
     vessels, compacts = np.zeros(count, VESSEL), np.zeros(count, COMPACT)
@@ -206,18 +210,20 @@ def by_files(files: Sequence[VesselFile], method: Method) -> Made:
         records = fit_out(file, method)
         vessels["whole"][i] = records.vessel["whole"]
         compacts["whole"][i] = records.compact["whole"]
-    effects = {name: [file.coefficients[name] for file in files] for name, _ in SENSES.values()}
-    return Made(vessels, compacts, toward_of(effects, count))
+    effects = {
+        name: [file.coefficients[name] for file in files] for name, _ in SURFACE_SENSES.values()
+    }
+    return VesselBatch(vessels, compacts, toward_of(effects, count))
 
 
-def carries_surface(made: Made, surface: str) -> NDArray[np.bool_]:
+def carries_surface(made: VesselBatch, surface: str) -> NDArray[np.bool_]:
     """Return which members have a surface that does something."""
     letter = {"rudder": "r", "stern": "s", "bow": "b"}[surface]
     return np.asarray((made.toward[surface] != 0.0) & (made.vessels[f"limit_{letter}"] > 0.0))
 
 
 def start_members(
-    made: Made, method: Method, speeds: Numbers, law: float, needs: Sequence[str]
+    made: VesselBatch, method: Method, speeds: Numbers, law: float, needs: Sequence[str]
 ) -> tuple[Fleet, NDArray[np.bool_]]:
     """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each.
 
@@ -236,33 +242,37 @@ def start_members(
     fleet = Fleet(made.vessels, made.compacts, scheme, np.zeros(count, STATE))
     fit = np.zeros(count)
     with np.errstate(all="ignore"):
-        start_fleet(fleet, exact, Start(speeds, DEEP, law, settings), new_scratch(), fit)
+        start_fleet(
+            fleet, exact, FleetStart(speeds, DEEP_WATER_M, law, settings), new_scratch(), fit
+        )
     able = fit > 0.0
     for control in needs:
-        if control in SURFACES:
-            able &= carries_surface(made, SURFACES[control][0])
+        if control in CONTROL_SURFACES:
+            able &= carries_surface(made, CONTROL_SURFACES[control][0])
     return fleet, able
 
 
-def join_scripts(states: Record, made: Made, scripts: Sequence[Script]) -> Schedule:
+def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -> Schedule:
     """Return the orders of scripts alike but for their numbers. What is kept is kept at once."""
-    neutral = {name: states[f"delta_{letter}"].copy() for name, (_, letter) in SURFACES.items()}
+    neutral = {
+        name: states[f"delta_{letter}"].copy() for name, (_, letter) in CONTROL_SURFACES.items()
+    }
     by_hand = np.ones(states.size)
     given: list[tuple[int, int, Numbers]] = []
     for i, line in enumerate(scripts[0].lines):
         numbers = np.array([script.lines[i].value for script in scripts])
         if line.verb == "keep":
             states["ordered_depth"] = states["z"]
-            for surface in KEPT:
+            for surface in DEPTH_SURFACES:
                 states[f"{surface}_by_hand"][carries_surface(made, surface)] = 0.0
         elif line.what == "engine":
-            given.append((line.tick, PLACES["speed_by_hand"], by_hand))
-            given.append((line.tick, PLACES["ordered_u_c"], numbers))
+            given.append((line.tick, STATE_PLACES["speed_by_hand"], by_hand))
+            given.append((line.tick, STATE_PLACES["ordered_u_c"], numbers))
         else:
-            surface, letter = SURFACES[line.what]
+            surface, letter = CONTROL_SURFACES[line.what]
             angle = neutral[line.what] + made.toward[surface] * numbers
-            given.append((line.tick, PLACES[f"{surface}_by_hand"], by_hand))
-            given.append((line.tick, PLACES[f"ordered_{letter}"], angle))
+            given.append((line.tick, STATE_PLACES[f"{surface}_by_hand"], by_hand))
+            given.append((line.tick, STATE_PLACES[f"ordered_{letter}"], angle))
     if not given:
         return NO_ORDERS
     ticks, places, values = zip(*given, strict=True)

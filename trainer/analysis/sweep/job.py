@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from trainer import __version__
 from trainer.analysis.manoeuvres.flight import Flight
-from trainer.analysis.manoeuvres.vehicle import Measure, largest
+from trainer.analysis.manoeuvres.vehicle import Measure, largest_value
 from trainer.analysis.sweep.draws import Draws
 from trainer.analysis.sweep.study import Study, load_study, with_members
 from trainer.config.files import (
-    ABANDONED,
+    ABANDONED_FILES,
     ConfigError,
     is_path,
     is_shipped,
@@ -34,8 +34,8 @@ from trainer.core.cache import core_digest, same_core
 from trainer.core.kernel import Numbers
 
 # columns of a study of identifications, by the parameter's name
-DEVIATION: Final = "std dev of {}"
-COVERED: Final = "{} covered"
+DEVIATION_COLUMN: Final = "std dev of {}"
+COVERED_COLUMN: Final = "{} covered"
 
 
 class Output(NamedTuple):
@@ -45,14 +45,14 @@ class Output(NamedTuple):
     unit: str
 
 
-WAYS: Final[Mapping[str, Callable[[Numbers], float]]] = {
+COLUMN_READINGS: Final[Mapping[str, Callable[[Numbers], float]]] = {
     "first": lambda values: float(values[0]),
     "last": lambda values: float(values[-1]),
     "lowest": lambda values: float(values.min()),
     "highest": lambda values: float(values.max()),
-    "largest": largest,
+    "largest": largest_value,
 }
-UNITS: Final = {
+COLUMN_UNITS: Final = {
     "t": "s",
     **dict.fromkeys(("u", "v", "w", "u_c"), "m/s"),
     **dict.fromkeys(("p", "q", "r"), "rad/s"),
@@ -65,14 +65,14 @@ UNITS: Final = {
 def of_column(name: str, flight: Flight) -> Measure | None:
     """Return a measure such as "largest phi" or "last z"; None if that is none."""
     way, _, column = name.partition(" ")
-    if way not in WAYS or not flight.has(column):
+    if way not in COLUMN_READINGS or not flight.has(column):
         return None
-    return Measure(name, UNITS.get(column, "-"), WAYS[way](flight.column(column)))
+    return Measure(name, COLUMN_UNITS.get(column, "-"), COLUMN_READINGS[way](flight.column(column)))
 
 
 def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tuple[Output, ...]:
     """Return what a study keeps of each member. ConfigError if it asks for what is not."""
-    known, ways = {one.name: one for one in measures}, ", ".join(WAYS)
+    known, ways = {one.name: one for one in measures}, ", ".join(COLUMN_READINGS)
     names, file = study.heading.measures, study.path.name
     if names is None and not known:
         raise ConfigError(f"{file}: lacks measures: such as 'last z', by {ways} and a column")
@@ -115,7 +115,7 @@ class Batch:
         return {
             "member": int(self.members[place]),
             "seed": int(self.seeds[place]),
-            **member(self.drawn, place),
+            **member_values(self.drawn, place),
             **dict(zip(names, numbers, strict=True)),
             "trouble": self.troubles[place],
         }
@@ -139,7 +139,7 @@ class Subject(Protocol):
         ...
 
 
-def member(drawn: Mapping[str, NDArray[Any]], place: int) -> dict[str, Any]:
+def member_values(drawn: Mapping[str, NDArray[Any]], place: int) -> dict[str, Any]:
     """Return numbers and words of one member as Python's own."""
     return {
         name: values[place] if isinstance(values[place], str) else float(values[place])
@@ -165,7 +165,7 @@ def fly_each(
     troubles: list[str | None] = [None] * count
     for i in range(count):
         try:
-            outputs[i] = done[i] if i in done else fly(member(drawn, i), int(seeds[i]))
+            outputs[i] = done[i] if i in done else fly(member_values(drawn, i), int(seeds[i]))
         except ConfigError as wrong:
             troubles[i] = wrong.problems[0]
     return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))
@@ -201,7 +201,7 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Opened:
+class OpenJob:
     """A job made ready on this machine."""
 
     study: Study
@@ -244,17 +244,17 @@ def job_of(name: str, members: int | None, make: Callable[[Study], Subject]) -> 
     return Job(name, members, tuple(sorted(texts.items())), __version__, core_digest(), make)
 
 
-def _open(name: str, members: int | None, make: Callable[[Study], Subject]) -> Opened:
+def _open(name: str, members: int | None, make: Callable[[Study], Subject]) -> OpenJob:
     study = load_study(name)
     study = study if members is None else with_members(study, members)
     subject = make(study)
     if not subject.outputs:
         raise ConfigError("there is nothing to keep of a member")
-    return Opened(study, subject)
+    return OpenJob(study, subject)
 
 
 @lru_cache(maxsize=2)
-def open_job(job: Job) -> Opened:
+def open_job(job: Job) -> OpenJob:
     """Return the job made ready, once in each process; ConfigError if this is another version."""
     mine = core_digest()
     if not same_core(job.core):
@@ -270,7 +270,7 @@ def fly_chunk(job: Job, place: int) -> Batch:
         return ready.chunk(place)
 
 
-def differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+def fact_differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Return in words what differs between the facts of two jobs."""
     study = str(then.get("study", ""))  # an earlier version's is its path
     then = {
@@ -285,7 +285,7 @@ def differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
         and not (name == "core" and same_core(then.get(name)) and same_core(now[name]))
     ]
     before, after = then["files"], now["files"]
-    before = {key: text for key, text in before.items() if key not in ABANDONED}
+    before = {key: text for key, text in before.items() if key not in ABANDONED_FILES}
     for key in sorted({*before, *after}):
         if before.get(key) == after.get(key):
             continue

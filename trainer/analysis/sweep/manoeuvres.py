@@ -10,21 +10,27 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from trainer.analysis.fleet.ensemble import fly_members
-from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjust, find_manoeuvre
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
-from trainer.analysis.manoeuvres.submarine import COLUMNS, LAWS, STEEPEST, Rig, Submarine
+from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjust_manoeuvre, find_manoeuvre
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.submarine import (
+    BOAT_COLUMNS,
+    DEPTH_LAWS,
+    MAX_PITCH_RAD,
+    Rig,
+    Submarine,
+)
 from trainer.analysis.series import Series
 from trainer.analysis.sweep import fleets
 from trainer.analysis.sweep.fleets import Script, script_of
-from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, member, read_off
+from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, member_values, read_off
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
-from trainer.config.coefficients import COEFFICIENT, FACTOR
+from trainer.config.coefficients import COEFFICIENT_QUANTITY, FACTOR_QUANTITY
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import read_record
 from trainer.config.vessel import VesselFile, read_vessel
-from trainer.core.autopilot.steering import REPORT
+from trainer.core.autopilot.steering import REPORT_LAW
 from trainer.units import KNOT
 
 if TYPE_CHECKING:
@@ -32,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Case:
+class MemberCase:
     """One member: a boat, how it is computed and handled, and what it flies."""
 
     file: VesselFile
@@ -41,7 +47,7 @@ class Case:
     table: ManoeuvreTable
 
 
-def case_of(study: Study, drawn: Mapping[str, Any]) -> Case:
+def case_of(study: Study, drawn: Mapping[str, Any]) -> MemberCase:
     """Return the member with these numbers; ConfigError if there can be no such boat."""
     tables, file = study.varied(drawn), study.file
     if file is None:
@@ -51,7 +57,7 @@ def case_of(study: Study, drawn: Mapping[str, Any]) -> Case:
     place = Place(study.path.name, "manoeuvre")
     table = read_record(ManoeuvreTable, tables["manoeuvre"], place, ())
     rig = Rig(table.controls or "own", table.trim or "own", table.law or "trainer")
-    return Case(file, method_of(study.method, file), rig, table)
+    return MemberCase(file, method_of(study.method, file), rig, table)
 
 
 def manoeuvre_of(table: ManoeuvreTable, vehicle: Any) -> Manoeuvre:
@@ -59,7 +65,7 @@ def manoeuvre_of(table: ManoeuvreTable, vehicle: Any) -> Manoeuvre:
     told = asdict(table)
     given = {name: told[key] for name, key in PARAMETERS.items() if told[key] is not None}
     try:
-        manoeuvre = adjust(table.name, vehicle, given)
+        manoeuvre = adjust_manoeuvre(table.name, vehicle, given)
     except ConfigError as wrong:
         raise ConfigError(f"[manoeuvre] {str(wrong).removeprefix('--')}") from None
     if table.depth_kept is None:
@@ -81,22 +87,27 @@ def speed_of(table: ManoeuvreTable, usual: float) -> float:
     return 0.0
 
 
-def fly_case(case: Case) -> tuple[Manoeuvre, Flight]:
+def fly_case(case: MemberCase) -> tuple[Manoeuvre, Flight]:
     """Return the manoeuvre of a case and its flight; ConfigError if it cannot begin."""
     boat = Submarine(case.file, case.method, case.rig)
     manoeuvre = manoeuvre_of(case.table, boat)
-    return manoeuvre, fly(boat, manoeuvre, speed_of(case.table, case.file.run.start_speed_kn))
+    return manoeuvre, fly_manoeuvre(
+        boat, manoeuvre, speed_of(case.table, case.file.run.start_speed_kn)
+    )
 
 
-TOGETHER, ALONE = 512, 16  # members of a chunk
-PLACED: Final = COLUMNS[1:]  # all but the time
-LANES: Final = 128  # members whose flights are in memory at once
+FLEET_CHUNK_MEMBERS, SINGLE_CHUNK_MEMBERS = 512, 16  # members of a chunk
+PLACED_COLUMNS: Final = BOAT_COLUMNS[1:]  # all but the time
+MAX_FLIGHTS_HELD: Final = 128  # members whose flights are in memory at once
 # plausible only within the hull: these go through the whole check of a vessel file
-CHECKED: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
-LIMITS: Final = {"coefficients": COEFFICIENT.limits, "compensation": FACTOR.limits}
+CHECKED_COEFFICIENTS: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
+FIELD_LIMITS: Final = {
+    "coefficients": COEFFICIENT_QUANTITY.limits,
+    "compensation": FACTOR_QUANTITY.limits,
+}
 
 
-class Manoeuvring:
+class ManoeuvreSubject:
     """The members of a study that fly a manoeuvre."""
 
     def __init__(self, study: Study) -> None:
@@ -121,7 +132,7 @@ class Manoeuvring:
     @property
     def chunk(self) -> int:
         """Return how many members are flown, and kept, at once."""
-        return TOGETHER if self.together else ALONE
+        return FLEET_CHUNK_MEMBERS if self.together else SINGLE_CHUNK_MEMBERS
 
     def _script(self, manoeuvre: Manoeuvre) -> Script | None:
         return script_of(manoeuvre, self.middle.method.step, tuple(self.boat.controls.items()))
@@ -131,9 +142,11 @@ class Manoeuvring:
         done: dict[int, list[float]] = {}
         if self.together:
             drawn = self.study.draws.drawn(first, count)
-            for begin in range(0, count, LANES):
-                part = {name: values[begin : begin + LANES] for name, values in drawn.items()}
-                size = min(LANES, count - begin)
+            for begin in range(0, count, MAX_FLIGHTS_HELD):
+                part = {
+                    name: values[begin : begin + MAX_FLIGHTS_HELD] for name, values in drawn.items()
+                }
+                size = min(MAX_FLIGHTS_HELD, count - begin)
                 cases, groups = self._cases(part, size), defaultdict(list)
                 for i, (_, manoeuvre) in cases.items():
                     if (script := self._script(manoeuvre)) is not None:
@@ -150,7 +163,7 @@ class Manoeuvring:
             raise ConfigError(flight.lost)
         return read_off(self.outputs, flight, manoeuvre.measures(flight))
 
-    def _cases(self, drawn: dict[str, Any], count: int) -> dict[int, tuple[Case, Manoeuvre]]:
+    def _cases(self, drawn: dict[str, Any], count: int) -> dict[int, tuple[MemberCase, Manoeuvre]]:
         """Return case and manoeuvre of the members for which there can be any.
 
         Where nothing but coefficients varies the case is the middle one's, and says nothing of
@@ -159,14 +172,14 @@ class Manoeuvring:
         if self._by_coefficients:
             good = np.ones(count, bool)
             for variable in self.study.variables:
-                limits = LIMITS[str(variable.steps[1])]
+                limits = FIELD_LIMITS[str(variable.steps[1])]
                 values = variable.value(drawn[variable.row.name])
                 good &= (limits.low <= values) & (values <= limits.high)
             return {int(i): (self.middle, self.trial) for i in np.flatnonzero(good)}
         found = {}
         for i in range(count):
             try:
-                case = case_of(self.study, member(drawn, i))
+                case = case_of(self.study, member_values(drawn, i))
                 boat = self.boat if case.file is self.middle.file else None
                 boat = boat or Submarine(case.file, case.method, case.rig)
                 found[i] = case, manoeuvre_of(case.table, boat)
@@ -179,11 +192,18 @@ class Manoeuvring:
         """Return whether nothing but coefficients varies, and none that has to fit the hull."""
         keys = [variable.steps for variable in self.study.variables]
         named = (steps for steps in keys if len(steps) > 1 and steps[0] == "vessel")
-        good = [steps for steps in named if steps[1] in LIMITS and steps[-1] not in CHECKED]
+        good = [
+            steps
+            for steps in named
+            if steps[1] in FIELD_LIMITS and steps[-1] not in CHECKED_COEFFICIENTS
+        ]
         return len(good) == len(keys)
 
     def _flown(
-        self, drawn: dict[str, Any], cases: dict[int, tuple[Case, Manoeuvre]], places: list[int]
+        self,
+        drawn: dict[str, Any],
+        cases: dict[int, tuple[MemberCase, Manoeuvre]],
+        places: list[int],
     ) -> Iterable[tuple[int, list[float]]]:
         """Yield place and numbers of members that fly well, whose scripts are alike."""
         own = [cases[i] for i in places]
@@ -198,18 +218,23 @@ class Manoeuvring:
         else:
             made = fleets.by_files([one.file for one, _ in own], case.method)
         speeds = np.array([speed_of(one.table, one.file.run.start_speed_kn) for one, _ in own])
-        law = LAWS[case.rig.law]
-        law = law if self.boat.boat.automatic else max(law, REPORT)  # without gains the report's
+        law = DEPTH_LAWS[case.rig.law]
+        law = (
+            law if self.boat.boat.automatic else max(law, REPORT_LAW)
+        )  # without gains the report's
         fleet, able = fleets.start_members(made, case.method, speeds, law, self.trial.needs)
         schedule = fleets.join_scripts(fleet.states, made, written)
-        flight = fly_members(fleet, schedule, written[0].ticks, 1, PLACED)
+        flight = fly_members(fleet, schedule, written[0].ticks, 1, PLACED_COLUMNS)
         t = case.method.step * np.arange(written[0].ticks + 1.0)
-        steep = np.abs(flight.rows[:, :, PLACED.index("theta")]) > STEEPEST
+        steep = np.abs(flight.rows[:, :, PLACED_COLUMNS.index("theta")]) > MAX_PITCH_RAD
         good = able & (flight.lost < 0) & ~steep.any(axis=1)
         named = Path(case.file.name)
         for i in np.flatnonzero(good):
             each, manoeuvre = own[i]
-            columns = {"t": t, **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED)}}
+            columns = {
+                "t": t,
+                **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED_COLUMNS)},
+            }
             seen = Flight(
                 speed=float(speeds[i]),
                 length=each.file.hull.length,

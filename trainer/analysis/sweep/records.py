@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
-from trainer.analysis.manoeuvres.flight import CHOICES
+from trainer.analysis.manoeuvres.flight import FIELD_CHOICES
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import (
     Choice,
@@ -13,21 +13,21 @@ from trainer.config.schema import (
     Rows,
     Text,
     Texts,
-    Whole,
+    WholeNumber,
     above,
     list_schema,
-    of,
     optional,
+    required,
     tables_of,
     within,
 )
-from trainer.config.words import CHANNELS, EQUATIONS, MODELS, TRIGONOMETRY
+from trainer.config.words import EQUATION_SETS, LINEAR_MODELS, OUTPUT_CHANNELS, TRIGONOMETRY_KINDS
 
-MOST_MEMBERS: Final = 10_000_000
-MOST_VALUES: Final = 10_000
-BIG: Final = 1e12
-ESTIMATE: Final = "estimate"  # a distribution: draws of all coefficients together
-WHOLE: Final = 2**49  # seeds are below it
+MAX_MEMBERS: Final = 10_000_000
+MAX_VALUES: Final = 10_000
+MAX_NUMBER: Final = 1e12
+ESTIMATE_DISTRIBUTION: Final = "estimate"  # a distribution: draws of all coefficients together
+SEED_LIMIT: Final = 2**49  # seeds are below it
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class DistinctTexts(Texts):
 
 
 @dataclass(frozen=True)
-class Values:
+class ValueList:
     """A list of finite numbers, or of words, none of them twice."""
 
     most: int
@@ -62,7 +62,7 @@ class Values:
     @property
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
-        each = Quantity("-", within(-BIG, BIG), self.meaning), Text(200, self.meaning)
+        each = Quantity("-", within(-MAX_NUMBER, MAX_NUMBER), self.meaning), Text(200, self.meaning)
         kinds = [list_schema(kind.form.schema, 1, self.most) for kind in each]
         schema = {"anyOf": kinds, "uniqueItems": True}
         return KeyForm("list", f"1 to {self.most} numbers, or words", self.meaning, schema)
@@ -71,7 +71,7 @@ class Values:
         """Return the numbers or words; ConfigError if they are neither, or mixed."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
             raise ConfigError(place.wrong(key, value, f"must be a list of 1 to {self.most}"))
-        number = Quantity("-", within(-BIG, BIG), self.meaning)
+        number = Quantity("-", within(-MAX_NUMBER, MAX_NUMBER), self.meaning)
         word = Text(200, self.meaning)
         kind: Quantity | Text = word if isinstance(value[0], str) else number
         found = tuple(kind.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
@@ -81,11 +81,11 @@ class Values:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Heading:
+class StudyHeading:
     """The subject of a study."""
 
-    schema: str = of(Choice(("sweep/1",), "form of the file"))
-    name: str = of(Text(79, "what is studied"))
+    schema: str = required(Choice(("sweep/1",), "form of the file"))
+    name: str = required(Text(79, "what is studied"))
     vessel: str | None = optional(
         Text(200, "a boat's name, or path of its or a ship's file; else bb2")
     )
@@ -98,11 +98,11 @@ class Heading:
 class MethodTable:
     """How the boat is computed."""
 
-    equations: str | None = optional(Choice(EQUATIONS, "set of equations; else the boat's own"))
+    equations: str | None = optional(Choice(EQUATION_SETS, "set of equations; else the boat's own"))
     rates: str | None = optional(
         Choice(("exact", "lagged"), "accelerations; else lagged, with Runge-Kutta exact")
     )
-    trig: str | None = optional(Choice(TRIGONOMETRY, "else exact"))
+    trig: str | None = optional(Choice(TRIGONOMETRY_KINDS, "else exact"))
     integrator: str | None = optional(Text(200, "as --integrator; else adams2"))
     step_s: float | None = optional(Quantity("s", within(0.001, 2), "else the vessel file's"))
 
@@ -111,15 +111,17 @@ class MethodTable:
 class ManoeuvreTable:
     """The manoeuvre that every member flies; what is left out is its own."""
 
-    name: str = of(Text(40, "as `trainer manoeuvre --list` has it"))
+    name: str = required(Text(40, "as `trainer manoeuvre --list` has it"))
     speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the vessel file's"))
     angle_deg: float | None = optional(Quantity("deg", within(0, 90), "of the control"))
     execute_deg: float | None = optional(Quantity("deg", within(0, 180), "mark"))
     planes_deg: float | None = optional(Quantity("deg", within(0, 90), "of a climbing turn"))
     duration_s: float | None = optional(Quantity("s", within(1, 1e5), "time flown"))
-    side: str | None = optional(Choice(CHOICES["side"], "of a turn, or first; else starboard"))
+    side: str | None = optional(
+        Choice(FIELD_CHOICES["side"], "of a turn, or first; else starboard")
+    )
     direction: str | None = optional(
-        Choice(CHOICES["direction"], "of the planes, or first; else rise, of trim dive")
+        Choice(FIELD_CHOICES["direction"], "of the planes, or first; else rise, of trim dive")
     )
     step_kn: float | None = optional(
         Quantity("kn", within(0.1, 60), "of an acceleration's steps, at most; else 5")
@@ -143,29 +145,35 @@ class ManoeuvreTable:
 class IdentificationTable:
     """An experiment that is simulated and identified again and again."""
 
-    model: str = of(Choice(MODELS, "model, as `trainer identify --model`"))
-    length_m: float = of(Quantity("m", within(0.1, 600), "of the ship"))
-    speed_kn: float = of(Quantity("kn", within(0.01, 60), "of the ship"))
+    model: str = required(Choice(LINEAR_MODELS, "model, as `trainer identify --model`"))
+    length_m: float = required(Quantity("m", within(0.1, 600), "of the ship"))
+    speed_kn: float = required(Quantity("kn", within(0.01, 60), "of the ship"))
     bow_log_m: float | None = optional(Quantity("m", within(0, 600), "forward log"))
     stern_log_m: float | None = optional(Quantity("m", within(0, 600), "aft log"))
-    outputs: tuple[str, ...] = of(
-        DistinctTexts(Text(20, f"channels read: {', '.join(CHANNELS)}"), len(CHANNELS))
+    outputs: tuple[str, ...] = required(
+        DistinctTexts(
+            Text(20, f"channels read: {', '.join(OUTPUT_CHANNELS)}"), len(OUTPUT_CHANNELS)
+        )
     )
-    interval_s: float = of(Quantity("s", within(1e-4, 3600), "from sample to sample"))
-    samples: int = of(Whole(10, 100_000, "of a record"))
-    register_bits: int = of(Whole(2, 12, "of the binary sequence on the rudder"))
-    bit_s: float = of(Quantity("s", within(1e-3, 3600), "time that one bit holds"))
-    amplitude_deg: float = of(Quantity("deg", within(0.01, 90), "of the rudder, either way"))
+    interval_s: float = required(Quantity("s", within(1e-4, 3600), "from sample to sample"))
+    samples: int = required(WholeNumber(10, 100_000, "of a record"))
+    register_bits: int = required(WholeNumber(2, 12, "of the binary sequence on the rudder"))
+    bit_s: float = required(Quantity("s", within(1e-3, 3600), "time that one bit holds"))
+    amplitude_deg: float = required(Quantity("deg", within(0.01, 90), "of the rudder, either way"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parameter:
+class ParameterRow:
     """One parameter of a model that is identified."""
 
-    name: str = of(Text(20, "as the model calls it"))
-    truth: float = of(Quantity("model's", within(-BIG, BIG), "what the records are made with"))
+    name: str = required(Text(20, "as the model calls it"))
+    truth: float = required(
+        Quantity("model's", within(-MAX_NUMBER, MAX_NUMBER), "what the records are made with")
+    )
     start: float | None = optional(
-        Quantity("model's", within(-BIG, BIG), "where the search begins; else at the truth")
+        Quantity(
+            "model's", within(-MAX_NUMBER, MAX_NUMBER), "where the search begins; else at the truth"
+        )
     )
     free: bool | None = optional(Flag("whether it is searched for; else it is"))
 
@@ -174,51 +182,61 @@ class Parameter:
 class Sample:
     """Which members there are."""
 
-    plan: str = of(Choice(("grid", "latin-hypercube", "monte-carlo"), "how numbers are chosen"))
-    members: int | None = optional(Whole(1, MOST_MEMBERS, "how many; a grid has all its points"))
-    seed: int = of(Whole(0, WHOLE - 1, "of everything random"))
+    plan: str = required(
+        Choice(("grid", "latin-hypercube", "monte-carlo"), "how numbers are chosen")
+    )
+    members: int | None = optional(
+        WholeNumber(1, MAX_MEMBERS, "how many; a grid has all its points")
+    )
+    seed: int = required(WholeNumber(0, SEED_LIMIT - 1, "of everything random"))
     seeds: str | None = optional(
         Choice(("each", "one"), "the seas of each member are its own, or all alike; else each")
     )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Vary:
+class VaryRow:
     """One number that differs from member to member."""
 
-    name: str = of(Text(40, "heading of its column"))
-    key: str = of(Text(200, "what it changes, such as vessel.coefficients.N_v"))
-    values: tuple[Any, ...] | None = optional(Values(MOST_VALUES, "the numbers, or words"))
+    name: str = required(Text(40, "heading of its column"))
+    key: str = required(Text(200, "what it changes, such as vessel.coefficients.N_v"))
+    values: tuple[Any, ...] | None = optional(ValueList(MAX_VALUES, "the numbers, or words"))
     distribution: str | None = optional(
         Choice(
-            ("uniform", "normal", "triangular", ESTIMATE),
+            ("uniform", "normal", "triangular", ESTIMATE_DISTRIBUTION),
             "instead of values; estimate: whole draws of a boat or a fitted ship, key vessel",
         )
     )
-    low: float | None = optional(Quantity("key's", within(-BIG, BIG), "of uniform, triangular"))
-    high: float | None = optional(Quantity("key's", within(-BIG, BIG), "of uniform, triangular"))
-    mode: float | None = optional(Quantity("key's", within(-BIG, BIG), "peak of triangular"))
-    mean: float | None = optional(Quantity("key's", within(-BIG, BIG), "of normal"))
-    std: float | None = optional(Quantity("key's", above(0, BIG), "of normal"))
+    low: float | None = optional(
+        Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "of uniform, triangular")
+    )
+    high: float | None = optional(
+        Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "of uniform, triangular")
+    )
+    mode: float | None = optional(
+        Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "peak of triangular")
+    )
+    mean: float | None = optional(Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "of normal"))
+    std: float | None = optional(Quantity("key's", above(0, MAX_NUMBER), "of normal"))
     relative: bool | None = optional(
         Flag("true: the numbers are factors of what the files say; else they take its place")
     )
 
 
-VARIED: Final = Rows(Vary, ("note",), 0, 200, "what is varied, below")
-PARAMETERS: Final = Rows(Parameter, ("note",), 1, 60, "of the model identified, below")
+VARY_ROWS: Final = Rows(VaryRow, ("note",), 0, 200, "what is varied, below")
+PARAMETER_ROWS: Final = Rows(ParameterRow, ("note",), 1, 60, "of the model identified, below")
 
-RECORDS: Final = {
-    "": Heading,
+STUDY_RECORDS: Final = {
+    "": StudyHeading,
     "method": MethodTable,
     "manoeuvre": ManoeuvreTable,
     "identification": IdentificationTable,
-    "[parameters]": Parameter,
+    "[parameters]": ParameterRow,
     "sample": Sample,
-    "[vary]": Vary,
+    "[vary]": VaryRow,
 }
 
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/sweeps.md shows them."""
-    return tables_of(RECORDS)
+    return tables_of(STUDY_RECORDS)

@@ -8,19 +8,19 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.sweep.draws import GRID
-from trainer.analysis.sweep.job import COVERED, DEVIATION, Opened, Output
-from trainer.analysis.sweep.results import TROUBLE
+from trainer.analysis.sweep.draws import GRID_SAMPLE
+from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, OpenJob, Output
+from trainer.analysis.sweep.results import TROUBLE_COLUMN
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
-from trainer.report.plots import Bar, Bars, Curve, Panel
+from trainer.report.plots import Bar, BarGroup, Curve, Panel
 from trainer.report.text import INDENT, table, wrap
 
-PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)
-TENTH: Final = 0.1  # of the members: what counts as a variable's low and high end
-FEWEST: Final = 2  # members that a spread can be told of
-TOLD: Final = 5  # different troubles
-MOST_CURVES: Final = 12  # of a panel over a grid
+SPREAD_PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)
+END_SHARE: Final = 0.1  # of the members: what counts as a variable's low and high end
+MIN_SPREAD_MEMBERS: Final = 2  # members that a spread can be told of
+MAX_TROUBLES_SHOWN: Final = 5  # different troubles
+MAX_CURVES: Final = 12  # of a panel over a grid
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class Report:
+class SweepReport:
     """All that ``trainer sweep`` prints of a result."""
 
     study: str
@@ -71,15 +71,15 @@ def numbers_of(table: Any, name: str) -> Numbers:
     return np.asarray(table.column(name).to_numpy(zero_copy_only=False), float)
 
 
-def report_of(opened: Opened, table: Any, file: str) -> Report:
+def report_of(opened: OpenJob, table: Any, file: str) -> SweepReport:
     """Return what a result says."""
     study = opened.study
-    troubles = Counter(text for text in table.column(TROUBLE).to_pylist() if text)
-    most = sorted(troubles.items(), key=lambda item: (-item[1], item[0]))[:TOLD]
+    troubles = Counter(text for text in table.column(TROUBLE_COLUMN).to_pylist() if text)
+    most = sorted(troubles.items(), key=lambda item: (-item[1], item[0]))[:MAX_TROUBLES_SHOWN]
     columns = {output.name: numbers_of(table, output.name) for output in opened.subject.outputs}
     variables = [one.row.name for one in study.variables if one.draw is None]
     drawn = {name: np.array(table.column(name).to_pylist()) for name in variables}
-    return Report(
+    return SweepReport(
         study=study.heading.name,
         file=file,
         plan=study.draws.sample.plan,
@@ -98,11 +98,11 @@ def report_of(opened: Opened, table: Any, file: str) -> Report:
 def spread_of(name: str, unit: str, values: Numbers) -> Spread:
     """Return how a measure is spread; NaN counts as no member."""
     there = values[~np.isnan(values)]
-    if len(there) < FEWEST:
+    if len(there) < MIN_SPREAD_MEMBERS:
         mean = float(there[0]) if len(there) else float("nan")
         return Spread(name, unit, len(there), mean, float("nan"), {})
-    at = np.percentile(there, PERCENTILES)
-    percentiles = {f"{p:g}": float(x) for p, x in zip(PERCENTILES, at, strict=True)}
+    at = np.percentile(there, SPREAD_PERCENTILES)
+    percentiles = {f"{p:g}": float(x) for p, x in zip(SPREAD_PERCENTILES, at, strict=True)}
     deviation = float(there.std(ddof=1))
     return Spread(name, unit, len(there), float(there.mean()), deviation, percentiles)
 
@@ -110,7 +110,7 @@ def spread_of(name: str, unit: str, values: Numbers) -> Spread:
 def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect, ...]:
     """Return what each variable does to a measure, the widest first."""
     there = ~np.isnan(values)
-    if there.sum() < FEWEST:
+    if there.sum() < MIN_SPREAD_MEMBERS:
         return ()
     found = [_effect(name, numbers[there], values[there]) for name, numbers in drawn.items()]
     return tuple(sorted(found, key=lambda effect: -effect.width))
@@ -122,8 +122,8 @@ def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
     An end is the tenth of members where the variable is lowest, or highest.
     """
     if of.dtype.kind in "fiu":
-        low = of <= np.quantile(of, TENTH, method="inverted_cdf")
-        high = of >= -np.quantile(-of, TENTH, method="inverted_cdf")
+        low = of <= np.quantile(of, END_SHARE, method="inverted_cdf")
+        high = of >= -np.quantile(-of, END_SHARE, method="inverted_cdf")
         return Effect(
             name, *(float(mean.mean()) for mean in (of[low], of[high], values[low], values[high]))
         )
@@ -132,8 +132,8 @@ def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
     return Effect(name, least, most, means[least], means[most])
 
 
-HEADS: Final = ("", "unit", "mean", "std dev", "5 %", "50 %", "95 %", "members")
-SHOWN: Final = (5.0, 50.0, 95.0)  # [%] on the page and as marks of the plot
+SPREAD_HEADS: Final = ("", "unit", "mean", "std dev", "5 %", "50 %", "95 %", "members")
+SHOWN_PERCENTILES: Final = (5.0, 50.0, 95.0)  # [%] on the page and as marks of the plot
 
 
 def on_page(unit: str) -> tuple[float, str]:
@@ -143,7 +143,7 @@ def on_page(unit: str) -> tuple[float, str]:
     return math.degrees(1.0), unit.replace("rad", "deg", 1)
 
 
-def render(report: Report) -> str:
+def render(report: SweepReport) -> str:
     """Return the report as text."""
     lines = [
         *wrap(report.study, "", ""),
@@ -154,12 +154,12 @@ def render(report: Report) -> str:
     rows = []
     for spread in report.spreads:
         factor, unit = on_page(spread.unit)
-        at = [spread.percentiles.get(f"{percent:g}", math.nan) for percent in SHOWN]
+        at = [spread.percentiles.get(f"{percent:g}", math.nan) for percent in SHOWN_PERCENTILES]
         numbers = [factor * x for x in (spread.mean, spread.deviation, *at)]
         texts = ["-" if math.isnan(x) else f"{x:.4g}" for x in numbers]
         rows.append((spread.name, unit, *texts, str(spread.count)))
     covered = coverage(report)
-    lines += covered or table(HEADS, rows)
+    lines += covered or table(SPREAD_HEADS, rows)
     for spread in () if covered else report.spreads[:1]:
         lines += _effects(report, spread)
     if report.troubled:
@@ -169,7 +169,7 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def _effects(report: Report, spread: Spread) -> list[str]:
+def _effects(report: SweepReport, spread: Spread) -> list[str]:
     """Return what moves a measure most, as lines."""
     effects = report.effects[spread.name]
     if not effects:
@@ -193,20 +193,20 @@ def _format(number: float | str) -> str:
     return number if isinstance(number, str) else f"{number:.3g}"
 
 
-def coverage(report: Report) -> list[str]:
+def coverage(report: SweepReport) -> list[str]:
     """Return how often intervals held the truth, as lines; none where nothing is identified."""
     known = {spread.name: spread for spread in report.spreads}
-    names = [name for name in known if COVERED.format(name) in known]
+    names = [name for name in known if COVERED_COLUMN.format(name) in known]
     if not names:
         return []
     rows = []
     for name in names:
-        spread, told = known[name], known[DEVIATION.format(name)]
-        inside = 100.0 * known[COVERED.format(name)].mean
+        spread, told = known[name], known[DEVIATION_COLUMN.format(name)]
+        inside = 100.0 * known[COVERED_COLUMN.format(name)].mean
         numbers = (spread.mean, spread.deviation, told.percentiles.get("50", told.mean))
         rows.append((name, spread.unit, *(f"{x:.4g}" for x in numbers), f"{inside:.1f}"))
     heads = ("", "unit", "mean", "std dev\nfound", "std dev\ntold", "% inside\n95 %")
-    shares = [known[COVERED.format(name)] for name in names]
+    shares = [known[COVERED_COLUMN.format(name)] for name in names]
     pooled = 100.0 * sum(one.mean * one.count for one in shares) / sum(one.count for one in shares)
     return [
         *table(heads, rows),
@@ -225,7 +225,7 @@ def member_page(study: str, member: int, told: dict[str, Any], outputs: tuple[Ou
     return "\n".join([f"{study}: member {member}", *table(("", "", ""), rows)])
 
 
-def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Bars, ...]:
+def panels(report: SweepReport, result: Any, measure: str | None) -> tuple[Panel | BarGroup, ...]:
     """Return how one measure is spread, what moves it most, and over a grid how."""
     known = {spread.name: spread for spread in report.spreads}
     if measure is not None and measure not in known:
@@ -238,7 +238,7 @@ def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Ba
     values = numbers_of(result, spread.name)
     values = np.sort(values[~np.isnan(values)]) * factor
     share = 100.0 * (np.arange(len(values)) + 0.5) / max(len(values), 1)
-    shown = {f"{percent:g}" for percent in SHOWN}
+    shown = {f"{percent:g}" for percent in SHOWN_PERCENTILES}
     at = [(name, factor * x) for name, x in spread.percentiles.items() if name in shown]
     marks = tuple((f"{percent} %: {value:.4g}", value) for percent, value in at)
     along = f"{spread.name} [{unit}]"
@@ -256,18 +256,18 @@ def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Ba
         for effect in effects
     )
     about = "mean where a variable is in its lowest (filled) and highest (hatched) tenth"
-    tornado = Bars(about, along, bars, factor * spread.mean)
+    tornado = BarGroup(about, along, bars, factor * spread.mean)
     return below, tornado, *grid_panels(report, result, spread)
 
 
-def grid_panels(report: Report, result: Any, spread: Spread) -> tuple[Panel, ...]:
+def grid_panels(report: SweepReport, result: Any, spread: Spread) -> tuple[Panel, ...]:
     """Return a measure over each variable of a grid. Each setting of the others has a curve.
 
     None of other plans, of one variable alone, and where there would be too many curves.
     """
     varied = {effect.variable for effect in report.effects[spread.name]}
     names = [name for name in result.column_names if name in varied]
-    if report.plan != GRID or len(names) < FEWEST:
+    if report.plan != GRID_SAMPLE or len(names) < MIN_SPREAD_MEMBERS:
         return ()
     drawn = {name: result.column(name).to_pylist() for name in names}
     factor, unit = on_page(spread.unit)
@@ -276,7 +276,7 @@ def grid_panels(report: Report, result: Any, spread: Spread) -> tuple[Panel, ...
     for name in names:
         others = [other for other in names if other != name]
         settings = list(zip(*(drawn[other] for other in others), strict=True))
-        if len(set(settings)) > MOST_CURVES or isinstance(drawn[name][0], str):
+        if len(set(settings)) > MAX_CURVES or isinstance(drawn[name][0], str):
             continue
         curves = []
         for setting in dict.fromkeys(settings):

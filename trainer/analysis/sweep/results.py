@@ -7,13 +7,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.sweep.job import Batch, Job, Opened
+from trainer.analysis.sweep.job import Batch, Job, OpenJob
 from trainer.config.extras import require_library
 from trainer.io.atomic_write import replacing
 
-ROWS: Final = 65_536  # of a row group of the result
-MEMBER, SEED, TROUBLE = "member", "seed", "trouble"
-FACTS: Final = b"trainer.sweep"
+ROW_GROUP_ROWS: Final = 65_536  # of a row group of the result
+MEMBER_COLUMN, SEED_COLUMN, TROUBLE_COLUMN = "member", "seed", "trouble"
+FACTS_KEY: Final = b"trainer.sweep"
 
 
 def check_pyarrow() -> None:
@@ -21,7 +21,7 @@ def check_pyarrow() -> None:
     require_library("pyarrow", "trainer sweep")
 
 
-def schema_of(opened: Opened) -> Any:
+def schema_of(opened: OpenJob) -> Any:
     """Return a result's columns: seeds, numbers drawn, outputs, and why there are none."""
     import pyarrow as pa  # noqa: PLC0415 - half a second, and not always there
 
@@ -34,8 +34,8 @@ def schema_of(opened: Opened) -> Any:
         pa.field(output.name, pa.float64(), metadata={"unit": output.unit})
         for output in opened.subject.outputs
     ]
-    first = [pa.field(MEMBER, pa.int64()), pa.field(SEED, pa.int64())]
-    return pa.schema([*first, *drawn, *kept, pa.field(TROUBLE, pa.string())])
+    first = [pa.field(MEMBER_COLUMN, pa.int64()), pa.field(SEED_COLUMN, pa.int64())]
+    return pa.schema([*first, *drawn, *kept, pa.field(TROUBLE_COLUMN, pa.string())])
 
 
 def table_of(batch: Batch, schema: Any) -> Any:
@@ -56,15 +56,15 @@ def table_of(batch: Batch, schema: Any) -> Any:
     return pa.table(arrays, schema=schema)
 
 
-def write(table: Any, path: Path) -> None:
+def write_table(table: Any, path: Path) -> None:
     """Write a table to a file that appears whole or not at all. OSError if it cannot be."""
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     with replacing(path) as made:
-        pq.write_table(table, made, row_group_size=ROWS)
+        pq.write_table(table, made, row_group_size=ROW_GROUP_ROWS)
 
 
-def read(path: Path) -> Any:
+def read_table(path: Path) -> Any:
     """Return the table of a file; OSError if it is none, or not whole."""
     import pyarrow as pa  # noqa: PLC0415
     import pyarrow.parquet as pq  # noqa: PLC0415
@@ -81,10 +81,10 @@ def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
 
     facts = json.dumps(job.facts, sort_keys=True).encode()
     whole = pa.concat_tables([schema.empty_table(), *tables]).combine_chunks()
-    return whole.replace_schema_metadata({FACTS: facts})
+    return whole.replace_schema_metadata({FACTS_KEY: facts})
 
 
 def facts_of(table: Any) -> dict[str, Any]:
     """Return the facts that a result follows from. There are none if it is of no study."""
-    found: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS, b"{}"))
+    found: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS_KEY, b"{}"))
     return found

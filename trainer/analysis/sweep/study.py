@@ -13,17 +13,17 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.analysis.estimate.uncertainty import drawn_tables, filed_estimate, filed_joint
-from trainer.analysis.sweep.draws import GRID, Draws
+from trainer.analysis.sweep.draws import GRID_SAMPLE, Draws
 from trainer.analysis.sweep.records import (
-    ESTIMATE,
-    PARAMETERS,
-    VARIED,
-    Heading,
+    ESTIMATE_DISTRIBUTION,
+    PARAMETER_ROWS,
+    VARY_ROWS,
     IdentificationTable,
     ManoeuvreTable,
     MethodTable,
     Sample,
-    Vary,
+    StudyHeading,
+    VaryRow,
 )
 from trainer.boat.assemble import Method
 from trainer.config.coefficients import EQUATION_SETS
@@ -32,7 +32,6 @@ from trainer.config.files import (
     ConfigError,
     Place,
     as_table,
-    beside,
     collecting,
     is_path,
     nearest,
@@ -40,26 +39,33 @@ from trainer.config.files import (
     path_named,
     quote,
     read_text,
+    relative_name,
 )
-from trainer.config.schema import described, file_schema, object_schema, read_record, record_schema
+from trainer.config.schema import (
+    describe_kind,
+    file_schema,
+    object_schema,
+    read_record,
+    record_schema,
+)
 from trainer.config.vessel import VesselFile, load_vessel, with_defaults
-from trainer.config.words import SHIP
+from trainer.config.words import SHIP_FILE_SCHEMA
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.core.terms import COEFFICIENTS
 
-Tables = Mapping[str, Any]
-Step = str | int
+TableMap = Mapping[str, Any]
+PathStep = str | int
 
-WORD: Final = re.compile(r"([A-Za-z0-9_-]+)((?:\[\d{1,4}\])*)")
-BLANK: Final = "{}"  # in a text: where the number goes
-DECIMALS: Final = 9  # of a number in a text
+KEY_WORD: Final = re.compile(r"([A-Za-z0-9_-]+)((?:\[\d{1,4}\])*)")
+BLANK_MARK: Final = "{}"  # in a text: where the number goes
+TEXT_DECIMALS: Final = 9  # of a number in a text
 
 
-def steps_of(key: str) -> tuple[Step, ...]:
+def steps_of(key: str) -> tuple[PathStep, ...]:
     """Return the words and places of a key; ConfigError if it is none."""
-    found: list[Step] = []
+    found: list[PathStep] = []
     for part in key.split("."):
-        match = WORD.fullmatch(part)
+        match = KEY_WORD.fullmatch(part)
         if match is None:
             raise ConfigError(f"{part!r} is no word of a key")
         found.append(match[1])
@@ -67,7 +73,7 @@ def steps_of(key: str) -> tuple[Step, ...]:
     return tuple(found)
 
 
-def value_at(tables: Any, steps: tuple[Step, ...]) -> Any:
+def value_at(tables: Any, steps: tuple[PathStep, ...]) -> Any:
     """Return what stands there, None if nothing does; ConfigError naming the nearest table."""
     here = tables
     for depth, step in enumerate(steps):
@@ -86,17 +92,17 @@ def value_at(tables: Any, steps: tuple[Step, ...]) -> Any:
     return here
 
 
-def change_value(tables: Any, steps: tuple[Step, ...], value: Any) -> Any:
+def change_value(tables: Any, steps: tuple[PathStep, ...], value: Any) -> Any:
     """Return the tables with another value there, or in the blank of a text.
 
     Those given stay as they are.
     """
     if not steps:
-        if not isinstance(tables, str) or BLANK not in tables:
+        if not isinstance(tables, str) or BLANK_MARK not in tables:
             return value
         if not isinstance(value, str):
-            value = f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".")
-        return tables.replace(BLANK, value)
+            value = f"{value:.{TEXT_DECIMALS}f}".rstrip("0").rstrip(".")
+        return tables.replace(BLANK_MARK, value)
     step, rest = steps[0], steps[1:]
     if isinstance(step, int):
         return [
@@ -105,35 +111,37 @@ def change_value(tables: Any, steps: tuple[Step, ...], value: Any) -> Any:
     return {**tables, step: change_value(tables.get(step), rest, value)}
 
 
-MANOEUVRE, EXERCISE, IDENTIFICATION = "manoeuvre", "exercise", "identification"
-KINDS: Final = (MANOEUVRE, EXERCISE, IDENTIFICATION)
-TABLES: Final = ("method", *KINDS, "parameters", "sample", "vary")
-KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
-ROOTS: Final = {  # the tables whose numbers may be varied, by what every member is
-    MANOEUVRE: ("vessel", "manoeuvre"),
-    EXERCISE: ("vessel", "exercise"),
-    IDENTIFICATION: ("identification", "parameters"),
+MANOEUVRE_STUDY, EXERCISE_STUDY, IDENTIFICATION_STUDY = "manoeuvre", "exercise", "identification"
+STUDY_KINDS: Final = (MANOEUVRE_STUDY, EXERCISE_STUDY, IDENTIFICATION_STUDY)
+STUDY_TABLES: Final = ("method", *STUDY_KINDS, "parameters", "sample", "vary")
+KNOWN_KEYS: Final = (*(item.name for item in fields(StudyHeading)), "note", *STUDY_TABLES)
+VARIED_TABLES: Final = {  # the tables whose numbers may be varied, by what every member is
+    MANOEUVRE_STUDY: ("vessel", "manoeuvre"),
+    EXERCISE_STUDY: ("vessel", "exercise"),
+    IDENTIFICATION_STUDY: ("identification", "parameters"),
 }
-OF: Final[Mapping[str | None, tuple[str, ...]]] = {  # keys of [[vary]] that say how
+DISTRIBUTION_KEYS: Final[Mapping[str | None, tuple[str, ...]]] = {  # keys of [[vary]] that say how
     None: ("values",),
     "uniform": ("low", "high"),
     "normal": ("mean", "std"),
     "triangular": ("low", "mode", "high"),
-    ESTIMATE: (),
+    ESTIMATE_DISTRIBUTION: (),
 }
-WHOLE: Final = "vessel"  # the key of draws of an estimate
+WHOLE_VESSEL: Final = "vessel"  # the key of draws of an estimate
 
-Draw = Callable[[Tables, int], Tables]  # puts a draw of that number into a vessel's tables
+DrawTables = Callable[
+    [TableMap, int], TableMap
+]  # puts a draw of that number into a vessel's tables
 
 
 @dataclass(frozen=True)
 class Variable:
     """One number that differs: where it stands, and what the files have there."""
 
-    row: Vary
-    steps: tuple[Step, ...]
+    row: VaryRow
+    steps: tuple[PathStep, ...]
     base: float | None  # what its factors are of; None: it takes the place
-    draw: Draw | None = None  # where the value is the number of a draw
+    draw: DrawTables | None = None  # where the value is the number of a draw
 
     def value(self, drawn: Any) -> Any:
         """Return what takes the place."""
@@ -145,11 +153,11 @@ class Study:
     """Everything a study says."""
 
     path: Path
-    heading: Heading
+    heading: StudyHeading
     kind: str
     method: MethodTable
     file: VesselFile | None  # of the boat; None of a ship
-    tables: Tables  # that may be varied, as the files have them
+    tables: TableMap  # that may be varied, as the files have them
     variables: tuple[Variable, ...]
     draws: Draws
 
@@ -159,7 +167,7 @@ class Study:
         for variable in sorted(self.variables, key=lambda each: each.draw is None):
             if variable.draw is not None:
                 number = int(drawn[variable.row.name])
-                tables = {**tables, WHOLE: variable.draw(tables[WHOLE], number)}
+                tables = {**tables, WHOLE_VESSEL: variable.draw(tables[WHOLE_VESSEL], number)}
                 continue
             tables = change_value(tables, variable.steps, variable.value(drawn[variable.row.name]))
         return tables
@@ -179,21 +187,25 @@ def parse_study(text: str, path: Path) -> Study:
     place = Place(path.name, "")
     table = parse_toml(text, path.name)
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
+        place.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}")
         for key, value in table.items()
-        if key not in KNOWN
+        if key not in KNOWN_KEYS
     ]
     parts: dict[str, Any] = {}
     with collecting(problems):
-        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
-        parts["heading"] = read_record(Heading, own, place, ("note",))
+        own = {
+            key: value
+            for key, value in table.items()
+            if key in KNOWN_KEYS and key not in STUDY_TABLES
+        }
+        parts["heading"] = read_record(StudyHeading, own, place, ("note",))
     with collecting(problems):
         parts["kind"] = _kind(table, place)
     for name, record in (("method", MethodTable), ("sample", Sample)):
         with collecting(problems):
             parts[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
     with collecting(problems):
-        parts["rows"] = VARIED.read("vary", table.get("vary", []), place)
+        parts["rows"] = VARY_ROWS.read("vary", table.get("vary", []), place)
     if problems:
         raise ConfigError(*problems)
     with collecting(problems):
@@ -222,26 +234,26 @@ def parse_study(text: str, path: Path) -> Study:
 
 def _kind(table: Mapping[str, Any], place: Place) -> str:
     """Return what every member is; ConfigError if the file does not say one."""
-    given = [kind for kind in KINDS if kind in table]
+    given = [kind for kind in STUDY_KINDS if kind in table]
     if len(given) != 1:
         have = f"has {' and '.join(given)}" if given else "has none of them"
-        raise ConfigError(place.problem(f"{have}: give one of {', '.join(KINDS)}"))
-    if given[0] != IDENTIFICATION and "parameters" in table:
+        raise ConfigError(place.problem(f"{have}: give one of {', '.join(STUDY_KINDS)}"))
+    if given[0] != IDENTIFICATION_STUDY and "parameters" in table:
         raise ConfigError(place.inside("parameters").problem("goes with [identification]"))
-    if given[0] == IDENTIFICATION and "method" in table:
+    if given[0] == IDENTIFICATION_STUDY and "method" in table:
         raise ConfigError(place.inside("method").problem("goes with a boat, not with a model"))
     return given[0]
 
 
-def _check_rows(rows: tuple[Vary, ...], sample: Sample, place: Place) -> None:
+def _check_rows(rows: tuple[VaryRow, ...], sample: Sample, place: Place) -> None:
     """Check plan, names and numbers of what is varied; ConfigError with all faults."""
     problems: list[str] = []
     inside = place.inside("sample")
-    if sample.plan == GRID and sample.members is not None:
+    if sample.plan == GRID_SAMPLE and sample.members is not None:
         problems.append(inside.wrong("members", sample.members, "a grid has all its points"))
-    if sample.plan == GRID and not rows:
+    if sample.plan == GRID_SAMPLE and not rows:
         problems.append(place.problem("lacks [[vary]]: a grid is of values"))
-    if sample.plan != GRID and sample.members is None:
+    if sample.plan != GRID_SAMPLE and sample.members is None:
         problems.append(inside.problem("lacks members"))
     names = [row.name for row in rows]
     for i, row in enumerate(rows):
@@ -252,15 +264,15 @@ def _check_rows(rows: tuple[Vary, ...], sample: Sample, place: Place) -> None:
         raise ConfigError(*problems)
 
 
-def _row_problems(row: Vary, sample: Sample, place: Place) -> list[str]:
+def _row_problems(row: VaryRow, sample: Sample, place: Place) -> list[str]:
     """Return what is wrong with the numbers of one variable."""
     if (row.values is None) == (row.distribution is None):
         return [place.problem("give one of values, distribution")]
-    if sample.plan == GRID and row.values is None:
+    if sample.plan == GRID_SAMPLE and row.values is None:
         return [place.wrong("distribution", row.distribution, "a grid wants values")]
-    wanted = OF[row.distribution]
+    wanted = DISTRIBUTION_KEYS[row.distribution]
     told = [name for name, value in asdict(row).items() if value is not None]
-    numbers = {name for names in OF.values() for name in names}
+    numbers = {name for names in DISTRIBUTION_KEYS.values() for name in names}
     extra = [name for name in told if name in numbers and name not in wanted]
     lacking = [name for name in wanted if name not in told]
     what = row.distribution or "values"
@@ -277,73 +289,77 @@ def _row_problems(row: Vary, sample: Sample, place: Place) -> list[str]:
 
 
 def _subject(
-    kind: str, heading: Heading, table: Mapping[str, Any], path: Path
+    kind: str, heading: StudyHeading, table: Mapping[str, Any], path: Path
 ) -> tuple[VesselFile | None, dict[str, Any]]:
     """Return the boat, if there is one, and the tables that may be varied."""
     place = Place(path.name, "")
-    if kind == IDENTIFICATION:
+    if kind == IDENTIFICATION_STUDY:
         if heading.vessel is not None:
             raise ConfigError(place.wrong("vessel", heading.vessel, "goes with a boat"))
         read_record(IdentificationTable, table[kind], place.inside(kind), ("note",))
-        PARAMETERS.read("parameters", table.get("parameters", []), place)
-        return None, {name: table[name] for name in ROOTS[kind]}
+        PARAMETER_ROWS.read("parameters", table.get("parameters", []), place)
+        return None, {name: table[name] for name in VARIED_TABLES[kind]}
     own = dict(as_table(table[kind], place.inside(kind)))
     name = heading.vessel
-    if kind == MANOEUVRE:
+    if kind == MANOEUVRE_STUDY:
         read_record(ManoeuvreTable, own, place.inside(kind), ("note",))
         own.pop("note", None)
-        found = beside(path, name or "bb2")
+        found = relative_name(path, name or "bb2")
         if is_path(found):  # of a ship that was identified, or of a boat
             ship = parse_toml(read_text(Path(found)), Path(found).name)
-            if ship.get("schema") == SHIP:
-                return None, {WHOLE: ship, kind: own}
+            if ship.get("schema") == SHIP_FILE_SCHEMA:
+                return None, {WHOLE_VESSEL: ship, kind: own}
     else:
         own = _exercise(own, heading, path)
         name = name or own.get("vessel")
-    file = load_vessel(beside(path, name or "bb2"))
+    file = load_vessel(relative_name(path, name or "bb2"))
     tables, _ = with_defaults(parse_toml(file.text, file.path.name))
     kept = [term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms]
     factors = {
         name: dict.fromkeys(kept, 1.0) | dict(file.compensation[name]) for name in EQUATION_SETS
     }
     boat = {**tables, "coefficients": dict(file.coefficients), "compensation": factors}
-    return file, {WHOLE: boat, kind: own}
+    return file, {WHOLE_VESSEL: boat, kind: own}
 
 
-def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, Any]:
+def _exercise(own: dict[str, Any], heading: StudyHeading, path: Path) -> dict[str, Any]:
     """Return the tables of an exercise: of the file it names, over them the study's own."""
-    place = Place(path.name, EXERCISE)
+    place = Place(path.name, EXERCISE_STUDY)
     base: dict[str, Any] = {"schema": "exercise/1", "name": heading.name[:55], "briefing": "-"}
     named = own.pop("file", None)
     if named is not None:
         if not isinstance(named, str):
             raise ConfigError(place.wrong("file", named, "must be a name, or the path of a file"))
-        source = path_named(beside(path, named), "exercises")
+        source = path_named(relative_name(path, named), "exercises")
         base = parse_toml(read_text(source), source.name)
     return {**base, **own}
 
 
-def _variable(row: Vary, parts: Mapping[str, Any], place: Place) -> Variable:
+def _variable(row: VaryRow, parts: Mapping[str, Any], place: Place) -> Variable:
     """Return draws of a whole boat or ship, or one number; ConfigError if it cannot vary."""
     tables, file = parts["tables"], parts["file"]
-    if row.distribution == ESTIMATE:
-        if WHOLE not in tables or row.key != WHOLE:
-            told = f"must be {WHOLE}: an estimate is drawn whole, of a boat or a ship"
+    if row.distribution == ESTIMATE_DISTRIBUTION:
+        if WHOLE_VESSEL not in tables or row.key != WHOLE_VESSEL:
+            told = f"must be {WHOLE_VESSEL}: an estimate is drawn whole, of a boat or a ship"
             raise ConfigError(place.wrong("key", row.key, told))
         if row.relative:
             raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
         if file is None:
-            return Variable(row, (WHOLE,), None, filed_joint(tables[WHOLE], place).drawn_tables)
-        made = filed_estimate(file, tables[WHOLE])
-        return Variable(row, (WHOLE,), None, partial(drawn_tables, made))
+            return Variable(
+                row, (WHOLE_VESSEL,), None, filed_joint(tables[WHOLE_VESSEL], place).drawn_tables
+            )
+        made = filed_estimate(file, tables[WHOLE_VESSEL])
+        return Variable(row, (WHOLE_VESSEL,), None, partial(drawn_tables, made))
     try:
         steps = steps_of(row.key)
-        here = value_at({root: tables[root] for root in ROOTS[parts["kind"]]}, steps)
+        here = value_at({root: tables[root] for root in VARIED_TABLES[parts["kind"]]}, steps)
     except ConfigError as wrong:
         raise ConfigError(place.wrong("key", row.key, str(wrong))) from None
     if not row.relative:
-        if isinstance(here, str) and BLANK not in here and not isinstance(row.values, tuple):
-            raise ConfigError(place.wrong("key", row.key, f"is {quote(here)}, without a {BLANK}"))
+        if isinstance(here, str) and BLANK_MARK not in here and not isinstance(row.values, tuple):
+            raise ConfigError(
+                place.wrong("key", row.key, f"is {quote(here)}, without a {BLANK_MARK}")
+            )
         return Variable(row, steps, None)
     if isinstance(here, bool) or not isinstance(here, int | float) or here == 0.0:
         raise ConfigError(place.problem(f"relative: {row.key} is {quote(here)}: no factor"))
@@ -365,7 +381,7 @@ def method_of(table: MethodTable, file: VesselFile) -> Method:
 def with_members(study: Study, members: int) -> Study:
     """Return the study with another number of members; ConfigError of a grid."""
     sample = study.draws.sample
-    if sample.plan == GRID:
+    if sample.plan == GRID_SAMPLE:
         raise ConfigError("--members: a grid has all its points")
     return replace(study, draws=replace(study.draws, sample=replace(sample, members=members)))
 
@@ -373,16 +389,16 @@ def with_members(study: Study, members: int) -> Study:
 def study_schema() -> dict[str, Any]:
     """Return the JSON Schema of a study. Every member is of one of three kinds."""
     named = {"file": {"type": "string", "description": "name or path of the exercise"}}
-    heading = record_schema(Heading, ("note",))
+    heading = record_schema(StudyHeading, ("note",))
     keys = {
         **heading["properties"],
         "method": record_schema(MethodTable, ("note",)),
-        MANOEUVRE: record_schema(ManoeuvreTable, ("note",)),
-        EXERCISE: object_schema({**exercise_keys(), **named}, ()),
-        IDENTIFICATION: record_schema(IdentificationTable, ("note",)),
-        "parameters": described(PARAMETERS),
+        MANOEUVRE_STUDY: record_schema(ManoeuvreTable, ("note",)),
+        EXERCISE_STUDY: object_schema({**exercise_keys(), **named}, ()),
+        IDENTIFICATION_STUDY: record_schema(IdentificationTable, ("note",)),
+        "parameters": describe_kind(PARAMETER_ROWS),
         "sample": record_schema(Sample, ("note",)),
-        "vary": described(VARIED),
+        "vary": describe_kind(VARY_ROWS),
     }
-    one = {"oneOf": [{"required": [kind]} for kind in KINDS]}
+    one = {"oneOf": [{"required": [kind]} for kind in STUDY_KINDS]}
     return {**file_schema("study", keys, (*heading["required"], "sample")), **one}

@@ -10,49 +10,49 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.analysis.sweep.chunks import folder_of, result_of, take_up, writing_alone
-from trainer.analysis.sweep.job import Batch, Job, Opened, fly_chunk, open_job
-from trainer.analysis.sweep.results import join_parts, schema_of, write
-from trainer.analysis.workers import workers
+from trainer.analysis.sweep.job import Batch, Job, OpenJob, fly_chunk, open_job
+from trainer.analysis.sweep.results import join_parts, schema_of, write_table
+from trainer.analysis.workers import worker_pool
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 
-Chunks = Iterator[tuple[int, Batch]]
-Crew = Callable[[Job, list[int]], Chunks]
+BatchChunks = Iterator[tuple[int, Batch]]
+ChunkCrew = Callable[[Job, list[int]], BatchChunks]
 
-PATIENCE: Final = "10s"  # for a scheduler to answer
-AGAIN: Final = "what is finished is kept: run the same command again"
+SCHEDULER_TIMEOUT: Final = "10s"  # for a scheduler to answer
+RESUME_NOTE: Final = "what is finished is kept: run the same command again"
 
 
-def alone(job: Job, places: list[int]) -> Chunks:
+def fly_alone(job: Job, places: list[int]) -> BatchChunks:
     """Yield chunks flown here, one after the other."""
     for place in places:
         yield place, fly_chunk(job, place)
 
 
-def processes(count: int) -> Crew:
+def process_crew(count: int) -> ChunkCrew:
     """Return a crew of ``count`` processes; a single chunk, or process, is flown here."""
 
-    def fly(job: Job, places: list[int]) -> Chunks:
+    def fly(job: Job, places: list[int]) -> BatchChunks:
         if min(count, len(places)) < 2:
-            yield from alone(job, places)
+            yield from fly_alone(job, places)
             return
-        pool = workers(min(count, len(places)))
+        pool = worker_pool(min(count, len(places)))
         try:
             futures = {pool.submit(fly_chunk, job, place): place for place in places}
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BrokenProcessPool:
-            raise ConfigError(f"a process that flew members has ended; {AGAIN}") from None
+            raise ConfigError(f"a process that flew members has ended; {RESUME_NOTE}") from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
     return fly
 
 
-def cluster(address: str) -> Crew:
+def cluster_crew(address: str) -> ChunkCrew:
     """Return the workers behind the Dask scheduler at ``address``."""
 
-    def fly(job: Job, places: list[int]) -> Chunks:
+    def fly(job: Job, places: list[int]) -> BatchChunks:
         client, library = _client(address)
         try:
             sent = client.scatter(job, broadcast=True, hash=False)
@@ -61,7 +61,7 @@ def cluster(address: str) -> Crew:
                 yield futures[future], future.result()
                 future.release()
         except (library.KilledWorker, library.CancelledError) as gone:
-            raise ConfigError(f"the cluster has lost a chunk ({gone}); {AGAIN}") from None
+            raise ConfigError(f"the cluster has lost a chunk ({gone}); {RESUME_NOTE}") from None
         finally:
             client.close()
 
@@ -75,7 +75,7 @@ def _client(address: str) -> tuple[Any, Any]:
 
     library: Any = distributed
     try:
-        client = library.Client(address, timeout=PATIENCE, set_as_default=False)
+        client = library.Client(address, timeout=SCHEDULER_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as wrong:
         raise ConfigError(f"--scheduler {address}: no scheduler answers ({wrong})") from None
     if not client.scheduler_info()["workers"]:
@@ -85,10 +85,10 @@ def _client(address: str) -> tuple[Any, Any]:
     return client, library
 
 
-Progress = Callable[[int], None]  # takes how many members more are finished
+ProgressCall = Callable[[int], None]  # takes how many members more are finished
 
 
-def carry_out(job: Job, crew: Crew, out: Path, progress: Progress) -> Any:
+def carry_out(job: Job, crew: ChunkCrew, out: Path, progress: ProgressCall) -> Any:
     """Return the result of a study, in the file ``out``; ConfigError if it cannot be.
 
     Members that an earlier call finished are not flown again, whoever flew them.
@@ -104,7 +104,9 @@ def carry_out(job: Job, crew: Crew, out: Path, progress: Progress) -> Any:
     return there
 
 
-def _fly_missing(job: Job, ready: Opened, crew: Crew, out: Path, progress: Progress) -> Any:
+def _fly_missing(
+    job: Job, ready: OpenJob, crew: ChunkCrew, out: Path, progress: ProgressCall
+) -> Any:
     """Return the result of a study whose chunks are in part there; ConfigError if it cannot be."""
     schema = schema_of(ready)
     parts = take_up(job, schema, ready.chunks, out)
@@ -117,7 +119,7 @@ def _fly_missing(job: Job, ready: Opened, crew: Crew, out: Path, progress: Progr
             parts.keep(place, batch)
             progress(len(batch.members))
         result = join_parts(parts.tables(), job, schema)
-        write(result, out)
+        write_table(result, out)
     except OSError as error:
         text = f"{folder_of(out)}: cannot be written: {error.strerror or error}"
         raise ConfigError(text) from None

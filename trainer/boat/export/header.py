@@ -14,10 +14,10 @@ from trainer.core import state, vessel
 from trainer.core.ballast import ballast
 from trainer.core.cache import core_digest
 from trainer.core.state import SCRATCH, STATE
-from trainer.core.update import WATCHED
+from trainer.core.update import WATCHED_NAMES
 from trainer.core.vessel import COMPACT, VESSEL
 
-HEAD: Final = """\
+HEADER_START: Final = """\
 /* The tick of one submarine, compiled from trainer {version}.
 
    {boat}
@@ -44,7 +44,7 @@ extern "C" {{
 #define TRAINER_STATE_DOUBLES {state}
 #define TRAINER_SCRATCH_DOUBLES {scratch}
 """
-FOOT: Final = """
+HEADER_END: Final = """
 /* Work space: nothing in it is read from one tick to the next. Begin with zeros. */
 struct trainer_scratch {{ double work[TRAINER_SCRATCH_DOUBLES]; }};
 
@@ -70,14 +70,14 @@ int trainer_tick(const struct trainer_vessel *vessel, const struct trainer_compa
 #endif
 """
 # Names that hosts were written for, of places that the core calls otherwise.
-PUBLISHED: Final = {place: name for name, place in vessel.INVERTED.items()}
-COMMENT: Final = re.compile(r'^\s*(?:\*?\()?"(\w+)"[^#\n]*#\s*(.+)$', re.MULTILINE)
+PUBLISHED_NAMES: Final = {place: name for name, place in vessel.INVERTED_NAMES.items()}
+COMMENT_PATTERN: Final = re.compile(r'^\s*(?:\*?\()?"(\w+)"[^#\n]*#\s*(.+)$', re.MULTILINE)
 
 
 def header_text(boat: Boat, cpu: str) -> str:
     """Return the header for ``boat`` compiled for the processor called ``cpu``."""
     method = boat.method
-    head = HEAD.format(
+    head = HEADER_START.format(
         version=__version__,
         digest=core_digest(),
         boat=boat.file.name,
@@ -90,20 +90,25 @@ def header_text(boat: Boat, cpu: str) -> str:
         scratch=SCRATCH.itemsize // 8,
     )
     structures = (
-        ("trainer_state", STATE, remarks(state), "All that evolves, standing orders included."),
-        ("trainer_vessel", VESSEL, remarks(vessel, ballast), "What the boat is: constants."),
-        ("trainer_compact", COMPACT, remarks(vessel), "The constants of the compact set."),
+        (
+            "trainer_state",
+            STATE,
+            place_comments(state),
+            "All that evolves, standing orders included.",
+        ),
+        ("trainer_vessel", VESSEL, place_comments(vessel, ballast), "What the boat is: constants."),
+        ("trainer_compact", COMPACT, place_comments(vessel), "The constants of the compact set."),
     )
-    blocks = [structure(*each) for each in structures]
-    lines = [", ".join(WATCHED[i : i + 12]) for i in range(0, len(WATCHED), 12)]
-    return "\n".join([head, *blocks, FOOT.format(watched=",\n   ".join(lines))])
+    blocks = [record_structure(*each) for each in structures]
+    lines = [", ".join(WATCHED_NAMES[i : i + 12]) for i in range(0, len(WATCHED_NAMES), 12)]
+    return "\n".join([head, *blocks, HEADER_END.format(watched=",\n   ".join(lines))])
 
 
-def remarks(*modules: ModuleType) -> dict[str, str]:
+def place_comments(*modules: ModuleType) -> dict[str, str]:
     """Return the comments in the core's modules beside the names of a record's places."""
     found: dict[str, str] = {}
     for module in modules:
-        found |= dict(COMMENT.findall(inspect.getsource(module)))
+        found |= dict(COMMENT_PATTERN.findall(inspect.getsource(module)))
     return found
 
 
@@ -114,7 +119,7 @@ def places_of(kind: np.dtype) -> dict[str, tuple[int, tuple[int, ...]]]:
     return dict(sorted(places.items(), key=lambda item: item[1][0]))
 
 
-def members(kind: np.dtype) -> Iterator[tuple[str, int, tuple[int, ...]]]:
+def record_members(kind: np.dtype) -> Iterator[tuple[str, int, tuple[int, ...]]]:
     """Yield name, offset [bytes] and shape of what a record holds, each number once.
 
     Where single numbers and a block of them share a place the numbers count.
@@ -126,14 +131,14 @@ def members(kind: np.dtype) -> Iterator[tuple[str, int, tuple[int, ...]]]:
             yield name, offset, shape
 
 
-def structure(name: str, kind: np.dtype, said: dict[str, str], title: str) -> str:
+def record_structure(name: str, kind: np.dtype, said: dict[str, str], title: str) -> str:
     """Return the C structure of a record. One that is not as large does not compile."""
     lines = [f"/* {title} */", f"struct {name} {{"]
     blocks = {at: said[block] for block, (at, _) in places_of(kind).items() if block in said}
-    for member, offset, shape in members(kind):
+    for member, offset, shape in record_members(kind):
         extent = "".join(f"[{count}]" for count in shape)
         remark = said.get(member, blocks.get(offset, "")).replace("*/", "* /")
-        published = PUBLISHED.get(member, member)
+        published = PUBLISHED_NAMES.get(member, member)
         lines.append(f"    double {published}{extent};  /* {offset // 8} {remark}".rstrip() + " */")
     size = f"sizeof(struct {name}) == {kind.itemsize}"
     check = f"typedef char {name}_has_its_size[{size} ? 1 : -1];"

@@ -8,28 +8,34 @@ from pathlib import Path
 from typing import Final
 
 from trainer import __version__
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.export.header import header_text
 from trainer.boat.export.lowering import freestanding_module, tick
-from trainer.boat.export.targets import Processor, code_words, link, object_code, processor
+from trainer.boat.export.targets import (
+    Processor,
+    code_words,
+    find_processor,
+    link_library,
+    object_code,
+)
 from trainer.config.files import ConfigError
 from trainer.core.cache import core_digest
 from trainer.core.state import SCRATCH, STATE
-from trainer.core.update import WATCHED
+from trainer.core.update import WATCHED_NAMES
 from trainer.core.vessel import COMPACT, VESSEL
-from trainer.io.tables import COLUMNS
+from trainer.io.tables import MOTION_COLUMNS
 
 CARD_HEADING: Final = "trainer-core 1"  # and the format of what follows
-OBJECT: Final = "trainer_core.o"
-LIBRARY: Final = "libtrainer_core.so"
-HEADER: Final = "trainer_core.h"
-HOST: Final = "host.c"
+OBJECT_FILE: Final = "trainer_core.o"
+LIBRARY_FILE: Final = "libtrainer_core.so"
+HEADER_FILE: Final = "trainer_core.h"
+HOST_FILE: Final = "host.c"
 
 
 def card_text(boat: Boat, target: Processor) -> str:
     """Return the card of ``boat`` compiled for ``target``."""
     method = boat.method
-    columns = " ".join(f"{name}={PLACES[name]}" for name in COLUMNS if name != "t")
+    columns = " ".join(f"{name}={STATE_PLACES[name]}" for name in MOTION_COLUMNS if name != "t")
     lines = [
         CARD_HEADING,
         f"version {__version__}",
@@ -41,14 +47,14 @@ def card_text(boat: Boat, target: Processor) -> str:
         f"step {method.step.hex()}",
         f"places {STATE.itemsize // 8}",
         f"work {SCRATCH.itemsize // 8}",
-        f"watched {' '.join(WATCHED)}",
+        f"watched {' '.join(WATCHED_NAMES)}",
         f"columns {columns}",
     ]
     return "\n".join(lines) + "\n"
 
 
 @dataclass(frozen=True)
-class Sizes:
+class BoatSizes:
     """The size of one boat, in words of 16 bits."""
 
     code: int
@@ -59,14 +65,14 @@ class Sizes:
 
 
 @dataclass(frozen=True)
-class Exported:
+class CoreExport:
     """The files and facts of a finished export."""
 
     boat: str
     cpu: str
     step_s: float
     files: tuple[str, ...]
-    words_of_16_bits: Sizes
+    words_of_16_bits: BoatSizes
 
 
 def constants_of(boat: Boat, card: str) -> dict[str, bytes]:
@@ -79,23 +85,27 @@ def constants_of(boat: Boat, card: str) -> dict[str, bytes]:
     }
 
 
-def export(boat: Boat, folder: Path, cpu: str) -> Exported:
+def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
     """Write the core of ``boat`` as it stands into ``folder``, but for the library.
 
     ConfigError if the folder cannot be written, or nothing be compiled for ``cpu``.
     """
     with name_trouble():
         folder.mkdir(parents=True, exist_ok=True)
-    target = processor(cpu)
+    target = find_processor(cpu)
     constants = constants_of(boat, card_text(boat, target))
     code = object_code(freestanding_module(tick, boat.records.scheme, constants), target)
-    host = (Path(__file__).parent / HOST).read_bytes()
-    files = {OBJECT: code, HEADER: header_text(boat, target.name).encode(), HOST: host}
+    host = (Path(__file__).parent / HOST_FILE).read_bytes()
+    files = {
+        OBJECT_FILE: code,
+        HEADER_FILE: header_text(boat, target.name).encode(),
+        HOST_FILE: host,
+    }
     with name_trouble():
         for name, data in files.items():
             (folder / name).write_bytes(data)
     step = boat.method.step
-    return Exported(boat.file.name, target.name, step, tuple(files), sizes(code))
+    return CoreExport(boat.file.name, target.name, step, tuple(files), boat_sizes(code))
 
 
 @contextmanager
@@ -107,18 +117,18 @@ def name_trouble() -> Iterator[None]:
         raise ConfigError(f"{error.filename}: {error.strerror}") from None
 
 
-def sizes(code: bytes) -> Sizes:
+def boat_sizes(code: bytes) -> BoatSizes:
     """Return what a boat takes whose tick is in the object ``code``."""
     kinds = (VESSEL, COMPACT, STATE, SCRATCH)
-    return Sizes(code_words(code), *(kind.itemsize // 2 for kind in kinds))
+    return BoatSizes(code_words(code), *(kind.itemsize // 2 for kind in kinds))
 
 
 def add_library(folder: Path) -> None:
     """Link the object in ``folder`` into a library; NoCompilerError if that cannot be done."""
-    link(folder / OBJECT, folder / LIBRARY)
+    link_library(folder / OBJECT_FILE, folder / LIBRARY_FILE)
 
 
-def render(exported: Exported, folder: Path, files: tuple[str, ...]) -> str:
+def render_export(exported: CoreExport, folder: Path, files: tuple[str, ...]) -> str:
     """Return the account of an export into ``folder``."""
     words = asdict(exported.words_of_16_bits)
     lines = [
@@ -130,13 +140,13 @@ def render(exported: Exported, folder: Path, files: tuple[str, ...]) -> str:
         *(f"  {name:10}{count:8,}" for name, count in words.items()),
         f"  {'together':10}{sum(words.values()):8,}",
         "",
-        f"cc -O2 -ffp-contract=off -o host {folder / HOST} {folder / OBJECT}",
+        f"cc -O2 -ffp-contract=off -o host {folder / HOST_FILE} {folder / OBJECT_FILE}",
     ]
     return "\n".join(lines)
 
 
 @dataclass(frozen=True)
-class Module:
+class WasmExport:
     """The files and sizes of a finished export for WebAssembly."""
 
     boat: str
@@ -146,7 +156,7 @@ class Module:
     state_bytes: int
 
 
-def export_wasm(boat: Boat, folder: Path) -> Module:
+def export_wasm(boat: Boat, folder: Path) -> WasmExport:
     """Write the core for WebAssembly and the numbers of ``boat`` as it stands into ``folder``."""
     from trainer.boat.export import wasm  # noqa: PLC0415  it is for one processor of many
 
@@ -156,12 +166,12 @@ def export_wasm(boat: Boat, folder: Path) -> Module:
     with name_trouble():
         for name, data in files.items():
             (folder / name).write_bytes(data)
-    code = files[wasm.MODULE]
+    code = files[wasm.MODULE_FILE]
     packed = len(gzip.compress(code, 9))
-    return Module(boat.file.name, tuple(files), len(code), packed, STATE.itemsize)
+    return WasmExport(boat.file.name, tuple(files), len(code), packed, STATE.itemsize)
 
 
-def render_wasm(module: Module, folder: Path) -> str:
+def render_wasm(module: WasmExport, folder: Path) -> str:
     """Return the account of an export for WebAssembly into ``folder``."""
     lines = [
         module.boat,

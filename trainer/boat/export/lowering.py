@@ -16,16 +16,16 @@ from llvmlite import binding  # type: ignore[import-untyped]
 from numba import carray, types  # type: ignore[attr-defined]
 
 from trainer.config.files import ConfigError
-from trainer.core.kernel import TESTED, Record, is_tested
+from trainer.core.kernel import TESTED_NUMBA, Record, is_tested
 from trainer.core.scheme import SCHEME
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
 Kind = np.dtype | type  # of a parameter: the record at an address, or `float`
-LENT: Final[tuple[Kind, ...]] = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
-FREESTANDING: Final = Path(__file__).parent / "freestanding.ll"
-ENTRY: Final = """
+TICK_RECORDS: Final[tuple[Kind, ...]] = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
+FREESTANDING_PATH: Final = Path(__file__).parent / "freestanding.ll"
+ENTRY_TEMPLATE: Final = """
 @scheme = internal constant [{size} x i8] c"{scheme}", align 8
 declare i32 @"{kernel}"(ptr, ptr, ptr, ptr, ptr, ptr, ptr)
 define i32 @trainer_tick(ptr noalias readonly %vessel, ptr noalias readonly %compact,
@@ -50,13 +50,15 @@ def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> in
     return update(boat, few, carray(scheme, 1), carray(state, 1), carray(scratch, 1))
 
 
-def kernel_text(function: Callable[..., int], kinds: Sequence[Kind] = LENT) -> tuple[str, str]:
+def kernel_text(
+    function: Callable[..., int], kinds: Sequence[Kind] = TICK_RECORDS
+) -> tuple[str, str]:
     """Return the LLVM text of a function of addresses and numbers, and its name.
 
     ConfigError where numba is told not to compile, or is of a version that was not tested.
     """
     if not is_tested(numba.__version__):
-        (first, second), (_, last) = TESTED
+        (first, second), (_, last) = TESTED_NUMBA
         raise ConfigError(
             f"export-core: numba {numba.__version__} was not tested with it: install "
             f"'numba>={first}.{second},<{first}.{last + 1}'"
@@ -73,7 +75,7 @@ def kernel_text(function: Callable[..., int], kinds: Sequence[Kind] = LENT) -> t
     return compiled.inspect_llvm(signature), name
 
 
-def quote(data: bytes) -> str:
+def quote_bytes(data: bytes) -> str:
     """Return bytes as they stand in an LLVM string."""
     return "".join(f"\\{byte:02x}" for byte in data)
 
@@ -81,7 +83,7 @@ def quote(data: bytes) -> str:
 def constants_text(constants: Mapping[str, bytes]) -> str:
     """Return the LLVM text of public constant blocks of bytes by their names."""
     return "\n".join(
-        f'@{name} = constant [{len(data)} x i8] c"{quote(data)}", align 8'
+        f'@{name} = constant [{len(data)} x i8] c"{quote_bytes(data)}", align 8'
         for name, data in constants.items()
     )
 
@@ -100,18 +102,18 @@ def freestanding_module(
     text, name = kernel_text(function)
     module = binding.parse_assembly(text)
     chosen = np.asarray(scheme).tobytes()
-    entry = ENTRY.format(size=len(chosen), scheme=quote(chosen), kernel=name)
+    entry = ENTRY_TEMPLATE.format(size=len(chosen), scheme=quote_bytes(chosen), kernel=name)
     for part in (entry, freestanding_text(64), constants_text(constants)):
         module.link_in(binding.parse_assembly(part))
-    return sealed(module, {"trainer_tick", *constants})
+    return seal_module(module, {"trainer_tick", *constants})
 
 
 def freestanding_text(bits: int) -> str:
     """Return the LLVM text of the library functions where pointers have so many bits."""
-    return f"%size = type i{bits}\n" + FREESTANDING.read_text(encoding="utf-8")
+    return f"%size = type i{bits}\n" + FREESTANDING_PATH.read_text(encoding="utf-8")
 
 
-def sealed(module: Any, shown: Collection[str]) -> Any:
+def seal_module(module: Any, shown: Collection[str]) -> Any:
     """Return ``module`` with nothing to be seen from outside but the names ``shown``."""
     for thing in (*module.functions, *module.global_variables):
         seen = thing.is_declaration or thing.name in shown or thing.name.startswith("llvm.")

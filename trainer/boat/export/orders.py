@@ -19,22 +19,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.boat.ballast_orders import MAIN, SPACES
-from trainer.boat.boat import PLACES, Boat
-from trainer.boat.casualties import SIDES
-from trainer.boat.helm import NAMES
-from trainer.core.ballast.tanks import NEGATIVE, TANKS
+from trainer.boat.ballast_orders import MAIN_TANKS, SPACE_NAMES
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.casualties import SURFACE_SIDES
+from trainer.boat.helm import SURFACE_NAMES
+from trainer.core.ballast.tanks import NEGATIVE_TANK, TANKS
 from trainer.core.state import VALVES
 from trainer.core.surfaces import SURFACES
-from trainer.io.orders.quantities import NUMBERS
-from trainer.io.orders.table import SIGNS
+from trainer.io.orders.quantities import NUMBER_KINDS
+from trainer.io.orders.table import SIDE_SIGNS
 
-SLACK: Final = 1e-9  # [m/s] as helm forgives
-ZERO: Final = {"rudder": "amidships", "stern": "zero", "bow": "zero"}
+SPEED_SLACK: Final = 1e-9  # [m/s] as helm forgives
+ZERO_WORDS: Final = {"rudder": "amidships", "stern": "zero", "bow": "zero"}
 
 
 @dataclass(frozen=True)
-class Range:
+class NumberRange:
     """A number of an order.
 
     It has its limits, the size of its unit [SI], and the number that is 0.
@@ -46,7 +46,7 @@ class Range:
     turn: str = ""
 
 
-def rows(boat: Boat) -> list[str]:
+def order_rows(boat: Boat) -> list[str]:
     """Return the rows of the orders that this boat takes."""
     return [
         *_surfaces(boat),
@@ -56,12 +56,12 @@ def rows(boat: Boat) -> list[str]:
     ]
 
 
-def _row(words: str, writes: dict[str, str], number: Range | None = None) -> str:
+def _row(words: str, writes: dict[str, str], number: NumberRange | None = None) -> str:
     """Return a row: the words, the rule of each place written, the number typed if there is one."""
     limits = ";;;"
     if number:
         limits = f"{number.low!r};{number.high!r};{number.factor!r};{number.turn}"
-    rules = ",".join(f"{PLACES[place]}={rule}" for place, rule in writes.items())
+    rules = ",".join(f"{STATE_PLACES[place]}={rule}" for place, rule in writes.items())
     return f"{words};{limits};{rules}"
 
 
@@ -70,7 +70,7 @@ def _const(value: float) -> str:
 
 
 def _place(name: str) -> str:
-    return f"place:{PLACES[name]}"
+    return f"place:{STATE_PLACES[name]}"
 
 
 def _give_to_autopilot(boat: Boat, *names: str) -> dict[str, str]:
@@ -78,7 +78,7 @@ def _give_to_autopilot(boat: Boat, *names: str) -> dict[str, str]:
     given = [name for name in names if boat.carries(name)]
     writes = {f"{name}_by_hand": _const(0.0) for name in given}
     if "rudder" in given:
-        writes["ordered_psi"] = f"shorter:{PLACES['psi']}"
+        writes["ordered_psi"] = f"shorter:{STATE_PLACES['psi']}"
     return writes
 
 
@@ -94,19 +94,21 @@ def _take_in_hand(*names: str) -> dict[str, str]:
 def _surfaces(boat: Boat) -> Iterator[str]:
     """Yield the orders to rudder and planes."""
     for name in filter(boat.carries, SURFACES):
-        letter, said, toward = SURFACES[name], NAMES[name], boat.toward[name]
+        letter, said, toward = SURFACES[name], SURFACE_NAMES[name], boat.toward[name]
         limit = float(boat.vessel[f"limit_{letter}"])
-        unit = NUMBERS["ANGLE"].units[0].factor
-        most = min(limit + 1e-12, NUMBERS["ANGLE"].high * unit)
+        unit = NUMBER_KINDS["ANGLE"].units[0].factor
+        most = min(limit + 1e-12, NUMBER_KINDS["ANGLE"].high * unit)
         held = {f"{name}_by_hand": _const(1.0)}
-        for way in SIDES[name]:
-            sign = SIGNS[way]
-            angle = Range(min(sign * most, 0.0), max(sign * most, 0.0), sign * unit)
+        for way in SURFACE_SIDES[name]:
+            sign = SIDE_SIGNS[way]
+            angle = NumberRange(min(sign * most, 0.0), max(sign * most, 0.0), sign * unit)
             yield _row(f"{said} {way}", {f"ordered_{letter}": f"number:{toward!r}", **held}, angle)
             if name == "rudder":
                 full = _const(toward * sign * limit)
                 yield _row(f"rudder {way} full", {"ordered_r": full, **held})
-        yield _row(f"{said} {ZERO[name]}", {f"ordered_{letter}": _const(toward * 0.0), **held})
+        yield _row(
+            f"{said} {ZERO_WORDS[name]}", {f"ordered_{letter}": _const(toward * 0.0), **held}
+        )
         yield _row(f"{said} manual", _take_in_hand(name))
         if boat.automatic:
             yield _row(f"{said} auto", _give_to_autopilot(boat, name))
@@ -115,15 +117,15 @@ def _surfaces(boat: Boat) -> Iterator[str]:
 
 def _propeller(boat: Boat) -> Iterator[str]:
     """Yield the orders to the engine room."""
-    knot = NUMBERS["TURNS"].units[0].factor
+    knot = NUMBER_KINDS["TURNS"].units[0].factor
     c = boat.vessel
     held = {"speed_by_hand": _const(1.0)}
-    turns = Range(float(c.u_c_astern) - SLACK, float(c.u_c_ahead) + SLACK, knot)
+    turns = NumberRange(float(c.u_c_astern) - SPEED_SLACK, float(c.u_c_ahead) + SPEED_SLACK, knot)
     yield _row("turns", {"ordered_u_c": "number:1.0", **held}, turns)
     rate = boat.file.propulsion.rps_per_mps
-    said, minute = NUMBERS["RPM"], NUMBERS["RPM"].units[0].factor
+    said, minute = NUMBER_KINDS["RPM"], NUMBER_KINDS["RPM"].units[0].factor
     slowest, fastest = max(turns.low * rate, said.low * minute), said.high * minute
-    revolutions = Range(slowest, min(turns.high * rate, fastest), minute)
+    revolutions = NumberRange(slowest, min(turns.high * rate, fastest), minute)
     yield _row("rpm", {"ordered_u_c": f"over:{rate!r}", **held}, revolutions)
     yield _row("bell stop", {"ordered_u_c": _const(0.0), **held})
     for bell, speed in boat.file.propulsion.bells_kn.items():
@@ -140,9 +142,9 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
         "trim_by_hand": _const(0.0),
         **_give_to_autopilot(boat, "rudder", "stern", "bow"),
     }
-    depth, course, speed = (NUMBERS[kind] for kind in ("DEPTH", "COURSE", "SPEED"))
+    depth, course, speed = (NUMBER_KINDS[kind] for kind in ("DEPTH", "COURSE", "SPEED"))
     deepest = boat.file.hull.max_depth_m
-    keel = Range(0.0, depth.high if deepest is None else min(deepest, depth.high), 1.0)
+    keel = NumberRange(0.0, depth.high if deepest is None else min(deepest, depth.high), 1.0)
     below = {"ascent": _const(0.0), **planes}
     yield _row("depth", {"ordered_depth": "number:1.0", **below}, keel)
     yield _row("depth auto", planes)
@@ -151,13 +153,13 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
         periscope = _const(boat.file.run.periscope_depth_m)
         yield _row("periscope depth", {"ordered_depth": periscope, **below})
     rudder = _give_to_autopilot(boat, "rudder")
-    turn = Range(0.0, math.tau, course.units[0].factor, f"{course.high:g}")
-    yield _row("course", {**rudder, "ordered_psi": f"short:{PLACES['psi']}"}, turn)
+    turn = NumberRange(0.0, math.tau, course.units[0].factor, f"{course.high:g}")
+    yield _row("course", {**rudder, "ordered_psi": f"short:{STATE_PLACES['psi']}"}, turn)
     yield _row("course auto", rudder)
     knot = speed.units[0].factor
-    fastest = min(float(boat.vessel.u_c_ahead) + SLACK, speed.high * knot)
+    fastest = min(float(boat.vessel.u_c_ahead) + SPEED_SLACK, speed.high * knot)
     keeping = {"ordered_speed": "number:1.0", "speed_by_hand": _const(0.0)}
-    yield _row("speed", keeping, Range(0.0, fastest, knot))
+    yield _row("speed", keeping, NumberRange(0.0, fastest, knot))
     yield _row("speed auto", {"speed_by_hand": _const(0.0)})
     yield _row("autopilot on", everything)
     hands = _take_in_hand("rudder", "stern", "bow")
@@ -170,7 +172,7 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
 def _ballast(boat: Boat) -> Iterator[str]:
     """Yield the orders to valves, pumps and compressor that this boat has."""
     # yield the orders to the valves of main ballast
-    named = {**{group: (group,) for group in MAIN}, "all": MAIN}
+    named = {**{group: (group,) for group in MAIN_TANKS}, "all": MAIN_TANKS}
     for said, meant in named.items():
         yield _row(f"blow {said}", _main(meant, 1.0))
         for position, vent in (("open", 1.0), ("shut", 0.0)):
@@ -178,17 +180,17 @@ def _ballast(boat: Boat) -> Iterator[str]:
             yield _row(f"vent {said} {position}", vents)
     shut = {f"blow_{valve}": _const(0.0) for valve in VALVES}
     yield _row("blow stop", {**shut, "negative_flood": _const(0.0)})
-    yield _row("emergency blow", _main(MAIN, 2.0))
+    yield _row("emergency blow", _main(MAIN_TANKS, 2.0))
     up = {"ordered_depth": _const(0.0), "hover": _const(0.0)}
-    yield _row("surface", {**_main(MAIN, 1.0), **up})
-    if boat.vessel.capacity[NEGATIVE]:
+    yield _row("surface", {**_main(MAIN_TANKS, 1.0), **up})
+    if boat.vessel.capacity[NEGATIVE_TANK]:
         opened = {"negative_flood": _const(1.0)}
         for word, vent, blow in (("flood", 1.0, 0.0), ("blow", 0.0, 1.0)):
             valves = {"vent_negative": _const(vent), "blow_negative": _const(blow)}
             yield _row(f"negative {word}", {**opened, **valves})
     yield from _pumps(boat)
     held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
-    for place, space in enumerate(SPACES):
+    for place, space in enumerate(SPACE_NAMES):
         if held[f"compartment_{space}"]:
             yield _row(f"drain {space}", {"drained": _const(1.0 + place)})
     yield _row("drain stop", {"drained": _const(0.0)})
@@ -205,9 +207,9 @@ def _main(groups: tuple[str, ...], blow: float) -> dict[str, str]:
 
 def _pumps(boat: Boat) -> Iterator[str]:
     """Yield the orders that move water."""
-    amount = NUMBERS["AMOUNT"]
+    amount = NUMBER_KINDS["AMOUNT"]
     tonne = amount.units[0].factor
-    tonnes = Range(0.0, amount.high * tonne, tonne)
+    tonnes = NumberRange(0.0, amount.high * tonne, tonne)
     held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
     if held["trim_forward"]:
         yield _row("pump trim forward", {"move_trim": "number:1.0"}, tonnes)

@@ -16,15 +16,15 @@ from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer.config.files import ConfigError
 
-NATIVE: Final = "native"
+NATIVE_NAME: Final = "native"
 # what each level has over the one before it, by the names of Linux
-LEVELS: Final = {
+PROCESSOR_LEVELS: Final = {
     "x86-64-v2": ("sse4_2", "ssse3", "popcnt"),
     "x86-64-v3": ("avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "abm"),
     "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
 }
 # what is not in the object is in nobody's: it would be missed when the library is loaded
-STRICT = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
+STRICT_FLAGS = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
 
 
 @dataclass(frozen=True)
@@ -36,18 +36,20 @@ class Processor:
     needs: tuple[str, ...]
 
 
-def processor(name: str) -> Processor:
+def find_processor(name: str) -> Processor:
     """Return the processor of that name; ConfigError where this machine cannot compile for it."""
     host = binding.get_process_triple().partition("-")[0]
-    if name == NATIVE:
+    if name == NATIVE_NAME:
         has = binding.get_host_cpu_features()
-        needs = [flag for level in LEVELS.values() for flag in level if has.get(_llvm(flag))]
+        needs = [
+            flag for level in PROCESSOR_LEVELS.values() for flag in level if has.get(_llvm(flag))
+        ]
         return Processor(binding.get_host_cpu_name(), has.flatten(), tuple(needs))
     if host != "x86_64":
-        raise ConfigError(f"--cpu {name}: this machine is {host}; give --cpu {NATIVE}")
-    levels = list(LEVELS)
+        raise ConfigError(f"--cpu {name}: this machine is {host}; give --cpu {NATIVE_NAME}")
+    levels = list(PROCESSOR_LEVELS)
     below = levels[: levels.index(name) + 1]
-    return Processor(name, "", tuple(flag for level in below for flag in LEVELS[level]))
+    return Processor(name, "", tuple(flag for level in below for flag in PROCESSOR_LEVELS[level]))
 
 
 def _llvm(flag: str) -> str:
@@ -65,11 +67,11 @@ def object_code(module: Any, target: Processor) -> bytes:
     machine = binding.Target.from_triple(binding.get_process_triple()).create_target_machine(
         cpu=target.name, features=target.features, opt=3, reloc="pic", codemodel="small"
     )
-    optimise(module, machine, 3)
+    optimise_module(module, machine, 3)
     return bytes(machine.emit_object(module))
 
 
-def optimise(module: Any, machine: Any, level: int) -> None:
+def optimise_module(module: Any, machine: Any, level: int) -> None:
     """Optimise a module for a machine, and strip its names."""
     tuning = binding.create_pipeline_tuning_options(speed_level=level)
     tuning.loop_vectorization = tuning.slp_vectorization = False  # numba has done what is worth it
@@ -89,10 +91,10 @@ class NoCompilerError(Exception):
     """There is no C compiler, or it cannot link; the text says what would."""
 
 
-def link(code: Path, library: Path) -> None:
+def link_library(code: Path, library: Path) -> None:
     """Link the object ``code`` into ``library``; NoCompilerError if that cannot be done here."""
     compiler = shlex.split(os.environ.get("CC") or "cc")
-    words = [*compiler, "-shared", "-nostdlib", *STRICT, "-o", str(library), str(code)]
+    words = [*compiler, "-shared", "-nostdlib", *STRICT_FLAGS, "-o", str(library), str(code)]
     if not shutil.which(compiler[0]):
         raise NoCompilerError(
             f"{library}: not made, there is no C compiler {compiler[0]!r} here (CC names another); "

@@ -25,19 +25,19 @@ from llvmlite import binding
 from numba import carray  # type: ignore[attr-defined]
 
 from trainer import __version__
-from trainer.boat.boat import PLACES, Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.export.header import places_of
 from trainer.boat.export.lowering import (
-    LENT,
+    TICK_RECORDS,
     Kind,
     freestanding_text,
     kernel_text,
-    quote,
-    sealed,
+    quote_bytes,
+    seal_module,
     tick,
 )
-from trainer.boat.export.orders import rows
-from trainer.boat.export.targets import optimise
+from trainer.boat.export.orders import order_rows
+from trainer.boat.export.targets import optimise_module
 from trainer.config.files import ConfigError
 from trainer.core.cache import core_digest, same_core
 from trainer.core.casualties import begin, end, instruments
@@ -48,29 +48,29 @@ from trainer.core.state import SCRATCH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
 WASM32: Final = "wasm32"
-MODULE: Final = "core.wasm"
-SHIPPED: Final = Path(__file__).with_name(MODULE)
-CARD: Final = "core.wasm.txt"  # what the module was made from
-NUMBERS: Final = "boat.json"
-HOST: Final = "host.mjs"
-TRIPLE: Final = "wasm32-unknown-unknown"
-FEATURES: Final = "+bulk-memory,+bulk-memory-opt"  # in every browser since 2021
-LINKER: Final = "wasm-ld"
-LINKING: Final = (
+MODULE_FILE: Final = "core.wasm"
+SHIPPED_PATH: Final = Path(__file__).with_name(MODULE_FILE)
+CARD_FILE: Final = "core.wasm.txt"  # what the module was made from
+NUMBERS_FILE: Final = "boat.json"
+HOST_FILE: Final = "host.mjs"
+TARGET_TRIPLE: Final = "wasm32-unknown-unknown"
+WASM_FEATURES: Final = "+bulk-memory,+bulk-memory-opt"  # in every browser since 2021
+LINKER_NAME: Final = "wasm-ld"
+LINKER_OPTIONS: Final = (
     *("--no-entry", "--strip-all", "--no-check-features", "-z", "stack-size=65536"),
     "--initial-memory=262144",
 )
-INSTALL: Final = (
+INSTALL_HINT: Final = (
     "Debian and Ubuntu: apt install lld; Fedora: dnf install lld; macOS: brew install lld; "
     "Windows: winget install LLVM.LLVM"
 )
 # the machine that the kernels are lowered for: what it lacks is not in the text either
-PLAIN: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
-CHILD: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
-WANTED: Final = np.dtype(np.float64)  # of a sea: its quantities and the taper
-SETTLED: Final = range(8, places_of(SCHEME)["trigger_place"][0])  # all but step, triggers
+PLAIN_MACHINE: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+CHILD_CODE: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
+SEA_NUMBER_TYPE: Final = np.dtype(np.float64)  # of a sea: its quantities and the taper
+SETTLED_BYTES: Final = range(8, places_of(SCHEME)["trigger_place"][0])  # all but step, triggers
 # room for one boat, of zeros, in the order of the tick; a host may use memory of its own
-ROOMS: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
+ROOM_NAMES: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
 ROOM_SIZES: Final = (
     *(kind.itemsize for kind in (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)),
     8 * (TAPER + 1),
@@ -100,19 +100,19 @@ def sea(vessel: Any, step: float, ramp: float, wanted: Any, scratch: Any, state:
     return 0
 
 
-class Exported(NamedTuple):
+class WasmFunction(NamedTuple):
     """A function of the module and the kinds of its parameters."""
 
     function: Callable[..., int]
     kinds: tuple[Kind, ...]
 
 
-FUNCTIONS: Final[Mapping[str, Exported]] = {
-    "trainer_tick": Exported(tick, LENT),
-    "trainer_read": Exported(read, (STATE, SCRATCH)),
-    "trainer_begin": Exported(insert, (float, float, float, STATE)),
-    "trainer_end": Exported(clear, (float, float, STATE)),
-    "trainer_sea": Exported(sea, (VESSEL, float, float, WANTED, SCRATCH, STATE)),
+FUNCTIONS: Final[Mapping[str, WasmFunction]] = {
+    "trainer_tick": WasmFunction(tick, TICK_RECORDS),
+    "trainer_read": WasmFunction(read, (STATE, SCRATCH)),
+    "trainer_begin": WasmFunction(insert, (float, float, float, STATE)),
+    "trainer_end": WasmFunction(clear, (float, float, STATE)),
+    "trainer_sea": WasmFunction(sea, (VESSEL, float, float, SEA_NUMBER_TYPE, SCRATCH, STATE)),
 }
 
 
@@ -138,7 +138,7 @@ define i32 @{name}({taken}) {{
 """
 
 
-def settled(text: str, scheme: bytes) -> str:
+def settle_method(text: str, scheme: bytes) -> str:
     """Return the text of the tick with what the method settles read from a constant.
 
     Where numba writes another text nothing is settled: the module is larger, its bits are the same.
@@ -151,9 +151,9 @@ def settled(text: str, scheme: bytes) -> str:
     place = re.compile(r"(getelementptr [^%\n]*ptr )%arg\.scheme\.4, i64 (\d+)\b")  # its numbers
 
     def constant(use: re.Match[str]) -> str:
-        return f"{use[1]}@settled, i64 {use[2]}" if int(use[2]) in SETTLED else use[0]
+        return f"{use[1]}@settled, i64 {use[2]}" if int(use[2]) in SETTLED_BYTES else use[0]
 
-    head = f'@settled = internal constant [{len(scheme)} x i8] c"{quote(scheme)}", align 8\n'
+    head = f'@settled = internal constant [{len(scheme)} x i8] c"{quote_bytes(scheme)}", align 8\n'
     return text[:start] + head + place.sub(constant, text[start:end]) + text[end:]
 
 
@@ -161,38 +161,38 @@ def lower(scheme: str, target: str) -> None:
     """Write the object of the module, for the scheme in a file, to another."""
     binding.initialize_all_targets()
     binding.initialize_all_asmprinters()
-    machine = binding.Target.from_triple(TRIPLE).create_target_machine(
-        cpu="mvp", features=FEATURES, opt=2, reloc="static", codemodel="small"
+    machine = binding.Target.from_triple(TARGET_TRIPLE).create_target_machine(
+        cpu="mvp", features=WASM_FEATURES, opt=2, reloc="static", codemodel="small"
     )
-    head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{TRIPLE}"\n'
+    head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{TARGET_TRIPLE}"\n'
     rooms = "".join(
         f"@trainer_{room} = global [{size} x i8] zeroinitializer, align 16\n"
-        for room, size in zip(ROOMS, ROOM_SIZES, strict=True)
+        for room, size in zip(ROOM_NAMES, ROOM_SIZES, strict=True)
     )
     module = binding.parse_assembly(head + freestanding_text(32) + rooms)
     for name, (function, kinds) in FUNCTIONS.items():
         text, kernel = kernel_text(function, kinds)
         text = re.sub(r"^target .*$", "", text, flags=re.MULTILINE)
-        text = settled(text, Path(scheme).read_bytes())
+        text = settle_method(text, Path(scheme).read_bytes())
         for part in (text, entry_text(name, kernel, kinds)):
             module.link_in(binding.parse_assembly(head + part))
-    sealed(module, {*FUNCTIONS, *(f"trainer_{room}" for room in ROOMS)})
-    optimise(module, machine, 2)
+    seal_module(module, {*FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)})
+    optimise_module(module, machine, 2)
     Path(target).write_bytes(machine.emit_object(module))
 
 
-def build(scheme: Record) -> bytes:
+def build_module(scheme: Record) -> bytes:
     """Return the module for the method of ``scheme``; ConfigError where it cannot be linked."""
-    linker = shutil.which(LINKER)
+    linker = shutil.which(LINKER_NAME)
     if linker is None:
-        raise ConfigError(f"--cpu {WASM32}: there is no linker {LINKER} here. {INSTALL}")
+        raise ConfigError(f"--cpu {WASM32}: there is no linker {LINKER_NAME} here. {INSTALL_HINT}")
     with tempfile.TemporaryDirectory() as folder:
-        code, module = Path(folder) / "core.o", Path(folder) / MODULE
+        code, module = Path(folder) / "core.o", Path(folder) / MODULE_FILE
         _lowered(np.asarray(scheme).tobytes(), code)
         shown = [
-            f"--export={name}" for name in (*FUNCTIONS, *(f"trainer_{room}" for room in ROOMS))
+            f"--export={name}" for name in (*FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES))
         ]
-        _call([linker, *LINKING, *shown, "-o", str(module), str(code)], dict(os.environ))
+        _call([linker, *LINKER_OPTIONS, *shown, "-o", str(module), str(code)], dict(os.environ))
         return module.read_bytes()
 
 
@@ -200,7 +200,7 @@ def _lowered(scheme: bytes, code: Path) -> None:
     """Write the object of the module to ``code``, made by a process of its own."""
     method = code.with_name("scheme")
     method.write_bytes(scheme)
-    _call([sys.executable, "-c", CHILD, str(method), str(code)], _plain_environment())
+    _call([sys.executable, "-c", CHILD_CODE, str(method), str(code)], _plain_environment())
 
 
 def _plain_environment() -> dict[str, str]:
@@ -209,7 +209,11 @@ def _plain_environment() -> dict[str, str]:
     if "NUMBA_CACHE_DIR" in os.environ:
         kept["NUMBA_CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
     root = str(Path(__file__).parents[3])
-    return kept | PLAIN | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
+    return (
+        kept
+        | PLAIN_MACHINE
+        | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
+    )
 
 
 def _call(words: list[str], environment: dict[str, str]) -> None:
@@ -222,7 +226,7 @@ def _call(words: list[str], environment: dict[str, str]) -> None:
 
 def card_text(module: bytes, boat: Boat) -> str:
     """Return the card of a module: digest, core, method, and what built it."""
-    linker = subprocess.run([LINKER, "--version"], capture_output=True, text=True, check=True)  # noqa: S603
+    linker = subprocess.run([LINKER_NAME, "--version"], capture_output=True, text=True, check=True)  # noqa: S603
     versions = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
     lines = [
         f"sha256 {hashlib.sha256(module).hexdigest()}",
@@ -239,29 +243,31 @@ def method_of(boat: Boat) -> str:
     return f"{m.equations} set, {m.rates} rates, {m.trig} angles, {m.integrator}"
 
 
-def card_shipped() -> dict[str, str]:
+def shipped_card() -> dict[str, str]:
     """Return the card of the trainer's module."""
-    return dict(line.split(" ", 1) for line in SHIPPED.with_name(CARD).read_text().splitlines())
+    return dict(
+        line.split(" ", 1) for line in SHIPPED_PATH.with_name(CARD_FILE).read_text().splitlines()
+    )
 
 
-def shipped(boat: Boat) -> bytes:
+def shipped_module(boat: Boat) -> bytes:
     """Return the module of the trainer; ConfigError where it is not for this boat."""
-    card = card_shipped()
+    card = shipped_card()
     if not same_core(card["core"]):
         raise ConfigError(
-            f"{SHIPPED}: of core {card['core']}, not {core_digest()}: trainer export-core DIR "
-            f"--cpu {WASM32} builds it again; copy {MODULE} and {CARD} from DIR"
+            f"{SHIPPED_PATH}: of core {card['core']}, not {core_digest()}: trainer export-core DIR "
+            f"--cpu {WASM32} builds it again; copy {MODULE_FILE} and {CARD_FILE} from DIR"
         )
     if method_of(boat) != card["method"]:
         raise ConfigError(
             f"{boat.file.path.name}: {method_of(boat)}; a page's boat has the {card['method']}"
         )
-    return SHIPPED.read_bytes()
+    return SHIPPED_PATH.read_bytes()
 
 
-def misfit(boat: Boat) -> str:
+def boat_misfit(boat: Boat) -> str:
     """Return why the trainer's module is not for this boat, "" if it is."""
-    card = card_shipped()
+    card = shipped_card()
     if not same_core(card["core"]):
         return f"of core {card['core']}, not {core_digest()}"
     own = method_of(boat)
@@ -279,8 +285,8 @@ def numbers_of(boat: Boat) -> dict[str, Any]:
         "boat": boat.file.name,
         "step_s": boat.method.step,
         "state_doubles": STATE.itemsize // 8,
-        "places": PLACES,
-        "orders": rows(boat),
+        "places": STATE_PLACES,
+        "orders": order_rows(boat),
         "records": packed,
     }
 
@@ -291,23 +297,24 @@ def module_of(boat: Boat) -> tuple[bytes, bytes]:
     It is built here, or else is the trainer's own. ConfigError where nothing links it here, and
     the trainer's is for another core or method.
     """
-    if shutil.which(LINKER):
-        module = build(boat.records.scheme)
+    if shutil.which(LINKER_NAME):
+        module = build_module(boat.records.scheme)
         return module, card_text(module, boat).encode()
-    if why := misfit(boat):
+    if why := boat_misfit(boat):
         raise ConfigError(
-            f"--cpu {WASM32}: there is no linker {LINKER} here, and the {MODULE} that comes with "
-            f"the trainer is {why}. {INSTALL}"
+            f"--cpu {WASM32}: there is no linker {LINKER_NAME} here, and the {MODULE_FILE} "
+            "that comes with "
+            f"the trainer is {why}. {INSTALL_HINT}"
         )
-    return SHIPPED.read_bytes(), SHIPPED.with_name(CARD).read_bytes()
+    return SHIPPED_PATH.read_bytes(), SHIPPED_PATH.with_name(CARD_FILE).read_bytes()
 
 
 def files_of(boat: Boat) -> dict[str, bytes]:
     """Return the files of an export for WebAssembly, by name."""
     module, card = module_of(boat)
     return {
-        MODULE: module,
-        CARD: card,
-        NUMBERS: json.dumps(numbers_of(boat)).encode(),
-        HOST: Path(__file__).with_name(HOST).read_bytes(),
+        MODULE_FILE: module,
+        CARD_FILE: card,
+        NUMBERS_FILE: json.dumps(numbers_of(boat)).encode(),
+        HOST_FILE: Path(__file__).with_name(HOST_FILE).read_bytes(),
     }

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.ship.forward_numbers import (
-    DIRECTIONS,
+    DIRECTION_COUNT,
     SLOPES,
     VALUE,
     Quantity,
@@ -27,7 +27,7 @@ from trainer.boat.ship.forward_numbers import (
 from trainer.core.kernel import Numbers, inlined, kernel
 
 Terms = NDArray[np.int64]
-Driven = tuple[int, ...]  # places in the state of what the equations accelerate
+DrivenPlaces = tuple[int, ...]  # places in the state of what the equations accelerate
 
 
 class Units(NamedTuple):
@@ -49,27 +49,27 @@ class System(NamedTuple):
     terms: Terms  # their places and rows
     values: Numbers  # their factors, and what follows them
     free: Terms  # places of the free ones
-    driven: Driven
+    driven: DrivenPlaces
 
 
 PLACE, ROW = 0, 1  # columns of the terms
 LENGTH: Final = 0  # place in the ship's numbers
 U, V, R = 0, 1, 2  # places in the state
 RUDDER, TURNS, WIND_AHEAD, WIND_ASIDE = 0, 1, 2, 3  # places in the inputs
-NONLINEAR: Final = 5  # coefficients that are not factors of a term
-SHIP: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
-ADVANCE: Final = 6  # place of the ship's own advance [m] a turn, after these
-STIFFNESS: Final = 7  # and of g GM/k^2 [1/s^2] of roll
-ROLL_RATE, ROLL = 4, 5  # places in the state
-LEVEL: Final = (0, 1, 2)  # equations without roll
-HEELING: Final = (0, 1, 2, ROLL_RATE)  # and with it
-AXES: Final = len(HEELING)
-PLACES: Final = 3 * AXES
+NONLINEAR_COUNT: Final = 5  # coefficients that are not factors of a term
+SHIP_NUMBER_COUNT: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
+ADVANCE_PLACE: Final = 6  # place of the ship's own advance [m] a turn, after these
+STIFFNESS_PLACE: Final = 7  # and of g GM/k^2 [1/s^2] of roll
+ROLL_RATE_PLACE, ROLL_PLACE = 4, 5  # places in the state
+LEVEL_EQUATIONS: Final = (0, 1, 2)  # equations without roll
+HEEL_EQUATIONS: Final = (0, 1, 2, ROLL_RATE_PLACE)  # and with it
+AXIS_COUNT: Final = len(HEEL_EQUATIONS)
+PLACE_COUNT: Final = 3 * AXIS_COUNT
 # further constants: rudder, its sine and cosine, revolutions, wind, the speed that the revolutions
 # hold, and numbers of the equations
-INPUTS: Final = 8
-NUMBERS: Final = (0.0, 1.0, 2.0, -2.0, 8.0 / math.pi, 0.48, 0.85, 1e-4)
-CONSTANTS: Final = SHIP + INPUTS + len(NUMBERS)
+INPUT_COUNT: Final = 8
+TERM_NUMBERS: Final = (0.0, 1.0, 2.0, -2.0, 8.0 / math.pi, 0.48, 0.85, 1e-4)
+CONSTANT_COUNT: Final = SHIP_NUMBER_COUNT + INPUT_COUNT + len(TERM_NUMBERS)
 
 
 def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
@@ -79,11 +79,13 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
     0.85 is propeller over rudder height; |z| is sqrt(z^2 + 1e-4). Last come the terms of Abkowitz
     1964 beside the cubes, whose u' is (u - u_n)/U: u_n is the speed that the revolutions hold.
     """
-    rows = quantities(DIRECTIONS, CONSTANTS)
-    u, v, r, gamma, lever, kappa, c_w, gamma_a = rows[:DIRECTIONS]
-    L, D, k0, k1, k2, one_w = rows[DIRECTIONS : DIRECTIONS + SHIP]
-    delta, sine, cosine, n, side, both, ahead, u_n = rows[DIRECTIONS + SHIP :][:INPUTS]
-    zero, one, two, minus_two, jet, behind, covered, small = rows[-len(NUMBERS) :]
+    rows = quantities(DIRECTION_COUNT, CONSTANT_COUNT)
+    u, v, r, gamma, lever, kappa, c_w, gamma_a = rows[:DIRECTION_COUNT]
+    L, D, k0, k1, k2, one_w = rows[DIRECTION_COUNT : DIRECTION_COUNT + SHIP_NUMBER_COUNT]
+    delta, sine, cosine, n, side, both, ahead, u_n = rows[DIRECTION_COUNT + SHIP_NUMBER_COUNT :][
+        :INPUT_COUNT
+    ]
+    zero, one, two, minus_two, jet, behind, covered, small = rows[-len(TERM_NUMBERS) :]
 
     def size(z: Quantity) -> Quantity:
         return (z * z + small).root()
@@ -146,11 +148,11 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
     return {name: term.row for name, term in found.items()}, u.steps
 
 
-TERM_ROWS, _LIST = _terms()
-TERM_ROWS["one"] = DIRECTIONS + SHIP + INPUTS + NUMBERS.index(1.0)
-STEPS: Final = np.array(_LIST)
-ROWS: Final = DIRECTIONS + CONSTANTS + len(STEPS)
-LITERALS: Final = np.array(NUMBERS)
+TERM_ROWS, _STEP_LIST = _terms()
+TERM_ROWS["one"] = DIRECTION_COUNT + SHIP_NUMBER_COUNT + INPUT_COUNT + TERM_NUMBERS.index(1.0)
+TERM_STEPS: Final = np.array(_STEP_LIST)
+ROW_COUNT: Final = DIRECTION_COUNT + CONSTANT_COUNT + len(TERM_STEPS)
+LITERAL_VALUES: Final = np.array(TERM_NUMBERS)
 
 
 @kernel
@@ -170,21 +172,21 @@ def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Num
     ``c`` is rudder [rad], revolutions [1/s] and relative wind from ahead and from starboard [m/s];
     ``rudder`` is gamma, l, kappa, c_w and gamma_a. A table of fewer rows has fewer terms.
     """
-    for i in range(DIRECTIONS):
+    for i in range(DIRECTION_COUNT):
         _hold(table, i, x[i] if i < 3 else rudder[i - 3])
         if SLOPES + i < table.shape[1]:
             table[i, SLOPES + i] = 1.0
-    for i in range(SHIP):
-        _hold(table, DIRECTIONS + i, ship[i])
+    for i in range(SHIP_NUMBER_COUNT):
+        _hold(table, DIRECTION_COUNT + i, ship[i])
     angle, turns, ahead, aside = c[RUDDER], c[TURNS], c[WIND_AHEAD], c[WIND_ASIDE]
     wind = math.sqrt(ahead * ahead + aside * aside + 1e-4)
     helm = angle, math.sin(angle), math.cos(angle), turns
-    given = (*helm, aside * wind, ahead * aside, ahead * wind, ship[ADVANCE] * turns)
-    for i in range(INPUTS):
-        _hold(table, DIRECTIONS + SHIP + i, given[i])
-    for i in range(LITERALS.size):
-        _hold(table, DIRECTIONS + SHIP + INPUTS + i, LITERALS[i])
-    run_steps(table, STEPS, DIRECTIONS + CONSTANTS)
+    given = (*helm, aside * wind, ahead * aside, ahead * wind, ship[ADVANCE_PLACE] * turns)
+    for i in range(INPUT_COUNT):
+        _hold(table, DIRECTION_COUNT + SHIP_NUMBER_COUNT + i, given[i])
+    for i in range(LITERAL_VALUES.size):
+        _hold(table, DIRECTION_COUNT + SHIP_NUMBER_COUNT + INPUT_COUNT + i, LITERAL_VALUES[i])
+    run_steps(table, TERM_STEPS, DIRECTION_COUNT + CONSTANT_COUNT)
 
 
 @kernel
@@ -199,7 +201,7 @@ def rows_of(terms: Terms) -> int:
 @inlined
 def units_of(ship: Numbers, x: Numbers) -> Units:
     """Return length and stiffness with the last two of the state."""
-    return Units(ship[LENGTH], ship[STIFFNESS], x[x.size - 2], x[x.size - 1])
+    return Units(ship[LENGTH], ship[STIFFNESS_PLACE], x[x.size - 2], x[x.size - 1])
 
 
 @inlined
@@ -211,11 +213,11 @@ def in_units(factor: float, place: int, units: Units) -> float:
     """
     if place < 2:
         return factor
-    if place in (2, 3, 2 * AXES + 2):
+    if place in (2, 3, 2 * AXIS_COUNT + 2):
         return factor / units.length
-    if place == AXES + 3:
+    if place == AXIS_COUNT + 3:
         return factor * math.sqrt(units.stiffness)
-    return factor * units.stiffness if place == 2 * AXES + 3 else factor
+    return factor * units.stiffness if place == 2 * AXIS_COUNT + 3 else factor
 
 
 @kernel
@@ -238,13 +240,16 @@ def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out
 @kernel
 def add_heel(x: Numbers, out: Numbers) -> None:
     """Add to the accelerations what is times roll rate and roll."""
-    for e in range(AXES):
+    for e in range(AXIS_COUNT):
         for i in range(out.shape[1]):
-            heeled = x[ROLL_RATE] * out[AXES + e, i] + x[ROLL] * out[2 * AXES + e, i]
+            heeled = (
+                x[ROLL_RATE_PLACE] * out[AXIS_COUNT + e, i]
+                + x[ROLL_PLACE] * out[2 * AXIS_COUNT + e, i]
+            )
             out[e, i] += heeled
 
 
 @inlined
-def states_of(driven: Driven) -> int:
+def states_of(driven: DrivenPlaces) -> int:
     """Return how many states there are."""
     return 2 * len(driven) - 2

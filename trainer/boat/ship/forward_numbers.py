@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers, kernel
 
-STATES: Final = 3  # directions with second derivatives
-DIRECTIONS: Final = 8
-FIRST: Final = 1 + DIRECTIONS  # columns of a number with first derivatives
-SECOND: Final = FIRST + 21  # and with second ones
+STATE_COUNT: Final = 3  # directions with second derivatives
+DIRECTION_COUNT: Final = 8
+FIRST_COLUMNS: Final = 1 + DIRECTION_COUNT  # columns of a number with first derivatives
+SECOND_COLUMNS: Final = FIRST_COLUMNS + 21  # and with second ones
 MULTIPLY, SCALE, ADD, SUBTRACT, ROOT, INVERT, EXPONENTIAL = range(7)
 
 VALUE: Final = 0  # column of the value itself
@@ -85,12 +85,12 @@ def _multiply(table: Numbers, a: int, b: int, out: int) -> None:
     """Write the product of two rows."""
     x, y = table[a, VALUE], table[b, VALUE]
     table[out, VALUE] = x * y
-    for i in range(1, min(table.shape[1], FIRST)):
+    for i in range(1, min(table.shape[1], FIRST_COLUMNS)):
         table[out, i] = x * table[b, i] + y * table[a, i]
-    if table.shape[1] > FIRST:
-        place = FIRST
-        for i in range(1, 1 + STATES):
-            for j in range(i, FIRST):
+    if table.shape[1] > FIRST_COLUMNS:
+        place = FIRST_COLUMNS
+        for i in range(1, 1 + STATE_COUNT):
+            for j in range(i, FIRST_COLUMNS):
                 cross = table[a, i] * table[b, j] + table[a, j] * table[b, i]
                 table[out, place] = x * table[b, place] + y * table[a, place] + cross
                 place += 1
@@ -101,12 +101,12 @@ def _compose(table: Numbers, a: int, shape: tuple[float, float, float], out: int
     """Write f of a row; ``shape`` has f and its two derivatives there."""
     value, slope, curve = shape
     table[out, VALUE] = value
-    for i in range(1, min(table.shape[1], FIRST)):
+    for i in range(1, min(table.shape[1], FIRST_COLUMNS)):
         table[out, i] = slope * table[a, i]
-    if table.shape[1] > FIRST:
-        place = FIRST
-        for i in range(1, 1 + STATES):
-            for j in range(i, FIRST):
+    if table.shape[1] > FIRST_COLUMNS:
+        place = FIRST_COLUMNS
+        for i in range(1, 1 + STATE_COUNT):
+            for j in range(i, FIRST_COLUMNS):
                 bend = curve * table[a, i] * table[a, j]
                 table[out, place] = slope * table[a, place] + bend
                 place += 1
@@ -156,4 +156,4 @@ def run_steps(table: Numbers, steps: Steps, first: int) -> None:
 @kernel
 def second_place(i: int, j: int) -> int:
     """Return the column of the second derivative by ``i`` < 3 and ``j`` >= ``i``."""
-    return FIRST + i * DIRECTIONS - i * (i - 1) // 2 + j - i
+    return FIRST_COLUMNS + i * DIRECTION_COUNT - i * (i - 1) // 2 + j - i

@@ -6,13 +6,13 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.ship.forces import (
-    AXES,
-    NONLINEAR,
-    PLACES,
-    ROLL,
-    ROLL_RATE,
+    AXIS_COUNT,
+    NONLINEAR_COUNT,
+    PLACE_COUNT,
+    ROLL_PLACE,
+    ROLL_RATE_PLACE,
     RUDDER,
-    Driven,
+    DrivenPlaces,
     R,
     System,
     U,
@@ -30,16 +30,16 @@ from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers, kernel
 from trainer.units import KNOT
 
-SLOWEST: Final = 0.01  # [m/s] a ship that is slower, faster or turns faster is no ship
-FASTEST: Final = 1000.0
-TURNING: Final = 10.0  # [rad/s]
-OVER: Final = 1.5  # [rad] of roll
-STAGES: Final = (0.0, 0.5, 0.5, 1.0)
-WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
-FINE: Final = 0.025  # [L/U] of a step
-SWING: Final = 0.5  # [rad] of roll's own period in a step
+MIN_SHIP_SPEED: Final = 0.01  # [m/s] a ship that is slower, faster or turns faster is no ship
+MAX_SHIP_SPEED: Final = 1000.0
+MAX_TURN_RATE: Final = 10.0  # [rad/s]
+MAX_ROLL: Final = 1.5  # [rad] of roll
+STAGE_TIMES: Final = (0.0, 0.5, 0.5, 1.0)
+STAGE_WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
+STEP_SHARE: Final = 0.025  # [L/U] of a step
+ROLL_PHASE_STEP: Final = 0.5  # [rad] of roll's own period in a step
 STEADY_STEPS: Final = 60  # of Newton, to speed held straight
-CLOSE: Final = 1e-10
+NEWTON_TOLERANCE: Final = 1e-10
 NONE_FREE: Final = np.empty((0, 1), np.int64)
 
 
@@ -56,7 +56,7 @@ class MotionRoom(NamedTuple):
 def new_room(system: System) -> MotionRoom:
     """Return scratch for a ship's steps."""
     driven = system.driven
-    places = PLACES if len(driven) == AXES else len(driven)
+    places = PLACE_COUNT if len(driven) == AXIS_COUNT else len(driven)
     states = (np.empty(states_of(driven)) for _ in range(3))
     return MotionRoom(np.empty((rows_of(system.terms), 1)), np.empty((places, 1)), *states)
 
@@ -64,23 +64,27 @@ def new_room(system: System) -> MotionRoom:
 @kernel
 def is_ship(x: Numbers) -> bool:
     """Return whether a state is that of a ship under way."""
-    upright = x.size <= ROLL or (abs(x[ROLL_RATE]) <= TURNING and abs(x[ROLL]) <= OVER)
-    size = abs(x[U]) <= FASTEST and abs(x[V]) <= FASTEST and abs(x[R]) <= TURNING
-    return x[U] >= SLOWEST and size and upright
+    upright = x.size <= ROLL_PLACE or (
+        abs(x[ROLL_RATE_PLACE]) <= MAX_TURN_RATE and abs(x[ROLL_PLACE]) <= MAX_ROLL
+    )
+    size = (
+        abs(x[U]) <= MAX_SHIP_SPEED and abs(x[V]) <= MAX_SHIP_SPEED and abs(x[R]) <= MAX_TURN_RATE
+    )
+    return x[U] >= MIN_SHIP_SPEED and size and upright
 
 
 @kernel
 def set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
     """Write the accelerations (places, columns) at a state and inputs; ``table`` is scratch."""
     count = system.terms.shape[0]
-    set_terms(table, system.ship, x, c, system.values[count : count + NONLINEAR])
+    set_terms(table, system.ship, x, c, system.values[count : count + NONLINEAR_COUNT])
     add_terms(table, system.terms, system.values, system.ship, rates)
-    if len(system.driven) == AXES:
+    if len(system.driven) == AXIS_COUNT:
         add_heel(x, rates)
 
 
 @kernel
-def set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> None:
+def set_derivative(driven: DrivenPlaces, x: Numbers, rates: Numbers, out: Numbers) -> None:
     """Write dx/dt from the accelerations."""
     for e in range(len(driven)):
         out[driven[e]] = rates[e, VALUE]
@@ -89,7 +93,7 @@ def set_derivative(driven: Driven, x: Numbers, rates: Numbers, out: Numbers) -> 
 
 
 @kernel
-def advance(
+def advance_state(
     system: System, x: Numbers, c: Numbers, rudder: float, h: float, room: MotionRoom
 ) -> bool:
     """Advance a state by ``h`` [s]; return whether it is still a ship.
@@ -104,18 +108,18 @@ def advance(
         rate[i] = 0.0
     for n in range(4):
         for i in range(states):
-            stage[i] = x[i] + STAGES[n] * h * rate[i]
-        c[RUDDER] = before + STAGES[n] * (rudder - before)
+            stage[i] = x[i] + STAGE_TIMES[n] * h * rate[i]
+        c[RUDDER] = before + STAGE_TIMES[n] * (rudder - before)
         set_rates(system, stage, c, room.table, room.rates)
         set_derivative(system.driven, stage, room.rates, rate)
         for i in range(states):
-            total[i] += WEIGHTS[n] * rate[i]
+            total[i] += STAGE_WEIGHTS[n] * rate[i]
     for i in range(states):
         x[i] += h / 6.0 * total[i]
     return is_ship(x)
 
 
-class Moment(NamedTuple):
+class ShipMoment(NamedTuple):
     """A ship at a time, SI; the rudder is positive to starboard."""
 
     north: float
@@ -156,18 +160,18 @@ class ShipMotion:
     @property
     def step(self) -> float:
         """Return the usual step [s]."""
-        usual = FINE * self.length / (self.result.speed_kn * KNOT)
+        usual = STEP_SHARE * self.length / (self.result.speed_kn * KNOT)
         if self.file.roll is not None:
-            usual = min(usual, SWING / math.sqrt(self.file.stiffness))
+            usual = min(usual, ROLL_PHASE_STEP / math.sqrt(self.file.stiffness))
         return float(f"{usual:.1g}")
 
-    def straight(self, speed: float) -> Moment:
+    def straight(self, speed: float) -> ShipMoment:
         """Return the ship straight ahead to the north; ConfigError if nothing holds it there."""
         sway, rudder, turns, *heel = self._steady(speed)
         rolls = (0.0, *heel) if heel else ()
-        return Moment(0.0, 0.0, (speed, sway, 0.0, 0.0, *rolls), rudder, turns)
+        return ShipMoment(0.0, 0.0, (speed, sway, 0.0, 0.0, *rolls), rudder, turns)
 
-    def after(self, now: Moment, wanted: float, h: float) -> Moment | None:
+    def after(self, now: ShipMoment, wanted: float, h: float) -> ShipMoment | None:
         """Return the ship ``h`` [s] later, its rudder on the way to ``wanted`` [rad].
 
         None if it is then no ship under way.
@@ -178,12 +182,12 @@ class ShipMotion:
         )
         before, c = np.array(now.state), np.array([now.rudder, now.turns, 0.0, 0.0])
         x = before.copy()
-        if not advance(self._system, x, c, rudder, h, self._room):
+        if not advance_state(self._system, x, c, rudder, h, self._room):
             return None
         u, v, _, psi, *_ = (0.5 * (before + x)).tolist()
         north = now.north + h * (u * math.cos(psi) - v * math.sin(psi))
         east = now.east + h * (u * math.sin(psi) + v * math.cos(psi))
-        return Moment(north, east, tuple(x.tolist()), rudder, now.turns)
+        return ShipMoment(north, east, tuple(x.tolist()), rudder, now.turns)
 
     def _rates(self, state: Numbers, rudder: float, turns: float) -> Numbers:
         """Return du/dt, dv/dt, dr/dt, and with roll dp/dt, in no wind."""
@@ -201,7 +205,7 @@ class ShipMotion:
         scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0, 1.0])[:axes]
         found = np.zeros(axes)
         found[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
-        still = [0.0] if axes == AXES else []
+        still = [0.0] if axes == AXIS_COUNT else []
         levers = np.array([1.0, 1.0, self.length, self.length])[:axes]
         unit = levers * self.length / max(speed, 1e-9) ** 2
 
@@ -211,7 +215,7 @@ class ShipMotion:
 
         for _ in range(STEADY_STEPS):
             off = left(found)
-            if np.max(np.abs(off)) < CLOSE:
+            if np.max(np.abs(off)) < NEWTON_TOLERANCE:
                 break
             aside = np.diag(1e-6 * scale)
             J = np.column_stack(
@@ -222,7 +226,7 @@ class ShipMotion:
             except np.linalg.LinAlgError:
                 break
             found = found - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
-        good = np.max(np.abs(left(found))) < 1e3 * CLOSE and abs(found[1]) < self.limit
+        good = np.max(np.abs(left(found))) < 1e3 * NEWTON_TOLERANCE and abs(found[1]) < self.limit
         if not good or not np.isfinite(found).all():
             raise ConfigError(
                 f"{self.file.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "

@@ -6,19 +6,19 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.bottom import NEAR, Bottom, is_charted, land_near
+from trainer.config.bottom import START_RADIUS_M, Bottom, is_charted, land_near
 from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables
-from trainer.core.bottom import PLACES as STATIONS
+from trainer.core.bottom import SOUNDING_PLACES as STATIONS
 from trainer.core.kernel import Numbers
-from trainer.core.soundings import FIRST, sound
+from trainer.core.soundings import FIRST_SAMPLE, sound
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply
 
-LONGEST: Final = 1.0  # [s] step, with which the ground's spring is held
-ROOM: Final = 5.0  # [m] under the keel, with which a boat may start
-PLACES: Final = {name: int(place[1]) // 8 for name, place in (STATE.fields or {}).items()}
-BOTTOM, THETA, PHI, Z = (PLACES[name] for name in ("bottom", "theta", "phi", "z"))
+MAX_GROUND_STEP_S: Final = 1.0  # [s] step, with which the ground's spring is held
+START_ROOM_M: Final = 5.0  # [m] under the keel, with which a boat may start
+STATE_PLACES: Final = {name: int(place[1]) // 8 for name, place in (STATE.fields or {}).items()}
+BOTTOM_PLACE, THETA, PHI, Z = (STATE_PLACES[name] for name in ("bottom", "theta", "phi", "z"))
 
 
 def keel_of(vessel: Any) -> float:
@@ -31,10 +31,10 @@ def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> floa
 
     ``numbers`` are a state's; ``length`` [m] is the boat's, ``keel`` [m] how far it is below.
     """
-    if numbers[BOTTOM] == 0.0:
+    if numbers[BOTTOM_PLACE] == 0.0:
         return math.inf
     lean = length * math.sin(numbers[THETA])
-    least = min(numbers[BOTTOM + i] + x * lean for i, x in enumerate(STATIONS))
+    least = min(numbers[BOTTOM_PLACE + i] + x * lean for i, x in enumerate(STATIONS))
     return least - numbers[Z] - keel * math.cos(numbers[THETA]) * math.cos(numbers[PHI])
 
 
@@ -48,7 +48,7 @@ def chart_of(bottom: Bottom) -> Numbers:
 
 def is_level(chart: Numbers) -> bool:
     """Return whether a chart is level, so that it need be sounded but once."""
-    return bool(np.all(chart[FIRST:] == chart[FIRST]))
+    return bool(np.all(chart[FIRST_SAMPLE:] == chart[FIRST_SAMPLE]))
 
 
 def refuse_start(boat: Any, bottom: Bottom) -> None:
@@ -57,13 +57,14 @@ def refuse_start(boat: Any, bottom: Bottom) -> None:
     room = height_of_keel(boat.plain, float(boat.vessel.ell), keel_of(boat.vessel))
     land = land_near(bottom, north, east)
     step = boat.method.step
+    coarse = f"[bottom] with a step of {step:g} s: {MAX_GROUND_STEP_S:g} s at most"
+    empty = f"{land:.0f} m from the start: {START_RADIUS_M:g} m at least"
+    low = f"{room:.1f} m under the keel: {START_ROOM_M:g} m at least"
     problems = {
-        f"[bottom] with a step of {step:g} s: {LONGEST:g} s at most": step > LONGEST,
+        coarse: step > MAX_GROUND_STEP_S,
         "[bottom] grid: the boat starts off it": not is_charted(bottom, north, east),
-        f"[bottom] grid: has no value {land:.0f} m from the start: {NEAR:g} m at least": land
-        < math.inf,
-        f"[bottom]: the boat starts with {room:.1f} m under the keel: {ROOM:g} m at least": room
-        < ROOM,
+        f"[bottom] grid: has no value {empty}": land < math.inf,
+        f"[bottom]: the boat starts with {low}": room < START_ROOM_M,
     }
     if any(problems.values()):
         raise ConfigError(*(told for told, is_so in problems.items() if is_so))

@@ -15,36 +15,44 @@ import numpy as np
 from trainer.boat.world.current import CurrentAround
 from trainer.boat.world.hulls import Pose
 from trainer.boat.world.lights import Light, lights_of
-from trainer.boat.world.ship_force import Pull
-from trainer.boat.world.steered import Helmed, Steered, SteeredNomoto
+from trainer.boat.world.ship_force import ShipPull
+from trainer.boat.world.steered import SteerableShip, SteeredContact, SteeredNomoto
 from trainer.boat.world.steered_ship import SteeredShip
 from trainer.boat.world.tracks import (
     Piece,
     Situation,
     Stretch,
     Way,
-    lay,
+    lay_way,
     path_along,
     rest_of,
     situation,
-    turn,
-    unreached,
+    turn_stretch,
+    unreached_stretch,
 )
-from trainer.config.contacts import MOST, NAMED, RESERVED, TYPES, Contact, Encounters, ShipType
-from trainer.config.files import ConfigError, collecting, nearest, refuse
+from trainer.config.contacts import (
+    CONTACT_NAME,
+    MAX_CONTACTS,
+    RESERVED_NAMES,
+    SHIP_TYPES,
+    Contact,
+    Encounters,
+    ShipType,
+)
+from trainer.config.files import ConfigError, collecting, nearest, raise_problems
 from trainer.config.world import WorldTables
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
-NOWHERE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+STRAIGHT_ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
+EMPTY_PIECE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 # from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
 Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
 
 
 @dataclass(frozen=True)
-class Seen:
+class ContactState:
     """One ship at a tick, in SI and radians. Its place is from the start's origin."""
 
     name: str
@@ -75,19 +83,21 @@ class Ship:
     mmsi: int | None
     way: Way  # through the water of a ship that drifts
     drifts: bool = False
-    steered: Steered | None = None  # a ship that answers its rudder; its way is only where it began
+    steered: SteeredContact | None = (
+        None  # a ship that answers its rudder; its way is only where it began
+    )
 
     @property
     def type(self) -> ShipType:
         """Return its kind."""
-        return TYPES[self.kind]
+        return SHIP_TYPES[self.kind]
 
     def lies(self, now: Piece) -> bool:
         """Return whether it lies still, and is to."""
         return now.speed == 0.0 and self.way.path[-1].speed in (None, 0.0)
 
 
-class Fleet:
+class ContactFleet:
     """All ships from one order to the next. Never altered, so any thread may ask."""
 
     def __init__(self, ships: Mapping[str, Ship], water: Water) -> None:
@@ -145,9 +155,9 @@ class Contacts:
         self.step = float(boat.method.step)
         self.given = tuple(ships)
         self._boat = boat
-        self._first = Fleet(ships_of(ships, self.step), self.water)
-        self._fleets: tuple[tuple[int, Fleet], ...] = ((0, self._first),)
-        self._pull = Pull(boat) if encounters.force == "on" else None
+        self._first = ContactFleet(ships_of(ships, self.step), self.water)
+        self._fleets: tuple[tuple[int, ContactFleet], ...] = ((0, self._first),)
+        self._pull = ShipPull(boat) if encounters.force == "on" else None
 
     @property
     def acts(self) -> bool:
@@ -159,7 +169,7 @@ class Contacts:
         """Return whether there are ships at any tick."""
         return any(fleet.order for _, fleet in self._fleets)
 
-    def fleet(self, tick: int) -> Fleet:
+    def fleet(self, tick: int) -> ContactFleet:
         """Return the ships that there are at a tick."""
         for begins, fleet in reversed(self._fleets):
             if begins <= tick:
@@ -170,7 +180,7 @@ class Contacts:
         """Return where they are at a tick, in the order of the fleet."""
         return self.fleet(tick).at(tick * self.step)
 
-    def seen(self, tick: int) -> tuple[Seen, ...]:
+    def seen(self, tick: int) -> tuple[ContactState, ...]:
         """Return every ship at a tick, to be looked at."""
         fleet = self.fleet(tick)
         there = fleet.at(tick * self.step)
@@ -226,7 +236,7 @@ class Contacts:
         state["ship_force"][:] = self._pull.on(Pose.of(state), ships)
 
     def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
-        self._fleets = (*self._fleets, (tick, Fleet(ships, self.water)))
+        self._fleets = (*self._fleets, (tick, ContactFleet(ships, self.water)))
         return reply
 
     def _add(self, order: Order, tick: int, ships: dict[str, Ship]) -> Reply:
@@ -235,9 +245,9 @@ class Contacts:
         north, east, course, speed = order.numbers
         if why := _unfit(name, kind, speed, ships):
             return Refused(why)
-        start = NOWHERE._replace(north=north, east=east, course=course, speed=speed)
-        status = "at anchor" if speed == 0.0 else TYPES[kind].status
-        way = lay(tick * self.step, start, ON)
+        start = EMPTY_PIECE._replace(north=north, east=east, course=course, speed=speed)
+        status = "at anchor" if speed == 0.0 else SHIP_TYPES[kind].status
+        way = lay_way(tick * self.step, start, STRAIGHT_ON)
         ships[name] = Ship(name, kind, status, None, way)
         return self._change(tick, ships, order.text)
 
@@ -258,11 +268,11 @@ def _unable(ship: Ship, speed: float, time: float) -> str:
     return ship.steered.ship.unfit(ship.steered.at(time), speed) if ship.steered else ""
 
 
-def _seen(ship: Ship, row: Sequence[float]) -> Seen:
+def _seen(ship: Ship, row: Sequence[float]) -> ContactState:
     """Return a ship as it is looked at, by its numbers in the order of a situation."""
     kind = ship.type
     north, east, course, speed, heading, turning = row
-    return Seen(
+    return ContactState(
         *(ship.name, ship.kind, ship.status),
         *(north, east, course % math.tau, speed, heading % math.tau, turning),
         *(kind.length, kind.beam, kind.draught, kind.height, kind.mast),
@@ -273,13 +283,13 @@ def _seen(ship: Ship, row: Sequence[float]) -> Seen:
 
 def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str:
     """Return why no such ship can be added, "" if it can."""
-    if not NAMED.fullmatch(name) or name in RESERVED:
+    if not CONTACT_NAME.fullmatch(name) or name in RESERVED_NAMES:
         return f"{name}: a name has at most 16 letters, digits and hyphens"
     if name in ships:
         return f"there is a contact {name} already"
-    if len(ships) >= MOST:
-        return f"there are {MOST} contacts already"
-    fastest = TYPES[kind]
+    if len(ships) >= MAX_CONTACTS:
+        return f"there are {MAX_CONTACTS} contacts already"
+    fastest = SHIP_TYPES[kind]
     return f"a {kind} makes {fastest.fastest_kn:g} kn" if speed > fastest.fastest + 1e-9 else ""
 
 
@@ -290,7 +300,7 @@ def ships_of(ships: Sequence[Contact], step: float) -> dict[str, Ship]:
     for each in ships:
         with collecting(problems):
             found[each.row.name] = _ship_of(each, step)
-    refuse(problems)
+    raise_problems(problems)
     return found
 
 
@@ -302,7 +312,7 @@ def _ship_of(contact: Contact, step: float) -> Ship:
     return Ship(row.name, row.type, contact.status, row.mmsi, way_of(contact), drifts, steered)
 
 
-def steered_of(contact: Contact, step: float) -> Steered | None:
+def steered_of(contact: Contact, step: float) -> SteeredContact | None:
     """Return a ship that answers its rudder; None for one that goes along a way. ConfigError."""
     ship = _helmed(contact)
     if ship is None:
@@ -310,10 +320,10 @@ def steered_of(contact: Contact, step: float) -> Steered | None:
     row, (speed,) = contact.row, contact.speeds
     late, (north, east) = row.starts_s or 0.0, row.points[0]
     start = ship.begin(north, east, contact.course, 0.0 if late else speed)
-    return Steered(ship, step, late, start, contact.course, speed)
+    return SteeredContact(ship, step, late, start, contact.course, speed)
 
 
-def _helmed(contact: Contact) -> Helmed | None:
+def _helmed(contact: Contact) -> SteerableShip | None:
     """Return the ship of a contact's file; None without one. ConfigError if it cannot sail."""
     if contact.nomoto:
         return SteeredNomoto(contact.nomoto)
@@ -332,9 +342,9 @@ def way_of(contact: Contact) -> Way:
             raise ConfigError(place.problem(f"points = [{told}]: {wrong}")) from None
     (north, east), late = row.points[0], row.starts_s or 0.0
     speed = 0.0 if late else contact.speeds[0]
-    start = NOWHERE._replace(north=north, east=east, course=course, speed=speed)
-    way = lay(late, start, path)
-    if len(row.points) > 1 and (leg := unreached(way)) is not None:
+    start = EMPTY_PIECE._replace(north=north, east=east, course=course, speed=speed)
+    way = lay_way(late, start, path)
+    if len(row.points) > 1 and (leg := unreached_stretch(way)) is not None:
         ordered = (path[leg].speed or 0.0) / KNOT
         told = f"{ordered:g} kn is not reached on a leg of {path[leg].length:.0f} m between turns"
         raise ConfigError(place.problem(f"speed_kn = {ordered:g}: {told}"))
@@ -343,16 +353,16 @@ def way_of(contact: Contact) -> Way:
 
 def _on(ship: Ship, start: Piece, path: Sequence[Stretch]) -> Ship:
     """Return the ship on another way from the beginning of a piece on."""
-    return replace(ship, way=lay(start.begins, start, path))
+    return replace(ship, way=lay_way(start.begins, start, path))
 
 
 def _course(ship: Ship, order: Order, time: float) -> Ship:
     """Turn to a course the short way, and keep it. A ship that lies still is turned at once."""
     now, path = rest_of(ship.way, time)
     if ship.lies(now):
-        return _on(ship, now._replace(course=order.value), ON)
+        return _on(ship, now._replace(course=order.value), STRAIGHT_ON)
     change = math.remainder(order.value - now.course, math.tau)
-    first, *others = [*turn(change, ship.type.turn), Stretch(0.0, math.inf)]
+    first, *others = [*turn_stretch(change, ship.type.turn), Stretch(0.0, math.inf)]
     return _on(ship, now, [first._replace(speed=path[0].speed), *others])
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from operator import itemgetter
 from typing import Any, Final
 
-from trainer.config.current import SLOWEST, Current, Tide
+from trainer.config.current import MIN_CHANGE_TIME_S, Current, Tide
 from trainer.config.world import WorldTables
 from trainer.core.current import north_and_east
 from trainer.io.orders.grammar import Order, Reply
@@ -19,32 +19,34 @@ from trainer.units import KNOT
 
 Line = tuple[float, float, float, float]  # water north, east [m/s] and shear north, east [1/s]
 Flow = Callable[[float, float], Line]  # from time [s] and depth [m]
-HOUR: Final = 3600.0  # [s]
-STILL: Final[Line] = (0.0, 0.0, 0.0, 0.0)
-FLOATING: Final = 5.0  # [m] depth of the water that carries ships
-SPAN: Final = 60.0  # [s] of a tide that three points integrate to 1e-13 of the way, and better
-GAUSS: Final = ((-math.sqrt(0.6), 5 / 18), (0.0, 8 / 18), (math.sqrt(0.6), 5 / 18))
+HOUR_S: Final = 3600.0  # [s]
+STILL_WATER: Final[Line] = (0.0, 0.0, 0.0, 0.0)
+SHIP_DRIFT_DEPTH_M: Final = 5.0  # [m] depth of the water that carries ships
+TIDE_SPAN_S: Final = (
+    60.0  # [s] of a tide that three points integrate to 1e-13 of the way, and better
+)
+GAUSS_POINTS: Final = ((-math.sqrt(0.6), 5 / 18), (0.0, 8 / 18), (math.sqrt(0.6), 5 / 18))
 Mark = tuple[float, float, float]  # time [s], and how far water has gone [m] north and east
-START: Final[tuple[Mark, ...]] = ((0.0, 0.0, 0.0),)
+START_MARKS: Final[tuple[Mark, ...]] = ((0.0, 0.0, 0.0),)
 
 
-def uniform(towards: float, drift: float) -> Line:
+def uniform_water(towards: float, drift: float) -> Line:
     """Return the same water at all depths; ``towards`` [rad] at ``drift`` [m/s]."""
     north, east = north_and_east(towards)
     return drift * north, drift * east, 0.0, 0.0
 
 
-def vector(set_deg: float, drift_kn: float) -> tuple[float, float]:
+def current_vector(set_deg: float, drift_kn: float) -> tuple[float, float]:
     """Return a current north and east [m/s]."""
-    return uniform(math.radians(set_deg), drift_kn * KNOT)[:2]
+    return uniform_water(math.radians(set_deg), drift_kn * KNOT)[:2]
 
 
-class Layers:
+class WaterLayers:
     """Water by depth: a line between each row and the next."""
 
     def __init__(self, rows: tuple[tuple[float, ...], ...]) -> None:
         self.depths = [row[0] for row in rows]
-        waters = [vector(*row[1:]) for row in rows]
+        waters = [current_vector(*row[1:]) for row in rows]
         between = [
             _line(*both)
             for both in zip(self.depths[:-1], self.depths[1:], waters[:-1], waters[1:], strict=True)
@@ -65,15 +67,15 @@ def _line(
     return upper[0] - north * above, upper[1] - east * above, north, east
 
 
-class Ellipse:
+class TidalEllipse:
     """Water that turns with the tide about a mean: a cosine along, a sine across."""
 
     def __init__(self, tide: Tide) -> None:
-        self.mean = vector(tide.mean_set_deg or 0.0, tide.mean_drift_kn or 0.0)
-        self.ahead = vector(tide.towards_deg, tide.major_kn)
-        self.across = vector(tide.towards_deg + 90.0, tide.minor_kn)
-        self.rate = math.tau / (tide.period_h * HOUR)
-        self.since = tide.phase_h * HOUR
+        self.mean = current_vector(tide.mean_set_deg or 0.0, tide.mean_drift_kn or 0.0)
+        self.ahead = current_vector(tide.towards_deg, tide.major_kn)
+        self.across = current_vector(tide.towards_deg + 90.0, tide.minor_kn)
+        self.rate = math.tau / (tide.period_h * HOUR_S)
+        self.since = tide.phase_h * HOUR_S
 
     def __call__(self, time: float, _depth: float) -> Line:
         """Return the water of a time [s]."""
@@ -89,22 +91,24 @@ def flow_of(current: Current | None) -> Flow | None:
     if current is None:
         return None
     if current.table:
-        return Layers(current.table)
+        return WaterLayers(current.table)
     if current.tide:
-        return Ellipse(current.tide)
-    line = (*vector(current.set_deg or 0.0, current.drift_kn or 0.0), 0.0, 0.0)
+        return TidalEllipse(current.tide)
+    line = (*current_vector(current.set_deg or 0.0, current.drift_kn or 0.0), 0.0, 0.0)
     return lambda _time, _depth: line
 
 
 @dataclass(frozen=True)
-class Change:
+class CurrentChange:
     """Another current, ordered at a tick."""
 
     tick: int
     line: Line
 
 
-Carried = tuple[tuple[Change, ...], tuple[Mark, ...]]  # marks, and the changes that they know
+CurrentHistory = tuple[
+    tuple[CurrentChange, ...], tuple[Mark, ...]
+]  # marks, and the changes that they know
 
 
 @dataclass
@@ -114,8 +118,8 @@ class CurrentAround:
     step: float  # [s]
     ramp: float  # [s] of an order
     flow: Flow | None  # as the exercise has it
-    changes: tuple[Change, ...] = ()  # in the order of their ticks
-    _carried: Carried = field(default=((), START), repr=False)
+    changes: tuple[CurrentChange, ...] = ()  # in the order of their ticks
+    _carried: CurrentHistory = field(default=((), START_MARKS), repr=False)
 
     @property
     def acts(self) -> bool:
@@ -124,15 +128,15 @@ class CurrentAround:
 
     def obey(self, order: Order, tick: int) -> Reply:
         """Replace all that there is by another current, over the ramp; return it in words."""
-        line = STILL if order.word == "off" else uniform(order.numbers[0], order.value)
+        line = STILL_WATER if order.word == "off" else uniform_water(order.numbers[0], order.value)
         before = tuple(each for each in self._carried[1] if each[0] <= tick * self.step)
-        self.changes = (*self.changes, Change(tick, line))
-        self._carried = self.changes, before or START
+        self.changes = (*self.changes, CurrentChange(tick, line))
+        self._carried = self.changes, before or START_MARKS
         return f"{order.text}: {current_text(*line[:2])}, within {self.ramp:g} s"
 
     def forget(self) -> None:
         """Be as the exercise has it."""
-        self.changes, self._carried = (), ((), START)
+        self.changes, self._carried = (), ((), START_MARKS)
 
     def write(self, state: Any) -> None:
         """Write the current at the boat's depth for the tick that comes."""
@@ -141,7 +145,7 @@ class CurrentAround:
     def at(self, tick: float, depth: float) -> Line:
         """Return the current of a tick, or between two, as a depth's line."""
         whole = bisect_left(self.changes, 1, key=lambda each: self._share(each, tick) < 1.0)
-        line = self.changes[whole - 1].line if whole else STILL  # it hides what was before
+        line = self.changes[whole - 1].line if whole else STILL_WATER  # it hides what was before
         if not whole and self.flow:
             line = self.flow(tick * self.step, depth)
         for each in self.changes[whole:]:
@@ -152,8 +156,8 @@ class CurrentAround:
 
     def floating(self, time: float) -> tuple[float, float]:
         """Return how the water that carries ships goes at a time, north and east [m/s]."""
-        north, east, by_north, by_east = self.at(time / self.step, FLOATING)
-        return north + by_north * FLOATING, east + by_east * FLOATING
+        north, east, by_north, by_east = self.at(time / self.step, SHIP_DRIFT_DEPTH_M)
+        return north + by_north * SHIP_DRIFT_DEPTH_M, east + by_east * SHIP_DRIFT_DEPTH_M
 
     def carried(self, time: float) -> tuple[float, float]:
         """Return how far [m] that water has gone north and east since the start.
@@ -170,14 +174,14 @@ class CurrentAround:
         return north + by_north, east + by_east
 
     def _marks(self, known: tuple[Mark, ...], time: float) -> Iterator[Mark]:
-        """Yield the marks up to a time [s]: each SPAN, and where a ramp begins or ends."""
+        """Yield the marks up to a time [s]: each TIDE_SPAN_S, and where a ramp begins or ends."""
         yield from known
         here, north, east = known[-1]
         ramps = (each.tick * self.step for each in self.changes)
         edges = sorted(edge for begun in ramps for edge in (begun, begun + self.ramp))
         while True:
             further = bisect_right(edges, here)
-            there = min(here + SPAN, edges[further] if further < len(edges) else math.inf)
+            there = min(here + TIDE_SPAN_S, edges[further] if further < len(edges) else math.inf)
             if there > time:
                 return
             by_north, by_east = self._way(here, there)
@@ -187,13 +191,15 @@ class CurrentAround:
     def _way(self, start: float, end: float) -> tuple[float, float]:
         """Return how far [m] that water goes within a span, by Gauss and Legendre."""
         long = end - start
-        rates = [(weight, *self.floating(start + 0.5 * (1.0 + x) * long)) for x, weight in GAUSS]
+        rates = [
+            (weight, *self.floating(start + 0.5 * (1.0 + x) * long)) for x, weight in GAUSS_POINTS
+        ]
         return (
             long * sum(weight * north for weight, north, _ in rates),
             long * sum(weight * east for weight, _, east in rates),
         )
 
-    def _share(self, change: Change, tick: float) -> float:
+    def _share(self, change: CurrentChange, tick: float) -> float:
         """Return how much of a change has come about, 0 to 1."""
         return min(max((tick - change.tick) * self.step / self.ramp, 0.0), 1.0)
 
@@ -209,7 +215,7 @@ def _between(old: Line, new: Line, share: float) -> Line:
 def make_current(boat: Any, tables: WorldTables) -> CurrentAround:
     """Return the current of an exercise around a boat."""
     current: Current | None = tables.get("current")
-    ramp = current.ramp_s if current else SLOWEST
+    ramp = current.ramp_s if current else MIN_CHANGE_TIME_S
     return CurrentAround(boat.method.step, ramp, flow_of(current))
 
 

@@ -12,22 +12,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.world.contacts import Contacts, Ship, contacts_in
-from trainer.boat.world.hulls import OwnHull, Pose, overlap
+from trainer.boat.world.hulls import OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import Situation, situation
 from trainer.config.contacts import Encounters
-from trainer.config.files import refuse
+from trainer.config.files import raise_problems
 from trainer.core.kernel import Numbers
 
-STILL: Final = 0.1  # [m/s] of relative speed, below which there is no time of closest approach
-BENT: Final = 0.1  # [-] of the limit: where arcs leave straight lines by more, they are followed
-ARCS: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead
-STEADY: Final = math.radians(0.1)  # [rad/s] of the boat, below which waves turn it to and fro
-MEAN: Final = 20.0  # [s] over which the boat's own course and turn are taken, for calls
-CLEAR: Final = 30.0  # [s] without an approach to be called, after which one is news again
-AGAIN: Final = 0.2  # [-] of the limit: change of the closest approach that is called again
+MIN_RELATIVE_SPEED: Final = (
+    0.1  # [m/s] of relative speed, below which there is no time of closest approach
+)
+ARC_DEVIATION_SHARE: Final = (
+    0.1  # [-] of the limit: where arcs leave straight lines by more, they are followed
+)
+ARC_TIMES_S: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead
+MIN_TURN_RATE: Final = math.radians(
+    0.1
+)  # [rad/s] of the boat, below which waves turn it to and fro
+MEAN_PERIOD_S: Final = 20.0  # [s] over which the boat's own course and turn are taken, for calls
+RECALL_CLEAR_S: Final = 30.0  # [s] without an approach to be called, after which one is news again
+RECALL_CHANGE_SHARE: Final = (
+    0.2  # [-] of the limit: change of the closest approach that is called again
+)
 
 
-class Own(NamedTuple):
+class OwnMotion(NamedTuple):
     """The boat's place, course and speed over the ground, and rate of turn [SI]."""
 
     north: float
@@ -37,7 +45,7 @@ class Own(NamedTuple):
     turning: float
 
     @classmethod
-    def of(cls, state: Any) -> "Own":
+    def of(cls, state: Any) -> "OwnMotion":
         """Return those of a state; a boat whose place is held stands still."""
         if state["held_position"]:
             return cls(float(state["x"]), float(state["y"]), float(state["psi"]), 0.0, 0.0)
@@ -46,7 +54,7 @@ class Own(NamedTuple):
         return cls(float(state["x"]), float(state["y"]), math.atan2(east, north), speed, turning)
 
 
-class Plot(NamedTuple):
+class ShipPlot(NamedTuple):
     """All ships as they bear from the boat [SI], an array each."""
 
     bearing: Numbers
@@ -74,9 +82,9 @@ def refuse_touching(boat: Any) -> None:
         problems += [
             contact.place.problem(f"{told}the hull of {other.row.name}")
             for other, its in zip(contacts.given[:i], lying[:i], strict=True)
-            if overlap((north, east, course, kind), its)
+            if ships_overlap((north, east, course, kind), its)
         ]
-    refuse(problems)
+    raise_problems(problems)
 
 
 def closest_approach(
@@ -87,49 +95,51 @@ def closest_approach(
     Place and velocity are relative. Without relative speed it is the range, and the time is NaN.
     """
     square = v_north * v_north + v_east * v_east
-    moves = square >= STILL * STILL
+    moves = square >= MIN_RELATIVE_SPEED * MIN_RELATIVE_SPEED
     until = np.where(moves, -(north * v_north + east * v_east) / np.where(moves, square, 1.0), 0.0)
     closest = np.hypot(north + v_north * until, east + v_east * until)
     return closest, np.where(moves, until, np.nan)
 
 
-def plot(own: Own, there: Situation, limit: float) -> Plot:
+def plot_ships(own: OwnMotion, there: Situation, limit: float) -> ShipPlot:
     """Return how ships bear from the boat; ``limit`` [m] decides whether straight lines hold."""
-    own = own if abs(own.turning) >= STEADY else own._replace(turning=0.0)
+    own = own if abs(own.turning) >= MIN_TURN_RATE else own._replace(turning=0.0)
     north, east = there.north - own.north, there.east - own.east
     v_north, v_east = there.velocity()
     v_north -= own.speed * math.cos(own.course)
     v_east -= own.speed * math.sin(own.course)
     closest, until = closest_approach(north, east, v_north, v_east)
     bend = 0.5 * (abs(own.speed * own.turning) + np.abs(there.speed * there.turning))
-    turning = bend * until * until >= BENT * limit
+    turning = bend * until * until >= ARC_DEVIATION_SHARE * limit
     turning &= until > 0.0
     if turning.any():
         chosen = Situation(*(each[turning] for each in there))
         closest[turning], until[turning] = on_arcs(own, chosen)
-    return Plot(np.arctan2(east, north) % math.tau, np.hypot(north, east), closest, until, turning)
+    return ShipPlot(
+        np.arctan2(east, north) % math.tau, np.hypot(north, east), closest, until, turning
+    )
 
 
-def on_arcs(own: Own, there: Situation) -> tuple[Numbers, Numbers]:
+def on_arcs(own: OwnMotion, there: Situation) -> tuple[Numbers, Numbers]:
     """Return closest approach [m] and time to it [s] if all keep turning."""
     mine = _ahead(Situation(*(np.array([each]) for each in (*own, 0.0, 0.0))))
     theirs = _ahead(there)
     apart = np.hypot(theirs.north - mine.north, theirs.east - mine.east)
     first = apart.argmin(axis=1)
-    return apart[np.arange(first.size), first], ARCS[first]
+    return apart[np.arange(first.size), first], ARC_TIMES_S[first]
 
 
 def _ahead(now: Situation) -> Situation:
-    """Return where ships will be at each time of ARCS, a row each."""
+    """Return where ships will be at each time of ARC_TIMES_S, a row each."""
     curvature = now.turning / np.where(now.speed > 0.0, now.speed, 1.0)
     none = np.zeros_like(now.north)
     pieces = np.array([none, none, *now[:3], curvature, now.speed, none])
-    then = situation(pieces[:, :, None], ARCS)
-    by_north, by_east = now.set_north[:, None] * ARCS, now.set_east[:, None] * ARCS
+    then = situation(pieces[:, :, None], ARC_TIMES_S)
+    by_north, by_east = now.set_north[:, None] * ARC_TIMES_S, now.set_east[:, None] * ARC_TIMES_S
     return then._replace(north=then.north + by_north, east=then.east + by_east)
 
 
-def passing(
+def passing_ranges(
     contacts: Contacts, tick: int, before: tuple[float, float], now: tuple[float, float]
 ) -> tuple[tuple[Ship, ...], Numbers]:
     """Return the ships and each one's least range [m] in the step to a tick.
@@ -159,7 +169,7 @@ class EncounterMonitor:
     clear_since: dict[str, float] = field(default_factory=dict)  # [s] since when none is, by name
     touching: set[str] = field(default_factory=set)
     _pose: Pose | None = None  # of the boat in the tick before
-    _past: list[Pose] = field(default_factory=list, repr=False)  # of the last MEAN
+    _past: list[Pose] = field(default_factory=list, repr=False)  # of the last MEAN_PERIOD_S
 
     @classmethod
     def over(cls, boat: Any) -> "EncounterMonitor":
@@ -202,7 +212,7 @@ class EncounterMonitor:
     def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
         """Keep each ship's least range in the step to a tick. Return new collisions."""
         self.struck, self.nearest = "", ("", math.inf)
-        ships, ranges = passing(contacts, tick, before[:2], now[:2])
+        ships, ranges = passing_ranges(contacts, tick, before[:2], now[:2])
         for ship, apart in zip(ships, ranges.tolist(), strict=True):
             if apart < self.closest.get(ship.name, (math.inf, 0))[0]:
                 self.closest[ship.name] = apart, tick
@@ -241,33 +251,33 @@ class EncounterMonitor:
         """Return each closest approach that is to be called now."""
         rules, tick = self.rules, boat.ticks
         fleet, own = contacts.fleet(tick), self._own(boat)
-        seen = plot(own, contacts.at(tick), rules.cpa_m)
+        seen = plot_ships(own, contacts.at(tick), rules.cpa_m)
         ahead = (seen.until >= 0.0) & (seen.until < rules.warn_s)
         soon = ahead & (seen.closest < rules.cpa_m)
-        over = ~ahead | (seen.closest > (1.0 + AGAIN) * rules.cpa_m)
+        over = ~ahead | (seen.closest > (1.0 + RECALL_CHANGE_SHARE) * rules.cpa_m)
         self._forget([ship.name for i, ship in enumerate(fleet.order) if over[i]], boat.time)
         news = []
         for i in np.flatnonzero(soon).tolist():
             name, closest = fleet.order[i].name, float(seen.closest[i])
             # whether a closest approach [m] has not been called yet, or has changed
             before = self.called.get(name)
-            if before is None or abs(closest - before) > AGAIN * self.rules.cpa_m:
+            if before is None or abs(closest - before) > RECALL_CHANGE_SHARE * self.rules.cpa_m:
                 self.called[name] = closest
-                news.append(_call(fleet.order[i], Plot(*(each[i] for each in seen))))
+                news.append(_call(fleet.order[i], ShipPlot(*(each[i] for each in seen))))
         return news
 
     def _forget(self, over: list[str], time: float) -> None:
-        """Let approaches be news again that have been over, or none, for CLEAR at a time [s]."""
+        """Let approaches be news again that have been over for long enough at a time [s]."""
         self.clear_since = {name: self.clear_since.get(name, time) for name in over}
         for name, since in self.clear_since.items():
-            if time - since >= CLEAR:
+            if time - since >= RECALL_CLEAR_S:
                 self.called.pop(name, None)
 
-    def _own(self, boat: Any) -> Own:
-        """Return how the boat goes on the mean of the last MEAN: waves swing it to and fro."""
-        own = Own.of(boat.state)._replace(turning=0.0)
+    def _own(self, boat: Any) -> OwnMotion:
+        """Return how the boat goes on the mean of late: waves swing it to and fro."""
+        own = OwnMotion.of(boat.state)._replace(turning=0.0)
         self._past.append(Pose.of(boat.state))
-        count = round(MEAN / boat.method.step)
+        count = round(MEAN_PERIOD_S / boat.method.step)
         if boat.state["held_position"] or len(self._past) <= count:
             return own
         first, last = self._past[-count - 1], self._past[-1]
@@ -305,7 +315,7 @@ def _words(ships: tuple[Ship, ...], name: str) -> str:
     return next(f"a {ship.kind}" for ship in ships if ship.name == name)
 
 
-def _call(ship: Ship, seen: Plot) -> str:
+def _call(ship: Ship, seen: ShipPlot) -> str:
     """Return the words of a closest approach foreseen."""
     minutes, seconds = divmod(round(float(seen.until)), 60)
     told = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"

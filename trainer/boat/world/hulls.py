@@ -13,12 +13,12 @@ import numpy as np
 from trainer.config.contacts import ShipType
 from trainer.core.kernel import Numbers
 
-ALONG: Final = 11  # spheres of the hull
-SAIL: Final = 3  # of the sail
-PART: Final = 0.25  # [-] of a ship's beam: the most that is gone between two looks
+HULL_SPHERES: Final = 11  # spheres of the hull
+SAIL_SPHERES: Final = 3  # of the sail
+STEP_BEAM_SHARE: Final = 0.25  # [-] of a ship's beam: the most that is gone between two looks
 
 
-Lying = tuple[float, float, float, ShipType]  # north, east [m], course [rad] and type of a ship
+ShipPlace = tuple[float, float, float, ShipType]  # north, east [m], course [rad] and type of a ship
 
 
 class Pose(NamedTuple):
@@ -55,14 +55,14 @@ class OwnHull:
         vessel, hull = boat.vessel, boat.file.hull
         radius, axis = 0.5 * float(vessel.hull_diameter), float(vessel.hull_axis)
         nose = 0.5 * hull.length if hull.cg_from_nose is None else hull.cg[0] + hull.cg_from_nose
-        xs = np.linspace(nose - radius, nose - hull.length + radius, ALONG)
+        xs = np.linspace(nose - radius, nose - hull.length + radius, HULL_SPHERES)
         centres = [(x, 0.0, axis) for x in xs.tolist()]
-        radii = [radius] * ALONG
+        radii = [radius] * HULL_SPHERES
         high = max(float(vessel.z_deck) - float(vessel.z_sail), 0.0)
-        for i in range(SAIL if high else 0):
-            share = (i + 0.5) / SAIL
+        for i in range(SAIL_SPHERES if high else 0):
+            share = (i + 0.5) / SAIL_SPHERES
             centres.append((float(vessel.x_sail), 0.0, float(vessel.z_deck) - share * high))
-            radii.append(0.5 * high / SAIL)
+            radii.append(0.5 * high / SAIL_SPHERES)
         whole = np.array(centres)
         return cls(whole, np.array(radii), float((np.linalg.norm(whole, axis=1) + radii).max()))
 
@@ -85,7 +85,7 @@ class OwnHull:
 
     def looks(self, way: float, ship: ShipType) -> int:
         """Return how often to look on a relative way [m] to miss nothing."""
-        return max(math.ceil(way / (PART * ship.beam)), 1)
+        return max(math.ceil(way / (STEP_BEAM_SHARE * ship.beam)), 1)
 
     def far(self, range_m: float, depth: float, ship: ShipType, way: float) -> bool:
         """Return whether they cannot touch on a relative way [m] to this range and depth."""
@@ -105,7 +105,7 @@ def axes_of(pose: Pose) -> Numbers:
     return whole
 
 
-def overlap(one: Lying, two: Lying) -> bool:
+def ships_overlap(one: ShipPlace, two: ShipPlace) -> bool:
     """Return whether two ships lie in each other."""
     apart = np.array((two[0] - one[0], two[1] - one[1]))
     sides = [_sides(each) for each in (one, two)]
@@ -116,7 +116,7 @@ def overlap(one: Lying, two: Lying) -> bool:
     return True
 
 
-def _sides(ship: Lying) -> Numbers:
+def _sides(ship: ShipPlace) -> Numbers:
     """Return half the length and half the beam as vectors north and east, a row each."""
     _, _, course, kind = ship
     ahead = np.array((math.cos(course), math.sin(course)))

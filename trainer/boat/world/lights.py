@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Final, NamedTuple
 
-from trainer.config.contacts import TYPES, ShipType
+from trainer.config.contacts import SHIP_TYPES, ShipType
 
-LARGE, MEDIUM = 50.0, 12.0  # [m] lengths at which the rules change
-SIDE: Final = math.radians(112.5)  # [rad] from ahead to the end of a sidelight's sector
-SPACING: Final = 2.0  # [m] between two lights over each other
+LARGE_LENGTH_M, MEDIUM_LENGTH_M = 50.0, 12.0  # [m] lengths at which the rules change
+SIDELIGHT_SECTOR: Final = math.radians(112.5)  # [rad] from ahead to the end of a sidelight's sector
+LIGHT_SPACING_M: Final = 2.0  # [m] between two lights over each other
 
 
 class Light(NamedTuple):
@@ -29,18 +29,20 @@ class Light(NamedTuple):
 
 def _range(ship: ShipType, large: float, medium: float, small: float) -> float:
     """Return the range [nm] that the rules ask of a ship of that length."""
-    if ship.length >= LARGE:
+    if ship.length >= LARGE_LENGTH_M:
         return large
-    return medium if ship.length >= MEDIUM else small
+    return medium if ship.length >= MEDIUM_LENGTH_M else small
 
 
 def _sides_and_stern(ship: ShipType) -> Iterator[Light]:
     nm = _range(ship, 3.0, 2.0, 1.0)
     height, out, aft = 0.5 * ship.height, 0.5 * ship.beam, -0.5 * ship.length
-    yield Light("green", 0.0, SIDE, 0.0, out, height, nm)
-    yield Light("red", -SIDE, 0.0, 0.0, -out, height, nm)
+    yield Light("green", 0.0, SIDELIGHT_SECTOR, 0.0, out, height, nm)
+    yield Light("red", -SIDELIGHT_SECTOR, 0.0, 0.0, -out, height, nm)
     stern = _range(ship, 3.0, 2.0, 2.0)
-    yield Light("white", SIDE, math.tau - SIDE, aft, 0.0, 0.5 * height, stern)
+    yield Light(
+        "white", SIDELIGHT_SECTOR, math.tau - SIDELIGHT_SECTOR, aft, 0.0, 0.5 * height, stern
+    )
 
 
 def _all_round(ship: ShipType, colour: str, below: float, ahead: float = 0.0) -> Light:
@@ -51,18 +53,20 @@ def _all_round(ship: ShipType, colour: str, below: float, ahead: float = 0.0) ->
 def _under_way(ship: ShipType) -> Iterator[Light]:
     # yield one white light ahead, and from 50 m on a second, higher one aft of it
     nm = _range(ship, 6.0, 5.0 if ship.length >= 20.0 else 3.0, 2.0)
-    large = ship.length >= LARGE
+    large = ship.length >= LARGE_LENGTH_M
     forward = ship.mast - 4.5 if large else ship.mast
-    yield Light("white", -SIDE, SIDE, 0.25 * ship.length, 0.0, forward, nm)
+    yield Light("white", -SIDELIGHT_SECTOR, SIDELIGHT_SECTOR, 0.25 * ship.length, 0.0, forward, nm)
     if large:
-        yield Light("white", -SIDE, SIDE, -0.25 * ship.length, 0.0, ship.mast, nm)
+        yield Light(
+            "white", -SIDELIGHT_SECTOR, SIDELIGHT_SECTOR, -0.25 * ship.length, 0.0, ship.mast, nm
+        )
     yield from _sides_and_stern(ship)
 
 
 def _anchored(ship: ShipType) -> Iterator[Light]:
     """Yield a white light forward, and from 50 m on a lower one aft."""
     yield _all_round(ship, "white", 0.0, 0.4 * ship.length)
-    if ship.length >= LARGE:
+    if ship.length >= LARGE_LENGTH_M:
         yield _all_round(ship, "white", 4.5, -0.4 * ship.length)
 
 
@@ -71,7 +75,7 @@ def _two(upper: str, lower: str) -> Callable[[ShipType], Iterator[Light]]:
 
     def lights(ship: ShipType) -> Iterator[Light]:
         yield _all_round(ship, upper, 0.0)
-        yield _all_round(ship, lower, SPACING)
+        yield _all_round(ship, lower, LIGHT_SPACING_M)
         yield from _sides_and_stern(ship)
 
     return lights
@@ -80,10 +84,10 @@ def _two(upper: str, lower: str) -> Callable[[ShipType], Iterator[Light]]:
 def _adrift(ship: ShipType) -> Iterator[Light]:
     """Yield the lights of a ship not under command: two red ones."""
     yield _all_round(ship, "red", 0.0)
-    yield _all_round(ship, "red", SPACING)
+    yield _all_round(ship, "red", LIGHT_SPACING_M)
 
 
-CARRIED: Final[Mapping[str, Callable[[ShipType], Iterator[Light]]]] = {
+LIGHTS_BY_STATUS: Final[Mapping[str, Callable[[ShipType], Iterator[Light]]]] = {
     "under way": _under_way,
     "at anchor": _anchored,
     "fishing": _two("red", "white"),
@@ -96,4 +100,4 @@ CARRIED: Final[Mapping[str, Callable[[ShipType], Iterator[Light]]]] = {
 @cache
 def lights_of(type_name: str, status: str) -> tuple[Light, ...]:
     """Return the lights that a ship of a type carries, by what it is doing."""
-    return tuple(CARRIED[status](TYPES[type_name]))
+    return tuple(LIGHTS_BY_STATUS[status](SHIP_TYPES[type_name]))

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
-from trainer.boat.world.contacts import Seen, contacts_in
+from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.config.vessel_records import Scope
 from trainer.config.world import WorldTables
 from trainer.core.casualties import instruments
@@ -18,14 +18,22 @@ from trainer.core.sea.free_surface import height_above_water
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-EARTH: Final = 6371e3 / 0.8279  # [m] radius of an earth round which light would be straight
-MINUTE: Final = math.radians(1.0 / 60.0)
-LOW: Final = 1.5  # [-] powers
-HIGH: Final = 6.0
-FIELDS: Final = {LOW: math.radians(32.0), HIGH: math.radians(8.0)}  # [rad] width of the view
-STEPS: Final = {LOW: 2.0 * MINUTE, HIGH: 0.5 * MINUTE}  # [rad] of the stadimeter: estimate
-SHOWS: Final = 0.5  # [m] out, below which the optics are in their well
-MILE: Final = 1852.0  # [m]
+EARTH_RADIUS_M: Final = (
+    6371e3 / 0.8279
+)  # [m] radius of an earth round which light would be straight
+ARC_MINUTE: Final = math.radians(1.0 / 60.0)
+LOW_POWER: Final = 1.5  # [-] powers
+HIGH_POWER: Final = 6.0
+VIEW_WIDTHS: Final = {
+    LOW_POWER: math.radians(32.0),
+    HIGH_POWER: math.radians(8.0),
+}  # [rad] width of the view
+STADIMETER_STEPS: Final = {
+    LOW_POWER: 2.0 * ARC_MINUTE,
+    HIGH_POWER: 0.5 * ARC_MINUTE,
+}  # [rad] of the stadimeter: estimate
+OPTICS_SHOWING_M: Final = 0.5  # [m] out, below which the optics are in their well
+NAUTICAL_MILE_M: Final = 1852.0  # [m]
 
 
 class Mast(NamedTuple):
@@ -35,7 +43,7 @@ class Mast(NamedTuple):
     up: bool = False
     out: float = 0.0  # [m]
     train: float = 0.0  # [rad] off the bow, clockwise
-    power: float = LOW
+    power: float = LOW_POWER
     raised: int = 0  # how often it has been ordered up
 
 
@@ -70,27 +78,27 @@ class Sight(NamedTuple):
     distance: float  # [m] for the truth alone
 
 
-def horizon(eye: float) -> float:
+def horizon_distance(eye: float) -> float:
     """Return the distance [m] of the horizon from a height [m]."""
-    return math.sqrt(2.0 * EARTH * max(eye, 0.0))
+    return math.sqrt(2.0 * EARTH_RADIUS_M * max(eye, 0.0))
 
 
 def elevation(height: float, distance: float, eye: float) -> float:
     """Return the elevation [rad] of a height [m] at a distance [m]."""
-    return (height - eye) / distance - distance / (2.0 * EARTH)
+    return (height - eye) / distance - distance / (2.0 * EARTH_RADIUS_M)
 
 
-def hidden(distance: float, eye: float) -> float:
+def hidden_height(distance: float, eye: float) -> float:
     """Return the height [m] that the horizon hides at a distance [m]."""
-    beyond = max(distance - horizon(eye), 0.0)
-    return beyond * beyond / (2.0 * EARTH)
+    beyond = max(distance - horizon_distance(eye), 0.0)
+    return beyond * beyond / (2.0 * EARTH_RADIUS_M)
 
 
-def look_at(target: Seen, eye: Eye) -> Sight | None:
+def look_at(target: ContactState, eye: Eye) -> Sight | None:
     """Return how a ship is seen. None: it is below the horizon, or the head is washed over."""
     north, east = target.north - eye.north, target.east - eye.east
     distance = max(math.hypot(north, east), 1.0)
-    if eye.height <= 0.0 or hidden(distance, eye.height) >= target.mast:
+    if eye.height <= 0.0 or hidden_height(distance, eye.height) >= target.mast:
         return None
     bearing = math.atan2(east, north)
     aspect = math.remainder(bearing + math.pi - target.heading, math.tau)
@@ -98,7 +106,7 @@ def look_at(target: Seen, eye: Eye) -> Sight | None:
         name=target.name,
         type=target.type,
         train=math.remainder(bearing - eye.heading, math.tau),
-        bottom=elevation(hidden(distance, eye.height), distance, eye.height),
+        bottom=elevation(hidden_height(distance, eye.height), distance, eye.height),
         top=elevation(target.mast, distance, eye.height),
         aspect=aspect,
         span=target.length / distance,
@@ -107,20 +115,20 @@ def look_at(target: Seen, eye: Eye) -> Sight | None:
     )
 
 
-def _lamps(target: Seen, aspect: float, distance: float, eye: float) -> Iterable[Lamp]:
+def _lamps(target: ContactState, aspect: float, distance: float, eye: float) -> Iterable[Lamp]:
     """Yield the lights that show: within their sector and range, over the horizon."""
-    least = hidden(distance, eye)
+    least = hidden_height(distance, eye)
     for light in target.lights:
         width, off = light.ends - light.begins, (aspect - light.begins) % math.tau
         shows = width >= math.tau or off <= width
-        if shows and distance <= light.range_nm * MILE and light.height > least:
+        if shows and distance <= light.range_nm * NAUTICAL_MILE_M and light.height > least:
             beside = light.starboard * math.cos(aspect) - light.ahead * math.sin(aspect)
             yield Lamp(light.colour, -beside / distance, elevation(light.height, distance, eye))
 
 
-def stadimeter(height: float, sight: Sight, power: float) -> float | None:
+def stadimeter_range(height: float, sight: Sight, power: float) -> float | None:
     """Return the distance [m] that a height [m] gives. None: its angle is too small."""
-    step = STEPS[power]
+    step = STADIMETER_STEPS[power]
     steps = round((sight.top - sight.bottom) / step)
     return height / (steps * step) if steps else None
 
@@ -205,9 +213,9 @@ class Periscope:
 
     def sights(self, eye: Eye, mast: Mast) -> list[Sight]:
         """Return the ships in sight all round, the nearest first."""
-        if mast.out < SHOWS:
+        if mast.out < OPTICS_SHOWING_M:
             return []
-        ships = targets(self._boat, mast.tick)
+        ships = ships_near(self._boat, mast.tick)
         seen = [sight for ship in ships if (sight := look_at(ship, eye))]
         return sorted(seen, key=attrgetter("distance"))
 
@@ -215,7 +223,7 @@ class Periscope:
         """Return each ship at a tick and its true bearing [rad], seen or not."""
         return [
             (ship.name, math.atan2(ship.east - float(s["y"]), ship.north - float(s["x"])))
-            for ship in targets(self._boat, tick)
+            for ship in ships_near(self._boat, tick)
         ]
 
     def obey(self, order: Order, tick: int) -> Reply:
@@ -243,7 +251,7 @@ class Periscope:
             return now._replace(up=False), f"lowering scope: down in {now.out / rate:.0f} s"
         if order.word == "train":
             return now._replace(train=order.value), order.text
-        power = LOW if order.word == "power_1.5" else HIGH
+        power = LOW_POWER if order.word == "power_1.5" else HIGH_POWER
         return now._replace(power=power), f"power {power:g}: field {field_of(power):g} deg"
 
     def too_fast(self, speed: float) -> str:
@@ -255,7 +263,7 @@ class Periscope:
         """Return the distance of the ship at the wire by the height of its masthead."""
         state = self._boat.records.state
         eye = self.place(self._boat.state, mast, self.height(mast))
-        half = 0.5 * FIELDS[mast.power]
+        half = 0.5 * VIEW_WIDTHS[mast.power]
         off = [
             (abs(math.remainder(each.train - mast.train, math.tau)), each)
             for each in self.sights(eye, mast)
@@ -266,7 +274,7 @@ class Periscope:
         if self.shakes(float(self._boat.state.u), mast):
             return Refused("the mast shakes: nothing can be measured")
         sight = min(near, key=lambda pair: pair[0])[1]
-        distance = stadimeter(height, sight, mast.power)
+        distance = stadimeter_range(height, sight, mast.power)
         if distance is None:
             return Refused("too small to measure: come nearer, or take power 6")
         instruments(state, self._boat.records.scratch)
@@ -277,12 +285,12 @@ class Periscope:
     def shakes(self, speed: float, mast: Mast) -> bool:
         """Return whether the mast is out at a speed [m/s] that it does not stand."""
         most = self._fitted.speed_kn_max * KNOT if self._fitted else math.inf
-        return mast.out >= SHOWS and speed > most
+        return mast.out >= OPTICS_SHOWING_M and speed > most
 
 
 def field_of(power: float) -> float:
     """Return the width [deg] of the view at a power."""
-    return math.degrees(FIELDS[power])
+    return math.degrees(VIEW_WIDTHS[power])
 
 
 def periscope_of(boat: Any) -> Periscope | None:
@@ -297,7 +305,7 @@ def eye_height(boat: Any) -> float:
     return scope.height(scope.at(boat.ticks)) if scope else math.nan
 
 
-def targets(boat: Any, tick: int) -> Sequence[Seen]:
+def ships_near(boat: Any, tick: int) -> Sequence[ContactState]:
     """Return the ships near a boat at a tick, none where the exercise has none."""
     contacts = contacts_in(boat)
     return contacts.seen(tick) if contacts else ()

@@ -7,8 +7,8 @@ acceleration where the boat is pushes on the boat's displaced and added mass. Wh
 way and the ship's waves add is left out, and no measurement with a submarine was found: hence the
 factor.
 
-The nearest NEAREST ships pull, within REACH of their mean length and the boat's, less and less over
-the last third.
+The nearest MAX_PULLING_SHIPS ships pull, within PULL_REACH of their mean length and the boat's,
+less and less over the last third.
 """
 
 import math
@@ -21,25 +21,29 @@ from trainer.boat.world.hulls import Pose, axes_of
 from trainer.config.contacts import ShipType
 from trainer.core.kernel import Numbers
 
-SOURCES: Final = 24  # along a ship
-STATIONS: Final = 11  # along the boat's axis
-REACH: Final = 1.5  # [-] mean lengths
-FULL: Final = 1.0  # [-] mean lengths, up to which the pull is whole
-NEAREST: Final = 4
-MIDDLES: Final = (np.arange(SOURCES) + 0.5) / SOURCES - 0.5  # [-] of a ship's length
-PLACES: Final = np.linspace(-0.5, 0.5, STATIONS)  # [-] of the boat's length
-WEIGHTS: Final = (1.0 - 4.0 * PLACES * PLACES) / float(np.sum(1.0 - 4.0 * PLACES * PLACES))
+SOURCE_COUNT: Final = 24  # along a ship
+STATION_COUNT: Final = 11  # along the boat's axis
+PULL_REACH: Final = 1.5  # [-] mean lengths
+FULL_PULL_REACH: Final = 1.0  # [-] mean lengths, up to which the pull is whole
+MAX_PULLING_SHIPS: Final = 4
+SOURCE_PLACES: Final = (
+    np.arange(SOURCE_COUNT) + 0.5
+) / SOURCE_COUNT - 0.5  # [-] of a ship's length
+STATION_PLACES: Final = np.linspace(-0.5, 0.5, STATION_COUNT)  # [-] of the boat's length
+STATION_WEIGHTS: Final = (1.0 - 4.0 * STATION_PLACES * STATION_PLACES) / float(
+    np.sum(1.0 - 4.0 * STATION_PLACES * STATION_PLACES)
+)
 
-Passing = tuple[ShipType, float, float, float, float]  # type, north, east, course, speed [SI]
+PassingShip = tuple[ShipType, float, float, float, float]  # type, north, east, course, speed [SI]
 
 
-def acceleration(ship: Passing, points: Numbers) -> Numbers:
+def water_acceleration(ship: PassingShip, points: Numbers) -> Numbers:
     """Return the water's acceleration [m/s2], north, east and down, at points [m], a row each."""
     kind, north, east, course, speed = ship
     ahead = np.array((math.cos(course), math.sin(course), 0.0))
-    along = MIDDLES * kind.length
+    along = SOURCE_PLACES * kind.length
     section = 3.0 * kind.block * kind.beam * kind.draught  # [m2] amidships, of the double body
-    strength = 8.0 * speed * section * along / kind.length**2 * (kind.length / SOURCES)
+    strength = 8.0 * speed * section * along / kind.length**2 * (kind.length / SOURCE_COUNT)
     sources = np.array((north, east, 0.0)) + along[:, None] * ahead
     away = points[:, None, :] - sources[None, :, :]
     least = 0.5 * kind.beam
@@ -51,13 +55,13 @@ def acceleration(ship: Passing, points: Numbers) -> Numbers:
     return found
 
 
-def faded(distance: float, ship: ShipType, length: float) -> float:
+def pull_share(distance: float, ship: ShipType, length: float) -> float:
     """Return the share of the pull at a distance [m] [-]."""
     mean = 0.5 * (ship.length + length)
-    return min(max((REACH - distance / mean) / (REACH - FULL), 0.0), 1.0)
+    return min(max((PULL_REACH - distance / mean) / (PULL_REACH - FULL_PULL_REACH), 0.0), 1.0)
 
 
-class Pull:
+class ShipPull:
     """The forces of ships on one boat."""
 
     def __init__(self, boat: Any) -> None:
@@ -67,26 +71,26 @@ class Pull:
         added = [float(c[name]) for name in ("X_udot", "Y_vdot", "Z_wdot")]
         self._masses = np.array([displaced - each for each in added])
         self._length = float(boat.file.hull.length)
-        self._axis = PLACES * self._length
+        self._axis = STATION_PLACES * self._length
 
-    def on(self, pose: Pose, ships: Sequence[Passing]) -> Numbers:
+    def on(self, pose: Pose, ships: Sequence[PassingShip]) -> Numbers:
         """Return X, Y, Z [N] and K, M, N [N m] in body axes."""
         found = np.zeros(6)
         apart = [
             (math.hypot(ship[1] - pose.north, ship[2] - pose.east), i)
             for i, ship in enumerate(ships)
         ]
-        for distance, i in sorted(apart)[:NEAREST]:
-            share = faded(distance, ships[i][0], self._length)
+        for distance, i in sorted(apart)[:MAX_PULLING_SHIPS]:
+            share = pull_share(distance, ships[i][0], self._length)
             if share > 0.0:
                 found += share * self.whole(pose, ships[i])
         return found
 
-    def whole(self, pose: Pose, ship: Passing) -> Numbers:
+    def whole(self, pose: Pose, ship: PassingShip) -> Numbers:
         """Return the forces of one ship at its full pull."""
         body = axes_of(pose)
         points = self._axis[:, None] * body[:, 0] + np.array(pose[:3])
-        pushed = acceleration(ship, points) @ body * self._masses  # [N] a station, body axes
-        force = WEIGHTS @ pushed
-        moment = (WEIGHTS * self._axis) @ pushed
+        pushed = water_acceleration(ship, points) @ body * self._masses  # [N] a station, body axes
+        force = STATION_WEIGHTS @ pushed
+        moment = (STATION_WEIGHTS * self._axis) @ pushed
         return np.array((*force, 0.0, -moment[2], moment[1]))

@@ -17,15 +17,15 @@ from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple, Protocol
 
 from trainer.boat.world.nomoto import NomotoMotion, NomotoState
-from trainer.config.contacts import ACCELERATION
+from trainer.config.contacts import SHIP_ACCELERATION_M_S2
 from trainer.config.nomoto import NomotoFile
 
-SUBSTEP: Final = 0.5  # [s] at most
-DAMPING: Final = 2.0  # [-] of the law, times T1 + T2
-FINE: Final = 4.0  # [-] substeps in the shortest time constant
+MAX_SUBSTEP_S: Final = 0.5  # [s] at most
+LAW_DAMPING: Final = 2.0  # [-] of the law, times T1 + T2
+SUBSTEPS_PER_TIME: Final = 4.0  # [-] substeps in the shortest time constant
 
 
-class Course(NamedTuple):
+class SteeredState(NamedTuple):
     """Place, course, speed, rate of turn with its lag, and rudder, all SI.
 
     The other numbers are those of a ship that is not linear.
@@ -43,33 +43,33 @@ class Course(NamedTuple):
     rolling: tuple[float, ...] = ()  # roll rate and roll
 
 
-class Helmed(Protocol):
+class SteerableShip(Protocol):
     """A ship that can be steered."""
 
-    def begin(self, north: float, east: float, course: float, speed: float) -> Course:
+    def begin(self, north: float, east: float, course: float, speed: float) -> SteeredState:
         """Return the ship straight ahead. ConfigError if it cannot go so."""
 
-    def after(self, now: Course, ordered: float, speed: float, step: float) -> Course:
+    def after(self, now: SteeredState, ordered: float, speed: float, step: float) -> SteeredState:
         """Return how it goes ``step`` [s] later, with a course [rad] and speed [m/s] ordered."""
 
-    def unfit(self, now: Course, speed: float) -> str:
+    def unfit(self, now: SteeredState, speed: float) -> str:
         """Return why it cannot go at a speed [m/s], "" if it can."""
 
 
 @dataclass
-class Steered:
+class SteeredContact:
     """A ship from an order on; ``step`` [s] is that of the boat's ticks."""
 
-    ship: Helmed
+    ship: SteerableShip
     step: float
     begins: float  # [s]
-    start: Course
+    start: SteeredState
     ordered: float  # [rad]
     ordered_speed: float  # [m/s]
-    _known: list[Course] = field(default_factory=list, repr=False)
+    _known: list[SteeredState] = field(default_factory=list, repr=False)
     _lock: threading.Lock = field(default_factory=threading.Lock, repr=False)
 
-    def at(self, time: float) -> Course:
+    def at(self, time: float) -> SteeredState:
         """Return how it goes at a tick's time [s]; before it begins, as it begins."""
         ticks = max(round((time - self.begins) / self.step), 0)
         with self._lock:
@@ -79,21 +79,21 @@ class Steered:
                 self._known.append(self._after(self._known[-1]))
             return self._known[ticks]
 
-    def then(self, time: float, course: float | None, speed: float | None) -> "Steered":
+    def then(self, time: float, course: float | None, speed: float | None) -> "SteeredContact":
         """Return the ship steered otherwise from a time [s] on; None: as before."""
         now = self.at(time)
-        return Steered(
+        return SteeredContact(
             *(self.ship, self.step, max(time, self.begins), now),
             self.ordered if course is None else course,
             self.ordered_speed if speed is None else speed,
         )
 
-    def moved(self, time: float, north: float, east: float) -> "Steered":
+    def moved(self, time: float, north: float, east: float) -> "SteeredContact":
         """Return the ship put elsewhere at a time [s]."""
         then = self.then(time, None, None)
         return replace(then, start=then.start._replace(north=north, east=east), _known=[])
 
-    def _after(self, now: Course) -> Course:
+    def _after(self, now: SteeredState) -> SteeredState:
         """Return how it goes a tick later."""
         return self.ship.after(now, self.ordered, self.ordered_speed, self.step)
 
@@ -106,29 +106,31 @@ class SteeredNomoto:
         self.ship = ship
         self._motion = NomotoMotion(replace(ship, K_v_m_s=None))
 
-    def begin(self, north: float, east: float, course: float, speed: float) -> Course:
+    def begin(self, north: float, east: float, course: float, speed: float) -> SteeredState:
         """Return the ship straight ahead."""
-        return Course(north, east, course, speed, 0.0, 0.0, 0.0)
+        return SteeredState(north, east, course, speed, 0.0, 0.0, 0.0)
 
-    def after(self, now: Course, ordered: float, speed: float, step: float) -> Course:
+    def after(self, now: SteeredState, ordered: float, speed: float, step: float) -> SteeredState:
         """Return how it goes ``step`` [s] later, with a course [rad] and speed [m/s] ordered."""
         shortest = min(filter(None, (self.ship.T1_s, self.ship.T2_s)))
-        count = math.ceil(step / min(SUBSTEP, shortest / FINE))
+        count = math.ceil(step / min(MAX_SUBSTEP_S, shortest / SUBSTEPS_PER_TIME))
         for _ in range(count):
             now = self._substep(now, ordered, speed, step / count)
         return now
 
-    def unfit(self, now: Course, speed: float) -> str:
+    def unfit(self, now: SteeredState, speed: float) -> str:
         """Return "": a Nomoto ship goes at every speed."""
         del now, speed
         return ""
 
-    def _substep(self, now: Course, ordered: float, speed: float, h: float) -> Course:
+    def _substep(self, now: SteeredState, ordered: float, speed: float, h: float) -> SteeredState:
         """Return how it goes ``h`` [s] later, its clock as fast as it is at the beginning.
 
         A ship that lies still has lost its turn.
         """
-        gained = min(max(speed - now.speed, -ACCELERATION * h), ACCELERATION * h)
+        gained = min(
+            max(speed - now.speed, -SHIP_ACCELERATION_M_S2 * h), SHIP_ACCELERATION_M_S2 * h
+        )
         faster = now.speed + gained
         clock = now.speed / self._motion.speed
         if clock <= 0.0:
@@ -137,14 +139,14 @@ class SteeredNomoto:
         here = NomotoState(now.lag, now.turning / clock, now.course, now.north, now.east)
         there = self._motion.after(here, 0.5 * (now.rudder + rudder), clock * h)
         turning = there.turning * faster / self._motion.speed
-        return Course(
+        return SteeredState(
             *(there.north, there.east, there.course, faster, turning, there.lag, rudder),
         )
 
-    def _rudder_rate(self, now: Course, ordered: float, clock: float, h: float) -> float:
+    def _rudder_rate(self, now: SteeredState, ordered: float, clock: float, h: float) -> float:
         """Return how fast [rad/s] the rudder goes to where the law wants it."""
         ship = self.ship
-        lead = DAMPING * (ship.T1_s + ship.T2_s) / clock
+        lead = LAW_DAMPING * (ship.T1_s + ship.T2_s) / clock
         off = math.remainder(now.course - ordered, math.tau)
         limit, fastest = math.radians(ship.rudder_limit_deg), math.radians(ship.rudder_rate_deg_s)
         wanted = min(max(off + lead * now.turning, -limit), limit)

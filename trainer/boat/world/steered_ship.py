@@ -12,13 +12,13 @@ import functools
 import math
 from typing import Final
 
-from trainer.boat.ship.motion import Moment, ShipMotion
-from trainer.boat.world.steered import Course
+from trainer.boat.ship.motion import ShipMoment, ShipMotion
+from trainer.boat.world.steered import SteeredState
 from trainer.config.ship import ShipFile
 from trainer.units import KNOT
 
-LEAD: Final = 2.0  # [L/U] of the law: an estimate
-ENGINE: Final = 60.0  # [s] from rest to the file's revolutions: an estimate
+LAW_LEAD: Final = 2.0  # [L/U] of the law: an estimate
+ENGINE_RISE_S: Final = 60.0  # [s] from rest to the file's revolutions: an estimate
 
 
 class SteeredShip:
@@ -31,11 +31,11 @@ class SteeredShip:
         try_out = self.motion.after  # so that nothing compiles once the clock runs
         try_out(self._straight(self.motion.result.speed_kn * KNOT), 0.0, self.motion.step)
 
-    def begin(self, north: float, east: float, course: float, speed: float) -> Course:
+    def begin(self, north: float, east: float, course: float, speed: float) -> SteeredState:
         """Return the ship straight ahead. ConfigError if it cannot go so."""
         return _course(self._straight(speed))._replace(north=north, east=east, course=course)
 
-    def after(self, now: Course, ordered: float, speed: float, step: float) -> Course:
+    def after(self, now: SteeredState, ordered: float, speed: float, step: float) -> SteeredState:
         """Return how it goes ``step`` [s] later, with a course [rad] and speed [m/s] ordered."""
         if now.speed == 0.0:
             return now
@@ -49,7 +49,7 @@ class SteeredShip:
             now = then
         return now
 
-    def unfit(self, now: Course, speed: float) -> str:
+    def unfit(self, now: SteeredState, speed: float) -> str:
         """Return why it cannot go at a speed [m/s], "" if it can."""
         if now.speed == 0.0 < speed:
             return "it has lost its way, and its equations do not tell how it gathers any"
@@ -63,20 +63,22 @@ class SteeredShip:
         return held.rudder, held.turns
 
     def _substep(
-        self, now: Course, ordered: float, neutral: float, turns: float, h: float
-    ) -> Course | None:
+        self, now: SteeredState, ordered: float, neutral: float, turns: float, h: float
+    ) -> SteeredState | None:
         """Return how it goes ``h`` [s] later, None without way."""
-        lead = LEAD * self.motion.length / now.speed
+        lead = LAW_LEAD * self.motion.length / now.speed
         off = math.remainder(now.course - ordered, math.tau)
-        most = abs(self.motion.result.revolutions_per_s) / ENGINE * h
+        most = abs(self.motion.result.revolutions_per_s) / ENGINE_RISE_S * h
         turned = now.turns + min(max(turns - now.turns, -most), most)
         state = (now.speed, now.sway, now.turning, now.course, *now.rolling)
-        moment = Moment(now.north, now.east, state, now.rudder, turned)
+        moment = ShipMoment(now.north, now.east, state, now.rudder, turned)
         then = self.motion.after(moment, neutral - off - lead * now.turning, h)
         return None if then is None else _course(then)
 
 
-def _course(now: Moment) -> Course:
+def _course(now: ShipMoment) -> SteeredState:
     """Return a ship's moment as that of a contact."""
     u, v, r, psi, *rolling = now.state
-    return Course(now.north, now.east, psi, u, r, 0.0, now.rudder, v, now.turns, tuple(rolling))
+    return SteeredState(
+        now.north, now.east, psi, u, r, 0.0, now.rudder, v, now.turns, tuple(rolling)
+    )

@@ -14,24 +14,24 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.boat import PLACES
+from trainer.boat.boat import STATE_PLACES
 from trainer.core.kernel import Numbers
 from trainer.core.noise import SEA_BANK, gaussian_pair
-from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BANDS, prepare_sum
-from trainer.core.sea.wave_filter import MODES, PHASE_STEP, WAVE_ROWS
+from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, prepare_sum
+from trainer.core.sea.wave_filter import MODE_FACTORS, PHASE_STEP, WAVE_ROWS
 from trainer.core.state import new_sea
 
 Waves = NDArray[np.complex128]  # real parts: elevations; imaginary ones: a quarter of a period ago
 
-REACH: Final = 160  # internal steps of the filter before the boat and behind it
-MEMORY: Final = 900  # of them, after which e^-18 of the slowest mode is left
-BLOCK: Final = 64  # outputs that are found at once
-LARGEST: Final = 6.0  # [-] of an output of variance 1, as it is packed
-DIGITS: Final = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
-FASTEST: Final = 8.0  # [-] frequency over the peak's, as it is packed
-HALF: Final = (MEMORY + BLOCK) // 2  # pairs of noise that a block needs
-COSINES: Final = np.repeat(ANGLE_COS, BANDS)
-SINES: Final = np.repeat(ANGLE_SIN, BANDS)
+REACH_STEPS: Final = 160  # internal steps of the filter before the boat and behind it
+MEMORY_STEPS: Final = 900  # of them, after which e^-18 of the slowest mode is left
+BLOCK_SIZE: Final = 64  # outputs that are found at once
+MAX_OUTPUT: Final = 6.0  # [-] of an output of variance 1, as it is packed
+PACKING_DIGITS: Final = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
+MAX_FREQUENCY_RATIO: Final = 8.0  # [-] frequency over the peak's, as it is packed
+NOISE_PAIRS: Final = (MEMORY_STEPS + BLOCK_SIZE) // 2  # pairs of noise that a block needs
+WAVE_COSINES: Final = np.repeat(ANGLE_COS, BAND_COUNT)
+WAVE_SINES: Final = np.repeat(ANGLE_SIN, BAND_COUNT)
 
 
 class Swell(NamedTuple):
@@ -61,37 +61,39 @@ class Swell(NamedTuple):
         if not self.groups.size:
             return 0.0
         phase = self.number * along
-        place = self.clock - 2.0 * phase / PHASE_STEP + REACH
-        turned = between(self.groups, place) * np.exp(1j * (self.drift + phase))
+        place = self.clock - 2.0 * phase / PHASE_STEP + REACH_STEPS
+        turned = interpolate_values(self.groups, place) * np.exp(1j * (self.drift + phase))
         return float(turned.real)
 
     def _of_cosines(self, along: float, across: float) -> float:
         """Return the cosine sum's elevation [-] at a place [m] along and across."""
-        met = self.number * (along * COSINES + across * SINES)
+        met = self.number * (along * WAVE_COSINES + across * WAVE_SINES)
         phases = self.phases - self.relative**2 * met if self.phases.size else self.phases
         return float(np.sum(self.amplitudes * np.cos(phases)))
 
     def packed_groups(self) -> str | None:
         """Return the groups, two numbers of two digits each."""
         parts = np.stack([self.groups.real, self.groups.imag], axis=1).ravel()
-        return packed(parts / LARGEST, 2) or None
+        return pack_numbers(parts / MAX_OUTPUT, 2) or None
 
     def packed_waves(self) -> str | None:
         """Return phase, frequency and amplitude of each cosine in three digits each."""
         turns = np.remainder(self.phases / math.tau, 1.0)
-        rows = np.stack([turns, self.relative / FASTEST, self.amplitudes], axis=1)
-        return packed(rows.ravel(), 3) or None
+        rows = np.stack([turns, self.relative / MAX_FREQUENCY_RATIO, self.amplitudes], axis=1)
+        return pack_numbers(rows.ravel(), 3) or None
 
 
-def packed(values: Numbers, count: int) -> str:
+def pack_numbers(values: Numbers, count: int) -> str:
     """Return numbers from -1 to 1 in so many digits each."""
-    most = len(DIGITS) ** count
+    most = len(PACKING_DIGITS) ** count
     whole = np.clip(np.floor((values + 1.0) * 0.5 * most), 0, most - 1).astype(int)
-    places = [len(DIGITS) ** place for place in reversed(range(count))]
-    return "".join(DIGITS[each // place % len(DIGITS)] for each in whole for place in places)
+    places = [len(PACKING_DIGITS) ** place for place in reversed(range(count))]
+    return "".join(
+        PACKING_DIGITS[each // place % len(PACKING_DIGITS)] for each in whole for place in places
+    )
 
 
-def between(values: Waves, place: float) -> complex:
+def interpolate_values(values: Waves, place: float) -> complex:
     """Return what lies between two of the values, by the core's cubic."""
     first = min(max(math.floor(place), 1), values.size - 3)
     f = place - first
@@ -103,10 +105,10 @@ def between(values: Waves, place: float) -> complex:
 
 
 def swell_round(numbers: Sequence[float], g: float) -> Swell:
-    """Return the waves round the boat whose state has these numbers, by their PLACES."""
+    """Return the waves round the boat whose state has these numbers, by their STATE_PLACES."""
 
     def at(name: str) -> float:
-        return numbers[PLACES[name]]
+        return numbers[STATE_PLACES[name]]
 
     number = at("sea_omega") ** 2 / g
     heading = at("psi")
@@ -130,14 +132,14 @@ def _cosines(at: Callable[[str], float]) -> tuple[Numbers, Numbers, Numbers]:
     share = at("sea_cosines")
     if share <= 0.0:
         return np.empty(0), np.empty(0), np.empty(0)
-    start, relative, amplitudes = components(at("sea_gamma"), at("seed"))
-    met = at("sea_along") * COSINES + at("sea_across") * SINES
+    start, relative, amplitudes = cosine_components(at("sea_gamma"), at("seed"))
+    met = at("sea_along") * WAVE_COSINES + at("sea_across") * WAVE_SINES
     phases = start + relative * at("sea_turned") - relative**2 * met
     return phases, relative, math.sqrt(share) * amplitudes
 
 
 @lru_cache(4)
-def components(gamma: float, seed: float) -> tuple[Numbers, Numbers, Numbers]:
+def cosine_components(gamma: float, seed: float) -> tuple[Numbers, Numbers, Numbers]:
     """Return starting phases, frequencies and amplitudes of the cosine sum."""
     record = new_sea()
     prepare_sum(gamma, seed, record)
@@ -146,7 +148,7 @@ def components(gamma: float, seed: float) -> tuple[Numbers, Numbers, Numbers]:
 
 
 def _groups(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
-    """Return the filters' outputs by internal step, REACH of them on either side of the boat."""
+    """Return the filters' outputs by internal step, on either side of the boat."""
     left = 1.0 - at("sea_cosines")
     if left <= 0.0:
         return np.empty(0, complex)
@@ -160,7 +162,7 @@ def _groups(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
 def _endless(at: Callable[[str], float]) -> Waves:
     """Return the outputs of 1969's filter as those of an endless swell, which the forces take."""
     here = complex(at("sea_elevation"), at("sea_quadrature"))
-    steps = np.arange(-REACH, REACH)
+    steps = np.arange(-REACH_STEPS, REACH_STEPS)
     return np.asarray(here * np.exp(1j * (PHASE_STEP * steps - at("sea_drift"))))
 
 
@@ -169,31 +171,31 @@ def _of_banks(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
     middle = int(at("sea_steps")) - 3
     peaked, seed = at("sea_peaked"), int(at("seed"))
     shares = math.sqrt(1.0 - peaked), math.sqrt(peaked)
-    found = np.zeros(2 * REACH, complex)
+    found = np.zeros(2 * REACH_STEPS, complex)
     for bank, share in enumerate(shares):
         if share > 0.0:
-            found += share * outputs(seed, bank, middle - REACH, middle + REACH)
+            found += share * bank_outputs(seed, bank, middle - REACH_STEPS, middle + REACH_STEPS)
     for step in range(middle - 1, middle + 3):
-        place = PLACES["sea_past"] + 4 * (step & 3)
-        found[step - middle + REACH] = complex(numbers[place], numbers[place + 1])
+        place = STATE_PLACES["sea_past"] + 4 * (step & 3)
+        found[step - middle + REACH_STEPS] = complex(numbers[place], numbers[place + 1])
     return found
 
 
-def outputs(seed: int, bank: int, first: int, last: int) -> Waves:
+def bank_outputs(seed: int, bank: int, first: int, last: int) -> Waves:
     """Return the outputs of a bank at the internal steps from ``first`` to before ``last``."""
-    blocks = range(first // BLOCK, -(-last // BLOCK))
+    blocks = range(first // BLOCK_SIZE, -(-last // BLOCK_SIZE))
     whole = np.concatenate([_block(seed, bank, block) for block in blocks])
-    return whole[first - blocks[0] * BLOCK :][: last - first]
+    return whole[first - blocks[0] * BLOCK_SIZE :][: last - first]
 
 
 @lru_cache(64)
 def _block(seed: int, bank: int, block: int) -> Waves:
-    """Return the outputs of a bank at BLOCK internal steps."""
-    first = block * BLOCK - MEMORY
+    """Return the outputs of a bank at BLOCK_SIZE internal steps."""
+    first = block * BLOCK_SIZE - MEMORY_STEPS
     noise = np.array(
         [
             gaussian_pair(seed, SEA_BANK + bank, pair)
-            for pair in range(first // 2, first // 2 + HALF)
+            for pair in range(first // 2, first // 2 + NOISE_PAIRS)
         ]
     ).ravel()
     return np.convolve(noise, _response(bank), "valid")
@@ -202,8 +204,8 @@ def _block(seed: int, bank: int, block: int) -> Waves:
 @cache
 def _response(bank: int) -> Waves:
     """Return the outputs of a bank by the steps since a single noise of 1."""
-    factors = MODES[bank, 0] + 1j * MODES[bank, 1]
-    powers = factors ** np.arange(MEMORY + 1)[:, None]
+    factors = MODE_FACTORS[bank, 0] + 1j * MODE_FACTORS[bank, 1]
+    powers = factors ** np.arange(MEMORY_STEPS + 1)[:, None]
     parts = np.concatenate([powers.real, powers.imag], axis=1)
     rows = WAVE_ROWS[bank]
     return np.asarray(parts @ rows[:, 0] + 1j * (parts @ rows[:, 1]))

@@ -11,10 +11,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.config.contacts import ACCELERATION
+from trainer.config.contacts import SHIP_ACCELERATION_M_S2
 from trainer.core.kernel import Numbers
 
-STRAIGHT: Final = 1e-9  # [rad] change of course that needs no turn
+MIN_TURN: Final = 1e-9  # [rad] change of course that needs no turn
 
 
 class Stretch(NamedTuple):
@@ -89,7 +89,7 @@ def situation(pieces: Numbers, time: float | Numbers) -> Situation:
     passed = np.maximum(time - begins, 0.0)
     way = (speed + 0.5 * acceleration * passed) * passed
     half = 0.5 * curvature * way
-    bent = np.abs(half) > STRAIGHT
+    bent = np.abs(half) > MIN_TURN
     chord = way * np.where(bent, np.sin(half) / np.where(bent, half, 1.0), 1.0)
     now = speed + acceleration * passed
     still = np.zeros_like(now)
@@ -103,12 +103,12 @@ def situation(pieces: Numbers, time: float | Numbers) -> Situation:
     )
 
 
-def column(piece: Piece) -> Numbers:
+def piece_column(piece: Piece) -> Numbers:
     """Return a piece as the column of one ship."""
     return np.array(piece, float).reshape(-1, 1)
 
 
-def lay(begins: float, start: Piece, path: Sequence[Stretch]) -> Way:
+def lay_way(begins: float, start: Piece, path: Sequence[Stretch]) -> Way:
     """Return the way along a path from a time [s] on. It starts as a piece does."""
     pieces: list[Piece] = []
     now, ordered = start._replace(begins=begins), start.speed
@@ -128,7 +128,7 @@ def lay(begins: float, start: Piece, path: Sequence[Stretch]) -> Way:
 def _shares(speed: float, ordered: float, length: float) -> Iterator[tuple[float, float]]:
     """Yield length [m] and acceleration of the parts of a stretch: changing speed, then even."""
     if speed != ordered:
-        rate = math.copysign(ACCELERATION, ordered - speed)
+        rate = math.copysign(SHIP_ACCELERATION_M_S2, ordered - speed)
         needs = (ordered * ordered - speed * speed) / (2.0 * rate)
         yield min(needs, length), rate
         length -= needs
@@ -148,7 +148,7 @@ def _end(piece: Piece, length: float, ordered: float) -> Piece:
     """Return how the next piece begins. A speed that is reached is the one ordered."""
     if not math.isfinite(piece.ends):
         return piece
-    there = situation(column(piece), piece.ends)
+    there = situation(piece_column(piece), piece.ends)
     speed = float(there.speed[0])
     return piece._replace(
         begins=piece.ends,
@@ -186,13 +186,13 @@ def path_along(
             )
         path.append(Stretch(0.0, left, speed))
         if i < len(changes):
-            path += turn(changes[i], radius)
+            path += turn_stretch(changes[i], radius)
     return legs[0][0], [*path, Stretch(0.0, math.inf)]
 
 
-def turn(change: float, radius: float) -> list[Stretch]:
+def turn_stretch(change: float, radius: float) -> list[Stretch]:
     """Return the stretch that changes the course by so much [rad], if any."""
-    if abs(change) <= STRAIGHT:
+    if abs(change) <= MIN_TURN:
         return []
     return [Stretch(math.copysign(1.0 / radius, change), radius * abs(change))]
 
@@ -203,12 +203,12 @@ def _leg(start: tuple[float, float], end: tuple[float, float]) -> tuple[float, f
     return math.atan2(east, north), math.hypot(north, east)
 
 
-def unreached(way: Way) -> int | None:
+def unreached_stretch(way: Way) -> int | None:
     """Return the first stretch on which its ordered speed is not reached."""
     for i, stretch in enumerate(way.path):
         last = [piece for piece in way.pieces if piece.stretch == i]
         if stretch.speed is not None and last and last[-1].acceleration != 0.0:
-            there = situation(column(last[-1]), last[-1].ends)
+            there = situation(piece_column(last[-1]), last[-1].ends)
             if abs(float(there.speed[0]) - stretch.speed) > 1e-6:
                 return i
     return None
@@ -217,7 +217,7 @@ def unreached(way: Way) -> int | None:
 def rest_of(way: Way, time: float) -> tuple[Piece, list[Stretch]]:
     """Return a ship's place at a time [s] as a piece, and its further path."""
     piece = way.at(time)
-    there = situation(column(piece), time)
+    there = situation(piece_column(piece), time)
     now = piece._replace(
         begins=time,
         north=float(there.north[0]),

@@ -16,7 +16,7 @@ from trainer.config.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
 
 
-class Part(Protocol):
+class WorldPart(Protocol):
     """One part of the world. ``state`` is one state, as ``Boat.state`` is."""
 
     @property
@@ -40,7 +40,7 @@ class Part(Protocol):
 class World:
     """All parts, by the names of the orders that they obey."""
 
-    parts: Mapping[str, Part] = field(default_factory=dict)
+    parts: Mapping[str, WorldPart] = field(default_factory=dict)
     changed: Callable[[], object] = field(default=lambda: None, repr=False, compare=False)
 
     @property
@@ -72,7 +72,7 @@ class World:
 
 
 # by the name of a part's order: from the boat and the tables of the exercise to the part
-PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
+WORLD_PARTS: Final[Mapping[str, Callable[[Any, WorldTables], WorldPart]]] = {
     "bottom": ground_of,
     "contact": contacts_of,
     "current": make_current,
@@ -82,4 +82,4 @@ PARTS: Final[Mapping[str, Callable[[Any, WorldTables], Part]]] = {
 
 def world_of(boat: Any, tables: WorldTables) -> World:
     """Return an exercise's world around a boat; ConfigError on what it cannot have."""
-    return World({name: make(boat, tables) for name, make in PARTS.items()})
+    return World({name: make(boat, tables) for name, make in WORLD_PARTS.items()})

@@ -14,7 +14,7 @@ Points = Sequence[tuple[float, float]]
 
 
 # seen from starboard, bow to the right, in parts of half the length; up is positive
-SIDE: Final[Points] = (
+HULL_OUTLINE: Final[Points] = (
     *((math.cos(a * math.pi / 12.0) * 0.45 + 0.5, math.sin(a * math.pi / 12.0) * 0.13)
       for a in range(7)),
     (-0.35, 0.13), (-0.95, 0.02), (-0.95, -0.02), (-0.35, -0.13),
@@ -23,56 +23,56 @@ SIDE: Final[Points] = (
 )  # fmt: skip
 
 
-SAIL: Final[Points] = ((0.42, 0.13), (0.40, 0.30), (0.16, 0.30), (0.14, 0.13))
+SAIL_OUTLINE: Final[Points] = ((0.42, 0.13), (0.40, 0.30), (0.16, 0.30), (0.14, 0.13))
 
 
-TAIL: Final[Points] = ((-0.70, 0.07), (-0.86, 0.22), (-0.94, 0.22), (-0.90, 0.03))
+UPPER_RUDDER_OUTLINE: Final[Points] = ((-0.70, 0.07), (-0.86, 0.22), (-0.94, 0.22), (-0.90, 0.03))
 
 
-KEEL: Final[Points] = tuple((x, -y) for x, y in TAIL)
+LOWER_RUDDER_OUTLINE: Final[Points] = tuple((x, -y) for x, y in UPPER_RUDDER_OUTLINE)
 
 
 # seen from astern, in parts of the radius
-RING: Final[Points] = tuple(
+HULL_SECTION: Final[Points] = tuple(
     (math.cos(a * math.pi / 12.0), math.sin(a * math.pi / 12.0)) for a in range(25)
 )
 
 
-FIN: Final[Points] = ((-0.14, 1.0), (-0.14, 1.75), (0.14, 1.75), (0.14, 1.0))
+FIN_OUTLINE: Final[Points] = ((-0.14, 1.0), (-0.14, 1.75), (0.14, 1.75), (0.14, 1.0))
 
 
-STERN: Final = 12  # [columns] of the view from astern
+STERN_VIEW_COLUMNS: Final = 12  # [columns] of the view from astern
 
 
-LEAST: Final = 18  # [columns] of the view from the side
+MIN_SIDE_COLUMNS: Final = 18  # [columns] of the view from the side
 
 
-WORDS: Final = 32  # [columns] with room for both angles
+ANGLES_COLUMNS: Final = 32  # [columns] with room for both angles
 
 
 def hull(model: SessionModel, width: int, height: int) -> Lines:
     """Return both views above a line with the angles in words."""
-    if height < 3 or width < LEAST:
+    if height < 3 or width < MIN_SIDE_COLUMNS:
         return [fit(line(), width)] * height
     pitch, heel = interpolate(model, "pitch"), interpolate(model, "heel")
     left = line((f" pitch {attitude(pitch, 'up', 'down')}", "dim"))
     told = f"heel {attitude(heel, 'stbd', 'port')} "
-    right = line((told if width >= WORDS else "", "dim"))
+    right = line((told if width >= ANGLES_COLUMNS else "", "dim"))
     room = height - 1
-    astern = STERN if width >= LEAST + STERN else 0
-    side = sideways(pitch or 0.0, width - astern, room)
+    astern = STERN_VIEW_COLUMNS if width >= MIN_SIDE_COLUMNS + STERN_VIEW_COLUMNS else 0
+    side = side_view(pitch or 0.0, width - astern, room)
     behind = from_astern(heel or 0.0, astern, room)
     lines = [line((side.text(row), "plain"), (behind.text(row), "plain")) for row in range(room)]
     return [*(fit(each, width) for each in lines), beside(left, right, width)]
 
 
-def sideways(pitch: float, width: int, height: int) -> Sheet:
+def side_view(pitch: float, width: int, height: int) -> Sheet:
     """Return the boat from starboard, the horizon dotted through its middle."""
     sheet = Sheet(width, height)
     middle, half = (sheet.across / 2.0, sheet.down / 2.0), min(sheet.across / 2.0 - 2.0, 40.0)
     for x in range(0, sheet.across, 6):
         sheet.dot(x, middle[1])
-    for shape in (SIDE, SAIL, TAIL, KEEL):
+    for shape in (HULL_OUTLINE, SAIL_OUTLINE, UPPER_RUDDER_OUTLINE, LOWER_RUDDER_OUTLINE):
         sheet.stroke(turn(shape, math.radians(pitch), half, middle))
     return sheet
 
@@ -84,7 +84,7 @@ def from_astern(heel: float, width: int, height: int) -> Sheet:
     middle = sheet.across / 2.0, sheet.down * 0.62
     for x in range(0, sheet.across, 6):
         sheet.dot(x, middle[1])
-    for shape in (RING, FIN):
+    for shape in (HULL_SECTION, FIN_OUTLINE):
         sheet.stroke(turn(shape, math.radians(-heel), radius, middle))
     return sheet
 

@@ -7,26 +7,26 @@ from itertools import groupby
 from typing import Final
 
 from trainer.console.drawing.crew_orders import in_feet
-from trainer.console.drawing.values import NONE, course, number
+from trainer.console.drawing.values import NO_VALUE, course, number
 from trainer.console.model import Quantity, SessionModel
 from trainer.console.pane import Line, Lines, Run, beside, fit, line
-from trainer.console.readings import ROUND
+from trainer.console.readings import CIRCULAR_FIELDS
 from trainer.units import FOOT
 
-ACROSS: Final = 2  # dots in a character
-DOWN: Final = 4
-BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
-EMPTY: Final = 0x2800
-SCALE: Final = 6  # [columns] for the numbers at the side
-DASH: Final = "╌"
-TICKS: Final = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
-APART: Final = 9  # [columns] between marks at least
-AXIS: Final = 4  # [rows] of a chart from which on it has an axis of time
-STEPS: Final = (1.0, 2.0, 5.0)
-LEAST: Final = 10  # [columns]
-LEAST_SIDE: Final = 400.0  # [m] across the shorter side
-MARGIN: Final = 1.15
-NOSE: Final = 5.0  # [dots] of the stroke ahead of the boat
+DOTS_ACROSS: Final = 2  # dots in a character
+DOTS_DOWN: Final = 4
+BRAILLE_BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
+EMPTY_BRAILLE: Final = 0x2800
+SCALE_COLUMNS: Final = 6  # [columns] for the numbers at the side
+DASH_SIGN: Final = "╌"
+TICK_SPACINGS_S: Final = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
+MIN_TICK_COLUMNS: Final = 9  # [columns] between marks at least
+MIN_AXIS_ROWS: Final = 4  # [rows] of a chart from which on it has an axis of time
+SCALE_STEPS: Final = (1.0, 2.0, 5.0)
+MIN_CHART_COLUMNS: Final = 10  # [columns]
+MIN_SIDE_M: Final = 400.0  # [m] across the shorter side
+RANGE_MARGIN: Final = 1.15
+NOSE_DOTS: Final = 5.0  # [dots] of the stroke ahead of the boat
 # A character is about twice as high as wide, and has 2 by 4 dots: dots are square.
 Point = tuple[float, float]  # [m] north, east
 
@@ -45,18 +45,20 @@ class Sheet:
     @property
     def across(self) -> int:
         """Return the number of dots in a row."""
-        return self.width * ACROSS
+        return self.width * DOTS_ACROSS
 
     @property
     def down(self) -> int:
         """Return the number of dots in a column."""
-        return self.height * DOWN
+        return self.height * DOTS_DOWN
 
     def dot(self, x: float, y: float) -> None:
         """Put a dot at a place counted from the upper left."""
         column, row = round(x), round(y)
         if 0 <= column < self.across and 0 <= row < self.down:
-            self.cells[row // DOWN][column // ACROSS] |= BITS[row % DOWN][column % ACROSS]
+            self.cells[row // DOTS_DOWN][column // DOTS_ACROSS] |= BRAILLE_BITS[row % DOTS_DOWN][
+                column % DOTS_ACROSS
+            ]
 
     def stroke(self, points: Iterable[tuple[float, float]]) -> None:
         """Draw from each point to the next."""
@@ -64,7 +66,7 @@ class Sheet:
         for x, y in points:
             x0, y0 = before or (x, y)
             steps = max(round(abs(x - x0)), round(abs(y - y0)), 1)
-            if steps > ACROSS * self.width + DOWN * self.height:
+            if steps > DOTS_ACROSS * self.width + DOTS_DOWN * self.height:
                 steps = 1
             for step in range(steps + 1):
                 self.dot(x0 + (x - x0) * step / steps, y0 + (y - y0) * step / steps)
@@ -72,47 +74,50 @@ class Sheet:
 
     def text(self, row: int) -> str:
         """Return a row as characters, a blank where there is no dot."""
-        return "".join(chr(EMPTY + cell) if cell else " " for cell in self.cells[row])
+        return "".join(chr(EMPTY_BRAILLE + cell) if cell else " " for cell in self.cells[row])
 
 
 def strip(quantity: int, model: SessionModel, span: float, width: int, height: int) -> Lines:
     """Return the chart of a quantity over the last ``span`` [s], its title above it."""
     drawn = model.charts[quantity]
     title = headline(drawn, model, span, width)
-    columns, rows = width - SCALE - 1, height - 1
-    if rows < 1 or columns < LEAST:
+    columns, rows = width - SCALE_COLUMNS - 1, height - 1
+    if rows < 1 or columns < MIN_CHART_COLUMNS:
         return [title][:height]
-    series = model.trace.series(quantity, span, columns * ACROSS)
+    series = model.trace.series(quantity, span, columns * DOTS_ACROSS)
     size = unit_of(drawn, model)[1]
-    actual = [scaled(each.actual, size) if each else None for each in series]
-    ordered = [scaled(each.ordered, size) if each else None for each in series]
-    if drawn.actual[1] in ROUND:
+    actual = [scaled_value(each.actual, size) if each else None for each in series]
+    ordered = [scaled_value(each.ordered, size) if each else None for each in series]
+    if drawn.actual[1] in CIRCULAR_FIELDS:
         left = model.picture.number("orders", f"{drawn.crew}_error") if drawn.crew else None
         actual = unwrap(actual)
         ordered = beside_headings(ordered, actual, left)
     low, high = limits([*actual, *ordered], drawn.least)
-    axis = [time_axis(span, columns)] if rows >= AXIS else []
+    axis = [time_axis(span, columns)] if rows >= MIN_AXIS_ROWS else []
     plot = Plot(low, high, columns, rows - len(axis))
     return [title, *plot.lines(actual, ordered, drawn), *axis]
 
 
 def time_axis(span: float, columns: int) -> Line:
     """Return marks of time below a chart, with the present at the right end."""
-    step = next((s for s in TICKS if s / span * (columns - 1) >= APART), TICKS[-1])
+    step = next(
+        (s for s in TICK_SPACINGS_S if s / span * (columns - 1) >= MIN_TICK_COLUMNS),
+        TICK_SPACINGS_S[-1],
+    )
     signs = ["─"] * columns
     taken = columns - 1  # from there on there is text, or the end
     for k in range(int(span / step) + 1):
         column = columns - 1 - round(k * step / span * (columns - 1))
         signs[column] = "┴"
-        text = "now" if k == 0 else ago(k * step)
+        text = "now" if k == 0 else ago_text(k * step)
         start = column - len(text) if k == 0 else column + 1
         if start >= 0 and start + len(text) <= taken:
             signs[start : start + len(text)] = text
             taken = min(start, column)
-    return line((f"{'':>{SCALE}}└{''.join(signs)}", "dim"))
+    return line((f"{'':>{SCALE_COLUMNS}}└{''.join(signs)}", "dim"))
 
 
-def ago(seconds: float) -> str:
+def ago_text(seconds: float) -> str:
     """Return how long ago, such as -30s or -2min."""
     return f"-{seconds:g}s" if seconds < 60.0 or seconds % 60.0 else f"-{seconds / 60.0:g}min"
 
@@ -121,9 +126,9 @@ def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> L
     """Return the name of the chart, its value and what is ordered."""
     says = format_quantity(drawn)
     unit, size = unit_of(drawn, model)
-    actual = says(scaled(model.picture.number(*drawn.actual), size))
-    ordered = says(scaled(model.ordered(drawn), size))
-    told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
+    actual = says(scaled_value(model.picture.number(*drawn.actual), size))
+    ordered = says(scaled_value(model.ordered(drawn), size))
+    told = "" if ordered == NO_VALUE else f" {DASH_SIGN}{DASH_SIGN} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
     inks = ("heading", "heading-value", "heading-ordered")
     left = line(*zip((f" {name} ", actual, told), inks, strict=True))
@@ -137,7 +142,7 @@ def unit_of(drawn: Quantity, model: SessionModel) -> tuple[str, float]:
     return ("ft", FOOT) if feet else (drawn.unit, 1.0)
 
 
-def scaled(value: float | None, size: float) -> float | None:
+def scaled_value(value: float | None, size: float) -> float | None:
     """Return a value in a unit of that size."""
     return None if value is None else value / size
 
@@ -149,14 +154,14 @@ def minutes(span: float) -> str:
 
 def format_quantity(drawn: Quantity) -> Callable[[float | None], str]:
     """Return how values of a quantity are written."""
-    if drawn.actual[1] in ROUND:
+    if drawn.actual[1] in CIRCULAR_FIELDS:
         return course
     if drawn.signs == ("", ""):
         return number
 
     def with_side(value: float | None) -> str:
         if value is None:
-            return NONE
+            return NO_VALUE
         side = "" if abs(value) < 0.05 else drawn.signs[value < 0.0]
         return f"{side}{abs(value):.1f}"
 
@@ -210,7 +215,7 @@ def limits(values: Sequence[float | None], least: float) -> tuple[float, float]:
     step = next(
         size * 10.0**power
         for power in range(-3, 11)
-        for size in STEPS
+        for size in SCALE_STEPS
         if size * 10.0**power * 4.0 >= wide
     )
     bottom = (middle - wide / 2.0) // step * step
@@ -262,18 +267,18 @@ class Plot:
         """Return the ordered value in dashes, every second column, as high as the actual one."""
         sheet = Sheet(self._columns, self._rows)
         for x, value in enumerate(values):
-            if value is not None and x // ACROSS % 2 == 0:
+            if value is not None and x // DOTS_ACROSS % 2 == 0:
                 sheet.dot(x, self._place(value, sheet.down, down=down))
         return sheet
 
     def _scale(self, row: int, drawn: Quantity, *, down: bool) -> Line:
         """Return the number at the side of a row: the ends of the range."""
         if row not in (0, self._rows - 1):
-            return line((f"{'':>{SCALE}}┊", "dim"))
+            return line((f"{'':>{SCALE_COLUMNS}}┊", "dim"))
         top = self._low if down else self._high
         value = top if row == 0 else self._low + self._high - top
-        text = course(value) if drawn.actual[1] in ROUND else f"{value:g}"
-        return line((f"{text:>{SCALE}}┊", "dim"))
+        text = course(value) if drawn.actual[1] in CIRCULAR_FIELDS else f"{value:g}"
+        return line((f"{text:>{SCALE_COLUMNS}}┊", "dim"))
 
 
 def merge(dots: str, dashes: str) -> tuple[Run, ...]:
@@ -311,7 +316,9 @@ def frame(track: Sequence[Point], sheet: Sheet) -> tuple[Point, float]:
     north, east = [point[0] for point in track], [point[1] for point in track]
     high, wide = max(north) - min(north), max(east) - min(east)
     across, down = max(sheet.across, 1), max(sheet.down, 1)
-    metres = max(wide * MARGIN / across, high * MARGIN / down, LEAST_SIDE / min(across, down))
+    metres = max(
+        wide * RANGE_MARGIN / across, high * RANGE_MARGIN / down, MIN_SIDE_M / min(across, down)
+    )
     return ((max(north) + min(north)) / 2.0, (max(east) + min(east)) / 2.0), metres
 
 
@@ -325,14 +332,14 @@ def place(point: Point, middle: Point, metres: float, sheet: Sheet) -> tuple[flo
 def nose(at: tuple[float, float], heading: float) -> list[tuple[float, float]]:
     """Return the stroke that shows where the boat heads [deg]."""
     angle = math.radians(heading)
-    return [at, (at[0] + NOSE * math.sin(angle), at[1] - NOSE * math.cos(angle))]
+    return [at, (at[0] + NOSE_DOTS * math.sin(angle), at[1] - NOSE_DOTS * math.cos(angle))]
 
 
 def rule(metres: float, width: int) -> Line:
     """Return a rule as long as a round distance, and that distance."""
-    longest = metres * ACROSS * width / 3.0
+    longest = metres * DOTS_ACROSS * width / 3.0
     power = 10.0 ** math.floor(math.log10(max(longest, 1.0)))
-    length = max(step * power for step in STEPS if step * power <= max(longest, power))
-    columns = max(round(length / metres / ACROSS), 1)
+    length = max(step * power for step in SCALE_STEPS if step * power <= max(longest, power))
+    columns = max(round(length / metres / DOTS_ACROSS), 1)
     told = f"{length:g} m" if length < 2000.0 else f"{length / 1000.0:g} km"
     return line((f" ├{'─' * max(columns - 2, 0)}┤ {told}", "dim"))

@@ -8,20 +8,20 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Line, fit, line
 from trainer.units import FOOT
 
-CHANNEL: Final = "orders"
-LITTLE: Final = 3.0  # [m], [deg] to go, below which tenths count
-REACHED: Final = 0.5  # [deg, m] closer than this is there
+ORDERS_CHANNEL: Final = "orders"
+TENTHS_BELOW: Final = 3.0  # [m], [deg] to go, below which tenths count
+REACHED_MARGIN: Final = 0.5  # [deg, m] closer than this is there
 FEET_REACHED: Final = 1.5  # [ft]
 KNOTS_REACHED: Final = 0.15  # [kn]
-SETTLED: Final = 3.0  # [m] closer than this the ordered angle has come off
-WITH_IT: Final = 10.0  # [s] after an order for depth, in which an angle belongs to it
-REPEAT: Final = "Enter repeats it"
-REPEATS: Final = "Enter repeats the first"
+SETTLED_DEPTH_M: Final = 3.0  # [m] closer than this the ordered angle has come off
+PITCH_ORDER_TIME_S: Final = 10.0  # [s] after an order for depth, in which an angle belongs to it
+REPEAT_HINT: Final = "Enter repeats it"
+REPEAT_FIRST_HINT: Final = "Enter repeats the first"
 
 
 def in_feet(model: SessionModel) -> bool:
     """Return whether depths are said in feet, as the last order was."""
-    return model.picture.word(CHANNEL, "depth_unit") == "ft"
+    return model.picture.word(ORDERS_CHANNEL, "depth_unit") == "ft"
 
 
 def depth_text(model: SessionModel, metres: float | None) -> str:
@@ -36,14 +36,14 @@ def depth_unit(model: SessionModel) -> str:
     return "ft" if in_feet(model) else "m"
 
 
-def short(value: float) -> str:
+def short_number(value: float) -> str:
     """Return a number with as few digits as it needs, one decimal at most."""
     return f"{round(value, 1) + 0.0:g}"
 
 
 def to_go(error: float) -> str:
     """Return how far it is, in tenths where that is little."""
-    return f"{abs(error):.1f}" if abs(error) < LITTLE else f"{abs(error):.0f}"
+    return f"{abs(error):.1f}" if abs(error) < TENTHS_BELOW else f"{abs(error):.0f}"
 
 
 def course_order(model: SessionModel) -> tuple[str, str]:
@@ -52,7 +52,7 @@ def course_order(model: SessionModel) -> tuple[str, str]:
     if ordered is None:
         return "", ""
     told = course(ordered)
-    if error is None or abs(error) < REACHED:
+    if error is None or abs(error) < REACHED_MARGIN:
         return _both(told, "" if error is None else ", on course")
     side = "right" if error > 0.0 else "left"
     return f"{told}, {to_go(error)} to the {side}", f"{told}, {to_go(error)} {side}"
@@ -65,8 +65,8 @@ def depth_order(model: SessionModel) -> tuple[str, str]:
         return "", ""
     unit, size = ("ft", FOOT) if in_feet(model) else ("m", 1.0)
     feet = unit == "ft"
-    told = f"{round(ordered / size)} ft" if feet else f"{short(ordered)} m"
-    reached = FEET_REACHED if feet else REACHED
+    told = f"{round(ordered / size)} ft" if feet else f"{short_number(ordered)} m"
+    reached = FEET_REACHED if feet else REACHED_MARGIN
     if error is None or abs(error / size) < reached:
         return _both(told, "" if error is None else ", at depth")
     way = "deeper" if error > 0.0 else "higher"
@@ -78,7 +78,7 @@ def speed_order(model: SessionModel) -> tuple[str, str]:
     ordered, error = _pair(model, "speed")
     if ordered is None:
         return "", ""
-    told = f"{short(ordered)} kn"
+    told = f"{short_number(ordered)} kn"
     if error is None or abs(error) < KNOTS_REACHED:
         return _both(told, "" if error is None else ", at speed")
     return _both(told, f", {abs(error):.1f} {'faster' if error > 0.0 else 'slower'}")
@@ -87,12 +87,16 @@ def speed_order(model: SessionModel) -> tuple[str, str]:
 def has_come_off(model: SessionModel) -> bool:
     """Return whether the boat is at the depth that the ordered angle led to.
 
-    An angle that is ordered later than that, by WITH_IT, is an order of its own.
+    An angle that is ordered later than that, by PITCH_ORDER_TIME_S, is an order of its own.
     """
     number = model.picture.number
     ordered, error = _pair(model, "depth")
-    later = (number(CHANNEL, "depth_since") or 0.0) - (number(CHANNEL, "pitch_since") or 0.0)
-    return ordered is not None and later <= WITH_IT and abs(error or 0.0) < SETTLED
+    later = (number(ORDERS_CHANNEL, "depth_since") or 0.0) - (
+        number(ORDERS_CHANNEL, "pitch_since") or 0.0
+    )
+    return (
+        ordered is not None and later <= PITCH_ORDER_TIME_S and abs(error or 0.0) < SETTLED_DEPTH_M
+    )
 
 
 def pitch_order(model: SessionModel) -> tuple[str, str]:
@@ -100,10 +104,10 @@ def pitch_order(model: SessionModel) -> tuple[str, str]:
     ordered, error = _pair(model, "pitch")
     if ordered is None:
         return "", ""
-    told = "zero" if abs(ordered) < 0.05 else f"{short(abs(ordered))} {_way(ordered)}"
+    told = "zero" if abs(ordered) < 0.05 else f"{short_number(abs(ordered))} {_way(ordered)}"
     if ordered and has_come_off(model):
         return _both(told, ", at depth")
-    if error is None or abs(error) < REACHED:
+    if error is None or abs(error) < REACHED_MARGIN:
         return _both(told, "" if error is None else ", on it")
     return (
         f"{told}, {to_go(error)} to go {_way(error)}",
@@ -114,7 +118,7 @@ def pitch_order(model: SessionModel) -> tuple[str, str]:
 def _pair(model: SessionModel, axis: str) -> tuple[float | None, float | None]:
     """Return what is ordered on an axis, and how far it is to go."""
     number = model.picture.number
-    return number(CHANNEL, axis), number(CHANNEL, f"{axis}_error")
+    return number(ORDERS_CHANNEL, axis), number(ORDERS_CHANNEL, f"{axis}_error")
 
 
 def _both(told: str, error: str) -> tuple[str, str]:
@@ -125,7 +129,7 @@ def _way(pitch: float) -> str:
     return "up" if pitch > 0.0 else "down"
 
 
-ORDERS: Final = {
+AXIS_TEXTS: Final = {
     "course": course_order,
     "depth": depth_order,
     "speed": speed_order,
@@ -133,12 +137,12 @@ ORDERS: Final = {
 }
 
 
-def beside(model: SessionModel, axis: str, automatic: str, room: int) -> Line:
+def order_beside(model: SessionModel, axis: str, automatic: str, room: int) -> Line:
     """Return what is ordered beside an instrument of ``room`` columns, blue; NEW until repeated.
 
     Without an order to the crew it is what the autopilot keeps, "" for nothing.
     """
-    texts = ORDERS[axis](model)
+    texts = AXIS_TEXTS[axis](model)
     if not texts[0]:
         return line((f" ordered {automatic}" if automatic else "", "ordered"))
     if model.crew.awaits(axis, model.role):
@@ -157,17 +161,19 @@ def order_line(model: SessionModel, width: int) -> Line:
     new = crew.all_to_repeat(model.role)
     if len(new) > 1:
         says = " | ".join(each.says for each in new)
-        return fit(line((f" NEW ORDERS  {says} ", "new"), (f"  {REPEATS}", "key")), width, "bar")
+        return fit(
+            line((f" NEW ORDERS  {says} ", "new"), (f"  {REPEAT_FIRST_HINT}", "key")), width, "bar"
+        )
     if new:
         says = new[0].says
-        return fit(line((f" NEW ORDER  {says} ", "new"), (f"  {REPEAT}", "key")), width, "bar")
+        return fit(line((f" NEW ORDER  {says} ", "new"), (f"  {REPEAT_HINT}", "key")), width, "bar")
     told = told_words(model)
     return fit(line((f" told: {told}" if told else "", "ordered")), width)
 
 
 def told_words(model: SessionModel) -> str:
     """Return the last order in words. A channel has no commas, the fact of it has."""
-    told = model.picture.word(CHANNEL, "told")
+    told = model.picture.word(ORDERS_CHANNEL, "told")
     return model.crew.told if len(model.crew.told) == len(told) else told
 
 
@@ -178,7 +184,7 @@ def crew_line(model: SessionModel, width: int) -> Line:
     if new:
         waits = max(model.picture.seconds - new.seconds, 0.0)
         return (*label, (f"NEW {new.says}, not repeated for {waits:.0f} s ", "warning"))
-    found = [order(model) for order in ORDERS.values()]
+    found = [order(model) for order in AXIS_TEXTS.values()]
     told = told_words(model)
     for text in (_joined([each[0] for each in found]), _joined([each[1] for each in found])):
         if text and len(text) + len(" crew   ") <= width:
@@ -186,12 +192,12 @@ def crew_line(model: SessionModel, width: int) -> Line:
     # all orders with their errors by sign, where words have no room
     size = FOOT if in_feet(model) else 1.0
     parts = []
-    for axis in ORDERS:
+    for axis in AXIS_TEXTS:
         ordered, error = _pair(model, axis)
         if ordered is not None:
             done = error is None or (axis == "pitch" and ordered and has_come_off(model))
             left = 0.0 if done else (error or 0.0) / (size if axis == "depth" else 1.0)
-            parts.append(f"{ORDERS[axis](model)[1].partition(',')[0]} {left:+.0f}")
+            parts.append(f"{AXIS_TEXTS[axis](model)[1].partition(',')[0]} {left:+.0f}")
     signed = "; ".join(parts)
     if signed:
         return (*label, (signed, "ordered"))

@@ -3,21 +3,21 @@
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from trainer.console.drawing.crew_orders import beside, depth_text, depth_unit, pitch_beside
+from trainer.console.drawing.crew_orders import depth_text, depth_unit, order_beside, pitch_beside
 from trainer.console.drawing.gauges import interpolate
 from trainer.console.drawing.values import (
     SHORT_BELLS,
     attitude,
     course,
+    no_value_reason,
     number,
     surface,
-    without,
 )
-from trainer.console.keys import BELLS, Give
+from trainer.console.keys import TELEGRAPH_KEYS, OrderAction
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, length, line
 
-DIGITS: Final = {
+LARGE_DIGITS: Final = {
     "0": ("┏━┓", "┃ ┃", "┗━┛"),
     "1": (" ╻ ", " ┃ ", " ╹ "),
     "2": ("╺━┓", "┏━┛", "┗━╸"),
@@ -31,20 +31,26 @@ DIGITS: Final = {
     ".": (" ", " ", "▪"),
     "-": ("   ", "╺━╸", "   "),
 }
-SCALE: Final = 35.0  # [deg] at the ends
-ENDS: Final = {"rudder": ("left", "right"), "stern": ("dive", "rise"), "bow": ("dive", "rise")}
-AHEAD: Final = ("one-third", "two-thirds", "standard", "full", "flank")
-ASTERN: Final = ("full", "two-thirds", "one-third")
-LEAST: Final = 24  # [columns] of a scale
+SCALE_END_DEG: Final = 35.0  # [deg] at the ends
+SCALE_ENDS: Final = {
+    "rudder": ("left", "right"),
+    "stern": ("dive", "rise"),
+    "bow": ("dive", "rise"),
+}
+AHEAD_BELLS: Final = ("one-third", "two-thirds", "standard", "full", "flank")
+ASTERN_BELLS: Final = ("full", "two-thirds", "one-third")
+MIN_SCALE_COLUMNS: Final = 24  # [columns] of a scale
 RATE_SPAN: Final = 10.0  # [s] over which a change of depth is taken
 BELL_KEYS: Final = {
-    key.act.words.removeprefix("bell "): key.label for key in BELLS if isinstance(key.act, Give)
+    key.act.words.removeprefix("bell "): key.label
+    for key in TELEGRAPH_KEYS
+    if isinstance(key.act, OrderAction)
 }
 
 
 def large(text: str) -> tuple[str, str, str]:
     """Return a number in three lines."""
-    drawn = [DIGITS.get(character, ("", "", "")) for character in text]
+    drawn = [LARGE_DIGITS.get(character, ("", "", "")) for character in text]
     upper, middle, lower = (" ".join(rows[i] for rows in drawn) for i in range(3))
     return upper, middle, lower
 
@@ -68,7 +74,7 @@ def dial(model: SessionModel, gauge: Gauge, room: int) -> Lines:
     return [
         line((f" {gauge.label}", "heading"), (f"  {gauge.unit}  {gauge.rate}", "heading-dim")),
         *(line((f" {row}", "value")) for row in rows),
-        beside(model, gauge.axis, gauge.automatic, room),
+        order_beside(model, gauge.axis, gauge.automatic, room),
     ]
 
 
@@ -77,7 +83,9 @@ def small_dial(model: SessionModel, gauge: Gauge, width: int) -> Line:
     shown = line(
         (f" {gauge.label:<8}", "dim"), (f"{gauge.text:>6}", "value"), (f" {gauge.unit:<4}", "dim")
     )
-    return fit((*shown, *beside(model, gauge.axis, gauge.automatic, width - length(shown))), width)
+    return fit(
+        (*shown, *order_beside(model, gauge.axis, gauge.automatic, width - length(shown))), width
+    )
 
 
 def dials(model: SessionModel, gauges: Sequence[Gauge], width: int) -> Lines:
@@ -171,9 +179,9 @@ def scale(model: SessionModel, name: str, channel: str, width: int) -> Line:
     actual = picture.smooth(channel, name, model.clock())
     ordered = picture.number(channel, f"ordered_{name}")
     if actual is None:
-        lacking = without(picture, channel, "this boat has none")
+        lacking = no_value_reason(picture, channel, "this boat has none")
         return line((f" {name:<7}", "dim"), (lacking, "dim"))
-    left, right = ENDS[name]
+    left, right = SCALE_ENDS[name]
     mode = picture.word(channel, f"{name}_mode")
     ends = line((f" {name:<7}{left} ", "dim")), line((f" {right}  ", "dim"))
     told = line(
@@ -182,7 +190,7 @@ def scale(model: SessionModel, name: str, channel: str, width: int) -> Line:
         (f" {mode:<4} ", "warning" if mode == "hand" else "dim"),
     )
     room = width - sum(len(text) for part in (*ends, told) for text, _ in part)
-    drawn = marks(actual, ordered, room) if room >= LEAST // 2 else ()
+    drawn = marks(actual, ordered, room) if room >= MIN_SCALE_COLUMNS // 2 else ()
     return (*ends[0], *drawn, *ends[1], *told)
 
 
@@ -190,7 +198,9 @@ def marks(actual: float, ordered: float | None, room: int) -> tuple[Run, ...]:
     """Return the scale itself in ``room`` columns."""
 
     def column(angle: float) -> int:
-        share = (min(max(angle, -SCALE), SCALE) + SCALE) / (2.0 * SCALE)
+        share = (min(max(angle, -SCALE_END_DEG), SCALE_END_DEG) + SCALE_END_DEG) / (
+            2.0 * SCALE_END_DEG
+        )
         return round(share * (room - 1))
 
     middle, block = column(0.0), column(actual)
@@ -209,7 +219,7 @@ def telegraph(model: SessionModel, width: int) -> Lines:
     picture = model.picture
     rung = picture.word("engine", "bell")
     parts: list[Run] = [(" astern ", "dim")]
-    for way, bells in (("astern", ASTERN), ("", ("stop",)), ("ahead", AHEAD)):
+    for way, bells in (("astern", ASTERN_BELLS), ("", ("stop",)), ("ahead", AHEAD_BELLS)):
         parts += [("ahead ", "dim")] if way == "ahead" else []
         for name in bells:
             here = rung == (f"{way}-{name}" if way else name)
@@ -230,7 +240,7 @@ def telegraph(model: SessionModel, width: int) -> Lines:
 def bells_in_knots(model: SessionModel) -> str:
     """Return the turns of the bells [kn] that the vessel has told."""
     found = []
-    for way, bells in (("ahead", AHEAD), ("astern", ASTERN[::-1])):
+    for way, bells in (("ahead", AHEAD_BELLS), ("astern", ASTERN_BELLS[::-1])):
         turns = [model.ranges[f"{way} {name}"] for name in bells if f"{way} {name}" in model.ranges]
         found += [f"{way} {'/'.join(f'{abs(each):g}' for each in turns)}"] * bool(turns)
     return f"kn: {', '.join(found)}" if found else ""

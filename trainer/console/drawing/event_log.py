@@ -1,14 +1,14 @@
 """The log of what was said and done, the line of time, and the ledger."""
 
-from trainer.console.drawing.values import course, number, without
-from trainer.console.journal import Kept, clock, wrap_entry
+from trainer.console.drawing.values import course, no_value_reason, number
+from trainer.console.journal import TimelineMoment, clock, wrap_entry
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
-LEAST = 24  # [columns] of a time line
+MIN_TIMELINE_COLUMNS = 24  # [columns] of a time line
 SHIP_NAME = 9  # [columns]
 SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
-SHIPS = " ship      brg  range crs kn   cpa  sec"
+SHIPS_HEADING = " ship      brg  range crs kn   cpa  sec"
 
 
 def log(model: SessionModel, width: int, height: int) -> Lines:
@@ -33,7 +33,7 @@ def time_line(model: SessionModel, width: int, _height: int) -> Lines:
     left = line((" 00:00 ", "dim"))
     right = line((f" {clock(end)} ", "dim"))
     room = width - sum(len(text) for text, _ in (*left, *right))
-    if room < LEAST:
+    if room < MIN_TIMELINE_COLUMNS:
         return [fit(line((f" {clock(now)}", "dim")), width)]
     return [(*left, *scale(model, now, end, room), *right)]
 
@@ -52,7 +52,7 @@ def end_of(model: SessionModel) -> float:
     return max(model.picture.seconds, model.furthest, 1.0, *ahead)
 
 
-def moments(model: SessionModel) -> list[Kept]:
+def moments(model: SessionModel) -> list[TimelineMoment]:
     """Return what is on the time line, oldest first."""
     return sorted([*model.snapshots, *model.marks], key=lambda kept: kept.seconds)
 
@@ -113,7 +113,7 @@ def suffering(model: SessionModel, width: int, height: int) -> Lines:
             line((f" {picture.word('casualties', name)} ", "alarm"), f" {says}{going}".rstrip())
         )
     if len(lines) == 1:
-        told = without(picture, "casualties", "none; F4 lists what can break")
+        told = no_value_reason(picture, "casualties", "none; F4 lists what can break")
         lines.append(line((f" {told}", "dim")))
     return [fit(each, width) for each in lines[:height]]
 
@@ -130,7 +130,7 @@ def ships(model: SessionModel, width: int) -> Lines:
     names = [name for name in picture.rows("contacts", "contact_") if name[-1].isdigit()]
     if not names:
         return []
-    rows = [line((SHIPS, "heading")), *(ship_row(model, name) for name in names)]
+    rows = [line((SHIPS_HEADING, "heading")), *(ship_row(model, name) for name in names)]
     return [fit(each, width) for each in rows]
 
 

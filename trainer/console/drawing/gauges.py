@@ -1,21 +1,29 @@
 """The instructor's state at a glance: the boat and its attitude, tanks, the sea, casualties."""
 
 from trainer.console.drawing.crew_orders import crew_line
-from trainer.console.drawing.values import NONE, attitude, bell, course, number, surface, without
+from trainer.console.drawing.values import (
+    NO_VALUE,
+    attitude,
+    bell,
+    course,
+    no_value_reason,
+    number,
+    surface,
+)
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, first_fitting, fit, line
 
-LEFT = 27  # [columns] of what the boat does; the rest is what it is told to
-TANKS = (
+MOTION_COLUMNS = 27  # [columns] of what the boat does; the rest is what it is told to
+TANK_LABELS = (
     ("main", ("forward", "mid", "aft")),
     ("neg", ("negative",)),
     ("trim", ("trim_forward", "trim_aft")),
     ("aux", ("auxiliary",)),
     ("dc", ("depth_control",)),
 )
-WIDTH = 56  # [columns] of the state
-SHALLOW = 15.0  # [m] over the sail from which it is told
-APART = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
+STATE_COLUMNS = 56  # [columns] of the state
+SHALLOW_DEPTH_M = 15.0  # [m] over the sail from which it is told
+GAUGE_ERROR_MARGIN = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
 
 
 def state(model: SessionModel, width: int, _height: int) -> Lines:
@@ -24,10 +32,10 @@ def state(model: SessionModel, width: int, _height: int) -> Lines:
         (reading(model, "depth", "diving", "m"), plane(model, "rudder", "steering")),
         (reading(model, "heading", "steering", ""), plane(model, "stern", "diving")),
         (reading(model, "speed", "engine", "kn"), plane(model, "bow", "diving")),
-        (angle(model, "pitch", "up", "down"), engine(model, width - LEFT)),
+        (angle(model, "pitch", "up", "down"), engine(model, width - MOTION_COLUMNS)),
         (angle(model, "heel", "stbd", "port"), weight(model)),
     ]
-    lines = [(*fit(left, LEFT), *right) for left, right in rows]
+    lines = [(*fit(left, MOTION_COLUMNS), *right) for left, right in rows]
     lines += [tanks(model, width), air(model), sea(model), casualty_names(model)]
     return [fit(each, width) for each in (*lines, crew_line(model, width))]
 
@@ -39,7 +47,7 @@ def interpolate(model: SessionModel, name: str) -> float | None:
 
 def pair(label: str, actual: str, ordered: str, unit: str) -> Line:
     """Return a value and what is ordered."""
-    told = ("", "plain") if ordered == NONE else (f" > {ordered}", "ordered")
+    told = ("", "plain") if ordered == NO_VALUE else (f" > {ordered}", "ordered")
     return line((f" {label:<7}", "dim"), (f"{actual:>6}", "value"), told, (f" {unit}", "dim"))
 
 
@@ -50,7 +58,7 @@ def false(model: SessionModel, name: str) -> str:
         return ""
     apart = abs(shown - true)
     apart = min(apart, 360.0 - apart) if name == "heading" else apart
-    return f"GAUGE {number(shown)}" if apart > APART else ""
+    return f"GAUGE {number(shown)}" if apart > GAUGE_ERROR_MARGIN else ""
 
 
 def reading(model: SessionModel, name: str, channel: str, unit: str) -> Line:
@@ -66,7 +74,7 @@ def reading(model: SessionModel, name: str, channel: str, unit: str) -> Line:
     if not wrong:
         return told
     choices = [(*told[:2], (f"{gap}{wrong}", "warning")) for gap in ("  ", " ")]
-    return first_fitting(LEFT, *choices)
+    return first_fitting(MOTION_COLUMNS, *choices)
 
 
 def angle(model: SessionModel, name: str, *sides: str) -> Line:
@@ -108,7 +116,7 @@ def weight(model: SessionModel) -> Line:
     """Return how heavy or light the boat is."""
     heavy = model.picture.number("motion", "heavy")
     if heavy is None:
-        return line(("weight ", "dim"), NONE)
+        return line(("weight ", "dim"), NO_VALUE)
     side = "" if abs(heavy) < 0.05 else (" t heavy" if heavy > 0.0 else " t light")
     return line(("weight ", "dim"), (f"{abs(heavy):.1f}{side or ' t, in trim'}", "value"))
 
@@ -116,9 +124,11 @@ def weight(model: SessionModel) -> Line:
 def tanks(model: SessionModel, room: int) -> Line:
     """Return how full the tanks are [%]; where all are full, their label gives way."""
     if model.picture.number("tanks", "auxiliary") is None:
-        return line((" tanks  ", "dim"), without(model.picture, "tanks", "this boat has none"))
+        return line(
+            (" tanks  ", "dim"), no_value_reason(model.picture, "tanks", "this boat has none")
+        )
     parts = []
-    for says, names in TANKS:
+    for says, names in TANK_LABELS:
         full = (number(model.picture.number("tanks", f"{name}_full"), 0) for name in names)
         told = "/".join(full)
         parts += [(f" {says} ", "dim"), (told, "plain")]
@@ -130,7 +140,7 @@ def air(model: SessionModel) -> Line:
     """Return the pressures of the banks and what blows."""
     picture = model.picture
     if not picture.word("air", "main"):
-        return line((" air    ", "dim"), without(picture, "air", "this boat has none"))
+        return line((" air    ", "dim"), no_value_reason(picture, "air", "this boat has none"))
     main, reserve = picture.number("air", "main"), picture.number("air", "emergency")
     blown = [
         name.removeprefix("blow_")
@@ -171,7 +181,7 @@ def over_ground(model: SessionModel) -> str:
 def over_sail(model: SessionModel) -> Line:
     """Return the water over the sail while it is little: at periscope depth and above."""
     water = model.picture.number("sea", "over_sail")
-    if water is None or water > SHALLOW:
+    if water is None or water > SHALLOW_DEPTH_M:
         return ()
     if water < 0.0:
         return line((f"; sail {-water:.1f} m OUT", "warning"))
@@ -184,7 +194,7 @@ def swell(model: SessionModel, which: str) -> str:
         model.picture.number("sea", f"{which}{name}") for name in ("height", "period", "from")
     )
     if not height:
-        return without(model.picture, "sea", "calm")
+        return no_value_reason(model.picture, "sea", "calm")
     return f"{height:.1f} m, {number(period, 0)} s, from {course(origin)}"
 
 
@@ -197,9 +207,9 @@ def casualty_names(model: SessionModel) -> Line:
         for name in slots
     ]
     if not names:
-        told = without(model.picture, "casualties", "nothing; F4 lists what can be")
+        told = no_value_reason(model.picture, "casualties", "nothing; F4 lists what can be")
         return line((" broken ", "dim"), (told, "plain"))
     told = ", ".join(names)
-    if len(told) > WIDTH - len(" broken   "):
+    if len(told) > STATE_COLUMNS - len(" broken   "):
         told = ", ".join(picture.word("casualties", name) for name in slots)
     return line((" broken ", "dim"), (f" {told} ", "alarm"))

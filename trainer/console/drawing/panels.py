@@ -18,10 +18,10 @@ from trainer.console.journal import clock
 from trainer.console.model import MAKING_READY, SessionModel
 from trainer.console.pane import Line, Lines, beside, fit, length, line
 
-PLANES: Final = 9  # [rows] with room for large numbers
-GAUGES: Final = 7
-GAP: Final = 1  # [columns] between keys
-SILENCE: Final = 2.0  # [s] of a session that runs, after which it is called out
+LARGE_NUMBER_ROWS: Final = 9  # [rows] with room for large numbers
+LARGE_GAUGE_ROWS: Final = 7
+KEY_GAP_COLUMNS: Final = 1  # [columns] between keys
+SILENCE_TIMEOUT_S: Final = 2.0  # [s] of a session that runs, after which it is called out
 
 
 def top(model: SessionModel, width: int, _height: int) -> Lines:
@@ -51,7 +51,7 @@ def trouble(model: SessionModel) -> str:
     last = picture.reading(model.gauges)
     step = last.seconds / last.tick if last.tick else 0.0
     silent = model.clock() - last.arrived
-    if picture.frozen or not picture.pace or silent < SILENCE + 2.0 * step / picture.pace:
+    if picture.frozen or not picture.pace or silent < SILENCE_TIMEOUT_S + 2.0 * step / picture.pace:
         return ""
     return f"NO DATA for {silent:.0f} s: the session does not answer"
 
@@ -88,7 +88,7 @@ def foot(keys: Sequence[tuple[str, str]], width: int, rows: int) -> Lines:
     for row in key_rows(keys, width, rows):
         parts: list[tuple[str, str]] = [(" ", "bar")]
         for label, says in row:
-            parts += [(label, "key"), (f" {says}{' ' * GAP}", "bar")]
+            parts += [(label, "key"), (f" {says}{' ' * KEY_GAP_COLUMNS}", "bar")]
         lines.append(fit(line(*parts), width, "bar"))
     return lines
 
@@ -111,7 +111,7 @@ def flowed(keys: Sequence[tuple[str, str]], width: int) -> list[list[tuple[str, 
             found.append([])
             used = 1
         found[-1].append(key)
-        used += wide + GAP
+        used += wide + KEY_GAP_COLUMNS
     return found
 
 
@@ -125,7 +125,7 @@ def key_at(
     for label, says in drawn[row] if row < len(drawn) else ():
         if start <= column < start + len(label) + 1 + len(says):
             return label, label if column <= start + len(label) else says
-        start += len(label) + 1 + len(says) + GAP
+        start += len(label) + 1 + len(says) + KEY_GAP_COLUMNS
     return "", ""
 
 
@@ -144,7 +144,7 @@ def helm(model: SessionModel, width: int, height: int) -> Lines:
 def planes(model: SessionModel, width: int, height: int) -> Lines:
     """Return the planes' panel: depth, heading and speed, attitude and both pairs of planes."""
     lines = [
-        *instruments(model, width, large=height >= PLANES),
+        *instruments(model, width, large=height >= LARGE_NUMBER_ROWS),
         scale(model, "stern", "diving", width),
         scale(model, "bow", "diving", width),
         angles(model, width),
@@ -166,7 +166,7 @@ def pilot(model: SessionModel, width: int, height: int) -> Lines:
 
 def gauges(model: SessionModel, width: int, height: int) -> Lines:
     """Return the repeaters: depth, heading, speed and attitude."""
-    lines = [*instruments(model, width, large=height >= GAUGES), angles(model, width)]
+    lines = [*instruments(model, width, large=height >= LARGE_GAUGE_ROWS), angles(model, width)]
     return [fit(each, width) for each in lines[:height]]
 
 
@@ -182,7 +182,7 @@ def periscope(model: SessionModel, width: int, height: int) -> Lines:
     optics = f" bearing {bearing}  off the bow {said('train')} deg  power {said('power')} x"
     mast = f" mast {said('going')}, {said('mast')} m out  view {said('view')}"
     lines = [
-        *instruments(model, width, large=height >= PLANES),
+        *instruments(model, width, large=height >= LARGE_NUMBER_ROWS),
         line((optics, "bright")),
         line((mast, "bright")),
         line((f" in the view: {picture.word('scope', 'sighted') or 'nothing'}", "bright")),

@@ -2,11 +2,11 @@
 
 from typing import Final
 
-from trainer.console.drawing.values import number, without
+from trainer.console.drawing.values import no_value_reason, number
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
 
-TANKS: Final = (
+TANK_LABELS: Final = (
     ("forward", "main forward"),
     ("mid", "main mid"),
     ("aft", "main aft"),
@@ -16,16 +16,16 @@ TANKS: Final = (
     ("auxiliary", "auxiliary"),
     ("depth_control", "depth control"),
 )
-MOVED: Final = {
+MOVING_FIELDS: Final = {
     "trim_forward": "moving_trim",
     "auxiliary": "moving_auxiliary",
     "depth_control": "moving_depth_control",
 }
-FLOODED: Final = ("flood_forward", "flood_centre", "flood_aft")
-BANKS: Final = (("main", "main bank"), ("emergency", "emergency"))
-VALVES: Final = ("forward", "mid", "aft", "negative")
-NAMES: Final = 15  # [columns]
-NUMBERS: Final = 21
+FLOODED_FIELDS: Final = ("flood_forward", "flood_centre", "flood_aft")
+BANK_LABELS: Final = (("main", "main bank"), ("emergency", "emergency"))
+VALVE_NAMES: Final = ("forward", "mid", "aft", "negative")
+NAME_COLUMNS: Final = 15  # [columns]
+NUMBER_COLUMNS: Final = 21
 
 
 def bar(share: float | None, width: int) -> str:
@@ -40,19 +40,19 @@ def levels(model: SessionModel, width: int, height: int) -> Lines:
     """Return the tanks, what is moved, and what has flooded."""
     picture = model.picture
     if not picture.word("tanks", "auxiliary"):
-        told = without(picture, "tanks", "this boat has no tanks")
+        told = no_value_reason(picture, "tanks", "this boat has no tanks")
         return [fit(line((f" {told}", "dim")), width)]
-    lines = [fit(pumping(model), width, "heading")]
-    for name, says in TANKS:
+    lines = [fit(pumping_heading(model), width, "heading")]
+    for name, says in TANK_LABELS:
         mass, share = picture.number("tanks", name), picture.number("tanks", f"{name}_full")
         if mass is None:
             continue
-        room = max(width - NAMES - NUMBERS, 0)
-        moving = picture.number("tanks", MOVED.get(name, "")) or 0.0
+        room = max(width - NAME_COLUMNS - NUMBER_COLUMNS, 0)
+        moving = picture.number("tanks", MOVING_FIELDS.get(name, "")) or 0.0
         told = f" {number(mass):>6} t {number(share, 0):>3} %"
         lines.append(
             line(
-                (f" {says:<{NAMES - 1}}", "dim"),
+                (f" {says:<{NAME_COLUMNS - 1}}", "dim"),
                 (bar(share, room), "ordered"),
                 (told, "value"),
                 (f" {moving:+.1f}" if moving else "", "warning"),
@@ -66,7 +66,7 @@ def floodwater(model: SessionModel) -> Line:
     """Return what has come in where none belongs."""
     found = [
         f"{name.removeprefix('flood_')} {number(mass)} t"
-        for name in FLOODED
+        for name in FLOODED_FIELDS
         if (mass := model.picture.number("tanks", name))
     ]
     if not found:
@@ -74,7 +74,7 @@ def floodwater(model: SessionModel) -> Line:
     return line((" FLOODED        ", "alarm"), (f" {', '.join(found)}", "warning"))
 
 
-def pumping(model: SessionModel) -> Line:
+def pumping_heading(model: SessionModel) -> Line:
     """Return the heading: whether the boat hovers, and what is drained."""
     picture = model.picture
     drained = picture.word("tanks", "draining") or "nothing"
@@ -93,13 +93,15 @@ def banks(model: SessionModel, width: int, height: int) -> Lines:
     compressor = picture.word("air", "compressor") or "-"
     heading = line((" air", "heading"), (f"            compressor {compressor}", "heading-dim"))
     lines = [fit(heading, width, "heading")]
-    for name, says in BANKS:
+    for name, says in BANK_LABELS:
         pressure, share = picture.number("air", name), picture.number("air", f"{name}_full")
         if pressure is None:
             continue
         told = f" {number(pressure):>6} MPa {number(share, 0):>3} %"
-        drawn = bar(share, max(width - NAMES - NUMBERS, 0))
-        lines.append(line((f" {says:<{NAMES - 1}}", "dim"), (drawn, "ordered"), (told, "value")))
+        drawn = bar(share, max(width - NAME_COLUMNS - NUMBER_COLUMNS, 0))
+        lines.append(
+            line((f" {says:<{NAME_COLUMNS - 1}}", "dim"), (drawn, "ordered"), (told, "value"))
+        )
     return [fit(each, width) for each in lines[:height]]
 
 
@@ -112,9 +114,9 @@ def valves(model: SessionModel, width: int, height: int) -> Lines:
     """Return how the levers stand, a row for each group."""
     picture = model.picture
     lines = [fit(line((" valves         vent     blow", "heading")), width, "heading")]
-    for name in VALVES:
+    for name in VALVE_NAMES:
         vent, blow = (picture.word("valves", f"{what}_{name}") for what in ("vent", "blow"))
-        lines.append(line((f" {name:<{NAMES - 1}}", "dim"), *lever(vent), *lever(blow)))
+        lines.append(line((f" {name:<{NAME_COLUMNS - 1}}", "dim"), *lever(vent), *lever(blow)))
     flood = picture.word("valves", "negative_flood")
     lines.append(line((" negative flood ", "dim"), *lever(flood)))
     return [fit(each, width) for each in lines[:height]]

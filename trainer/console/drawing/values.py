@@ -4,28 +4,28 @@ from typing import Final
 
 from trainer.console.readings import ChannelReadings
 
-NONE: Final = "-"
-SIDES: Final = {"rudder": "LR", "stern": "DR", "bow": "DR"}  # negative, positive
-RESTS: Final = 0.05  # [deg] less is zero, on no side
+NO_VALUE: Final = "-"
+SIDE_LETTERS: Final = {"rudder": "LR", "stern": "DR", "bow": "DR"}  # negative, positive
+ZERO_ANGLE_DEG: Final = 0.05  # [deg] less is zero, on no side
 SHORT_BELLS: Final = {"one-third": "1/3", "two-thirds": "2/3", "standard": "std"}
 
 
 def number(value: float | None, decimals: int = 1, sign: str = "-") -> str:
     """Return a number with its decimals, a dash for none; never a negative zero."""
     if value is None:
-        return NONE
+        return NO_VALUE
     return f"{round(value, decimals) + 0.0:{sign}.{decimals}f}"
 
 
-def without(picture: ChannelReadings, channel: str, says: str) -> str:
+def no_value_reason(picture: ChannelReadings, channel: str, says: str) -> str:
     """Return why there is no value: the boat has none, or a dash."""
-    return says if channel in picture.last else NONE
+    return says if channel in picture.last else NO_VALUE
 
 
 def course(value: float | None, decimals: int = 0) -> str:
     """Return a course with three digits before the point."""
     if value is None:
-        return NONE
+        return NO_VALUE
     turned = round(value, decimals) % 360.0
     return f"{turned:0{3 if not decimals else 4 + decimals}.{decimals}f}"
 
@@ -33,16 +33,16 @@ def course(value: float | None, decimals: int = 0) -> str:
 def surface(name: str, angle: float | None) -> str:
     """Return the angle of a surface with its side, such as R15.0."""
     if angle is None:
-        return NONE
-    side = " " if abs(angle) < RESTS else SIDES[name][angle > 0.0]
+        return NO_VALUE
+    side = " " if abs(angle) < ZERO_ANGLE_DEG else SIDE_LETTERS[name][angle > 0.0]
     return f"{side}{abs(angle):4.1f}"
 
 
 def attitude(value: float | None, positive: str, negative: str) -> str:
     """Return an angle of the boat with its side in words."""
     if value is None:
-        return NONE
-    side = "" if abs(value) < RESTS else f" {positive if value > 0.0 else negative}"
+        return NO_VALUE
+    side = "" if abs(value) < ZERO_ANGLE_DEG else f" {positive if value > 0.0 else negative}"
     return f"{abs(value):.1f}{side}"
 
 

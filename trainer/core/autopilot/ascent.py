@@ -1,44 +1,45 @@
 """The emergency blow with the planes automatic: the ascent with the bow up.
 
 Depth keeping would dive against the blow. While the emergency valve of a main tank is open, the
-stern planes hold a pitch of BUBBLE, more at speed, and the bow planes lie amidships. The after
-group is blown only while the bow is up, since the planes alone cannot hold it up at slow speed.
-Once the blow is over and the boat has come to rest for QUIET, it keeps the depth that it has, and
-depth keeping takes over without a jump. At the surface no depth is kept until one is ordered. The
-law is this project's own; its figures and what it does on BB2 are in docs/autopilot.md.
+stern planes hold a pitch of ASCENT_BUBBLE, more at speed, and the bow planes lie amidships. The
+after group is blown only while the bow is up, since the planes alone cannot hold it up at slow
+speed. Once the blow is over and the boat has come to rest for QUIET_TIME_S, it keeps the depth that
+it has, and depth keeping takes over without a jump. At the surface no depth is kept until one is
+ordered. The law is this project's own; its figures and what it does on BB2 are in
+docs/autopilot.md.
 """
 
 import math
 from typing import Final
 
-from trainer.core.autopilot.steering import OWN, stand_by
+from trainer.core.autopilot.steering import OWN_LAW, stand_by
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.vessel import PITCH_GAIN, PITCH_RATE_GAIN, STERN_GAINS
 from trainer.units import KNOT
 
-NONE, RISING, AFLOAT = 0, 1, 2  # of the state's ``ascent``
-EMERGENCY: Final = 2.0  # [-] of a blow valve
+NO_ASCENT, ASCENT_RISING, ASCENT_AFLOAT = 0, 1, 2  # of the state's ``ascent``
+EMERGENCY_OPENING: Final = 2.0  # [-] of a blow valve
 
 DEGREE: Final = math.pi / 180.0
-BUBBLE: Final = 10.0 * DEGREE  # [rad] bow up
-MORE: Final = 5.0 * DEGREE  # [rad] at speed
-FAST: Final = (9.0 * KNOT, 10.0 * KNOT)  # [m/s] from which to which it is added
-TAKEN_UP: Final = 1.5 * DEGREE  # [rad/s]
-HELD_AFT: Final = 5.0 * DEGREE  # [rad] pitch below which the after group is not blown
-STIFF, DAMPED = 1.5, 8.0  # [-], [s] least gains on pitch and its rate
-MOST: Final = 25.0 * DEGREE  # [rad] of the stern planes
+ASCENT_BUBBLE: Final = 10.0 * DEGREE  # [rad] bow up
+EXTRA_BUBBLE: Final = 5.0 * DEGREE  # [rad] at speed
+EXTRA_BUBBLE_SPEEDS: Final = (9.0 * KNOT, 10.0 * KNOT)  # [m/s] from which to which it is added
+BUBBLE_RATE: Final = 1.5 * DEGREE  # [rad/s]
+AFT_BLOW_PITCH: Final = 5.0 * DEGREE  # [rad] pitch below which the after group is not blown
+MIN_PITCH_GAIN, MIN_PITCH_RATE_GAIN = 1.5, 8.0  # [-], [s] least gains on pitch and its rate
+MAX_STERN_ANGLE: Final = 25.0 * DEGREE  # [rad] of the stern planes
 
-QUIET: Final = 30.0  # [s]
+QUIET_TIME_S: Final = 30.0  # [s]
 QUIET_RATE: Final = 0.3  # [m/s] of depth
 QUIET_PITCH: Final = 5.0 * DEGREE
-SURFACED: Final = 0.625  # [diameters] of the origin: the boat is at the surface
+SURFACED_DEPTH: Final = 0.625  # [diameters] of the origin: the boat is at the surface
 
 
 @part
 def is_blown(state: Record) -> bool:
     """Return whether a main tank's emergency valve is open."""
     s = state[0]
-    return EMERGENCY in (s.blow_forward, s.blow_mid, s.blow_aft)
+    return EMERGENCY_OPENING in (s.blow_forward, s.blow_mid, s.blow_aft)
 
 
 @part
@@ -46,7 +47,7 @@ def minds_blow(vessel: Record, state: Record) -> bool:
     """Return whether the pilot has planes with which to answer a blow."""
     s = state[0]
     planes = s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0
-    return planes and s.depth_law == OWN and vessel[0].gain_count > 0.0
+    return planes and s.depth_law == OWN_LAW and vessel[0].gain_count > 0.0
 
 
 @part
@@ -57,9 +58,9 @@ def watch_blow(vessel: Record, state: Record) -> None:
     """
     s = state[0]
     if not minds_blow(vessel, state):
-        s.ascent = NONE
-    elif is_blown(state) and s.ascent != RISING:
-        s.ascent = RISING
+        s.ascent = NO_ASCENT
+    elif is_blown(state) and s.ascent != ASCENT_RISING:
+        s.ascent = ASCENT_RISING
         s.ascent_pitch = s.theta
         s.ascent_quiet = s.ordered_depth = 0.0
 
@@ -73,11 +74,11 @@ def take_up_bubble(h: float, state: Record) -> None:
     s = state[0]
     wanted = 0.0
     if is_blown(state):
-        slow, fast = FAST
+        slow, fast = EXTRA_BUBBLE_SPEEDS
         share = (s.u - slow) / (fast - slow)
-        wanted = BUBBLE + MORE * min(max(share, 0.0), 1.0)
+        wanted = ASCENT_BUBBLE + EXTRA_BUBBLE * min(max(share, 0.0), 1.0)
     change = wanted - s.ascent_pitch
-    s.ascent_pitch += min(max(change, -TAKEN_UP * h), TAKEN_UP * h)
+    s.ascent_pitch += min(max(change, -BUBBLE_RATE * h), BUBBLE_RATE * h)
 
 
 @part
@@ -89,14 +90,14 @@ def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None
     c = vessel[0]
     s = state[0]
     take_up_bubble(h, state)
-    angle = max(STIFF, abs(gains[STERN_GAINS + PITCH_GAIN])) * (s.theta - s.ascent_pitch)
-    angle += max(DAMPED, abs(gains[STERN_GAINS + PITCH_RATE_GAIN])) * s.q
-    most = min(MOST, c.limit_s)
+    angle = max(MIN_PITCH_GAIN, abs(gains[STERN_GAINS + PITCH_GAIN])) * (s.theta - s.ascent_pitch)
+    angle += max(MIN_PITCH_RATE_GAIN, abs(gains[STERN_GAINS + PITCH_RATE_GAIN])) * s.q
+    most = min(MAX_STERN_ANGLE, c.limit_s)
     down = 1.0 if c.M_ds <= 0.0 else -1.0  # [-] sign of an angle that takes the bow down
     s.command_s = s.ordered_s if s.stern_by_hand != 0.0 else min(max(down * angle, -most), most)
     s.command_b = s.ordered_b if s.bow_by_hand != 0.0 else 0.0
-    if s.blow_forward == EMERGENCY:
-        s.blow_aft = EMERGENCY if s.theta > HELD_AFT else 0.0
+    if s.blow_forward == EMERGENCY_OPENING:
+        s.blow_aft = EMERGENCY_OPENING if s.theta > AFT_BLOW_PITCH else 0.0
 
 
 @part
@@ -108,12 +109,12 @@ def hand_back(vessel: Record, h: float, state: Record) -> None:
     s = state[0]
     still = abs(s.zdot) < QUIET_RATE and abs(s.theta) < QUIET_PITCH and not is_blown(state)
     s.ascent_quiet = s.ascent_quiet + h if still else 0.0
-    if s.ascent_quiet < QUIET:
+    if s.ascent_quiet < QUIET_TIME_S:
         return
-    if s.z < SURFACED * vessel[0].diameter:
-        s.ascent = AFLOAT
+    if s.z < SURFACED_DEPTH * vessel[0].diameter:
+        s.ascent = ASCENT_AFLOAT
         return
-    s.ascent = NONE
+    s.ascent = NO_ASCENT
     s.ordered_depth = s.depth_reference = s.z
     s.depth_reference_rate = 0.0
 
@@ -121,7 +122,7 @@ def hand_back(vessel: Record, h: float, state: Record) -> None:
 @part
 def come_up(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command the planes from an emergency blow until a depth is kept again."""
-    if state[0].ascent == AFLOAT:
+    if state[0].ascent == ASCENT_AFLOAT:
         lay_amidships(state)
     else:
         hold_bubble(vessel, h, gains, state)
@@ -144,6 +145,6 @@ def go_on_from(state: Record, surface: int, law: float) -> None:
     """
     s = state[0]
     stand_by(state, surface, law, False)  # noqa: FBT003 a fact
-    if s.ascent == NONE:
+    if s.ascent == NO_ASCENT:
         s.integral[surface] += s.handover[surface]
         s.handover[surface] = 0.0

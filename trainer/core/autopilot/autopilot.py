@@ -6,7 +6,7 @@ gains are interpolated over speed. The depth law of [ASSES] stands beside it for
 """
 
 from trainer.core.autopilot.ascent import (
-    NONE,
+    NO_ASCENT,
     come_up,
     go_on_from,
     lay_amidships,
@@ -60,7 +60,7 @@ def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None
     """
     s = state[0]
     watch_blow(vessel, state)
-    if s.ascent != NONE:
+    if s.ascent != NO_ASCENT:
         come_up(vessel, h, gains, state)
         go_on_from(state, STERN, plane_law(state, gains, first_gain(STERN)))
         go_on_from(state, BOW, plane_law(state, gains, first_gain(BOW)))

@@ -4,7 +4,7 @@ Its angle is the sum of gains times course error, yaw rate and sway, plus an int
 """
 
 from trainer.core.autopilot.reference import within
-from trainer.core.autopilot.steering import ASTERN, RUDDER, stand_by, steer
+from trainer.core.autopilot.steering import ASTERN_SPEED, RUDDER, stand_by, steer
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.vessel import COURSE_GAIN, COURSE_INTEGRAL_GAIN, SWAY_GAIN, YAW_RATE_GAIN
 
@@ -31,7 +31,7 @@ def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None
     if s.rudder_by_hand != 0.0:
         s.command_r = s.ordered_r
         stand_by(state, RUDDER, law, abs(s.r) < vessel[0].turning_rate)
-    elif s.u < ASTERN:
+    elif s.u < ASTERN_SPEED:
         s.command_r = within(-law, 0.0, vessel[0].limit_r)
         stand_by(state, RUDDER, law, False)  # noqa: FBT003 a fact
     else:

@@ -16,11 +16,11 @@ from typing import Final
 from trainer.core.autopilot.reference import leash, within
 from trainer.core.autopilot.report_law import report_angle
 from trainer.core.autopilot.steering import (
-    ASTERN,
+    ASTERN_SPEED,
     BOW,
-    OWN,
-    SETTLED,
-    SLOWEST,
+    LEVEL_SHARE,
+    MIN_DIVISOR_SPEED,
+    OWN_LAW,
     STERN,
     first_gain,
     is_level,
@@ -42,7 +42,7 @@ from trainer.core.vessel import (
 )
 from trainer.units import KNOT
 
-FAR: Final = 0.5  # [-] share of the leash, and of the allowed depth rate
+FAR_SHARE: Final = 0.5  # [-] share of the leash, and of the allowed depth rate
 LEAST_ASTERN: Final = 3.0 * KNOT  # [m/s] below it planes do not hold a boat going astern
 SURE_ASTERN: Final = 3.5 * KNOT  # [m/s] from there on they are used in full
 
@@ -54,7 +54,7 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
     ``first`` is the place where its gains begin.
     """
     s = state[0]
-    pitch_wanted = -s.depth_reference_rate / max(s.u, SLOWEST)
+    pitch_wanted = -s.depth_reference_rate / max(s.u, MIN_DIVISOR_SPEED)
     return (
         gains[first + DEPTH_GAIN] * (s.depth_reference - s.z)
         + gains[first + DEPTH_RATE_GAIN] * (s.depth_reference_rate - s.zdot)
@@ -89,9 +89,9 @@ def depth_error(gains: Numbers, state: Record) -> float:
     """
     s = state[0]
     error = s.depth_reference - s.z
-    rate, share = s.depth_reference_rate, SETTLED
-    if abs(error) > FAR * leash(gains, DEPTH_SLEW):
-        rate, share = s.zdot, FAR
+    rate, share = s.depth_reference_rate, LEVEL_SHARE
+    if abs(error) > FAR_SHARE * leash(gains, DEPTH_SLEW):
+        rate, share = s.zdot, FAR_SHARE
     return error if abs(rate) < share * gains[DEPTH_SLEW + SLEW_RATE] else 0.0
 
 
@@ -120,10 +120,10 @@ def keep_plane(
     if s.by_hand[surface] != 0.0:
         s.command[surface] = s.ordered[surface]
         stand_by(state, surface, law, is_level(gains, state))
-    elif s.depth_law != OWN:
+    elif s.depth_law != OWN_LAW:
         s.command[surface] = report_angle(vessel, state, surface)
         stand_by(state, surface, law, is_level(gains, state))
-    elif s.u < ASTERN:
+    elif s.u < ASTERN_SPEED:
         back(vessel, gains, state, surface)
         stand_by(state, surface, law, False)  # noqa: FBT003 a fact
     else:

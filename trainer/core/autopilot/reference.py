@@ -10,10 +10,10 @@ import math
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.vessel import DEPTH_SLEW, SLEW_ACCELERATION, SLEW_COUNT, SLEW_RATE
 
-DEPTH, COURSE = 0, 1  # axes
+DEPTH_AXIS, COURSE_AXIS = 0, 1  # axes
 
-LEASH = 0.25  # [-]
-APPROACH = 4.0  # [ticks] time constant of the last approach, too slow to hunt
+LEASH_SHARE = 0.25  # [-]
+APPROACH_TICKS = 4.0  # [ticks] time constant of the last approach, too slow to hunt
 
 
 @part
@@ -24,7 +24,7 @@ def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h
     stop.
     """
     size = abs(distance)
-    wanted = min(fastest, math.sqrt(gentlest * size), size / (APPROACH * h))
+    wanted = min(fastest, math.sqrt(gentlest * size), size / (APPROACH_TICKS * h))
     if distance < 0.0:
         wanted = -wanted
     change = min(max(wanted - rate, -gentlest * h), gentlest * h)
@@ -39,7 +39,7 @@ def leash(gains: Numbers, slew: int) -> float:
     """
     rate, acceleration = gains[slew + SLEW_RATE], gains[slew + SLEW_ACCELERATION]
     if acceleration > 0.0:
-        return LEASH * rate * rate / acceleration
+        return LEASH_SHARE * rate * rate / acceleration
     return 0.0
 
 
@@ -86,9 +86,9 @@ def slew_depth(h: float, gains: Numbers, state: Record) -> None:
     """
     s = state[0]
     if (s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0) or s.ascent != 0.0:
-        follow_boat(DEPTH, s.z, s.zdot, gains, state)
+        follow_boat(DEPTH_AXIS, s.z, s.zdot, gains, state)
     else:
-        move_reference(DEPTH, s.z, h, gains, state)
+        move_reference(DEPTH_AXIS, s.z, h, gains, state)
 
 
 @part
@@ -99,6 +99,6 @@ def slew_course(h: float, gains: Numbers, state: Record) -> None:
     """
     s = state[0]
     if s.rudder_by_hand != 0.0:
-        follow_boat(COURSE, s.psi, s.r, gains, state)
+        follow_boat(COURSE_AXIS, s.psi, s.r, gains, state)
     else:
-        move_reference(COURSE, s.psi, h, gains, state)
+        move_reference(COURSE_AXIS, s.psi, h, gains, state)

@@ -10,15 +10,15 @@ from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, part
 
 Section = tuple[float, float, float, float, float]
-KEPT: Final = 3  # numbers of a section in the state
+SECTION_SIZE: Final = 3  # numbers of a section in the state
 EARLY, LATE, OUTPUT = 0, 1, 2  # their places: two memories, and the output
-LONGEST: Final = 1.4  # [rad] largest half angle per step; a larger one cannot be warped
+MAX_HALF_ANGLE: Final = 1.4  # [rad] largest half angle per step; a larger one cannot be warped
 
 
 @part
 def warped(omega: float, h: float) -> float:
-    """Return tan(omega h/2) [-], with omega h/2 at most LONGEST."""
-    cos_half, sin_half = cosine_and_sine(min(0.5 * omega * h, LONGEST))
+    """Return tan(omega h/2) [-], with omega h/2 at most MAX_HALF_ANGLE."""
+    cos_half, sin_half = cosine_and_sine(min(0.5 * omega * h, MAX_HALF_ANGLE))
     return sin_half / cos_half
 
 

@@ -12,11 +12,13 @@ from typing import Final
 from trainer.core.autopilot.steering import is_turning
 from trainer.core.kernel import Record, part
 
-FOLLOW: Final = 5.0  # [s] of the low-passes
-ANSWERING: Final = 400.0  # [s] after an order, in which ...
-FAR: Final = 0.25  # [m/s] ... a larger error means that the boat still answers
-MOST: Final = (0.5, 0.5)  # [-] of the ordered speed, [m/s]: the largest trim
-PACE: Final = 0.1  # [m/s] command speed that the propeller may lack and count as at its order
+LOW_PASS_TIME_S: Final = 5.0  # [s] of the low-passes
+ANSWER_TIME_S: Final = 400.0  # [s] after an order, in which ...
+ANSWER_ERROR: Final = 0.25  # [m/s] ... a larger error means that the boat still answers
+MAX_SPEED_TRIM: Final = (0.5, 0.5)  # [-] of the ordered speed, [m/s]: the largest trim
+PROPELLER_SLACK: Final = (
+    0.1  # [m/s] command speed that the propeller may lack and count as at its order
+)
 
 
 @part
@@ -26,7 +28,7 @@ def follow_speed(h: float, state: Record) -> None:
     Count the time since another speed was ordered.
     """
     s = state[0]
-    share = h / (FOLLOW + h)
+    share = h / (LOW_PASS_TIME_S + h)
     s.speed_followed += share * (s.u - s.speed_followed)
     s.turn_followed += share * (s.r - s.turn_followed)
     s.speed_since = 0.0 if s.ordered_speed != s.speed_order else s.speed_since + h
@@ -36,7 +38,7 @@ def follow_speed(h: float, state: Record) -> None:
 @part
 def largest_trim(state: Record) -> float:
     """Return the largest trim [m/s] that is allowed, either way."""
-    share, rest = MOST
+    share, rest = MAX_SPEED_TRIM
     return share * abs(state[0].ordered_speed) + rest
 
 
@@ -49,13 +51,15 @@ def follow_trim(vessel: Record, h: float, state: Record) -> None:
     """
     c = vessel[0]
     s = state[0]
-    share = h / (FOLLOW + h)
+    share = h / (LOW_PASS_TIME_S + h)
     pace = c.speed_integral * max(s.speed_followed, 0.0) / c.gain_speed[0]
     rate = pace * (s.ordered_speed - s.u) - s.udot
     rate = 0.0 if is_turning(vessel, state) else rate
-    answering = abs(s.ordered_speed - s.speed_followed) > FAR and s.speed_since < ANSWERING
+    answering = (
+        abs(s.ordered_speed - s.speed_followed) > ANSWER_ERROR and s.speed_since < ANSWER_TIME_S
+    )
     first = s.speed_rate_1 + share * (rate - s.speed_rate_1)
-    answering = answering or abs(s.command_u_c - s.u_c) > PACE
+    answering = answering or abs(s.command_u_c - s.u_c) > PROPELLER_SLACK
     first = 0.0 if answering else first
     second = s.speed_rate_2 + share * (first - s.speed_rate_2)
     s.speed_rate_1, s.speed_rate_2 = first, 0.0 if answering else second
@@ -82,8 +86,8 @@ def is_short(vessel: Record, state: Record) -> bool:
     """Return whether the engine gives all it can and the boat remains too slow."""
     c = vessel[0]
     s = state[0]
-    lacking = s.ordered_speed - s.speed_followed > FAR
-    all_given = s.command_u_c >= c.u_c_ahead or s.command_u_c - s.u_c > PACE
+    lacking = s.ordered_speed - s.speed_followed > ANSWER_ERROR
+    all_given = s.command_u_c >= c.u_c_ahead or s.command_u_c - s.u_c > PROPELLER_SLACK
     all_given = all_given or s.speed_trim >= largest_trim(state)
     return lacking and all_given and not is_turning(vessel, state)
 

@@ -16,16 +16,18 @@ from trainer.core.vessel import (
     STERN_GAINS,
 )
 
-OWN, REPORT, REPORT_LITERAL = 0, 1, 2  # depth laws
+OWN_LAW, REPORT_LAW, REPORT_LITERAL = 0, 1, 2  # depth laws
 RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record
 
 GAIN_COUNT: Final = len(GAINS)
 
-SLOWEST: Final = 0.5  # [m/s] the least speed that is divided by
-ASTERN: Final = -0.25  # [m/s] below it surfaces are put over the other way
-HANDOVER: Final = 0.25  # [-] boat lengths that are run while a hand-over fades
-SETTLED: Final = 0.1  # [-] share of the allowed rate and acceleration, below which flight is level
-STANDS: Final = 1e-6  # [rad] a surface this near its order has arrived
+MIN_DIVISOR_SPEED: Final = 0.5  # [m/s] the least speed that is divided by
+ASTERN_SPEED: Final = -0.25  # [m/s] below it surfaces are put over the other way
+HANDOVER_LENGTHS: Final = 0.25  # [-] boat lengths that are run while a hand-over fades
+LEVEL_SHARE: Final = (
+    0.1  # [-] share of the allowed rate and acceleration, below which flight is level
+)
+ARRIVAL_TOLERANCE: Final = 1e-6  # [rad] a surface this near its order has arrived
 
 
 @part
@@ -56,8 +58,8 @@ def first_gain(surface: int) -> int:
 def is_level(gains: Numbers, state: Record) -> bool:
     """Return whether the boat neither changes depth nor pitches, so that its trim shows."""
     s = state[0]
-    pitch_rate = SETTLED * gains[DEPTH_SLEW + SLEW_ACCELERATION] / max(s.u, SLOWEST)
-    return abs(s.zdot) < SETTLED * gains[DEPTH_SLEW + SLEW_RATE] and abs(s.q) < pitch_rate
+    pitch_rate = LEVEL_SHARE * gains[DEPTH_SLEW + SLEW_ACCELERATION] / max(s.u, MIN_DIVISOR_SPEED)
+    return abs(s.zdot) < LEVEL_SHARE * gains[DEPTH_SLEW + SLEW_RATE] and abs(s.q) < pitch_rate
 
 
 @part
@@ -80,7 +82,7 @@ def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  #
     """
     s = state[0]
     trim = s.surface[surface] - law
-    if settled and abs(s.command[surface] - s.surface[surface]) < STANDS:
+    if settled and abs(s.command[surface] - s.surface[surface]) < ARRIVAL_TOLERANCE:
         s.integral[surface] = trim
     s.handover[surface] = trim - s.integral[surface]
 
@@ -104,7 +106,7 @@ def steer(vessel: Record, state: Record, surface: int, law: float, step: float) 
 def fade(vessel: Record, h: float, state: Record) -> None:
     """Reduce the hand-overs of the surfaces that are steered, as they fade in ``h`` [s]."""
     s = state[0]
-    left = exponential(-h * max(s.u, SLOWEST) / (HANDOVER * vessel[0].ell))
+    left = exponential(-h * max(s.u, MIN_DIVISOR_SPEED) / (HANDOVER_LENGTHS * vessel[0].ell))
     for surface in range(3):
-        steered = s.by_hand[surface] == 0.0 and (surface == RUDDER or s.depth_law == OWN)
+        steered = s.by_hand[surface] == 0.0 and (surface == RUDDER or s.depth_law == OWN_LAW)
         s.handover[surface] *= left if steered else 1.0

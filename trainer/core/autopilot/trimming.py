@@ -1,8 +1,8 @@
 """Automatic trim: water takes over what the planes carry, and pitch becomes zero.
 
-Lift and moment of the planes in steady flight, averaged over MEMORY, say how heavy the boat is and
-where. So much water is let into the auxiliary tank or pumped out, and moved between the trim tanks.
-The pumps are those that the crew uses, and they work as fast as for the crew. Meanwhile the
+Lift and moment of the planes in steady flight, averaged over TRIM_MEMORY_S, say how heavy the boat
+is and where. So much water is let into the auxiliary tank or pumped out, and moved between the trim
+tanks. The pumps are those that the crew uses, and they work as fast as for the crew. Meanwhile the
 integral of the stern planes levels the boat, so that the angle which remains is that of level
 flight. The law is this project's own; its limits are estimates, taken per mass and length of the
 boat on which they were flown.
@@ -11,20 +11,20 @@ boat on which they were flown.
 import math
 from typing import Final
 
-from trainer.core.autopilot.steering import OWN, is_turning
+from trainer.core.autopilot.steering import OWN_LAW, is_turning
 from trainer.core.ballast.hover import is_hovering
 from trainer.core.ballast.tanks import TRIM_AFT, TRIM_FORWARD
 from trainer.core.kernel import Record, part
 
-MEMORY: Final = 60.0  # [s]
-NEAR: Final = 2.0  # [m] of the ordered depth
-UNDER_WAY: Final = 1.0  # [m/s]
-GRADUAL: Final = 200.0  # [s] in which the trim is corrected
-HEAVY: Final = 3.4e-5  # [-] of the mass (150 kg for BB2): less is left alone ...
-STEEP: Final = 9.1e-6  # [-] ... likewise of what moves between the trim tanks (40 kg)
-FLOODED, MOVED = 20.0, 50.0  # [kg/s] at most
-LEVELLING: Final = 0.004  # [1/s] rate of the stern planes' integral per pitch
-FREE: Final = 20.0 * math.pi / 180.0  # [rad] beyond it the stern planes have other work
+TRIM_MEMORY_S: Final = 60.0  # [s]
+MAX_DEPTH_ERROR_M: Final = 2.0  # [m] of the ordered depth
+MIN_TRIM_SPEED: Final = 1.0  # [m/s]
+TRIM_TIME_S: Final = 200.0  # [s] in which the trim is corrected
+MIN_HEAVINESS: Final = 3.4e-5  # [-] of the mass (150 kg for BB2): less is left alone ...
+MIN_IMBALANCE: Final = 9.1e-6  # [-] ... likewise of what moves between the trim tanks (40 kg)
+MAX_FLOOD_RATE, MAX_TRANSFER_RATE = 20.0, 50.0  # [kg/s] at most
+LEVELLING_RATE: Final = 0.004  # [1/s] rate of the stern planes' integral per pitch
+MAX_FREE_PLANES: Final = 20.0 * math.pi / 180.0  # [rad] beyond it the stern planes have other work
 
 
 @part
@@ -32,8 +32,8 @@ def is_trimming(state: Record) -> bool:
     """Return whether the boat is in the steady flight in which its trim shows."""
     s = state[0]
     automatic = s.stern_by_hand == 0.0 and s.bow_by_hand == 0.0
-    free = s.ascent == 0.0 and not is_hovering(state) and s.depth_law == OWN
-    near = abs(s.ordered_depth - s.z) < NEAR and s.u > UNDER_WAY
+    free = s.ascent == 0.0 and not is_hovering(state) and s.depth_law == OWN_LAW
+    near = abs(s.ordered_depth - s.z) < MAX_DEPTH_ERROR_M and s.u > MIN_TRIM_SPEED
     return automatic and free and near
 
 
@@ -45,7 +45,7 @@ def beyond(wanted: float, least: float, h: float, most: float) -> float:
     """
     if abs(wanted) <= least:
         return 0.0
-    return min(max(wanted * h / GRADUAL, -most * h), most * h)
+    return min(max(wanted * h / TRIM_TIME_S, -most * h), most * h)
 
 
 @part
@@ -59,7 +59,7 @@ def keep_trim(vessel: Record, h: float, state: Record) -> None:
     s.trim_flood = s.trim_forward = 0.0
     if s.trim_by_hand != 0.0:
         return
-    share = h / (MEMORY + h)
+    share = h / (TRIM_MEMORY_S + h)
     square = s.u * s.u
     lift = square * (c.Z_ds * s.delta_s + c.Z_db * s.delta_b)
     moment = square * (c.M_ds * s.delta_s + c.M_db * s.delta_b)
@@ -68,11 +68,11 @@ def keep_trim(vessel: Record, h: float, state: Record) -> None:
     s.trim_pitch += share * (s.theta - s.trim_pitch)
     if not is_trimming(state) or is_turning(vessel, state):
         return
-    if c.limit_b > 0.0 and abs(s.delta_s) < FREE:
+    if c.limit_b > 0.0 and abs(s.delta_s) < MAX_FREE_PLANES:
         down = 1.0 if c.M_ds <= 0.0 else -1.0
-        s.stern_integral += down * LEVELLING * h * s.trim_pitch
+        s.stern_integral += down * LEVELLING_RATE * h * s.trim_pitch
     arm = c.x[TRIM_FORWARD] - c.x[TRIM_AFT]
-    s.trim_flood = beyond(s.trim_lift / c.g, HEAVY * c.mass, h, FLOODED)
+    s.trim_flood = beyond(s.trim_lift / c.g, MIN_HEAVINESS * c.mass, h, MAX_FLOOD_RATE)
     if arm > 0.0:
         along = -s.trim_moment / (c.g * arm)
-        s.trim_forward = beyond(along, STEEP * c.mass, h, MOVED)
+        s.trim_forward = beyond(along, MIN_IMBALANCE * c.mass, h, MAX_TRANSFER_RATE)

@@ -14,28 +14,28 @@ estimates. docs/autopilot.md has what they reach, and what failed.
 
 from typing import Final
 
-from trainer.core.autopilot.sections import KEPT, OUTPUT, notch, pass_section
+from trainer.core.autopilot.sections import OUTPUT, SECTION_SIZE, notch, pass_section
 from trainer.core.autopilot.steering import STERN, first_gain
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.vessel import PITCH_RATE_GAIN, STERN_GAINS
 
-SLOW: Final = 0.3  # [rad/s] slower motion is the boat's own
-MEMORY: Final = 60.0  # [s] over which the strength of the waves is averaged
-FELT: Final = 0.013  # [m/s] depth rate, rms, from which there are waves
-LAST: Final = 3.0  # [periods] without a crossing, after which there are no waves
-FADE: Final = 30.0  # [s] in which the law changes over
-COUNTED: Final = 12.0  # [-] waves over which the time between them is averaged
-SHORTEST: Final = 1.5  # [s] between two crossings that count
-BELOW, ABOVE = 0.8, 1.25  # [-] of the frequency met, where the notches are
-ZEROS, POLES = 0.1, 0.4  # [-] damping ratios of the notches
-NOTCHES: Final = 2 * KEPT  # numbers of a pair's notches in the state
-LOWER, UPPER = 0, KEPT  # their places: the notch below the frequency met, and that above
+SLOW_FREQUENCY: Final = 0.3  # [rad/s] slower motion is the boat's own
+WAVE_MEMORY_S: Final = 60.0  # [s] over which the strength of the waves is averaged
+FELT_DEPTH_RATE: Final = 0.013  # [m/s] depth rate, rms, from which there are waves
+MAX_QUIET_PERIODS: Final = 3.0  # [periods] without a crossing, after which there are no waves
+FADE_TIME_S: Final = 30.0  # [s] in which the law changes over
+AVERAGED_WAVES: Final = 12.0  # [-] waves over which the time between them is averaged
+MIN_CROSSING_S: Final = 1.5  # [s] between two crossings that count
+LOWER_NOTCH, UPPER_NOTCH = 0.8, 1.25  # [-] of the frequency met, where the notches are
+ZERO_DAMPING, POLE_DAMPING = 0.1, 0.4  # [-] damping ratios of the notches
+NOTCH_SIZE: Final = 2 * SECTION_SIZE  # numbers of a pair's notches in the state
+LOWER, UPPER = 0, SECTION_SIZE  # their places: the notch below the frequency met, and that above
 # by the frequency met over the loop's own: limits, then gains above, between and below them
-LIMITS: Final = (2.0, 1.2)
-SOFT: Final = (1.0, 0.7, 0.5)  # [-] on depth, its rate and pitch
-DAMPED: Final = (1.0, 0.85, 0.7)  # [-] on the pitch rate
-LEARNT: Final = (1.5, 0.7, 0.5)  # [-] on the integral
-BLEND: Final = 0.1  # [-] of a limit, either way, over which the gains change
+FREQUENCY_LIMITS: Final = (2.0, 1.2)
+SOFT_GAINS: Final = (1.0, 0.7, 0.5)  # [-] on depth, its rate and pitch
+PITCH_RATE_GAINS: Final = (1.0, 0.85, 0.7)  # [-] on the pitch rate
+INTEGRAL_GAINS: Final = (1.5, 0.7, 0.5)  # [-] on the integral
+LIMIT_BLEND: Final = 0.1  # [-] of a limit, either way, over which the gains change
 
 
 @part
@@ -46,10 +46,10 @@ def count(h: float, band: float, state: Record) -> None:
     """
     s = state[0]
     s.wave_since += h
-    if s.wave_band < 0.0 <= band and s.wave_since >= SHORTEST:
+    if s.wave_band < 0.0 <= band and s.wave_since >= MIN_CROSSING_S:
         if s.wave_count > 0.0:
             s.wave_period += (s.wave_since - s.wave_period) / s.wave_count
-        s.wave_count = min(s.wave_count + 1.0, COUNTED)
+        s.wave_count = min(s.wave_count + 1.0, AVERAGED_WAVES)
         s.wave_since = 0.0
 
 
@@ -57,13 +57,13 @@ def count(h: float, band: float, state: Record) -> None:
 def are_counted(state: Record) -> bool:
     """Return whether enough waves came by lately for their period to be known."""
     s = state[0]
-    return s.wave_count >= COUNTED and s.wave_since < LAST * s.wave_period
+    return s.wave_count >= AVERAGED_WAVES and s.wave_since < MAX_QUIET_PERIODS * s.wave_period
 
 
 @part
 def are_felt(state: Record) -> bool:
     """Return whether waves move the boat."""
-    return state[0].wave_power > FELT * FELT
+    return state[0].wave_power > FELT_DEPTH_RATE * FELT_DEPTH_RATE
 
 
 @part
@@ -76,13 +76,13 @@ def sense_waves(h: float, state: Record) -> None:
     if s.sea_height == 0.0 and s.wave_share == 0.0:
         s.wave_count = s.wave_power = 0.0
         return
-    s.wave_slow += h * SLOW / (1.0 + h * SLOW) * (s.zdot - s.wave_slow)
+    s.wave_slow += h * SLOW_FREQUENCY / (1.0 + h * SLOW_FREQUENCY) * (s.zdot - s.wave_slow)
     band = s.zdot - s.wave_slow
     count(h, band, state)
     s.wave_band = band
-    s.wave_power += h / (MEMORY + h) * (band * band - s.wave_power)
+    s.wave_power += h / (WAVE_MEMORY_S + h) * (band * band - s.wave_power)
     there = are_felt(state) and are_counted(state)
-    step = h / FADE if there else -h / FADE
+    step = h / FADE_TIME_S if there else -h / FADE_TIME_S
     s.wave_share = min(max(s.wave_share + step, 0.0), 1.0)
 
 
@@ -98,10 +98,10 @@ def between_limits(ratio: float, factor: tuple[float, float, float]) -> float:
 
     ``ratio`` [-] is the frequency met over the loop's own.
     """
-    high, low = LIMITS
+    high, low = FREQUENCY_LIMITS
     above, between, below = factor
-    upper = (ratio / high - 1.0 + BLEND) / (2.0 * BLEND)
-    lower = (ratio / low - 1.0 + BLEND) / (2.0 * BLEND)
+    upper = (ratio / high - 1.0 + LIMIT_BLEND) / (2.0 * LIMIT_BLEND)
+    lower = (ratio / low - 1.0 + LIMIT_BLEND) / (2.0 * LIMIT_BLEND)
     rise = min(max(upper, 0.0), 1.0) * (above - between)
     return below + min(max(lower, 0.0), 1.0) * (between - below) + rise
 
@@ -126,15 +126,22 @@ def pass_notches(
     s = state[0]
     if s.wave_share == 0.0:
         return
-    place = NOTCHES * (surface - STERN)
+    place = NOTCH_SIZE * (surface - STERN)
     ratio = frequency_ratio(vessel, gains, state)
     damping = gains[first_gain(surface) + PITCH_RATE_GAIN] * s.q
-    x = between_limits(ratio, SOFT) * (law - damping) + between_limits(ratio, DAMPED) * damping
+    x = (
+        between_limits(ratio, SOFT_GAINS) * (law - damping)
+        + between_limits(ratio, PITCH_RATE_GAINS) * damping
+    )
     omega = frequency_met(state)
-    fresh = s.wave_share <= h / FADE
-    pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, fresh, place + LOWER, s.notch)
+    fresh = s.wave_share <= h / FADE_TIME_S
+    pass_section(
+        notch(LOWER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING), x, fresh, place + LOWER, s.notch
+    )
     x = s.notch[place + LOWER + OUTPUT]
-    pass_section(notch(ABOVE * omega, h, ZEROS, POLES), x, fresh, place + UPPER, s.notch)
+    pass_section(
+        notch(UPPER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING), x, fresh, place + UPPER, s.notch
+    )
 
 
 @part
@@ -143,7 +150,7 @@ def law_in_waves(state: Record, surface: int, law: float) -> float:
     s = state[0]
     if s.wave_share == 0.0:
         return law
-    past = s.notch[NOTCHES * (surface - STERN) + UPPER + OUTPUT]
+    past = s.notch[NOTCH_SIZE * (surface - STERN) + UPPER + OUTPUT]
     return law + s.wave_share * (past - law)
 
 
@@ -153,5 +160,5 @@ def learning_in_waves(vessel: Record, gains: Numbers, state: Record) -> float:
     s = state[0]
     if s.wave_share == 0.0:
         return 1.0
-    factor = between_limits(frequency_ratio(vessel, gains, state), LEARNT)
+    factor = between_limits(frequency_ratio(vessel, gains, state), INTEGRAL_GAINS)
     return 1.0 + s.wave_share * (factor - 1.0)

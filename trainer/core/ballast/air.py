@@ -13,18 +13,20 @@ import math
 from typing import Final
 
 from trainer.core.ballast.tanks import (
-    ATMOSPHERE,
+    ATMOSPHERIC_PRESSURE,
     EMERGENCY_BANK,
     MAIN_BANK,
-    NEGATIVE,
+    NEGATIVE_TANK,
     admit,
     sea_pressure,
     through_hole,
 )
 from trainer.core.kernel import Record, kernel, part
 
-THINNEST: Final = 0.5 * ATMOSPHERE  # [Pa] in a tank high out of the water, whose ports draw air
-CRITICAL: Final = 0.528  # [-] pressure ratio above which the flow of air is not choked
+MIN_TANK_PRESSURE: Final = (
+    0.5 * ATMOSPHERIC_PRESSURE
+)  # [Pa] in a tank high out of the water, whose ports draw air
+CRITICAL_RATIO: Final = 0.528  # [-] pressure ratio above which the flow of air is not choked
 
 
 @part
@@ -34,11 +36,11 @@ def sonic_share(ratio: float) -> float:
     ``ratio`` [-] is the pressure behind over the pressure before. The law is ISO 6358's quarter
     ellipse, within 2 % of St. Venant's equation and free of powers.
     """
-    if ratio <= CRITICAL:
+    if ratio <= CRITICAL_RATIO:
         return 1.0
     if ratio >= 1.0:
         return 0.0
-    beyond = (ratio - CRITICAL) / (1.0 - CRITICAL)
+    beyond = (ratio - CRITICAL_RATIO) / (1.0 - CRITICAL_RATIO)
     return math.sqrt(1.0 - beyond * beyond)
 
 
@@ -114,8 +116,8 @@ def vent(vessel: Record, tank: int, top: float, h: float, state: Record) -> None
     area = c.vent_area[tank] * vent_opening(tank, state)
     volume, space = (c.capacity[tank] - s.water[tank]) / c.rho, c.capacity[tank] / c.rho
     head = min(top, 0.0) + c.height[tank] * volume / space  # [m] negative only in the open air
-    pressure = ATMOSPHERE + c.rho * c.g * (head + max(top, 0.0))
-    density = max(pressure, THINNEST) / c.gas
+    pressure = ATMOSPHERIC_PRESSURE + c.rho * c.g * (head + max(top, 0.0))
+    density = max(pressure, MIN_TANK_PRESSURE) / c.gas
     flow = through_hole(density, area, c.rho * c.g * abs(head)) * h
     passed = min(flow, abs(head) / c.height[tank] * space * density)
     passed = min(passed, s.tank_air[tank]) if head > 0.0 else -passed
@@ -137,7 +139,7 @@ def settle(vessel: Record, tank: int, top: float, h: float, state: Record) -> No
     s = state[0]
     space = c.capacity[tank] / c.rho
     volume = (c.capacity[tank] - s.water[tank]) / c.rho
-    p_top = max(ATMOSPHERE + c.rho * c.g * top, THINNEST)
+    p_top = max(ATMOSPHERIC_PRESSURE + c.rho * c.g * top, MIN_TANK_PRESSURE)
     slope = c.rho * c.g * c.height[tank] / space
     content = s.tank_air[tank] * c.gas
     balance = 2.0 * content / (p_top + math.sqrt(p_top * p_top + 4.0 * slope * content))
@@ -163,7 +165,7 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
     """
     b = ballast[0]
     s = state[0]
-    if tank == NEGATIVE and s.negative_flood <= 0.0:
+    if tank == NEGATIVE_TANK and s.negative_flood <= 0.0:
         return False
     if s.tank_air[tank] > 0.0 or s.water[tank] < b.capacity[tank]:
         return True
@@ -200,7 +202,11 @@ def fill_with_air(vessel: Record, tank: int, depth: float, state: Record) -> Non
         return
     empty = 1.0 - s.water[tank] / c.capacity[tank]
     level = depth + c.height[tank] * (empty - 0.5)
-    pressure = ATMOSPHERE if tank == NEGATIVE else ATMOSPHERE + c.rho * c.g * level
+    pressure = (
+        ATMOSPHERIC_PRESSURE
+        if tank == NEGATIVE_TANK
+        else ATMOSPHERIC_PRESSURE + c.rho * c.g * level
+    )
     s.tank_air[tank] = pressure * empty * c.capacity[tank] / (c.rho * c.gas)
 
 

@@ -10,12 +10,12 @@ as they are, as in the report.
 from trainer.core.ballast.air import at_work, compress, fill_with_air, work_blown_tank
 from trainer.core.ballast.pumps import work_pumps
 from trainer.core.ballast.tanks import (
-    ATMOSPHERE,
+    ATMOSPHERIC_PRESSURE,
     DEPTH_CONTROL,
-    DISCHARGE,
-    END,
+    DISCHARGE_COEFFICIENT,
     FIRST_DRY,
-    NEGATIVE,
+    NEGATIVE_TANK,
+    TANKS_END,
     TRIM_FORWARD,
     admit,
     sea_pressure,
@@ -31,7 +31,7 @@ def balance(vessel: Record, state: Record) -> None:
     c = vessel[0]
     s = state[0]
     weight, x, y, z = 0.0, 0.0, 0.0, 0.0
-    for i in range(END):
+    for i in range(TANKS_END):
         more = (s.water[i] - c.start[i]) * c.g
         weight += more
         x += more * (c.x[i] - c.x_g)
@@ -54,11 +54,11 @@ def flood_breach(vessel: Record, tank: int, depth: float, h: float, state: Recor
     c = vessel[0]
     s = state[0]
     outside = sea_pressure(c.rho * c.g, depth)
-    limit, inside = c.capacity[tank], ATMOSPHERE
+    limit, inside = c.capacity[tank], ATMOSPHERIC_PRESSURE
     if tank >= FIRST_DRY:
-        limit *= 1.0 - ATMOSPHERE / outside
-        inside = ATMOSPHERE / (1.0 - min(s.water[tank], limit) / c.capacity[tank])
-    area = DISCHARGE * s.breach[tank - TRIM_FORWARD]
+        limit *= 1.0 - ATMOSPHERIC_PRESSURE / outside
+        inside = ATMOSPHERIC_PRESSURE / (1.0 - min(s.water[tank], limit) / c.capacity[tank])
+    area = DISCHARGE_COEFFICIENT * s.breach[tank - TRIM_FORWARD]
     amount = min(through_hole(c.rho, area, outside - inside) * h, limit - s.water[tank])
     if amount > 0.0:
         admit(vessel, tank, amount, state)
@@ -78,11 +78,11 @@ def advance_ballast(vessel: Record, h: float, state: Record) -> None:
     cos_phi, sin_phi = cosine_and_sine(s.phi)
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     work_pumps(vessel, h, state)
-    for i in range(TRIM_FORWARD, END):
+    for i in range(TRIM_FORWARD, TANKS_END):
         if s.breach[i - TRIM_FORWARD] > 0.0 and c.capacity[i] > 0.0:
             depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
             flood_breach(vessel, i, depth, h, state)
-    for i in range(NEGATIVE + 1):
+    for i in range(NEGATIVE_TANK + 1):
         if at_work(vessel, i, state):
             depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
             work_blown_tank(vessel, i, depth, h, state)
@@ -101,9 +101,9 @@ def start_ballast(vessel: Record, state: Record) -> None:
     s = state[0]
     if c.fitted == 0.0:
         return
-    for i in range(END):
+    for i in range(TANKS_END):
         s.water[i] = c.start[i]
-    for i in range(NEGATIVE + 1):
+    for i in range(NEGATIVE_TANK + 1):
         fill_with_air(vessel, i, s.z + c.z[i], state)
     for i in range(c.bank_full.size):
         s.bank[i] = c.bank_full[i]

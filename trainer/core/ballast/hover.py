@@ -1,6 +1,7 @@
 """Hovering: the depth-control tank keeps the ordered depth of a boat that makes little way.
 
-An order to hover at more than WAY waits: the planes keep the depth until then, never both.
+An order to hover at more than MAX_WAY_SPEED waits: the planes keep the depth until then, never
+both.
 
 A depth error asks for a depth rate, within limits. An error in that rate asks for an acceleration,
 and so for water, at the natural frequency of the vessel file and a damping ratio. In waves that are
@@ -10,45 +11,55 @@ the boat unstable there; that growth is added to the water asked for. The integr
 the boat is out of trim. It rests while the tank or the pump cannot give what is wanted.
 
 What the pump cannot hold is given up, and the planes keep the depth. Under waves that is an error
-that has grown by FURTHEST, or one that grows faster than the pump can turn, CATCH of R g/(Q p^3)
-for the pole p of the suction. It is also a pump that has been at its most for LONGEST. Law and
-limits are this project's own; docs/autopilot.md has its figures.
+that has grown by MAX_ERROR_GROWTH_M, or one that grows faster than the pump can turn, CATCH_SHARE
+of R g/(Q p^3) for the pole p of the suction. It is also a pump that has been at its most for
+MAX_CATCH_TIME_S. Law and limits are this project's own; docs/autopilot.md has its figures.
 """
 
 import math
 from typing import Final
 
-from trainer.core.autopilot.sections import KEPT, OUTPUT, low_pass, notch, pass_section
-from trainer.core.autopilot.waves import ABOVE, BELOW, are_counted, are_felt, frequency_met
+from trainer.core.autopilot.sections import OUTPUT, SECTION_SIZE, low_pass, notch, pass_section
+from trainer.core.autopilot.waves import (
+    LOWER_NOTCH,
+    UPPER_NOTCH,
+    are_counted,
+    are_felt,
+    frequency_met,
+)
 from trainer.core.ballast.tanks import DEPTH_CONTROL, DEPTH_CONTROL_PUMP
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.sea.forces import suction
 from trainer.units import KNOT
 
 # in a calm, and in waves that are felt
-SOFTER: Final = (1.0, 0.8)  # [-] on the natural frequency
-DAMPING: Final = (1.0, 1.5)  # [-]
-INTEGRAL: Final = (0.4, 0.2)  # [-] times frequency^2
-ZEROS, POLES = 0.1, 0.6  # [-] damping ratios of the notches
-LOWER, UPPER, SMOOTH = 0, KEPT, 2 * KEPT  # places of the filter: two notches, the low-pass
-SLOW, SLOW_DAMPING = 0.15, 0.8  # [rad/s], [-] of the low-pass
-NEAR: Final = 5.0  # [m] most error for which the growth of suction is counted
-SOON: Final = 20.0  # [s] of pumping; where less is ordered the integral learns
+FREQUENCY_FACTORS: Final = (1.0, 0.8)  # [-] on the natural frequency
+DAMPING_RATIOS: Final = (1.0, 1.5)  # [-]
+INTEGRAL_FACTORS: Final = (0.4, 0.2)  # [-] times frequency^2
+ZERO_DAMPING, POLE_DAMPING = 0.1, 0.6  # [-] damping ratios of the notches
+LOWER, UPPER, SMOOTH = (
+    0,
+    SECTION_SIZE,
+    2 * SECTION_SIZE,
+)  # places of the filter: two notches, the low-pass
+SLOW_FREQUENCY, SLOW_DAMPING = 0.15, 0.8  # [rad/s], [-] of the low-pass
+MAX_SUCTION_ERROR_M: Final = 5.0  # [m] most error for which the growth of suction is counted
+LEARNING_TIME_S: Final = 20.0  # [s] of pumping; where less is ordered the integral learns
 
-WAY: Final = 3.0 * KNOT  # [m/s] from there on planes hold a boat better
-FURTHEST: Final = 5.0  # [m]
-CATCH: Final = 0.7  # [-]
-LONGEST: Final = 120.0  # [s]
-AWAY: Final = 4.0 * KNOT  # [m/s] speed ordered where hovering is given up
-GROUPS: Final = 2.5  # [-] pump wanted over p F/g, since waves come in groups: estimate
-SURE: Final = 0.8  # [-] of the pump that may be wanted
+MAX_WAY_SPEED: Final = 3.0 * KNOT  # [m/s] from there on planes hold a boat better
+MAX_ERROR_GROWTH_M: Final = 5.0  # [m]
+CATCH_SHARE: Final = 0.7  # [-]
+MAX_CATCH_TIME_S: Final = 120.0  # [s]
+GIVE_UP_SPEED: Final = 4.0 * KNOT  # [m/s] speed ordered where hovering is given up
+GROUP_FACTOR: Final = 2.5  # [-] pump wanted over p F/g, since waves come in groups: estimate
+SURE_PUMP_SHARE: Final = 0.8  # [-] of the pump that may be wanted
 
 
 @part
 def is_hovering(state: Record) -> bool:
     """Return whether the tank keeps the depth."""
     s = state[0]
-    return s.hover > 0.0 and abs(s.u) < WAY
+    return s.hover > 0.0 and abs(s.u) < MAX_WAY_SPEED
 
 
 @part
@@ -79,7 +90,7 @@ def wanted_pump(vessel: Record, depth: float, state: Record) -> float:
         return 0.0
     lift, _ = suction(vessel[0].g, s.sea_omega, s.sea_height, depth)
     lift *= s.sea_suction * heaved_mass(vessel)
-    return GROUPS * math.sqrt(gradient) * lift / vessel[0].g
+    return GROUP_FACTOR * math.sqrt(gradient) * lift / vessel[0].g
 
 
 @part
@@ -96,19 +107,23 @@ def follow_error(h: float, state: Record) -> None:
     if are_counted(state):
         omega = frequency_met(state)
         anew = fresh or s.hover_notched == 0.0
-        pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, anew, LOWER, kept)
+        pass_section(
+            notch(LOWER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING), x, anew, LOWER, kept
+        )
         x = kept[LOWER + OUTPUT]
-        pass_section(notch(ABOVE * omega, h, ZEROS, POLES), x, anew, UPPER, kept)
+        pass_section(
+            notch(UPPER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING), x, anew, UPPER, kept
+        )
         x = kept[UPPER + OUTPUT]
         s.hover_notched = 1.0
     else:
         s.hover_notched = 0.0
     last = kept[SMOOTH + OUTPUT]
-    pass_section(low_pass(SLOW, h, SLOW_DAMPING), x, fresh, SMOOTH, kept)
+    pass_section(low_pass(SLOW_FREQUENCY, h, SLOW_DAMPING), x, fresh, SMOOTH, kept)
     s.hover_error = kept[SMOOTH + OUTPUT]
     s.hover_error_rate = 0.0 if fresh else (s.hover_error - last) / h
-    room = abs(s.hover_error) + FURTHEST
-    s.hover_room = room if fresh else max(min(s.hover_room, room), FURTHEST)
+    room = abs(s.hover_error) + MAX_ERROR_GROWTH_M
+    s.hover_room = room if fresh else max(min(s.hover_room, room), MAX_ERROR_GROWTH_M)
 
 
 @part
@@ -124,8 +139,8 @@ def is_beyond(vessel: Record, gradient: float, state: Record) -> bool:
     pole = math.sqrt(gradient)
     rate_of_pump = vessel[0].pump_rate[DEPTH_CONTROL_PUMP]
     caught = rate_of_pump * vessel[0].g / (heaved_mass(vessel) * pole * pole * pole)
-    lost = abs(error) > s.hover_room or abs(error + rate / pole) > CATCH * caught
-    return lost or s.hover_full > LONGEST
+    lost = abs(error) > s.hover_room or abs(error + rate / pole) > CATCH_SHARE * caught
+    return lost or s.hover_full > MAX_CATCH_TIME_S
 
 
 @part
@@ -139,7 +154,7 @@ def give_up(state: Record) -> None:
     s.to_move[DEPTH_CONTROL_PUMP] = 0.0
     s.hover_time = 0.0
     if s.speed_by_hand == 0.0:
-        s.ordered_speed = max(s.ordered_speed, AWAY)
+        s.ordered_speed = max(s.ordered_speed, GIVE_UP_SPEED)
 
 
 @part
@@ -151,11 +166,11 @@ def order_water(vessel: Record, gradient: float, h: float, state: Record) -> Non
     c = vessel[0]
     s = state[0]
     rough = 1 if are_felt(state) else 0
-    frequency, damping = SOFTER[rough] * c.hover_frequency, DAMPING[rough]
+    frequency, damping = FREQUENCY_FACTORS[rough] * c.hover_frequency, DAMPING_RATIOS[rough]
     per_acceleration = heaved_mass(vessel) / c.g  # [kg s2/m] of water
     asked = s.hover_error * frequency / (2.0 * damping)
     lack = min(max(asked, -c.hover_rate), c.hover_rate) + s.hover_error_rate
-    held = gradient * min(max(s.hover_error, -NEAR), NEAR)
+    held = gradient * min(max(s.hover_error, -MAX_SUCTION_ERROR_M), MAX_SUCTION_ERROR_M)
     wanted = s.hover_integral
     wanted += per_acceleration * (2.0 * damping * frequency * lack + held)
     possible = min(max(wanted, 0.0), c.capacity[DEPTH_CONTROL])
@@ -163,8 +178,8 @@ def order_water(vessel: Record, gradient: float, h: float, state: Record) -> Non
     rate = c.pump_rate[DEPTH_CONTROL_PUMP]
     size = abs(s.to_move[DEPTH_CONTROL_PUMP])
     s.hover_full = s.hover_full + h if size > rate * h else 0.0
-    if wanted == possible and size < SOON * rate:
-        learnt = INTEGRAL[rough] * frequency * frequency * lack * h
+    if wanted == possible and size < LEARNING_TIME_S * rate:
+        learnt = INTEGRAL_FACTORS[rough] * frequency * frequency * lack * h
         s.hover_integral += per_acceleration * learnt
 
 

@@ -8,12 +8,12 @@ import math
 
 from trainer.core.ballast.hover import hover, is_hovering
 from trainer.core.ballast.tanks import (
-    AUXILIARY,
+    AUXILIARY_TANK,
     DEPTH_CONTROL,
     DEPTH_CONTROL_PUMP,
     DRAIN_PUMP,
-    END,
     FIRST_DRY,
+    TANKS_END,
     TRIM_AFT,
     TRIM_FORWARD,
     TRIM_PUMP,
@@ -101,7 +101,7 @@ def flood_auxiliary(ballast: Record, h: float, state: Record) -> None:
     s = state[0]
     most = sound_rate(ballast, DRAIN_PUMP, state) * h
     amount = min(max(s.trim_flood, -most * delivery(ballast, s.z)), most)
-    admit(ballast, AUXILIARY, amount, state)
+    admit(ballast, AUXILIARY_TANK, amount, state)
 
 
 @part
@@ -109,7 +109,7 @@ def drain(ballast: Record, h: float, state: Record) -> None:
     """Pump out the compartment ordered."""
     s = state[0]
     place = FIRST_DRY - 1 + int(s.drained)
-    if FIRST_DRY <= place < END:
+    if FIRST_DRY <= place < TANKS_END:
         most = sound_rate(ballast, DRAIN_PUMP, state) * h
         admit(ballast, place, -most * delivery(ballast, s.z), state)
 
@@ -133,7 +133,7 @@ def work_pumps(vessel: Record, h: float, state: Record) -> None:
     if s.drained > 0.0:
         drain(vessel, h, state)
     elif s.to_move[DRAIN_PUMP] != 0.0:
-        pump_tank(vessel, DRAIN_PUMP, AUXILIARY, h, state)
+        pump_tank(vessel, DRAIN_PUMP, AUXILIARY_TANK, h, state)
     elif s.trim_flood != 0.0:
         flood_auxiliary(vessel, h, state)
     if s.to_move[DEPTH_CONTROL_PUMP] != 0.0:

@@ -11,25 +11,30 @@ import numpy as np
 
 from trainer.core.kernel import Field, Record, part, record_dtype
 
-BLOWN: Final = ("forward", "mid", "aft", "negative")  # emptied by air through their flood ports
-PUMPED: Final = ("trim_forward", "trim_aft", "auxiliary", "depth_control")
+BLOWN_TANKS: Final = (
+    "forward",
+    "mid",
+    "aft",
+    "negative",
+)  # emptied by air through their flood ports
+PUMPED_TANKS: Final = ("trim_forward", "trim_aft", "auxiliary", "depth_control")
 COMPARTMENTS: Final = ("compartment_forward", "compartment_centre", "compartment_aft")
-TANKS: Final = (*BLOWN, *PUMPED, *COMPARTMENTS)
+TANKS: Final = (*BLOWN_TANKS, *PUMPED_TANKS, *COMPARTMENTS)
 BANKS: Final = ("main", "emergency")
 PUMPS: Final = ("trim", "drain", "depth_control")
 
 # places in the above
-NEGATIVE = 3
-TRIM_FORWARD, TRIM_AFT, AUXILIARY, DEPTH_CONTROL = 4, 5, 6, 7
-FIRST_DRY, END = 8, 11  # the compartments
+NEGATIVE_TANK = 3
+TRIM_FORWARD, TRIM_AFT, AUXILIARY_TANK, DEPTH_CONTROL = 4, 5, 6, 7
+FIRST_DRY, TANKS_END = 8, 11  # the compartments
 MAIN_BANK, EMERGENCY_BANK = 0, 1
 TRIM_PUMP, DRAIN_PUMP, DEPTH_CONTROL_PUMP = 0, 1, 2
 
-ATMOSPHERE: Final = 101325.0  # [Pa] outside, and in a tank or compartment vented inboard
-DISCHARGE: Final = 0.6  # [-] of a sharp-edged hole
+ATMOSPHERIC_PRESSURE: Final = 101325.0  # [Pa] outside, and in a tank or compartment vented inboard
+DISCHARGE_COEFFICIENT: Final = 0.6  # [-] of a sharp-edged hole
 
-STATIONS: Final = 5  # of the hull, for its buoyancy at the surface
-LAYERS: Final = 4  # most points of the density profile
+HULL_STATIONS: Final = 5  # of the hull, for its buoyancy at the surface
+MAX_DENSITY_LAYERS: Final = 4  # most points of the density profile
 
 BALLAST_FIELDS: Final[tuple[Field, ...]] = (
     "fitted",  # [-] 0: a boat without tanks, whose weight and balance are never touched
@@ -40,11 +45,11 @@ BALLAST_FIELDS: Final[tuple[Field, ...]] = (
     ("z", (len(TANKS),)),
     ("start", (len(TANKS),)),  # [kg] at which the vessel's weight and balance hold
     # by blown tank
-    ("height", (len(BLOWN),)),  # [m] flood port to vent
-    ("port", (len(BLOWN),)),  # [m2] effective area of the flood ports
-    ("vent_area", (len(BLOWN),)),  # [m2] effective area of the vent, likewise of the valves
-    ("blow_area", (len(BLOWN),)),
-    ("emergency_area", (len(BLOWN),)),
+    ("height", (len(BLOWN_TANKS),)),  # [m] flood port to vent
+    ("port", (len(BLOWN_TANKS),)),  # [m2] effective area of the flood ports
+    ("vent_area", (len(BLOWN_TANKS),)),  # [m2] effective area of the vent, likewise of the valves
+    ("blow_area", (len(BLOWN_TANKS),)),
+    ("emergency_area", (len(BLOWN_TANKS),)),
     # by bank
     ("bank_volume", (len(BANKS),)),  # [m3]
     ("bank_full", (len(BANKS),)),  # [kg]
@@ -59,12 +64,12 @@ BALLAST_FIELDS: Final[tuple[Field, ...]] = (
     "compressibility",  # [kg/m] buoyancy lost with depth
     "reference_depth",  # [m] where the vessel's buoyancy holds
     "layers",  # [-] points of the density profile
-    ("layer_depth", (LAYERS,)),  # [m] ascending
-    ("layer_density", (LAYERS,)),  # [kg/m3] above the vessel file's
+    ("layer_depth", (MAX_DENSITY_LAYERS,)),  # [m] ascending
+    ("layer_density", (MAX_DENSITY_LAYERS,)),  # [kg/m3] above the vessel file's
     "hull_diameter",  # [m] of the section that emerges
     "hull_axis",  # [m] z of its centre
-    ("station_x", (STATIONS,)),  # [m]
-    ("station_share", (STATIONS,)),  # [-] of the buoyancy
+    ("station_x", (HULL_STATIONS,)),  # [m]
+    ("station_share", (HULL_STATIONS,)),  # [-] of the buoyancy
 )
 
 BALLAST: Final = record_dtype(*BALLAST_FIELDS)
@@ -82,7 +87,7 @@ def sea_pressure(specific: float, depth: float) -> float:
     ``specific`` is the weight of the water per volume [N/m3]. Above the sea it is the pressure of
     the atmosphere.
     """
-    return ATMOSPHERE + specific * max(depth, 0.0)
+    return ATMOSPHERIC_PRESSURE + specific * max(depth, 0.0)
 
 
 @part

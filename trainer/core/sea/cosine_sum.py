@@ -8,9 +8,10 @@ above the boat the phase
 where D and C are the integrals of omega_p^2/g times the boat's speed along and across the wind. So
 no change of period, direction, course or speed makes the surface jump, and three numbers carry all
 the phases. Departures: each component has a frequency of its own, drawn inside its band. The bands
-share the whole variance below PART of it, instead of that between 0.2 and 1.8 rad/s, so that small
-seas keep their height (at 20 to 45 knots the two are much the same). The bands are equal in
-Pierson-Moskowitz's spectrum; a peaked one weights the same components by how much it exceeds that.
+share the whole variance below VARIANCE_SHARE of it, instead of that between 0.2 and 1.8 rad/s, so
+that small seas keep their height (at 20 to 45 knots the two are much the same). The bands are equal
+in Pierson-Moskowitz's spectrum; a peaked one weights the same components by how much it exceeds
+that.
 """
 
 import math
@@ -21,15 +22,18 @@ from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import SEA_FREQUENCY, SEA_PHASE, uniform
 from trainer.core.state import SEA_COMPONENTS
 
-BANDS: Final = 10
-PART: Final = 0.995  # [-] of the variance lies below the highest frequency, 4 times the peak's
+BAND_COUNT: Final = 10
+VARIANCE_SHARE: Final = (
+    0.995  # [-] of the variance lies below the highest frequency, 4 times the peak's
+)
 
 # Directions -60, -30, 0, 30 and 60 degrees from the wind, as cosine and sine, and the amplitude of
-# their components for variance 1, sqrt(2 (2/pi) a_i/BANDS). The weights a_i are exact, sum pi/2:
+# their components for variance 1, sqrt(2 (2/pi) a_i/BAND_COUNT). The weights a_i are exact, sum
+# pi/2:
 # pi/6 ahead, sqrt(3)/4 and (pi/3 - sqrt(3)/2)/2 to the sides (errata H4-H6).
 ANGLE_COS: Final = (0.5, 0.8660254037844386, 1.0, 0.8660254037844386, 0.5)
 ANGLE_SIN: Final = (-0.8660254037844386, -0.5, 0.0, 0.5, 0.8660254037844386)
-WEIGHT: Final = (
+DIRECTION_WEIGHTS: Final = (
     0.10739542413197807,
     0.23480393851504963,
     0.2581988897471611,
@@ -72,9 +76,9 @@ def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
     total = 0.0
     for i in range(SEA_COMPONENTS):
         inside = uniform(int(seed), SEA_FREQUENCY, i)
-        work.relative[i] = below(PART * (i % BANDS + inside) / BANDS)
+        work.relative[i] = below(VARIANCE_SHARE * (i % BAND_COUNT + inside) / BAND_COUNT)
         work.phase_start[i] = 6.283185307179586 * (uniform(int(seed), SEA_PHASE, i) - 0.5)
-        work.amplitude[i] = WEIGHT[i // BANDS]
+        work.amplitude[i] = DIRECTION_WEIGHTS[i // BAND_COUNT]
         if gamma != 1.0:
             work.amplitude[i] *= math.sqrt(peakedness(gamma, work.relative[i]))
         total += 0.5 * work.amplitude[i] * work.amplitude[i]
@@ -100,7 +104,7 @@ def phase(scratch: Record, state: Record, i: int) -> float:
     s = state[0]
     work = scratch[0]
     q = work.relative[i]
-    met = s.sea_along * ANGLE_COS[i // BANDS] + s.sea_across * ANGLE_SIN[i // BANDS]
+    met = s.sea_along * ANGLE_COS[i // BAND_COUNT] + s.sea_across * ANGLE_SIN[i // BAND_COUNT]
     return work.phase_start[i] + q * s.sea_turned - q * q * met
 
 

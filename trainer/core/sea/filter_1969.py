@@ -18,16 +18,18 @@ import numpy as np
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import SEA_FILTER, gaussian
-from trainer.core.state import DEGREE
+from trainer.core.state import FILTER_DEGREE
 from trainer.units import KNOT
 
-PEAK: Final = 0.8771632473301956  # [-] peak frequency times wind speed over g, (4 0.74/5)^(1/4)
+PEAK_FACTOR: Final = (
+    0.8771632473301956  # [-] peak frequency times wind speed over g, (4 0.74/5)^(1/4)
+)
 LOW_DAMPING: Final = 0.325
 HIGH_DAMPING: Final = 0.707
-SIMILAR: Final = (0.90, 0.50)  # [-] w_L U/g, w_H U/g
+SIMILAR_FREQUENCIES: Final = (0.90, 0.50)  # [-] w_L U/g, w_H U/g
 # wind [kn], w_L [rad/s], w_H [rad/s]
 WIND, CORNERS = 0, 1
-TABLE: Final = np.array([[35.0, 0.48, 0.27], [40.0, 0.43, 0.24], [45.0, 0.39, 0.21]])
+WIND_TABLE: Final = np.array([[35.0, 0.48, 0.27], [40.0, 0.43, 0.24], [45.0, 0.39, 0.21]])
 # places in the memory: three high-pass sections, then the low-pass, each with two numbers
 LOW_PASS: Final = 6
 LAST_BUT_ONE: Final = 1
@@ -35,7 +37,7 @@ ELEVATION_POWER, QUADRATURE_POWER = 6, 7  # of x, in the numerators of the two o
 G_OF_TABLE: Final = 32.2 * 0.3048  # [m/s2]
 # Largest half angle per step: a larger one cannot be pre-warped. Only winds below 13 kn with
 # steps near 2 s reach it; their variance stays exact.
-WIDEST: Final = 1.4  # [rad]
+MAX_HALF_ANGLE: Final = 1.4  # [rad]
 
 
 @kernel
@@ -44,21 +46,21 @@ def corner(omega: float, g: float, which: int) -> float:
 
     It is that for a peak at ``omega`` [rad/s].
     """
-    wind = PEAK * g / omega  # [m/s]
+    wind = PEAK_FACTOR * g / omega  # [m/s]
     knots = wind / KNOT
-    product = SIMILAR[which]
+    product = SIMILAR_FREQUENCIES[which]
     for row in range(3):
-        share = 1.0 - abs(knots - TABLE[row, WIND])
+        share = 1.0 - abs(knots - WIND_TABLE[row, WIND])
         if share > 0.0:
-            tabled = TABLE[row, CORNERS + which] * TABLE[row, WIND] * KNOT / G_OF_TABLE
+            tabled = WIND_TABLE[row, CORNERS + which] * WIND_TABLE[row, WIND] * KNOT / G_OF_TABLE
             product += share * (tabled - product)
     return product * g / wind
 
 
 @kernel
 def warp(omega: float, h: float) -> float:
-    """Return tan(omega h/2) [-], with omega h/2 at most WIDEST."""
-    adjacent, opposite = cosine_and_sine(min(0.5 * omega * h, WIDEST))
+    """Return tan(omega h/2) [-], with omega h/2 at most MAX_HALF_ANGLE."""
+    adjacent, opposite = cosine_and_sine(min(0.5 * omega * h, MAX_HALF_ANGLE))
     return opposite / adjacent
 
 
@@ -73,7 +75,7 @@ def section(c: float, damping: float) -> tuple[float, float, float]:
 def _times(scratch: Record, first: float, second: float, third: float) -> None:
     """Multiply the polynomial ``a`` by first x^2 + second x + third, or first x + second."""
     work = scratch[0]
-    for i in range(DEGREE, -1, -1):
+    for i in range(FILTER_DEGREE, -1, -1):
         value = first * work.a[i]
         if i >= 1:
             value += second * work.a[i - 1]
@@ -86,13 +88,13 @@ def _times(scratch: Record, first: float, second: float, third: float) -> None:
 def _powers(scratch: Record) -> None:
     """Write the integrals of |b/a|^2 and |d/a|^2 over the frequency axis, over 2 pi.
 
-    ``a`` has degree DEGREE, ``b`` and ``d`` are one lower; all are used up. K. Astrom,
+    ``a`` has degree FILTER_DEGREE, ``b`` and ``d`` are one lower; all are used up. K. Astrom,
     Introduction to Stochastic Control Theory (1970), chapter 5, section 3: the integral of
     a rational spectrum by one Routh table, exact but for rounding.
     """
     work = scratch[0]
     work.elevation_power = work.quadrature_power = 0.0
-    for degree in range(DEGREE, 0, -1):
+    for degree in range(FILTER_DEGREE, 0, -1):
         alpha = work.a[0] / work.a[1]
         beta, delta = work.b[1] / work.a[1], work.d[1] / work.a[1]
         work.elevation_power += 0.5 * beta * beta / alpha
@@ -117,7 +119,7 @@ def filter_powers(low: float, high: float, scratch: Record) -> None:
     twice the analogue integral of |H(s)/(1 + s)|^2 over 2 pi; here s = low x.
     """
     work = scratch[0]
-    for i in range(DEGREE + 1):
+    for i in range(FILTER_DEGREE + 1):
         work.a[i] = work.b[i] = work.d[i] = 0.0
     work.a[0] = 1.0
     ratio = high / low
@@ -125,8 +127,8 @@ def filter_powers(low: float, high: float, scratch: Record) -> None:
     for _ in range(3):
         _times(scratch, 1.0, 2.0 * HIGH_DAMPING * ratio, ratio * ratio)
     _times(scratch, low, 1.0, 0.0)
-    work.b[DEGREE - ELEVATION_POWER] = 1.0
-    work.d[DEGREE - QUADRATURE_POWER] = 1.0
+    work.b[FILTER_DEGREE - ELEVATION_POWER] = 1.0
+    work.d[FILTER_DEGREE - QUADRATURE_POWER] = 1.0
     _powers(scratch)
     work.elevation_power *= 2.0 * low
     work.quadrature_power *= 2.0 * low

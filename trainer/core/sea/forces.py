@@ -1,11 +1,12 @@
 """Forces of the waves on the submerged boat: Froude-Krylov and added mass, flow, suction.
 
-The water's own acceleration at the depth of the axis pushes on the hull in STRIPS along it, each
-with its displaced mass and its added masses down and sideways. Hull and waves are seen from above,
-so that pitch and heel do not enter. The first-order forms are an extension of this project's:
-[ASSES] computed its forces but did not print them. Take one component of amplitude a and wave
-number k at depth d, heading off by chi, with phase A above the boat's origin and E = g k exp(-k d).
-At the strip x_i ahead of the origin, with c_i = cos(k x_i cos chi) and s_i = sin(k x_i cos chi):
+The water's own acceleration at the depth of the axis pushes on the hull in STRIP_COUNT along it,
+each with its displaced mass and its added masses down and sideways. Hull and waves are seen from
+above, so that pitch and heel do not enter. The first-order forms are an extension of this
+project's: [ASSES] computed its forces but did not print them. Take one component of amplitude a and
+wave number k at depth d, heading off by chi, with phase A above the boat's origin and E = g k
+exp(-k d). At the strip x_i ahead of the origin, with c_i = cos(k x_i cos chi) and s_i = sin(k x_i
+cos chi):
 
     C_i = E a (cos A c_i + sin A s_i)               S_i = E a (sin A c_i - cos A s_i)
     X = -cos chi sum (m_i + x_i) S_i                Z = sum (m_i + a_i) C_i
@@ -41,23 +42,26 @@ import numpy as np
 
 from trainer.core.elementary import cosine_and_sine, exponential, logarithm
 from trainer.core.kernel import Numbers, Record, kernel, part
-from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BANDS, phase
+from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, phase
 from trainer.core.state import (
     AXIAL,
     LATERAL,
     NORMAL,
     PITCHING,
     SEA_COMPONENTS,
+    STRIP_COUNT,
     STRIP_ROWS,
-    STRIPS,
     YAWING,
 )
 from trainer.core.surfaced import share_above
 
-TAPER: Final = (4.0, 5.0)  # [-] hull diameters from which to which waves fade out ([ASSES])
+TAPER_DIAMETERS: Final = (
+    4.0,
+    5.0,
+)  # [-] hull diameters from which to which waves fade out ([ASSES])
 ROWS_PER_TURN: Final = 3.0  # [1/rad] rows of the strips' table for each radian of k L cos chi
 LAST_TRUE: Final = 72  # row of the table, 24 rad, beyond which it fades to zero
-NUMBERS: Final = 4  # of each sum over strips
+SUM_NUMBERS: Final = 4  # of each sum over strips
 COS, SIN, X_COS, X_SIN = 0, 1, 2, 3  # their places
 PLACE, SHARES = 0, 1  # rows of the strips: x over the length, then three shares
 SURGE, SWAY, SWAY_ADDED, HEAVE, HEAVE_ADDED, PITCH, PITCH_ADDED = range(7)  # sums over the waves
@@ -65,15 +69,15 @@ YAW, YAW_ADDED, RISE, SWING, FLOW = range(7, 12)
 # ln of the integral of S(x) x^n exp(-2 kappa x^2) over the Pierson-Moskowitz spectrum, n 4 and 6,
 # by 1, ln kappa, sqrt kappa, kappa and kappa^2. Fitted by this project, within 0.3 % from
 # kappa 0.3 to 8
-FADING: Final = np.array(
+FADING_FIT: Final = np.array(
     [
         [2.04138, -0.0429752, -3.922061, -0.477556, 0.003725196],
         [1.853509, -0.622394, -3.445212, -0.556254, 0.005174789],
     ]
 )
 BY_1, BY_LOG, BY_ROOT, BY_KAPPA, BY_SQUARE = 0, 1, 2, 3, 4  # columns of it
-SHALLOWEST: Final = 0.3  # [-] kappa
-DEEPEST: Final = 60.0  # of the fit: no wave is left
+MIN_KAPPA: Final = 0.3  # [-] kappa
+MAX_KAPPA: Final = 60.0  # of the fit: no wave is left
 
 
 @part
@@ -86,20 +90,24 @@ def taper(vessel: Record, state: Record) -> float:
     diameter = vessel[0].diameter
     if s.sea_taper == 0.0 or diameter <= 0.0:
         return 1.0
-    begins, ends = TAPER
+    begins, ends = TAPER_DIAMETERS
     t = min(max(s.z / diameter - begins, 0.0) / (ends - begins), 1.0)
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
 @part
 def fading(row: int, kappa: float) -> float:
-    """Return ln of one of FADING's integrals [-].
+    """Return ln of one of FADING_FIT's integrals [-].
 
     ``kappa`` is the peak's wave number times the depth.
     """
     root = math.sqrt(kappa)
-    value = FADING[row, BY_1] + FADING[row, BY_LOG] * logarithm(kappa) + FADING[row, BY_ROOT] * root
-    return value + kappa * (FADING[row, BY_KAPPA] + FADING[row, BY_SQUARE] * kappa)
+    value = (
+        FADING_FIT[row, BY_1]
+        + FADING_FIT[row, BY_LOG] * logarithm(kappa)
+        + FADING_FIT[row, BY_ROOT] * root
+    )
+    return value + kappa * (FADING_FIT[row, BY_KAPPA] + FADING_FIT[row, BY_SQUARE] * kappa)
 
 
 @kernel
@@ -111,7 +119,7 @@ def suction(g: float, omega: float, height: float, depth: float) -> tuple[float,
     I3. Nearer to the surface than kappa 0.3 it is as it is there.
     """
     number = omega * omega / g
-    kappa = min(max(number * depth, SHALLOWEST), DEEPEST)
+    kappa = min(max(number * depth, MIN_KAPPA), MAX_KAPPA)
     force = 0.125 * g * number * number * height * height
     lift = force * exponential(fading(0, kappa))
     return lift, 2.0 * number * force * exponential(fading(1, kappa))
@@ -130,9 +138,9 @@ def are_summed(vessel: Record, scratch: Record) -> bool:
     c, work = vessel[0], scratch[0]
     same = 0
     for i in range(4):
-        for strip in range(STRIPS):
+        for strip in range(STRIP_COUNT):
             same += 1 if work.strips_of[i, strip] == c.strips[i, strip] else 0
-    return same == 4 * STRIPS
+    return same == 4 * STRIP_COUNT
 
 
 @part
@@ -154,13 +162,13 @@ def prepare_strips(vessel: Record, scratch: Record) -> None:
     """Write the sums over the boat's strips by wave number."""
     c, work = vessel[0], scratch[0]
     for i in range(4):
-        for strip in range(STRIPS):
+        for strip in range(STRIP_COUNT):
             work.strips_of[i, strip] = c.strips[i, strip]
     for row in range(STRIP_ROWS + 1):
         for kind in range(3):
-            for j in range(NUMBERS):
+            for j in range(SUM_NUMBERS):
                 work.strip_sums[row, kind, j] = 0.0
-        for strip in range(STRIPS):
+        for strip in range(STRIP_COUNT):
             add_strip(row, strip, scratch)
 
 
@@ -314,7 +322,7 @@ def add_sum(scratch: Record, state: Record) -> None:
     height = 0.25 * s.sea_height * math.sqrt(s.sea_cosines)
     chi_cos, chi_sin = cosine_and_sine(s.sea_direction - s.psi)
     for i in range(SEA_COMPONENTS):
-        angle_cos, angle_sin = ANGLE_COS[i // BANDS], ANGLE_SIN[i // BANDS]
+        angle_cos, angle_sin = ANGLE_COS[i // BAND_COUNT], ANGLE_SIN[i // BAND_COUNT]
         work.along = chi_cos * angle_cos - chi_sin * angle_sin
         work.across = chi_sin * angle_cos + chi_cos * angle_sin
         omega = s.sea_omega * work.relative[i]

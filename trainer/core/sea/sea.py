@@ -21,7 +21,7 @@ from trainer.core.state import SEA_QUANTITIES
 
 HEIGHT, OMEGA, GAMMA, DIRECTION, COSINES, SUCTION = range(6)
 OLD, PEAKED, TAPER = range(6, len(SEA_QUANTITIES) + 1)
-TURN: Final = 6.283185307179586
+FULL_TURN: Final = 6.283185307179586
 WARM_UP: Final = 100.0  # [s] at least; a period is two time constants of the slowest section
 WARM_UP_PERIODS: Final = 10.0
 
@@ -39,7 +39,7 @@ def begin_sea(g: float, h: float, scratch: Record, state: Record) -> None:
     for i in range(s.sea_memory.size):
         s.sea_memory[i] = 0.0
     s.sea_drift = 0.0
-    longest = max(WARM_UP, WARM_UP_PERIODS * TURN / s.sea_omega)
+    longest = max(WARM_UP, WARM_UP_PERIODS * FULL_TURN / s.sea_omega)
     for back in range(math.ceil(longest / h), 0, -1):
         tick = int(s.tick) - back
         filter_noise(scratch, gaussian(int(s.seed), SEA_FILTER, tick), state)
@@ -62,13 +62,13 @@ def order_sea(
     if wanted[HEIGHT] == 0.0:
         for i in range(1, s.sea.size):
             s.sea_target[i] = s.sea[i]
-    turns = math.floor((s.sea_target[DIRECTION] - s.sea_direction) / TURN + 0.5)
+    turns = math.floor((s.sea_target[DIRECTION] - s.sea_direction) / FULL_TURN + 0.5)
     if s.sea_height == 0.0 and wanted[HEIGHT] != 0.0:
         turns = 0
         for i in range(1, s.sea.size):
             s.sea[i] = wanted[i]
         begin_sea(vessel[0].g, h, scratch, state)
-    s.sea_target[DIRECTION] -= TURN * turns
+    s.sea_target[DIRECTION] -= FULL_TURN * turns
     s.sea_ramp = ramp
     if ramp <= 0.0:
         for i in range(s.sea.size):

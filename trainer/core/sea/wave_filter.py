@@ -32,8 +32,8 @@ SLOWEST_CLOCK: Final = 0.1  # [-] least pace of the clock, where a boat is as fa
 MOST_STEPS: Final = 64  # internal steps in a tick; only waves above Nyquist need more
 WARM_UP: Final = 600  # internal steps after which e^-12 of the slowest mode is left
 STEEPEST_TURN: Final = 1.3  # [rad] of the peak wave in a tick; up to it all bands are there
-RAISED: Final = 1.8  # [-] peakedness beyond which the peaked bank is nearer: estimate
-OUTPUTS: Final = 4  # elevation, quadrature, and the force's two
+RAISED_PEAKEDNESS: Final = 1.8  # [-] peakedness beyond which the peaked bank is nearer: estimate
+OUTPUT_COUNT: Final = 4  # elevation, quadrature, and the force's two
 # [-] k_p z of the rows
 FORCE_DEPTHS: Final = np.array([0.0, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0])
 
@@ -44,7 +44,7 @@ def _read(text: str, *shape: int) -> Numbers:
 
 
 # By bank and mode: real and imaginary part [-] of its factor in an internal step.
-_FACTORS: Final = _read(
+_MODE_FACTORS: Final = _read(
     """
     0.9576797801870172 0.1614433270613848 0.9315621309263741 0.19185290956293574
     0.8773545393173064 0.2302827579341405 0.7369715944272253 0.2698603850321235
@@ -54,7 +54,7 @@ _FACTORS: Final = _read(
     *(2, 4, 2),
 )
 # By bank: elevation and quadrature [-] over the modes, their real parts first.
-_WAVE: Final = _read(
+_WAVE_TABLE: Final = _read(
     """
     0.0006647961160219201 0.10347175449175428 -0.16379391732115162 0.059657366713375494
     0.14981234046552838 -0.9273275469142623 1.8634106126349745 -1.5015004552645812
@@ -67,8 +67,8 @@ _WAVE: Final = _read(
     """,
     *(2, 2, 8),
 )
-# By bank and depth: the force's two outputs likewise, made by tests/fits as LENGTHS is.
-_FORCE: Final = _read(
+# By bank and depth: the force's two outputs likewise, made by tests/fits as LENGTH_TABLE is.
+_FORCE_TABLE: Final = _read(
     """
     -0.2661704224730265 -1.4170152556971962 4.088220669157989 -2.3783240109910713
     -0.35536573651407416 0.5173615462726866 3.724294816887089 -6.920202153206193
@@ -163,14 +163,14 @@ _FORCE: Final = _read(
 )
 # As the kernels read them: factors by part and mode, rows by mode and output.
 REAL, IMAGINARY = 0, 1  # rows of a bank's modes
-MODES: Final = np.ascontiguousarray(np.swapaxes(_FACTORS, 1, 2))
-WAVE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_WAVE, 1, 2))
-FORCE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_FORCE, 2, 3))
+MODE_FACTORS: Final = np.ascontiguousarray(np.swapaxes(_MODE_FACTORS, 1, 2))
+WAVE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_WAVE_TABLE, 1, 2))
+FORCE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_FORCE_TABLE, 2, 3))
 # By bank and depth: the wave number of the waves left there over the peak's, the integral of
 # x^6 S exp(-2 kappa x^2) over that of x^4. It is taken for all waves: estimate. At the
 # surface it is cut at x = 3.5, as the row is.
 FLAT, PEAKED = 0, 1  # banks
-LENGTHS: Final = _read(
+LENGTH_TABLE: Final = _read(
     """
     4.914292250681751 3.724495428468583 2.308548658766213 1.666898842053118
     1.3953208571480866 1.2359446291044036 1.048005367470525 0.9357224605626057
@@ -194,7 +194,7 @@ def advance_modes(bank: int, step: int, state: Record) -> None:
     if step & 1 == 0:
         x, s.sea_spare[bank] = gaussian_pair(int(s.seed), SEA_BANK + bank, step >> 1)
     for i in range(4):
-        along, across = MODES[bank, REAL, i], MODES[bank, IMAGINARY, i]
+        along, across = MODE_FACTORS[bank, REAL, i], MODE_FACTORS[bank, IMAGINARY, i]
         a, b = s.sea_modes[bank, i], s.sea_modes[bank, 4 + i]
         s.sea_modes[bank, i] = along * a - across * b + x
         s.sea_modes[bank, 4 + i] = across * a + along * b
@@ -232,7 +232,7 @@ def note_outputs(step: int, scratch: Record, state: Record) -> None:
     """
     s = state[0]
     place = step & 3
-    for j in range(OUTPUTS):
+    for j in range(OUTPUT_COUNT):
         s.sea_past[place, j] = 0.0
     if s.sea_peaked < 1.0:
         add_outputs(0, math.sqrt(1.0 - s.sea_peaked), place, scratch, state)
@@ -263,8 +263,12 @@ def begin_filter(kappa: float, scratch: Record, state: Record) -> None:
 @part
 def left_length(row: int, inside: float, peaked: float) -> float:
     """Return the wave number of the waves left at a depth, over the peak's [-]."""
-    flat = LENGTHS[FLAT, row] + inside * (LENGTHS[FLAT, row + 1] - LENGTHS[FLAT, row])
-    raised = LENGTHS[PEAKED, row] + inside * (LENGTHS[PEAKED, row + 1] - LENGTHS[PEAKED, row])
+    flat = LENGTH_TABLE[FLAT, row] + inside * (
+        LENGTH_TABLE[FLAT, row + 1] - LENGTH_TABLE[FLAT, row]
+    )
+    raised = LENGTH_TABLE[PEAKED, row] + inside * (
+        LENGTH_TABLE[PEAKED, row + 1] - LENGTH_TABLE[PEAKED, row]
+    )
     return flat + peaked * (raised - flat)
 
 
@@ -313,10 +317,10 @@ def read_outputs(turn_cos: float, turn_sin: float, state: Record) -> None:
     w3 = before * f * after * 0.16666666666666666
     oldest = int(s.sea_steps)
     i0, i1, i2, i3 = oldest & 3, (oldest + 1) & 3, (oldest + 2) & 3, (oldest + 3) & 3
-    for j in range(OUTPUTS):
+    for j in range(OUTPUT_COUNT):
         early = w0 * s.sea_past[i0, j] + w1 * s.sea_past[i1, j]
         s.sea_waves[j] = early + (w2 * s.sea_past[i2, j] + w3 * s.sea_past[i3, j])
-    for j in range(0, OUTPUTS, 2):
+    for j in range(0, OUTPUT_COUNT, 2):
         cosine_part, sine_part = s.sea_waves[j], s.sea_waves[j + 1]
         s.sea_waves[j] = cosine_part * turn_cos - sine_part * turn_sin
         s.sea_waves[j + 1] = sine_part * turn_cos + cosine_part * turn_sin

@@ -19,17 +19,19 @@ from numpy.typing import NDArray
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
-KINDS: Final = ("a", "b", "c", "d")
+POLYNOMIAL_KINDS: Final = ("a", "b", "c", "d")
 CANCELLED_DISTANCE: Final = 0.15  # [-] of a zero from a pole that it nearly cancels
-ROUNDS: Final = 100
-HALVINGS: Final = 25
-SETTLED: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
-RIM: Final = 0.9995  # [-] radius within which the zeros of C are kept
-NO_NEARER: Final = 1e-6  # [-] relative decrease expected that rounding may hide
-FLAT: Final = 1e-10  # [-] scaled eigenvalue of the information below which a direction is not known
+MAX_ROUNDS: Final = 100
+MAX_HALVINGS: Final = 25
+LOSS_TOLERANCE: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
+MAX_ZERO_RADIUS: Final = 0.9995  # [-] radius within which the zeros of C are kept
+ROUNDING_TOLERANCE: Final = 1e-6  # [-] relative decrease expected that rounding may hide
+FLAT_EIGENVALUE: Final = (
+    1e-10  # [-] scaled eigenvalue of the information below which a direction is not known
+)
 LONG_ORDER: Final = 10  # of the autoregression that the second start takes its residuals from
-COMMON: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
-NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
+COMMON_FACTORS: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
+NO_FIXED_VALUES: Final[Mapping[str, float]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -69,18 +71,18 @@ class Armax:
 
     def residuals(self, y: Numbers, u: Numbers) -> Numbers:
         """Return the one-step errors eps (N,) of output y and input u, both (N,)."""
-        left = filtered((1.0, *self.a), (1.0,), y) - filtered((0.0, *self.b), (1.0,), u)
+        left = filter_series((1.0, *self.a), (1.0,), y) - filter_series((0.0, *self.b), (1.0,), u)
         left[: len(self.d)] -= self.d
-        return filtered((1.0,), (1.0, *self.c), left)
+        return filter_series((1.0,), (1.0, *self.c), left)
 
     def simulated(self, u: Numbers, e: Numbers) -> Numbers:
         """Return the output (N,) to input u under white disturbance e, both (N,)."""
-        moved = filtered((0.0, *self.b), (1.0,), u) + filtered((1.0, *self.c), (1.0,), e)
+        moved = filter_series((0.0, *self.b), (1.0,), u) + filter_series((1.0, *self.c), (1.0,), e)
         moved[: len(self.d)] += self.d
-        return filtered((1.0,), (1.0, *self.a), moved)
+        return filter_series((1.0,), (1.0, *self.a), moved)
 
 
-def filtered(over: Sequence[float], under: Sequence[float], series: Numbers) -> Numbers:
+def filter_series(over: Sequence[float], under: Sequence[float], series: Numbers) -> Numbers:
     """Return a series (N,) times a ratio of polynomials in q^-1, at rest before it."""
     from scipy.signal import lfilter  # noqa: PLC0415 - an extra, imported on use
 
@@ -95,7 +97,7 @@ def roots_of(polynomial: tuple[float, ...]) -> tuple[complex, ...]:
 
 def coefficient_names(order: int, *, initial: bool) -> tuple[str, ...]:
     """Return the names of the coefficients of that order, a1 first."""
-    kinds = KINDS if initial else KINDS[:3]
+    kinds = POLYNOMIAL_KINDS if initial else POLYNOMIAL_KINDS[:3]
     return tuple(f"{kind}{i}" for kind in kinds for i in range(1, order + 1))
 
 
@@ -148,11 +150,11 @@ class _Search:
         n = self.order
         noise = np.flatnonzero((self.sought >= 2 * n) & (self.sought < 3 * n))
         zeros = np.array(roots_of((1.0, *self.model(theta).c)))
-        if len(noise) < n or not (np.abs(zeros) > RIM).any():
+        if len(noise) < n or not (np.abs(zeros) > MAX_ZERO_RADIUS).any():
             return theta
         size = np.abs(zeros)
         inside = np.where(size > 1.0, zeros / size**2, zeros)
-        inside *= np.minimum(1.0, RIM / np.maximum(np.abs(inside), 1e-300))
+        inside *= np.minimum(1.0, MAX_ZERO_RADIUS / np.maximum(np.abs(inside), 1e-300))
         found = theta.copy()
         found[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
         return found
@@ -163,7 +165,7 @@ class _Search:
 
     def loss(self, theta: Numbers) -> float:
         """Return V; infinite where C has a zero beyond the rim."""
-        if self.radius(theta) > RIM + 1e-9:
+        if self.radius(theta) > MAX_ZERO_RADIUS + 1e-9:
             return float(np.inf)
         eps = self.model(theta).residuals(self.y, self.u)
         value = 0.5 * float(eps @ eps)
@@ -171,7 +173,7 @@ class _Search:
 
     def at_rim(self, theta: Numbers) -> bool:
         """Return whether a zero of C is held at the rim. The loss would fall beyond it."""
-        return self.radius(theta) > RIM - 1e-6
+        return self.radius(theta) > MAX_ZERO_RADIUS - 1e-6
 
     def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
         """Return eps (N,) and its derivatives (N, sought)."""
@@ -180,7 +182,7 @@ class _Search:
         impulse = np.zeros_like(self.y)
         impulse[0] = -1.0
         sources = (self.y, -self.u, -eps, impulse)
-        bases = [filtered((1.0,), (1.0, *model.c), source) for source in sources]
+        bases = [filter_series((1.0,), (1.0, *model.c), source) for source in sources]
         columns = [
             _later(bases[place // n], place % n + (0 if place // n == 3 else 1))
             for place in self.sought
@@ -199,7 +201,7 @@ def fit_armax(
     order: int,
     *,
     initial: bool = True,
-    fixed: Mapping[str, float] = NOTHING,
+    fixed: Mapping[str, float] = NO_FIXED_VALUES,
     lower: Armax | None = None,
 ) -> ArmaxFit:
     """Return the maximum likelihood model of that order. Output y and input u are (N,).
@@ -220,7 +222,7 @@ def fit_armax(
     starts = _starts(search)
     if order > 1 and not fixed:
         below = lower or fit_armax(y, u, order - 1, initial=initial).model
-        starts += [_raise_order(below, factor, initial=initial) for factor in COMMON]
+        starts += [_raise_order(below, factor, initial=initial) for factor in COMMON_FACTORS]
     ends = [_descend(search, theta) for theta in starts]
     return _account(search, min(ends, key=lambda end: search.loss(end.theta)))
 
@@ -257,7 +259,7 @@ def _starts(search: _Search) -> list[Numbers]:
     return [theta for theta in starts if np.isfinite(search.loss(theta))] or [zero]
 
 
-class _End(NamedTuple):
+class _DescentEnd(NamedTuple):
     """Where a descent ended."""
 
     theta: Numbers
@@ -265,34 +267,36 @@ class _End(NamedTuple):
     settled: bool
 
 
-def _descend(search: _Search, theta: Numbers) -> _End:
+def _descend(search: _Search, theta: Numbers) -> _DescentEnd:
     """Return the coefficients where the loss no longer falls."""
     loss = search.loss(theta)
-    for rounds in range(1, ROUNDS + 1):
+    for rounds in range(1, MAX_ROUNDS + 1):
         eps, J = search.jacobian(theta)
         step = np.asarray(-np.linalg.lstsq(J, eps, rcond=1e-12)[0], float)
         expected = -float((J.T @ eps) @ step)
-        if expected < SETTLED * loss:
-            return _End(theta, rounds, settled=True)
-        halved = (search.stable(theta + 0.5**halving * step) for halving in range(HALVINGS))
+        if expected < LOSS_TOLERANCE * loss:
+            return _DescentEnd(theta, rounds, settled=True)
+        halved = (search.stable(theta + 0.5**halving * step) for halving in range(MAX_HALVINGS))
         tried = ((there, search.loss(there)) for there in halved)
         nearer = next((one for one in tried if one[1] < loss), None)
         if nearer is None:
-            return _End(theta, rounds, search.at_rim(theta) or expected < NO_NEARER * loss)
+            return _DescentEnd(
+                theta, rounds, search.at_rim(theta) or expected < ROUNDING_TOLERANCE * loss
+            )
         before, (theta, loss) = loss, nearer
-        if search.at_rim(theta) and before - loss < SETTLED * loss:
-            return _End(theta, rounds, settled=True)
-    return _End(theta, ROUNDS, settled=False)
+        if search.at_rim(theta) and before - loss < LOSS_TOLERANCE * loss:
+            return _DescentEnd(theta, rounds, settled=True)
+    return _DescentEnd(theta, MAX_ROUNDS, settled=False)
 
 
-def _account(search: _Search, end: _End) -> ArmaxFit:
+def _account(search: _Search, end: _DescentEnd) -> ArmaxFit:
     """Return the fit with its covariance lambda^2 (J^T J)^-1."""
     eps, J = search.jacobian(end.theta)
     names = coefficient_names(search.order, initial=len(search.fixed) > 3 * search.order)
     sought = tuple(names[i] for i in search.sought)
     size = np.sqrt(np.maximum(np.einsum("ij,ij->j", J, J), 1e-300))
     values, vectors = np.linalg.eigh((J / size).T @ (J / size))
-    flat = values < FLAT * values[-1]
+    flat = values < FLAT_EIGENVALUE * values[-1]
     share = float(eps @ eps) / len(eps)
     inverse = (vectors / np.where(flat, np.inf, values)) @ vectors.T
     covariance = share * inverse / np.outer(size, size)

@@ -10,29 +10,29 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import (
-    CLOSE,
+    NEWTON_COST_TOLERANCE,
     Cost,
-    Found,
-    Search,
-    judged,
+    SearchOptions,
+    SearchResult,
+    judge_place,
     scipy_search,
-    scoring,
-    settle,
-    stretch,
+    search_by_scoring,
+    settle_minimum,
+    stretch_cost,
 )
 from trainer.identify.fitting.problem import Problem
 
-WIDEST: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
-FASTEST: Final = 0.5  # [intervals] of a time constant that two readings still show
-MOST: Final = 4  # times the restarts wanted, in all
-APPROACH: Final = 60  # steps from another start
-NEARBY: Final = 10.0  # [-] of cost above the best, from where a search is carried on
-NARROW: Final = 0.3  # [-] of the width, of every other start
-BEATEN: Final = 0.01  # [-] of cost: what another start must gain
-Minimiser = Callable[[Cost, Numbers, Search], Found]
+MAX_BOUNDED_SPREAD: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
+MIN_TIME_CONSTANT: Final = 0.5  # [intervals] of a time constant that two readings still show
+MAX_RESTART_FACTOR: Final = 4  # times the restarts wanted, in all
+APPROACH_STEPS: Final = 60  # steps from another start
+NEAR_COST_MARGIN: Final = 10.0  # [-] of cost above the best, from where a search is carried on
+NARROW_WIDTH: Final = 0.3  # [-] of the width, of every other start
+MIN_COST_GAIN: Final = 0.01  # [-] of cost: what another start must gain
+Minimiser = Callable[[Cost, Numbers, SearchOptions], SearchResult]
 
 
-def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
+def powell(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
     """Return the minimum by Powell's directions, no gradient used; needs scipy.
 
     Each coordinate is measured by its own standard deviation at the start where that is known.
@@ -40,7 +40,7 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
     require_library("scipy", "identify")
     from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
 
-    problem = stretch(cost, theta)
+    problem = stretch_cost(cost, theta)
     diagonal = np.diag(problem.information(np.zeros(len(theta))))
     known = np.isfinite(diagonal) & (diagonal > 0.0)
     width = np.where(known, 1.0 / np.sqrt(np.where(known, diagonal, 1.0)), 1.0)
@@ -49,30 +49,30 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
         return min(cost.value(problem.theta(x * width)), 1e300)
 
     def told(x: Numbers) -> None:
-        search.progress(Found(problem.theta(x * width), value(x), 0, converged=False))
+        search.progress(SearchResult(problem.theta(x * width), value(x), 0, converged=False))
 
     options = {"maxiter": search.most, "xtol": 1e-4, "ftol": 1e-12}
     result: Any = minimize(
         value, np.zeros(len(theta)), method="Powell", callback=told, options=options
     )
-    return judged(problem, np.atleast_1d(result.x) * width, int(result.nit))
+    return judge_place(problem, np.atleast_1d(result.x) * width, int(result.nit))
 
 
-def by_scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
+def by_scoring(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
     """Return the minimum by scoring, then by scipy's minimisers where that is none."""
-    problem = stretch(cost, theta)
-    eta, steps = scoring(problem, np.zeros(len(theta)), search)
-    return settle(problem, eta, search, steps)
+    problem = stretch_cost(cost, theta)
+    eta, steps = search_by_scoring(problem, np.zeros(len(theta)), search)
+    return settle_minimum(problem, eta, search, steps)
 
 
-def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
+def bfgs(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
     """Return the minimum by scipy's quasi-Newton steps (BFGS), polished if that is none."""
-    problem = stretch(cost, theta)
+    problem = stretch_cost(cost, theta)
     eta, steps = scipy_search(problem, np.zeros(len(theta)), "BFGS", search)
-    return settle(problem, eta, search, steps)
+    return settle_minimum(problem, eta, search, steps)
 
 
-MINIMISERS: Final[dict[str, Minimiser]] = {
+MINIMISER_BY_NAME: Final[dict[str, Minimiser]] = {
     "scoring": by_scoring,
     "bfgs": bfgs,
     "direct": powell,
@@ -80,7 +80,7 @@ MINIMISERS: Final[dict[str, Minimiser]] = {
 
 
 @dataclass(frozen=True)
-class Starts:
+class RestartOptions:
     """Where else to start: until ``restarts`` in a row find nothing better.
 
     They are drawn ``width`` standard deviations about the start, and by twice its numbers.
@@ -91,28 +91,32 @@ class Starts:
     seed: int = 1
 
 
-def estimate(
-    cost: Cost, theta: Numbers, method: str, search: Search, starts: Starts | None = None
-) -> Found:
+def find_best_minimum(
+    cost: Cost,
+    theta: Numbers,
+    method: str,
+    search: SearchOptions,
+    starts: RestartOptions | None = None,
+) -> SearchResult:
     """Return the best minimum of ``cost`` from ``theta`` (f,) and from other ``starts``.
 
     Of numbers that mean the same model it has the first, see Problem.folded.
     ConfigError where the cost at ``theta`` is not finite.
     """
-    stretch(cost, theta)  # refuses a variance of nothing
+    stretch_cost(cost, theta)  # refuses a variance of nothing
     if not np.isfinite(cost.value(theta)):
         raise ConfigError(
             "the start values are no model: a covariance is not positive, or the prediction "
             "is not finite; start with other values"
         )
-    starts = starts or Starts()
-    found = MINIMISERS[method](cost, theta, search)
+    starts = starts or RestartOptions()
+    found = MINIMISER_BY_NAME[method](cost, theta, search)
     if starts.restarts:
         found = _doubt_speed(cost.problem, _best(cost, theta, found, starts))
     return replace(found, theta=cost.problem.folded(found.theta))
 
 
-def _best(cost: Cost, theta: Numbers, found: Found, starts: Starts) -> Found:
+def _best(cost: Cost, theta: Numbers, found: SearchResult, starts: RestartOptions) -> SearchResult:
     """Return the best of ``found`` and others, when so many in a row found nothing better.
 
     A mode faster than the readings is passed over for any other, whatever its likelihood.
@@ -122,7 +126,7 @@ def _best(cost: Cost, theta: Numbers, found: Found, starts: Starts) -> Found:
         other = _approach(cost, begin, found)
         faster, fast = (is_too_fast(cost.problem, one.theta) for one in (other, found))
         better = fast if faster != fast else other.cost < found.cost
-        same = faster == fast and other.cost > found.cost - BEATEN
+        same = faster == fast and other.cost > found.cost - MIN_COST_GAIN
         unbeaten = unbeaten + 1 if same or not better else 0
         found = other if better else found
         if unbeaten == starts.restarts:
@@ -130,21 +134,21 @@ def _best(cost: Cost, theta: Numbers, found: Found, starts: Starts) -> Found:
     return replace(found, converged=False, doubt=found.doubt or "other starts keep finding better")
 
 
-def _approach(cost: Cost, begin: Numbers, best: Found) -> Found:
+def _approach(cost: Cost, begin: Numbers, best: SearchResult) -> SearchResult:
     """Return where another start leads: by scoring, and settled only where it comes near.
 
     Where it comes to the cost already known it is not looked at again.
     """
-    problem = stretch(cost, begin)
-    eta, steps = scoring(problem, np.zeros(len(begin)), Search(APPROACH))
+    problem = stretch_cost(cost, begin)
+    eta, steps = search_by_scoring(problem, np.zeros(len(begin)), SearchOptions(APPROACH_STEPS))
     theta = problem.theta(eta)
     value = cost.value(theta)
     speeds = {is_too_fast(cost.problem, one) for one in (theta, best.theta)}
-    if best.converged and abs(value - best.cost) < CLOSE and len(speeds) == 1:
+    if best.converged and abs(value - best.cost) < NEWTON_COST_TOLERANCE and len(speeds) == 1:
         return best
-    if value < best.cost + NEARBY:
-        return settle(problem, eta, Search(APPROACH), steps)
-    return Found(theta, value, steps, converged=False)
+    if value < best.cost + NEAR_COST_MARGIN:
+        return settle_minimum(problem, eta, SearchOptions(APPROACH_STEPS), steps)
+    return SearchResult(theta, value, steps, converged=False)
 
 
 def is_too_fast(problem: Problem, theta: Numbers) -> bool:
@@ -152,11 +156,11 @@ def is_too_fast(problem: Problem, theta: Numbers) -> bool:
 
     One reading alone cannot tell a motion inside the interval from its own error.
     """
-    least = FASTEST if len(problem.plant.outputs) > 1 else 1.0
+    least = MIN_TIME_CONSTANT if len(problem.plant.outputs) > 1 else 1.0
     return problem.fastest(theta) < least * problem.plant.period
 
 
-def _doubt_speed(problem: Problem, found: Found) -> Found:
+def _doubt_speed(problem: Problem, found: SearchResult) -> SearchResult:
     """Return ``found``, not settled if it is faster than the readings."""
     if not is_too_fast(problem, found.theta):
         return found
@@ -167,21 +171,21 @@ def _doubt_speed(problem: Problem, found: Found) -> Found:
     return replace(found, converged=False, doubt=doubt)
 
 
-def _others(cost: Cost, theta: Numbers, starts: Starts) -> Iterator[Numbers]:
+def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numbers]:
     """Yield other starts where the cost is finite: by what ``theta`` is known to, and by its size.
 
     A number with bounds is spread in its own coordinate, where nothing wider means more.
     """
-    problem = stretch(cost, theta)
+    problem = stretch_cost(cost, theta)
     size = np.diag(problem.information(np.zeros(len(theta))))
     told = np.isfinite(size) & (size > 0.0)
     known = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
-    bounded = np.where(told, np.minimum(known, WIDEST), WIDEST)
-    free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW * known, known
+    bounded = np.where(told, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
+    free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW_WIDTH * known, known
     widths = [np.where(problem.bounded, bounded, one) for one in free]
-    widths[1] = np.where(problem.bounded, NARROW * bounded, widths[1])
+    widths[1] = np.where(problem.bounded, NARROW_WIDTH * bounded, widths[1])
     stream = np.random.Generator(np.random.PCG64(starts.seed))
-    for turn in range(starts.restarts * MOST):
+    for turn in range(starts.restarts * MAX_RESTART_FACTOR):
         width = widths[turn % len(widths)]
         begin = problem.theta(stream.standard_normal(len(theta)) * width)
         if np.isfinite(cost.value(begin)):

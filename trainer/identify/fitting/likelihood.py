@@ -20,13 +20,13 @@ from trainer.identify.kernels.likelihood import (
     likelihood_sums,
 )
 from trainer.identify.kernels.sensitivity import ScoreRows, score_rows
-from trainer.identify.model.sampled import Sampled
+from trainer.identify.model.sampled import SampledSystems
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
-PIECE: Final = 256  # rows
+PIECE_ROWS: Final = 256  # rows
 
 
-def possible(sampled: Sampled) -> bool:
+def possible(sampled: SampledSystems) -> bool:
     """Return whether the system is finite and P(t0) of the first row positive semidefinite."""
     return bool(is_possible(*sampled.at(0)))
 
@@ -35,8 +35,8 @@ def _gram(rows: Numbers) -> Numbers:
     """Return rows' rows, in pieces that no library hands to several threads: waking them costs."""
     count = rows.shape[1]
     total = np.zeros((count, count))
-    for first in range(0, len(rows), PIECE):
-        piece = rows[first : first + PIECE]
+    for first in range(0, len(rows), PIECE_ROWS):
+        piece = rows[first : first + PIECE_ROWS]
         total += piece.T @ piece
     return total
 

@@ -19,21 +19,29 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.problem import Problem
 
-CLOSE: Final = 1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
-LONGEST: Final = 2.0  # [-] step of a parameter with bounds
-FAR: Final = 30.0  # [-] from the origin, beyond which nothing changes
-NEAREST: Final = 0.999  # [-] correlation, or share of the interval, from which a search may start
-STIFFEST: Final = 1e12  # damping beyond which no step gets smaller
-SETTLED: Final = 1e-3  # [-] of cost: what a quadratic model may promise where a search has settled
-CURVED: Final = 1e-9  # [-] least eigenvalue of the scaled second derivatives at a minimum
-NEAR: Final = 1e-3  # [-] to an end of a lag or correlation
-GONE: Final = 1e-6  # [-] information of a bounded coordinate whose number is at an end
-ROUNDS: Final = 12  # of polishing, each judged
-POLISH: Final = ("BFGS", "trust-exact")  # scipy's, in turn
-LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)  # of a step, tried in turn
-LEAST: Final = 1e-4  # [-] of cost that such a step must gain
-IMPOSSIBLE: Final = "the model is impossible beside it"
-UPHILL: Final = 10.0  # [-] of cost above the best known, where a model is impossible
+NEWTON_COST_TOLERANCE: Final = (
+    1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
+)
+MAX_STEP: Final = 2.0  # [-] step of a parameter with bounds
+MAX_DISTANCE: Final = 30.0  # [-] from the origin, beyond which nothing changes
+MAX_START_SHARE: Final = (
+    0.999  # [-] correlation, or share of the interval, from which a search may start
+)
+MAX_DAMPING: Final = 1e12  # damping beyond which no step gets smaller
+SETTLED_COST_TOLERANCE: Final = (
+    1e-3  # [-] of cost: what a quadratic model may promise where a search has settled
+)
+MIN_CURVATURE: Final = 1e-9  # [-] least eigenvalue of the scaled second derivatives at a minimum
+END_MARGIN: Final = 1e-3  # [-] to an end of a lag or correlation
+MIN_BOUNDED_INFORMATION: Final = (
+    1e-6  # [-] information of a bounded coordinate whose number is at an end
+)
+POLISH_ROUNDS: Final = 12  # of polishing, each judged
+POLISH_METHODS: Final = ("BFGS", "trust-exact")  # scipy's, in turn
+STEP_LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)  # of a step, tried in turn
+MIN_COST_GAIN: Final = 1e-4  # [-] of cost that such a step must gain
+IMPOSSIBLE_NEIGHBOUR: Final = "the model is impossible beside it"
+UPHILL_COST: Final = 10.0  # [-] of cost above the best known, where a model is impossible
 
 
 class Cost(Protocol):
@@ -54,7 +62,7 @@ class Cost(Protocol):
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """The end of a search. ``converged`` if it is a minimum, else ``doubt`` has the reason."""
 
     theta: Numbers
@@ -64,24 +72,24 @@ class Found:
     doubt: str = ""
 
 
-Progress = Callable[[Found], None]
+Progress = Callable[[SearchResult], None]
 
 
-def unheard(found: Found) -> None:
+def ignore_news(found: SearchResult) -> None:
     """Take the news and do nothing."""
     del found
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchOptions:
     """How long to search, and who is told of each step."""
 
     most: int = 100  # steps
-    progress: Progress = field(default=unheard)
+    progress: Progress = field(default=ignore_news)
 
 
 @dataclass(frozen=True, eq=False)
-class Stretched:
+class StretchedCost:
     """A cost in coordinates eta that are 0 at ``origin`` and have no bounds.
 
     A variance is measured by its logarithm, a correlation by its inverse hyperbolic tangent, a lag
@@ -106,11 +114,11 @@ class Stretched:
 
     def theta(self, eta: Numbers) -> Numbers:
         """Return the parameters at ``eta``."""
-        scale, far = self.cost.problem.scale, np.clip(eta, -FAR, FAR)
+        scale, far = self.cost.problem.scale, np.clip(eta, -MAX_DISTANCE, MAX_DISTANCE)
         floors = self.cost.problem.floors
         positive = floors + (self.origin - floors) * np.exp(far)
         found = np.where(self._positive, positive, self.origin + eta)
-        inside = np.clip(np.sin(self.origin * scale), -NEAREST, NEAREST)
+        inside = np.clip(np.sin(self.origin * scale), -MAX_START_SHARE, MAX_START_SHARE)
         angle = np.arcsin(np.tanh(np.arctanh(inside) + far)) / scale
         found = np.where(self._kinds == "angle", angle, found)
         lag = np.arcsin(self._share(far)) / scale
@@ -119,7 +127,7 @@ class Stretched:
     def _share(self, far: Numbers) -> Numbers:
         """Return lags as shares of the interval (f,)."""
         sines = np.abs(np.sin(self.origin * self.cost.problem.scale))
-        inside = np.clip(sines, 1.0 - NEAREST, NEAREST)
+        inside = np.clip(sines, 1.0 - MAX_START_SHARE, MAX_START_SHARE)
         return np.asarray(1.0 / (1.0 + np.exp(-(np.log(inside / (1.0 - inside)) + far))))
 
     def rates(self, eta: Numbers) -> Numbers:
@@ -127,7 +135,7 @@ class Stretched:
         scale, theta = self.cost.problem.scale, self.theta(eta)
         found = np.where(self._positive, theta - self.cost.problem.floors, 1.0)
         found = np.where(self._kinds == "angle", np.cos(theta * scale) / scale, found)
-        share = self._share(np.clip(eta, -FAR, FAR))
+        share = self._share(np.clip(eta, -MAX_DISTANCE, MAX_DISTANCE))
         lag = share * np.sqrt((1.0 - share) / (1.0 + share)) / scale
         return np.where(self._kinds == "lag", lag, found)
 
@@ -141,18 +149,18 @@ class Stretched:
         rates = self.rates(eta)
         return self.cost.information(self.theta(eta)) * np.outer(rates, rates)
 
-    def clipped(self, step: Numbers, most: float = LONGEST) -> Numbers:
+    def clipped(self, step: Numbers, most: float = MAX_STEP) -> Numbers:
         """Return ``step`` with no bounded parameter going further than ``most``.
 
-        LONGEST is how far it may go at once, FAR where it has no effect any more.
+        MAX_STEP is how far it may go at once, MAX_DISTANCE where it has no effect any more.
         """
         return np.where(self.bounded, np.clip(step, -most, most), step)
 
     def at_end(self, eta: Numbers) -> NDArray[np.bool_]:
         """Return which numbers are at an end: variances anywhere, as they may grow (f,)."""
         sine = np.abs(np.sin(self.theta(eta) * self.cost.problem.scale))
-        lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - NEAR)
-        angle = (self._kinds == "angle") & (sine > 1.0 - NEAR)
+        lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - END_MARGIN)
+        angle = (self._kinds == "angle") & (sine > 1.0 - END_MARGIN)
         return np.asarray(self._positive | lag | angle)
 
     def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
@@ -175,14 +183,14 @@ class Stretched:
         return step
 
 
-def stretch(cost: Cost, theta: Numbers) -> Stretched:
+def stretch_cost(cost: Cost, theta: Numbers) -> StretchedCost:
     """Return ``cost`` about ``theta``; ConfigError for a free variance that starts at zero."""
     problem = cost.problem
     for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
         if kind in ("variance", "error") and value == 0.0:
             raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
     above = np.maximum(np.abs(theta), 1.01 * problem.floors)
-    return Stretched(cost, np.where(problem.floors > 0.0, above, theta))
+    return StretchedCost(cost, np.where(problem.floors > 0.0, above, theta))
 
 
 def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
@@ -195,7 +203,7 @@ def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers
     return np.asarray(step / width)
 
 
-class Place(NamedTuple):
+class SearchPlace(NamedTuple):
     """A place of a search, and the cost's shape there."""
 
     eta: Numbers
@@ -204,63 +212,69 @@ class Place(NamedTuple):
     information: Numbers
 
 
-class Verdict(NamedTuple):
+class MinimumVerdict(NamedTuple):
     """The doubt about a place, empty if it is a minimum, and a lower place."""
 
     doubt: str
     better: Numbers | None = None
 
 
-def scoring(problem: Stretched, eta: Numbers, search: Search) -> tuple[Numbers, int]:
+def search_by_scoring(
+    problem: StretchedCost, eta: Numbers, search: SearchOptions
+) -> tuple[Numbers, int]:
     """Return where damped Gauss-Newton steps with the expected information lead, and their number.
 
     They end where a quadratic promises nothing, or where no damping lowers the cost.
     """
     damping = 1e-3
-    here = Place(eta, *problem.slope(eta), problem.information(eta))
+    here = SearchPlace(eta, *problem.slope(eta), problem.information(eta))
     for step in range(search.most):
         if not np.isfinite(here.information).all():
             return here.eta, step
         newton = problem.newton(here.information, 1e-9, here.gradient)
-        if 0.0 <= -0.5 * float(here.gradient @ newton) < CLOSE:
+        if 0.0 <= -0.5 * float(here.gradient @ newton) < NEWTON_COST_TOLERANCE:
             return here.eta, step
         moved, damping = _damp_step(problem, here, damping)
         if moved is None:
             return here.eta, step
-        here = Place(moved, *problem.slope(moved), problem.information(moved))
-        search.progress(Found(problem.theta(moved), here.value, step + 1, converged=False))
+        here = SearchPlace(moved, *problem.slope(moved), problem.information(moved))
+        search.progress(SearchResult(problem.theta(moved), here.value, step + 1, converged=False))
     return here.eta, search.most
 
 
-def _damp_step(problem: Stretched, here: Place, damping: float) -> tuple[Numbers | None, float]:
+def _damp_step(
+    problem: StretchedCost, here: SearchPlace, damping: float
+) -> tuple[Numbers | None, float]:
     """Return the next eta and damping, more damping until the cost falls; None if it never does."""
     gradient, information = here.gradient, here.information
-    while damping < STIFFEST:
+    while damping < MAX_DAMPING:
         step = problem.newton(information, damping, gradient)
         promised = -float(gradient @ step + 0.5 * step @ information @ step)
         gained = here.value - problem.cost.value(problem.theta(here.eta + step))
         if promised > 0.0 and gained > 1e-4 * promised:
-            moved = problem.clipped(here.eta + step, FAR)
+            moved = problem.clipped(here.eta + step, MAX_DISTANCE)
             return moved, damping * (0.1 if gained > 0.5 * promised else 1.0)
         damping = max(10.0 * damping, 1e-6)
     return None, damping
 
 
-def judge(problem: Stretched, eta: Numbers) -> Verdict:
+def judge_minimum(problem: StretchedCost, eta: Numbers) -> MinimumVerdict:
     """Return whether ``eta`` is a minimum: no slope, curved upwards, ends where they are wanted."""
     gradient = problem.slope(eta)[1]
     size = np.diag(problem.information(eta))
     if not (np.isfinite(gradient).all() and np.isfinite(size).all()):
-        return Verdict(IMPOSSIBLE)
-    gone = problem.bounded & (size < GONE)
+        return MinimumVerdict(IMPOSSIBLE_NEIGHBOUR)
+    gone = problem.bounded & (size < MIN_BOUNDED_INFORMATION)
     for place in np.flatnonzero(gone & problem.at_end(eta)):
         lifted = _lift(problem, eta, int(place), (gradient[place], size[place]))
         if lifted is not None:
-            return Verdict(f"{problem.cost.problem.names[place]} wants off its end", lifted)
+            return MinimumVerdict(f"{problem.cost.problem.names[place]} wants off its end", lifted)
     return _judge_shape(problem, eta, gradient, np.where(gone, 0.0, size))
 
 
-def _judge_shape(problem: Stretched, eta: Numbers, gradient: Numbers, size: Numbers) -> Verdict:
+def _judge_shape(
+    problem: StretchedCost, eta: Numbers, gradient: Numbers, size: Numbers
+) -> MinimumVerdict:
     """Return whether ``eta`` is at a minimum of the coordinates whose ``size`` is not nothing.
 
     The better place is that of Newton's step with every curvature taken as upwards.
@@ -269,24 +283,24 @@ def _judge_shape(problem: Stretched, eta: Numbers, gradient: Numbers, size: Numb
     free = (size > 0.0) & (np.diag(curvature) != 0.0)
     curvature = curvature[np.ix_(free, free)]
     if not np.isfinite(curvature).all():
-        return Verdict(IMPOSSIBLE)
+        return MinimumVerdict(IMPOSSIBLE_NEIGHBOUR)
     width = np.sqrt(np.abs(np.diag(curvature)))
     sizes, directions = np.linalg.eigh(curvature / np.outer(width, width))
     along = directions.T @ (gradient[free] / width)
-    promised = 0.5 * float(np.sum(along**2 / np.maximum(np.abs(sizes), CURVED)))
+    promised = 0.5 * float(np.sum(along**2 / np.maximum(np.abs(sizes), MIN_CURVATURE)))
     step = np.zeros_like(eta)
-    if len(sizes) and sizes[0] < CURVED:
+    if len(sizes) and sizes[0] < MIN_CURVATURE:
         step[free], doubt = directions[:, 0] / width, "the second derivatives are not all positive"
-    elif promised > SETTLED:
+    elif promised > SETTLED_COST_TOLERANCE:
         step[free] = -directions @ (along / sizes) / width
         doubt = f"a step promises {promised:.2g} more"
     else:
-        return Verdict("")
-    return Verdict(doubt, _along(problem, eta, problem.clipped(step)))
+        return MinimumVerdict("")
+    return MinimumVerdict(doubt, _along(problem, eta, problem.clipped(step)))
 
 
 def _lift(
-    problem: Stretched, eta: Numbers, place: int, here: tuple[float, float]
+    problem: StretchedCost, eta: Numbers, place: int, here: tuple[float, float]
 ) -> Numbers | None:
     """Return a lower place with one number taken off its end; None if there is none.
 
@@ -294,24 +308,24 @@ def _lift(
     ends, though its logarithm has no slope to see.
     """
     slope, size = here
-    if not size > 0.0 or slope * slope < 2.0 * SETTLED * size:
+    if not size > 0.0 or slope * slope < 2.0 * SETTLED_COST_TOLERANCE * size:
         return None
     unit = np.zeros_like(eta)
     unit[place] = -math.copysign(math.log1p(abs(slope) / size), slope)
     return _along(problem, eta, unit)
 
 
-def _along(problem: Stretched, eta: Numbers, direction: Numbers) -> Numbers | None:
+def _along(problem: StretchedCost, eta: Numbers, direction: Numbers) -> Numbers | None:
     """Return a place on a line that is lower by as much as matters; None if none was found."""
     value = problem.cost.value(problem.theta(eta))
-    for length in LENGTHS:
-        tried = problem.clipped(eta + length * direction, FAR)
-        if problem.cost.value(problem.theta(tried)) < value - LEAST:
+    for length in STEP_LENGTHS:
+        tried = problem.clipped(eta + length * direction, MAX_DISTANCE)
+        if problem.cost.value(problem.theta(tried)) < value - MIN_COST_GAIN:
             return tried
     return None
 
 
-def second_derivatives(problem: Stretched, eta: Numbers, size: Numbers) -> Numbers:
+def second_derivatives(problem: StretchedCost, eta: Numbers, size: Numbers) -> Numbers:
     """Return the second derivatives by eta (f, f): differences of the exact gradient.
 
     Steps are 1/1000 of what each coordinate alone is known to, ``size`` (f,) the information.
@@ -338,7 +352,7 @@ def curvature(
 
 
 def scipy_search(
-    problem: Stretched, eta: Numbers, method: str, search: Search
+    problem: StretchedCost, eta: Numbers, method: str, search: SearchOptions
 ) -> tuple[Numbers, int]:
     """Return where scipy's ``method`` leads, BFGS or trust-exact, and the number of its steps.
 
@@ -356,7 +370,7 @@ def scipy_search(
         nonlocal best
         value, gradient = problem.slope(eta + x * width)
         if not (np.isfinite(value) and np.isfinite(gradient).all()):
-            return best[0] + UPHILL * (1.0 + abs(best[0])), np.zeros_like(x)
+            return best[0] + UPHILL_COST * (1.0 + abs(best[0])), np.zeros_like(x)
         if value < best[0]:
             best = value, eta + x * width
         return value, gradient * width
@@ -366,7 +380,7 @@ def scipy_search(
         return found if np.isfinite(found).all() else np.eye(len(x))
 
     def tell(x: Numbers) -> None:
-        search.progress(Found(problem.theta(eta + x * width), best[0], 0, converged=False))
+        search.progress(SearchResult(problem.theta(eta + x * width), best[0], 0, converged=False))
 
     more: dict[str, Any] = {"hess": curvature} if method == "trust-exact" else {}
     with np.errstate(all="ignore"):
@@ -379,25 +393,31 @@ def scipy_search(
             options={"maxiter": search.most},
             **more,
         )
-    return problem.clipped(best[1], FAR), int(result.nit)
+    return problem.clipped(best[1], MAX_DISTANCE), int(result.nit)
 
 
-def settle(problem: Stretched, eta: Numbers, search: Search, steps: int = 0) -> Found:
+def settle_minimum(
+    problem: StretchedCost, eta: Numbers, search: SearchOptions, steps: int = 0
+) -> SearchResult:
     """Return the minimum beside ``eta``: judged, and searched on until nothing is wrong with it."""
-    verdict = judge(problem, eta)
-    for turn in range(ROUNDS):
+    verdict = judge_minimum(problem, eta)
+    for turn in range(POLISH_ROUNDS):
         if not verdict.doubt:
             break
         if verdict.better is not None:
-            eta, more = scoring(problem, verdict.better, search)
+            eta, more = search_by_scoring(problem, verdict.better, search)
         else:
-            eta, more = scipy_search(problem, eta, POLISH[turn % len(POLISH)], search)
+            eta, more = scipy_search(
+                problem, eta, POLISH_METHODS[turn % len(POLISH_METHODS)], search
+            )
         steps += more
-        verdict = judge(problem, eta)
-    return judged(problem, eta, steps, verdict)
+        verdict = judge_minimum(problem, eta)
+    return judge_place(problem, eta, steps, verdict)
 
 
-def judged(problem: Stretched, eta: Numbers, steps: int, verdict: Verdict | None = None) -> Found:
+def judge_place(
+    problem: StretchedCost, eta: Numbers, steps: int, verdict: MinimumVerdict | None = None
+) -> SearchResult:
     """Return the place ``eta`` as it was found, judged, if it was not yet."""
-    verdict, theta = verdict or judge(problem, eta), problem.theta(eta)
-    return Found(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)
+    verdict, theta = verdict or judge_minimum(problem, eta), problem.theta(eta)
+    return SearchResult(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)

@@ -16,20 +16,20 @@ from numpy.typing import NDArray
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.nonlinear_steering import BENT, run_bent
-from trainer.identify.model.sampled import STEP
+from trainer.identify.model.sampled import COMPLEX_STEP
 from trainer.identify.record.measurements import Record
 
-FINE: Final = 0.05  # [-] of the smallest time constant: a step of Runge and Kutta
-CLOSE: Final = 1e-12  # [-] relative change at which a fit has come to its end
-ROUNDING: Final = 1e-12  # [rad] helm that is exact
-WORST: Final = 1e8  # [-] condition of derivatives from which numbers are not told apart
-LINEAR: Final = ("K", "T1", "T2", "T3")
-CURVE: Final = ("H1", "H2", "H3")
-SHAPES: Final = ((0,), (0, 1), (0, 2), (0, 1, 2))  # terms of H(r) that turns choose among
+FINE_STEP_SHARE: Final = 0.05  # [-] of the smallest time constant: a step of Runge and Kutta
+FIT_TOLERANCE: Final = 1e-12  # [-] relative change at which a fit has come to its end
+HELM_TOLERANCE_RAD: Final = 1e-12  # [rad] helm that is exact
+MAX_CONDITION: Final = 1e8  # [-] condition of derivatives from which numbers are not told apart
+LINEAR_NAMES: Final = ("K", "T1", "T2", "T3")
+CURVE_NAMES: Final = ("H1", "H2", "H3")
+CURVE_SHAPES: Final = ((0,), (0, 1), (0, 2), (0, 1, 2))  # terms of H(r) that turns choose among
 
 
 @dataclass(frozen=True)
-class Bent:
+class BentShip:
     """A ship with linear constants and kappa, or with ``H`` for 1/K, -kappa, 0."""
 
     K: float  # [1/s]
@@ -76,22 +76,24 @@ class Bent:
             float(root.real) + 0.0
             for side in (1.0, -1.0)
             for root in np.roots([H3, side * H2, H1, self.delta_0 - helm])
-            if abs(root.imag) <= ROUNDING * abs(root) and side * root.real >= 0.0
+            if abs(root.imag) <= HELM_TOLERANCE_RAD * abs(root) and side * root.real >= 0.0
         }
         return tuple(sorted(found))
 
-    def changed(self, names: Sequence[str], values: Sequence[Any]) -> "Bent":
-        """Return the ship with other numbers by name, of LINEAR, kappa, delta_0 or CURVE."""
+    def changed(self, names: Sequence[str], values: Sequence[Any]) -> "BentShip":
+        """Return the ship with other numbers, linear or of its curve, by name."""
         told = dict(zip(names, values, strict=True))
-        curve = [told.pop(name, own) for name, own in zip(CURVE, self.curve, strict=True)]
-        whole = any(name in CURVE for name in names) or self.H is not None
+        curve = [told.pop(name, own) for name, own in zip(CURVE_NAMES, self.curve, strict=True)]
+        whole = any(name in CURVE_NAMES for name in names) or self.H is not None
         return replace(self, H=(curve[0], curve[1], curve[2]) if whole else None, **told)
 
 
 def _least_root(a: float, b: float, c: float) -> float | None:
     """Return the least positive root of a + b x + c x^2; None if there is none."""
     roots = np.roots([c, b, a])
-    found = [float(x.real) for x in roots if abs(x.imag) <= ROUNDING * abs(x) and x.real > 0.0]
+    found = [
+        float(x.real) for x in roots if abs(x.imag) <= HELM_TOLERANCE_RAD * abs(x) and x.real > 0.0
+    ]
     return min(found, default=None)
 
 
@@ -100,7 +102,7 @@ def _powers(rate: Numbers) -> Numbers:
     return np.column_stack([rate, np.abs(rate) * rate, rate**3])
 
 
-def predict(ship: Bent, rudder: Numbers, step: float, start: Numbers) -> Numbers:
+def predict_turning(ship: BentShip, rudder: Numbers, step: float, start: Numbers) -> Numbers:
     """Return yaw rate [rad/s] and heading [rad] (n, 2) under ``rudder`` (n,) [rad].
 
     ``start``: yaw rate and heading at the first sample; the ship is in steady change there.
@@ -109,13 +111,13 @@ def predict(ship: Bent, rudder: Numbers, step: float, start: Numbers) -> Numbers
 
 
 def _run(
-    ship: Bent, rudder: Numbers, step: float, start: NDArray[np.complex128]
+    ship: BentShip, rudder: Numbers, step: float, start: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """Return (z, r, psi) at each sample (n, 3); r' is zero at the first."""
     numbers = ship.numbers.astype(complex)
     K, T1, T2, T3 = numbers[:4]
     z = (T1 + T2) * start[0] - K * T3 * (rudder[0] - numbers[BENT.delta_0])
-    fastest = FINE * min(abs(T1.real), abs(T2.real))
+    fastest = FINE_STEP_SHARE * min(abs(T1.real), abs(T2.real))
     parts = max(1, math.ceil(min(step / fastest, 1e4)))
     out = np.empty((len(rudder), 3), complex)
     run_bent(numbers, np.array([z, *start]), rudder, step, parts, out)
@@ -123,17 +125,17 @@ def _run(
 
 
 @dataclass(frozen=True)
-class Bend:
+class BendEstimate:
     """A ship with the numbers that were found, and their standard deviations, SI."""
 
     source: str
-    ship: Bent
+    ship: BentShip
     deviations: dict[str, float]
     rms: float  # what is left: of helm [rad] by turns, of yaw rate [rad/s] by a record
     rate_0: float | None = None  # [rad/s] at the start of the record; None by turns
 
 
-def curve_from_turns(ship: Bent, source: str, rudder: Numbers, rate: Numbers) -> Bend:
+def curve_from_turns(ship: BentShip, source: str, rudder: Numbers, rate: Numbers) -> BendEstimate:
     """Return ``ship`` with the H(r) of steady turns, a spiral or turning circles (12.1).
 
     ``rudder`` (n,) [rad] and ``rate`` (n,) [rad/s]; least squares in helm with a residual helm, of
@@ -143,10 +145,10 @@ def curve_from_turns(ship: Bent, source: str, rudder: Numbers, rate: Numbers) ->
     rate, rudder = rate[known], rudder[known]
     if len(np.unique(rate)) < 4:
         raise ConfigError(f"{source}: H(r) needs four steady turns or more; it has {len(rate)}")
-    tried = [_regress(shape, rudder, rate) for shape in SHAPES if len(shape) + 1 < len(rate)]
+    tried = [_regress(shape, rudder, rate) for shape in CURVE_SHAPES if len(shape) + 1 < len(rate)]
     _, names, values, deviations, rms = min(tried, key=lambda one: one[0])
-    turned = ship.changed(CURVE, (0.0, 0.0, 0.0)).changed(names, list(map(float, values)))
-    return Bend(source, turned, dict(zip(names, map(float, deviations), strict=True)), rms)
+    turned = ship.changed(CURVE_NAMES, (0.0, 0.0, 0.0)).changed(names, list(map(float, values)))
+    return BendEstimate(source, turned, dict(zip(names, map(float, deviations), strict=True)), rms)
 
 
 def _regress(
@@ -156,10 +158,10 @@ def _regress(
     count, scale = len(rate), float(np.max(np.abs(rate)))
     terms = np.column_stack([_powers(rate / scale)[:, shape], np.ones(count)])
     found = np.linalg.lstsq(terms, rudder, rcond=None)[0]
-    square = max(float(np.sum((rudder - terms @ found) ** 2)), count * ROUNDING**2)
+    square = max(float(np.sum((rudder - terms @ found) ** 2)), count * HELM_TOLERANCE_RAD**2)
     variance = square / (count - len(found)) * np.diag(np.linalg.pinv(terms.T @ terms))
     unit = np.array([*(scale ** -(place + 1.0) for place in shape), 1.0])
-    names = [*(CURVE[place] for place in shape), "delta_0"]
+    names = [*(CURVE_NAMES[place] for place in shape), "delta_0"]
     criterion = count * math.log(square / count) + len(found) * math.log(count)
     return criterion, names, found * unit, np.sqrt(variance) * unit, math.sqrt(square / count)
 
@@ -171,14 +173,17 @@ class _Records:
     They are common to all records; each has a yaw rate at its start and a residual helm of its own.
     """
 
-    ship: Bent
+    ship: BentShip
     records: Sequence[Record]
     free: tuple[str, ...]
 
     @property
     def start(self) -> Numbers:
         """Return the numbers to begin from (p,): the ship's own."""
-        names, numbers = (*LINEAR, *CURVE, "kappa"), (*self.ship.numbers[:7], self.ship.kappa)
+        names, numbers = (
+            (*LINEAR_NAMES, *CURVE_NAMES, "kappa"),
+            (*self.ship.numbers[:7], self.ship.kappa),
+        )
         told = dict(zip(names, numbers, strict=True))
         rates = [record.column("yaw_rate") for record in self.records]
         own = [x for rate in rates for x in (rate[~np.isnan(rate)][0], self.ship.delta_0)]
@@ -203,13 +208,13 @@ class _Records:
 
     def slopes(self, theta: Numbers) -> Numbers:
         """Return their exact derivatives (n, p)."""
-        aside = theta + 1j * STEP * np.eye(len(theta))
-        return np.column_stack([self.errors(row).imag / STEP for row in aside])
+        aside = theta + 1j * COMPLEX_STEP * np.eye(len(theta))
+        return np.column_stack([self.errors(row).imag / COMPLEX_STEP for row in aside])
 
 
 def bend_from_records(
-    ship: Bent, records: Sequence[Record], free: tuple[str, ...] = ("kappa",)
-) -> Bend:
+    ship: BentShip, records: Sequence[Record], free: tuple[str, ...] = ("kappa",)
+) -> BendEstimate:
     """Return ``ship`` with the numbers ``free`` that predict the yaw rates of records best.
 
     Errors are taken for white and of one size. The residual helm returned is the last record's.
@@ -223,16 +228,22 @@ def bend_from_records(
     asked, source = _Records(ship, records, free), records[-1].source
     with np.errstate(all="ignore"):
         found = least_squares(
-            asked.value, asked.start, asked.slopes, x_scale="jac", xtol=CLOSE, ftol=CLOSE, gtol=None
+            asked.value,
+            asked.start,
+            asked.slopes,
+            x_scale="jac",
+            xtol=FIT_TOLERANCE,
+            ftol=FIT_TOLERANCE,
+            gtol=None,
         )
     size = np.linalg.norm(found.jac, axis=0)
     unit = found.jac / np.maximum(size, 1e-300)
-    if not found.success or np.linalg.cond(unit) > WORST:
+    if not found.success or np.linalg.cond(unit) > MAX_CONDITION:
         raise ConfigError(f"{source}: this record does not tell {', '.join(free)}")
     variance = 2.0 * found.cost / max(len(found.fun) - len(size), 1)
     widths = np.sqrt(variance * np.diag(np.linalg.inv(unit.T @ unit))) / size
     names, places = [*free, "delta_0"], [*range(len(free)), -1]
-    return Bend(
+    return BendEstimate(
         source,
         ship.changed(names, [float(found.x[place]) for place in places]),
         {name: float(widths[place]) for name, place in zip(names, places, strict=True)},

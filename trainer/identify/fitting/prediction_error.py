@@ -17,27 +17,27 @@ from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import LOG_2_PI, Likelihood, possible
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.kernels.covariance_filter import (
-    COUNTED,
+    FLAG_COUNTED,
     FilterRun,
     Predictor,
     SampledSystem,
     run_predictor,
-    settle,
-    show,
+    settle_gain,
+    show_filter,
 )
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.kernels.sampling import Complexes
-from trainer.identify.model.sampled import STEP, Sampled
+from trainer.identify.model.sampled import COMPLEX_STEP, SampledSystems
 from trainer.identify.record.measurements import Samples
 
-REASONS: Final = ("counted", "missing", "rejected", "singular")
-Gains = Callable[[Problem, Sampled], Complexes | None]
-MOST_STEPS: Final = 5000  # of the iteration for the settled gain
-SETTLED: Final = 1e-13  # [-] relative change of P at which it has settled
+FLAG_REASONS: Final = ("counted", "missing", "rejected", "singular")
+Gains = Callable[[Problem, SampledSystems], Complexes | None]
+MAX_GAIN_STEPS: Final = 5000  # of the iteration for the settled gain
+COVARIANCE_TOLERANCE: Final = 1e-13  # [-] relative change of P at which it has settled
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class PredictionRun:
     """The filter's run over a record; errors are NaN where a reading is missing."""
 
     states: Numbers  # (n, x) predicted from the samples before, SI
@@ -46,12 +46,12 @@ class Shown:
     covariances: Numbers  # (n, x, x) P of the states
     spreads: Numbers  # (n, y, y) R, their covariance
     squares: Numbers  # (n,) error' R^-1 error
-    flags: NDArray[np.int64]  # (n,) places in REASONS
+    flags: NDArray[np.int64]  # (n,) places in FLAG_REASONS
 
     @property
     def counted(self) -> NDArray[np.bool_]:
         """Return which samples the losses are made of (n,)."""
-        return np.asarray(self.flags == int(COUNTED))
+        return np.asarray(self.flags == int(FLAG_COUNTED))
 
     @property
     def standardised(self) -> Numbers:
@@ -78,12 +78,12 @@ def chi_square_limits(probability: float, readings: int) -> Numbers:
     return np.array([math.inf, *(chdtri(count, probability) for count in range(1, readings + 1))])
 
 
-def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> Shown:
+def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> PredictionRun:
     """Return the filter's run with ``theta`` (f,); ``limits`` (y+1,) as chi_square_limits."""
-    return filtered(problem.sampled(theta).at(0), problem.samples, limits)
+    return filter_samples(problem.sampled(theta).at(0), problem.samples, limits)
 
 
-def filtered(system: SampledSystem, samples: Samples, limits: Numbers) -> Shown:
+def filter_samples(system: SampledSystem, samples: Samples, limits: Numbers) -> PredictionRun:
     """Return the filter's run by a system's mean, noise and start; complex as they are."""
     (count, readings), states = samples.outputs.shape, len(system.start)
     rows, kind = states + readings, system.mean.dtype
@@ -91,8 +91,8 @@ def filtered(system: SampledSystem, samples: Samples, limits: Numbers) -> Shown:
     covariances = np.empty((count, states, states), kind)
     spreads = np.empty((count, readings, readings), kind)
     run = FilterRun(out, covariances, spreads)
-    show(system, samples.table, samples.steps[1], limits, run)
-    return Shown(
+    show_filter(system, samples.table, samples.steps[1], limits, run)
+    return PredictionRun(
         out[:, :states],
         out[:, states:rows],
         out[:, rows : rows + readings],
@@ -110,13 +110,13 @@ def loss_1(errors: Numbers) -> float:
     return float(size) / len(whole) if len(whole) and sign > 0.0 else math.nan
 
 
-def no_gain(problem: Problem, sampled: Sampled) -> Complexes:
+def no_gain(problem: Problem, sampled: SampledSystems) -> Complexes:
     """Return zero gains (b, x, y). The model runs alone, all error is in the readings."""
     batch, states = sampled.start.shape[:2]
     return np.zeros((batch, states, problem.samples.outputs.shape[1]), complex)
 
 
-def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
+def settled_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
     """Return the gains (b, x, y) that the filter settles at. None if it does not.
 
     ConfigError if the interval varies: there is no such gain then.
@@ -131,7 +131,7 @@ def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
         P = np.ascontiguousarray(sampled.start[row, :, 1:])
         system = sampled.mean[row, 0], sampled.noise[row, 0]
         try:
-            settled = settle(*system, P, SETTLED, MOST_STEPS, gain) > 0
+            settled = settle_gain(*system, P, COVARIANCE_TOLERANCE, MAX_GAIN_STEPS, gain) > 0
         except ZeroDivisionError:  # of complex numbers, which compiled code raises
             settled = False
         if not settled:
@@ -139,7 +139,7 @@ def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
     return gains
 
 
-def own_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
+def own_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
     """Return the gains (b, x, y) that the model gives."""
     del problem
     gain = sampled.as_complex().gain
@@ -196,7 +196,7 @@ class Innovations:
         """Return n S^-1 error (n, y) and the errors' slopes (f, n, y)."""
         value = errors[0].real
         weighted = len(value) * np.linalg.solve(value.T @ value, value.T).T
-        return weighted, errors[1:].imag / STEP
+        return weighted, errors[1:].imag / COMPLEX_STEP
 
     def _errors(self, theta: Numbers, *, sloped: bool) -> Complexes | None:
         """Return the errors of whole samples of all runs (1+f, k, y), or only the first row.
@@ -218,7 +218,9 @@ class Innovations:
         return whole if np.isfinite(whole).all() and whole.shape[1] else None
 
 
-def _run(problem: Problem, sampled: Sampled, gains: Complexes, row: int) -> tuple[Entries, Entries]:
+def _run(
+    problem: Problem, sampled: SampledSystems, gains: Complexes, row: int
+) -> tuple[Entries, Entries]:
     """Return states (n, x) and errors (n, y) of one row; NaN where a reading is missing."""
     samples, states = problem.samples, sampled.start.shape[1]
     out = np.empty((len(samples.t), states + samples.outputs.shape[1]), complex)
@@ -264,7 +266,7 @@ class MultiStep:
         gradient, value = np.zeros(len(theta)), 0.0
         for costs, (_, at) in zip(self._costs(theta, sloped=True), self.problem.runs, strict=True):
             value += float(costs[0].real)
-            gradient[at] += costs[1:].imag / STEP
+            gradient[at] += costs[1:].imag / COMPLEX_STEP
         return value, gradient * self.problem.scale
 
     def information(self, theta: Numbers) -> Numbers:
@@ -283,7 +285,7 @@ class MultiStep:
             found.append(np.array(costs))
         return found
 
-    def _cost(self, problem: Problem, sampled: Sampled, row: int) -> complex:
+    def _cost(self, problem: Problem, sampled: SampledSystems, row: int) -> complex:
         """Return n V2 of a row."""
         start = np.ascontiguousarray(sampled.start[row])
         system = SampledSystem(sampled.mean[row], sampled.noise[row], start)
@@ -297,7 +299,7 @@ class MultiStep:
     def _look_ahead(self, system: SampledSystem, samples: Samples) -> tuple[complex, int]:
         """Return the sum of all predictions' -log L, and how many there are."""
         readings, (mean, noise, start) = samples.outputs.shape[1], system
-        shown, x = filtered(system, samples, no_limits(readings)), len(start)
+        shown, x = filter_samples(system, samples, no_limits(readings)), len(start)
         z, P, total, count = shown.states, shown.covariances, 0j, 0
         for ahead in range(min(self.last, len(samples.t))):
             table, which = samples.table[ahead:], samples.steps[1][ahead:]

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.model.models import Plant
-from trainer.identify.model.sampled import Sampled, aside, sample
+from trainer.identify.model.sampled import SampledSystems, sample_systems, step_aside
 from trainer.identify.record.measurements import Samples
 
-LEAST: Final = 1e-4  # [-] of its start: what an error's variance is not estimated below
+MIN_VARIANCE_SHARE: Final = (
+    1e-4  # [-] of its start: what an error's variance is not estimated below
+)
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class FurtherRun:
     """Another record of the same ship: at which speed, and where its own parameters start."""
 
     plant: Plant
@@ -46,7 +48,7 @@ class Problem:
     scale: Numbers  # (f,)
     sampling: str = "instantaneous"
     first: Numbers | None = None
-    others: tuple[Run, ...] = ()
+    others: tuple[FurtherRun, ...] = ()
     own: tuple[int, ...] = ()
 
     @cached_property
@@ -80,7 +82,7 @@ class Problem:
         """Return the problem of each run alone, and the places of its numbers among all."""
         count, size = len(self.free), len(self.own)
         found = []
-        for i, run in enumerate((Run(self.plant, self.samples, self.values), *self.others)):
+        for i, run in enumerate((FurtherRun(self.plant, self.samples, self.values), *self.others)):
             at = np.arange(count)
             if i:
                 at[[self.free.index(place) for place in self.own]] = (
@@ -113,7 +115,7 @@ class Problem:
         likelihood be without end.
         """
         errors = np.array([kind == "error" for kind in self.kinds], bool)
-        return np.where(errors, LEAST * np.abs(self.start), 0.0)
+        return np.where(errors, MIN_VARIANCE_SHARE * np.abs(self.start), 0.0)
 
     def collapsed(self, theta: Numbers) -> tuple[str, ...]:
         """Return the names of the errors that ``theta`` (f,) has on their floor."""
@@ -138,19 +140,19 @@ class Problem:
         values = np.where(kinds == "lag", np.abs(angles), values)
         return np.where(np.isin(kinds, ("variance", "error")), np.abs(values), values) / self.scale
 
-    def sampled(self, theta: Numbers) -> Sampled:
+    def sampled(self, theta: Numbers) -> SampledSystems:
         """Return the sampled systems of ``theta`` (f,): one row."""
         return self._sample(self.whole(theta)[None])
 
-    def sloped(self, theta: Numbers) -> Sampled:
+    def sloped(self, theta: Numbers) -> SampledSystems:
         """Return the sampled systems of ``theta`` and, in rows 1 on, their slopes by each."""
-        return self._sample(aside(self.whole(theta), self.free))
+        return self._sample(step_aside(self.whole(theta), self.free))
 
-    def _sample(self, rows: Entries) -> Sampled:
+    def _sample(self, rows: Entries) -> SampledSystems:
         blocks = self.plant.blocks(rows)
         if self.first is not None:
             blocks.start[:, :, 0] = self.first
-        return sample(blocks, self.samples.steps[0], self.sampling)
+        return sample_systems(blocks, self.samples.steps[0], self.sampling)
 
     def fastest(self, theta: Numbers) -> float:
         """Return the shortest time constant [s] of the model, infinite if nothing moves.

@@ -12,36 +12,38 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.model.models import UNITS, Plant
+from trainer.identify.model.models import OUTPUT_UNITS, Plant
 from trainer.identify.model.nomoto import rate_coefficients
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study_records import ParameterRow
 
-RESTLESS: Final = 0.1  # [-] of the yaw rate, that disturbances start as
-SMALLEST: Final = {"sway": 1e-3, "yaw_rate": 1e-3, "heading": 1e-3}  # errors [kn], [deg/s], [deg]
-ACCELERATIONS: Final = ("m11", "m12", "m21", "m22")
-DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
-FREE: Final[Mapping[str, tuple[str, ...]]] = {  # beside errors and the initial state
-    "1": (*DERIVATIVES, "Y_0", "N_0", "R1_Y", "R1_N"),
+DISTURBANCE_SHARE: Final = 0.1  # [-] of the yaw rate, that disturbances start as
+MIN_ERRORS: Final = {"sway": 1e-3, "yaw_rate": 1e-3, "heading": 1e-3}  # errors [kn], [deg/s], [deg]
+ACCELERATION_NAMES: Final = ("m11", "m12", "m21", "m22")
+DERIVATIVE_NAMES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
+FREE_NAMES: Final[Mapping[str, tuple[str, ...]]] = {  # beside errors and the initial state
+    "1": (*DERIVATIVE_NAMES, "Y_0", "N_0", "R1_Y", "R1_N"),
     "2": ("a1", "a2", "c1", "c2", "f2", "R1_1", "R1_2"),
     "3": ("a1", "a2", "b1", "b2", "f1", "R1_1", "R1_2"),
     "nomoto1": ("K", "T", "delta_0", "R1_r"),
     "nomoto2": ("a1", "a2", "b1", "b2", "delta_0", "R1_1", "R1_2"),
 }
-TURNING: Final = {"yaw_rate": "R2_r", "heading": "R2_psi"}
-ERRORS: Final[Mapping[str, Mapping[str, str]]] = {  # of what is read
-    "1": {"sway": "R2_v1", "bow_sway": "R2_v1", "stern_sway": "R2_v2", **TURNING},
+TURNING_ERRORS: Final = {"yaw_rate": "R2_r", "heading": "R2_psi"}
+ERROR_NAMES: Final[Mapping[str, Mapping[str, str]]] = {  # of what is read
+    "1": {"sway": "R2_v1", "bow_sway": "R2_v1", "stern_sway": "R2_v2", **TURNING_ERRORS},
     "2": {"sway": "R2_v"},
-    **dict.fromkeys(("3", "nomoto1", "nomoto2"), TURNING),
+    **dict.fromkeys(("3", "nomoto1", "nomoto2"), TURNING_ERRORS),
 }
-STATES: Final[Mapping[str, tuple[tuple[str, str], ...]]] = {  # initial state: what reads it
+INITIAL_STATE_NAMES: Final[
+    Mapping[str, tuple[tuple[str, str], ...]]
+] = {  # initial state: what reads it
     "1": (("x1_0", "sway"), ("x2_0", "yaw_rate"), ("x3_0", "heading")),
     "2": (("x1_0", "sway"), ("x2_0", "")),
     "3": (("x1_0", ""), ("x2_0", "yaw_rate"), ("x3_0", "heading")),
     "nomoto1": (("x1_0", "yaw_rate"), ("x2_0", "heading")),
     "nomoto2": (("x1_0", ""), ("x2_0", "yaw_rate"), ("x3_0", "heading")),
 }
-DISTURBANCES: Final = ("R1_Y", "R1_N", "R1_1", "R1_2", "R1_r")
+DISTURBANCE_NAMES: Final = ("R1_Y", "R1_N", "R1_1", "R1_2", "R1_r")
 
 
 def free_names(plant: Plant, rows: Sequence[ParameterRow]) -> tuple[str, ...]:
@@ -50,10 +52,12 @@ def free_names(plant: Plant, rows: Sequence[ParameterRow]) -> tuple[str, ...]:
     A heading that is not read is not told by the others: its start stays as it is.
     """
     model = plant.model
-    names = list(FREE[model.name])
-    names += dict.fromkeys(ERRORS[model.name][output] for output in plant.outputs)
+    names = list(FREE_NAMES[model.name])
+    names += dict.fromkeys(ERROR_NAMES[model.name][output] for output in plant.outputs)
     heading = "heading" in plant.outputs
-    names += [name for name, channel in STATES[model.name] if channel != "heading" or heading]
+    names += [
+        name for name, channel in INITIAL_STATE_NAMES[model.name] if channel != "heading" or heading
+    ]
     chosen = set(model.places(names))
     for word, change in (("yes", chosen.update), ("no", chosen.difference_update)):
         change(model.places(row.name for row in rows if row.free == word))
@@ -77,7 +81,7 @@ def start_values(
     for name, value in told.items():
         values[model.place(name)] = value
     if model.name == "1":
-        lacking = [name for name in (*ACCELERATIONS, *DERIVATIVES) if name not in told]
+        lacking = [name for name in (*ACCELERATION_NAMES, *DERIVATIVE_NAMES) if name not in told]
         if lacking:
             raise ConfigError(
                 f"model 1 lacks a start for {', '.join(lacking)}: give a vessel, or "
@@ -93,14 +97,14 @@ def _read(plant: Plant, record: Record) -> dict[str, float]:
     kind = plant.model.name
     found = {}
     for output in plant.outputs:
-        values = record.column(output) * UNITS[output][1]
+        values = record.column(output) * OUTPUT_UNITS[output][1]
         known = values[~np.isnan(values)]
-        least = SMALLEST.get(output, SMALLEST["sway"])
+        least = MIN_ERRORS.get(output, MIN_ERRORS["sway"])
         rough = np.diff(known, 3) / math.sqrt(20.0)  # white noise of unit variance has 20
-        found[ERRORS[kind][output]] = max(float(np.var(rough)), least**2)
-    for name, channel in STATES[kind]:
+        found[ERROR_NAMES[kind][output]] = max(float(np.var(rough)), least**2)
+    for name, channel in INITIAL_STATE_NAMES[kind]:
         if channel and channel in record.channels:
-            values = record.column(channel) * UNITS[channel][1]
+            values = record.column(channel) * OUTPUT_UNITS[channel][1]
             found[name] = float(values[~np.isnan(values)][0])
     return found
 
@@ -146,7 +150,7 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
 def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, float]) -> None:
     """Write the densities of disturbance that make a tenth of the motion, unless they are told."""
     model = plant.model
-    names = [name for name in DISTURBANCES if name in model.names and name not in told]
+    names = [name for name in DISTURBANCE_NAMES if name in model.names and name not in told]
     if not names:
         return
     for name in names:
@@ -156,6 +160,10 @@ def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, f
     seen = record.sway if model.name == "2" else record.yaw_rate
     seen = record.column("turning")[:-1] if seen is None else seen
     motion = float(np.nanstd(seen)) or 1e-6  # the usual size of it, SI
-    density = (RESTLESS * motion) ** 2 / max(noise[place, place], 1e-300) / (5.0 * record.interval)
+    density = (
+        (DISTURBANCE_SHARE * motion) ** 2
+        / max(noise[place, place], 1e-300)
+        / (5.0 * record.interval)
+    )
     for name in names:
         values[model.place(name)] = density

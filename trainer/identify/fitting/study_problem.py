@@ -18,17 +18,18 @@ from trainer.identify.fitting.prediction_error import (
     own_gain,
     settled_gain,
 )
-from trainer.identify.fitting.problem import Problem, Run, problem_of
+from trainer.identify.fitting.problem import FurtherRun, Problem, problem_of
 from trainer.identify.fitting.start_values import free_names, start_values
 from trainer.identify.model.models import MODELS, Model, Plant, Ship
-from trainer.identify.model.own_systems import NOISE, model_of
-from trainer.identify.model.steering import Steering, steering
+from trainer.identify.model.own_systems import NOISE_MATRICES, model_of
+from trainer.identify.model.steering import SteeringModel, find_steering
 from trainer.identify.record.measurements import Record, check_count, samples_of
 from trainer.identify.record.study import Study, speed_of, studies_of
 from trainer.identify.record.study_records import ModelTable, ParameterRow
 
 NO_SHIP: Final = Ship(1.0, 1.0)  # of a user's own system, which has its own units
-UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
+# noise models do not have these: the errors' covariance is concentrated out
+UNMODELLED_NOISE: Final = {
     "output-error": ("R1", "R2"),
     "innovations": ("R2_psi", "R2_v1", "R2_v"),
 }
@@ -36,7 +37,7 @@ UNMODELLED: Final = {  # noise models do not have these: the errors' covariance 
 
 def pose_problem(
     study: Study, record: Record, others: Sequence[Record] = (), *, fixed: bool = True
-) -> tuple[Problem, Steering | None]:
+) -> tuple[Problem, SteeringModel | None]:
     """Return the problem of a study, and the ship of its vessel file.
 
     ConfigError for what it lacks. Unless ``fixed``, what is held counts as free, and samples are
@@ -57,7 +58,7 @@ def pose_problem(
         speed = NO_SHIP.speed if one.system is not None else speed_of(one, seen)
         at = replace(plant, ship=replace(plant.ship, speed=speed))
         values = _start(one, at, seen, known)
-        runs.append(Run(at, samples_of(seen, plant.outputs, inputs), values))
+        runs.append(FurtherRun(at, samples_of(seen, plant.outputs, inputs), values))
     samples, values = runs[0].samples, runs[0].values
     problem = problem_of(plant, samples, values, free)
     places = plant.model.places
@@ -77,7 +78,7 @@ def pose_problem(
     return problem, own
 
 
-def _plant_of(study: Study, record: Record) -> tuple[Plant, Steering | None]:
+def _plant_of(study: Study, record: Record) -> tuple[Plant, SteeringModel | None]:
     """Return the model of a study's ship, and the ship of its vessel file; ConfigError."""
     table = table_of(study)
     if study.system is not None:
@@ -86,7 +87,7 @@ def _plant_of(study: Study, record: Record) -> tuple[Plant, Steering | None]:
         raise ConfigError(f"{study.path.name}: lacks [ship]: say --length or --vessel")
     speed, ship = speed_of(study, record), study.ship
     scales = Ship(ship.length_m, speed, ship.bow_log_m or 0.0, ship.stern_log_m or 0.0)
-    own = steering(load_vessel(ship.vessel), speed) if ship.vessel else None
+    own = find_steering(load_vessel(ship.vessel), speed) if ship.vessel else None
     return Plant(MODELS[table.kind], scales, table.outputs, record.interval), own
 
 
@@ -117,11 +118,13 @@ def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
     """Return the parameters that the noise model does not have."""
     noise = table_of(study).noise or ""
     if study.system is None:
-        return tuple(x for x in plant.model.names if x.startswith(UNMODELLED.get(noise, ("?",))))
+        return tuple(
+            x for x in plant.model.names if x.startswith(UNMODELLED_NOISE.get(noise, ("?",)))
+        )
     system = study.system
     if noise == "innovations" and "K" not in system.matrices(system.starts[None]):
         return system.only_in({"R2"})[:1]  # it has no gain of its own
-    return system.only_in(NOISE) if noise in UNMODELLED else ()
+    return system.only_in(NOISE_MATRICES) if noise in UNMODELLED_NOISE else ()
 
 
 def _of_each_run(
@@ -135,7 +138,7 @@ def _of_each_run(
     return tuple(place for place in free if model.names[place] in own)
 
 
-def _check_interval(study: Study, runs: Sequence[Run]) -> None:
+def _check_interval(study: Study, runs: Sequence[FurtherRun]) -> None:
     """Check that all samples are one interval apart; ConfigError."""
     steps = {round(float(step), 6) for run in runs for step in run.samples.steps[0]}
     if len(steps) > 1:

@@ -15,23 +15,28 @@ import numpy as np
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import possible
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.judge.fitted import Fitted
-from trainer.identify.judge.propagation import TAIL, Span, draw_parameters, span_draws
-from trainer.identify.judge.validation import alone
+from trainer.identify.judge.fitted import ModelFit
+from trainer.identify.judge.propagation import TAIL_SHARE, Span, draw_parameters, span_draws
+from trainer.identify.judge.validation import predict_alone
 from trainer.identify.model.derived import quantities
 from trainer.identify.record.measurements import Samples
 
-SEED: Final = 1
-QUANTITIES_OF: Final = 1000  # draws that intervals of gains and time constants are of
-MOTIONS_OF: Final = 200  # draws that are run
-SETTLED: Final = 6.0  # time constants, that a response is shown for
-SHORTEST: Final = 20  # [samples] of it
-ANSWERS: Final = ("yaw_rate", "heading", "sway")  # to the rudder, in Bode figures
-LEVERS: Final = {"l_delta": "Y_delta", "l_psi": "Y_psi"}  # and the forces that they are arms of
-PAIRED: Final = 0.025  # [-] share of complex pairs from which T1 and T2 are not told apart
+DRAW_SEED: Final = 1
+QUANTITY_DRAWS: Final = 1000  # draws that intervals of gains and time constants are of
+MOTION_DRAWS: Final = 200  # draws that are run
+RESPONSE_TIME_CONSTANTS: Final = 6.0  # time constants, that a response is shown for
+MIN_RESPONSE_SAMPLES: Final = 20  # [samples] of it
+BODE_OUTPUTS: Final = ("yaw_rate", "heading", "sway")  # to the rudder, in Bode figures
+LEVER_FORCES: Final = {
+    "l_delta": "Y_delta",
+    "l_psi": "Y_psi",
+}  # and the forces that they are arms of
+MIN_COMPLEX_SHARE: Final = (
+    0.025  # [-] share of complex pairs from which T1 and T2 are not told apart
+)
 
 
-class Band(NamedTuple):
+class ShipBand(NamedTuple):
     """The range of 95 % of the ships, lowest to highest, and the middle."""
 
     t: Numbers  # (n,) [s], or [rad/s]
@@ -41,7 +46,7 @@ class Band(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Allowed:
+class AllowedShips:
     """Ships drawn for a fit."""
 
     problem: Problem
@@ -52,34 +57,34 @@ class Allowed:
     @cached_property
     def sailing(self) -> Numbers:
         """Return those of the draws that are run, models all of them (k, f)."""
-        tried = self.draws[:MOTIONS_OF]
+        tried = self.draws[:MOTION_DRAWS]
         kept = tried[[_sails(self.problem, one) for one in tried]]
         return kept if len(kept) else self.problem.start[None]
 
     @property
     def lost(self) -> float:
         """Return the share of draws that were no model [-]."""
-        return 1.0 - len(self.sailing) / len(self.draws[:MOTIONS_OF])
+        return 1.0 - len(self.sailing) / len(self.draws[:MOTION_DRAWS])
 
     @cached_property
-    def outputs(self) -> Band:
+    def outputs(self) -> ShipBand:
         """Return what they make of the record's rudder, from their own initial states."""
         return self._band(self.problem, None)
 
-    def response(self, inputs: Numbers) -> Band:
+    def response(self, inputs: Numbers) -> ShipBand:
         """Return what ``inputs`` (n, u), a rudder [deg], do to the outputs, every interval."""
         t = np.arange(len(inputs), dtype=np.float64) * self.problem.plant.period
         still = np.zeros((len(inputs), len(self.problem.plant.outputs)))
         under = self.problem.on(Samples(t, still, inputs))
         return self._band(under, under.on(Samples(t, still, np.zeros_like(inputs))))
 
-    def bode(self, omega: Numbers) -> tuple[tuple[str, ...], Band, Band]:
+    def bode(self, omega: Numbers) -> tuple[tuple[str, ...], ShipBand, ShipBand]:
         """Return outputs, gain [dB] and phase [deg] at ``omega`` (w,) [rad/s], rudder to starboard.
 
         The gain is of the models' units: 1/s of yaw rate, 1 of heading, kn/deg of sway.
         """
         plant = self.problem.plant
-        outputs = tuple(name for name in ANSWERS if name in plant.model.outputs)
+        outputs = tuple(name for name in BODE_OUTPUTS if name in plant.model.outputs)
         whole = np.array([self.problem.whole(theta) for theta in self.sailing])
         blocks, n = replace(plant, outputs=outputs).blocks(whole), plant.model.states
         A, C = blocks.drift[:, :n, :n], blocks.drift[:, n:, :n]
@@ -92,20 +97,20 @@ class Allowed:
         sizes = 20.0 * np.log10(np.maximum(np.abs(gain), 1e-300))
         return outputs, _spread(omega, sizes), _spread(omega, phase)
 
-    def _band(self, under: Problem, without: Problem | None) -> Band:
+    def _band(self, under: Problem, without: Problem | None) -> ShipBand:
         """Return the band of the outputs ``under`` a rudder, less those ``without`` it."""
-        runs = np.array([alone(under, theta) for theta in self.sailing])
+        runs = np.array([predict_alone(under, theta) for theta in self.sailing])
         if without is not None:
-            runs -= np.array([alone(without, theta) for theta in self.sailing])
+            runs -= np.array([predict_alone(without, theta) for theta in self.sailing])
         return _spread(under.samples.t, runs.swapaxes(0, 1))
 
 
-def _spread(t: Numbers, found: Numbers) -> Band:
+def _spread(t: Numbers, found: Numbers) -> ShipBand:
     """Return the band of numbers (n, ships, y)."""
-    return Band(t, *np.quantile(found, (TAIL, 0.5, 1.0 - TAIL), axis=1))
+    return ShipBand(t, *np.quantile(found, (TAIL_SHARE, 0.5, 1.0 - TAIL_SHARE), axis=1))
 
 
-def draw_allowed(fitted: Fitted) -> Allowed:
+def draw_allowed(fitted: ModelFit) -> AllowedShips:
     """Return the ships that the record of a fit allows. What it does not tell of stays."""
     problem, plant = fitted.problem, fitted.problem.plant
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
@@ -116,44 +121,46 @@ def draw_allowed(fitted: Fitted) -> Allowed:
         spans = Span(*(np.full_like(end, math.nan) for end in spans))
     swinging = "T_imag" in fitted.quantity_names
     swing = numbers[:, fitted.quantity_names.index("T_imag")] if swinging else np.zeros(1)
-    return Allowed(problem, every, spans, float(np.mean(swing != 0.0)))
+    return AllowedShips(problem, every, spans, float(np.mean(swing != 0.0)))
 
 
 def _sails(problem: Problem, theta: Numbers) -> bool:
     """Return whether parameters are a model, and its run stays finite."""
     with np.errstate(all="ignore"):  # kernels that are not compiled tell of what they lose
-        return possible(problem.sampled(theta)) and bool(np.isfinite(alone(problem, theta)).all())
+        return possible(problem.sampled(theta)) and bool(
+            np.isfinite(predict_alone(problem, theta)).all()
+        )
 
 
 def _draw_parameters(names: tuple[str, ...], theta: Numbers, covariance: Numbers) -> Numbers:
     """Return parameter vectors (count, f); a lever arm is drawn as its force's moment."""
     pairs = [
         (names.index(arm), names.index(force))
-        for arm, force in LEVERS.items()
+        for arm, force in LEVER_FORCES.items()
         if arm in names and force in names
     ]
     middle, J = theta.copy(), np.eye(len(theta))
     for arm, force in pairs:
         middle[arm] = theta[arm] * theta[force]
         J[arm, arm], J[arm, force] = theta[force], theta[arm]
-    found = draw_parameters(middle, J @ covariance @ J.T, QUANTITIES_OF, SEED)
+    found = draw_parameters(middle, J @ covariance @ J.T, QUANTITY_DRAWS, DRAW_SEED)
     for arm, force in pairs:
         found[:, arm] /= found[:, force]
     return found
 
 
-def step_of(fitted: Fitted) -> Numbers:
+def step_of(fitted: ModelFit) -> Numbers:
     """Return a rudder (n,) [deg] that goes to 1 degree, until the ship has settled."""
     plant, samples = fitted.problem.plant, fitted.problem.samples
     told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
     slowest = abs(told["T1"]) or plant.period
-    count = math.ceil(min(SETTLED * slowest / plant.period, 1e6))
-    rudder = np.ones(max(SHORTEST, min(count, len(samples.t))))
+    count = math.ceil(min(RESPONSE_TIME_CONSTANTS * slowest / plant.period, 1e6))
+    rudder = np.ones(max(MIN_RESPONSE_SAMPLES, min(count, len(samples.t))))
     rudder[0] = 0.0
     return rudder
 
 
-def pulse_of(fitted: Fitted) -> Numbers:
+def pulse_of(fitted: ModelFit) -> Numbers:
     """Return a rudder (n,) [deg] of one degree second, in the second interval."""
     rudder = np.zeros_like(step_of(fitted))
     rudder[1] = 1.0 / fitted.problem.plant.period

@@ -11,16 +11,16 @@ from trainer.config.sensors import Sensors
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import Likelihood
 from trainer.identify.fitting.problem import problem_of
-from trainer.identify.fitting.start_values import ERRORS, STATES, free_names
-from trainer.identify.judge.propagation import propagate
+from trainer.identify.fitting.start_values import ERROR_NAMES, INITIAL_STATE_NAMES, free_names
+from trainer.identify.judge.propagation import propagate_covariance
 from trainer.identify.judge.uncertainty import uncertainty
 from trainer.identify.model.derived import quantities, quantity_units
-from trainer.identify.model.models import MODELS, UNITS, Plant, Ship
-from trainer.identify.model.steering import Steering
+from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Plant, Ship
+from trainer.identify.model.steering import SteeringModel
 from trainer.identify.record.measurements import Record, samples_of
 
-HOPELESS: Final = 100.0  # times a parameter's size: known no better, it is not known at all
-LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
+HOPELESS_SPREAD: Final = 100.0  # times a parameter's size: known no better, it is not known at all
+SEA_LEVER_LENGTHS: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,11 @@ class Prospect:
 
 
 def prospect(
-    steering: Steering, record: Record, outputs: tuple[str, ...], sensors: Sensors, unrest: float
+    steering: SteeringModel,
+    record: Record,
+    outputs: tuple[str, ...],
+    sensors: Sensors,
+    unrest: float,
 ) -> Prospect:
     """Return what would be known from such a record of such a ship.
 
@@ -49,14 +53,17 @@ def prospect(
     model = MODELS[kind]
     plant = Plant(model, Ship(steering.length, steering.speed), outputs, record.interval)
     errors = {
-        name: (sensors.error(channel) * UNITS[channel][1]) ** 2
-        for channel, name in ERRORS[kind].items()
+        name: (sensors.error(channel) * OUTPUT_UNITS[channel][1]) ** 2
+        for channel, name in ERROR_NAMES[kind].items()
     }
     values = model.vector(**_ship(steering, kind), **errors)
-    for name, channel in STATES[kind]:
+    for name, channel in INITIAL_STATE_NAMES[kind]:
         if channel:
-            values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
-    sea = {"R1_N": 1.0, "R1_Y": LEVER**-2}  # how densities of disturbance are to one another
+            values[model.place(name)] = float(record.column(channel)[0]) * OUTPUT_UNITS[channel][1]
+    sea = {
+        "R1_N": 1.0,
+        "R1_Y": SEA_LEVER_LENGTHS**-2,
+    }  # how densities of disturbance are to one another
     if kind != "1":  # the moment acts on yaw at once and, through sway, by the rate 1/T3
         sea = {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
     for name, share in sea.items():
@@ -68,11 +75,13 @@ def prospect(
     problem = problem_of(plant, samples_of(record, outputs), values, free)
     known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
     spread = np.sqrt(np.diag(known.covariance)) / np.maximum(np.abs(problem.start), 1.0)
-    hopeless = [(name,) for name, one in zip(problem.names, spread, strict=True) if one > HOPELESS]
+    hopeless = [
+        (name,) for name, one in zip(problem.names, spread, strict=True) if one > HOPELESS_SPREAD
+    ]
     if lost := known.flat or hopeless:
         told = "; ".join(" with ".join(group) for group in lost)
         raise ConfigError(f"such a record cannot separate {told}")
-    found = propagate(
+    found = propagate_covariance(
         lambda theta: quantities(plant, problem.whole(theta)),
         problem.start,
         known.covariance,
@@ -87,7 +96,7 @@ def prospect(
     )
 
 
-def _ship(steering: Steering, kind: str) -> dict[str, float]:
+def _ship(steering: SteeringModel, kind: str) -> dict[str, float]:
     """Return the model's parameters of the ship; ConfigError if it has a pair of roots."""
     if kind == "1":
         return steering.prime

@@ -13,19 +13,25 @@ import numpy as np
 
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.estimate import Starts, estimate
-from trainer.identify.fitting.minimise import Cost, Found, Progress, Search, unheard
+from trainer.identify.fitting.estimate import RestartOptions, find_best_minimum
+from trainer.identify.fitting.minimise import (
+    Cost,
+    Progress,
+    SearchOptions,
+    SearchResult,
+    ignore_news,
+)
 from trainer.identify.fitting.prediction_error import (
-    REASONS,
+    FLAG_REASONS,
     MultiStep,
     chi_square_limits,
     run_filter,
 )
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of
-from trainer.identify.judge.propagation import Spread, propagate
+from trainer.identify.judge.propagation import Spread, propagate_covariance
 from trainer.identify.judge.uncertainty import (
-    BOUNDED,
+    BOUNDED_PREFIXES,
     Uncertainty,
     beside_bounds,
     hessian,
@@ -33,27 +39,27 @@ from trainer.identify.judge.uncertainty import (
     uncertainty,
 )
 from trainer.identify.model.derived import quantities, quantity_units
-from trainer.identify.model.steering import Steering
+from trainer.identify.model.steering import SteeringModel
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study
 
-STEPS: Final = 200
-RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
-FEWEST: Final = 2  # of them, whatever a study says
+MAX_STEPS: Final = 200
+DEFAULT_RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
+MIN_RESTARTS: Final = 2  # of them, whatever a study says
 NO_MODEL: Final = "these values are no model: a covariance is not positive, or it does not end"
-SCREENINGS: Final = 4  # rounds of fitting and rejecting
+SCREENING_ROUNDS: Final = 4  # rounds of fitting and rejecting
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class ModelFit:
     """A model fitted to a record."""
 
     study: Study
     record: Record
     others: tuple[Record, ...]  # further runs
-    ship: Steering | None  # of the vessel file, if there is one
+    ship: SteeringModel | None  # of the vessel file, if there is one
     cost: Cost
-    found: Found
+    found: SearchResult
     known: Uncertainty
     rejected: tuple[tuple[int, int], ...]  # run and sample screened out
     simulated: bool = False  # nothing was estimated
@@ -72,12 +78,12 @@ class Fitted:
     def told(self) -> Spread:
         """Return what follows of the parameters, and how well; NaN where these are not known."""
         problem, covariance = self.problem, self.known.covariance
-        told = propagate(
+        told = propagate_covariance(
             lambda free: quantities(problem.plant, problem.whole(free)),
             self.found.theta,
             np.nan_to_num(covariance, nan=0.0),
         )
-        ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED)]
+        ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED_PREFIXES)]
         if np.isnan(np.diag(covariance)[ship]).any():
             return Spread(told.values, np.full_like(told.covariance, math.nan))
         return told
@@ -110,13 +116,13 @@ def _check_separable(study: Study, problem: Problem) -> None:
         raise ConfigError(*(f"{study.path.name}: this record {text}" for text in problems))
 
 
-def fit(
+def fit_study(
     study: Study,
     record: Record,
-    heard: Callable[[Found], None],
+    heard: Callable[[SearchResult], None],
     kept: Path | None = None,
     others: Sequence[Record] = (),
-) -> Fitted:
+) -> ModelFit:
     """Return the model of a study fitted to its record. Each step is told to ``heard``.
 
     A search is kept in the file ``kept``, and goes on from there if there is one. ``others`` are
@@ -125,28 +131,30 @@ def fit(
     """
     problem, own = pose_problem(study, record, others)
     _check_separable(study, problem)
-    start, search = problem.start, Search(STEPS, heard)
+    start, search = problem.start, SearchOptions(MAX_STEPS, heard)
     if kept is not None:
-        start = resume(kept, problem) if kept.exists() else start
-        search = Search(STEPS, keep(kept, problem, heard))
+        start = resume_search(kept, problem) if kept.exists() else start
+        search = SearchOptions(MAX_STEPS, save_steps(kept, problem, heard))
     table = table_of(study)
-    restarts = RESTARTS if table.restarts is None else max(FEWEST, int(table.restarts))
+    restarts = (
+        DEFAULT_RESTARTS if table.restarts is None else max(MIN_RESTARTS, int(table.restarts))
+    )
     cost, method = cost_of(problem, table), table.method or "scoring"
-    found = estimate(cost, start, method, search, Starts(restarts))
+    found = find_best_minimum(cost, start, method, search, RestartOptions(restarts))
     rejected: list[tuple[int, int]] = []
-    for _ in range(SCREENINGS if table.reject else 0):
-        problem, more = screen(problem, found.theta, table.reject or 0.0)
+    for _ in range(SCREENING_ROUNDS if table.reject else 0):
+        problem, more = screen_samples(problem, found.theta, table.reject or 0.0)
         rejected += more
         if not more:
             break
         cost = cost_of(problem, table)
-        found = estimate(cost, found.theta, method, search)
+        found = find_best_minimum(cost, found.theta, method, search)
     known = _estimate_uncertainty(cost, found.theta)
     outliers = tuple(sorted(rejected))
-    return Fitted(study, record, tuple(others), own, cost, found, known, outliers)
+    return ModelFit(study, record, tuple(others), own, cost, found, known, outliers)
 
 
-def simulate(study: Study, record: Record, others: Sequence[Record] = ()) -> Fitted:
+def simulate_study(study: Study, record: Record, others: Sequence[Record] = ()) -> ModelFit:
     """Return the model of a study as it starts, nothing estimated (LOOP 0, ISYS 4).
 
     Outliers are screened if the study says so.
@@ -155,19 +163,19 @@ def simulate(study: Study, record: Record, others: Sequence[Record] = ()) -> Fit
     table = table_of(study)
     rejected: list[tuple[int, int]] = []
     if table.reject:
-        problem, rejected = screen(problem, problem.start, table.reject)
+        problem, rejected = screen_samples(problem, problem.start, table.reject)
     cost = cost_of(problem, table)
     value = cost.value(problem.start)
     if not math.isfinite(value):
         raise ConfigError(f"{study.path.name}: {NO_MODEL}")
-    found = Found(problem.start, value, 0, converged=True)
+    found = SearchResult(problem.start, value, 0, converged=True)
     shape = uncertainty(problem.names, cost.information(problem.start))
     known = replace(shape, covariance=np.full_like(shape.curvature, math.nan))
     outliers = tuple(sorted(rejected))
-    return Fitted(study, record, tuple(others), own, cost, found, known, outliers, simulated=True)
+    return ModelFit(study, record, tuple(others), own, cost, found, known, outliers, simulated=True)
 
 
-def screen(
+def screen_samples(
     problem: Problem, theta: Numbers, probability: float
 ) -> tuple[Problem, list[tuple[int, int]]]:
     """Return the problem without the samples that are improbable, and their runs and places."""
@@ -175,7 +183,7 @@ def screen(
     limits = chi_square_limits(probability, problem.samples.outputs.shape[1])
     for number, (run, at) in enumerate(problem.runs):
         flags = run_filter(run, theta[at], limits).flags
-        rejected = flags == REASONS.index("rejected")
+        rejected = flags == FLAG_REASONS.index("rejected")
         kept.append(run.samples.without(rejected))
         found += [(number, int(place)) for place in np.flatnonzero(rejected)]
     further = zip(problem.others, kept[1:], strict=True)
@@ -207,10 +215,10 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
 # A search kept in a file, how far it has come.
 
 
-def keep(path: Path, problem: Problem, heard: Progress = unheard) -> Progress:
+def save_steps(path: Path, problem: Problem, heard: Progress = ignore_news) -> Progress:
     """Return what keeps each step of a search in ``path``, and tells it."""
 
-    def write(found: Found) -> None:
+    def write(found: SearchResult) -> None:
         theta = problem.folded(found.theta) * problem.scale
         told = {
             "model": problem.plant.model.name,
@@ -225,8 +233,8 @@ def keep(path: Path, problem: Problem, heard: Progress = unheard) -> Progress:
     return write
 
 
-def resume(path: Path, problem: Problem) -> Numbers:
-    """Return where to start (f,), from a file that ``keep`` wrote.
+def resume_search(path: Path, problem: Problem) -> Numbers:
+    """Return where to start (f,), from a file that ``save_steps`` wrote.
 
     ConfigError if it is of another model or lacks a free parameter.
     """

@@ -18,7 +18,7 @@ BETTER_LEVEL: Final = 0.05  # [-] probability by chance, below which a larger mo
 
 
 @dataclass(frozen=True)
-class Coefficient:
+class ArmaxCoefficient:
     """One coefficient and its standard deviation, None where the record does not tell."""
 
     name: str
@@ -27,7 +27,7 @@ class Coefficient:
 
 
 @dataclass(frozen=True)
-class Order:
+class OrderTrial:
     """One order tried."""
 
     order: int
@@ -39,7 +39,7 @@ class Order:
     f: float | None  # against the order before
     f_probability: float | None
     converged: bool
-    coefficients: tuple[Coefficient, ...]
+    coefficients: tuple[ArmaxCoefficient, ...]
     poles: tuple[tuple[float, float], ...]  # real and imaginary part
     zeros: tuple[tuple[float, float], ...]
     rounding: tuple[tuple[float, float], ...]  # negative poles that a zero cancels
@@ -47,24 +47,24 @@ class Order:
     residuals: Residuals
 
 
-class Orders(NamedTuple):
+class OrderComparison(NamedTuple):
     """All orders tried with their models, and which of them the criteria choose."""
 
-    tried: tuple[Order, ...]
+    tried: tuple[OrderTrial, ...]
     models: tuple[Armax, ...]
 
     @property
-    def by_aic(self) -> Order:
+    def by_aic(self) -> OrderTrial:
         """Return the order of the least AIC."""
         return min(self.tried, key=lambda order: order.aic)
 
     @property
-    def by_bic(self) -> Order:
+    def by_bic(self) -> OrderTrial:
         """Return the order of the least Schwarz criterion."""
         return min(self.tried, key=lambda order: order.bic)
 
     @property
-    def by_test(self) -> Order:
+    def by_test(self) -> OrderTrial:
         """Return the first order whose successor is no improvement at the 5 % level."""
         for order, following in zip(self.tried, self.tried[1:], strict=False):
             if following.f_probability is not None and following.f_probability >= BETTER_LEVEL:
@@ -72,9 +72,9 @@ class Orders(NamedTuple):
         return self.tried[-1]
 
 
-def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -> Orders:
+def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -> OrderComparison:
     """Return the models of order 1 to ``most``. Output y and input u are (N,)."""
-    tried, models = list[Order](), list[Armax]()
+    tried, models = list[OrderTrial](), list[Armax]()
     for n in range(1, most + 1):
         fit = fit_armax(y, u, n, initial=initial, lower=models[-1] if models else None)
         before, model = (tried[-1] if tried else None), fit.model
@@ -85,7 +85,7 @@ def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -
         known = zip(fit.names, fit.deviations, strict=True)
         models.append(model)
         tried.append(
-            Order(
+            OrderTrial(
                 order=n,
                 parameters=fit.parameters,
                 loss=fit.loss,
@@ -96,7 +96,7 @@ def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -
                 f_probability=better.probability if better else None,
                 converged=fit.converged,
                 coefficients=tuple(
-                    Coefficient(name, model.value(name), s if math.isfinite(s) else None)
+                    ArmaxCoefficient(name, model.value(name), s if math.isfinite(s) else None)
                     for name, s in known
                 ),
                 poles=tuple((root.real, root.imag) for root in model.poles),
@@ -106,4 +106,4 @@ def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -
                 residuals=examine_residuals("output", model.residuals(y, u), u, lags, fitted=2 * n),
             )
         )
-    return Orders(tuple(tried), tuple(models))
+    return OrderComparison(tuple(tried), tuple(models))

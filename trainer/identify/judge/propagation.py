@@ -13,9 +13,11 @@ from trainer.core.kernel import Numbers
 
 Derived = Callable[[Numbers], Numbers]
 
-DRAWS: Final = 1000
-TAIL: Final = 0.025  # [-] of the draws, left out at each end of an interval
-NUDGE: Final = 1e-4  # [standard deviations] of each parameter, for the difference quotients
+DEFAULT_DRAWS: Final = 1000
+TAIL_SHARE: Final = 0.025  # [-] of the draws, left out at each end of an interval
+DIFFERENCE_STEP: Final = (
+    1e-4  # [standard deviations] of each parameter, for the difference quotients
+)
 
 
 class Spread(NamedTuple):
@@ -30,13 +32,13 @@ class Spread(NamedTuple):
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
 
-def propagate(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
+def propagate_covariance(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
     """Return ``derived(theta)`` (m,) with J cov J^T, J from central differences (8.3).
 
     The steps are a small part of each parameter's own standard deviation, so that they fit the
     scale on which it is known.
     """
-    steps = NUDGE * np.sqrt(np.diag(covariance))
+    steps = DIFFERENCE_STEP * np.sqrt(np.diag(covariance))
     columns = []
     for i, step in enumerate(steps):
         if step == 0.0:
@@ -63,7 +65,7 @@ def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
     """
     found = np.array([derived(draw) for draw in draws])
     told = np.where(np.isnan(found).all(axis=0), 0.0, found)  # no quantile of nothing
-    low, high = np.nanquantile(told, (TAIL, 1.0 - TAIL), axis=0)
+    low, high = np.nanquantile(told, (TAIL_SHARE, 1.0 - TAIL_SHARE), axis=0)
     nothing = np.isnan(found).all(axis=0)
     return found, Span(np.where(nothing, np.nan, low), np.where(nothing, np.nan, high))
 
@@ -71,10 +73,12 @@ def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
 def draw_parameters(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:
     """Return ``count`` parameter vectors (count, n) from N(theta, covariance) (8.5)."""
     stream = np.random.Generator(np.random.PCG64(seed))
-    return np.asarray(theta + stream.standard_normal((count, len(theta))) @ root(covariance).T)
+    return np.asarray(
+        theta + stream.standard_normal((count, len(theta))) @ covariance_root(covariance).T
+    )
 
 
-def root(covariance: Numbers) -> Numbers:
+def covariance_root(covariance: Numbers) -> Numbers:
     """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
 
     Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.

@@ -14,16 +14,16 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
-LAGS: Final = 10
-MOST_LAGS: Final = 50
-BAND: Final = 1.96  # standard errors, 95 %
-PER_CLASS: Final = 5  # residuals expected in a class, for the goodness of fit
-MOST_CLASSES: Final = 30
-SUSPECT: Final = 0.01  # [-] probability below which a test has found something
+DEFAULT_LAGS: Final = 10
+MAX_LAGS: Final = 50
+BAND_STANDARD_ERRORS: Final = 1.96  # standard errors, 95 %
+MIN_PER_CLASS: Final = 5  # residuals expected in a class, for the goodness of fit
+MAX_CLASSES: Final = 30
+SUSPECT_PROBABILITY: Final = 0.01  # [-] probability below which a test has found something
 
 
 @dataclass(frozen=True)
-class Tested:
+class TestStatistic:
     """A statistic, its degrees of freedom, and the probability of one so large by chance.
 
     Of a model against a larger one: the larger is worth it where the probability is small.
@@ -44,19 +44,19 @@ class Residuals:
     deviation: float
     correlation: tuple[float, ...]  # lags 0 to the last
     band: float
-    whiteness: Tested
+    whiteness: TestStatistic
     sign_changes: int
     sign_changes_expected: float
     sign_changes_deviation: float
-    normality: Tested
+    normality: TestStatistic
     cross: tuple[float, ...]  # with the input, lags -last to last; positive: input before
     cross_band: float
-    missing_dynamics: Tested  # of positive lags
-    feedback: Tested  # of negative lags
+    missing_dynamics: TestStatistic  # of positive lags
+    feedback: TestStatistic  # of negative lags
 
 
 def examine_residuals(
-    output: str, left: Numbers, rudder: Numbers, lags: int = LAGS, fitted: int = 0
+    output: str, left: Numbers, rudder: Numbers, lags: int = DEFAULT_LAGS, fitted: int = 0
 ) -> Residuals:
     """Return the tests of residuals (N,) against themselves and the rudder (N,).
 
@@ -64,7 +64,7 @@ def examine_residuals(
     ConfigError if there are too few residuals for the lags.
     """
     count = int(np.count_nonzero(~np.isnan(left)))
-    if not 1 <= lags <= MOST_LAGS or count < 2 * lags + 2:
+    if not 1 <= lags <= MAX_LAGS or count < 2 * lags + 2:
         raise ConfigError(f"residuals of {output}: {count} are too few for {lags} lags")
     centred = left - np.nanmean(left)
     own = correlation(left, lags)
@@ -81,14 +81,14 @@ def examine_residuals(
         mean=float(np.nanmean(left)),
         deviation=float(np.nanstd(left)),
         correlation=tuple(map(float, own)),
-        band=BAND / math.sqrt(count),
+        band=BAND_STANDARD_ERRORS / math.sqrt(count),
         whiteness=portmanteau(own, count, max(lags - fitted, 1)),
         sign_changes=int(np.count_nonzero((positive[1:] != positive[:-1]) & both)),
         sign_changes_expected=pairs / 2.0,
         sign_changes_deviation=math.sqrt(pairs) / 2.0,
         normality=goodness_of_fit(left),
         cross=tuple(map(float, cross)),
-        cross_band=BAND / math.sqrt(count) * widening,
+        cross_band=BAND_STANDARD_ERRORS / math.sqrt(count) * widening,
         missing_dynamics=_sum_test(after, input_own, count),
         feedback=_sum_test(before[::-1], input_own, count),
     )
@@ -115,16 +115,16 @@ def cross_correlation(left: Numbers, rudder: Numbers, lags: int) -> Numbers:
     return np.array([*earlier, *later]) / size
 
 
-def portmanteau(own: Numbers, count: int, freedom: int) -> Tested:
+def portmanteau(own: Numbers, count: int, freedom: int) -> TestStatistic:
     """Return Q = N(N + 2) sum r^2/(N - lag) against chi-square. Lags are from 1."""
     from scipy.special import chdtrc  # noqa: PLC0415
 
     lag = np.arange(1, len(own))
     statistic = float(count * (count + 2.0) * np.sum(own[1:] ** 2 / (count - lag)))
-    return Tested(statistic, freedom, float(chdtrc(freedom, statistic)))
+    return TestStatistic(statistic, freedom, float(chdtrc(freedom, statistic)))
 
 
-def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> Tested:
+def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> TestStatistic:
     """Return N c^T R^-1 c of cross correlations at consecutive lags, against chi-square.
 
     R is the Toeplitz matrix of the input's own correlation: for white residuals it is their
@@ -135,26 +135,26 @@ def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> Tested:
 
     R = toeplitz(input_own[: len(cross)]) + 1e-9 * np.eye(len(cross))
     statistic = float(count * cross @ np.linalg.solve(R, cross))
-    return Tested(statistic, len(cross), float(chdtrc(len(cross), statistic)))
+    return TestStatistic(statistic, len(cross), float(chdtrc(len(cross), statistic)))
 
 
-def goodness_of_fit(left: Numbers) -> Tested:
+def goodness_of_fit(left: Numbers) -> TestStatistic:
     """Return chi-square of the residuals in classes that a normal one fills equally."""
     from scipy.special import chdtrc, ndtr  # noqa: PLC0415
 
     values = left[~np.isnan(left)]
     deviation = float(np.std(values))
-    classes = int(min(max(len(values) // PER_CLASS, 4), MOST_CLASSES))
+    classes = int(min(max(len(values) // MIN_PER_CLASS, 4), MAX_CLASSES))
     if deviation == 0.0:
-        return Tested(0.0, classes - 3, 1.0)
+        return TestStatistic(0.0, classes - 3, 1.0)
     place = ndtr((values - np.mean(values)) / deviation)
     counts = np.bincount(np.minimum((place * classes).astype(int), classes - 1), minlength=classes)
     expected = len(values) / classes
     statistic = float(np.sum((counts - expected) ** 2) / expected)
-    return Tested(statistic, classes - 3, float(chdtrc(classes - 3, statistic)))
+    return TestStatistic(statistic, classes - 3, float(chdtrc(classes - 3, statistic)))
 
 
-def verdicts(found: Residuals) -> list[str]:
+def describe_tests(found: Residuals) -> list[str]:
     """Return in words what the tests have found, nothing if all is well."""
     texts = {
         "residuals are not white: the noise model or the order is too small": found.whiteness,
@@ -162,18 +162,18 @@ def verdicts(found: Residuals) -> list[str]:
         "the rudder follows the residuals: the record is of a closed loop": found.feedback,
         "residuals are not normal: outliers, or a sensor of few steps": found.normality,
     }
-    suspect = (text for text, test in texts.items() if test.probability < SUSPECT)
+    suspect = (text for text, test in texts.items() if test.probability < SUSPECT_PROBABILITY)
     return [f"{found.output}: {text}" for text in suspect]
 
 
-def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> Tested:
+def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> TestStatistic:
     """Return F of two (V, p), against F(p2 - p1, N - p2)."""
     (v1, p1), (v2, p2) = small, large
     from scipy.special import fdtrc  # noqa: PLC0415
 
     statistic = (v1 - v2) / v2 * (samples - p2) / (p2 - p1)
     chance = float(fdtrc(p2 - p1, samples - p2, max(statistic, 0.0)))
-    return Tested(statistic, p2 - p1, chance)
+    return TestStatistic(statistic, p2 - p1, chance)
 
 
 def aic_of_loss(loss: float, samples: int, parameters: int) -> float:
@@ -192,7 +192,7 @@ def aic_of_likelihood(log_likelihood: float, parameters: int) -> float:
     return -2.0 * log_likelihood + 2.0 * parameters
 
 
-def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> Tested:
+def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> TestStatistic:
     """Return 2(log L2 - log L1) against chi-square of p2 - p1. Each model is (log L, p).
 
     ConfigError if the larger has no more parameters.
@@ -203,4 +203,4 @@ def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> Tested:
     from scipy.special import chdtrc  # noqa: PLC0415
 
     statistic = 2.0 * (l2 - l1)
-    return Tested(statistic, p2 - p1, float(chdtrc(p2 - p1, statistic)))
+    return TestStatistic(statistic, p2 - p1, float(chdtrc(p2 - p1, statistic)))

@@ -4,19 +4,19 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.minimise import unheard
+from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.fitting.study_problem import table_of
-from trainer.identify.judge.fitted import Fitted, fit
+from trainer.identify.judge.fitted import ModelFit, fit_study
 from trainer.identify.judge.residuals import aic_of_likelihood, ratio_test
 from trainer.identify.model.models import MODELS
 from trainer.identify.record.study import Study
 from trainer.identify.record.study_records import ParameterRow
 
-NOTHING: Final = {"T3": "b1"}  # what is nothing where a number that follows from it is
+ZERO_PARAMETERS: Final = {"T3": "b1"}  # what is nothing where a number that follows from it is
 
 
 @dataclass(frozen=True)
-class Rival:
+class RivalModel:
     """A simpler model, and the likelihood-ratio test of the larger one against it."""
 
     name: str
@@ -28,14 +28,16 @@ class Rival:
     probability: float  # [-] of so large a ratio by chance: small, and the larger is worth it
 
 
-def without(fitted: Fitted, names: tuple[str, ...]) -> Rival:
+def compare_without(fitted: ModelFit, names: tuple[str, ...]) -> RivalModel:
     """Return the test against the same model with the parameters ``names`` at nothing.
 
     ConfigError if one of them was not estimated.
     """
     model, study = fitted.problem.plant.model, fitted.study
-    wanted = [model.names[model.place(NOTHING.get(name, name))] for name in names]
-    told = [name if name in NOTHING else one for name, one in zip(names, wanted, strict=True)]
+    wanted = [model.names[model.place(ZERO_PARAMETERS.get(name, name))] for name in names]
+    told = [
+        name if name in ZERO_PARAMETERS else one for name, one in zip(names, wanted, strict=True)
+    ]
     fixed = [name for name in wanted if name not in fitted.problem.names]
     if fixed:
         raise ConfigError(
@@ -51,7 +53,7 @@ def without(fitted: Fitted, names: tuple[str, ...]) -> Rival:
     return _test_smaller(fitted, smaller, "without " + ", ".join(told))
 
 
-def against(fitted: Fitted, kind: str) -> Rival:
+def compare_models(fitted: ModelFit, kind: str) -> RivalModel:
     """Return the test against another model of the same outputs; ConfigError if it lacks one."""
     table = table_of(fitted.study)
     lacking = [name for name in table.outputs if name not in MODELS[kind].outputs]
@@ -61,15 +63,15 @@ def against(fitted: Fitted, kind: str) -> Rival:
     return _test_smaller(fitted, smaller, f"model {kind}")
 
 
-def _test_smaller(fitted: Fitted, smaller: Study, name: str) -> Rival:
+def _test_smaller(fitted: ModelFit, smaller: Study, name: str) -> RivalModel:
     """Return the fit of a smaller study, and the test against it."""
     table = table_of(smaller)
     if (table.predict_from or 1, table.predict_to or 1) != (1, 1):
         raise ConfigError("order tests need the likelihood: predict one step, not more")
-    other = fit(smaller, fitted.record, unheard, others=fitted.others)
+    other = fit_study(smaller, fitted.record, ignore_news, others=fitted.others)
     count, own = len(other.problem.names), len(fitted.problem.names)
     test = ratio_test((other.log_likelihood, count), (fitted.log_likelihood, own))
-    return Rival(
+    return RivalModel(
         name=name,
         parameters=count,
         log_likelihood=other.log_likelihood,

@@ -10,11 +10,17 @@ from trainer.identify.fitting.likelihood import Likelihood
 from trainer.identify.fitting.minimise import Cost, curvature
 from trainer.identify.fitting.problem import Problem
 
-FLAT: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
-BOUNDED: Final = ("R1_", "R2_", "lag")  # parameters that no gain or time constant follows from
-WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
-RATIOS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
-PART: Final = 1e-3  # [-] share of a flat direction from which on a parameter belongs to it
+FLAT_EIGENVALUE: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
+BOUNDED_PREFIXES: Final = (
+    "R1_",
+    "R2_",
+    "lag",
+)  # parameters that no gain or time constant follows from
+HALF_INTERVAL_95: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
+RATIO_COEFFICIENTS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
+MIN_MEMBER_SHARE: Final = (
+    1e-3  # [-] share of a flat direction from which on a parameter belongs to it
+)
 
 
 @dataclass(frozen=True)
@@ -49,9 +55,9 @@ def uncertainty(names: tuple[str, ...], curvature: Numbers) -> Uncertainty:
     scaled = curvature / np.outer(unit, unit)
     eigenvalues, directions = np.linalg.eigh(0.5 * (scaled + scaled.T))
     covariance = np.full_like(curvature, np.nan)
-    if eigenvalues[0] > FLAT:
+    if eigenvalues[0] > FLAT_EIGENVALUE:
         covariance = (directions / eigenvalues) @ directions.T / np.outer(unit, unit)
-    flat = _groups(names, directions[:, eigenvalues <= FLAT])
+    flat = _groups(names, directions[:, eigenvalues <= FLAT_EIGENVALUE])
     return Uncertainty(names, curvature, covariance, eigenvalues, directions, flat)
 
 
@@ -60,8 +66,8 @@ def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...
     if directions.shape[1] == 0:
         return ()
     projector = directions @ directions.T  # what of each parameter's motion is flat
-    linked = np.abs(projector) > PART * np.max(np.abs(projector), axis=1, keepdims=True)
-    members = np.diag(projector) > PART**2
+    linked = np.abs(projector) > MIN_MEMBER_SHARE * np.max(np.abs(projector), axis=1, keepdims=True)
+    members = np.diag(projector) > MIN_MEMBER_SHARE**2
     groups: list[set[int]] = []
     for place in map(int, np.flatnonzero(members)):
         new = {place, *map(int, np.flatnonzero(linked[place] & members))}
@@ -78,7 +84,7 @@ def beside_bounds(known: Uncertainty) -> Uncertainty:
     A variance at nothing, the correlation with it, and a lag of nothing or of a whole interval have
     no information: their own covariances stay not a number.
     """
-    lost = {name for group in known.flat for name in group if name.startswith(BOUNDED)}
+    lost = {name for group in known.flat for name in group if name.startswith(BOUNDED_PREFIXES)}
     if not lost:
         return known
     kept = [i for i, name in enumerate(known.names) if name not in lost]
@@ -122,15 +128,15 @@ def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     time constants are products and ratios, have the wider end of both ways: next to a double root
     they scatter further to either side than their deviation tells.
     """
-    names = RATIOS if problem.plant.model.system is None else ()
-    ratio = np.isin(problem.names, names) & (np.abs(theta) > WIDTH * deviations)
+    names = RATIO_COEFFICIENTS if problem.plant.model.system is None else ()
+    ratio = np.isin(problem.names, names) & (np.abs(theta) > HALF_INTERVAL_95 * deviations)
     above = np.isin(problem.kinds, ("variance", "error"))
     scaled = ratio | (above & (np.abs(theta) > deviations))
-    share = WIDTH * deviations / np.where(scaled, np.abs(theta), 1.0)
+    share = HALF_INTERVAL_95 * deviations / np.where(scaled, np.abs(theta), 1.0)
     ways = np.array([-1.0, 1.0])
     factors = theta[:, None] * np.exp(np.where(scaled, share, 0.0)[:, None] * ways)
     middle = np.where(above, np.abs(theta), theta)
-    straight = middle[:, None] + WIDTH * deviations[:, None] * ways
+    straight = middle[:, None] + HALF_INTERVAL_95 * deviations[:, None] * ways
     straight[above, 0] = np.maximum(straight[above, 0], 0.0)
     found = np.sort(np.where(scaled[:, None], factors, straight), axis=1)
     both = np.sort(np.hstack([factors, straight]), axis=1)[:, [0, 3]]

@@ -9,25 +9,25 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import possible
 from trainer.identify.fitting.nonlinear import (
-    CURVE,
-    LINEAR,
-    Bend,
-    Bent,
+    CURVE_NAMES,
+    LINEAR_NAMES,
+    BendEstimate,
+    BentShip,
     bend_from_records,
     curve_from_turns,
 )
 from trainer.identify.fitting.prediction_error import Innovations
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.fitting.start_values import STATES
-from trainer.identify.judge.fitted import Fitted
-from trainer.identify.judge.propagation import root
+from trainer.identify.fitting.start_values import INITIAL_STATE_NAMES
+from trainer.identify.judge.fitted import ModelFit
+from trainer.identify.judge.propagation import covariance_root
 from trainer.identify.kernels.covariance_filter import Predictor, run_predictor
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.record.measurements import Record, Samples, samples_of
-from trainer.identify.record.study import load_study, observe
+from trainer.identify.record.study import load_study, observe_record
 
 
-def deterministic(problem: Problem, theta: Numbers) -> Numbers:
+def simulate_deterministic(problem: Problem, theta: Numbers) -> Numbers:
     """Return states and outputs (n, x+y) of the model alone, without any noise.
 
     The states are SI, the outputs in knots and degrees.
@@ -56,15 +56,15 @@ def draw_outputs(problem: Problem, theta: Numbers, stream: np.random.Generator) 
     samples = problem.samples
     states, rows = len(start), mean.shape[1]
     white = stream.standard_normal((len(samples.t), rows))
-    disturbed = np.einsum("kij,kj->ki", root(noise)[samples.steps[1]], white)
-    first = start[:, 0] + root(start[:, 1:]) @ stream.standard_normal(states)
+    disturbed = np.einsum("kij,kj->ki", covariance_root(noise)[samples.steps[1]], white)
+    first = start[:, 0] + covariance_root(start[:, 1:]) @ stream.standard_normal(states)
     out = _driven(samples, mean, first, disturbed[:, :states]) + disturbed
     readings = np.where(np.isnan(samples.outputs), np.nan, out[:, states:])
     return replace(samples, outputs=readings)
 
 
 @dataclass(frozen=True)
-class Check:
+class ValidationCheck:
     """How well a record is predicted by rudder alone, from the best initial state."""
 
     source: str
@@ -75,17 +75,17 @@ class Check:
     explained: tuple[float, ...]  # [-] of the output's variance, 1 - share^2
 
 
-def alone(problem: Problem, theta: Numbers) -> Numbers:
+def predict_alone(problem: Problem, theta: Numbers) -> Numbers:
     """Return the outputs (n, y) of the model by rudder alone, from its initial state."""
-    return deterministic(problem, theta)[:, problem.plant.model.states :]
+    return simulate_deterministic(problem, theta)[:, problem.plant.model.states :]
 
 
-def check_of(fitted: Fitted, path: Path) -> Check:
+def check_of(fitted: ModelFit, path: Path) -> ValidationCheck:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
     problem = other_problem(fitted, other_record(fitted, path))
     there, own = (_errors(one) for one in (problem, _found(fitted)))
     share = there / _spread(problem)
-    return Check(
+    return ValidationCheck(
         source=str(path),
         outputs=problem.plant.outputs,
         rms=tuple(map(float, there)),
@@ -95,19 +95,19 @@ def check_of(fitted: Fitted, path: Path) -> Check:
     )
 
 
-def other_record(fitted: Fitted, path: Path) -> Record:
+def other_record(fitted: ModelFit, path: Path) -> Record:
     """Return the record of another study, or another one of the same columns."""
     if path.suffix == ".toml":
         own = fitted.study.system
         study = load_study(path)
         study = study if own is None else replace(study, columns=fitted.study.columns, system=own)
-        return observe(study).record
+        return observe_record(study).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
     beside = path.parent / fitted.study.path.name
-    return observe(replace(fitted.study, path=beside, heading=heading)).record
+    return observe_record(replace(fitted.study, path=beside, heading=heading)).record
 
 
-def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend, Record]:
+def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[BendEstimate, Record]:
     """Return what steady turns or a large manoeuvre tell of the fitted ship (12).
 
     Their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of
@@ -118,7 +118,7 @@ def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend
     form = nomoto_of(plant.model, fitted.values, plant.ship)
     if not form.K or form.T1.imag or not form.T2.real:
         raise ConfigError(f"{kind} goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
-    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3)
+    ship = BentShip(form.K, form.T1.real, form.T2.real, form.T3)
     if kind == "spiral":
         study = load_study(path) if path.suffix == ".toml" else fitted.study
         columns = {
@@ -127,7 +127,7 @@ def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend
         data = study.heading.data if path.suffix == ".toml" else path.name
         heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
         place = path.parent / study.path.name
-        record = observe(
+        record = observe_record(
             replace(study, path=place, heading=heading, columns=columns, sensors=None)
         ).record
         rudder, rate = record.column("rudder"), record.column("yaw_rate")
@@ -140,11 +140,11 @@ def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend
     same = len(own.t) == len(record.t) and bool(np.allclose(own.t, record.t))
     same = same and np.array_equal(own.column("rudder"), record.column("rudder"))
     records = [own, record] if joint and not same else [record]
-    free = ("kappa",) if kind == "kappa" else CURVE
-    return bend_from_records(ship, records, (*LINEAR, *free) if joint else free), record
+    free = ("kappa",) if kind == "kappa" else CURVE_NAMES
+    return bend_from_records(ship, records, (*LINEAR_NAMES, *free) if joint else free), record
 
 
-def other_problem(fitted: Fitted, record: Record) -> Problem:
+def other_problem(fitted: ModelFit, record: Record) -> Problem:
     """Return the fitted model on another record, from the initial state that fits it best.
 
     By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
@@ -160,20 +160,22 @@ def other_problem(fitted: Fitted, record: Record) -> Problem:
     else:
         samples = samples_of(record, plant.outputs, own.inputs)
     problem = replace(_found(fitted), samples=samples)
-    states = len(STATES.get(plant.model.name, range(plant.model.states)))  # those that may differ
+    states = len(
+        INITIAL_STATE_NAMES.get(plant.model.name, range(plant.model.states))
+    )  # those that may differ
     first = problem.sampled(problem.start).start[0, :, 0].real
     first[:states] = 0.0
     problem = replace(problem, first=first)
     if not known and own is None:
         return problem
-    still = alone(problem, problem.start)
+    still = predict_alone(problem, problem.start)
     units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
     noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
     spread = np.sqrt(noise[plant.model.states :])
     if isinstance(fitted.cost, Innovations):  # which has no errors of readings: as they scatter
         spread = _errors(_found(fitted))
     there, weight = ~np.isnan(samples.outputs), 1.0 / np.maximum(spread, 1e-12)
-    changes = [alone(unit, unit.start) - still for unit in units]
+    changes = [predict_alone(unit, unit.start) - still for unit in units]
     free = np.column_stack([(change * weight)[there] for change in changes])
     width = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
     left = ((samples.outputs - still) * weight)[there]
@@ -181,7 +183,7 @@ def other_problem(fitted: Fitted, record: Record) -> Problem:
     return replace(problem, first=np.concatenate([best, first[states:]]))
 
 
-def _found(fitted: Fitted) -> Problem:
+def _found(fitted: ModelFit) -> Problem:
     """Return the first run alone, at what was found."""
     problem, _ = fitted.problem.runs[0]
     return replace(problem, values=fitted.values)
@@ -189,7 +191,7 @@ def _found(fitted: Fitted) -> Problem:
 
 def _errors(problem: Problem) -> Numbers:
     """Return the rms of the errors by rudder alone (y,)."""
-    left = problem.samples.outputs - alone(problem, problem.start)
+    left = problem.samples.outputs - predict_alone(problem, problem.start)
     return np.asarray(np.sqrt(np.nanmean(left**2, axis=0)))
 
 

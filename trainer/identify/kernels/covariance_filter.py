@@ -21,14 +21,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import Entries, kernel, part, put
+from trainer.identify.kernels.kernel import Entries, kernel, part, put_vector
 from trainer.identify.kernels.sampling import Complexes
 
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-COUNTED, MISSING, REJECTED, SINGULAR = 0.0, 1.0, 2.0, 3.0  # flags of samples
-SETTLED = 1e-26  # [-] square of the relative change of P, below which P is taken as constant
+FLAG_COUNTED, FLAG_MISSING, FLAG_REJECTED, FLAG_SINGULAR = 0.0, 1.0, 2.0, 3.0  # flags of samples
+COVARIANCE_TOLERANCE = (
+    1e-26  # [-] square of the relative change of P, below which P is taken as constant
+)
 
 
 class SampledSystem(NamedTuple):
@@ -56,7 +58,7 @@ class FilterRun(NamedTuple):
 
 
 @part
-def joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries) -> None:
+def write_joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries) -> None:
     """Write J = W_x P W_x' + Q to ``out``; ``work`` (x+y, x)."""
     rows, states = work.shape
     for i in range(rows):
@@ -75,7 +77,7 @@ def joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries
 
 
 @part
-def predict(mean: Entries, z: Entries, out: Entries) -> None:
+def predict_sample(mean: Entries, z: Entries, out: Entries) -> None:
     """Write v = W z, the next state and the readings of this sample."""
     for i in range(out.size):
         total = mean[i, 0] * z[0]
@@ -85,7 +87,7 @@ def predict(mean: Entries, z: Entries, out: Entries) -> None:
 
 
 @part
-def sweep(J: Entries, pivot: int) -> float:
+def sweep_pivot(J: Entries, pivot: int) -> float:
     """Return the conditional variance of a pivot, after sweeping it out of symmetric ``J``."""
     d = J[pivot, pivot]
     inverse = 1.0 / d
@@ -102,7 +104,7 @@ def sweep(J: Entries, pivot: int) -> float:
 
 
 @part
-def condition(J: Entries, error: Entries, there: Mask) -> float:
+def condition_on_readings(J: Entries, error: Entries, there: Mask) -> float:
     """Return log det R [-] after sweeping the readings ``there`` out of ``J``.
 
     Gain and inverse of the others become zero, as does their ``error``. The result is not a number
@@ -113,7 +115,7 @@ def condition(J: Entries, error: Entries, there: Mask) -> float:
     for c in range(error.size):
         if there[c]:
             before = J[first + c, first + c].real
-            d = sweep(J, first + c)
+            d = sweep_pivot(J, first + c)
             if not d.real > 1e-14 * abs(before):
                 return math.nan
             product *= d
@@ -127,7 +129,7 @@ def condition(J: Entries, error: Entries, there: Mask) -> float:
 
 
 @part
-def residual(row: Entries, v: Entries, error: Entries, there: Mask) -> int:
+def write_residual(row: Entries, v: Entries, error: Entries, there: Mask) -> int:
     """Return how many readings of ``row`` are there, after writing ``error`` and ``there``."""
     first = v.size - error.size
     count = 0
@@ -139,7 +141,7 @@ def residual(row: Entries, v: Entries, error: Entries, there: Mask) -> int:
 
 
 @part
-def square(J: Entries, error: Entries) -> float:
+def error_square(J: Entries, error: Entries) -> float:
     """Return error' R^-1 error [-] from the swept ``J``."""
     first = J.shape[0] - error.size
     total = 0.0
@@ -150,7 +152,7 @@ def square(J: Entries, error: Entries) -> float:
 
 
 @part
-def move(J: Entries, v: Entries, error: Entries, z: Entries) -> None:
+def move_state(J: Entries, v: Entries, error: Entries, z: Entries) -> None:
     """Write the next state to ``z`` by the gain in the swept ``J``."""
     states = J.shape[0] - error.size
     for i in range(states):
@@ -161,7 +163,7 @@ def move(J: Entries, v: Entries, error: Entries, z: Entries) -> None:
 
 
 @part
-def advance(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> None:
+def advance_state(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> None:
     """Write the next state to ``z`` and its covariance to ``P`` from the swept ``J``."""
     states = P.shape[0]
     for i in range(states):
@@ -188,7 +190,7 @@ def has_settled(J: Numbers, P: Numbers) -> bool:
     for i in range(P.shape[0]):
         for j in range(i + 1):
             change = J[i, j] - P[i, j]
-            if change * change > SETTLED * abs(P[i, i] * P[j, j]):
+            if change * change > COVARIANCE_TOLERANCE * abs(P[i, i] * P[j, j]):
                 return False
     return True
 
@@ -206,7 +208,7 @@ def run_length(which: Places, first: int) -> int:
 
 
 @kernel
-def show(
+def show_filter(
     system: SampledSystem,
     table: Numbers,
     which: Places,
@@ -230,30 +232,30 @@ def show(
     z, P = np.ones(columns, mean.dtype), start[:, 1:].copy()
     z[:states] = start[:, 0]
     for k in range(table.shape[0]):
-        put(table[k, readings:], states, z)
-        predict(mean[which[k]], z, v)
-        joint(mean[which[k]], noise[which[k]], P, work, J)
+        put_vector(table[k, readings:], states, z)
+        predict_sample(mean[which[k]], z, v)
+        write_joint(mean[which[k]], noise[which[k]], P, work, J)
         kept[:] = J
-        count = residual(table[k], v, error, there)
+        count = write_residual(table[k], v, error, there)
         told[k, :states] = z[:states]
         told[k, states:rows] = v[states:]
         told[k, rows:square_place] = error
         shown.covariances[k] = P
         shown.spreads[k] = J[states:, states:]
-        flag = COUNTED if count > 0 else MISSING
+        flag = FLAG_COUNTED if count > 0 else FLAG_MISSING
         told[k, square_place] = 0.0
-        if np.isnan(condition(J, error, there)):
-            flag = SINGULAR
+        if np.isnan(condition_on_readings(J, error, there)):
+            flag = FLAG_SINGULAR
         else:
-            size = square(J, error)
+            size = error_square(J, error)
             told[k, square_place] = size
             if size.real > limits[count]:
-                flag = REJECTED
-        if flag > MISSING:
+                flag = FLAG_REJECTED
+        if flag > FLAG_MISSING:
             J[:] = kept
             there[:] = False
-            condition(J, error, there)
-        advance(J, v, error, z, P)
+            condition_on_readings(J, error, there)
+        advance_state(J, v, error, z, P)
         told[k, flag_place] = flag
 
 
@@ -272,12 +274,12 @@ def run_predictor(
     mean, gain = system.mean, system.gain
     states, readings = gain.shape
     z, v = np.ones(mean.shape[2], mean.dtype), np.empty(states + readings, mean.dtype)
-    put(system.first, 0, z)
+    put_vector(system.first, 0, z)
     for k in range(table.shape[0]):
-        put(table[k, readings:], states, z)
-        predict(mean[which[k]], z, v)
-        put(z[:states], 0, out[k])
-        put(v[states:], states, out[k])
+        put_vector(table[k, readings:], states, z)
+        predict_sample(mean[which[k]], z, v)
+        put_vector(z[:states], 0, out[k])
+        put_vector(v[states:], states, out[k])
         for i in range(states):
             z[i] = v[i] + driven[k, i]
             for c in range(readings):
@@ -307,7 +309,7 @@ def _change(J: Complexes, P: Complexes) -> float:
 
 
 @kernel
-def settle(
+def settle_gain(
     mean: Complexes, noise: Complexes, P: Complexes, tolerance: float, most: int, gain: Complexes
 ) -> int:
     """Return how many steps the filter took to settle.
@@ -321,8 +323,8 @@ def settle(
     work = np.empty((rows, states), np.complex128)
     error, there = np.zeros(readings, np.complex128), np.ones(readings, np.bool_)
     for step in range(1, most + 1):
-        joint(mean, noise, P, work, J)
-        determinant = condition(J, error, there)
+        write_joint(mean, noise, P, work, J)
+        determinant = condition_on_readings(J, error, there)
         if np.isnan(determinant):
             return -1
         change = _change(J, P)

@@ -15,18 +15,18 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.ship.forces import (
-    NONLINEAR,
-    PLACES,
-    ROLL,
-    ROLL_RATE,
-    Driven,
+    NONLINEAR_COUNT,
+    PLACE_COUNT,
+    ROLL_PLACE,
+    ROLL_RATE_PLACE,
+    DrivenPlaces,
     System,
     Terms,
     rows_of,
     states_of,
 )
-from trainer.boat.ship.forward_numbers import FIRST, SECOND
-from trainer.boat.ship.motion import STAGES, WEIGHTS, is_ship, set_derivative, set_rates
+from trainer.boat.ship.forward_numbers import FIRST_COLUMNS, SECOND_COLUMNS
+from trainer.boat.ship.motion import STAGE_TIMES, STAGE_WEIGHTS, is_ship, set_derivative, set_rates
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_slopes import (
     Estimate,
@@ -45,11 +45,11 @@ from trainer.identify.kernels.extended_slopes import (
 from trainer.identify.kernels.kernel import kernel, lean
 from trainer.identify.kernels.ship_slopes import Accelerations, set_jacobian
 
-INPUTS: Final = 4  # the first column of them
+FIRST_INPUT_COLUMN: Final = 4  # the first column of them
 NEXT: Final = 1  # rows from one sample to the next
-SECONDS: Final = 8
-PARTS: Final = 9
-BESIDE: Final = 6  # columns between the first four readings and those of roll
+STEP_COLUMN: Final = 8
+PARTS_COLUMN: Final = 9
+ROLL_COLUMN_OFFSET: Final = 6  # columns between the first four readings and those of roll
 ERROR, VARIANCE = 0, 1  # columns of the innovations
 
 
@@ -80,8 +80,8 @@ class FilterRoom(NamedTuple):
 @kernel
 def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
     """Return scratch for ``n`` states and ``count`` parameters."""
-    wide, narrow = (SECOND, FIRST) if count > 0 else (4, 1)
-    rows, places = rows_of(terms), 3 if n <= ROLL else PLACES
+    wide, narrow = (SECOND_COLUMNS, FIRST_COLUMNS) if count > 0 else (4, 1)
+    rows, places = rows_of(terms), 3 if n <= ROLL_PLACE else PLACE_COUNT
     return FilterRoom(
         Accelerations(np.empty((rows, wide)), np.empty((places, wide))),
         Accelerations(np.empty((rows, narrow)), np.empty((places, narrow))),
@@ -109,13 +109,13 @@ def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
 def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
     """Write the inputs ``part`` of the way from row ``k`` to the next."""
     for i in range(4):
-        now, then = record[k, INPUTS + i], record[k + NEXT, INPUTS + i]
+        now, then = record[k, FIRST_INPUT_COLUMN + i], record[k + NEXT, FIRST_INPUT_COLUMN + i]
         c[i] = now + part * (then - now)
 
 
 @lean
 def _spread(
-    driven: Driven, phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers
+    driven: DrivenPlaces, phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers
 ) -> None:
     """Advance ``P`` by the transition and the disturbances; ``half`` becomes (P + T/2 R1) phi'."""
     n = states_of(driven)
@@ -145,27 +145,27 @@ def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: 
     states = states_of(system.driven)
     stage, rate, total, c = room.stage, room.rate, room.total, room.inputs
     at, turn, sum_ = room.S_stage, room.S_rate, room.S_total
-    parts = int(record[k, PARTS])
-    h = record[k, SECONDS] / parts
+    parts = int(record[k, PARTS_COLUMN])
+    h = record[k, STEP_COLUMN] / parts
     for part in range(parts):
         total[:] = 0.0
         rate[:] = 0.0
         sum_[:] = 0.0
         turn[:] = 0.0
         for n in range(4):
-            reach = STAGES[n] * h
+            reach = STAGE_TIMES[n] * h
             for i in range(states):
                 stage[i] = x[i] + reach * rate[i]
                 for j in range(S.shape[1]):
                     at[i, j] = S[i, j] + reach * turn[i, j]
-            set_inputs(record, k, (part + STAGES[n]) / parts, c)
+            set_inputs(record, k, (part + STAGE_TIMES[n]) / parts, c)
             set_rates(system, stage, c, room.flat.table, room.flat.rates)
             rate_slopes(system, room.flat, stage, at, room.matrices.own, turn)
             set_derivative(system.driven, stage, room.flat.rates, rate)
             for i in range(states):
-                total[i] += WEIGHTS[n] * rate[i]
+                total[i] += STAGE_WEIGHTS[n] * rate[i]
                 for j in range(S.shape[1]):
-                    sum_[i, j] += WEIGHTS[n] * turn[i, j]
+                    sum_[i, j] += STAGE_WEIGHTS[n] * turn[i, j]
         for i in range(states):
             x[i] += h / 6.0 * total[i]
             for j in range(S.shape[1]):
@@ -179,10 +179,10 @@ def _take_row(
     """Return what a row's readings add to -log L, after taking them."""
     values, driven = system.values, system.driven
     states, axes = states_of(driven), len(driven)
-    errors = system.terms.shape[0] + NONLINEAR + axes
+    errors = system.terms.shape[0] + NONLINEAR_COUNT + axes
     cost, first = 0.0, lines.error.size - axes - 2 * states
     for m in range(states):
-        read = row[m if m < ROLL_RATE else m + BESIDE]
+        read = row[m if m < ROLL_RATE_PLACE else m + ROLL_COLUMN_OFFSET]
         sums.innovations[m, ERROR] = read - estimate.x[m]
         sums.innovations[m, VARIANCE] = math.nan
         if not math.isnan(read):
@@ -205,8 +205,8 @@ def _take_row(
 def _predict(system: System, record: Numbers, k: int, estimate: Estimate, room: FilterRoom) -> None:
     """Advance the covariance and its derivatives from row ``k`` to the next."""
     accelerations, matrices, driven = room.sloped, room.matrices, system.driven
-    first = system.terms.shape[0] + NONLINEAR
-    noise, T, c = system.values[first:], record[k, SECONDS], room.inputs
+    first = system.terms.shape[0] + NONLINEAR_COUNT
+    noise, T, c = system.values[first:], record[k, STEP_COLUMN], room.inputs
     set_inputs(record, k, 0.5, c)
     set_rates(system, estimate.x, c, accelerations.table, accelerations.rates)
     set_jacobian(driven, accelerations.rates, matrices.A)

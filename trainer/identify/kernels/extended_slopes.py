@@ -6,7 +6,14 @@ the disturbances and of the errors of readings, the first state. There may be no
 
 from typing import Final, NamedTuple
 
-from trainer.boat.ship.forces import AXES, ROLL_RATE, Driven, System, states_of, units_of
+from trainer.boat.ship.forces import (
+    AXIS_COUNT,
+    ROLL_RATE_PLACE,
+    DrivenPlaces,
+    System,
+    states_of,
+    units_of,
+)
 from trainer.boat.ship.forward_numbers import SLOPES, VALUE, second_place
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import lean
@@ -67,7 +74,7 @@ def count_reading(
 
 
 @lean
-def _take(driven: Driven, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
+def _take(driven: DrivenPlaces, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
     """Take one reading into state and covariance, its own column last."""
     error, s = innovation.error, innovation.variance
     own = P[m, m]
@@ -82,7 +89,7 @@ def _take(driven: Driven, m: int, innovation: Innovation, x: Numbers, P: Numbers
 
 @lean
 def take_slopes(
-    driven: Driven,
+    driven: DrivenPlaces,
     m: int,
     innovation: Innovation,
     estimate: Estimate,
@@ -118,13 +125,13 @@ def _bend(rates: Numbers, axis: int, i: int, k: int) -> float:
     low, high = min(i, k), max(i, k)
     if high < 3:
         return float(rates[axis, second_place(low, high)])
-    if low < 3 and high >= ROLL_RATE:
-        return float(rates[AXES * (high - 3) + axis, SLOPES + low])
+    if low < 3 and high >= ROLL_RATE_PLACE:
+        return float(rates[AXIS_COUNT * (high - 3) + axis, SLOPES + low])
     return 0.0
 
 
 @lean
-def matrix_slopes(driven: Driven, rates: Numbers, S: Numbers, dA: Numbers) -> None:
+def matrix_slopes(driven: DrivenPlaces, rates: Numbers, S: Numbers, dA: Numbers) -> None:
     """Write what the state's derivatives ``S`` do to the Jacobian, dA (n, n, q)."""
     dA[:] = 0.0
     for axis in range(len(driven)):
@@ -147,13 +154,13 @@ def own_slopes(
         for e in range(len(driven)):
             for i in range(3):
                 dA[driven[e], i, j] += own[e, SLOPES + i]
-            for i in range(ROLL_RATE, states_of(driven)):
+            for i in range(ROLL_RATE_PLACE, states_of(driven)):
                 dA[driven[e], i, j] += own[e, i]
 
 
 @lean
 def _horner(
-    driven: Driven,
+    driven: DrivenPlaces,
     part: float,
     room: MatrixRoom,
 ) -> None:
@@ -178,7 +185,7 @@ def _horner(
 
 @lean
 def transition_slopes(
-    driven: Driven,
+    driven: DrivenPlaces,
     T: float,
     room: MatrixRoom,
 ) -> None:
@@ -194,7 +201,7 @@ def transition_slopes(
 
 @lean
 def spread_slopes(
-    driven: Driven,
+    driven: DrivenPlaces,
     room: MatrixRoom,
     dP: Numbers,
 ) -> None:
@@ -226,7 +233,7 @@ def spread_slopes(
 
 @lean
 def noise_slopes(
-    driven: Driven, phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
+    driven: DrivenPlaces, phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
 ) -> None:
     """Add the derivatives by the disturbances' logarithms, ``first`` on, to ``dP``."""
     for g in range(len(driven)):
@@ -257,8 +264,8 @@ def rate_slopes(
             out[driven[e], j] = 0.0
             for i in range(3):
                 out[driven[e], j] += rates[e, SLOPES + i] * S[i, j]
-            for i in range(ROLL_RATE, states_of(driven)):
-                out[driven[e], j] += rates[AXES * (i - 3) + e, VALUE] * S[i, j]
+            for i in range(ROLL_RATE_PLACE, states_of(driven)):
+                out[driven[e], j] += rates[AXIS_COUNT * (i - 3) + e, VALUE] * S[i, j]
     for i in range(3, states_of(driven), 2):
         for j in range(S.shape[1]):
             out[i, j] = S[i - 1, j]

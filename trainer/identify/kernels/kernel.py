@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 from numba import njit
 from numpy.typing import NDArray
 
-from trainer.core.kernel import LEAN
+from trainer.core.kernel import LEAN_OPTIONS
 
 if TYPE_CHECKING:  # numba's published signature lacks some of its options
     kernel = lean = part = njit(cache=True, error_model="numpy")
 else:
     kernel = njit(cache=True, error_model="numpy")
-    lean = njit(cache=True, error_model="numpy", **LEAN)
-    part = njit(error_model="numpy", forceinline=True, **LEAN)
+    lean = njit(cache=True, error_model="numpy", **LEAN_OPTIONS)
+    part = njit(error_model="numpy", forceinline=True, **LEAN_OPTIONS)
 
 
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
@@ -34,7 +34,7 @@ def places(names: str) -> Any:
 
 
 @part
-def put(source: Entries, at: int, out: Entries) -> None:
+def put_vector(source: Entries, at: int, out: Entries) -> None:
     """Write the one-dimensional ``source`` to ``out`` from the place ``at`` on."""
     for i in range(source.size):
         out[at + i] = source[i]
@@ -49,7 +49,7 @@ def put_block(source: Entries, at: int, out: Entries) -> None:
 
 
 @part
-def clear(out: Entries) -> None:
+def clear_array(out: Entries) -> None:
     """Write zeros."""
     for i in range(out.size):
         out.flat[i] = 0.0

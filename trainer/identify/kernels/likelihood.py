@@ -15,13 +15,13 @@ from trainer.identify.kernels.covariance_filter import (
     Places,
     SampledSystem,
     has_settled,
-    predict,
+    predict_sample,
     run_length,
 )
-from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
+from trainer.identify.kernels.kernel import clear_array, kernel, lean, part, put_block, put_vector
 
-ABREAST: Final = 64  # samples
-SLACK: Final = 1e-9  # [-] of an eigenvalue
+ABREAST_SAMPLES: Final = 64  # samples
+EIGENVALUE_SLACK: Final = 1e-9  # [-] of an eigenvalue
 LOG_DETERMINANTS, SQUARES, SAMPLES, READINGS = 0, 1, 2, 3  # places in the sums of a record
 
 
@@ -202,7 +202,7 @@ def _run_settled(
     """Return how many samples the settled filter takes until a reading is missing.
 
     ``sums`` gains the squares of their errors, and ``z`` moves on. Only the states wait for one
-    another; all else is computed ABREAST, in rows of ``abreast``.
+    another; all else is computed ABREAST_SAMPLES, in rows of ``abreast``.
     """
     width, rows = table.shape[1], closed.shape[0]
     first = width + 1
@@ -238,7 +238,7 @@ def _filter(
         W, row = mean[which[k]], table[k]
         for j in range(states, z.size - 1):
             z[j] = row[readings + j - states]
-        predict(W, z, v)
+        predict_sample(W, z, v)
         _joint(W, noise[which[k]], P, half, J)
         before = sums[READINGS]
         determinant = math.log(_take_all(row[:readings], J, v, sums))
@@ -270,12 +270,12 @@ def likelihood_sums(
     """
     states, rows = start.shape[0], noise.shape[1]
     z, P = np.ones(mean.shape[2]), np.empty((states, states))
-    put(start[:, 0], 0, z)
+    put_vector(start[:, 0], 0, z)
     put_block(start[:, 1:], 0, P)
     closed = np.empty((rows, table.shape[1] + 1 + states))
-    abreast = np.empty((table.shape[1] + rows + 1, ABREAST))
+    abreast = np.empty((table.shape[1] + rows + 1, ABREAST_SAMPLES))
     room = FilterRoom(np.empty((rows, rows)), closed, np.empty(states), np.empty(rows), abreast)
-    clear(sums)
+    clear_array(sums)
     system = SampledSystem(mean, noise, start)
     _filter(system, table, which, FilterState(z, P), room, sums)
 
@@ -291,14 +291,14 @@ def _are_finite(numbers: Numbers) -> bool:
 
 @part
 def _factor(P: Numbers, factor: Numbers) -> bool:
-    """Write the Cholesky factor of ``P``, its widths taken off, plus SLACK.
+    """Write the Cholesky factor of ``P``, its widths taken off, plus EIGENVALUE_SLACK.
 
-    Return whether it has one: whether no eigenvalue of that matrix is below -SLACK.
+    Return whether it has one: whether no eigenvalue of that matrix is below -EIGENVALUE_SLACK.
     """
     for i in range(P.shape[0]):
         for j in range(i + 1):
             width = math.sqrt(max(P[i, i], 1e-300)) * math.sqrt(max(P[j, j], 1e-300))
-            total = P[i, j] / width + (SLACK if i == j else 0.0)
+            total = P[i, j] / width + (EIGENVALUE_SLACK if i == j else 0.0)
             for k in range(j):
                 total -= factor[i, k] * factor[j, k]
             if i > j:

@@ -50,7 +50,7 @@ class SampledBlocks(NamedTuple):
 
 
 @part
-def size(matrix: Entries) -> float:
+def block_size(matrix: Entries) -> float:
     """Return the largest row sum of a square block [-].
 
     It sums the magnitudes of the real parts.
@@ -142,7 +142,7 @@ def _double(room: Room, mean: Entries, covariance: Entries) -> None:
 
 
 @lean
-def propagate(
+def propagate_block(
     drift: Entries, noise: Entries, h: complex, room: Room, mean: Entries, covariance: Entries
 ) -> None:
     """Write [Phi Gamma] and the accumulated noise over ``h`` [s] (MI 7.1, 7.3).
@@ -150,7 +150,7 @@ def propagate(
     Series over h / 2^n, doubled n times: nothing decays backwards, so no interval is too long.
     """
     doublings = 0
-    largest = size(drift) * abs(h.real)
+    largest = block_size(drift) * abs(h.real)
     while largest > 0.5 and doublings < 60:
         largest *= 0.5
         doublings += 1
@@ -181,8 +181,8 @@ def _over(
     inputs = columns - rows - 1
     constant = columns - 1
     before, after, early = room.before, room.after, room.early
-    propagate(drift, noise, ends[OLD], room, before, early)
-    propagate(drift, noise, ends[NEW], room, after, covariance)
+    propagate_block(drift, noise, ends[OLD], room, before, early)
+    propagate_block(drift, noise, ends[NEW], room, after, covariance)
     _carry(after, early, room.square_term, covariance)
     for i in range(rows):
         for j in range(columns):

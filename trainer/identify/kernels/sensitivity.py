@@ -15,18 +15,18 @@ from trainer.identify.kernels.covariance_filter import (
     Mask,
     Places,
     SampledSystem,
-    advance,
+    advance_state,
     all_there,
-    condition,
+    condition_on_readings,
     has_settled,
-    joint,
-    move,
-    predict,
-    residual,
+    move_state,
+    predict_sample,
+    write_joint,
+    write_residual,
 )
-from trainer.identify.kernels.kernel import clear, kernel, lean, part, put, put_block
+from trainer.identify.kernels.kernel import clear_array, kernel, lean, part, put_block, put_vector
 
-SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
+SLOPE_TOLERANCE = 1e-20  # [-] square of the relative change of a derivative of P
 
 
 class SlopedState(NamedTuple):
@@ -296,34 +296,34 @@ def _rows(
     stages, counted, constant, cost, determinant = 0, 0, False, 0.0, 0.0
     for k in range(table.shape[0]):
         W, dW = system.mean[which[k]], slopes.mean[which[k]]
-        put(table[k, readings:], states, z)
-        predict(W, z, v)
+        put_vector(table[k, readings:], states, z)
+        predict_sample(W, z, v)
         _mean_slopes(W, dW, room.used[which[k]], z, dx, dv)
-        residual(table[k], v, error, there)
+        write_residual(table[k], v, error, there)
         constant = constant and all_there(there) and which[k] == which[k - 1]
         if not constant:
             if stages > 0:
                 _close_stage(room, counted, out.covariances[stages - 1], out.gradient)
             stages, counted = stages + 1, 0
-            joint(W, system.noise[which[k]], P, room.half, J)
+            write_joint(W, system.noise[which[k]], P, room.half, J)
             for i in range(rows):
                 put_block(slopes.noise[which[k], i], 0, dJ[i])
             _half_slopes(W, dW, P, dP, room.d_half)
             _joint_slopes(W, room.d_half, dJ)
-            determinant = condition(J, error, there)
+            determinant = condition_on_readings(J, error, there)
             if math.isnan(determinant):
                 return 0, determinant
             _root(J, readings, room.U)
             moved = _condition(room, dP)
-            constant = all_there(there) and has_settled(J, P) and moved < SETTLED
+            constant = all_there(there) and has_settled(J, P) and moved < SLOPE_TOLERANCE
             _gain_slopes(J, dJ, states, room.line)
         cost += determinant + _standardise(room, out.errors[k])
         _add_slope(out.errors[k], room.standard, out.gradient)
         _next_slopes(J, dJ, error, dv, dx)
         if constant:
-            move(J, v, error, z)
+            move_state(J, v, error, z)
         else:
-            advance(J, v, error, z, P)
+            advance_state(J, v, error, z, P)
         counted += 1
     _close_stage(room, counted, out.covariances[stages - 1], out.gradient)
     return stages, 0.5 * cost
@@ -341,7 +341,7 @@ def score_rows(
     states = system.start.shape[0]
     readings, count = out.errors.shape[1:]
     z, P = np.ones(columns), np.empty((states, states))
-    put(system.start[:, 0], 0, z)
+    put_vector(system.start[:, 0], 0, z)
     put_block(system.start[:, 1:], 0, P)
     dx, dP = np.empty((states, count)), np.empty((states, states, count))
     put_block(slopes.start[:, 0], 0, dx)
@@ -367,5 +367,5 @@ def score_rows(
         np.empty(readings, np.bool_),
         used,
     )
-    clear(out.gradient)
+    clear_array(out.gradient)
     return _rows(system, slopes, Samples(table, which), SlopedState(z, P, dx, dP), room, out)

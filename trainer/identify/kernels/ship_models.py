@@ -16,8 +16,8 @@ from trainer.identify.kernels.kernel import kernel, places
 from trainer.identify.kernels.sampling import Complexes
 from trainer.units import DEGREE
 
-BOW, STERN, SWAY, RATE, HEADING = 0, 1, 2, 3, 4
-L, V, L1, L2, T, OUTPUTS = 0, 1, 2, 3, 4, 5
+BOW_SWAY, STERN_SWAY, SWAY, YAW_RATE, HEADING = 0, 1, 2, 3, 4
+L, V, L1, L2, T, FIRST_OUTPUT = 0, 1, 2, 3, 4, 5
 STATES, FEWER_STATES = 3, 2  # of all models but one, and of that of first order
 
 # places of the parameters of each model
@@ -40,7 +40,7 @@ NOMOTO_2: Final = places(
 START: Final = places("P11 P22 P33 P12 P13 P23")  # of the first covariance
 YAW: Final = places("r_0 R2_r R2_psi R2_rpsi")  # of the readings of yaw
 
-KNOT = 3600.0 / 1852.0  # [kn/(m/s)] alpha 2
+KNOTS_PER_M_S = 3600.0 / 1852.0  # [kn/(m/s)] alpha 2
 
 
 @kernel
@@ -75,8 +75,8 @@ def _start_variances(theta: Complexes, start: Complexes) -> None:
 def _model_1_outputs(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) -> None:
     """Write the rows of the outputs of Model 1: bow and stern log, sway, yaw rate, heading."""
     for row in range(STATES, drift.shape[0]):
-        output = int(ship[OUTPUTS + row - STATES])
-        if output == RATE:
+        output = int(ship[FIRST_OUTPUT + row - STATES])
+        if output == YAW_RATE:
             drift[row, 1] = 1.0 / DEGREE
             drift[row, 4] = t[MODEL_1.r_0]
             noise[row, row] = magnitude(t[MODEL_1.R2_r])
@@ -84,10 +84,10 @@ def _model_1_outputs(t: Complexes, ship: Numbers, drift: Complexes, noise: Compl
             drift[row, 2] = 1.0 / DEGREE
             noise[row, row] = magnitude(t[MODEL_1.R2_psi])
         else:
-            aft = output == STERN
+            aft = output == STERN_SWAY
             arm = 0.0 if output == SWAY else (-ship[L2] if aft else ship[L1])
-            drift[row, 0] = KNOT
-            drift[row, 1] = KNOT * arm
+            drift[row, 0] = KNOTS_PER_M_S
+            drift[row, 1] = KNOTS_PER_M_S * arm
             drift[row, 4] = t[MODEL_1.v2_0] if aft else t[MODEL_1.v1_0]
             noise[row, row] = magnitude(t[MODEL_1.R2_v2] if aft else t[MODEL_1.R2_v1])
 
@@ -141,7 +141,7 @@ def model_1(
         t = theta[b]
         _model_1(t, ship, drift[b], noise[b])
         _model_1_outputs(t, ship, drift[b], noise[b])
-        start[b, 0, 0] = t[MODEL_1.x1_0] / KNOT
+        start[b, 0, 0] = t[MODEL_1.x1_0] / KNOTS_PER_M_S
         start[b, 1, 0] = DEGREE * t[MODEL_1.x2_0]
         start[b, 2, 0] = DEGREE * t[MODEL_1.x3_0]
         _start_variances(t[MODEL_1.P11 : MODEL_1.lag], start[b])
@@ -170,7 +170,7 @@ def model_2(
             noise[b, i, i] = magnitude(t[MODEL_2.R1_1 + i])
             start[b, i, 0] = t[MODEL_2.x1_0 + i]
         drift[b, 0, 1] = drift[b, 1, 2] = 1.0
-        drift[b, 3, 0] = KNOT
+        drift[b, 3, 0] = KNOTS_PER_M_S
         drift[b, 3, 4] = t[MODEL_2.v_0]
         noise[b, 0, 1] = noise[b, 1, 0] = _covariance(
             t[MODEL_2.R1_1], t[MODEL_2.R1_2], t[MODEL_2.R1_12]
@@ -178,7 +178,7 @@ def model_2(
         noise[b, 0, 2] = noise[b, 2, 0] = t[MODEL_2.R1_13]
         noise[b, 1, 2] = noise[b, 2, 1] = t[MODEL_2.R1_23]
         noise[b, 3, 3] = magnitude(t[MODEL_2.R2_v])
-        start[b, 0, 0] /= KNOT
+        start[b, 0, 0] /= KNOTS_PER_M_S
         _start_variances(t[MODEL_2.P11 : MODEL_2.lag], start[b])
         lag[b] = _lag(t[MODEL_2.lag], ship[T])
 
@@ -190,7 +190,7 @@ def _yaw_outputs(readings: Complexes, ship: Numbers, drift: Complexes, noise: Co
     ``readings``: bias of the rate, variances of rate and heading, angle of their correlation.
     """
     for row in range(STATES, drift.shape[0]):
-        if int(ship[OUTPUTS + row - STATES]) == RATE:
+        if int(ship[FIRST_OUTPUT + row - STATES]) == YAW_RATE:
             drift[row, 1] = 1.0 / DEGREE
             drift[row, 4] = readings[YAW.r_0]
             noise[row, row] = magnitude(readings[YAW.R2_r])
@@ -298,7 +298,7 @@ def nomoto_first(
         drift[b, 1, 0] = 1.0
         noise[b, 0, 0] = magnitude(t[NOMOTO_1.R1_r])
         for row in range(FEWER_STATES, drift.shape[1]):
-            rate = int(ship[OUTPUTS + row - FEWER_STATES]) == RATE
+            rate = int(ship[FIRST_OUTPUT + row - FEWER_STATES]) == YAW_RATE
             drift[b, row, 0 if rate else 1] = 1.0 / DEGREE
             drift[b, row, 3] = t[NOMOTO_1.r_0] if rate else 0.0
             noise[b, row, row] = magnitude(t[NOMOTO_1.R2_r if rate else NOMOTO_1.R2_psi])

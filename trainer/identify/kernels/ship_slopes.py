@@ -3,17 +3,17 @@
 from typing import NamedTuple
 
 from trainer.boat.ship.forces import (
-    AXES,
+    AXIS_COUNT,
     PLACE,
-    ROLL_RATE,
+    ROLL_RATE_PLACE,
     ROW,
-    Driven,
+    DrivenPlaces,
     Terms,
     Units,
     in_units,
     states_of,
 )
-from trainer.boat.ship.forward_numbers import FIRST, SLOPES, VALUE, second_place
+from trainer.boat.ship.forward_numbers import FIRST_COLUMNS, SLOPES, VALUE, second_place
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import lean, part
 
@@ -26,14 +26,14 @@ class Accelerations(NamedTuple):
 
 
 @lean
-def set_jacobian(driven: Driven, rates: Numbers, A: Numbers) -> None:
+def set_jacobian(driven: DrivenPlaces, rates: Numbers, A: Numbers) -> None:
     """Write df/dx (n, n) from the forward numbers of the accelerations."""
     A[:] = 0.0
     for e in range(len(driven)):
         for i in range(3):
             A[driven[e], i] = rates[e, SLOPES + i]
-        for i in range(ROLL_RATE, states_of(driven)):
-            A[driven[e], i] = rates[AXES * (i - 3) + e, VALUE]
+        for i in range(ROLL_RATE_PLACE, states_of(driven)):
+            A[driven[e], i] = rates[AXIS_COUNT * (i - 3) + e, VALUE]
     for i in range(3, states_of(driven), 2):
         A[i, i - 1] = 1.0
 
@@ -41,12 +41,12 @@ def set_jacobian(driven: Driven, rates: Numbers, A: Numbers) -> None:
 @part
 def _factor_slopes(table: Numbers, place: int, row: int, units: Units, out: Numbers) -> None:
     """Write what the factor of a term does, as ``coefficient_slopes``."""
-    axis = place if place < 3 else place % AXES
+    axis = place if place < 3 else place % AXIS_COUNT
     for i in range(4):
         out[axis, i] = in_units(table[row, i], place, units)
-    if place >= AXES:
-        by = place // AXES - 1
-        out[axis, ROLL_RATE + by] = out[axis, VALUE]
+    if place >= AXIS_COUNT:
+        by = place // AXIS_COUNT - 1
+        out[axis, ROLL_RATE_PLACE + by] = out[axis, VALUE]
         heel = units.roll_rate if by == 0 else units.roll
         for i in range(4):
             out[axis, i] *= heel
@@ -56,7 +56,7 @@ def _factor_slopes(table: Numbers, place: int, row: int, units: Units, out: Numb
 def coefficient_slopes(
     accelerations: Accelerations,
     terms: Terms,
-    driven: Driven,
+    driven: DrivenPlaces,
     units: Units,
     which: int,
     out: Numbers,
@@ -76,8 +76,8 @@ def coefficient_slopes(
         return
     for e in range(len(driven)):
         out[e, VALUE] = rates[e, SLOPES + direction]
-        if rates.shape[1] > FIRST:
+        if rates.shape[1] > FIRST_COLUMNS:
             for i in range(3):
                 out[e, SLOPES + i] = rates[e, second_place(i, direction)]
-        for i in range(ROLL_RATE, states_of(driven)):
-            out[e, i] = rates[AXES * (i - 3) + e, SLOPES + direction]
+        for i in range(ROLL_RATE_PLACE, states_of(driven)):
+            out[e, i] = rates[AXIS_COUNT * (i - 3) + e, SLOPES + direction]

@@ -20,7 +20,7 @@ from trainer.identify.model.nomoto import (
     transfer,
 )
 
-QUANTITIES: Final = {  # and their units
+QUANTITY_UNITS: Final = {  # and their units
     "K": "1/s",
     "T1": "s",
     "T2": "s",
@@ -39,7 +39,7 @@ QUANTITIES: Final = {  # and their units
     "N_delta/Y_delta": "m",
     "l_r - l_v": "m",
 }
-DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "N_delta")
+DERIVATIVE_NAMES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "N_delta")
 
 
 def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
@@ -48,9 +48,9 @@ def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
     What a model does not have is zero: sway with Models 3 and Nomoto's, yaw with Model 2.
     ConfigError for a user's own system.
     """
-    if model.name not in _KINDS:
+    if model.name not in _NOMOTO_BY_MODEL:
         raise ConfigError(f"model {model.name} is no ship with K and T")
-    return _KINDS[model.name](_named(model, values), ship)
+    return _NOMOTO_BY_MODEL[model.name](_named(model, values), ship)
 
 
 def _named(model: Model, values: Numbers) -> dict[str, float]:
@@ -104,7 +104,7 @@ def _nomoto_2(p: dict[str, float], ship: Ship) -> Nomoto:
     return replace(found, K_v=0.0, T3v=0.0)
 
 
-_KINDS: Final[Mapping[str, Callable[[dict[str, float], Ship], Nomoto]]] = {
+_NOMOTO_BY_MODEL: Final[Mapping[str, Callable[[dict[str, float], Ship], Nomoto]]] = {
     "1": _model_1,
     "2": _model_2,
     "3": _model_3,
@@ -114,7 +114,7 @@ _KINDS: Final[Mapping[str, Callable[[dict[str, float], Ship], Nomoto]]] = {
 
 
 def derivatives(model: Model, values: Numbers) -> Numbers:
-    """Return the six derivatives of DERIVATIVES in the model's own system. () but for Model 1."""
+    """Return the six derivatives in the model's own system. () but for Model 1."""
     if model.name != "1":
         return np.empty(0)
     p = _named(model, values)
@@ -123,7 +123,7 @@ def derivatives(model: Model, values: Numbers) -> Numbers:
 
 
 def quantities(plant: Plant, values: Numbers) -> Numbers:
-    """Return derivatives, if the model has such, and the numbers of QUANTITIES [SI].
+    """Return derivatives, if the model has such, and the numbers of QUANTITY_UNITS [SI].
 
     Of a user's own system, what it tells.
     """
@@ -145,5 +145,5 @@ def quantity_units(model: Model) -> dict[str, str]:
     """Return the names of what ``quantities`` returns, and units."""
     if model.system is not None:
         return dict(model.system.quantities)
-    derivatives_of = DERIVATIVES if model.name == "1" else ()
-    return dict.fromkeys(derivatives_of, "-") | QUANTITIES
+    derivatives_of = DERIVATIVE_NAMES if model.name == "1" else ()
+    return dict.fromkeys(derivatives_of, "-") | QUANTITY_UNITS

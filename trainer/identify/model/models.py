@@ -13,14 +13,14 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config.files import ConfigError, nearest
-from trainer.config.words import CHANNELS
+from trainer.config.words import OUTPUT_CHANNELS
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.model.nomoto import rate_coefficients
 
 # output channels, by their place in the kernels
-UNITS: Final = {  # of a channel, and how many of them one SI unit is
+OUTPUT_UNITS: Final = {  # of a channel, and how many of them one SI unit is
     "bow_sway": ("kn", 3600.0 / 1852.0),
     "stern_sway": ("kn", 3600.0 / 1852.0),
     "sway": ("kn", 3600.0 / 1852.0),
@@ -29,12 +29,14 @@ UNITS: Final = {  # of a channel, and how many of them one SI unit is
 }
 
 
-STEADY: Final = ("Y_0", "N_0", "f1", "f2", "f3", "delta_0")  # forces that stay for a run
-_VARIANCES: Final = tuple(
+STEADY_FORCES: Final = ("Y_0", "N_0", "f1", "f2", "f3", "delta_0")  # forces that stay for a run
+_INITIAL_VARIANCES: Final = tuple(
     f"P{i} | SI | variance of initial state {i[0]} | variance" for i in ("11", "22", "33")
 )
-_COVARIANCES: Final = tuple(f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23"))
-_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | lag"
+_INITIAL_COVARIANCES: Final = tuple(
+    f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23")
+)
+_RUDDER_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | lag"
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ class Model:
         if self.system is not None:
             return tuple(self.system.only_in({"x0"}))
         states = (f"x{i}_0" for i in range(1, 1 + self.states))
-        return tuple(name for name in (*states, *STEADY) if name in self.names)
+        return tuple(name for name in (*states, *STEADY_FORCES) if name in self.names)
 
     @cached_property
     def paired(self) -> tuple[tuple[str, str], ...]:
@@ -95,7 +97,7 @@ class Model:
     def unit(self, output: str) -> str:
         """Return the unit of an output."""
         if self.system is None:
-            return UNITS[output][0]
+            return OUTPUT_UNITS[output][0]
         return str(self.system.units[self.outputs.index(output)])
 
     def place(self, name: str) -> int:
@@ -183,7 +185,11 @@ class Plant:
     def numbers(self) -> Numbers:
         """Return what the kernels know of the ship."""
         ship = self.ship
-        places = [float(CHANNELS.index(output)) for output in self.outputs if output in CHANNELS]
+        places = [
+            float(OUTPUT_CHANNELS.index(output))
+            for output in self.outputs
+            if output in OUTPUT_CHANNELS
+        ]
         return np.array(
             [ship.length, ship.speed, ship.bow_log, ship.stern_log, self.period, *places]
         )
@@ -239,11 +245,11 @@ MODEL_1: Final = Model(
         "R2_r | (deg/s)^2 | error of the yaw rate | error",
         "R2_psi | deg^2 | error of the heading | error",
         *_start("kn", "deg/s", "deg"),
-        *_VARIANCES,
-        *_COVARIANCES,
-        _LAG,
+        *_INITIAL_VARIANCES,
+        *_INITIAL_COVARIANCES,
+        _RUDDER_LAG,
     ),
-    CHANNELS,
+    OUTPUT_CHANNELS,
     3,
     ship_models.model_1,
 )
@@ -261,9 +267,9 @@ MODEL_2: Final = Model(
         "R1_23 | SI | spectral density of states 2 and 3",
         "R2_v | kn^2 | error of sway | error",
         *_start("kn", "SI", "SI"),
-        *_VARIANCES,
-        *_COVARIANCES,
-        _LAG,
+        *_INITIAL_VARIANCES,
+        *_INITIAL_COVARIANCES,
+        _RUDDER_LAG,
     ),
     ("sway",),
     3,
@@ -283,9 +289,9 @@ MODEL_3: Final = Model(
         "R2_psi | deg^2 | error of the heading | error",
         "R2_rpsi | rad | correlation of the errors is its sine | angle",
         *_start("1/s^2", "deg/s", "deg"),
-        *_VARIANCES,
-        *_COVARIANCES,
-        _LAG,
+        *_INITIAL_VARIANCES,
+        *_INITIAL_COVARIANCES,
+        _RUDDER_LAG,
     ),
     ("yaw_rate", "heading"),
     3,
@@ -303,8 +309,8 @@ NOMOTO_1: Final = Model(
         "R2_r | (deg/s)^2 | error of the yaw rate | error",
         "R2_psi | deg^2 | error of the heading | error",
         *_start("deg/s", "deg"),
-        *_VARIANCES[:2],
-        _LAG,
+        *_INITIAL_VARIANCES[:2],
+        _RUDDER_LAG,
     ),
     ("yaw_rate", "heading"),
     2,
@@ -324,8 +330,8 @@ NOMOTO_2: Final = Model(
         "R2_r | (deg/s)^2 | error of the yaw rate | error",
         "R2_psi | deg^2 | error of the heading | error",
         *_start("deg/s^2", "deg/s", "deg"),
-        *_VARIANCES,
-        _LAG,
+        *_INITIAL_VARIANCES,
+        _RUDDER_LAG,
     ),
     ("yaw_rate", "heading"),
     3,

@@ -12,7 +12,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 
-GRAVITY: Final = 9.81  # [m/s^2] in the bis system
+GRAVITY_M_S2: Final = 9.81  # [m/s^2] in the bis system
 
 
 class Transfer(NamedTuple):
@@ -155,5 +155,5 @@ def scale(system: str, length: float, speed: float) -> Scale:
     """Return the units of "prime" or "bis" (3.6)."""
     if system == "prime":
         return Scale(length / speed, speed, length)
-    time = math.sqrt(length / GRAVITY)
+    time = math.sqrt(length / GRAVITY_M_S2)
     return Scale(time, length / time, length)

@@ -22,18 +22,20 @@ from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.model.models import Model, Parameter, Plant
-from trainer.identify.model.sampled import STEP, aside
+from trainer.identify.model.sampled import COMPLEX_STEP, step_aside
 
 Matrices = dict[str, Entries]  # by name, (b, rows, columns)
 Function = Callable[[Entries], Matrices]
 
-ORDER: Final = ("A", "B", "C", "D", "R1", "R2", "x0", "P0")  # of a function's tuple
-NAMES: Final = (*ORDER, "f", "d", "R12", "K")
-NOISE: Final = {"R1", "R2", "R12", "P0"}
-LARGEST: Final = 20  # states, inputs, outputs
-STRAY: Final = 1e-50  # beyond which an imaginary part is none: a root of a negative number
-SAME: Final = 1e-4  # [-] of the largest slope, that a program's own slopes must agree to
-EMPTY: Final[Numbers] = np.zeros((0, 0))
+TUPLE_ORDER: Final = ("A", "B", "C", "D", "R1", "R2", "x0", "P0")  # of a function's tuple
+MATRIX_NAMES: Final = (*TUPLE_ORDER, "f", "d", "R12", "K")
+NOISE_MATRICES: Final = {"R1", "R2", "R12", "P0"}
+MAX_DIMENSION: Final = 20  # states, inputs, outputs
+MAX_STRAY_IMAGINARY: Final = (
+    1e-50  # beyond which an imaginary part is none: a root of a negative number
+)
+SLOPE_TOLERANCE: Final = 1e-4  # [-] of the largest slope, that a program's own slopes must agree to
+EMPTY_MATRIX: Final[Numbers] = np.zeros((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,7 @@ class System:
     @cached_property
     def pairs(self) -> tuple[tuple[str, str], ...]:
         """Return first state and its variance, where each is a parameter alone."""
-        found, names = self.matrices(aside(self.starts)), list(self.touched)
+        found, names = self.matrices(step_aside(self.starts)), list(self.touched)
         pairs = []
         for i in range(self.states):
             alone = [
@@ -91,9 +93,12 @@ class System:
             theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
         )
         found = self.matrices(theta)
-        for key, one in found.items():  # an imaginary part beyond STRAY is no derivative
+        for (
+            key,
+            one,
+        ) in found.items():  # an imaginary part beyond MAX_STRAY_IMAGINARY is no derivative
             if np.iscomplexobj(one):
-                found[key] = np.where(np.abs(one.imag) > STRAY, math.nan, one)
+                found[key] = np.where(np.abs(one.imag) > MAX_STRAY_IMAGINARY, math.nan, one)
         places = {
             "A": (drift, slice(x), slice(x)),
             "B": (drift, slice(x), slice(x, u)),
@@ -171,7 +176,7 @@ def load_program(path: Path) -> System:
     check_names(path, tuple(starts))
     outputs, inputs = tuple(told["outputs"]), tuple(told.get("inputs", ()))
     vector = np.array([float(value) for value in starts.values()])
-    plain = _Programmed(path, told["matrices"], tuple(starts))
+    plain = _FunctionMatrices(path, told["matrices"], tuple(starts))
     found = plain(vector[None])
     if "A" not in found or "C" not in found:
         raise ConfigError(f"{path}: matrices() gives no A and C at the start values")
@@ -209,7 +214,7 @@ class _ReturnedError(ValueError):
     """What a function returned is no set of matrices."""
 
 
-class _Programmed:
+class _FunctionMatrices:
     """The matrices of a Python function, one row of parameters at a time."""
 
     def __init__(self, path: Path, function: Callable[..., Any], names: tuple[str, ...]) -> None:
@@ -228,10 +233,10 @@ class _Programmed:
         try:
             with np.errstate(all="ignore"):
                 found = self._function(self._theta(*theta))
-            if isinstance(found, tuple | list) and len(found) == len(ORDER):
-                found = dict(zip(ORDER, found, strict=True))
+            if isinstance(found, tuple | list) and len(found) == len(TUPLE_ORDER):
+                found = dict(zip(TUPLE_ORDER, found, strict=True))
             if not isinstance(found, Mapping):
-                told = f"must return {', '.join(ORDER)}, or some matrices by name"
+                told = f"must return {', '.join(TUPLE_ORDER)}, or some matrices by name"
                 raise _ReturnedError(told)  # noqa: TRY301
             return {key: _as_matrix(key, one) for key, one in found.items() if one is not None}
         except (ArithmeticError, np.linalg.LinAlgError):
@@ -243,8 +248,8 @@ class _Programmed:
 
 def _as_matrix(name: str, value: Any) -> Entries:
     """Return a matrix (rows, columns), a vector as a column. ValueError if it is none."""
-    if name not in NAMES:
-        raise _ReturnedError(f"no matrix {name!r}; there are {', '.join(NAMES)}")
+    if name not in MATRIX_NAMES:
+        raise _ReturnedError(f"no matrix {name!r}; there are {', '.join(MATRIX_NAMES)}")
     try:
         found = np.asarray(value)
     except ValueError:
@@ -254,22 +259,26 @@ def _as_matrix(name: str, value: Any) -> Entries:
     return found[:, None] if found.ndim == 1 else np.atleast_2d(found)
 
 
-def _stepped(function: _Programmed, start: Numbers) -> tuple[Function, str]:
+def _stepped(function: _FunctionMatrices, start: Numbers) -> tuple[Function, str]:
     """Return the function with exact derivatives, and how they are had.
 
     An imaginary step goes through most programs. One that loses it (abs, max, math.sin, float) is
     seen beside differences, and these are taken instead.
     """
-    plain = _by_differences(function, aside(start))
+    plain = _by_differences(function, step_aside(start))
     try:
-        found = function(aside(start))
+        found = function(step_aside(start))
     except ConfigError:
         found = {}
-    slopes = [{key: one[1:].imag / STEP for key, one in each.items()} for each in (found, plain)]
+    slopes = [
+        {key: one[1:].imag / COMPLEX_STEP for key, one in each.items()} for each in (found, plain)
+    ]
     sizes = [float(np.max(np.abs(one), initial=0.0)) for one in slopes[1].values()]
     largest = max(sizes, default=0.0)
     agree = found.keys() == plain.keys() and all(
-        np.allclose(slopes[0][key], one, rtol=SAME, atol=SAME * 1e-3 * largest)
+        np.allclose(
+            slopes[0][key], one, rtol=SLOPE_TOLERANCE, atol=SLOPE_TOLERANCE * 1e-3 * largest
+        )
         for key, one in slopes[1].items()
     )
     if agree:
@@ -277,7 +286,7 @@ def _stepped(function: _Programmed, start: Numbers) -> tuple[Function, str]:
     return (lambda theta: _by_differences(function, theta)), "differences"
 
 
-def _by_differences(function: _Programmed, theta: Entries) -> Matrices:
+def _by_differences(function: _FunctionMatrices, theta: Entries) -> Matrices:
     """Return matrices whose imaginary parts are central differences, where ``theta`` has any."""
     found = function(np.ascontiguousarray(theta.real))
     if not np.iscomplexobj(theta):
@@ -337,15 +346,15 @@ def with_kinds(system: System) -> System:
     start = system.starts
     touched: dict[str, set[str]] = {one.name: set() for one in system.parameters}
     for theta in (start, 1.17 * start + 0.013):  # a slope may be nothing at one place
-        for key, found in system.matrices(aside(theta)).items():
+        for key, found in system.matrices(step_aside(theta)).items():
             for place, slope in enumerate(found[1:].imag):
                 if np.any(slope != 0.0):
                     touched[system.parameters[place].name].add(key)
-    at_start = system.matrices(aside(start))
+    at_start = system.matrices(step_aside(start))
     kinds = {}
     for key in ("P0", "R1", "R2"):
-        for value in np.diagonal(at_start.get(key, EMPTY[None]), axis1=1, axis2=2).T:
-            slopes = value[1:].imag / STEP
+        for value in np.diagonal(at_start.get(key, EMPTY_MATRIX[None]), axis1=1, axis2=2).T:
+            slopes = value[1:].imag / COMPLEX_STEP
             places = np.flatnonzero(slopes)
             alone = len(places) == 1 and abs(slopes[places[0]] - 1.0) < 1e-6
             if alone and value[0].real == start[places[0]]:

@@ -18,24 +18,24 @@ from trainer.identify.kernels.sampling import (
 )
 from trainer.identify.model.models import Blocks
 
-STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
-LANES: Final = 4  # numbers that a processor takes at a time
+COMPLEX_STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
+VECTOR_LANES: Final = 4  # numbers that a processor takes at a time
 
 
-def aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
+def step_aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
     """Return ``theta`` (n,) above rows a step aside, one for each (free) place."""
     places = np.arange(len(theta)) if free is None else np.array(free, int)
     rows = np.tile(theta.astype(complex), (1 + len(places), 1))
-    rows[np.arange(1, 1 + len(places)), places] += 1j * STEP
+    rows[np.arange(1, 1 + len(places)), places] += 1j * COMPLEX_STEP
     return rows
 
 
 @dataclass(frozen=True)
-class Sampled:
+class SampledSystems:
     """Systems from sample to sample and their start, for each of a batch of parameters.
 
     Rows are (next state, reading), columns (state, old input, input, 1). Imaginary parts, where
-    there are any, are derivatives times STEP.
+    there are any, are derivatives times COMPLEX_STEP.
     """
 
     mean: Entries  # (b, m, x+y, x+2u+1)
@@ -49,30 +49,34 @@ class Sampled:
         mean, noise, start = (np.ascontiguousarray(part.real) for part in parts)
         return SampledSystem(mean, noise, start)
 
-    def as_complex(self) -> "Sampled":
+    def as_complex(self) -> "SampledSystems":
         """Return the same numbers, complex: kernels of predictors take no others."""
         parts = (self.mean, self.noise, self.start, self.gain)
-        return Sampled(*(None if x is None else x.astype(complex, copy=False) for x in parts))  # type: ignore[arg-type]
+        return SampledSystems(
+            *(None if x is None else x.astype(complex, copy=False) for x in parts)  # type: ignore[arg-type]
+        )
 
     def slopes(self) -> SampledSystem:
         """Return the derivatives of mean, noise and start, parameters last, from rows 1 on.
 
-        Zeros fill up to a whole number of LANES: loops over parameters then have no rest.
+        Zeros fill up to a whole number of VECTOR_LANES: loops over parameters then have no rest.
         """
         parts = (self.mean[1:], self.noise[1:], self.start[1:])
-        mean, noise, start = (_filled(np.moveaxis(part.imag, 0, -1) / STEP) for part in parts)
+        mean, noise, start = (
+            _filled(np.moveaxis(part.imag, 0, -1) / COMPLEX_STEP) for part in parts
+        )
         return SampledSystem(mean, noise, start)
 
 
 def _filled(slopes: Numbers) -> Numbers:
-    """Return ``slopes`` with zeros after them, up to a whole number of LANES."""
+    """Return ``slopes`` with zeros after them, up to a whole number of VECTOR_LANES."""
     count = slopes.shape[-1]
-    whole = np.zeros((*slopes.shape[:-1], count + -count % LANES))
+    whole = np.zeros((*slopes.shape[:-1], count + -count % VECTOR_LANES))
     whole[..., :count] = slopes
     return whole
 
 
-def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
+def sample_systems(blocks: Blocks, intervals: Numbers, sampling: str) -> SampledSystems:
     """Return ``blocks`` sampled at ``intervals`` (m,) [s].
 
     ``sampling`` is "instantaneous" or "integrating" of continuous systems, whose readings are taken
@@ -93,4 +97,4 @@ def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
         parts = ContinuousBlocks(blocks.drift, blocks.noise, blocks.lag)
         moving = rows if sampling == "integrating" else states
         sample_blocks(parts, intervals, moving, SampledBlocks(mean, noise))
-    return Sampled(mean, noise, blocks.start, blocks.gain)
+    return SampledSystems(mean, noise, blocks.start, blocks.gain)

@@ -10,16 +10,22 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.programs.characteristic import HORIZONTAL, Means, dimensional, horizontal
+from trainer.analysis.programs.characteristic import (
+    HORIZONTAL_STATES,
+    STEADY_MOTIONS,
+    MeanMotions,
+    dimensional_constants,
+    horizontal_system,
+)
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto, levers, nomoto, solve_motion, transfer
 
-STEERED: Final = ("v", "r")
+STEERED_STATES: Final = ("v", "r")
 
 
 @dataclass(frozen=True)
-class Steering:
+class SteeringModel:
     """M d(v, r)/dt = F (v, r) + g delta at a speed [m/s], SI."""
 
     M: Numbers
@@ -59,15 +65,17 @@ class Steering:
         }
 
 
-def steering(file: VesselFile, speed: float, means: Means = Means()) -> Steering:  # noqa: B008
+def find_steering(
+    file: VesselFile, speed: float, means: MeanMotions = STEADY_MOTIONS
+) -> SteeringModel:
     """Return the steering of a boat at ``speed`` [m/s], ``means`` averaged in. Roll is left out."""
-    linear = horizontal(file, speed, means)
-    places = [HORIZONTAL.index(name) for name in STEERED]
+    linear = horizontal_system(file, speed, means)
+    places = [HORIZONTAL_STATES.index(name) for name in STEERED_STATES]
     pick = np.ix_(places, places)
-    c = dimensional(file)
+    c = dimensional_constants(file)
     g = speed**2 * np.array([c.Y_dr, c.N_dr])
     length, density = file.hull.length, file.fluid.rho
-    return Steering(linear.E[pick], linear.F[pick], g, speed, length, density)
+    return SteeringModel(linear.E[pick], linear.F[pick], g, speed, length, density)
 
 
 def limits(file: VesselFile) -> tuple[float, float]:

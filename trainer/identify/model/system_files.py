@@ -24,17 +24,17 @@ from trainer.config.schema import (
     Rows,
     Text,
     Texts,
-    of,
     optional,
     read_record,
+    required,
     tables_of,
     within,
 )
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.model.models import Parameter
 from trainer.identify.model.own_systems import (
-    LARGEST,
-    NAMES,
+    MATRIX_NAMES,
+    MAX_DIMENSION,
     Matrices,
     System,
     check_names,
@@ -47,10 +47,10 @@ Row = tuple[object, ...]  # of a matrix
 Value = Any  # a number, or an array of them
 Expression = Callable[[Mapping[str, Value]], Value]
 
-LONGEST: Final = 200  # characters
-DEEPEST: Final = 30  # signs within signs
-CONSTANTS: Final = {"pi": math.pi}
-SIGNS: Final[Mapping[type, Callable[..., Value]]] = {
+MAX_EXPRESSION_LETTERS: Final = 200  # characters
+MAX_EXPRESSION_DEPTH: Final = 30  # signs within signs
+NAMED_CONSTANTS: Final = {"pi": math.pi}
+OPERATOR_BY_SIGN: Final[Mapping[type, Callable[..., Value]]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
@@ -66,7 +66,7 @@ def _magnitude(x: Value) -> Value:
     return np.where(np.real(x) >= 0.0, x, -x)
 
 
-FUNCTIONS: Final[Mapping[str, Callable[[Value], Value]]] = {
+KNOWN_FUNCTIONS: Final[Mapping[str, Callable[[Value], Value]]] = {
     "sqrt": np.sqrt,
     "exp": np.exp,
     "log": np.log,
@@ -76,27 +76,31 @@ FUNCTIONS: Final[Mapping[str, Callable[[Value], Value]]] = {
     "tanh": np.tanh,
     "abs": _magnitude,
 }
-ALLOWED: Final = f"numbers, parameters, + - * / **, {', '.join((*CONSTANTS, *FUNCTIONS))}"
+ALLOWED_TEXT: Final = (
+    f"numbers, parameters, + - * / **, {', '.join((*NAMED_CONSTANTS, *KNOWN_FUNCTIONS))}"
+)
 
 
-def parse(text: str, names: tuple[str, ...]) -> Expression:
+def parse_expression(text: str, names: tuple[str, ...]) -> Expression:
     """Return the expression in ``text`` of parameters ``names``; ConfigError if it is none."""
-    if len(text) > LONGEST:
-        raise ConfigError(f"expression of {len(text)} characters: must have {LONGEST} at most")
+    if len(text) > MAX_EXPRESSION_LETTERS:
+        raise ConfigError(
+            f"expression of {len(text)} characters: must have {MAX_EXPRESSION_LETTERS} at most"
+        )
     try:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ConfigError(f"{quote(text)}: is no expression; it may have {ALLOWED}") from None
+        raise ConfigError(f"{quote(text)}: is no expression; it may have {ALLOWED_TEXT}") from None
     return _built(tree.body, names, 0)
 
 
 def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
     """Return what computes one node of the tree."""
-    if depth > DEEPEST:
-        raise ConfigError(f"expression: {DEEPEST} signs within one another at most")
+    if depth > MAX_EXPRESSION_DEPTH:
+        raise ConfigError(f"expression: {MAX_EXPRESSION_DEPTH} signs within one another at most")
     if isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, int | float):
-            raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED}")
+            raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED_TEXT}")
         try:
             value = float(node.value)
         except OverflowError:
@@ -105,13 +109,13 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
             raise ConfigError("expression: a number is too large")
         return lambda _: value
     if isinstance(node, ast.Name):
-        name, known = node.id, (*names, *CONSTANTS)
+        name, known = node.id, (*names, *NAMED_CONSTANTS)
         if name not in known:
             there = ", ".join(known)
             raise ConfigError(
                 f"no parameter {quote(name)}{nearest(name, known)}; there are {there}"
             )
-        return lambda values: values[name] if name in names else CONSTANTS[name]
+        return lambda values: values[name] if name in names else NAMED_CONSTANTS[name]
     function, operands = _sign_of(node)
     parts = tuple(_built(part, names, depth + 1) for part in operands)
     return lambda values: function(*(part(values) for part in parts))
@@ -119,17 +123,19 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
 
 def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
     """Return what a sign or a function does, and of what; ConfigError for anything else."""
-    if isinstance(node, ast.BinOp) and type(node.op) in SIGNS:
-        return SIGNS[type(node.op)], [node.left, node.right]
-    if isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
-        return SIGNS[type(node.op)], [node.operand]
+    if isinstance(node, ast.BinOp) and type(node.op) in OPERATOR_BY_SIGN:
+        return OPERATOR_BY_SIGN[type(node.op)], [node.left, node.right]
+    if isinstance(node, ast.UnaryOp) and type(node.op) in OPERATOR_BY_SIGN:
+        return OPERATOR_BY_SIGN[type(node.op)], [node.operand]
     if not isinstance(node, ast.Call) or len(node.args) != 1 or node.keywords:
-        raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED}")
+        raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED_TEXT}")
     name = node.func.id if isinstance(node.func, ast.Name) else ""
-    if name not in FUNCTIONS:
-        there = ", ".join(FUNCTIONS)
-        raise ConfigError(f"no function {quote(name)}{nearest(name, FUNCTIONS)}; there are {there}")
-    return FUNCTIONS[name], node.args
+    if name not in KNOWN_FUNCTIONS:
+        there = ", ".join(KNOWN_FUNCTIONS)
+        raise ConfigError(
+            f"no function {quote(name)}{nearest(name, KNOWN_FUNCTIONS)}; there are {there}"
+        )
+    return KNOWN_FUNCTIONS[name], node.args
 
 
 @dataclass(frozen=True)
@@ -147,11 +153,11 @@ class Matrix:
 
     def read(self, key: str, value: object, place: Place) -> tuple[Row, ...]:
         """Return the rows; ConfigError if they are not of one length."""
-        if isinstance(value, list) and 0 < len(value) <= LARGEST:
+        if isinstance(value, list) and 0 < len(value) <= MAX_DIMENSION:
             rows = tuple(tuple(row) if isinstance(row, list) else (row,) for row in value)
-            if len({len(row) for row in rows}) == 1 and len(rows[0]) <= LARGEST:
+            if len({len(row) for row in rows}) == 1 and len(rows[0]) <= MAX_DIMENSION:
                 return rows
-        text = f"must be 1 to {LARGEST} rows of one length, each a list"
+        text = f"must be 1 to {MAX_DIMENSION} rows of one length, each a list"
         raise ConfigError(place.wrong(key, value, text))
 
 
@@ -159,8 +165,8 @@ class Matrix:
 class SystemParameter:
     """One parameter of a system."""
 
-    name: str = of(Text(20, "a letter, then letters, digits or _"))
-    start: float = of(Quantity("-", within(-1e12, 1e12), "where the search begins"))
+    name: str = required(Text(20, "a letter, then letters, digits or _"))
+    start: float = required(Quantity("-", within(-1e12, 1e12), "where the search begins"))
     free: bool | None = optional(Flag("is it estimated? else true"))
     unit: str | None = optional(Text(12, "for the page; else none"))
     meaning: str | None = optional(Text(79, "for the reader"))
@@ -173,18 +179,18 @@ SYSTEM_PARAMETERS: Final = Rows(SystemParameter, ("note",), 1, 60, "parameters, 
 class SystemFile:
     """A system in matrices."""
 
-    schema: str = of(Choice(("system/1",), "form of the file"))
-    name: str = of(Text(79, "what it is"))
+    schema: str = required(Choice(("system/1",), "form of the file"))
+    name: str = required(Text(79, "what it is"))
     time: str | None = optional(
         Choice(("continuous", "discrete"), "discrete matrices lead to the next sample")
     )
-    inputs: tuple[str, ...] | None = optional(Texts(Text(80, "columns that act"), LARGEST))
-    outputs: tuple[str, ...] = of(Texts(Text(80, "columns that are fitted"), LARGEST))
-    units: tuple[str, ...] | None = optional(Texts(Text(12, "of the outputs"), LARGEST))
-    A: tuple[Row, ...] = of(Matrix("states by states"))
+    inputs: tuple[str, ...] | None = optional(Texts(Text(80, "columns that act"), MAX_DIMENSION))
+    outputs: tuple[str, ...] = required(Texts(Text(80, "columns that are fitted"), MAX_DIMENSION))
+    units: tuple[str, ...] | None = optional(Texts(Text(12, "of the outputs"), MAX_DIMENSION))
+    A: tuple[Row, ...] = required(Matrix("states by states"))
     B: tuple[Row, ...] | None = optional(Matrix("states by inputs"))
     f: tuple[Row, ...] | None = optional(Matrix("a constant on each state; else 0"))
-    C: tuple[Row, ...] = of(Matrix("outputs by states"))
+    C: tuple[Row, ...] = required(Matrix("outputs by states"))
     D: tuple[Row, ...] | None = optional(Matrix("outputs by inputs; else 0"))
     d: tuple[Row, ...] | None = optional(Matrix("a bias of each output; else 0"))
     R1: tuple[Row, ...] | None = optional(Matrix("states by states, disturbance; else 0"))
@@ -211,10 +217,12 @@ def _load_file(path: Path) -> System:
     names = tuple(row.name for row in rows)
     check_names(path, names)
     for name in names:
-        if name in FUNCTIONS or name in CONSTANTS:
+        if name in KNOWN_FUNCTIONS or name in NAMED_CONSTANTS:
             told = "is the name of a function or constant"
             raise ConfigError(f"{path.name}: parameter {quote(name)}: {told}")
-    matrices = {name: getattr(file, name) for name in NAMES if getattr(file, name) is not None}
+    matrices = {
+        name: getattr(file, name) for name in MATRIX_NAMES if getattr(file, name) is not None
+    }
     problems, parsed = [], {}
     for key, entries in matrices.items():
         try:
@@ -234,7 +242,7 @@ def _load_file(path: Path) -> System:
         starts=np.array([row.start for row in rows]),
         held=tuple(row.name for row in rows if row.free is False),
         states=len(file.A),
-        matrices=_Written(names, parsed),
+        matrices=_FileMatrices(names, parsed),
         touched={},
         how="",
     )
@@ -243,14 +251,14 @@ def _load_file(path: Path) -> System:
 def _entry(value: object, names: tuple[str, ...]) -> float | Expression:
     """Return a number or an expression; ConfigError if it is neither."""
     if isinstance(value, str):
-        return parse(value, names)
+        return parse_expression(value, names)
     if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > 1e300:
         raise ConfigError(f"{quote(value)}: must be a number or an expression")
     return float(value)
 
 
 @dataclass(frozen=True, eq=False)
-class _Written:
+class _FileMatrices:
     """The matrices of a TOML file."""
 
     names: tuple[str, ...]
@@ -269,9 +277,9 @@ class _Written:
         return found
 
 
-RECORDS: Final = {"": SystemFile, "[parameters]": SystemParameter}
+SYSTEM_RECORDS: Final = {"": SystemFile, "[parameters]": SystemParameter}
 
 
 def key_tables() -> str:
     """Return the Markdown tables of a system file's keys, as docs/identification.md shows them."""
-    return tables_of(RECORDS)
+    return tables_of(SYSTEM_RECORDS)

@@ -11,22 +11,22 @@ from trainer.identify.fitting.armax import (
     remove_delay,
     without_wind,
 )
-from trainer.identify.judge.orders import Order, Orders, try_orders
-from trainer.identify.judge.residuals import verdicts
-from trainer.identify.model.models import UNITS
+from trainer.identify.judge.orders import OrderComparison, OrderTrial, try_orders
+from trainer.identify.judge.residuals import describe_tests
+from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.pages.identify import correlation_panels, residual_table
 from trainer.identify.record.measurements import check_count, samples_of
-from trainer.identify.record.study import Study, observe
+from trainer.identify.record.study import Study, observe_record
 from trainer.identify.sheet import screens_of
 from trainer.report.plots import Screen
-from trainer.report.text import INDENT, cut, figure, items, table, wrap
+from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
 
-MOST: Final = 4  # orders
-LAGS: Final = 10
+DEFAULT_MAX_ORDER: Final = 4  # orders
+DEFAULT_LAGS: Final = 10
 
 
 @dataclass(frozen=True)
-class Report:
+class ArmaxReport:
     """All that ``trainer identify --armax`` says."""
 
     study: str
@@ -38,7 +38,7 @@ class Report:
     removed: str
     dead_time: int
     findings: tuple[str, ...]
-    orders: tuple[Order, ...]
+    orders: tuple[OrderTrial, ...]
     by_aic: int
     by_bic: int
     by_test: int
@@ -46,12 +46,12 @@ class Report:
     verdicts: tuple[str, ...]  # on the order of least AIC
 
 
-def carry_out(study: Study) -> tuple[Report, Orders]:
+def carry_out(study: Study) -> tuple[ArmaxReport, OrderComparison]:
     """Return the models of a study. ConfigError if its record has gaps or is too short."""
     asked = study.armax
     if asked is None:
         raise ConfigError(f"{study.path.name}: lacks [armax]")
-    observed = observe(study)
+    observed = observe_record(study)
     record = observed.record
     samples = samples_of(record, (asked.output,))
     if len(samples.steps[0]) > 1:
@@ -59,21 +59,21 @@ def carry_out(study: Study) -> tuple[Report, Orders]:
     how, dead = asked.remove or "mean", int(asked.dead_time or 0)
     if not samples.whole:
         raise ConfigError(f"{record.source}: ARMAX needs a record without missing values; cut it")
-    most, initial = int(asked.most or MOST), asked.initial != "no"
+    most, initial = int(asked.most or DEFAULT_MAX_ORDER), asked.initial != "no"
     check_count(record, samples.counted, (4 if initial else 3) * most)
     y, u = remove_delay(
         detrend(samples.outputs[:, 0], how), detrend(samples.inputs[:, 0], how), dead
     )
-    orders = try_orders(y, u, most, initial=initial, lags=int(asked.lags or LAGS))
+    orders = try_orders(y, u, most, initial=initial, lags=int(asked.lags or DEFAULT_LAGS))
     ship = None
     if asked.output == "heading" and most > 1:
         with suppress(ConfigError):  # it may have none
             ship = without_wind(orders.models[1], record.interval)
-    report = Report(
+    report = ArmaxReport(
         study=study.heading.name,
         source=record.source,
         output=asked.output,
-        unit=UNITS[asked.output][0],
+        unit=OUTPUT_UNITS[asked.output][0],
         samples=len(y),
         interval_s=record.interval,
         removed=how,
@@ -84,17 +84,17 @@ def carry_out(study: Study) -> tuple[Report, Orders]:
         by_bic=orders.by_bic.order,
         by_test=orders.by_test.order,
         first_order=ship,
-        verdicts=tuple(verdicts(orders.by_aic.residuals)),
+        verdicts=tuple(describe_tests(orders.by_aic.residuals)),
     )
     return report, orders
 
 
-def render(report: Report) -> str:
+def render(report: ArmaxReport) -> str:
     """Return the report as text."""
     lines = [
         f"ARMAX MODELS of {report.output} by rudder (IDPAC)",
-        f"{INDENT}{cut(report.study, 70)}",
-        f"{INDENT}{cut(report.source, 75)}",
+        f"{INDENT}{cut_text(report.study, 70)}",
+        f"{INDENT}{cut_text(report.source, 75)}",
         f"{INDENT}{report.samples} samples every {report.interval_s:g} s",
         f"{INDENT}removed: {report.removed}; dead time {report.dead_time} samples",
     ]
@@ -108,8 +108,8 @@ def render(report: Report) -> str:
             f"{row.deviation:.4g}",
             f"{row.aic:.2f}",
             f"{row.bic:.2f}",
-            figure(row.f, ".2f"),
-            figure(row.f_probability, ".3f"),
+            format_number(row.f, ".2f"),
+            format_number(row.f_probability, ".3f"),
             f"{row.residuals.whiteness.probability:.3f}",
             f"{row.residuals.feedback.probability:.3f}",
         )
@@ -128,14 +128,15 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def _coefficient_table(row: Order) -> list[str]:
+def _coefficient_table(row: OrderTrial) -> list[str]:
     rows = [
-        (one.name, f"{one.value:.5g}", figure(one.deviation, ".2g")) for one in row.coefficients
+        (one.name, f"{one.value:.5g}", format_number(one.deviation, ".2g"))
+        for one in row.coefficients
     ]
     return table((f"order {row.order}", "estimate", "std dev"), rows)
 
 
-def _root_lines(row: Order) -> list[str]:
+def _root_lines(row: OrderTrial) -> list[str]:
     """Return poles and zeros in the z plane."""
     lines = wrap(f"Poles {_roots(row.poles)}", INDENT, 2 * INDENT)
     lines += wrap(f"Zeros {_roots(row.zeros)}", INDENT, 2 * INDENT)
@@ -155,6 +156,6 @@ def _roots(roots: tuple[tuple[float, float], ...]) -> str:
     return ", ".join(texts) or "none"
 
 
-def screens(orders: Orders) -> tuple[Screen, ...]:
+def screens(orders: OrderComparison) -> tuple[Screen, ...]:
     """Return the correlations of the residuals of the order of least AIC."""
     return screens_of({"Correlations": correlation_panels((orders.by_aic.residuals,))})

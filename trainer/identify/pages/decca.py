@@ -4,17 +4,22 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.identify.record.decca import Sailed
+from trainer.identify.record.decca import ShipTrack
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, cut, figure, table
+from trainer.report.text import INDENT, cut_text, format_number, table
 from trainer.units import KNOT
 
-SHOWN: Final = 20  # rows
-FORMS: Final = ((1.0, ".1f"), (1.0, ".1f"), (KNOT, ".3f"), (KNOT, ".2f"))  # of the page's numbers
+MAX_ROWS_SHOWN: Final = 20  # rows
+NUMBER_FORMS: Final = (
+    (1.0, ".1f"),
+    (1.0, ".1f"),
+    (KNOT, ".3f"),
+    (KNOT, ".2f"),
+)  # of the page's numbers
 
 
 @dataclass(frozen=True)
-class Report:
+class DeccaReport:
     """The answer of ``trainer decca``; NaN, null in JSON, where lanes or neighbours lack."""
 
     source: str
@@ -29,23 +34,23 @@ class Report:
     colours: tuple[str, ...]
 
 
-def report_of(sailed: Sailed, *, smooth: bool) -> Report:
+def report_of(sailed: ShipTrack, *, smooth: bool) -> DeccaReport:
     """Return the report of a track."""
     columns = (sailed.t, sailed.east, sailed.north, sailed.sway, sailed.ahead)
     t, east, north, sway, ahead = (tuple(one.tolist()) for one in columns)
     known = sailed.source, len(t), sum(map(bool, sailed.colours)), smooth
-    return Report(*known, t, east, north, sway, ahead, sailed.colours)
+    return DeccaReport(*known, t, east, north, sway, ahead, sailed.colours)
 
 
-def render(report: Report) -> str:
-    """Return the report as text: at most SHOWN rows of the track, evenly taken."""
+def render(report: DeccaReport) -> str:
+    """Return the report as text: at most MAX_ROWS_SHOWN rows of the track, evenly taken."""
     numbers = zip(report.east_m, report.north_m, report.sway_m_s, report.ahead_m_s, strict=True)
     rows = [
         (
             f"{t:g}",
             *(
-                figure(None if math.isnan(x) else x / unit, form)
-                for x, (unit, form) in zip(row, FORMS, strict=True)
+                format_number(None if math.isnan(x) else x / unit, form)
+                for x, (unit, form) in zip(row, NUMBER_FORMS, strict=True)
             ),
             colours or "no fix",
         )
@@ -56,15 +61,15 @@ def render(report: Report) -> str:
     return "\n".join(
         [
             "DECCA TRACK (DECCON)",
-            f"{INDENT}{cut(report.source, 70)}",
+            f"{INDENT}{cut_text(report.source, 70)}",
             f"{INDENT}{report.fixed} of {report.rows} rows have a fix; {how}",
             "",
-            *table(heads, rows[:: max(1, -(-report.rows // SHOWN))]),
+            *table(heads, rows[:: max(1, -(-report.rows // MAX_ROWS_SHOWN))]),
         ]
     )
 
 
-def panels(sailed: Sailed) -> tuple[Panel, ...]:
+def panels(sailed: ShipTrack) -> tuple[Panel, ...]:
     """Return track and sway velocity."""
     place = (Curve("fixes", sailed.east, sailed.north),)
     sway = (Curve("sway", sailed.t, sailed.sway / KNOT),)

@@ -8,9 +8,9 @@ import numpy as np
 
 from trainer.config.vessel import VesselFile
 from trainer.identify.experiment import (
-    LEAD,
+    LEAD_TIME_S,
+    BinarySequence,
     HelmOptions,
-    Sequence,
     exercise_text,
     fly_trial,
     remarks,
@@ -23,20 +23,20 @@ from trainer.identify.experiment import (
     zigzag_told,
 )
 from trainer.identify.judge.design import Prospect, prospect
-from trainer.identify.model.derived import QUANTITIES
+from trainer.identify.model.derived import QUANTITY_UNITS
 from trainer.identify.model.nomoto import Nomoto
-from trainer.identify.model.steering import steering
+from trainer.identify.model.steering import find_steering
 from trainer.identify.record.measurements import Record
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, cut, figure, items, table, wrap
+from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
 from trainer.units import KNOT
 
-UNTURNED: Final = {"reach_s": None, "period_s": None, "overshoots_deg": ()}  # no zig-zag
-UNMOVED: Final = ("T_imag",)  # shown with T1 if it is not zero
+NO_ZIGZAG: Final = {"reach_s": None, "period_s": None, "overshoots_deg": ()}  # no zig-zag
+HIDDEN_IF_ZERO: Final = ("T_imag",)  # shown with T1 if it is not zero
 
 
 @dataclass(frozen=True)
-class Report:
+class ExperimentReport:
     """All that ``trainer prbs`` says about an experiment."""
 
     vessel: str
@@ -70,22 +70,22 @@ class ExperimentOptions(HelmOptions):
 
 
 @dataclass(frozen=True)
-class Design:
+class ExperimentDesign:
     """A report, the boat's record in a calm, and the exercise that makes it."""
 
-    report: Report
+    report: ExperimentReport
     record: Record
     exercise: str
 
 
-def design(file: VesselFile, options: ExperimentOptions) -> Design:
+def design_experiment(file: VesselFile, options: ExperimentOptions) -> ExperimentDesign:
     """Return the experiment that is asked for.
 
     ConfigError if the boat cannot fly it or it would tell nothing.
     """
     speed_kn = options.speed_kn or file.run.start_speed_kn
     speed, step = speed_kn * KNOT, file.run.step_s
-    ship = steering(file, speed)
+    ship = find_steering(file, speed)
     interval = options.interval or suggest_interval(ship.nomoto, step)
     depth = options.depth or file.run.start_depth_m
     if options.zigzag:
@@ -99,7 +99,7 @@ def design(file: VesselFile, options: ExperimentOptions) -> Design:
     place |= {"depth_m": depth, "duration_s": seconds}
     place |= {"sea": options.sea} if options.sea else {}
     exercise = exercise_text(orders, f"{kind} for identification at {speed_kn:g} kn", place)
-    report = Report(
+    report = ExperimentReport(
         vessel=file.name,
         speed_kn=speed_kn,
         kind=kind,
@@ -112,7 +112,7 @@ def design(file: VesselFile, options: ExperimentOptions) -> Design:
         prospect=prospect(ship, record, outputs, options.sensors, options.unrest),
         **told,
     )
-    return Design(report, flight, exercise)
+    return ExperimentDesign(report, flight, exercise)
 
 
 def _largest(values: Any) -> float:
@@ -123,7 +123,7 @@ def _largest(values: Any) -> float:
 def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
     """Return kind, orders, duration [s] and what is told of a binary sequence."""
     hold = options.hold or suggest_hold(ship, interval)
-    sequence = Sequence(
+    sequence = BinarySequence(
         bits=options.bits or suggest_bits(ship, hold),
         amplitude_deg=options.amplitude,
         hold_s=hold,
@@ -132,7 +132,7 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
         seed=options.seed,
     )
     warned = tuple(remarks(sequence, ship, interval))
-    told = {"settings": asdict(sequence), "remarks": warned, **UNTURNED}
+    told = {"settings": asdict(sequence), "remarks": warned, **NO_ZIGZAG}
     return "PRBS", sequence.orders(), sequence.seconds, told
 
 
@@ -146,10 +146,10 @@ def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: f
         "remarks": (f"the ship reaches {execute:g} deg only in a calm at just these times",),
         **zigzag_told(flight, execute),
     }
-    return "zig-zag", orders, orders[-1][0] + LEAD, told
+    return "zig-zag", orders, orders[-1][0] + LEAD_TIME_S, told
 
 
-def render(report: Report) -> str:
+def render(report: ExperimentReport) -> str:
     """Return the report as text."""
     settings = ", ".join(
         f"{name} {value}" if isinstance(value, str) else f"{name} {value:g}"
@@ -159,7 +159,7 @@ def render(report: Report) -> str:
     pace = f"turns at {turns:.2f} deg/s and slows to {slows:.1f}"
     lines = [
         f"RUDDER EXPERIMENT: {report.kind}",
-        f"{INDENT}{cut(report.vessel, 70)}, {report.speed_kn:g} kn",
+        f"{INDENT}{cut_text(report.vessel, 70)}, {report.speed_kn:g} kn",
         *wrap(settings, INDENT, INDENT),
         f"{INDENT}{report.seconds:g} s, {len(report.orders)} orders",
         "",
@@ -168,8 +168,8 @@ def render(report: Report) -> str:
     if report.overshoots_deg:
         overshoots = ", ".join(f"{one:.1f}" for one in report.overshoots_deg)
         lines.append(
-            f"{INDENT}Reach {figure(report.reach_s, '.1f')} s, period "
-            f"{figure(report.period_s, '.1f')} s, overshoots {overshoots} deg."
+            f"{INDENT}Reach {format_number(report.reach_s, '.1f')} s, period "
+            f"{format_number(report.period_s, '.1f')} s, overshoots {overshoots} deg."
         )
     told = report.prospect
     head = f"{INDENT}Expected from {told.samples} samples at {told.interval_s:g} s of "
@@ -177,13 +177,13 @@ def render(report: Report) -> str:
     rows = [
         (
             name,
-            QUANTITIES.get(name, "prime"),
+            QUANTITY_UNITS.get(name, "prime"),
             f"{value:.5g}",
             f"{told.deviations[name]:.2g}",
             f"{100.0 * told.deviations[name] / abs(value):.1f}" if value else "-",
         )
         for name, value in told.values.items()
-        if name not in UNMOVED and (value or told.deviations[name])
+        if name not in HIDDEN_IF_ZERO and (value or told.deviations[name])
     ]
     lines += table(("quantity", "unit", "value", "std dev", "%"), rows)
     if report.remarks:
@@ -191,7 +191,7 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def panels(design_: Design) -> tuple[Panel, ...]:
+def panels(design_: ExperimentDesign) -> tuple[Panel, ...]:
     """Return rudder, heading and yaw rate of the experiment in a calm."""
     record = design_.record
     t = record.t

@@ -8,24 +8,24 @@ from markupsafe import Markup
 
 from trainer.core.kernel import Numbers
 from trainer.identify import sheet as sheets
-from trainer.identify.fitting.nonlinear import Bend, predict
-from trainer.identify.judge.allowed import Band, pulse_of, step_of
+from trainer.identify.fitting.nonlinear import BendEstimate, predict_turning
+from trainer.identify.judge.allowed import ShipBand, pulse_of, step_of
 from trainer.identify.judge.residuals import Residuals
-from trainer.identify.judge.validation import Check, alone
-from trainer.identify.model.models import UNITS
+from trainer.identify.judge.validation import ValidationCheck, predict_alone
+from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.model.nomoto import scale
-from trainer.identify.pages.results import Direction, Estimate, Identified, Report
-from trainer.identify.pages.series import LARGE, Matrices, errors_of
+from trainer.identify.pages.results import Direction, Estimate, Identification, IdentifyReport
+from trainer.identify.pages.series import LARGE_MANOEUVRE, Matrices, errors_of
 from trainer.identify.sheet import listing, screens_of
 from trainer.report import html
 from trainer.report.plots import Curve, Panel, Screen
-from trainer.report.text import INDENT, cut, figure, items, table, wrap
+from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
 from trainer.units import DEGREE, KNOT
 
-BAND: Final = 1.96  # standard deviations
-SHOWN: Final = 10  # outliers that a page lists
-MATRICES: Final = "Matrices"
-FREQUENCIES: Final = 80  # of a Bode figure
+BAND_DEVIATIONS: Final = 1.96  # standard deviations
+MAX_OUTLIERS_SHOWN: Final = 10  # outliers that a page lists
+MATRICES_TITLE: Final = "Matrices"
+BODE_FREQUENCIES: Final = 80  # of a Bode figure
 BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"} | {
     "H1": "s",
     "H2": "s^2",
@@ -34,7 +34,7 @@ BEND_UNITS: Final = {"T1": "s", "T2": "s", "T3": "s", "K": "1/s", "kappa": "s^2"
 }
 
 
-def render(report: Report) -> str:
+def render(report: IdentifyReport) -> str:
     """Return the report as text."""
     samples, ship = f"{report.samples} samples every {report.interval_s:g} s", ""
     if report.length_m is not None and report.speed_kn is not None:
@@ -42,8 +42,8 @@ def render(report: Report) -> str:
         ship = f"{report.length_m:g} m{speed}; "
     lines = [
         f"IDENTIFICATION, model {report.model} (LISPID)",
-        f"{INDENT}{cut(report.study, 70)}",
-        f"{INDENT}{cut(report.source, 75)}",
+        f"{INDENT}{cut_text(report.study, 70)}",
+        f"{INDENT}{cut_text(report.source, 75)}",
         f"{INDENT}{ship}{samples} of {', '.join(report.outputs)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
@@ -66,7 +66,7 @@ def render(report: Report) -> str:
     return "\n".join([*lines, *(line for block in blocks if block for line in ("", *block))])
 
 
-def _bend_lines(bend: Bend) -> list[str]:
+def _bend_lines(bend: BendEstimate) -> list[str]:
     """Return the kappa or H(r) of large manoeuvres, and the loop of an unstable ship."""
     told = dict(zip(("H1", "H2", "H3"), bend.ship.curve, strict=True)) | vars(bend.ship)
     rows = [
@@ -75,7 +75,7 @@ def _bend_lines(bend: Bend) -> list[str]:
     ]
     of = "helm" if bend.rate_0 is None else "yaw rate"
     unit = "deg" if bend.rate_0 is None else "deg/s"
-    lines = [f"{INDENT}{cut(bend.source, 75)}"]
+    lines = [f"{INDENT}{cut_text(bend.source, 75)}"]
     lines.append(f"{INDENT}rms error of {of} {bend.rms / DEGREE:.4g} {unit}")
     lines += table(("large\nmanoeuvres", "unit", "value", "std dev"), rows)
     if bend.ship.loop is not None:
@@ -85,7 +85,7 @@ def _bend_lines(bend: Bend) -> list[str]:
     return lines
 
 
-def _term_table(report: Report) -> list[str]:
+def _term_table(report: IdentifyReport) -> list[str]:
     """Return how large the terms of the equations of motion are."""
     rows, before = [], ""
     for one in report.terms:
@@ -99,7 +99,7 @@ def _term_table(report: Report) -> list[str]:
 def _matrix_lines(found: Matrices) -> list[str]:
     """Return the matrices row by row."""
     states, outputs = ", ".join(found.states), ", ".join(found.outputs)
-    lines = [f"{INDENT}{MATRICES}, {found.of}; states {states}, SI; outputs {outputs}"]
+    lines = [f"{INDENT}{MATRICES_TITLE}, {found.of}; states {states}, SI; outputs {outputs}"]
     for part in ("continuous", "sampled", "initial", "final"):
         lines.append(f"{INDENT}{part}:")
         for name, value in getattr(found, part).items():
@@ -110,12 +110,12 @@ def _matrix_lines(found: Matrices) -> list[str]:
     return lines
 
 
-def _run_table(report: Report) -> list[str]:
+def _run_table(report: IdentifyReport) -> list[str]:
     """Return how well the model follows each run."""
     rows = []
     for number, run in enumerate(report.runs, 1):
         speed = "-" if run.speed_kn is None else f"{run.speed_kn:.2f}"
-        first = (f"{number} {cut(run.source.rpartition('/')[2], 18)}", speed, str(run.samples))
+        first = (f"{number} {cut_text(run.source.rpartition('/')[2], 18)}", speed, str(run.samples))
         each = zip(report.outputs, report.units, run.rms, run.alone, run.explained, strict=True)
         for name, unit, rms, alone_rms, explained in each:
             numbers = (f"{rms:.4g}", f"{alone_rms:.4g}", f"{100.0 * explained:.1f}")
@@ -126,9 +126,9 @@ def _run_table(report: Report) -> list[str]:
     return table(heads, rows)
 
 
-def _parameter_table(report: Report) -> list[str]:
+def _parameter_table(report: IdentifyReport) -> list[str]:
     rows = [
-        (one.name, one.unit, f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
+        (one.name, one.unit, f"{one.value:.5g}", format_number(one.deviation, ".2g"), *_span(one))
         for one in report.parameters
     ]
     heads = ("parameter", "unit", "estimate", "std dev", "95 %\nfrom", "\nto")
@@ -137,10 +137,10 @@ def _parameter_table(report: Report) -> list[str]:
 
 def _span(one: Estimate) -> tuple[str, str]:
     """Return the ends of an interval."""
-    return figure(one.low, ".4g"), figure(one.high, ".4g")
+    return format_number(one.low, ".4g"), format_number(one.high, ".4g")
 
 
-def _ship_table(report: Report) -> list[str]:
+def _ship_table(report: IdentifyReport) -> list[str]:
     """Return gains and time constants in SI, prime and bis units."""
     units, rows = [], []
     if report.length_m is not None and report.speed_kn is not None:
@@ -152,7 +152,7 @@ def _ship_table(report: Report) -> list[str]:
             for x in units
         ]
         others = [f"{one.value / size[one.unit]:.4g}" for size in sizes]
-        known = (f"{one.value:.5g}", figure(one.deviation, ".2g"), *_span(one))
+        known = (f"{one.value:.5g}", format_number(one.deviation, ".2g"), *_span(one))
         rows.append((one.name, one.unit, *known, *others))
     what = "ship" if units else "system"
     shown = ("prime", "bis")[: len(units)]
@@ -160,17 +160,22 @@ def _ship_table(report: Report) -> list[str]:
     return table(heads, rows)
 
 
-def _derivative_table(report: Report) -> list[str]:
+def _derivative_table(report: IdentifyReport) -> list[str]:
     """Return the derivatives, the deviation being of the system that was fitted."""
     rows = [
-        (one.name, figure(one.prime, ".5g"), figure(one.bis, ".5g"), figure(one.deviation, ".2g"))
+        (
+            one.name,
+            format_number(one.prime, ".5g"),
+            format_number(one.bis, ".5g"),
+            format_number(one.deviation, ".2g"),
+        )
         for one in report.derivatives
     ]
     heads = ("derivative", "prime", "bis", f"std dev\n({report.settings['system']})")
     return table(heads, rows)
 
 
-def _fit_lines(report: Report) -> list[str]:
+def _fit_lines(report: IdentifyReport) -> list[str]:
     state = f"Fit settled in {report.steps} steps"
     state = state if report.converged else "Fit DID NOT SETTLE"
     if report.simulated:
@@ -184,7 +189,7 @@ def _fit_lines(report: Report) -> list[str]:
         several = bool(report.runs)
         told = [
             (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
-            for one in report.screened[:SHOWN]
+            for one in report.screened[:MAX_OUTLIERS_SHOWN]
         ]
         more = len(report.screened) - len(told)
         rest = f" and {more} more" if more else ""
@@ -201,7 +206,7 @@ def _fit_lines(report: Report) -> list[str]:
     return lines
 
 
-def rival_table(report: Report) -> list[str]:
+def rival_table(report: IdentifyReport) -> list[str]:
     """Return the model beside the simpler ones that it was tested against."""
     count = len(report.parameters)
     rows = [("this", str(count), f"{report.log_likelihood:.2f}", f"{report.aic:.2f}", "", "", "")]
@@ -225,7 +230,7 @@ def residual_table(residuals: tuple[Residuals, ...]) -> list[str]:
     return table(("residuals\nof", *heads), rows)
 
 
-def _check_lines(check: Check, units: tuple[str, ...]) -> list[str]:
+def _check_lines(check: ValidationCheck, units: tuple[str, ...]) -> list[str]:
     """Return how well another record is predicted."""
     columns = check.outputs, units, check.rms, check.share, check.own, check.explained
     rows = [
@@ -234,10 +239,10 @@ def _check_lines(check: Check, units: tuple[str, ...]) -> list[str]:
     ]
     shares = ("% of the\nmotion", "% where\nfitted", "% variance\nexplained")
     heads = ("predicted by\nrudder alone", "\nunit", "\nrms error", *shares)
-    return [f"{INDENT}{cut(check.source, 75)}", *table(heads, rows)]
+    return [f"{INDENT}{cut_text(check.source, 75)}", *table(heads, rows)]
 
 
-def screens(identified: Identified) -> tuple[Screen, ...]:
+def screens(identified: Identification) -> tuple[Screen, ...]:
     """Return all figures of a fit in groups, each for one screen."""
     of = " deg" if identified.report.length_m else ""
     asked = (f"step of 1{of}", step_of), (f"pulse of 1{of} s", pulse_of)
@@ -251,7 +256,7 @@ def screens(identified: Identified) -> tuple[Screen, ...]:
             "time [s]",
             "[std dev]",
             (Curve("residual", t, left),),
-            levels=(-BAND, 0.0, BAND),
+            levels=(-BAND_DEVIATIONS, 0.0, BAND_DEVIATIONS),
         )
         for output, left in zip(identified.report.outputs, standard, strict=True)
     ]
@@ -263,19 +268,19 @@ def screens(identified: Identified) -> tuple[Screen, ...]:
     return screens_of(found | {"Large manoeuvre": _large(identified)})
 
 
-def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
+def _record(identified: Identification, number: int = 0) -> Iterator[Panel]:
     """Yield what acts in a run, and outputs with predictions and, of the first run, bands."""
     fitted, report = identified.fitted, identified.report
     problem, at = fitted.problem.runs[number]
     run = errors_of(fitted, number) if number else identified.run
     samples, t = problem.samples, problem.samples.t
-    predicted = alone(problem, fitted.found.theta[at])
+    predicted = predict_alone(problem, fitted.found.theta[at])
     for name, values in zip(report.inputs, samples.inputs.T, strict=True):
         curve = (Curve(name, np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]),)  # held
         words = ("rudder, positive to port", "[deg]") if report.length_m else (name, "[-]")
         yield Panel(words[0], "time [s]", words[1], curve)
     for i, output in enumerate(report.outputs):
-        band = BAND * float(np.nanstd(run.errors[:, i]))
+        band = BAND_DEVIATIONS * float(np.nanstd(run.errors[:, i]))
         curves = (
             Curve("measured", t, samples.outputs[:, i], points=True),
             Curve("by rudder alone" if report.length_m else "alone", t, predicted[:, i]),
@@ -286,13 +291,13 @@ def _record(identified: Identified, number: int = 0) -> Iterator[Panel]:
         yield Panel(output, "time [s]", f"[{report.units[i]}]", curves)
 
 
-def _edges(band: Band, output: int) -> tuple[Curve, ...]:
+def _edges(band: ShipBand, output: int) -> tuple[Curve, ...]:
     """Return what 95 % of the ships stay between."""
     low, high = (edge[:, output] for edge in (band.low, band.high))
     return (Curve("allowed, lowest", band.t, low), Curve("allowed, highest", band.t, high))
 
 
-def _responses(identified: Identified, title: str, shape: Numbers) -> Iterator[Panel]:
+def _responses(identified: Identification, title: str, shape: Numbers) -> Iterator[Panel]:
     """Yield the answers of all ships allowed to a rudder, or to each input by itself."""
     others, report = identified.others, identified.report
     lost = f" ({others.lost:.0%} of the draws are no model)" if others.lost else ""
@@ -308,7 +313,7 @@ def _responses(identified: Identified, title: str, shape: Numbers) -> Iterator[P
             yield Panel(panel, "time [s]", f"[{report.units[i]}]", curves)
 
 
-def _bode(identified: Identified) -> Iterator[Panel]:
+def _bode(identified: Identification) -> Iterator[Panel]:
     """Yield gain and phase of each output by a rudder to starboard, from end to end of the record.
 
     From one period of its length to two samples a period.
@@ -317,26 +322,26 @@ def _bode(identified: Identified) -> Iterator[Panel]:
         return
     samples, period = identified.fitted.problem.samples, identified.fitted.problem.plant.period
     ends = 2.0 * np.pi / (samples.t[-1] - samples.t[0]), np.pi / period
-    outputs, gain, phase = identified.others.bode(np.geomspace(*ends, FREQUENCIES))
+    outputs, gain, phase = identified.others.bode(np.geomspace(*ends, BODE_FREQUENCIES))
     for i, output in enumerate(outputs):
-        unit = f"({UNITS[output][0]})/deg".replace("(deg)", "deg").replace("(kn)", "kn")
+        unit = f"({OUTPUT_UNITS[output][0]})/deg".replace("(deg)", "deg").replace("(kn)", "kn")
         for kind, band, y in (("gain", gain, f"[dB of {unit}]"), ("phase", phase, "[deg]")):
             curves = (Curve("middle", band.t, band.middle[:, i]), *_edges(band, i))
             title = f"rudder to {output}, {kind}"
             yield Panel(title, "frequency [rad/s]", y, curves, decades=True)
 
 
-def _terms(identified: Identified) -> Iterator[Panel]:
+def _terms(identified: Identification) -> Iterator[Panel]:
     """Yield the terms of each equation of motion over its record."""
     t, turned = identified.fitted.problem.samples.t, identified.turned
     for equation, unit in dict.fromkeys((key[0], key[2]) for key in identified.terms):
         parts = {key[1]: part for key, part in identified.terms.items() if key[0] == equation}
-        times = t if turned is None or equation != LARGE else turned.t
+        times = t if turned is None or equation != LARGE_MANOEUVRE else turned.t
         curves = tuple(Curve(name, times, part) for name, part in parts.items())
         yield Panel(f"{equation}, by its terms", "time [s]", f"[{unit}]", curves)
 
 
-def _large(identified: Identified) -> Iterator[Panel]:
+def _large(identified: Identification) -> Iterator[Panel]:
     """Yield the helm of steady turns, and the yaw rate of a large manoeuvre."""
     bend, turned = identified.report.bend, identified.turned
     if bend is None or turned is None:
@@ -351,7 +356,9 @@ def _large(identified: Identified) -> Iterator[Panel]:
     curves.append(Curve("linear", curves[0].x, linear / DEGREE))
     yield Panel("steady turns", "rudder, positive to port [deg]", "yaw rate [deg/s]", tuple(curves))
     if bend.rate_0 is not None:
-        run = predict(bend.ship, rudder, turned.interval, np.array([bend.rate_0, 0.0]))[:, 0]
+        run = predict_turning(bend.ship, rudder, turned.interval, np.array([bend.rate_0, 0.0]))[
+            :, 0
+        ]
         both = (
             Curve("measured", turned.t, rate / DEGREE, points=True),
             Curve("by rudder alone", turned.t, run / DEGREE),
@@ -377,11 +384,11 @@ def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
     )
 
 
-def sheet(found: Identified) -> str:
+def sheet(found: Identification) -> str:
     """Return the page of HTML; it needs no other file."""
     report = found.report
-    text, *matrices = render(report).split(f"\n\n{INDENT}{MATRICES}, ")
-    further = [(f"{MATRICES} {i}", listing(words)) for i, words in enumerate(matrices, 1)]
+    text, *matrices = render(report).split(f"\n\n{INDENT}{MATRICES_TITLE}, ")
+    further = [(f"{MATRICES_TITLE} {i}", listing(words)) for i, words in enumerate(matrices, 1)]
     further.append(("Known least", _directions(report.eigenvalues)))
     return sheets.sheet(report.study, text, screens(found), report, further)
 

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.model.models import UNITS
-from trainer.identify.record.measurements import CHANNELS, Record
-from trainer.identify.record.study import Observed, Study, observe, studies_of
+from trainer.identify.model.models import OUTPUT_UNITS
+from trainer.identify.record.measurements import CHANNEL_UNITS, Record
+from trainer.identify.record.study import Study, StudyRecord, observe_record, studies_of
 from trainer.identify.sheet import screens_of
 from trainer.report.plots import Curve, Panel, Screen
-from trainer.report.text import INDENT, cut, items, table
+from trainer.report.text import INDENT, cut_text, items, table
 from trainer.units import DEGREE, KNOT
 
 
 @dataclass(frozen=True)
-class Channel:
+class ChannelSummary:
     """The values of one column in few numbers."""
 
     name: str
@@ -30,7 +30,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Run:
+class RecordSummary:
     """One record: its times, oddities and columns."""
 
     source: str
@@ -39,21 +39,21 @@ class Run:
     begin_s: float
     end_s: float
     findings: tuple[str, ...]
-    channels: tuple[Channel, ...]
+    channels: tuple[ChannelSummary, ...]
 
 
 @dataclass(frozen=True)
-class Report:
+class RecordReport:
     """All that ``trainer identify --data-only`` says."""
 
     study: str
-    runs: tuple[Run, ...]
+    runs: tuple[RecordSummary, ...]
 
 
-def carry_out(study: Study) -> tuple[Report, tuple[Screen, ...]]:
+def carry_out(study: Study) -> tuple[RecordReport, tuple[Screen, ...]]:
     """Return what a study's records hold, and their figures. ConfigError if one is unusable."""
-    seen = [observe(one) for one in studies_of(study)]
-    report = Report(study.heading.name, tuple(map(_run, seen)))
+    seen = [observe_record(one) for one in studies_of(study)]
+    report = RecordReport(study.heading.name, tuple(map(_run, seen)))
     groups = {one.record.source: _panels(one.record) for one in seen}
     return report, screens_of(groups)
 
@@ -61,19 +61,21 @@ def carry_out(study: Study) -> tuple[Report, tuple[Screen, ...]]:
 def _columns(record: Record) -> Iterator[tuple[str, str, Numbers]]:
     """Yield name, unit and values of each column, in the models' units."""
     for name in record.channels:
-        unit, by = UNITS.get(name, ("kn", 1.0 / KNOT) if name == "speed" else ("deg", 1.0 / DEGREE))
+        unit, by = OUTPUT_UNITS.get(
+            name, ("kn", 1.0 / KNOT) if name == "speed" else ("deg", 1.0 / DEGREE)
+        )
         yield name, unit, record.column(name) * by
     for name, values in record.plain.items():
         yield name, "-", values
 
 
-def _run(seen: Observed) -> Run:
+def _run(seen: StudyRecord) -> RecordSummary:
     record, channels = seen.record, []
     for name, unit, values in _columns(record):
         known = values[~np.isnan(values)]
         sizes = (float(size(known)) for size in (np.mean, np.std, np.min, np.max))
-        channels.append(Channel(name, unit, len(known), len(values) - len(known), *sizes))
-    return Run(
+        channels.append(ChannelSummary(name, unit, len(known), len(values) - len(known), *sizes))
+    return RecordSummary(
         source=record.source,
         samples=len(record.t),
         interval_s=record.interval,
@@ -90,16 +92,16 @@ def _panels(record: Record) -> Iterator[Panel]:
         acts = name == "rudder" or name in record.driving
         t = np.repeat(record.t, 2)[1:] if acts else record.t
         held = np.repeat(values, 2)[:-1] if acts else values
-        title = "rudder, positive to port" if name == "rudder" and name in CHANNELS else name
+        title = "rudder, positive to port" if name == "rudder" and name in CHANNEL_UNITS else name
         yield Panel(title, "time [s]", f"[{unit}]", (Curve(name, t, held, points=not acts),))
 
 
-def render(report: Report) -> str:
+def render(report: RecordReport) -> str:
     """Return the page of a record."""
-    lines = ["RECORD", f"{INDENT}{cut(report.study, 70)}"]
+    lines = ["RECORD", f"{INDENT}{cut_text(report.study, 70)}"]
     for run in report.runs:
         span = f"{run.samples} samples every {run.interval_s:g} s"
-        lines += ["", f"{INDENT}{cut(run.source, 75)}"]
+        lines += ["", f"{INDENT}{cut_text(run.source, 75)}"]
         lines += [f"{INDENT}{span}, from {run.begin_s:g} s to {run.end_s:g} s"]
         lines += items(run.findings)
         rows = []

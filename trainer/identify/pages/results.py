@@ -11,22 +11,22 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.nonlinear import Bend
-from trainer.identify.fitting.prediction_error import MultiStep, Shown, loss_1
+from trainer.identify.fitting.nonlinear import BendEstimate
+from trainer.identify.fitting.prediction_error import MultiStep, PredictionRun, loss_1
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import settings, table_of
-from trainer.identify.judge.allowed import PAIRED, Allowed, draw_allowed
-from trainer.identify.judge.fitted import Fitted, fit, simulate
+from trainer.identify.judge.allowed import MIN_COMPLEX_SHARE, AllowedShips, draw_allowed
+from trainer.identify.judge.fitted import ModelFit, fit_study, simulate_study
 from trainer.identify.judge.residuals import (
     Residuals,
     aic_of_likelihood,
+    describe_tests,
     examine_residuals,
-    verdicts,
 )
-from trainer.identify.judge.rivals import Rival, against, without
+from trainer.identify.judge.rivals import RivalModel, compare_models, compare_without
 from trainer.identify.judge.uncertainty import intervals
-from trainer.identify.judge.validation import Check, alone, bend_of, check_of
-from trainer.identify.model.derived import DERIVATIVES, quantity_units
+from trainer.identify.judge.validation import ValidationCheck, bend_of, check_of, predict_alone
+from trainer.identify.model.derived import DERIVATIVE_NAMES, quantity_units
 from trainer.identify.options import IdentifyOptions
 from trainer.identify.pages.series import (
     Matrices,
@@ -39,10 +39,10 @@ from trainer.identify.pages.series import (
     terms_of,
 )
 from trainer.identify.record.measurements import Record
-from trainer.identify.record.study import Study, observe, studies_of
+from trainer.identify.record.study import Study, observe_record, studies_of
 from trainer.units import KNOT
 
-LAGS: Final = 10
+SHOWN_LAGS: Final = 10
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class RunNumbers:
 
 
 @dataclass(frozen=True)
-class Report:
+class IdentifyReport:
     """All that ``trainer identify`` says about a model."""
 
     study: str
@@ -147,33 +147,33 @@ class Report:
     collapsed: tuple[str, ...]  # errors of readings that went to their floor
     residuals: tuple[Residuals, ...]
     verdicts: tuple[str, ...]
-    rivals: tuple[Rival, ...] = ()
-    check: Check | None = None
-    bend: Bend | None = None
+    rivals: tuple[RivalModel, ...] = ()
+    check: ValidationCheck | None = None
+    bend: BendEstimate | None = None
     terms: tuple[Term, ...] = ()
     runs: tuple[RunNumbers, ...] = ()
     matrices: tuple[Matrices, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class Identification:
     """A study carried out: the fit, its results, and the ships that the record allows.
 
     ``run`` is the predictor's over the record, ``terms`` by sample, ``turned`` the record or the
     turns that kappa or H(r) is of.
     """
 
-    fitted: Fitted
-    report: Report
-    others: Allowed
-    run: Shown
+    fitted: ModelFit
+    report: IdentifyReport
+    others: AllowedShips
+    run: PredictionRun
     terms: Series
     turned: Record | None = None
 
 
 def carry_out(
     study: Study, options: IdentifyOptions, heard: Callable[[int, float], None]
-) -> Identified:
+) -> Identification:
     """Return the fit of a study and its report; ConfigError for what cannot be."""
     curves = {"kappa": options.kappa, "bech": options.bech, "spiral": options.spiral}
     bends = [(kind, path) for kind, path in curves.items() if path is not None]
@@ -182,23 +182,23 @@ def carry_out(
         raise ConfigError(f"--{first} and --{second}: one curve of steady turns, not two")
     if options.joint and [kind for kind, _ in bends] not in (["kappa"], ["bech"]):
         raise ConfigError("--joint goes with --kappa or --bech and its record")
-    seen = [observe(one) for one in studies_of(study)]
+    seen = [observe_record(one) for one in studies_of(study)]
     told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
     findings = [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
     record, *others = (one.record for one in seen)
     try:
         if options.simulate:
-            fitted = simulate(study, record, others)
+            fitted = simulate_study(study, record, others)
         else:
             kept = options.checkpoint
-            fitted = fit(study, record, lambda one: heard(one.steps, one.cost), kept, others)
+            fitted = fit_study(study, record, lambda one: heard(one.steps, one.cost), kept, others)
     except ConfigError as error:  # what is odd about the record may be why
         raise ConfigError(*error.problems, *findings) from None
     odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
-    found = describe(fitted, tuple(odd))
-    rivals = [without(fitted, options.without)] if options.without else []
+    found = describe_fit(fitted, tuple(odd))
+    rivals = [compare_without(fitted, options.without)] if options.without else []
     if options.against is not None:
-        rivals.append(against(fitted, options.against))
+        rivals.append(compare_models(fitted, options.against))
     more: dict[str, Any] = {"rivals": tuple(rivals)}
     if options.check is not None:
         more["check"] = check_of(fitted, options.check)
@@ -211,21 +211,23 @@ def carry_out(
     return replace(found, report=replace(found.report, **more))
 
 
-def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
+def describe_fit(fitted: ModelFit, findings: tuple[str, ...] = ()) -> Identification:
     """Return a fit with its report, and the ships that the record allows beside it."""
     others, run = draw_allowed(fitted), errors_of(fitted)
     terms = terms_of(fitted, run.states)
     report = replace(report_of(fitted, findings, others, run), terms=sizes_of(terms))
-    return Identified(fitted, report, others, run, terms)
+    return Identification(fitted, report, others, run, terms)
 
 
-def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: Shown) -> Report:
+def report_of(
+    fitted: ModelFit, findings: tuple[str, ...], others: AllowedShips, run: PredictionRun
+) -> IdentifyReport:
     """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     records = (fitted.record, *fitted.others)
     residuals, own = _residuals(fitted, run), plant.model.system
     samples, weakest = problem.samples, np.abs(fitted.known.directions[:, 0])
-    return Report(
+    return IdentifyReport(
         study=study.heading.name,
         source=fitted.record.source,
         model=plant.model.name,
@@ -244,7 +246,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
         log_likelihood=fitted.log_likelihood,
         aic=aic_of_likelihood(fitted.log_likelihood, len(problem.names)),
         loss_1=loss_1(run.errors[run.counted]),
-        loss_1_alone=loss_1(samples.outputs - alone(problem, fitted.found.theta)),
+        loss_1_alone=loss_1(samples.outputs - predict_alone(problem, fitted.found.theta)),
         simulated=fitted.simulated,
         screened=tuple(
             Outlier(number + 1, records[number].row(place), float(records[number].t[place]))
@@ -267,17 +269,17 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: S
         residuals=residuals,
         verdicts=(
             *_doubts(fitted, others),
-            *(text for one in residuals for text in verdicts(one)),
+            *(text for one in residuals for text in describe_tests(one)),
         ),
     )
 
 
-def _runs(fitted: Fitted) -> tuple[RunNumbers, ...]:
+def _runs(fitted: ModelFit) -> tuple[RunNumbers, ...]:
     """Return how well the model follows each of several runs."""
     found = []
     for number, (problem, at) in enumerate(fitted.problem.runs):
         samples, plant = problem.samples, problem.plant
-        left = samples.outputs - alone(problem, fitted.found.theta[at])
+        left = samples.outputs - predict_alone(problem, fitted.found.theta[at])
         errors, spread = errors_of(fitted, number).errors, np.nanstd(samples.outputs, axis=0)
         rms = [np.sqrt(np.nanmean(one**2, axis=0)) for one in (errors, left)]
         explained = 1.0 - (rms[1] / np.maximum(spread, 1e-300)) ** 2
@@ -292,7 +294,7 @@ def _finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _parameters(fitted: Fitted) -> tuple[Estimate, ...]:
+def _parameters(fitted: ModelFit) -> tuple[Estimate, ...]:
     """Return the estimated parameters, unscaled."""
     problem, theta, known = fitted.problem, fitted.found.theta, fitted.known.deviations
     every = np.column_stack([theta, known, intervals(problem, theta, known)])
@@ -304,7 +306,7 @@ def _parameters(fitted: Fitted) -> tuple[Estimate, ...]:
     )
 
 
-def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
+def _ship(fitted: ModelFit, others: AllowedShips) -> tuple[ShipNumber, ...]:
     """Return gains and time constants that the model has, SI."""
     names, told = fitted.quantity_names, fitted.told
     rows = zip(names, told.values, told.deviations, *others.spans, strict=True)
@@ -312,11 +314,11 @@ def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
     return tuple(
         ShipNumber(name, units[name], float(x), *map(_finite, (s, low, high)))
         for name, x, s, low, high in rows
-        if name not in DERIVATIVES and x != 0.0 and math.isfinite(x)
+        if name not in DERIVATIVE_NAMES and x != 0.0 and math.isfinite(x)
     )
 
 
-def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
+def _derivatives(fitted: ModelFit) -> tuple[Derivative, ...]:
     """Return the derivatives of Model 1 in both systems, theta'' = theta'/m' (3.6)."""
     table, ship, mass = fitted.study.model, fitted.study.ship, None
     bis = table is not None and table.system == "bis"
@@ -328,7 +330,7 @@ def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
     told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
     found = []
     for name, value, deviation in told:
-        if name not in DERIVATIVES:
+        if name not in DERIVATIVE_NAMES:
             continue
         own = float(value)
         other = None if mass is None else own * mass if bis else own / mass
@@ -337,7 +339,7 @@ def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
     return tuple(found)
 
 
-def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
+def _doubts(fitted: ModelFit, others: AllowedShips) -> list[str]:
     """Return what must not be taken at its word."""
     found = []
     if isinstance(fitted.cost, MultiStep):
@@ -345,7 +347,7 @@ def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
             "no standard deviations: errors of predictions over several steps are not independent, "
             "and what they promise would be too small; predict_from = predict_to = 1 has them"
         )
-    if others.paired > PAIRED:
+    if others.paired > MIN_COMPLEX_SHARE:
         found.append(
             f"T1 and T2: {others.paired:.0%} of the ships that this record allows have a complex "
             "pair; they cannot be told apart: trust T1 + T2, T1 T2, and the intervals"
@@ -358,7 +360,7 @@ def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
     return found
 
 
-def _stability(fitted: Fitted) -> str:
+def _stability(fitted: ModelFit) -> str:
     """Return in words whether the ship keeps a straight course, and how surely."""
     place = fitted.quantity_names.index("1/T1")
     value, deviation = float(fitted.told.values[place]), float(fitted.told.deviations[place])
@@ -370,7 +372,7 @@ def _stability(fitted: Fitted) -> str:
     return f"{word}: 1/T1 = {value:.4g} +- {deviation:.2g} 1/s, {sure:.1f} deviations from 0{doubt}"
 
 
-def _directions(fitted: Fitted) -> tuple[Direction, ...]:
+def _directions(fitted: ModelFit) -> tuple[Direction, ...]:
     """Return the eigenvalues of the scaled second derivatives with what each is made of."""
     known = fitted.known
     found = []
@@ -382,18 +384,18 @@ def _directions(fitted: Fitted) -> tuple[Direction, ...]:
     return tuple(found)
 
 
-def _residuals(fitted: Fitted, run: Shown) -> tuple[Residuals, ...]:
+def _residuals(fitted: ModelFit, run: PredictionRun) -> tuple[Residuals, ...]:
     """Return the examination of each output's residuals, as far as there are enough.
 
     Those of several runs follow each other, with a gap as long as the lags.
     """
     standard, acting = [run.standardised], [_first_input(fitted.problem)]
     for number, (problem, _) in list(enumerate(fitted.problem.runs))[1:]:
-        standard += [np.full((LAGS, run.errors.shape[1]), np.nan)]
+        standard += [np.full((SHOWN_LAGS, run.errors.shape[1]), np.nan)]
         standard += [errors_of(fitted, number).standardised]
-        acting += [np.full(LAGS, acting[0].mean()), _first_input(problem)]
+        acting += [np.full(SHOWN_LAGS, acting[0].mean()), _first_input(problem)]
     whole, rudder = np.concatenate(standard), np.concatenate(acting)
-    lags = min(LAGS, (int((~np.isnan(whole)).all(axis=1).sum()) - 2) // 2)
+    lags = min(SHOWN_LAGS, (int((~np.isnan(whole)).all(axis=1).sum()) - 2) // 2)
     if lags < 1:
         return ()
     return tuple(

@@ -11,37 +11,42 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.nonlinear import Bend, predict
-from trainer.identify.fitting.prediction_error import Innovations, Shown, no_limits, run_filter
+from trainer.identify.fitting.nonlinear import BendEstimate, predict_turning
+from trainer.identify.fitting.prediction_error import (
+    Innovations,
+    PredictionRun,
+    no_limits,
+    run_filter,
+)
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.judge.fitted import Fitted
-from trainer.identify.judge.validation import alone
-from trainer.identify.model.models import UNITS
+from trainer.identify.judge.fitted import ModelFit
+from trainer.identify.judge.validation import predict_alone
+from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.sources import write_columns
 from trainer.units import DEGREE
 
-STATES: Final = {  # of the models, SI; those of other systems are x1, x2, ...
+STATE_NAMES: Final = {  # of the models, SI; those of other systems are x1, x2, ...
     "1": ("v", "r", "psi"),
     "2": ("v", "x2", "x3"),
     "3": ("x1", "r", "psi"),
     "nomoto1": ("r", "psi"),
     "nomoto2": ("x1", "r", "psi"),
 }
-SIDES: Final = {"v": "sway acceleration", "r": "yaw acceleration"}  # and their units in SI
-ACCELERATIONS: Final = {"v": "m/s^2", "r": "rad/s^2"}
-LARGE: Final = "large manoeuvre"
-FORCES: Final = {"v": "sway force", "r": "yaw moment"}  # of Model 1 [-] in the study's system
+EQUATION_NAMES: Final = {"v": "sway acceleration", "r": "yaw acceleration"}  # and their units in SI
+ACCELERATION_UNITS: Final = {"v": "m/s^2", "r": "rad/s^2"}
+LARGE_MANOEUVRE: Final = "large manoeuvre"
+FORCE_NAMES: Final = {"v": "sway force", "r": "yaw moment"}  # of Model 1 [-] in the study's system
 Series = dict[tuple[str, str, str], Numbers]  # by equation, term and unit
 
 
 def states_of(problem: Problem) -> tuple[str, ...]:
     """Return the names of the states."""
     model = problem.plant.model
-    return STATES.get(model.name, tuple(f"x{i + 1}" for i in range(model.states)))
+    return STATE_NAMES.get(model.name, tuple(f"x{i + 1}" for i in range(model.states)))
 
 
-def errors_of(fitted: Fitted, number: int = 0) -> Shown:
+def errors_of(fitted: ModelFit, number: int = 0) -> PredictionRun:
     """Return the one-step errors of a run, by the predictor that was fitted."""
     problem, at = fitted.problem.runs[number]
     cost, theta = fitted.cost, fitted.found.theta[at]
@@ -73,7 +78,7 @@ class Term:
     share: float  # [-] of the sum of the equation's rms
 
 
-def terms_of(fitted: Fitted, states: Numbers) -> Series:
+def terms_of(fitted: ModelFit, states: Numbers) -> Series:
     """Return the terms of sway and yaw (n,) from the filter's ``states`` (n, x).
 
     Of Model 1 forces and moments in its system, by derivative; of others accelerations, SI.
@@ -90,22 +95,22 @@ def terms_of(fitted: Fitted, states: Numbers) -> Series:
         rows[:2] = np.array([[m11, L * m12], [m21, L * m22]]) * L / V**2 @ rows[:2]
     by = np.column_stack([states, problem.samples.inputs, np.ones(len(states))])
     found: Series = {}
-    for state in (name for name in names if name in SIDES):
+    for state in (name for name in names if name in EQUATION_NAMES):
         row = names.index(state)
         for j, name in enumerate((*names, "delta", "0")):
             if not rows[row, j]:
                 continue
-            term = ("bias" if name == "0" else name), ACCELERATIONS[state]
-            equation = SIDES[state]
+            term = ("bias" if name == "0" else name), ACCELERATION_UNITS[state]
+            equation = EQUATION_NAMES[state]
             if model.name == "1":
                 side = "Y" if state == "v" else "N"
                 term = f"{side}_{name}" + (f" {name}" if name != "0" else ""), "-"
-                equation = FORCES[state]
+                equation = FORCE_NAMES[state]
             found[equation, *term] = rows[row, j] * by[:, j]
     return found
 
 
-def bent_terms(bend: Bend, record: Record) -> Series:
+def bent_terms(bend: BendEstimate, record: Record) -> Series:
     """Return the terms of the steady turn (12.3) over a large manoeuvre (n,), deg/s.
 
     K delta turns the ship; the others hold it back, or on. Nothing for turns of a spiral.
@@ -113,14 +118,14 @@ def bent_terms(bend: Bend, record: Record) -> Series:
     if bend.rate_0 is None:
         return {}
     ship, rudder = bend.ship, record.column("rudder")
-    r = predict(ship, rudder, record.interval, np.array([bend.rate_0, 0.0]))[:, 0]
+    r = predict_turning(ship, rudder, record.interval, np.array([bend.rate_0, 0.0]))[:, 0]
     H1, H2, H3 = (-ship.K * x / DEGREE for x in ship.curve)
     parts = {"K delta": ship.K * (rudder - ship.delta_0) / DEGREE}
     if ship.H:
         parts |= {"-K H1 r": H1 * r, "-K H2 |r| r": H2 * np.abs(r) * r, "-K H3 r^3": H3 * r**3}
     else:
         parts |= {"-r": H1 * r, "kappa K |r| r": H2 * np.abs(r) * r}
-    return {(LARGE, name, "deg/s"): part for name, part in parts.items()}
+    return {(LARGE_MANOEUVRE, name, "deg/s"): part for name, part in parts.items()}
 
 
 def sizes_of(series: Series) -> tuple[Term, ...]:
@@ -133,7 +138,7 @@ def sizes_of(series: Series) -> tuple[Term, ...]:
     )
 
 
-def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
+def series_of(fitted: ModelFit, number: int = 0) -> dict[str, Numbers]:
     """Return the columns of a run, a number for each sample or NaN.
 
     Time [s], rudder [deg]; of each output the reading, the model by rudder alone, its error, the
@@ -141,7 +146,7 @@ def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
     SI; the terms; and why a sample does not count, a place in REASONS.
     """
     (problem, at), run = fitted.problem.runs[number], errors_of(fitted, number)
-    samples, model = problem.samples, alone(problem, fitted.found.theta[at])
+    samples, model = problem.samples, predict_alone(problem, fitted.found.theta[at])
     own = problem.plant.model.system
     inputs = zip(own.inputs if own else ("rudder_deg",), samples.inputs.T, strict=True)
     found = {"t_s": samples.t, **dict(inputs)}
@@ -149,7 +154,7 @@ def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
         reading = samples.outputs[:, i]
         columns = {"measured": reading, "model": model[:, i], "error": reading - model[:, i]}
         columns |= {"predicted": run.predictions[:, i], "residual": run.errors[:, i]}
-        unit = "" if own else "_" + UNITS[output][0].replace("/", "_")
+        unit = "" if own else "_" + OUTPUT_UNITS[output][0].replace("/", "_")
         found |= {f"{output}_{name}{unit}": column for name, column in columns.items()}
     names = states_of(problem)
     found |= {f"state_{name}": run.states[:, i] for i, name in enumerate(names)}
@@ -159,7 +164,7 @@ def series_of(fitted: Fitted, number: int = 0) -> dict[str, Numbers]:
     return found | {"flag": run.flags.astype(float)}
 
 
-def write_series(fitted: Fitted, path: Path) -> None:
+def write_series(fitted: ModelFit, path: Path) -> None:
     """Write the columns of a fit as CSV; ConfigError if it cannot be."""
     runs = [series_of(fitted, number) for number in range(len(fitted.problem.runs))]
     sizes = [len(columns["t_s"]) for columns in runs]
@@ -188,13 +193,13 @@ class Matrices:
     final: dict[str, Any]  # gain, covariance of errors and of the state at the last
 
 
-def matrices_of(fitted: Fitted) -> tuple[Matrices, ...]:
+def matrices_of(fitted: ModelFit) -> tuple[Matrices, ...]:
     """Return the matrices at the start values and at the estimate."""
     starts = _matrices(fitted, "start values", fitted.problem.start)
     return starts, _matrices(fitted, "estimate", fitted.found.theta)
 
 
-def _matrices(fitted: Fitted, name: str, theta: Numbers) -> Matrices:
+def _matrices(fitted: ModelFit, name: str, theta: Numbers) -> Matrices:
     """Return the matrices at a vector of free parameters."""
     problem = fitted.problem
     states, outputs = states_of(problem), problem.plant.outputs
@@ -239,7 +244,7 @@ def _parts(
     return found
 
 
-def _final(fitted: Fitted, theta: Numbers) -> dict[str, Any]:
+def _final(fitted: ModelFit, theta: Numbers) -> dict[str, Any]:
     """Return gain K, covariance R of the errors and P of the state after the last reading."""
     cost, problem = fitted.cost, fitted.problem
     if isinstance(cost, Innovations):

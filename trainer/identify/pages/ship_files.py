@@ -7,12 +7,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.programs.characteristic import Means
+from trainer.analysis.programs.characteristic import MeanMotions
 from trainer.config.files import ConfigError
-from trainer.config.nomoto import SCHEMA, NomotoFile, nomoto_text_of
+from trainer.config.nomoto import NOMOTO_SCHEMA, NomotoFile, nomoto_text_of
 from trainer.config.vessel import VesselFile, load_vessel
-from trainer.identify.fitting.nonlinear import Bend
-from trainer.identify.judge.fitted import Fitted
+from trainer.identify.fitting.nonlinear import BendEstimate
+from trainer.identify.judge.fitted import ModelFit
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.model.steering import limits
 from trainer.identify.record.measurements import Record
@@ -24,7 +24,7 @@ SHIP_STEP_S: Final = 0.5  # [s]
 NUMBER_PATTERN: Final = r"[-+]?(?:\d[\d_]*)?\.?\d+(?:[eE][-+]?\d+)?"
 
 
-def nomoto_ship(fitted: Fitted) -> tuple[NomotoFile, dict[str, float]]:
+def nomoto_ship(fitted: ModelFit) -> tuple[NomotoFile, dict[str, float]]:
     """Return the ship in a few numbers, and their standard deviations.
 
     ConfigError if sway and yaw swing together, or the model has no yaw.
@@ -46,7 +46,7 @@ def nomoto_ship(fitted: Fitted) -> tuple[NomotoFile, dict[str, float]]:
         neutral = float(fitted.values[model.place("delta_0")])
     has_sway = bool(form.K_v)
     file = NomotoFile(
-        schema=SCHEMA,
+        schema=NOMOTO_SCHEMA,
         name=fitted.study.heading.name,
         length_m=ship.length,
         speed_kn=ship.speed / KNOT,
@@ -65,7 +65,7 @@ def nomoto_ship(fitted: Fitted) -> tuple[NomotoFile, dict[str, float]]:
     return file, {name: float(known[name]) for name in names if np.isfinite(known[name])}
 
 
-def nomoto_text(fitted: Fitted, bend: Bend | None) -> str:
+def nomoto_text(fitted: ModelFit, bend: BendEstimate | None) -> str:
     """Return the text of the Nomoto file, with kappa or H(r) where one was found."""
     ship, deviations = nomoto_ship(fitted)
     if bend is not None:
@@ -81,7 +81,7 @@ def nomoto_text(fitted: Fitted, bend: Bend | None) -> str:
     return nomoto_text_of(ship, source.replace("\\", "/").replace('"', "'"), deviations)
 
 
-def vessel_text(fitted: Fitted) -> str:
+def vessel_text(fitted: ModelFit) -> str:
     """Return the text of the vessel file with the steering coefficients that were found.
 
     ConfigError unless Model 1 was fitted to a boat with a vessel file.
@@ -94,10 +94,10 @@ def vessel_text(fitted: Fitted) -> str:
     found = dict(zip(model.names, map(float, fitted.values), strict=True))
     means = averages(fitted.record)
     values = coefficients(file, found, fitted.problem.plant.ship.speed, means)
-    return rewritten(file.text, values, f"identified from {fitted.study.data.name}")
+    return rewrite_coefficients(file.text, values, f"identified from {fitted.study.data.name}")
 
 
-def averages(record: Record) -> Means:
+def averages(record: Record) -> MeanMotions:
     """Return the mean |v| [m/s] and |r| [rad/s] for a record's quadratic terms.
 
     E|x|^3/E x^2, by which a |x| x is in the mean square nearest to a line.
@@ -107,11 +107,11 @@ def averages(record: Record) -> Means:
         known = np.abs(values[~np.isnan(values)]) if values is not None else np.zeros(1)
         power = float(np.mean(known**2))
         sizes.append(float(np.mean(known**3)) / power if power > 0.0 else 0.0)
-    return Means(v=sizes[0], r=sizes[1])
+    return MeanMotions(v=sizes[0], r=sizes[1])
 
 
 def coefficients(
-    file: VesselFile, found: dict[str, float], speed: float, means: Means
+    file: VesselFile, found: dict[str, float], speed: float, means: MeanMotions
 ) -> dict[str, float]:
     """Return the vessel file's coefficients [-] for Model 1's in prime units.
 
@@ -132,7 +132,7 @@ def coefficients(
     }
 
 
-def rewritten(text: str, values: dict[str, float], remark: str) -> str:
+def rewrite_coefficients(text: str, values: dict[str, float], remark: str) -> str:
     """Return the text of a vessel file with these coefficients, and a remark on each.
 
     ConfigError if the file does not give one on a line of its own.

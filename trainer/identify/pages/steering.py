@@ -10,90 +10,93 @@ import numpy as np
 
 from trainer.config.nomoto import load_nomoto
 from trainer.config.vessel import VesselFile
-from trainer.identify.fitting.nonlinear import Bent
+from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.model.nomoto import Nomoto
-from trainer.identify.model.steering import steering
+from trainer.identify.model.steering import find_steering
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, cut, figure, table, wrap
+from trainer.report.text import INDENT, cut_text, format_number, table, wrap
 from trainer.units import DEGREE, KNOT
 
-HELMS: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the table of steady turns
-CURVE: Final = 201  # points
-UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
+SHOWN_HELMS_DEG: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the table of steady turns
+CURVE_POINTS: Final = 201  # points
+NUMBER_UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
 
-LEVERS: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
+LEVER_NAMES: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
 
 
 @dataclass(frozen=True)
-class AtSpeed:
+class SteeringAtSpeed:
     """How the ship steers at one speed, SI. T_imag is of a complex pair T1 and T2."""
 
     speed_kn: float
-    numbers: dict[str, float]  # by UNITS, and T_imag
+    numbers: dict[str, float]  # by NUMBER_UNITS, and T_imag
     levers_m: dict[str, float] | None  # of a vessel file
     helm: tuple[float, float, float]  # [s, s^2, s^3] H(r) of steady turns: 1/K, -kappa, 0
     neutral_deg: float  # residual helm
     stable: bool
-    turns_deg_s: tuple[tuple[float, ...], ...]  # by HELMS, all rates that are steady
+    turns_deg_s: tuple[tuple[float, ...], ...]  # by SHOWN_HELMS_DEG, all rates that are steady
     # of an unstable ship's spiral, to either side (2.12): the rate [deg/s] at zero helm, and rate
     # [deg/s] and helm [deg] where the ship goes over to the other side
     loop: tuple[float, ...] | None
 
 
 @dataclass(frozen=True)
-class Report:
+class SteeringReport:
     """All that ``trainer steering`` says about a ship."""
 
     ship: str
     length_m: float
     helms_deg: tuple[float, ...]
-    speeds: tuple[AtSpeed, ...]
+    speeds: tuple[SteeringAtSpeed, ...]
 
 
-def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> Report:
+def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> SteeringReport:
     """Return how a boat steers at ``speeds_kn``, by its vessel file; roll is left out."""
     found = []
     for knots in speeds_kn:
-        ship = steering(file, knots * KNOT)
-        bent = Bent(ship.nomoto.K, 0.0, 0.0, 0.0)
+        ship = find_steering(file, knots * KNOT)
+        bent = BentShip(ship.nomoto.K, 0.0, 0.0, 0.0)
         found.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
-    return Report(file.name, file.hull.length, HELMS, tuple(found))
+    return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, tuple(found))
 
 
-def of_nomoto(path: Path) -> Report:
+def of_nomoto(path: Path) -> SteeringReport:
     """Return how a Nomoto ship steers, with kappa or Bech's H(r)."""
     ship = load_nomoto(path)
     T1, T2 = complex(ship.T1_s), complex(ship.T2_s)
     form = Nomoto(ship.K_per_s, T1, T2, ship.T3_s, ship.K_v_m_s or 0.0, ship.T3v_s or 0.0)
     H = None if ship.H1_s is None else (ship.H1_s, ship.H2_s2 or 0.0, ship.H3_s3 or 0.0)
     neutral = (ship.neutral_deg or 0.0) * DEGREE
-    bent = Bent(ship.K_per_s, 0.0, 0.0, 0.0, ship.kappa_s2 or 0.0, neutral, H)
-    return Report(ship.name, ship.length_m, HELMS, (_at_speed(ship.speed_kn, form, bent),))
+    bent = BentShip(ship.K_per_s, 0.0, 0.0, 0.0, ship.kappa_s2 or 0.0, neutral, H)
+    return SteeringReport(
+        ship.name, ship.length_m, SHOWN_HELMS_DEG, (_at_speed(ship.speed_kn, form, bent),)
+    )
 
 
 def _at_speed(
-    knots: float, form: Nomoto, bent: Bent, arms: tuple[float, ...] | None = None
-) -> AtSpeed:
+    knots: float, form: Nomoto, bent: BentShip, arms: tuple[float, ...] | None = None
+) -> SteeringAtSpeed:
     """Return how a ship of these numbers steers."""
     numbers = [form.K, form.T1.real, form.T2.real, form.T3, form.K_v, form.T3v]
-    return AtSpeed(
+    return SteeringAtSpeed(
         speed_kn=knots,
-        numbers=dict(zip(UNITS, map(float, numbers), strict=True)) | {"T_imag": form.T1.imag},
-        levers_m=None if arms is None else dict(zip(LEVERS, arms, strict=True)),
+        numbers=dict(zip(NUMBER_UNITS, map(float, numbers), strict=True))
+        | {"T_imag": form.T1.imag},
+        levers_m=None if arms is None else dict(zip(LEVER_NAMES, arms, strict=True)),
         helm=bent.curve,
         neutral_deg=bent.delta_0 / DEGREE,
         stable=form.T1.real > 0.0,
         turns_deg_s=tuple(
-            tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in HELMS
+            tuple(rate / DEGREE for rate in bent.rates(helm * DEGREE)) for helm in SHOWN_HELMS_DEG
         ),
         loop=bent.loop and tuple(one / DEGREE for one in bent.loop),
     )
 
 
-def render(report: Report) -> str:
+def render(report: SteeringReport) -> str:
     """Return the report as text."""
     lines = [
-        f"{cut(report.ship, 60)}: steering",
+        f"{cut_text(report.ship, 60)}: steering",
         f"{INDENT}{report.length_m:g} m; a positive rudder turns to port: K < 0 of a stable ship",
     ]
     for one in report.speeds:
@@ -107,7 +110,7 @@ def render(report: Report) -> str:
         ]
         lines += ["", *table(("rudder\n[deg]", "steady yaw rates\n[deg/s]"), rows)]
         if one.loop is not None:
-            rate, fold_rate, fold = map(figure, one.loop)
+            rate, fold_rate, fold = map(format_number, one.loop)
             lines += wrap(
                 f"- the spiral has a loop (2.12): amidships the ship turns at {rate} deg/s to "
                 f"either side; it goes over to the other beyond {fold} deg of opposite rudder, "
@@ -116,11 +119,11 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def _numbers(report: Report, one: AtSpeed) -> list[str]:
+def _numbers(report: SteeringReport, one: SteeringAtSpeed) -> list[str]:
     """Return gains, time constants and lever arms, SI and in lengths and speeds of the ship."""
     V, L = one.speed_kn * KNOT, report.length_m
     sizes = {"1/s": V / L, "s": L / V, "m/s": V, "m": L}
-    told = [(name, unit, one.numbers[name]) for name, unit in UNITS.items()]
+    told = [(name, unit, one.numbers[name]) for name, unit in NUMBER_UNITS.items()]
     if one.numbers["T_imag"]:
         told.insert(3, ("T_imag", "s", one.numbers["T_imag"]))
     told += [(name, "m", value) for name, value in (one.levers_m or {}).items()]
@@ -136,13 +139,13 @@ def _numbers(report: Report, one: AtSpeed) -> list[str]:
     return table(("", "unit", "value", "prime"), rows)
 
 
-def panels(report: Report) -> tuple[Panel, ...]:
+def panels(report: SteeringReport) -> tuple[Panel, ...]:
     """Return yaw rate over rudder in steady turns, the loop with its inner branch."""
     curves = []
     for one in report.speeds:  # the rudder (12.1) over all rates that up to the largest helm makes
-        bent = Bent(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
+        bent = BentShip(math.nan, 0.0, 0.0, 0.0, delta_0=one.neutral_deg * DEGREE, H=one.helm)
         most = max(abs(rate) for rates in one.turns_deg_s for rate in rates) * DEGREE
-        rates = np.linspace(-most, most, CURVE)
+        rates = np.linspace(-most, most, CURVE_POINTS)
         name = f"{one.speed_kn:.4g} kn"
         curves.append(Curve(name, bent.helm(rates) / DEGREE, rates / DEGREE))
     title, rudder = "steady turns: the spiral", "rudder, positive to port [deg]"

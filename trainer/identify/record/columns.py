@@ -9,15 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.tables import Table, spelt
+from trainer.config.tables import CsvTable, spell_unit
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import CHANNELS, PLACES
+from trainer.identify.record.measurements import CHANNEL_UNITS, POSITION_CHANNELS
 from trainer.identify.record.sources import Column, load_record, units_of
-from trainer.identify.record.track import derivative, unwrapped
+from trainer.identify.record.track import derivative, unwrap_angle
 
 Words = Mapping[str, tuple[str, ...]]
 
-WORDS: Final[Words] = {  # what a column of a channel is called
+CHANNEL_WORDS: Final[Words] = {  # what a column of a channel is called
     "t": ("t", "time", "utc", "timestamp", "date time", "clock"),
     "rudder": ("rudder", "rudder angle", "helm", "delta", "delta r", "delta rudder"),
     "heading": ("heading", "hdg", "psi", "gyro", "compass", "yaw", "yaw angle"),
@@ -30,7 +30,7 @@ WORDS: Final[Words] = {  # what a column of a channel is called
     "longitude": ("longitude", "lon", "long"),
 }
 SHIP_WORDS: Final[Words] = {  # of records for ships that are not linear
-    **{key: WORDS[key] for key in ("t", "rudder", "heading", "yaw_rate", "sway", "speed")},
+    **{key: CHANNEL_WORDS[key] for key in ("t", "rudder", "heading", "yaw_rate", "sway", "speed")},
     "revolutions": (
         *("revolutions", "n", "rpm", "rps", "revs", "propeller", "n prop", "propeller speed"),
         *("propeller revolutions", "shaft speed", "shaft revolutions", "engine speed"),
@@ -47,18 +47,18 @@ SHIP_WORDS: Final[Words] = {  # of records for ships that are not linear
     "roll": ("roll", "phi", "heel", "roll angle"),
     "roll_rate": ("roll rate", "p"),
 }
-EARTH: Final = "true"  # wind over ground is called so
-PAIRS: Final = (  # channels that tell nothing alone
+EARTH_WORD: Final = "true"  # wind over ground is called so
+CHANNEL_PAIRS: Final = (  # channels that tell nothing alone
     ("north_velocity", "east_velocity"),
     ("wind_speed", "wind_from"),
     ("wind_ahead", "wind_starboard"),
 )
-LIKE: Final = 0.75  # [-] likeness of two names that are one
-ENDINGS: Final = (  # of a heading such as psi_deg
+MIN_NAME_LIKENESS: Final = 0.75  # [-] likeness of two names that are one
+UNIT_ENDINGS: Final = (  # of a heading such as psi_deg
     *("deg s", "deg min", "rad s", "m s", "deg", "rad", "kn", "kts", "s", "ms", "min"),
     *("rpm", "rps"),
 )
-FILLERS: Final = frozenset(  # words of a heading that tell no channel from another
+FILLER_WORDS: Final = frozenset(  # words of a heading that tell no channel from another
     (
         "velo",
         "velocity",
@@ -72,25 +72,25 @@ FILLERS: Final = frozenset(  # words of a heading that tell no channel from anot
         "filtered",
     )
 )
-HALF_ROUND: Final = 1.6  # [rad] no rudder goes so far
-ROUND: Final = 7.0  # [rad] a heading beyond it is in degrees
-FAST: Final = 12.0  # [m/s] what goes faster is in knots
-GALE: Final = 40.0  # [m/s] as a wind
-MODEL: Final = 2.5  # [m/s] a model in a basin is slower
-TURNS: Final = (5.0, 60.0)  # [1/s] no propeller of a ship turns faster, and of a model
-TURNING: Final = 0.05  # [1/s] usual yaw rate to a rudder
-LIMITS: Final = {  # of a channel: beyond this, and its units
-    "rudder": (HALF_ROUND, "rad", "deg"),
-    "heading": (ROUND, "rad", "deg"),
-    "wind_from": (ROUND, "rad", "deg"),
-    "wind_speed": (GALE, "m/s", "kn"),
-    "wind_ahead": (GALE, "m/s", "kn"),
-    "wind_starboard": (GALE, "m/s", "kn"),
-    "roll": (HALF_ROUND, "rad", "deg"),
+MAX_RUDDER_RAD: Final = 1.6  # [rad] no rudder goes so far
+MAX_HEADING_RAD: Final = 7.0  # [rad] a heading beyond it is in degrees
+MAX_SHIP_SPEED_M_S: Final = 12.0  # [m/s] what goes faster is in knots
+MAX_WIND_SPEED_M_S: Final = 40.0  # [m/s] as a wind
+MAX_MODEL_SPEED_M_S: Final = 2.5  # [m/s] a model in a basin is slower
+MAX_REVOLUTIONS_S: Final = (5.0, 60.0)  # [1/s] no propeller of a ship turns faster, and of a model
+USUAL_TURNING_RATE: Final = 0.05  # [1/s] usual yaw rate to a rudder
+UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
+    "rudder": (MAX_RUDDER_RAD, "rad", "deg"),
+    "heading": (MAX_HEADING_RAD, "rad", "deg"),
+    "wind_from": (MAX_HEADING_RAD, "rad", "deg"),
+    "wind_speed": (MAX_WIND_SPEED_M_S, "m/s", "kn"),
+    "wind_ahead": (MAX_WIND_SPEED_M_S, "m/s", "kn"),
+    "wind_starboard": (MAX_WIND_SPEED_M_S, "m/s", "kn"),
+    "roll": (MAX_RUDDER_RAD, "rad", "deg"),
 }
-ALIKE: Final = {"roll": "heading", "roll_rate": "yaw_rate"}  # of one instrument
-READ: Final = (*CHANNELS, "t", *PLACES)  # of a record
-NAUTICAL: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
+SAME_INSTRUMENT: Final = {"roll": "heading", "roll_rate": "yaw_rate"}  # of one instrument
+READ_CHANNELS: Final = (*CHANNEL_UNITS, "t", *POSITION_CHANNELS)  # of a record
+NAUTICAL_ANGLE: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class GuessedColumns:
     unsure: frozenset[str]
 
 
-def guess_columns(table: Table, words: Words) -> GuessedColumns:
+def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
     """Return the likeliest columns of a file for the channels of ``words``."""
     named = _by_name(table, words)
     heads = enumerate(zip(table.names, table.units, strict=True))
@@ -127,7 +127,7 @@ def guess_columns(table: Table, words: Words) -> GuessedColumns:
     return GuessedColumns(columns, frozenset(unsure))
 
 
-def _by_name(table: Table, words: Words) -> dict[str, str]:
+def _by_name(table: CsvTable, words: Words) -> dict[str, str]:
     """Return the headings by channel; each is taken once."""
     likeness = {
         (channel, head): _likeness(_plain(head)[0], channel, words[channel])
@@ -136,9 +136,9 @@ def _by_name(table: Table, words: Words) -> dict[str, str]:
     }
     found: dict[str, str] = {}
     for (channel, head), like in sorted(likeness.items(), key=lambda pair: -pair[1]):
-        if like >= LIKE and channel not in found and head not in found.values():
+        if like >= MIN_NAME_LIKENESS and channel not in found and head not in found.values():
             found[channel] = head
-    for pair in PAIRS:
+    for pair in CHANNEL_PAIRS:
         if not all(channel in found for channel in pair):
             found = {channel: head for channel, head in found.items() if channel not in pair}
     return found
@@ -147,17 +147,17 @@ def _by_name(table: Table, words: Words) -> dict[str, str]:
 def _plain(name: str) -> tuple[str, str]:
     """Return a heading in small letters without its unit, and that: psi_deg is psi in deg."""
     words = re.sub(r"[\W_]+", " ", name.casefold()).strip()
-    for ending in ENDINGS:
+    for ending in UNIT_ENDINGS:
         if words.endswith(f" {ending}"):
-            return words.removesuffix(f" {ending}"), spelt(ending.replace(" ", "/"))
+            return words.removesuffix(f" {ending}"), spell_unit(ending.replace(" ", "/"))
     return words, ""
 
 
 def _likeness(name: str, channel: str, words: Iterable[str]) -> float:
     """Return how like a name is to the usual ones of a channel [-]; 1 for one of them."""
-    if channel.startswith("wind") and EARTH in name.split():
+    if channel.startswith("wind") and EARTH_WORD in name.split():
         return 0.0
-    bare = " ".join(word for word in name.split() if word not in FILLERS)
+    bare = " ".join(word for word in name.split() if word not in FILLER_WORDS)
     return max(
         difflib.SequenceMatcher(None, one, word).ratio()
         for one in {name, bare or name}
@@ -165,41 +165,43 @@ def _likeness(name: str, channel: str, words: Iterable[str]) -> float:
     )
 
 
-def _unit(table: Table, channel: str, columns: Mapping[str, str], units: Mapping[str, str]) -> str:
+def _unit(
+    table: CsvTable, channel: str, columns: Mapping[str, str], units: Mapping[str, str]
+) -> str:
     """Return the likeliest unit of a column by its numbers."""
     if channel == "t":
         return "s"
-    if channel in PLACES:
-        both = [table.place(columns[one]) for one in PLACES if one in columns]
+    if channel in POSITION_CHANNELS:
+        both = [table.place(columns[one]) for one in POSITION_CHANNELS if one in columns]
         cells = (row[place] for row in table.cells for place in both)
-        return "ddmm" if any(map(NAUTICAL.match, cells)) else "deg"
+        return "ddmm" if any(map(NAUTICAL_ANGLE.match, cells)) else "deg"
     values = table.numbers(table.place(columns[channel]))
     if channel == "yaw_rate":
         return _rate_unit(table, values, columns, units)
     if channel == "revolutions":  # a ship's propeller turns more slowly than a model's
-        limit, _ = TURNS
+        limit, _ = MAX_REVOLUTIONS_S
         if "speed" in units:
             factor = units_of("speed")[units["speed"]]
             speed = factor * np.abs(table.numbers(table.place(columns["speed"])))
-            limit = TURNS[float(np.nanmedian(speed)) < MODEL]
+            limit = MAX_REVOLUTIONS_S[float(np.nanmedian(speed)) < MAX_MODEL_SPEED_M_S]
         return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"
-    if channel in ALIKE and ALIKE[channel] in units:
-        return units[ALIKE[channel]]
-    limit, small, large = LIMITS.get(channel, (FAST, "m/s", "kn"))
+    if channel in SAME_INSTRUMENT and SAME_INSTRUMENT[channel] in units:
+        return units[SAME_INSTRUMENT[channel]]
+    limit, small, large = UNIT_LIMITS.get(channel, (MAX_SHIP_SPEED_M_S, "m/s", "kn"))
     return large if float(np.nanmax(np.abs(values))) > limit else small
 
 
 def _rate_unit(
-    table: Table, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
+    table: CsvTable, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
 ) -> str:
     """Return the unit in which a yaw rate is nearest to the heading's, or to a usual ship's."""
-    wanted = {one: Column(columns[one], units[one]) for one in units if one in READ}
+    wanted = {one: Column(columns[one], units[one]) for one in units if one in READ_CHANNELS}
     record = load_record(table.path, wanted)
     size = 0.0
     if record.heading is not None:
-        size = float(np.nanstd(derivative(unwrapped(record.heading), record.interval)))
+        size = float(np.nanstd(derivative(unwrap_angle(record.heading), record.interval)))
     elif record.rudder is not None:
-        size = TURNING * float(np.std(record.rudder))
+        size = USUAL_TURNING_RATE * float(np.std(record.rudder))
     own, known = float(np.nanstd(values)), units_of("yaw_rate")
     if not (own > 0.0 and size > 0.0):
         return "deg/s"

@@ -21,16 +21,16 @@ from trainer.config.schema import (
     Rows,
     Text,
     above,
-    of,
     optional,
+    required,
     tables_of,
     within,
 )
-from trainer.config.tables import Table, read_table
+from trainer.config.tables import CsvTable, read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.record.sources import write_columns
 from trainer.identify.record.study import read_parts
-from trainer.identify.record.study_records import TURNING
+from trainer.identify.record.study_records import RUDDER_SIGN_CHOICE
 from trainer.identify.record.track import (
     derivative,
     drift_of,
@@ -39,15 +39,15 @@ from trainer.identify.record.track import (
     through_water,
 )
 
-LETTERS: Final = "ABCDEFGHIJ"
-ZONES: Final = {  # the lanes of a zone by their names, from the first to the last
+ZONE_LETTERS: Final = "ABCDEFGHIJ"
+LANE_ZONES: Final = {  # the lanes of a zone by their names, from the first to the last
     "red": range(24),
     "green": range(30, 48),
     "purple": range(50, 80),
 }
-METRES: Final = within(-1e7, 1e7)
-PROPAGATION: Final = 299_700.0  # [km/s] usual of long waves over sea
-FEWEST_FIXES: Final = 5
+GRID_LIMITS_M: Final = within(-1e7, 1e7)
+PROPAGATION_SPEED_KM_S: Final = 299_700.0  # [km/s] usual of long waves over sea
+MIN_FIXES: Final = 5
 
 
 class Point(NamedTuple):
@@ -80,12 +80,12 @@ def lane_number(colour: str, text: str) -> float:
     match = re.fullmatch(r"\s*([A-Ja-j])\s*(\d+(?:\.\d*)?)\s*", text)
     if match is None:
         raise ConfigError(f"{colour} lane {quote(text)}: must be a zone A to J and a lane: D12.34")
-    zone, number = ZONES[colour], float(match[2])
+    zone, number = LANE_ZONES[colour], float(match[2])
     if not zone.start <= number < zone.stop:
         raise ConfigError(
             f"{colour} lane {quote(text)}: zones of {colour} have lanes {zone[0]} to {zone[-1]}"
         )
-    return LETTERS.index(match[1].upper()) * len(zone) + number - zone.start
+    return ZONE_LETTERS.index(match[1].upper()) * len(zone) + number - zone.start
 
 
 def resolve_lane(colour: str, lane: float, expected: float) -> float:
@@ -93,7 +93,7 @@ def resolve_lane(colour: str, lane: float, expected: float) -> float:
 
     The names come again after ten zones.
     """
-    cycle = len(ZONES[colour]) * len(LETTERS)
+    cycle = len(LANE_ZONES[colour]) * len(ZONE_LETTERS)
     return lane + cycle * round((expected - lane) / cycle)
 
 
@@ -182,14 +182,16 @@ def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -
 
 
 @dataclass(frozen=True, kw_only=True)
-class Heading:
+class DeccaHeading:
     """The run of a ship, and the lie of the grid."""
 
-    schema: str = of(Choice(("decca/1",), "form of the file"))
-    name: str = of(Text(79, "what was sailed"))
-    data: str = of(Text(200, "CSV file of lanes and heading, from this file's folder"))
-    start_east_m: float = of(Quantity("m", METRES, "place at the first row, from the master"))
-    start_north_m: float = of(Quantity("m", METRES, "likewise"))
+    schema: str = required(Choice(("decca/1",), "form of the file"))
+    name: str = required(Text(79, "what was sailed"))
+    data: str = required(Text(200, "CSV file of lanes and heading, from this file's folder"))
+    start_east_m: float = required(
+        Quantity("m", GRID_LIMITS_M, "place at the first row, from the master")
+    )
+    start_north_m: float = required(Quantity("m", GRID_LIMITS_M, "likewise"))
     convergence_deg: float | None = optional(
         Quantity("deg", within(-180, 180), "true less grid heading; else 0")
     )
@@ -198,22 +200,22 @@ class Heading:
     )
     current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
     current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
-    positive_rudder: str | None = optional(TURNING)
+    positive_rudder: str | None = optional(RUDDER_SIGN_CHOICE)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SlaveRow:
     """One slave station."""
 
-    colour: str = of(Choice(tuple(ZONES), "of its lanes"))
-    east_m: float = of(Quantity("m", METRES, "place from the master, in the grid"))
-    north_m: float = of(Quantity("m", METRES, "likewise"))
+    colour: str = required(Choice(tuple(LANE_ZONES), "of its lanes"))
+    east_m: float = required(Quantity("m", GRID_LIMITS_M, "place from the master, in the grid"))
+    north_m: float = required(Quantity("m", GRID_LIMITS_M, "likewise"))
     lane_m: float | None = optional(Quantity("m", above(0, 1e5), "a lane on the base line"))
     frequency_khz: float | None = optional(
         Quantity("kHz", above(0, 1e4), "comparison frequency, instead of lane_m")
     )
     propagation_km_s: float | None = optional(
-        Quantity("km/s", within(2.9e5, 3e5), f"of the waves; else {PROPAGATION:g}")
+        Quantity("km/s", within(2.9e5, 3e5), f"of the waves; else {PROPAGATION_SPEED_KM_S:g}")
     )
 
 
@@ -234,24 +236,24 @@ class ColumnNames:
 class ShipTable:
     """Where the antenna is."""
 
-    antenna_m: float = of(Quantity("m", within(-600, 600), "forward of the point wanted"))
+    antenna_m: float = required(Quantity("m", within(-600, 600), "forward of the point wanted"))
 
 
-SLAVES: Final = Rows(SlaveRow, ("note",), 2, 3, "slave stations, below")
-TABLES: Final = {"columns": ColumnNames, "ship": ShipTable}
-KNOWN: Final = (*(item.name for item in fields(Heading)), "note", "slaves", *TABLES)
+SLAVE_ROWS: Final = Rows(SlaveRow, ("note",), 2, 3, "slave stations, below")
+DECCA_TABLES: Final = {"columns": ColumnNames, "ship": ShipTable}
+KNOWN_KEYS: Final = (*(item.name for item in fields(DeccaHeading)), "note", "slaves", *DECCA_TABLES)
 
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/identification.md shows them."""
-    return tables_of({"": Heading, "[slaves]": SlaveRow, **TABLES})
+    return tables_of({"": DeccaHeading, "[slaves]": SlaveRow, **DECCA_TABLES})
 
 
 class DeccaFile(NamedTuple):
     """Everything a Decca study says."""
 
     path: Path
-    heading: Heading
+    heading: DeccaHeading
     chain: Chain
     columns: ColumnNames
     ship: ShipTable | None
@@ -261,16 +263,18 @@ def load_decca(path: Path) -> DeccaFile:
     """Return the study in a TOML file; ConfigError with all that is wrong."""
     place = Place(path.name, "")
     table = parse_toml(read_text(path), path.name)
-    parts, problems = read_parts(table, place, (Heading, KNOWN), TABLES)
+    parts, problems = read_parts(table, place, (DeccaHeading, KNOWN_KEYS), DECCA_TABLES)
     chain: dict[str, Slave] = {}
     with collecting(problems):
-        for i, row in enumerate(SLAVES.read("slaves", table.get("slaves", []), place)):
+        for i, row in enumerate(SLAVE_ROWS.read("slaves", table.get("slaves", []), place)):
             inside = place.inside(f"slaves[{i}]")
             if row.colour in chain:
                 problems.append(inside.wrong("colour", row.colour, "is given twice"))
             if (row.lane_m is None) == (row.frequency_khz is None):
                 problems.append(inside.problem("give one of lane_m, frequency_khz"))
-            width = row.lane_m or (row.propagation_km_s or PROPAGATION) / (row.frequency_khz or 1.0)
+            width = row.lane_m or (row.propagation_km_s or PROPAGATION_SPEED_KM_S) / (
+                row.frequency_khz or 1.0
+            )
             chain[row.colour] = Slave(Point(row.east_m, row.north_m), width)
     if problems:
         raise ConfigError(*problems)
@@ -282,7 +286,7 @@ def load_decca(path: Path) -> DeccaFile:
 
 
 @dataclass(frozen=True)
-class Sailed:
+class ShipTrack:
     """The track and what was read off it, SI and radians. NaN where lanes or neighbours lack."""
 
     source: str
@@ -297,7 +301,7 @@ class Sailed:
     colours: tuple[str, ...]  # that each fix is by, "" for none
 
 
-def sail(file: DeccaFile, *, smooth: bool) -> Sailed:
+def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
     """Return the track and sway velocity of a study.
 
     ConfigError naming row and column of what is wrong, or if too few rows have a fix, or times are
@@ -315,9 +319,9 @@ def sail(file: DeccaFile, *, smooth: bool) -> Sailed:
     interval = even_interval(t, str(source))
     readings = [dict(zip(lanes, row, strict=True)) for row in zip(*lanes.values(), strict=True)]
     found = track(file.chain, readings, Point(said.start_east_m, said.start_north_m))
-    if sum(fix is not NO_FIX for fix in found) < FEWEST_FIXES:
+    if sum(fix is not NO_FIX for fix in found) < MIN_FIXES:
         raise ConfigError(
-            f"{file.path.name}: fewer than {FEWEST_FIXES} rows give a fix; is the start right?"
+            f"{file.path.name}: fewer than {MIN_FIXES} rows give a fix; is the start right?"
         )
     east, north = np.array([fix.place for fix in found]).T
     heading = np.unwrap(true) - math.radians(said.convergence_deg or 0.0)
@@ -332,15 +336,15 @@ def sail(file: DeccaFile, *, smooth: bool) -> Sailed:
     if rudder is not None and said.positive_rudder == "starboard":
         rudder = -rudder
     colours = tuple("+".join(fix.colours) for fix in found)
-    return Sailed(said.name, t, east, north, heading, rate, sway, ahead, rudder, colours)
+    return ShipTrack(said.name, t, east, north, heading, rate, sway, ahead, rudder, colours)
 
 
-def _lanes(table: Table, colour: str, name: str | None) -> list[float]:
+def _lanes(table: CsvTable, colour: str, name: str | None) -> list[float]:
     """Return the lanes that cells name or count, NaN of an empty one; ConfigError with the row."""
     place, lanes = table.place(name or colour), []
     for row, cells in enumerate(table.cells):
         text = cells[place]
-        if text[:1].upper() not in tuple(LETTERS):
+        if text[:1].upper() not in tuple(ZONE_LETTERS):
             lanes.append(table.number(row, place, text))
             continue
         try:
@@ -350,7 +354,7 @@ def _lanes(table: Table, colour: str, name: str | None) -> list[float]:
     return lanes
 
 
-def write_track(sailed: Sailed, path: Path) -> None:
+def write_track(sailed: ShipTrack, path: Path) -> None:
     """Write the track as CSV, SI and radians, a missing value empty. ConfigError if it cannot."""
     columns = {"t": sailed.t, "east": sailed.east, "north": sailed.north}
     columns |= {"psi": sailed.heading, "r": sailed.yaw_rate, "v": sailed.sway, "u": sailed.ahead}

@@ -11,39 +11,53 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError
-from trainer.config.tables import EVEN
+from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import OUTPUTS, PLACES, Finding, Record
+from trainer.identify.record.measurements import OUTPUT_CHANNELS, POSITION_CHANNELS, Finding, Record
 from trainer.identify.record.study_records import Ship
-from trainer.identify.record.track import unwrapped
+from trainer.identify.record.track import unwrap_angle
 from trainer.units import KNOT
 
-GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
-STILL: Final = math.radians(0.01)  # [rad] standard deviation of a rudder that does not move
-TURNED: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turns so fast a second
-FAINT: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
-SURE: Final = 4.0  # standard errors
-FOLLOWS: Final = 0.98  # [-] share of the rudder explained by the motion, beyond which it follows it
-MISTAKEN: Final = (  # what the yaw rate is then of the heading's change [-]
+GAP_INTERVALS: Final = 1.5  # [-] of the usual interval: a longer one is a gap
+STILL_RUDDER_RAD: Final = math.radians(
+    0.01
+)  # [rad] standard deviation of a rudder that does not move
+MAX_ANGLE_RAD: Final = math.radians(
+    100.0
+)  # [rad] no rudder goes so far, no ship turns so fast a second
+MIN_EXPERIMENT_RAD: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
+SURE_STANDARD_ERRORS: Final = 4.0  # standard errors
+FEEDBACK_SHARE: Final = (
+    0.98  # [-] share of the rudder explained by the motion, beyond which it follows it
+)
+UNIT_MISTAKES: Final = (  # what the yaw rate is then of the heading's change [-]
     (180.0 / math.pi, "one of them is in degrees and the other is not"),
     (math.pi / 180.0, "one of them is in radians and the other is not"),
     (-1.0, "one of them is positive to port"),
     (60.0, "the rate is per minute, not per second"),
 )
-SPEEDS: Final = (  # what a speed is then of what it must be [-]
+SPEED_MISTAKES: Final = (  # what a speed is then of what it must be [-]
     (KNOT, "is it in m/s?"),
     (1.0 / KNOT, "is it in kn?"),
     (-1.0, "is it positive to port?"),
 )
 HALF_TURN: Final = math.pi
-FEWEST: Final = 20  # samples, to judge signs and loops
-SWINGS: Final = 1 / 30, 30.0  # [-] deviation of the heading over the rudder's: no trial goes beyond
-TURNS: Final = 0.03, 15.0  # [-] likewise yaw rate's over the rudder's, in ship lengths a second
-PIVOT: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
-SPIKE: Final = 10.0  # [-] of the usual scatter, that one reading stands out from its neighbours
+MIN_SAMPLES: Final = 20  # samples, to judge signs and loops
+SWING_RANGE: Final = (
+    1 / 30,
+    30.0,
+)  # [-] deviation of the heading over the rudder's: no trial goes beyond
+TURN_RANGE: Final = (
+    0.03,
+    15.0,
+)  # [-] likewise yaw rate's over the rudder's, in ship lengths a second
+PIVOT_RANGE_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
+SPIKE_SCATTERS: Final = (
+    10.0  # [-] of the usual scatter, that one reading stands out from its neighbours
+)
 
 
-def examine(record: Record, ship: Ship | None = None) -> list[Finding]:
+def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
     """Return what may mislead in a record; ConfigError with all that forbids its use.
 
     Of a ``ship`` that is known, sizes are judged by its length and speed.
@@ -85,7 +99,7 @@ def unwrap_heading(record: Record) -> Record:
     """Return the record with a heading that does not jump by whole turns."""
     if record.heading is None:
         return record
-    return replace(record, heading=unwrapped(record.heading))
+    return replace(record, heading=unwrap_angle(record.heading))
 
 
 def _rudder_problems(record: Record) -> Iterator[Finding]:
@@ -95,7 +109,7 @@ def _rudder_problems(record: Record) -> Iterator[Finding]:
     if missing.any():
         text = "the rudder must be known at each row; it is empty"
         yield record.finding("rudder", text, np.argmax(missing))
-    elif float(np.std(rudder)) < STILL:
+    elif float(np.std(rudder)) < STILL_RUDDER_RAD:
         held = math.degrees(float(np.mean(rudder)))
         text = f"stands at {held:g} deg in all rows: nothing is learnt from a rudder at rest"
         yield record.finding("rudder", text)
@@ -105,7 +119,7 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
     """Yield numbers that cannot be in the unit that was said."""
     for channel in ("rudder", "yaw_rate"):
         values = getattr(record, channel)
-        if values is None or not (beyond := np.abs(np.nan_to_num(values)) > TURNED).any():
+        if values is None or not (beyond := np.abs(np.nan_to_num(values)) > MAX_ANGLE_RAD).any():
             continue
         place, per = int(np.argmax(beyond)), "/s" if channel == "yaw_rate" else ""
         text = f'rad{per} cannot be; are these degrees? say unit = "deg{per}"'
@@ -116,7 +130,7 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
     slope = _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
     if slope is None:
         return
-    texts = [text for factor, text in MISTAKEN if 0.7 < slope / factor < 1.4]
+    texts = [text for factor, text in UNIT_MISTAKES if 0.7 < slope / factor < 1.4]
     if texts:
         columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
         told = ", or ".join(texts)
@@ -126,7 +140,7 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
 def _gain(y: Numbers, x: Numbers) -> float | None:
     """Return how many times ``x`` a series is; None if they have less than half in common."""
     good = ~np.isnan(y) & ~np.isnan(x)
-    if np.count_nonzero(good) < FEWEST:
+    if np.count_nonzero(good) < MIN_SAMPLES:
         return None
     y, x = y[good] - y[good].mean(), x[good] - x[good].mean()
     size = math.sqrt(float(x @ x) * float(y @ y))
@@ -139,13 +153,13 @@ def _gain(y: Numbers, x: Numbers) -> float | None:
 def _intervals(record: Record) -> Iterator[Finding]:
     """Yield the gaps in time, and that the interval varies."""
     step, usual = np.diff(record.t), record.interval
-    gaps = np.flatnonzero(step > GAP * usual)
+    gaps = np.flatnonzero(step > GAP_INTERVALS * usual)
     if gaps.size:
         first = int(gaps[0])
         more = f"; {gaps.size - 1} more such gaps" if gaps.size > 1 else ""
         text = f"{step[first]:g} s have passed, the interval is {usual:g} s{more}"
         yield record.finding("t", text, first + 1)
-    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN
+    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN_STEP_TOLERANCE
     if others.any():
         place = int(np.argmax(others))
         share = f"{np.count_nonzero(others)} of {step.size}"
@@ -155,7 +169,7 @@ def _intervals(record: Record) -> Iterator[Finding]:
 
 def _missing_outputs(record: Record) -> Iterator[Finding]:
     """Yield which outputs have missing values."""
-    for channel in OUTPUTS:
+    for channel in OUTPUT_CHANNELS:
         values = getattr(record, channel)
         if values is None or (found := _missing(record, channel, values)) is None:
             continue
@@ -182,7 +196,7 @@ def _wrong_sign(record: Record) -> Iterator[Finding]:
     """Yield that the rudder turns the ship the other way than is said, or hardly turns at all."""
     sizes = np.abs(record.column("rudder"))
     largest, turning = float(np.max(sizes)), positive_turns(record)
-    if largest < FAINT:
+    if largest < MIN_EXPERIMENT_RAD:
         text = f'{math.degrees(largest):.2g} deg is the largest: is it radians? say unit = "rad"'
         yield record.finding("rudder", text, np.argmax(sizes))
     if turning is not None and turning > 0.0:
@@ -201,7 +215,7 @@ def positive_turns(record: Record) -> float | None:
         return None
     before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
     good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
-    if np.count_nonzero(good) < FEWEST:
+    if np.count_nonzero(good) < MIN_SAMPLES:
         return None
     regressors, y = before[good], rate[1:][good]
     found, *_ = np.linalg.lstsq(regressors, y, rcond=None)
@@ -209,7 +223,7 @@ def positive_turns(record: Record) -> float | None:
     variance = float(left @ left) / max(len(y) - regressors.shape[1], 1)
     error = math.sqrt(variance * float(np.linalg.pinv(regressors.T @ regressors)[1, 1]))
     error = max(error, 1e-300)
-    return value / error if abs(value) > SURE * error else None
+    return value / error if abs(value) > SURE_STANDARD_ERRORS * error else None
 
 
 def follows_motion(record: Record) -> float | None:
@@ -233,8 +247,8 @@ def follows_motion(record: Record) -> float | None:
 
 def _find_feedback(record: Record) -> Iterator[Finding]:
     """Yield that the rudder does nothing but follow the motion."""
-    share = follows_motion(record) if len(record.t) >= FEWEST else None
-    if share is not None and share > FOLLOWS:
+    share = follows_motion(record) if len(record.t) >= MIN_SAMPLES else None
+    if share is not None and share > FEEDBACK_SHARE:
         text = f"{share:.1%} of it follows from heading and yaw rate: a closed loop without an "
         doubt = "experiment; what is fitted may be the helmsman's law, not the ship"
         yield record.finding("rudder", text + doubt)
@@ -242,7 +256,7 @@ def _find_feedback(record: Record) -> Iterator[Finding]:
 
 def _constant_outputs(record: Record) -> Iterator[Finding]:
     """Yield outputs that never change."""
-    for channel in OUTPUTS:
+    for channel in OUTPUT_CHANNELS:
         values = getattr(record, channel)
         if values is not None and channel != "speed" and _is_constant(values):
             yield record.finding(channel, "is the same in all rows: is it recorded?")
@@ -255,20 +269,20 @@ def _is_constant(values: Numbers) -> bool:
 
 def _spikes(record: Record) -> Iterator[Finding]:
     """Yield readings that stand out from both neighbours: outliers."""
-    for channel in (*OUTPUTS, *PLACES):
+    for channel in (*OUTPUT_CHANNELS, *POSITION_CHANNELS):
         values = getattr(record, channel)
-        if values is None or len(values) < FEWEST:
+        if values is None or len(values) < MIN_SAMPLES:
             continue
-        values = unwrapped(values) if channel in ("heading", "longitude") else values
+        values = unwrap_angle(values) if channel in ("heading", "longitude") else values
         steps = np.abs(np.diff(values))
         off = values[1:-1] - 0.5 * (values[2:] + values[:-2])
         least = np.nanmin(steps, where=steps > 0.0, initial=np.inf)  # of a rounded reading
-        limit = SPIKE * max(1.5 * float(np.nanmedian(np.abs(off))), float(least))
+        limit = SPIKE_SCATTERS * max(1.5 * float(np.nanmedian(np.abs(off))), float(least))
         # a lone reading takes half of its error to either side, a ship that turns does not
         beside = -0.25 * np.abs(off[1:-1]) > np.sign(off[1:-1]) * np.stack([off[2:], off[:-2]])
         found = np.flatnonzero((np.abs(off[1:-1]) > limit) & beside.all(axis=0)) + 2
         if found.size:
-            times = SPIKE * abs(off[found[0] - 1]) / limit
+            times = SPIKE_SCATTERS * abs(off[found[0] - 1]) / limit
             more = f"; {found.size - 1} more" if found.size > 1 else ""
             text = f"stands out from its neighbours by {times:.0f} times the usual scatter{more}: "
             remedy = "an outlier? [model] reject = 1e-6 leaves such out"
@@ -287,8 +301,8 @@ def _swing(record: Record) -> Iterator[Finding]:
             text = f"jumps by {turn:.4g} rad, which would be a turn: is it in {unit}?"
             yield record.finding("heading", f'{text} say unit = "{unit}"')
             return
-    share = float(np.nanstd(unwrapped(record.heading)) / np.std(record.column("rudder")))
-    if not SWINGS[0] < share < SWINGS[1]:
+    share = float(np.nanstd(unwrap_angle(record.heading)) / np.std(record.column("rudder")))
+    if not SWING_RANGE[0] < share < SWING_RANGE[1]:
         unit = "rad" if share < 1.0 else "deg"
         text = f"swings {share:.2g} times as far as {record.name('rudder')}: is it in {unit}?"
         yield record.finding("heading", f'{text} say unit = "{unit}"')
@@ -305,7 +319,7 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
     if record.yaw_rate is not None and speed:
         size = float(np.nanstd(record.yaw_rate) / np.std(record.column("rudder")))
         turned = size * ship.length_m / speed
-        if turned and not TURNS[0] < turned < TURNS[1]:
+        if turned and not TURN_RANGE[0] < turned < TURN_RANGE[1]:
             text = f"turns the ship by {turned:.2g} of the rudder's angle in a ship length: "
             remedy = f"are it and {record.name('rudder')} in the units said?"
             yield record.finding("yaw_rate", text + remedy)
@@ -313,8 +327,10 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
         return
     if sway is not None and (gain := _gain(sway, rate)) is not None:
         ahead = -gain / ship.length_m
-        if not PIVOT[0] < ahead < PIVOT[1]:
-            unit = SPEEDS[2 if ahead < 0.0 else 0 if ahead < PIVOT[0] else 1][1]
+        if not PIVOT_RANGE_LENGTHS[0] < ahead < PIVOT_RANGE_LENGTHS[1]:
+            unit = SPEED_MISTAKES[2 if ahead < 0.0 else 0 if ahead < PIVOT_RANGE_LENGTHS[0] else 1][
+                1
+            ]
             text = f"would turn the ship about a point {ahead:.2g} lengths ahead of the middle"
             yield record.finding("sway", f"{text}: {unit}")
     bow, stern, apart = record.bow_sway, record.stern_sway, ship.bow_log_m
@@ -328,7 +344,7 @@ def _mistaken(
     record: Record, channel: str, share: float | None, other: str = ""
 ) -> Iterator[Finding]:
     """Yield what makes a speed that ``share`` of what it must be."""
-    for factor, text in SPEEDS if share else ():
+    for factor, text in SPEED_MISTAKES if share else ():
         if share and 0.75 < share / factor < 1.33:
             names = " and ".join(record.name(one) for one in (channel, other) if one)
             yield Finding(names, 0, f"{share:.2g} of what the ship's numbers say: {text}")

@@ -7,10 +7,10 @@ import numpy as np
 
 from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import CHANNELS, Record
+from trainer.identify.record.measurements import CHANNEL_UNITS, Record
 from trainer.identify.record.sources import (
     FURTHER_COLUMNS,
-    OWN,
+    TRAINER_COLUMNS,
     Column,
     check_times,
     factor,
@@ -27,7 +27,7 @@ def columns_of(
 
     ``columns`` and ``units`` are those that the caller names, by channel.
     """
-    channels, known_as = ("t", *CHANNELS, *further), {**OWN, **FURTHER_COLUMNS}
+    channels, known_as = ("t", *CHANNEL_UNITS, *further), {**TRAINER_COLUMNS, **FURTHER_COLUMNS}
     for name in (*columns, *units):
         if name not in channels:
             there = ", ".join(channels)

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.model.models import UNITS
+from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.units import DEGREE
 
-CHANNELS: Final = {  # what may be recorded beside time, and its unit
+CHANNEL_UNITS: Final = {  # what may be recorded beside time, and its unit
     "rudder": "rad",
     "heading": "rad",
     "yaw_rate": "rad/s",
@@ -26,9 +26,9 @@ CHANNELS: Final = {  # what may be recorded beside time, and its unit
     "stern_sway": "m/s",
     "speed": "m/s",
 }
-PLACES: Final = ("latitude", "longitude")  # that sway is made of
-SAMPLES: Final = 5  # to a coefficient, at least
-OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
+POSITION_CHANNELS: Final = ("latitude", "longitude")  # that sway is made of
+MIN_SAMPLES_EACH: Final = 5  # to a coefficient, at least
+OUTPUT_CHANNELS: Final = tuple(name for name in CHANNEL_UNITS if name != "rudder")
 Places = NDArray[np.int64]
 
 
@@ -74,7 +74,7 @@ class Record:
     @property
     def channels(self) -> tuple[str, ...]:
         """Return the channels that were recorded."""
-        return tuple(name for name in CHANNELS if getattr(self, name) is not None)
+        return tuple(name for name in CHANNEL_UNITS if getattr(self, name) is not None)
 
     @property
     def interval(self) -> float:
@@ -150,10 +150,11 @@ class Record:
 
 def check_count(record: Record, samples: int, coefficients: int) -> None:
     """Check that there are enough samples to a coefficient; ConfigError with both counts."""
-    if samples < SAMPLES * coefficients:
+    if samples < MIN_SAMPLES_EACH * coefficients:
         raise ConfigError(
             f"{record.source}: {samples} samples for {coefficients} coefficients: needs "
-            f"{SAMPLES} to each, {SAMPLES * coefficients}: record longer, take more of the rows "
+            f"{MIN_SAMPLES_EACH} to each, {MIN_SAMPLES_EACH * coefficients}: record longer, "
+            "take more of the rows "
             '(every, from_s, to_s), fit a simpler model, or fix some, free = "no"'
         )
 
@@ -220,4 +221,4 @@ def _in_units(record: Record, channel: str) -> Numbers:
     values = record.column(channel)
     if channel in record.plain:
         return values
-    return values / DEGREE if channel == "rudder" else values * UNITS[channel][1]
+    return values / DEGREE if channel == "rudder" else values * OUTPUT_UNITS[channel][1]

@@ -12,16 +12,20 @@ from typing import Final
 
 from trainer.config.files import ConfigError, as_typed, write_once
 from trainer.config.tables import read_table
-from trainer.identify.record.columns import WORDS, GuessedColumns, guess_columns
-from trainer.identify.record.findings import examine, positive_turns
+from trainer.identify.record.columns import CHANNEL_WORDS, GuessedColumns, guess_columns
+from trainer.identify.record.findings import examine_record, positive_turns
 from trainer.identify.record.measurements import Record
-from trainer.identify.record.sources import USUAL, Column, load_record, own_columns
+from trainer.identify.record.sources import USUAL_SENSORS, Column, load_record, own_columns
 from trainer.identify.record.track import Drift, with_sway
-from trainer.io.paths import SUFFIX
+from trainer.io.paths import RECORDING_SUFFIX
 
-OUTPUTS: Final = "heading, yaw rate, sway or a track"
-MEASURED: Final = WORDS.keys() - {"t", "rudder", "speed"}  # what a ship answers a rudder by
-TEXT: Final = """\
+OUTPUTS_TEXT: Final = "heading, yaw rate, sway or a track"
+ANSWER_CHANNELS: Final = CHANNEL_WORDS.keys() - {
+    "t",
+    "rudder",
+    "speed",
+}  # what a ship answers a rudder by
+STUDY_TEXT: Final = """\
 # A study of {record}. What was guessed is marked: correct it. Fill in [ship]; then:
 # trainer identify {path}
 schema = "identify/1"
@@ -39,11 +43,11 @@ data = {data}
 kind = "{kind}"  # {others}
 outputs = {outputs}
 """
-SENSORS: Final = f"""\
+SENSORS_TEXT: Final = f"""\
 [sensors]  # a recording is exact: what instruments add
-sway_kn = {USUAL.sway_kn}
-yaw_rate_deg_s = {USUAL.yaw_rate_deg_s}
-heading_deg = {USUAL.heading_deg}
+sway_kn = {USUAL_SENSORS.sway_kn}
+yaw_rate_deg_s = {USUAL_SENSORS.yaw_rate_deg_s}
+heading_deg = {USUAL_SENSORS.heading_deg}
 
 """
 
@@ -64,13 +68,13 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
 
     ConfigError if the file is there, or nothing looks like the rudder.
     """
-    own = data.suffix == SUFFIX
+    own = data.suffix == RECORDING_SUFFIX
     found = GuessedColumns(own_columns(), frozenset()) if own else _guessed(data)
     columns = found.columns
-    record, sign = turned(load_record(data, columns))
+    record, sign = turn_rudder(load_record(data, columns))
     try:
         record = with_sway(record, Drift(0.0, 0.0, 0.0))
-        remarks = tuple(map(str, examine(record)))
+        remarks = tuple(map(str, examine_record(record)))
     except ConfigError as wrong:
         remarks = tuple(str(wrong).splitlines())
     lacking = "fill in" if record.speed is None else "else the record's mean"
@@ -78,16 +82,16 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     kind, others = "nomoto1", "nomoto2 has three time constants; 1 fits sway too, with a vessel"
     if not turning:
         kind, others = "2", "sway alone"
-    text = TEXT.format(
+    text = STUDY_TEXT.format(
         record=data.name,
         path=as_typed(path),
-        name=quoted(data.stem[:79]),
-        data=quoted(os.path.relpath(data, path.parent)),
+        name=quote_toml(data.stem[:79]),
+        data=quote_toml(os.path.relpath(data, path.parent)),
         sign=sign,
         begin=record.t[0],
         end=record.t[-1],
         interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
-        columns=SENSORS if own else columns_text(found),
+        columns=SENSORS_TEXT if own else columns_text(found),
         length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
         speed=f"speed_kn = {speed:g}" if speed else f"# speed_kn = 12  # {lacking}",
         kind=kind,
@@ -101,8 +105,8 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
 def _guessed(data: Path) -> GuessedColumns:
     """Return the columns of a file; ConfigError if none is the rudder, or a ship's answer to it."""
     table = read_table(data)
-    found = guess_columns(table, WORDS)
-    for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS, MEASURED)):
+    found = guess_columns(table, CHANNEL_WORDS)
+    for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS_TEXT, ANSWER_CHANNELS)):
         if wanted.isdisjoint(found.columns):
             name = "it rudder" if "rudder" in wanted else "one so"
             raise ConfigError(
@@ -111,7 +115,7 @@ def _guessed(data: Path) -> GuessedColumns:
     return found
 
 
-def turned(record: Record) -> tuple[Record, str]:
+def turn_rudder(record: Record) -> tuple[Record, str]:
     """Return the record with its rudder positive to port, and the line saying so."""
     turning = positive_turns(record)
     if turning is None or turning < 0.0:
@@ -120,7 +124,7 @@ def turned(record: Record) -> tuple[Record, str]:
     return replace(record, rudder=-record.column("rudder")), line
 
 
-def quoted(text: str) -> str:
+def quote_toml(text: str) -> str:
     """Return a text as TOML writes it."""
     return json.dumps(text, ensure_ascii=False)
 
@@ -128,7 +132,7 @@ def quoted(text: str) -> str:
 def columns_text(found: GuessedColumns) -> str:
     """Return the tables of the columns; a unit that was guessed is marked."""
     return "".join(
-        f'[[columns]]\nchannel = "{channel}"\ncolumn = {quoted(one.name)}\n'
+        f'[[columns]]\nchannel = "{channel}"\ncolumn = {quote_toml(one.name)}\n'
         f'unit = "{one.unit}"{"  # guessed" if channel in found.unsure else ""}\n\n'
         for channel, one in found.columns.items()
     )

@@ -12,22 +12,22 @@ import numpy as np
 from trainer.analysis.recording_export import table_layout
 from trainer.config.files import ConfigError, collecting, nearest, quote
 from trainer.config.sensors import Sensors
-from trainer.config.tables import Table, read_table, rebuild_times
+from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import CHANNELS, PLACES, Finding, Record
+from trainer.identify.record.measurements import CHANNEL_UNITS, POSITION_CHANNELS, Finding, Record
 from trainer.io.atomic_write import replacing
-from trainer.io.paths import SUFFIX
-from trainer.session.header import reading
+from trainer.io.paths import RECORDING_SUFFIX
+from trainer.session.header import open_whole_recording
 from trainer.units import DEGREE, KNOT
 
-UNITS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
+UNIT_FACTORS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
     "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     "rad": {"rad": 1.0, "deg": DEGREE},
     "rad/s": {"rad/s": 1.0, "deg/s": DEGREE, "deg/min": DEGREE / 60.0},
     "m/s": {"m/s": 1.0, "kn": KNOT},
     "place": {"deg": DEGREE, "ddmm": DEGREE, "rad": 1.0},
 }
-OWN: Final = {  # columns of the trainer, SI and radians
+TRAINER_COLUMNS: Final = {  # columns of the trainer, SI and radians
     "rudder": "delta_r",
     "heading": "psi",
     "yaw_rate": "r",
@@ -43,16 +43,16 @@ FURTHER_COLUMNS: Final = {  # likewise, of what a record has not: ships that are
 }
 FURTHER_CHANNELS: Final[Mapping[str, Mapping[str, float]]] = {  # channels and their units
     "revolutions": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
-    **dict.fromkeys(("north_velocity", "east_velocity"), UNITS["m/s"]),
-    **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard"), UNITS["m/s"]),
-    "wind_from": UNITS["rad"],
-    "roll": UNITS["rad"],
-    "roll_rate": UNITS["rad/s"],
+    **dict.fromkeys(("north_velocity", "east_velocity"), UNIT_FACTORS["m/s"]),
+    **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard"), UNIT_FACTORS["m/s"]),
+    "wind_from": UNIT_FACTORS["rad"],
+    "roll": UNIT_FACTORS["rad"],
+    "roll_rate": UNIT_FACTORS["rad/s"],
 }
-PLAIN: Final = "-"  # unit of a column that is taken as it stands
+NO_UNIT: Final = "-"  # unit of a column that is taken as it stands
 Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
-STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
-USUAL: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
+NOISE_STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
+USUAL_SENSORS: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Column:
 
 def own_columns() -> dict[str, Column]:
     """Return the columns of the trainer's own files, times among them."""
-    own = {key: Column(name, CHANNELS[key]) for key, name in OWN.items()}
+    own = {key: Column(name, CHANNEL_UNITS[key]) for key, name in TRAINER_COLUMNS.items()}
     return {"t": Column("t", "s"), **own}
 
 
@@ -73,7 +73,13 @@ def units_of(channel: str) -> Mapping[str, float]:
     """Return the units that a channel can have, and what each is in SI."""
     if channel in FURTHER_CHANNELS:
         return FURTHER_CHANNELS[channel]
-    return UNITS["place" if channel in PLACES else "s" if channel == "t" else CHANNELS[channel]]
+    return UNIT_FACTORS[
+        "place"
+        if channel in POSITION_CHANNELS
+        else "s"
+        if channel == "t"
+        else CHANNEL_UNITS[channel]
+    ]
 
 
 def factor(channel: str, unit: str | None) -> float:
@@ -94,12 +100,12 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """
-    read = _read_recording if path.suffix == SUFFIX else _read_csv
+    read = _read_recording if path.suffix == RECORDING_SUFFIX else _read_csv
     rows, taken, told = read(path, columns)
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
-    plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == PLAIN}
+    plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == NO_UNIT}
     record = Record(
         source=str(path),
         t=times,
@@ -138,10 +144,10 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
     return table.lines, taken, ([f"read with {', '.join(told)}"] if told else []) + other
 
 
-def _take(table: Table, channel: str, column: Column, told: list[str]) -> Numbers:
+def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Numbers:
     """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
     place = table.place(column.name)
-    if column.unit == PLAIN:
+    if column.unit == NO_UNIT:
         return table.numbers(place)
     if channel == "t" and table.is_clock(place):
         return table.seconds(place)
@@ -155,13 +161,13 @@ def _take(table: Table, channel: str, column: Column, told: list[str]) -> Number
         )
     if said and said != unit:
         told.append(f"{column.name} is in {said}, the study says {unit}: taken as {unit}")
-    numbers = table.angles(place, unit) if channel in PLACES else table.numbers(place)
+    numbers = table.angles(place, unit) if channel in POSITION_CHANNELS else table.numbers(place)
     return numbers * known[unit]
 
 
 def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
     """Return the wanted columns of the latest branch of a recording; a row is a tick."""
-    with reading(path) as recording:
+    with open_whole_recording(path) as recording:
         layout = table_layout(recording)
         names = ("t", *layout.columns)
         ticks, cells = [], []
@@ -176,7 +182,7 @@ def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
                 f"{nearest(column.name, names)}; it has {', '.join(names)}"
             )
         place = names.index(column.name)
-        scale = 1.0 if column.unit == PLAIN else factor(channel, column.unit or "")
+        scale = 1.0 if column.unit == NO_UNIT else factor(channel, column.unit or "")
         taken[channel] = scale * np.array([row[place] for row in cells])
     return ticks, taken, []
 
@@ -214,7 +220,7 @@ def write_columns(path: Path, columns: Mapping[str, Numbers], form: str = "") ->
 def read_by(record: Record, sensors: Sensors) -> Record:
     """Return what instruments would have read; each channel has a stream of its own."""
     columns = {}
-    for place, channel in enumerate(STREAMS):
+    for place, channel in enumerate(NOISE_STREAMS):
         values = getattr(record, channel)
         if values is not None:
             seed = np.random.SeedSequence((int(sensors.seed or 1), place))

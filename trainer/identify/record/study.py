@@ -8,13 +8,13 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
-from trainer.config.schema import described, file_schema, read_record, record_schema
+from trainer.config.schema import describe_kind, file_schema, read_record, record_schema
 from trainer.config.sensors import Sensors
 from trainer.identify.model.own_systems import System
-from trainer.identify.record.findings import examine, examine_columns, unwrap_heading
+from trainer.identify.record.findings import examine_columns, examine_record, unwrap_heading
 from trainer.identify.record.measurements import Finding, Record
 from trainer.identify.record.sources import (
-    USUAL,
+    USUAL_SENSORS,
     Column,
     NoColumnError,
     factor,
@@ -23,31 +23,31 @@ from trainer.identify.record.sources import (
     read_by,
 )
 from trainer.identify.record.study_records import (
-    COLUMNS,
-    PARAMETERS,
-    RUNS,
+    COLUMN_ROWS,
+    PARAMETER_ROWS,
+    RUN_ROWS,
     ArmaxTable,
     ColumnRow,
-    Heading,
     ModelTable,
     ParameterRow,
     RunRow,
     Ship,
+    StudyHeading,
     Track,
 )
 from trainer.identify.record.track import drift_of, with_sway
-from trainer.io.paths import SUFFIX
+from trainer.io.paths import RECORDING_SUFFIX
 from trainer.units import KNOT
 
-OPTIONAL: Final = {
+OPTIONAL_TABLES: Final = {
     "ship": Ship,
     "sensors": Sensors,
     "track": Track,
     "model": ModelTable,
     "armax": ArmaxTable,
 }
-TABLES: Final = ("columns", "runs", "parameters", *OPTIONAL)
-KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
+STUDY_TABLES: Final = ("columns", "runs", "parameters", *OPTIONAL_TABLES)
+KNOWN_KEYS: Final = (*(item.name for item in fields(StudyHeading)), "note", *STUDY_TABLES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ class Study:
     """Everything a study says; tables that it lacks are None."""
 
     path: Path
-    heading: Heading
+    heading: StudyHeading
     columns: Mapping[str, Column]
     ship: Ship | None
     sensors: Sensors | None
@@ -87,13 +87,13 @@ def plain_study(data: Path) -> Study:
 
     A recording is exact, and is read by usual sensors.
     """
-    heading = Heading(schema="identify/1", name=data.stem, data=data.name)
+    heading = StudyHeading(schema="identify/1", name=data.stem, data=data.name)
     return Study(
         path=data,
         heading=heading,
         columns=own_columns(),
         ship=None,
-        sensors=USUAL if data.suffix == SUFFIX else None,
+        sensors=USUAL_SENSORS if data.suffix == RECORDING_SUFFIX else None,
         track=None,
         model=None,
         parameters=(),
@@ -105,16 +105,16 @@ def parse_study(text: str, path: Path) -> Study:
     """Return the study in ``text``, which came from ``path``; ConfigError with all faults."""
     place = Place(path.name, "")
     table = parse_toml(text, path.name)
-    parts, problems = read_parts(table, place, (Heading, KNOWN), OPTIONAL)
+    parts, problems = read_parts(table, place, (StudyHeading, KNOWN_KEYS), OPTIONAL_TABLES)
     model = table.get("model")
     own_kind = isinstance(model, Mapping) and model.get("kind") == "own"
     with collecting(problems):
-        rows = COLUMNS.read("columns", table.get("columns", []), place)
+        rows = COLUMN_ROWS.read("columns", table.get("columns", []), place)
         parts["columns"] = _columns(rows, place, steered=not own_kind)
     with collecting(problems):
-        parts["runs"] = RUNS.read("runs", table.get("runs", []), place)
+        parts["runs"] = RUN_ROWS.read("runs", table.get("runs", []), place)
     with collecting(problems):
-        parts["parameters"] = PARAMETERS.read("parameters", table.get("parameters", []), place)
+        parts["parameters"] = PARAMETER_ROWS.read("parameters", table.get("parameters", []), place)
         _check_once([row.name for row in parts["parameters"]], place, "parameters")
     with collecting(problems):
         _check_whole(parts, place)
@@ -122,7 +122,7 @@ def parse_study(text: str, path: Path) -> Study:
         raise ConfigError(*problems)
     study = Study(path=path, **parts)
     if not study.columns and not own_kind:
-        if study.data.suffix != SUFFIX:
+        if study.data.suffix != RECORDING_SUFFIX:
             raise ConfigError(
                 place.problem("lacks [[columns]]: only a recording of the trainer needs none")
             )
@@ -226,14 +226,14 @@ def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Itera
 
 
 @dataclass(frozen=True)
-class Observed:
+class StudyRecord:
     """A record made ready for a study, and what there is to say about it."""
 
     record: Record
     findings: tuple[Finding, ...]
 
 
-def observe(study: Study, loaded: Record | None = None) -> Observed:
+def observe_record(study: Study, loaded: Record | None = None) -> StudyRecord:
     """Return the record of a study: signs and units as here, thinned, cut, examined.
 
     The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use, of
@@ -258,7 +258,7 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
         track = study.track or Track()
         current = track.current_east_kn, track.current_north_kn
         record = with_sway(record, drift_of(current, track.antenna_m))
-        findings = examine(record, study.ship)
+        findings = examine_record(record, study.ship)
     record = unwrap_heading(record).every(int(heading.every or 1))
     if study.sensors is not None:
         record = read_by(record, study.sensors)
@@ -266,7 +266,7 @@ def observe(study: Study, loaded: Record | None = None) -> Observed:
         -np.inf if heading.from_s is None else heading.from_s,
         np.inf if heading.to_s is None else heading.to_s,
     )
-    return Observed(record, tuple(findings))
+    return StudyRecord(record, tuple(findings))
 
 
 def studies_of(study: Study) -> tuple[Study, ...]:
@@ -298,9 +298,9 @@ def speed_of(study: Study, record: Record) -> float:
 
 def identification_schema() -> dict[str, Any]:
     """Return the JSON Schema of an identification study."""
-    heading = record_schema(Heading, ("note",))
-    tables = {name: record_schema(record, ("note",)) for name, record in OPTIONAL.items()}
-    arrays = {"columns": COLUMNS, "runs": RUNS, "parameters": PARAMETERS}
-    rows = {name: described(each) for name, each in arrays.items()}
+    heading = record_schema(StudyHeading, ("note",))
+    tables = {name: record_schema(record, ("note",)) for name, record in OPTIONAL_TABLES.items()}
+    arrays = {"columns": COLUMN_ROWS, "runs": RUN_ROWS, "parameters": PARAMETER_ROWS}
+    rows = {name: describe_kind(each) for name, each in arrays.items()}
     keys = {**heading["properties"], **tables, **rows}
     return file_schema("identification", keys, heading["required"])

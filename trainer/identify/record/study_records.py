@@ -10,33 +10,37 @@ from trainer.config.schema import (
     Rows,
     Text,
     above,
-    of,
     optional,
+    required,
     tables_of,
     within,
 )
 from trainer.config.sensors import Sensors
-from trainer.identify.record.measurements import CHANNELS, OUTPUTS, PLACES
+from trainer.identify.record.measurements import CHANNEL_UNITS, OUTPUT_CHANNELS, POSITION_CHANNELS
 
-LONGEST: Final = 1e9  # [s]
-MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2", "own")
-NOISES: Final = ("output-error", "innovations", "covariance")
-METHODS: Final = ("scoring", "bfgs", "direct")
-TREATMENTS: Final = ("none", "mean", "trend")
+MAX_TIME_S: Final = 1e9  # [s]
+STUDY_MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2", "own")
+NOISE_MODELS: Final = ("output-error", "innovations", "covariance")
+FIT_METHODS: Final = ("scoring", "bfgs", "direct")
+MEAN_TREATMENTS: Final = ("none", "mean", "trend")
 YES_NO: Final = ("yes", "no")
-TURNING: Final = Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
+RUDDER_SIGN_CHOICE: Final = Choice(
+    ("port", "starboard"), "way a positive rudder turns the ship; else port"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Heading:
+class StudyHeading:
     """The subject of a study, and the file of it."""
 
-    schema: str = of(Choice(("identify/1",), "form of the file"))
-    name: str = of(Text(79, "what is studied"))
-    data: str = of(Text(200, "CSV file or recording, from this file's folder"))
-    positive_rudder: str | None = optional(TURNING)
-    from_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "first time used"))
-    to_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "last time used"))
+    schema: str = required(Choice(("identify/1",), "form of the file"))
+    name: str = required(Text(79, "what is studied"))
+    data: str = required(Text(200, "CSV file or recording, from this file's folder"))
+    positive_rudder: str | None = optional(RUDDER_SIGN_CHOICE)
+    from_s: float | None = optional(
+        Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
+    )
+    to_s: float | None = optional(Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used"))
     every: float | None = optional(Quantity("-", within(1, 1000), "takes one sample of so many"))
     interval_s: float | None = optional(
         Quantity("s", within(1e-4, 3600), "from row to row, where there is no column of times")
@@ -47,8 +51,8 @@ class Heading:
 class ColumnRow:
     """Where one channel is found; a recording of the trainer needs none."""
 
-    channel: str = of(Choice(("t", *CHANNELS, *PLACES), "what it is"))
-    column: str = of(Text(80, "heading of the column"))
+    channel: str = required(Choice(("t", *CHANNEL_UNITS, *POSITION_CHANNELS), "what it is"))
+    column: str = required(Text(80, "heading of the column"))
     unit: str | None = optional(
         Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says")
     )
@@ -58,7 +62,7 @@ class ColumnRow:
 class Ship:
     """The ship that sailed."""
 
-    length_m: float = of(Quantity("m", within(0.1, 600), "length"))
+    length_m: float = required(Quantity("m", within(0.1, 600), "length"))
     speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the record's mean"))
     bow_log_m: float | None = optional(
         Quantity("m", within(0, 600), "forward log, ahead of the centre of mass")
@@ -89,17 +93,17 @@ class Track:
 class ModelTable:
     """The model and how it is fitted."""
 
-    kind: str = of(Choice(MODELS, "model"))
+    kind: str = required(Choice(STUDY_MODELS, "model"))
     outputs: tuple[str, ...] = field(
-        default=(), metadata={"kind": Choices(OUTPUTS, "channels fitted; none for own")}
+        default=(), metadata={"kind": Choices(OUTPUT_CHANNELS, "channels fitted; none for own")}
     )
     file: str | None = optional(Text(200, "system file, or a program, of kind own"))
     system: str | None = optional(Choice(("prime", "bis"), "of the derivatives; else prime"))
-    noise: str | None = optional(Choice(NOISES, "noise model; else covariance"))
+    noise: str | None = optional(Choice(NOISE_MODELS, "noise model; else covariance"))
     measurement: str | None = optional(
         Choice(("instantaneous", "integrating"), "else instantaneous")
     )
-    method: str | None = optional(Choice(METHODS, "minimiser; else scoring"))
+    method: str | None = optional(Choice(FIT_METHODS, "minimiser; else scoring"))
     restarts: float | None = optional(
         Quantity("-", within(0, 100), "others in a row that find no better; else 12")
     )
@@ -118,7 +122,7 @@ class ModelTable:
 class ParameterRow:
     """One parameter: where it starts, and whether it is estimated."""
 
-    name: str = of(Text(20, "theta1 ..., as the model has them"))
+    name: str = required(Text(20, "theta1 ..., as the model has them"))
     start: float | None = optional(Quantity("-", within(-1e12, 1e12), "else the model's own"))
     free: str | None = optional(Choice(YES_NO, "estimated? else as the model has it"))
     scale: float | None = optional(Quantity("-", above(0, 1e12), "size of a unit step; else own"))
@@ -131,9 +135,11 @@ class ParameterRow:
 class RunRow:
     """A further record of the same ship, fitted together with the first."""
 
-    data: str = of(Text(200, "CSV file or recording of the same columns"))
-    from_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "first time used"))
-    to_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "last time used"))
+    data: str = required(Text(200, "CSV file or recording of the same columns"))
+    from_s: float | None = optional(
+        Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
+    )
+    to_s: float | None = optional(Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used"))
     speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the ship's"))
 
 
@@ -141,20 +147,20 @@ class RunRow:
 class ArmaxTable:
     """ARMAX models of one output by the rudder."""
 
-    output: str = of(Choice(OUTPUTS, "channel"))
+    output: str = required(Choice(OUTPUT_CHANNELS, "channel"))
     most: float | None = optional(Quantity("-", within(1, 10), "highest order tried; else 4"))
-    remove: str | None = optional(Choice(TREATMENTS, "taken off both series; else mean"))
+    remove: str | None = optional(Choice(MEAN_TREATMENTS, "taken off both series; else mean"))
     dead_time: float | None = optional(Quantity("-", within(0, 100), "samples; else 0"))
     initial: str | None = optional(Choice(YES_NO, "estimate the initial state? else yes"))
     lags: float | None = optional(Quantity("-", within(1, 50), "of the residual tests; else 10"))
 
 
-COLUMNS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNELS) + 3, "columns, below")
-RUNS: Final = Rows(RunRow, ("note",), 0, 50, "further records, below")
-PARAMETERS: Final = Rows(ParameterRow, ("note",), 0, 60, "parameters, below")
+COLUMN_ROWS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNEL_UNITS) + 3, "columns, below")
+RUN_ROWS: Final = Rows(RunRow, ("note",), 0, 50, "further records, below")
+PARAMETER_ROWS: Final = Rows(ParameterRow, ("note",), 0, 60, "parameters, below")
 
-RECORDS: Final = {
-    "": Heading,
+STUDY_RECORDS: Final = {
+    "": StudyHeading,
     "[columns]": ColumnRow,
     "[runs]": RunRow,
     "ship": Ship,
@@ -168,4 +174,4 @@ RECORDS: Final = {
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/identification.md shows them."""
-    return tables_of(RECORDS)
+    return tables_of(STUDY_RECORDS)

@@ -12,14 +12,16 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.config.files import ConfigError
-from trainer.config.tables import EVEN
+from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import Finding, Record
 from trainer.units import KNOT
 
-EQUATOR: Final = 6_378_137.0  # [m] of WGS 84
-FLATTENING: Final = 1.0 / 298.257223563  # [-] likewise
-SPENCER: Final = np.array([-3, -6, -5, 3, 21, 46, 67, 74, 67, 46, 21, 3, -5, -6, -3]) / 320.0
+EQUATOR_RADIUS_M: Final = 6_378_137.0  # [m] of WGS 84
+EARTH_FLATTENING: Final = 1.0 / 298.257223563  # [-] likewise
+SPENCER_WEIGHTS: Final = (
+    np.array([-3, -6, -5, 3, 21, 46, 67, 74, 67, 46, 21, 3, -5, -6, -3]) / 320.0
+)
 
 
 def derivative(series: Numbers, interval: float) -> Numbers:
@@ -37,12 +39,12 @@ def derivative(series: Numbers, interval: float) -> Numbers:
 def smooth_spencer(series: Numbers) -> Numbers:
     """Return the series by Spencer's 15 points, exact for cubics. Seven at each end are NaN."""
     found = np.full_like(series, np.nan)
-    if len(series) >= len(SPENCER):
-        found[7:-7] = np.convolve(series, SPENCER, mode="valid")
+    if len(series) >= len(SPENCER_WEIGHTS):
+        found[7:-7] = np.convolve(series, SPENCER_WEIGHTS, mode="valid")
     return found
 
 
-def along(
+def resolve_along(
     east: Numbers | float, north: Numbers | float, course: Numbers | float
 ) -> tuple[Numbers, Numbers]:
     """Return what of (east, north) lies along a course [rad], and to starboard of it."""
@@ -54,7 +56,7 @@ def even_interval(t: Numbers, source: str) -> float:
     """Return the interval [s] of even samples; ConfigError naming the row where they are not."""
     steps = np.diff(t)
     usual = float(np.median(steps))
-    uneven = np.abs(steps - usual) > EVEN * usual
+    uneven = np.abs(steps - usual) > EVEN_STEP_TOLERANCE * usual
     if uneven.any():
         row = int(np.argmax(uneven)) + 1
         raise ConfigError(
@@ -82,7 +84,7 @@ def through_water(
     east: Numbers, north: Numbers, heading: Numbers, rate: Numbers, drift: Drift
 ) -> tuple[Numbers, Numbers]:
     """Return velocity ahead and to starboard [m/s] from that of the antenna over the ground."""
-    ahead, aside = along(east - drift.east, north - drift.north, heading)
+    ahead, aside = resolve_along(east - drift.east, north - drift.north, heading)
     return ahead, aside - rate * drift.antenna
 
 
@@ -90,14 +92,17 @@ def ground_velocity(
     latitude: Numbers, longitude: Numbers, interval: float
 ) -> tuple[Numbers, Numbers]:
     """Return the velocity east and north [m/s] of a track of latitude and longitude [rad]."""
-    squared = FLATTENING * (2.0 - FLATTENING)  # of the eccentricity
+    squared = EARTH_FLATTENING * (2.0 - EARTH_FLATTENING)  # of the eccentricity
     inside = 1.0 - squared * np.sin(latitude) ** 2
-    meridian, across = EQUATOR * (1.0 - squared) / inside**1.5, EQUATOR / np.sqrt(inside)
-    east = across * np.cos(latitude) * derivative(unwrapped(longitude), interval)
+    meridian, across = (
+        EQUATOR_RADIUS_M * (1.0 - squared) / inside**1.5,
+        EQUATOR_RADIUS_M / np.sqrt(inside),
+    )
+    east = across * np.cos(latitude) * derivative(unwrap_angle(longitude), interval)
     return east, meridian * derivative(latitude, interval)
 
 
-def unwrapped(angle: Numbers) -> Numbers:
+def unwrap_angle(angle: Numbers) -> Numbers:
     """Return an angle [rad] that does not jump by whole turns; NaN stays."""
     found, known = angle.copy(), ~np.isnan(angle)
     found[known] = np.unwrap(found[known])
@@ -114,7 +119,10 @@ def with_sway(record: Record, drift: Drift) -> Record:
         return record
     if record.sway is not None:
         raise ConfigError(f"{record.source}: has both {record.name('sway')} and a track: take one")
-    interval, heading = even_interval(record.t, record.source), unwrapped(record.column("heading"))
+    interval, heading = (
+        even_interval(record.t, record.source),
+        unwrap_angle(record.column("heading")),
+    )
     east, north = ground_velocity(record.latitude, record.longitude, interval)
     own = record.yaw_rate
     rate = derivative(heading, interval) if own is None else own

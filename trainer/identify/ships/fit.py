@@ -7,31 +7,36 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.ship.forces import ROLL_RATE, ROWS, STIFFNESS, set_terms
-from trainer.boat.ship.models import AXES, NONLINEAR, Model
+from trainer.boat.ship.forces import ROLL_RATE_PLACE, ROW_COUNT, STIFFNESS_PLACE, set_terms
+from trainer.boat.ship.models import AXIS_LETTERS, NONLINEAR_NAMES, ShipModel
 from trainer.core.kernel import Numbers
-from trainer.identify.ships.likelihood import Problem, first_state, floors_of
+from trainer.identify.ships.likelihood import ShipProblem, first_state, floors_of
 from trainer.identify.ships.priors import Prior
 from trainer.identify.ships.records import Trial
 
-GUESS: Final = np.array([0.4, -0.7, 0.5, 0.4, 0.0])  # gamma, l, kappa, c_w, gamma_a of the start
-WINDOW: Final = 0.3  # [L/U] of the smoothing polynomial
-CUBIC: Final = 3
-LEFT: Final = 0.05  # [-] of the acceleration's variance that the regression leaves
-QUIET: Final = 0.03, 0.05  # [-] of a channel's spread: disturbance in ten samples, error
-WIDTH: Final = 0.7  # of the logarithm of a disturbance about its start: a factor of two
-UNREAD: Final = 1.0  # the same of the error of a channel that was not read
-STEPS: Final = 200
-SETTLED: Final = 1e-6  # promise of a further step
-REFUSALS: Final = 30
-SMALLEST: Final = 1e-12  # eigenvalue of the scaled information that counts
-MOST: Final = 1.0  # of a logarithm or first state in a step
-BEATEN: Final = 0.1  # of -log L by which another start must not be better
-OTHERS: Final = 2  # starts beside the regression
+RUDDER_GUESS: Final = np.array(
+    [0.4, -0.7, 0.5, 0.4, 0.0]
+)  # gamma, l, kappa, c_w, gamma_a of the start
+SMOOTHING_WINDOW: Final = 0.3  # [L/U] of the smoothing polynomial
+SMOOTHING_ORDER: Final = 3
+RESIDUAL_SHARE: Final = 0.05  # [-] of the acceleration's variance that the regression leaves
+START_NOISE_SHARES: Final = (
+    0.03,
+    0.05,
+)  # [-] of a channel's spread: disturbance in ten samples, error
+LOG_NOISE_WIDTH: Final = 0.7  # of the logarithm of a disturbance about its start: a factor of two
+UNREAD_NOISE_WIDTH: Final = 1.0  # the same of the error of a channel that was not read
+MAX_STEPS: Final = 200
+PROMISE_TOLERANCE: Final = 1e-6  # promise of a further step
+MAX_REFUSALS: Final = 30
+MIN_EIGENVALUE: Final = 1e-12  # eigenvalue of the scaled information that counts
+MAX_LOG_STEP: Final = 1.0  # of a logarithm or first state in a step
+COST_MARGIN: Final = 0.1  # of -log L by which another start must not be better
+OTHER_STARTS: Final = 2  # starts beside the regression
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """Where a search ended."""
 
     a: Numbers
@@ -42,15 +47,15 @@ class Found:
     @property
     def settled(self) -> bool:
         """Return whether no step promises anything."""
-        return self.promise < SETTLED
+        return self.promise < PROMISE_TOLERANCE
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class ShipFit:
     """A fitted ship: parameters, their covariance, and how much of it is the prior's."""
 
-    problem: Problem
-    found: Found
+    problem: ShipProblem
+    found: SearchResult
     a: Numbers  # with disturbances freed of what fitting took
     covariance: Numbers
     information: Numbers  # of the records alone
@@ -68,9 +73,9 @@ class Fit:
         return np.asarray(np.diag(self.covariance)[:common] / self.problem.width**2)
 
 
-def pose(
-    model: Model, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
-) -> tuple[Problem, Numbers]:
+def pose_problem(
+    model: ShipModel, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
+) -> tuple[ShipProblem, Numbers]:
     """Return the problem of fitting a model to records, and where its search begins."""
     problem = problem_of(model, constants, trials, prior, strength)
     noise, firsts = problem.mean[len(model.free) :], map(first_state, problem.trials)
@@ -78,8 +83,8 @@ def pose(
 
 
 def problem_of(
-    model: Model, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
-) -> Problem:
+    model: ShipModel, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
+) -> ShipProblem:
     """Return the problem of fitting a model to records, with what books say."""
     trials = tuple(trials)
     p = len(model.free)
@@ -94,20 +99,27 @@ def problem_of(
     spread = np.maximum(spread, 1e-9)
     step = float(np.median(np.concatenate([np.diff(trial.t) for trial in trials])))
     moving = spread[[*model.driven]]
-    if len(seen) > ROLL_RATE and not seen[ROLL_RATE]:
+    if len(seen) > ROLL_RATE_PLACE and not seen[ROLL_RATE_PLACE]:
         moving[-1] = max(np.std(np.concatenate([_roll_rate(trial) for trial in trials])), 1e-9)
-    mean[p:] = np.log([*(QUIET[0] * moving / math.sqrt(10.0 * step)), *(QUIET[1] * spread)])
-    width[p : p + axes] = WIDTH
-    width[p + axes :][~seen] = UNREAD
-    return Problem(model, constants, trials, mean, width, floors_of(trials))
+    mean[p:] = np.log(
+        [
+            *(START_NOISE_SHARES[0] * moving / math.sqrt(10.0 * step)),
+            *(START_NOISE_SHARES[1] * spread),
+        ]
+    )
+    width[p : p + axes] = LOG_NOISE_WIDTH
+    width[p + axes :][~seen] = UNREAD_NOISE_WIDTH
+    return ShipProblem(model, constants, trials, mean, width, floors_of(trials))
 
 
 def _roll_rate(trial: Trial) -> Numbers:
     """Return the roll rate [rad/s] of the rolls that were read."""
-    return np.asarray(np.gradient(_filled(trial.t, trial.readings[:, ROLL_RATE + 1]), trial.t))
+    return np.asarray(
+        np.gradient(_filled(trial.t, trial.readings[:, ROLL_RATE_PLACE + 1]), trial.t)
+    )
 
 
-def smooth(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
+def smooth_trial(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
     """Return u, v, r and their derivatives (n, 3) by Savitzky and Golay's cubic.
 
     With roll the first are u, v, r, p and phi, and the others those of u, v, r and p.
@@ -118,16 +130,16 @@ def smooth(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
     if np.isnan(rows[:, 2]).all():
         rows[:, 2] = np.gradient(_filled(trial.t, rows[:, 3]), trial.t)
     places = [0, 1, 2]
-    if rows.shape[1] > ROLL_RATE:
-        places += [ROLL_RATE, ROLL_RATE + 1]
-        if np.isnan(rows[:, ROLL_RATE]).all():
-            rows[:, ROLL_RATE] = _roll_rate(trial)
+    if rows.shape[1] > ROLL_RATE_PLACE:
+        places += [ROLL_RATE_PLACE, ROLL_RATE_PLACE + 1]
+        if np.isnan(rows[:, ROLL_RATE_PLACE]).all():
+            rows[:, ROLL_RATE_PLACE] = _roll_rate(trial)
     rows = np.column_stack([_filled(trial.t, rows[:, i]) for i in places])
     step = float(np.median(np.diff(trial.t)))
-    wanted = WINDOW * length / float(np.mean(rows[:, 0])) / step
-    window = min(max(2 * int(wanted / 2.0) + 1, CUBIC + 2), (len(rows) - 1) // 2 * 2 + 1)
-    smoothed = savgol_filter(rows, window, CUBIC, axis=0)
-    slopes = savgol_filter(rows, window, CUBIC, deriv=1, delta=step, axis=0)
+    wanted = SMOOTHING_WINDOW * length / float(np.mean(rows[:, 0])) / step
+    window = min(max(2 * int(wanted / 2.0) + 1, SMOOTHING_ORDER + 2), (len(rows) - 1) // 2 * 2 + 1)
+    smoothed = savgol_filter(rows, window, SMOOTHING_ORDER, axis=0)
+    slopes = savgol_filter(rows, window, SMOOTHING_ORDER, deriv=1, delta=step, axis=0)
     return smoothed, slopes[:, : trial.readings.shape[1] // 2 + 1]
 
 
@@ -137,31 +149,35 @@ def _filled(t: Numbers, values: Numbers) -> Numbers:
     return np.asarray(np.interp(t, t[known], values[known]))
 
 
-def tabulated(constants: Numbers, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
+def tabulate_terms(
+    constants: Numbers, states: Numbers, inputs: Numbers, rudder: Numbers
+) -> Numbers:
     """Return every row of the terms' table at each sample (n, rows)."""
-    table, out = np.empty((ROWS, 1)), np.empty((len(states), ROWS))
+    table, out = np.empty((ROW_COUNT, 1)), np.empty((len(states), ROW_COUNT))
     for k, (state, given) in enumerate(zip(states, inputs, strict=True)):
         set_terms(table, constants, state, np.ascontiguousarray(given), rudder)
         out[k] = table[:, 0]
     return out
 
 
-def terms_of(problem: Problem, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
+def terms_of(problem: ShipProblem, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
     """Return what each factor is times (n, factors), yaw and roll times L."""
-    L, stiffness = problem.constants[0], problem.constants[STIFFNESS]
-    rows, found = tabulated(problem.constants, states, inputs, rudder), []
+    L, stiffness = problem.constants[0], problem.constants[STIFFNESS_PLACE]
+    rows, found = tabulate_terms(problem.constants, states, inputs, rudder), []
     for place, row in problem.model.terms:
-        axis, by = place % len(AXES), place // len(AXES)
+        axis, by = place % len(AXIS_LETTERS), place // len(AXIS_LETTERS)
         own = rows[:, row] * states[:, 2 + by] if by else rows[:, row]
         found.append(own * L * stiffness ** (0.5 * by) if by and axis == 3 else own)
     return np.column_stack(found)
 
 
-def _regression(problem: Problem) -> Numbers:
+def _regression(problem: ShipProblem) -> Numbers:
     """Return the coefficients by least squares of the smoothed accelerations, with the prior."""
     length = problem.constants[0]
-    rudder = GUESS if "c_w" in problem.model.free else GUESS * (1.0, 1.0, 1.0, 0.0, 1.0)
-    smoothed = [smooth(trial, length) for trial in problem.trials]
+    rudder = (
+        RUDDER_GUESS if "c_w" in problem.model.free else RUDDER_GUESS * (1.0, 1.0, 1.0, 0.0, 1.0)
+    )
+    smoothed = [smooth_trial(trial, length) for trial in problem.trials]
     terms = np.vstack(
         [
             terms_of(problem, states, trial.inputs, rudder)
@@ -173,19 +189,21 @@ def _regression(problem: Problem) -> Numbers:
     target = np.vstack([rates for _, rates in smoothed]) * scale
     held = model.whole(dict.fromkeys(model.free, 0.0))
     for j, (place, _) in enumerate(model.terms):
-        target[:, place % len(AXES)] -= held[j] * terms[:, j]
-    values = {name: float(x) for name, x in zip(NONLINEAR, rudder, strict=True)}
-    for axis, letter in enumerate(AXES[: len(model.driven)]):
+        target[:, place % len(AXIS_LETTERS)] -= held[j] * terms[:, j]
+    values = {name: float(x) for name, x in zip(NONLINEAR_NAMES, rudder, strict=True)}
+    for axis, letter in enumerate(AXIS_LETTERS[: len(model.driven)]):
         values |= _solve_axis(problem, letter, terms, target[:, axis])
     return np.array([values[name] for name in model.free])
 
 
-def _solve_axis(problem: Problem, letter: str, terms: Numbers, target: Numbers) -> dict[str, float]:
+def _solve_axis(
+    problem: ShipProblem, letter: str, terms: Numbers, target: Numbers
+) -> dict[str, float]:
     """Return the coefficients of one equation."""
     model = problem.model
     names = [name for name in model.free if name[:2] == f"{letter}_"]
     places = [model.free.index(name) for name in names]
-    weight = 1.0 / max(LEFT * float(np.var(target)), 1e-30)
+    weight = 1.0 / max(RESIDUAL_SHARE * float(np.var(target)), 1e-30)
     A, known = terms[:, [model.names.index(name) for name in names]], problem.width[places] ** -2.0
     left = weight * A.T @ A + np.diag(known)
     right = weight * A.T @ target + known * problem.mean[places]
@@ -194,22 +212,26 @@ def _solve_axis(problem: Problem, letter: str, terms: Numbers, target: Numbers) 
     return dict(zip(names, map(float, solved), strict=True))
 
 
-def fit(
-    problem: Problem, begin: Numbers, heard: Callable[[int, float], None], seed: int = 1
-) -> Fit:
+def fit_ship(
+    problem: ShipProblem, begin: Numbers, heard: Callable[[int, float], None], seed: int = 1
+) -> ShipFit:
     """Return the best of searches from the regression and from draws of the prior."""
     stream = np.random.default_rng(seed)
-    starts = [begin, *(_draw(problem, begin, stream) for _ in range(OTHERS))]
-    ends = [search(problem, start, heard) for start in starts if math.isfinite(problem.cost(start))]
+    starts = [begin, *(_draw(problem, begin, stream) for _ in range(OTHER_STARTS))]
+    ends = [
+        search_minimum(problem, start, heard)
+        for start in starts
+        if math.isfinite(problem.cost(start))
+    ]
     if not ends:
-        ends = [Found(begin, math.inf, math.inf, 0)]
+        ends = [SearchResult(begin, math.inf, math.inf, 0)]
     best = min(ends, key=lambda end: end.cost)
     if not best.settled and math.isfinite(best.cost) and math.isfinite(best.promise):
         best = _go_on(problem, best, heard)
     return _with_intervals(problem, best, tuple(end.cost for end in ends))
 
 
-def _draw(problem: Problem, begin: Numbers, stream: np.random.Generator) -> Numbers:
+def _draw(problem: ShipProblem, begin: Numbers, stream: np.random.Generator) -> Numbers:
     """Return another start: coefficients from twice the prior's width, noise up to e^2 off."""
     a, p = begin.copy(), len(problem.model.free)
     known = np.isfinite(problem.width[:p])
@@ -223,7 +245,7 @@ def _scaled(H: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     """Return the scale of the parameters, and eigenvalues and vectors of the scaled matrix."""
     unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
     sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
-    return unit, np.maximum(sizes, SMALLEST), vectors
+    return unit, np.maximum(sizes, MIN_EIGENVALUE), vectors
 
 
 def promise_of(g: Numbers, H: Numbers) -> float:
@@ -232,7 +254,7 @@ def promise_of(g: Numbers, H: Numbers) -> float:
     return 0.5 * float(np.sum((vectors.T @ (unit * g)) ** 2 / sizes))
 
 
-def held_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
+def held_slopes(problem: ShipProblem, a: Numbers) -> tuple[Numbers, Numbers]:
     """Return gradient and information, without what is held at its lowest."""
     _, g, H = problem.slopes(a)
     held = (a <= problem.lowest) & (g > 0.0)
@@ -241,26 +263,28 @@ def held_slopes(problem: Problem, a: Numbers) -> tuple[Numbers, Numbers]:
     return g, H
 
 
-def _limited(problem: Problem, a: Numbers, step: Numbers) -> Numbers:
+def _limited(problem: ShipProblem, a: Numbers, step: Numbers) -> Numbers:
     """Return a step cut so that nothing moves too far."""
     p = len(problem.model.free)
-    most = np.full(len(a), MOST)
+    most = np.full(len(a), MAX_LOG_STEP)
     most[:p] = np.maximum(0.5, 0.5 * np.abs(a[:p]))
     return np.asarray(step / max(1.0, float(np.max(np.abs(step) / most))))
 
 
-def search(problem: Problem, a: Numbers, heard: Callable[[int, float], None]) -> Found:
+def search_minimum(
+    problem: ShipProblem, a: Numbers, heard: Callable[[int, float], None]
+) -> SearchResult:
     """Return where Levenberg's scoring on the expected information ends."""
     damping, cost, promise = 1e-2, problem.cost(a), math.inf
-    for count in range(STEPS):
+    for count in range(MAX_STEPS):
         g, H = held_slopes(problem, a)
         if not (np.isfinite(g).all() and np.isfinite(H).all()):
-            return Found(a, cost, math.inf, count)
+            return SearchResult(a, cost, math.inf, count)
         promise = promise_of(g, H)
-        if promise < SETTLED:
-            return Found(a, cost, promise, count)
+        if promise < PROMISE_TOLERANCE:
+            return SearchResult(a, cost, promise, count)
         unit, sizes, vectors = _scaled(H)
-        for _ in range(REFUSALS):
+        for _ in range(MAX_REFUSALS):
             step = -unit * (vectors @ ((vectors.T @ (unit * g)) / (sizes + damping)))
             step = np.maximum(_limited(problem, a, step), problem.lowest - a)
             trial = problem.cost(a + step)
@@ -268,16 +292,18 @@ def search(problem: Problem, a: Numbers, heard: Callable[[int, float], None]) ->
                 break
             damping *= 4.0
         else:
-            return Found(a, cost, promise, count)
+            return SearchResult(a, cost, promise, count)
         expected = -float(g @ step + 0.5 * step @ H @ step)
         gained = (cost - trial) / expected if expected > 0.0 else 0.0
         damping = damping / 5.0 if gained > 0.5 else damping * 3.0 if gained < 0.2 else damping
         a, cost = a + step, trial
         heard(count + 1, cost)
-    return Found(a, cost, promise, STEPS)
+    return SearchResult(a, cost, promise, MAX_STEPS)
 
 
-def _go_on(problem: Problem, begin: Found, heard: Callable[[int, float], None]) -> Found:
+def _go_on(
+    problem: ShipProblem, begin: SearchResult, heard: Callable[[int, float], None]
+) -> SearchResult:
     """Return where scipy's BFGS gets to, scaled by the information, then scoring again."""
     from scipy.optimize import minimize  # noqa: PLC0415
 
@@ -298,8 +324,10 @@ def _go_on(problem: Problem, begin: Found, heard: Callable[[int, float], None]) 
     end = np.maximum(begin.a + turn @ ended.x, problem.lowest)
     if problem.cost(end) >= begin.cost:
         return begin
-    again = search(problem, end, heard)
-    return Found(again.a, again.cost, again.promise, begin.steps + int(ended.nit) + again.steps)
+    again = search_minimum(problem, end, heard)
+    return SearchResult(
+        again.a, again.cost, again.promise, begin.steps + int(ended.nit) + again.steps
+    )
 
 
 def _inverse(H: Numbers) -> Numbers:
@@ -308,7 +336,9 @@ def _inverse(H: Numbers) -> Numbers:
     return np.asarray(np.outer(unit, unit) * ((vectors / sizes) @ vectors.T))
 
 
-def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -> Fit:
+def _with_intervals(
+    problem: ShipProblem, found: SearchResult, others: tuple[float, ...]
+) -> ShipFit:
     """Return the fit with its covariance, at disturbances freed of what the coefficients took.
 
     A likelihood with many coefficients makes disturbances too small: each equation's is widened by
@@ -318,7 +348,7 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
     _, H = held_slopes(problem, a)
     if not (math.isfinite(found.cost) and np.isfinite(H).all()):
         empty = np.full((problem.size, problem.size), math.nan)
-        return Fit(problem, found, a, empty, empty, others)
+        return ShipFit(problem, found, a, empty, empty, others)
     C, p = _inverse(H), len(problem.model.free)
     share = np.diag(C)[: problem.common] / problem.width**2
     for axis, letters in enumerate(("X", "Y", "Nglkc", "K")[: len(problem.model.driven)]):
@@ -331,26 +361,28 @@ def _with_intervals(problem: Problem, found: Found, others: tuple[float, ...]) -
     return _known_at(problem, a, found, others)
 
 
-def _known_at(problem: Problem, a: Numbers, found: Found, others: tuple[float, ...]) -> Fit:
+def _known_at(
+    problem: ShipProblem, a: Numbers, found: SearchResult, others: tuple[float, ...]
+) -> ShipFit:
     """Return the fit with the covariance that the information at ``a`` gives."""
     _, H = held_slopes(problem, a)
     own = H.copy()
     places = np.arange(problem.common)
     own[places, places] -= problem.width**-2.0
-    return Fit(problem, found, a, _inverse(H), own, others)
+    return ShipFit(problem, found, a, _inverse(H), own, others)
 
 
-def expect(problem: Problem, a: Numbers) -> Fit:
+def expect_fit(problem: ShipProblem, a: Numbers) -> ShipFit:
     """Return what fitting is expected to give of a ship whose parameters are known.
 
     The records are without errors, so that the information is that expected of them.
     """
-    return _known_at(problem, a, Found(a, problem.cost(a), 0.0, 0), ())
+    return _known_at(problem, a, SearchResult(a, problem.cost(a), 0.0, 0), ())
 
 
-def told_of_roll(fitted: Fit) -> Iterator[str]:
+def told_of_roll(fitted: ShipFit) -> Iterator[str]:
     """Yield the period of roll and its damping, where there is roll."""
-    a, stiffness = fitted.problem.coefficients(fitted.a), fitted.problem.constants[STIFFNESS]
+    a, stiffness = fitted.problem.coefficients(fitted.a), fitted.problem.constants[STIFFNESS_PLACE]
     square = -a.get("K_phi", 0.0) * float(stiffness)
     if square > 0.0:
         root = math.sqrt(square)

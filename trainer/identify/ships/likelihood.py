@@ -13,21 +13,21 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.ship.forces import System, Terms
-from trainer.boat.ship.models import Model
+from trainer.boat.ship.models import ShipModel
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
 from trainer.identify.ships.records import Trial
 
 NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
-FINEST: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
+MIN_ERROR_SHARE: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
 FIRST_ROWS: Final = 11
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class ShipProblem:
     """Records, a model and the prior, whose width is infinite where none is."""
 
-    model: Model
+    model: ShipModel
     constants: Numbers  # of the ship, as the kernels take them
     trials: tuple[Trial, ...]
     mean: Numbers  # of the common parameters
@@ -157,4 +157,4 @@ def floors_of(trials: tuple[Trial, ...]) -> Numbers:
     rows = np.vstack([trial.readings for trial in trials])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(len(seen))])
-    return np.asarray(FINEST * np.maximum(spread, 1e-12))
+    return np.asarray(MIN_ERROR_SHARE * np.maximum(spread, 1e-12))

@@ -10,19 +10,19 @@ import numpy as np
 from trainer.identify import sheet as sheets
 from trainer.identify.ships.records import Trial
 from trainer.identify.ships.results import (
-    CAUSES,
-    OUTPUTS,
-    SCALES,
-    SUSPECT,
-    UNITS,
-    Identified,
-    Report,
-    Untold,
+    OUTPUT_NAMES,
+    OUTPUT_SCALES,
+    OUTPUT_UNITS,
+    SUSPECT_PROBABILITY,
+    TURNING_CAUSES,
+    ShipFitReport,
+    ShipIdentification,
+    UnknownDirection,
     causes_of,
     residual_accelerations,
 )
 from trainer.report.plots import Curve, Panel, Screen
-from trainer.report.text import INDENT, cut, figure, items, table, wrap
+from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
 
 NOISE_UNITS: Final = {
     **dict.fromkeys("uv", "m/s"),
@@ -31,14 +31,16 @@ NOISE_UNITS: Final = {
 }
 
 
-def render(report: Report) -> str:
+def render(report: ShipFitReport) -> str:
     """Return the report as text."""
     lines = [
         f"IDENTIFICATION OF A SHIP, model {report.model}",
-        f"{INDENT}{cut(report.ship, 70)}, {report.length_m:g} m",
+        f"{INDENT}{cut_text(report.ship, 70)}, {report.length_m:g} m",
     ]
     for source, samples in zip(report.sources, report.samples, strict=True):
-        lines.append(f"{INDENT}{cut(source, 50)}: {samples} samples every {report.interval_s:g} s")
+        lines.append(
+            f"{INDENT}{cut_text(source, 50)}: {samples} samples every {report.interval_s:g} s"
+        )
     strength = f", widths times {report.prior_strength:g}" if report.prior_strength else ""
     lines += wrap(f"prior: {report.prior}{strength}")
     if report.findings:
@@ -68,7 +70,7 @@ def render(report: Report) -> str:
     return "\n".join(lines)
 
 
-def _noise_table(report: Report) -> list[str]:
+def _noise_table(report: ShipFitReport) -> list[str]:
     """Return disturbances and errors of readings."""
     rows = []
     for one in report.noises:
@@ -78,7 +80,7 @@ def _noise_table(report: Report) -> list[str]:
     return table(("disturbance, error", "unit", "estimate", "95 %\nfrom", "\nto"), rows)
 
 
-def _fit_lines(report: Report) -> list[str]:
+def _fit_lines(report: ShipFitReport) -> list[str]:
     """Return whether the search settled, and where the other starts ended."""
     state = f"settled in {report.steps} steps" if report.settled else "DID NOT SETTLE"
     lines = [f"{INDENT}Fit {state}: -log L with the prior {report.cost:.4f}"]
@@ -93,7 +95,7 @@ def _fit_lines(report: Report) -> list[str]:
     return lines + (wrap(f"Other starts ended at {ends}") if ends else [])
 
 
-def _untold_lines(report: Report) -> list[str]:
+def _untold_lines(report: ShipFitReport) -> list[str]:
     """Return what the records do not tell, in words."""
     lines = [f"{INDENT}What the record cannot tell"]
     if not report.untold:
@@ -105,7 +107,7 @@ def _untold_lines(report: Report) -> list[str]:
     return lines
 
 
-def in_words(one: Untold) -> str:
+def in_words(one: UnknownDirection) -> str:
     """Return a combination in words."""
     names = sorted(one.parts, key=lambda name: -abs(one.parts[name]))
     if len(names) == 1:
@@ -118,13 +120,13 @@ def in_words(one: Untold) -> str:
     )
 
 
-def _prediction_table(report: Report) -> list[str]:
+def _prediction_table(report: ShipFitReport) -> list[str]:
     """Return how well records are predicted by rudder, revolutions and wind alone."""
     rows = [
-        (cut(one.source, 30), one.kind, *(figure(x, ".1f") for x in one.explained))
+        (cut_text(one.source, 30), one.kind, *(format_number(x, ".1f") for x in one.explained))
         for one in report.predictions
     ]
-    shown = OUTPUTS[: len(report.predictions[0].explained)]
+    shown = OUTPUT_NAMES[: len(report.predictions[0].explained)]
     heads = ("predicted by inputs alone,\n% of the variance", "record", *shown)
     lines = table(heads, rows)
     if not any(one.kind != "fitted" for one in report.predictions):
@@ -132,7 +134,7 @@ def _prediction_table(report: Report) -> list[str]:
     return lines
 
 
-def _whiteness_lines(report: Report) -> list[str]:
+def _whiteness_lines(report: ShipFitReport) -> list[str]:
     """Return the tests of the innovations, and what they mean for the intervals."""
     rows = [
         (
@@ -146,7 +148,7 @@ def _whiteness_lines(report: Report) -> list[str]:
     ]
     heads = ("innovations\nof", "size, of\nexpected", "white\np", "to the\nnext", "factor")
     lines = table(heads, rows)
-    if bad := [one for one in report.whiteness if one.probability < SUSPECT]:
+    if bad := [one for one in report.whiteness if one.probability < SUSPECT_PROBABILITY]:
         names = ", ".join(one.output for one in bad)
         lines += wrap(
             f"- innovations of {names} are not white: stated intervals are too narrow; take them "
@@ -155,47 +157,47 @@ def _whiteness_lines(report: Report) -> list[str]:
     return lines
 
 
-def panels(found: Identified) -> tuple[Panel, ...]:
+def panels(found: ShipIdentification) -> tuple[Panel, ...]:
     """Return the records with their predictions, and residual accelerations against causes."""
     return tuple(panel for screen in screens(found) for panel in screen.panels)
 
 
-def screens(found: Identified) -> tuple[Screen, ...]:
+def screens(found: ShipIdentification) -> tuple[Screen, ...]:
     """Return all figures of a fit in groups, each for one screen."""
     groups: dict[str, Iterator[Panel]] = {}
     for what, trials in (("Record", found.fit.problem.trials), ("Held back", found.held)):
         for number, trial in enumerate(trials, 1):
             name = what if len(trials) == 1 else f"{what} {number}"
             groups[name] = _record_panels(found, trial)
-    groups |= {f"Left over by {cause}": _residual_panels(found, cause) for cause in CAUSES}
+    groups |= {f"Left over by {cause}": _residual_panels(found, cause) for cause in TURNING_CAUSES}
     return sheets.screens_of(groups)
 
 
-def sheet(found: Identified) -> str:
+def sheet(found: ShipIdentification) -> str:
     """Return the page of HTML; it needs no other file."""
     report = found.report
     return sheets.sheet(report.ship, render(report), screens(found), report)
 
 
-def _record_panels(found: Identified, trial: Trial) -> Iterator[Panel]:
+def _record_panels(found: ShipIdentification, trial: Trial) -> Iterator[Panel]:
     """Yield the readings of a record with what inputs alone predict."""
     sailed = found.fit.problem.sail(found.fit.found.a, trial)
-    for i, output in enumerate(OUTPUTS[: sailed.shape[1]]):
+    for i, output in enumerate(OUTPUT_NAMES[: sailed.shape[1]]):
         curves = (
-            Curve("measured", trial.t, SCALES[i] * trial.readings[:, i], points=True),
-            Curve("by inputs alone", trial.t, SCALES[i] * sailed[:, i]),
+            Curve("measured", trial.t, OUTPUT_SCALES[i] * trial.readings[:, i], points=True),
+            Curve("by inputs alone", trial.t, OUTPUT_SCALES[i] * sailed[:, i]),
         )
         title = f"{output}, {Path(trial.source).name}"
-        yield Panel(title, "time [s]", f"[{UNITS[i]}]", curves)
+        yield Panel(title, "time [s]", f"[{OUTPUT_UNITS[i]}]", curves)
 
 
-def _residual_panels(found: Identified, cause: str) -> Iterator[Panel]:
+def _residual_panels(found: ShipIdentification, cause: str) -> Iterator[Panel]:
     """Yield the accelerations left over against v', r' or the rudder."""
     problem, a = found.fit.problem, found.fit.found.a
     length, turn = float(problem.constants[0]), np.degrees if cause == "rudder" else np.asarray
     rows = [(trial, *residual_accelerations(problem, a, trial)) for trial in problem.trials]
     for i, state in enumerate(problem.model.driven):
-        output = OUTPUTS[state]
+        output = OUTPUT_NAMES[state]
         curves = tuple(
             Curve(
                 Path(trial.source).name,
@@ -211,7 +213,7 @@ def _residual_panels(found: Identified, cause: str) -> Iterator[Panel]:
         yield Panel(title, label, unit, curves, levels=(0.0,))
 
 
-def coefficients_text(report: Report) -> str:
+def coefficients_text(report: ShipFitReport) -> str:
     """Return coefficients, standard deviations and covariance as CSV."""
     p = len(report.coefficients)
     names = report.covariance_names[:p]

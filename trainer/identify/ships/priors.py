@@ -4,13 +4,13 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from trainer.boat.ship.models import Model
+from trainer.boat.ship.models import ShipModel
 from trainer.config.ship import Dimensions, ShipFile
 
 Prior = Mapping[str, tuple[float, float]]  # mean and standard deviation before the strength
 
 # Full tankers, L/B 5.5, C_B 0.81 (model-tests of KVLCC2): the default where a ship file has no form
-TANKER: Final[Prior] = {
+TANKER_PRIOR: Final[Prior] = {
     "X_T": (38.0, 2.0),
     "X_F": (0.09, 0.05),
     "X_vv": (0.0, 3.0),
@@ -42,7 +42,7 @@ TANKER: Final[Prior] = {
     "c_w": (0.4, 0.2),
 }
 # Of the order of a container ship of small GM (Son and Nomoto 1981), from memory: as wide as known
-HEEL: Final[Prior] = {
+HEEL_PRIOR: Final[Prior] = {
     "K_0": (0.0, 1.0),
     "K_v": (8.0, 16.0),
     "K_r": (-2.0, 8.0),
@@ -53,24 +53,24 @@ HEEL: Final[Prior] = {
     "Y_phi": (0.0, 0.1),
     "N_phi": (-0.2, 0.5),
 }
-HULL: Final = tuple(f"{axis}_{term}" for axis in "YN" for term in ("v", "r"))
-SHARE: Final = 0.45  # [-] of a mean by formula that is its standard deviation
-GYRATION: Final = 0.25  # [L] radius of a ship
+HULL_DERIVATIVES: Final = tuple(f"{axis}_{term}" for axis in "YN" for term in ("v", "r"))
+FORMULA_DEVIATION_SHARE: Final = 0.45  # [-] of a mean by formula that is its standard deviation
+YAW_GYRATION_LENGTHS: Final = 0.25  # [L] radius of a ship
 THRUST_LEFT: Final = 0.78  # [-] 1-t, of a full ship
 SURGE_WATER: Final = 0.075  # [-] of the mass that moves ahead with it
 HULL_RUDDER: Final = 0.31, 0.46  # a_H and -x_H/L, of a full ship
 RUDDER_ARM: Final = 0.5  # [L]
 
 
-def prior_of(model: Model, ship: ShipFile) -> tuple[Prior, str]:
+def prior_of(model: ShipModel, ship: ShipFile) -> tuple[Prior, str]:
     """Return what books say of the free coefficients, and which book says it.
 
     A model without cubes has no book: its slopes are those of the range it was fitted in.
     """
     form = kijima(ship.dimensions)
-    whole = {**TANKER, **HEEL, **form}
+    whole = {**TANKER_PRIOR, **HEEL_PRIOR, **form}
     if model.name in ("linear", "mavmm"):
-        whole = {name: one for name, one in whole.items() if name not in HULL}
+        whole = {name: one for name, one in whole.items() if name not in HULL_DERIVATIVES}
     known = {name: whole[name] for name in model.free if name in whole}
     source = "formulas of Kijima and others 1990, by the ship's form" if form else "full tankers"
     return known, source + (", in roll a container ship" if "K_v" in known else "")
@@ -90,7 +90,7 @@ def kijima(hull: Dimensions) -> Prior:
     k, a, e = 2.0 * d / L, C_B * B / L, d * (1.0 - C_B) / B
     own, water = 2.0 * a, math.pi * d / L
     sway = own + water
-    yaw = own * GYRATION**2 + water / 12.0
+    yaw = own * YAW_GYRATION_LENGTHS**2 + water / 12.0
     found = {
         "X_T": THRUST_LEFT / (own * d / L * (1.0 + SURGE_WATER)),
         "Y_v": -(0.5 * math.pi * k + 1.4 * a) / sway,
@@ -104,8 +104,11 @@ def kijima(hull: Dimensions) -> Prior:
         "N_vvr": -(57.5 * a * a - 18.4 * a + 1.6) / yaw,
     }
     found |= _rudder(hull, sway * L * d, yaw * L * d)
-    least = {name: TANKER[name][1] for name in ("Y_vvr", "Y_vrr", "N_rrr", "N_vrr", "N_vvr")}
-    spread = {name: max(SHARE * abs(mean), least.get(name, 0.0)) for name, mean in found.items()}
+    least = {name: TANKER_PRIOR[name][1] for name in ("Y_vvr", "Y_vrr", "N_rrr", "N_vrr", "N_vvr")}
+    spread = {
+        name: max(FORMULA_DEVIATION_SHARE * abs(mean), least.get(name, 0.0))
+        for name, mean in found.items()
+    }
     spread["X_T"] = 0.1 * found["X_T"]
     return {name: (mean, spread[name]) for name, mean in found.items()}
 

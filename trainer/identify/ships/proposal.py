@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError, write_once
-from trainer.config.tables import Table, read_table
+from trainer.config.tables import CsvTable, read_table
 from trainer.identify.record.columns import SHIP_WORDS, GuessedColumns, guess_columns
-from trainer.identify.record.findings import examine
-from trainer.identify.record.proposal import Proposal, columns_text, quoted, turned
+from trainer.identify.record.findings import examine_record
+from trainer.identify.record.proposal import Proposal, columns_text, quote_toml, turn_rudder
 from trainer.identify.record.sources import (
     FURTHER_CHANNELS,
     FURTHER_COLUMNS,
@@ -18,9 +18,9 @@ from trainer.identify.record.sources import (
     own_columns,
     units_of,
 )
-from trainer.identify.ships.records import GROUND, NEEDED
+from trainer.identify.ships.records import GROUND_VELOCITIES, NEEDED_CHANNELS
 
-TEXT: Final = """\
+SHIP_FILE_TEXT: Final = """\
 # The file of a ship, for records like {record}. What was guessed is marked: correct it.
 # Fill in [dimensions]; then: {command}
 schema = "ship/1"
@@ -39,14 +39,16 @@ name = {name}
 [records]
 {records}
 {columns}"""
-GUESSED: Final = "  # guessed: say so if the water stood still"
-MISSING: Final = """\
+GUESSED_NOTE: Final = "  # guessed: say so if the water stood still"
+MISSING_COLUMN_TEXT: Final = """\
 # [[columns]]  # fill in: {why}
 # channel = "{channel}"
 # column = ""
 
 """
-WIND: Final = "is taken for the relative wind; leave its [[columns]] out if it is over ground"
+WIND_REMARK: Final = (
+    "is taken for the relative wind; leave its [[columns]] out if it is over ground"
+)
 
 
 def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
@@ -66,31 +68,36 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
     record = load_record(data, usual)
     sign = ""
     if record.rudder is not None:
-        record, sign = turned(record)
+        record, sign = turn_rudder(record)
     lacking = _lacking(found.columns)
     lines = []
     if "t" not in found.columns:
         lines.append("interval_s = 1  # guessed: there is no time\n")
-    if all(channel in found.columns for channel in GROUND) and "speed" not in found.columns:
-        lines.append(f'current = "none"{GUESSED}\n')
-    text = TEXT.format(
+    if (
+        all(channel in found.columns for channel in GROUND_VELOCITIES)
+        and "speed" not in found.columns
+    ):
+        lines.append(f'current = "none"{GUESSED_NOTE}\n')
+    text = SHIP_FILE_TEXT.format(
         record=data.name,
-        command=fitting(data, path),
-        name=quoted(data.stem[:79]),
+        command=fit_command(data, path),
+        name=quote_toml(data.stem[:79]),
         length=f"length_m = {length:g}  #" if length else "# length_m = 320.0  # fill in:",
         records=sign + "".join(lines),
         columns=("" if own else columns_text(found))
-        + "".join(MISSING.format(channel=channel, why=why) for channel, why in lacking.items()),
+        + "".join(
+            MISSING_COLUMN_TEXT.format(channel=channel, why=why) for channel, why in lacking.items()
+        ),
     )
     write_once(path, text.rstrip() + "\n")
-    remarks = [str(one) for one in examine(record)]
+    remarks = [str(one) for one in examine_record(record)]
     if "wind_speed" in found.columns:
-        remarks.append(f"{found.columns['wind_speed'].name}: {WIND}")
+        remarks.append(f"{found.columns['wind_speed'].name}: {WIND_REMARK}")
     remarks += [f"no column for {channel} found" for channel in lacking]
     return Proposal(text, len(record.t), record.interval, found.columns, tuple(remarks))
 
 
-def _own(table: Table) -> GuessedColumns | None:
+def _own(table: CsvTable) -> GuessedColumns | None:
     """Return the columns as the trainer writes them, which a ship's file need not name."""
     own = {
         **own_columns(),
@@ -100,7 +107,7 @@ def _own(table: Table) -> GuessedColumns | None:
     return None if _lacking(found) else GuessedColumns(found, frozenset())
 
 
-def fitting(data: Path, path: Path) -> str:
+def fit_command(data: Path, path: Path) -> str:
     """Return the command that fits the ship of a file to a record."""
     names = [shlex.quote(str(one)) for one in (data, path)]
     return f"trainer identify {names[0]} --model mmg --ship {names[1]}"
@@ -108,8 +115,8 @@ def fitting(data: Path, path: Path) -> str:
 
 def _lacking(columns: Collection[str]) -> dict[str, str]:
     """Return the channels that a fit needs and that were not found, and why it needs them."""
-    needed = {"rudder": "what the ship answers", **NEEDED}
-    if all(channel in columns for channel in (*GROUND, "heading")):
+    needed = {"rudder": "what the ship answers", **NEEDED_CHANNELS}
+    if all(channel in columns for channel in (*GROUND_VELOCITIES, "heading")):
         del needed["speed"], needed["sway"]
     if "heading" not in columns and "yaw_rate" not in columns:
         needed["heading"] = "or the yaw rate, as yaw_rate"

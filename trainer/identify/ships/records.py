@@ -11,10 +11,10 @@ import numpy as np
 
 from trainer.config.files import ConfigError, quote
 from trainer.config.sensors import Sensors
-from trainer.config.ship import GRAVITY, ShipFile
+from trainer.config.ship import GRAVITY_M_S2, ShipFile
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
-from trainer.identify.record.findings import examine, unwrap_heading
+from trainer.identify.record.findings import examine_record, unwrap_heading
 from trainer.identify.record.measurements import Finding, Record
 from trainer.identify.record.sources import (
     FURTHER_CHANNELS,
@@ -24,26 +24,28 @@ from trainer.identify.record.sources import (
     own_columns,
     read_by,
 )
-from trainer.identify.record.track import along
-from trainer.io.paths import SUFFIX
+from trainer.identify.record.track import resolve_along
+from trainer.io.paths import RECORDING_SUFFIX
 
-OF_ROLL: Final = ("roll_rate", "roll")  # readings, in the order of the filter
-NEEDED: Final = {  # and why
+ROLL_CHANNELS: Final = ("roll_rate", "roll")  # readings, in the order of the filter
+NEEDED_CHANNELS: Final = {  # and why
     "speed": "the speed through the water drives every force",
     "sway": "the drift cannot be told from the turning",
     "revolutions": "the propeller's slipstream drives the rudder",
 }
-ADVANCE: Final = (0.1, 1.6)  # J of a propeller that drives a ship ahead
-FINE: Final = 0.1  # [L/U] of a step of Runge and Kutta
-SHORTEST: Final = 30  # samples
-LEANS: Final = 0.5  # correlation of roll and turning beyond which the ship leans inwards
+ADVANCE_RATIO_RANGE: Final = (0.1, 1.6)  # J of a propeller that drives a ship ahead
+FINE_STEP_SHARE: Final = 0.1  # [L/U] of a step of Runge and Kutta
+MIN_TRIAL_SAMPLES: Final = 30  # samples
+INWARD_LEAN_CORRELATION: Final = (
+    0.5  # correlation of roll and turning beyond which the ship leans inwards
+)
 TURNS_RIGHT: Final = 0.2  # correlation of rudder and turning beyond which the sign is plain
-GROUND: Final = ("north_velocity", "east_velocity")
-READINGS: Final = (0, 1, 2, 3, 10, 11)  # columns of the table
+GROUND_VELOCITIES: Final = ("north_velocity", "east_velocity")
+READING_COLUMNS: Final = (0, 1, 2, 3, 10, 11)  # columns of the table
 SPEED_STREAM, ROLL_STREAM = 13, 14  # of the errors of instruments
-SWING: Final = 0.5  # [rad] of roll's own period in a step of Runge and Kutta
-COARSE: Final = 6  # samples in that period, at least
-LEVERS: Final = (0.002, 0.5)  # [L] of the forces that heel a ship
+MAX_ROLL_STEP_RAD: Final = 0.5  # [rad] of roll's own period in a step of Runge and Kutta
+MIN_ROLL_SAMPLES: Final = 6  # samples in that period, at least
+HEEL_LEVER_RANGE: Final = (0.002, 0.5)  # [L] of the forces that heel a ship
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Trial:
     @property
     def readings(self) -> Numbers:
         """Return u, v, r, heading (n, 4), and any roll rate and roll (n, 6)."""
-        return self.table[:, :4] if self.table.shape[1] == 10 else self.table[:, READINGS]
+        return self.table[:, :4] if self.table.shape[1] == 10 else self.table[:, READING_COLUMNS]
 
     @property
     def inputs(self) -> Numbers:
@@ -76,11 +78,11 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     """Return a record with its ``further`` channels, SI, examined and averaged. ConfigError."""
     record = _from_ground(record, further, ship)
     if ship.roll is None:
-        further = {key: one for key, one in further.items() if key not in OF_ROLL}
+        further = {key: one for key, one in further.items() if key not in ROLL_CHANNELS}
     _check_needed(record.source, ship, {**further, **dict.fromkeys(record.channels, record.t)})
     if ship.records.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
-    findings = examine(record)
+    findings = examine_record(record)
     record = unwrap_heading(record)
     _check_sign(record)
     if ship.sensors is not None:
@@ -93,7 +95,7 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
         size, angle = further["wind_speed"], further["wind_from"]
         ahead, starboard = size * np.cos(angle), size * np.sin(angle)
     inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
-    rolls = [further.get(name, none) for name in OF_ROLL] if "roll" in further else []
+    rolls = [further.get(name, none) for name in ROLL_CHANNELS] if "roll" in further else []
     table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
     if ship.roll is not None:
         told = _check_roll(record, further["roll"], ship, ship.roll.gm_m, every)
@@ -101,7 +103,7 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     _check_propeller(record, further["revolutions"], ship)
     for channel, values in further.items():
         missing = np.isnan(values)
-        if channel not in (*GROUND, *OF_ROLL) and missing.any():
+        if channel not in (*GROUND_VELOCITIES, *ROLL_CHANNELS) and missing.any():
             row = record.row(int(np.argmax(missing)))
             raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
     t = record.t
@@ -109,9 +111,10 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
         places = np.arange(every // 2, len(t) - every // 2, every)
         around = places[:, None] + np.arange(every) - every // 2
         t, table = t[places], table[around].mean(axis=1)
-    if len(t) < SHORTEST:
+    if len(t) < MIN_TRIAL_SAMPLES:
         raise ConfigError(
-            f"{record.source}: has {len(t)} samples of {every} rows; needs {SHORTEST} or more"
+            f"{record.source}: has {len(t)} samples of {every} rows; needs "
+            f"{MIN_TRIAL_SAMPLES} or more"
         )
     table = with_steps(t, table, ship)
     return Trial(record.source, t, table, tuple(map(str, findings)), bool(np.any(table[:, 6:8])))
@@ -126,7 +129,7 @@ def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
         return found
     table = read_table(path)
     own = {**own_columns(), **{key: Column(name, None) for key, name in FURTHER_COLUMNS.items()}}
-    unread = OF_ROLL if ship.roll is None else ()
+    unread = ROLL_CHANNELS if ship.roll is None else ()
     return {key: one for key, one in own.items() if table.has(one.name) and key not in unread}
 
 
@@ -134,7 +137,7 @@ def _read(
     path: Path, ship: ShipFile, columns: Mapping[str, Column]
 ) -> tuple[Record, dict[str, Numbers]]:
     """Return the record and its further channels, SI."""
-    if path.suffix == SUFFIX:
+    if path.suffix == RECORDING_SUFFIX:
         raise ConfigError(
             f"{path}: records for this model are CSV files: trainer export {path} --csv FILE "
             "writes one"
@@ -166,7 +169,7 @@ def _read(
 
 def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) -> Record:
     """Return the record with velocities over ground turned into the ship's axes."""
-    if not all(key in further for key in GROUND):
+    if not all(key in further for key in GROUND_VELOCITIES):
         return record
     if ship.records.current != "none":
         raise ConfigError(
@@ -174,7 +177,9 @@ def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) ->
             f'come from the speed through the water: say current = "none" in [records] of '
             f"{ship.path.name} if the water stood still, or give the log as speed and sway"
         )
-    speed, sway = along(further[GROUND[1]], further[GROUND[0]], record.column("heading"))
+    speed, sway = resolve_along(
+        further[GROUND_VELOCITIES[1]], further[GROUND_VELOCITIES[0]], record.column("heading")
+    )
     return replace(record, speed=speed, sway=sway)
 
 
@@ -183,7 +188,7 @@ def _check_needed(source: str, ship: ShipFile, found: Mapping[str, Numbers]) -> 
     problems = [
         f"{source}: no {channel} was recorded: {why}; name its column as channel {channel} in "
         f"[[columns]] of {ship.path.name}"
-        for channel, why in NEEDED.items()
+        for channel, why in NEEDED_CHANNELS.items()
         if channel not in found
     ]
     if ship.roll is not None and "roll" not in found:
@@ -226,13 +231,13 @@ def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
     D, w = ship.dimensions.propeller_diameter_m, ship.dimensions.wake_fraction
     advance = (1.0 - w) * speed[driven] / (n[driven] * D)
     usual = float(np.median(advance))
-    if ADVANCE[0] <= usual <= ADVANCE[1]:
+    if ADVANCE_RATIO_RANGE[0] <= usual <= ADVANCE_RATIO_RANGE[1]:
         return
     row = record.row(int(np.flatnonzero(driven)[0]))
     raise ConfigError(
         f"{record.source}: row {row}: the propeller advances J = {usual:.3g} diameters a turn, "
-        f"{ADVANCE[0]:g} to {ADVANCE[1]:g} are usual: is the diameter in feet, are revolutions "
-        "per minute (rpm) or per second (1/s), is the speed in knots?"
+        f"{ADVANCE_RATIO_RANGE[0]:g} to {ADVANCE_RATIO_RANGE[1]:g} are usual: is the diameter in "
+        "feet, are revolutions per minute (rpm) or per second (1/s), is the speed in knots?"
     )
 
 
@@ -245,25 +250,25 @@ def _check_roll(
     """
     period = 2.0 * math.pi / math.sqrt(ship.stiffness)
     step = every * float(np.median(np.diff(record.t)))
-    if COARSE * step > period:
+    if MIN_ROLL_SAMPLES * step > period:
         raise ConfigError(
             f"{record.source}: a sample each {step:.3g} s, and a roll of {ship.path.name} lasts "
-            f"{period:.3g} s: needs {COARSE} samples or more; take fewer rows by --every"
+            f"{period:.3g} s: needs {MIN_ROLL_SAMPLES} samples or more; take fewer rows by --every"
         )
-    pull = record.column("speed") * _rate(record) / GRAVITY
+    pull = record.column("speed") * _rate(record) / GRAVITY_M_S2
     known, length = np.isfinite(roll + pull), ship.dimensions.length_m
-    if np.count_nonzero(known) < SHORTEST:
-        raise ConfigError(f"{record.source}: roll: fewer than {SHORTEST} rows have one")
+    if np.count_nonzero(known) < MIN_TRIAL_SAMPLES:
+        raise ConfigError(f"{record.source}: roll: fewer than {MIN_TRIAL_SAMPLES} rows have one")
     rolled, pulled = float(np.std(roll[known])), float(np.std(pull[known]))
     lever = gm * rolled / max(pulled, 1e-12) / length
-    if not LEVERS[0] <= lever <= LEVERS[1]:
-        way = "rad, not deg" if lever < LEVERS[0] else "deg, not rad"
+    if not HEEL_LEVER_RANGE[0] <= lever <= HEEL_LEVER_RANGE[1]:
+        way = "rad, not deg" if lever < HEEL_LEVER_RANGE[0] else "deg, not rad"
         raise ConfigError(
             f"{record.source}: row {record.row(0)} on: roll of {rolled:.3g} rad, and turning "
             f"heels it by {pulled:.3g} rad for a lever of GM: is it in {way}, "
             f"is gm_m = {gm:g} of {ship.path.name} right?"
         )
-    if np.corrcoef(roll[known], pull[known])[0, 1] > LEANS:
+    if np.corrcoef(roll[known], pull[known])[0, 1] > INWARD_LEAN_CORRELATION:
         yield f"{record.name('roll')}: leans into the turn: is it positive to starboard?"
 
 
@@ -285,7 +290,7 @@ def _read_by(
     others = read_by(record, replace(sensors, seed=float(sum(own))))
     rolls = {
         name: further[name] + errors(like, ROLL_STREAM + i)
-        for i, (name, like) in enumerate(zip(OF_ROLL, ("yaw_rate", "heading"), strict=True))
+        for i, (name, like) in enumerate(zip(ROLL_CHANNELS, ("yaw_rate", "heading"), strict=True))
         if name in further
     }
     return replace(others, speed=record.speed + errors("sway", SPEED_STREAM)), further | rolls
@@ -295,8 +300,8 @@ def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
     """Return the table with seconds to the next row and their steps, then roll."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
-    parts = np.maximum(np.ceil(gaps / (FINE * length / speed) - 1e-9), 1.0)
-    parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / SWING))
+    parts = np.maximum(np.ceil(gaps / (FINE_STEP_SHARE * length / speed) - 1e-9), 1.0)
+    parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / MAX_ROLL_STEP_RAD))
     return np.ascontiguousarray(np.column_stack([table[:, :8], gaps, parts, table[:, 8:]]))
 
 

@@ -8,35 +8,47 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.ship.models import AXES, FIXED, NONLINEAR, model_for
+from trainer.boat.ship.models import AXIS_LETTERS, FIXED_VALUES, NONLINEAR_NAMES, model_for
 from trainer.config.files import ConfigError, nearest
-from trainer.config.ship import Result, ShipFile, load_ship
+from trainer.config.ship import FitResult, ShipFile, load_ship
 from trainer.core.kernel import Numbers
-from trainer.identify.judge.residuals import LAGS, correlation, portmanteau, ratio_test
+from trainer.identify.judge.residuals import DEFAULT_LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.options import IdentifyOptions
-from trainer.identify.ships.fit import Fit, fit, pose, search, smooth, terms_of, told_of_roll
-from trainer.identify.ships.likelihood import Problem
+from trainer.identify.ships.fit import (
+    ShipFit,
+    fit_ship,
+    pose_problem,
+    search_minimum,
+    smooth_trial,
+    terms_of,
+    told_of_roll,
+)
+from trainer.identify.ships.likelihood import ShipProblem
 from trainer.identify.ships.priors import prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
 from trainer.units import KNOT
 
-BAND: Final = 1.96
-BOOK: Final = 0.9  # [-] share of the prior above which a coefficient is the book's
-FAINT: Final = 1e-3  # [-] eigenvalue of the records' scaled information that tells nothing
-PART: Final = 0.3  # [-] of a unit vector: what is smaller is not named
-MOST_DIRECTIONS: Final = 6
-SUSPECT: Final = 0.01
-OUTPUTS: Final = ("surge", "sway", "yaw rate", "heading", "roll rate", "roll")
-UNITS: Final = ("m/s", "m/s", "deg/s", "deg", "deg/s", "deg")
-SCALES: Final = np.array([1.0, 1.0, *[180.0 / math.pi] * 4])
-CAUSES: Final = ("v'", "r'", "rudder")
+INTERVAL_DEVIATIONS: Final = 1.96
+BOOK_PRIOR_SHARE: Final = 0.9  # [-] share of the prior above which a coefficient is the book's
+FAINT_EIGENVALUE: Final = (
+    1e-3  # [-] eigenvalue of the records' scaled information that tells nothing
+)
+MIN_NAMED_PART: Final = 0.3  # [-] of a unit vector: what is smaller is not named
+MAX_DIRECTIONS: Final = 6
+SUSPECT_PROBABILITY: Final = 0.01
+OUTPUT_NAMES: Final = ("surge", "sway", "yaw rate", "heading", "roll rate", "roll")
+OUTPUT_UNITS: Final = ("m/s", "m/s", "deg/s", "deg", "deg/s", "deg")
+OUTPUT_SCALES: Final = np.array([1.0, 1.0, *[180.0 / math.pi] * 4])
+TURNING_CAUSES: Final = ("v'", "r'", "rudder")
 SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
-DOUBTED: Final = 0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
-STRANGERS: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
+DOUBTED_SHARE: Final = (
+    0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
+)
+OTHER_SHIP_SHARE: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
 
 
 @dataclass(frozen=True)
-class Coefficient:
+class FittedCoefficient:
     """One coefficient or noise, its interval, and the prior's share of its precision."""
 
     name: str
@@ -48,7 +60,7 @@ class Coefficient:
 
 
 @dataclass(frozen=True)
-class Untold:
+class UnknownDirection:
     """A combination that records do not tell: parts of a scaled unit vector."""
 
     eigenvalue: float
@@ -87,7 +99,7 @@ class OrderTest:
 
 
 @dataclass(frozen=True)
-class Report:
+class ShipFitReport:
     """All that ``trainer identify`` says about a ship that is not linear."""
 
     ship: str
@@ -106,10 +118,10 @@ class Report:
     cost: float  # -log L with the prior
     other_starts: tuple[float, ...]
     at_floor: tuple[str, ...]  # errors of readings that went to their smallest
-    coefficients: tuple[Coefficient, ...]
-    noises: tuple[Coefficient, ...]
+    coefficients: tuple[FittedCoefficient, ...]
+    noises: tuple[FittedCoefficient, ...]
     from_book: tuple[str, ...]
-    untold: tuple[Untold, ...]
+    untold: tuple[UnknownDirection, ...]
     whiteness: tuple[Whiteness, ...]
     predictions: tuple[Prediction, ...]
     patterns: tuple[str, ...]  # residual accelerations that follow v', r' or the rudder
@@ -120,12 +132,12 @@ class Report:
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class ShipIdentification:
     """A fitted ship and its report."""
 
     ship: ShipFile
-    fit: Fit
-    report: Report
+    fit: ShipFit
+    report: ShipFitReport
     held: tuple[Trial, ...]
 
 
@@ -149,15 +161,15 @@ def fit_trials(
     held: tuple[Trial, ...],
     options: IdentifyOptions,
     heard: Callable[[int, float], None],
-) -> Identified:
+) -> ShipIdentification:
     """Return a ship fitted to trials, with what it predicts of those ``held`` back. ConfigError."""
     trials = tuple(_between(trial, options.begin, options.end) for trial in trials)
     model = model_for(ship, options.model or "", wind=any(trial.windy for trial in trials))
     prior, source = prior_of(model, ship)
     strength = options.prior_strength
-    problem, begin = pose(model, np.array(ship.constants), trials, prior, strength)
+    problem, begin = pose_problem(model, np.array(ship.constants), trials, prior, strength)
     doubts = tuple(_strangers(problem, begin))
-    fitted = fit(problem, begin, heard)
+    fitted = fit_ship(problem, begin, heard)
     if not math.isfinite(fitted.found.cost):
         raise ConfigError(
             f"{trials[0].source}: no starting point fits this record: check units and "
@@ -168,7 +180,7 @@ def fit_trials(
     report = replace(report, findings=(*report.findings, *doubts))
     if options.without:
         report = replace(report, tests=(_test_without(fitted, options.without),))
-    return Identified(_result(ship, fitted, report), fitted, report, held)
+    return ShipIdentification(_result(ship, fitted, report), fitted, report, held)
 
 
 def _between(trial: Trial, begin: float | None, end: float | None) -> Trial:
@@ -178,16 +190,16 @@ def _between(trial: Trial, begin: float | None, end: float | None) -> Trial:
     inside = (trial.t >= low) & (trial.t <= high)
     if inside.all():
         return trial
-    if np.count_nonzero(inside) < LAGS + 2:
+    if np.count_nonzero(inside) < DEFAULT_LAGS + 2:
         raise ConfigError(
-            f"{trial.source}: fewer than {LAGS + 2} samples from {low:g} s to {high:g} s; "
+            f"{trial.source}: fewer than {DEFAULT_LAGS + 2} samples from {low:g} s to {high:g} s; "
             f"it has {trial.t[0]:g} s to {trial.t[-1]:g} s"
         )
     table = np.ascontiguousarray(trial.table[inside])
     return replace(trial, t=trial.t[inside], table=table)
 
 
-def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
+def _strangers(problem: ShipProblem, begin: Numbers) -> Iterator[str]:
     """Yield which record may not be of one ship with the others; ConfigError if it cannot be.
 
     Yaw accelerations that the regression leaves of all records together are compared with those
@@ -196,8 +208,8 @@ def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
     if len(problem.trials) < 2:
         return
     for trial in problem.trials:
-        own, start = pose(problem.model, problem.constants, [trial], {}, 0.0)
-        _, rates = smooth(trial, problem.constants[0])
+        own, start = pose_problem(problem.model, problem.constants, [trial], {}, 0.0)
+        _, rates = smooth_trial(trial, problem.constants[0])
         more = _left_in_yaw(problem, begin, trial) - _left_in_yaw(own, start, trial)
         share = more / max(float(np.var(rates[:, 2])), 1e-300)
         told = (
@@ -205,30 +217,32 @@ def _strangers(problem: Problem, begin: Numbers) -> Iterator[str]:
             f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
             "loading, sign or unit? Fit ships one by one, each with its own file"
         )
-        if share > STRANGERS:
+        if share > OTHER_SHIP_SHARE:
             raise ConfigError(told)
-        if share > DOUBTED:
+        if share > DOUBTED_SHARE:
             yield told
 
 
-def _left_in_yaw(problem: Problem, a: Numbers, trial: Trial) -> float:
+def _left_in_yaw(problem: ShipProblem, a: Numbers, trial: Trial) -> float:
     """Return the mean square of the yaw accelerations that coefficients leave."""
     return float(np.mean(residual_accelerations(problem, a, trial)[1][:, 2] ** 2))
 
 
-def residual_accelerations(problem: Problem, a: Numbers, trial: Trial) -> tuple[Numbers, Numbers]:
+def residual_accelerations(
+    problem: ShipProblem, a: Numbers, trial: Trial
+) -> tuple[Numbers, Numbers]:
     """Return smoothed u, v, r (n, 3), and accelerations (n, 3) that the model leaves."""
-    states, rates = smooth(trial, problem.constants[0])
+    states, rates = smooth_trial(trial, problem.constants[0])
     whole = problem.model.whole(problem.coefficients(a))
-    terms = terms_of(problem, states, trial.inputs, whole[-len(NONLINEAR) :])
+    terms = terms_of(problem, states, trial.inputs, whole[-len(NONLINEAR_NAMES) :])
     made = np.zeros_like(rates)
     for (place, _), factor, term in zip(problem.model.terms, whole, terms.T, strict=False):
-        made[:, place % len(AXES)] += factor * term
+        made[:, place % len(AXIS_LETTERS)] += factor * term
     made[:, 2:] /= problem.constants[0]
     return states, rates - made
 
 
-def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
+def explain_variance(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
     """Return the share of variance explained [%] and the rms error of each channel."""
     with np.errstate(all="ignore"):
         error = y - predicted
@@ -236,50 +250,53 @@ def explained(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
         square = np.where(known, np.nanmean(np.where(known, error, 0.0) ** 2, axis=0), math.nan)
         spread = np.where(known, np.nanvar(np.where(known, y, 0.0), axis=0), math.nan)
     share = 100.0 * (1.0 - square / np.maximum(spread, 1e-300))
-    rms = np.sqrt(square) * SCALES[: y.shape[1]]
+    rms = np.sqrt(square) * OUTPUT_SCALES[: y.shape[1]]
     return np.full_like(share, math.nan) if np.isnan(predicted).any() else share, rms
 
 
-def predict(problem: Problem, a: Numbers, trial: Trial, kind: str) -> Prediction:
+def predict_record(problem: ShipProblem, a: Numbers, trial: Trial, kind: str) -> Prediction:
     """Return how well inputs alone predict a record; None is no number."""
     share, rms = (
         tuple(float(x) if math.isfinite(x) else None for x in values)
-        for values in explained(trial.readings, problem.sail(a, trial))
+        for values in explain_variance(trial.readings, problem.sail(a, trial))
     )
     return Prediction(trial.source, kind, share, rms)
 
 
-def _predictions(fitted: Fit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
+def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
     """Return the predictions of the records fitted, of each held back in turn, of others."""
     problem, trials = fitted.problem, fitted.problem.trials
-    found = [predict(problem, fitted.found.a, trial, "fitted") for trial in trials]
+    found = [predict_record(problem, fitted.found.a, trial, "fitted") for trial in trials]
     if len(trials) > 1:
         for i, trial in enumerate(trials):
             places = [place for place in range(len(trials)) if place != i]
             rest = replace(problem, trials=tuple(trials[place] for place in places))
             firsts = [fitted.found.a[problem.first_places(place)] for place in places]
             begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
-            end = search(rest, begin, lambda *_: None)  # from the fit with all
-            found.append(predict(rest, end.a, trial, "held back in turn"))
-    return (*found, *(predict(problem, fitted.found.a, trial, "held back") for trial in held))
+            end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all
+            found.append(predict_record(rest, end.a, trial, "held back in turn"))
+    return (
+        *found,
+        *(predict_record(problem, fitted.found.a, trial, "held back") for trial in held),
+    )
 
 
-def coefficients_of(fitted: Fit) -> tuple[Coefficient, ...]:
+def coefficients_of(fitted: ShipFit) -> tuple[FittedCoefficient, ...]:
     """Return the common parameters; noises by their size, not its logarithm."""
     found = []
     problem = fitted.problem
     for j, name in enumerate(problem.names):
         value, deviation = float(fitted.a[j]), float(fitted.deviations[j])
-        low, high = value - BAND * deviation, value + BAND * deviation
+        low, high = value - INTERVAL_DEVIATIONS * deviation, value + INTERVAL_DEVIATIONS * deviation
         if name in problem.model.noises:
             value, low, high = (math.exp(min(x, 700.0)) for x in (value, low, high))
             deviation *= value
         share = float(fitted.prior_share[j])
-        found.append(Coefficient(name, value, deviation, low, high, share))
+        found.append(FittedCoefficient(name, value, deviation, low, high, share))
     return tuple(found)
 
 
-def untold(fitted: Fit) -> tuple[Untold, ...]:
+def find_unknown(fitted: ShipFit) -> tuple[UnknownDirection, ...]:
     """Return the combinations of coefficients that the records tell least, first states out."""
     problem = fitted.problem
     p = len(problem.model.free)
@@ -293,29 +310,31 @@ def untold(fitted: Fit) -> tuple[Untold, ...]:
     unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
     sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
     found = []
-    for size, vector in zip(sizes[:MOST_DIRECTIONS], vectors.T, strict=False):
-        if size < FAINT:
+    for size, vector in zip(sizes[:MAX_DIRECTIONS], vectors.T, strict=False):
+        if size < FAINT_EIGENVALUE:
             turned = vector * np.sign(vector[int(np.argmax(np.abs(vector)))])
             named = zip(problem.model.free, map(float, turned), strict=True)
-            parts = {name: x for name, x in named if abs(x) > PART}
-            found.append(Untold(float(max(size, 0.0)), parts))
+            parts = {name: x for name, x in named if abs(x) > MIN_NAMED_PART}
+            found.append(UnknownDirection(float(max(size, 0.0)), parts))
     return tuple(found)
 
 
-def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
+def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
     """Return the tests of the innovations of all records, those of one after another's."""
     problem = fitted.problem
     rows = [problem.innovations(fitted.found.a, i) for i in range(len(problem.trials))]
-    gap = np.full((LAGS, rows[0].shape[1]), math.nan)
+    gap = np.full((DEFAULT_LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
     found = []
-    for values, output in zip(joined.T, OUTPUTS, strict=False):
+    for values, output in zip(joined.T, OUTPUT_NAMES, strict=False):
         count = int(np.count_nonzero(np.isfinite(values)))
-        if count < 2 * LAGS:
+        if count < 2 * DEFAULT_LAGS:
             continue
-        own = correlation(values - np.nanmean(values), LAGS)
-        test = portmanteau(own, count, LAGS)
-        longer = 1.0 + 2.0 * float(np.sum(own[1:])) if test.probability < SUSPECT else 1.0
+        own = correlation(values - np.nanmean(values), DEFAULT_LAGS)
+        test = portmanteau(own, count, DEFAULT_LAGS)
+        longer = (
+            1.0 + 2.0 * float(np.sum(own[1:])) if test.probability < SUSPECT_PROBABILITY else 1.0
+        )
         deviation = float(np.sqrt(np.nanmean(values**2)))
         factor = max(deviation * math.sqrt(max(longer, 1.0)), 1.0)
         found.append(Whiteness(output, deviation, test.probability, float(own[1]), factor))
@@ -323,13 +342,13 @@ def _whiteness(fitted: Fit) -> tuple[Whiteness, ...]:
 
 
 def causes_of(trial: Trial, states: Numbers, length: float) -> dict[str, Numbers]:
-    """Return v', r' and the rudder [rad] of a record with smoothed ``states``, by CAUSES."""
+    """Return v', r' and the rudder [rad] of a record with smoothed ``states``, by cause."""
     size = np.hypot(states[:, 0], states[:, 1])
     causes = states[:, 1] / size, states[:, 2] * length / size, trial.inputs[:, 0]
-    return dict(zip(CAUSES, causes, strict=True))
+    return dict(zip(TURNING_CAUSES, causes, strict=True))
 
 
-def _patterns(fitted: Fit) -> Iterator[str]:
+def _patterns(fitted: ShipFit) -> Iterator[str]:
     """Yield in words where residual accelerations follow v', r' or the rudder."""
     problem, length = fitted.problem, float(fitted.problem.constants[0])
     rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
@@ -339,11 +358,12 @@ def _patterns(fitted: Fit) -> Iterator[str]:
         for trial, (states, _) in zip(problem.trials, rows, strict=True)
     ]
     for i, state in enumerate(problem.model.driven):
-        for name in CAUSES:
+        for name in TURNING_CAUSES:
             share = _explained_by(np.concatenate([one[name] for one in causes]), left[:, i])
             if share > SHARE_SEEN:
                 yield (
-                    f"{OUTPUTS[state]}: {share:.0%} of the acceleration left over follows {name} "
+                    f"{OUTPUT_NAMES[state]}: {share:.0%} of the acceleration left over "
+                    f"follows {name} "
                     "(a cubic): a term may be missing"
                 )
 
@@ -356,7 +376,7 @@ def _explained_by(cause: Numbers, values: Numbers) -> float:
     return 1.0 - float(np.var(values - powers @ found) / max(float(np.var(values)), 1e-300))
 
 
-def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
+def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
     """Return the test of the model against one with coefficients at nothing. ConfigError."""
     problem = fitted.problem
     for name in names:
@@ -366,9 +386,9 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
                 f"--without {name}: no such coefficient{nearest(name, known)}; "
                 f"there are {', '.join(known)}"
             )
-        if name in FIXED and FIXED[name] != 0.0:
+        if name in FIXED_VALUES and FIXED_VALUES[name] != 0.0:
             raise ConfigError(
-                f"--without {name}: it cannot be nothing; it is {FIXED[name]:g} in books"
+                f"--without {name}: it cannot be nothing; it is {FIXED_VALUES[name]:g} in books"
             )
     kept = np.array([name not in names for name in problem.names])
     small = replace(
@@ -379,12 +399,12 @@ def _test_without(fitted: Fit, names: tuple[str, ...]) -> OrderTest:
     )
     firsts = fitted.found.a[problem.common :]
     begin = np.concatenate([fitted.found.a[: problem.common][kept], firsts])
-    end = search(small, begin, lambda *_: None)
+    end = search_minimum(small, begin, lambda *_: None)
     test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
     return OrderTest(names, test.statistic, test.freedom, test.probability)
 
 
-def _doubt(fitted: Fit) -> str:
+def _doubt(fitted: ShipFit) -> str:
     """Return why a fit did not settle, "" if it did."""
     promise = fitted.found.promise
     if fitted.found.settled:
@@ -395,8 +415,8 @@ def _doubt(fitted: Fit) -> str:
 
 
 def _report(
-    ship: ShipFile, fitted: Fit, prior: tuple[str, float], held: tuple[Trial, ...]
-) -> Report:
+    ship: ShipFile, fitted: ShipFit, prior: tuple[str, float], held: tuple[Trial, ...]
+) -> ShipFitReport:
     """Return all that there is to say."""
     problem, trials = fitted.problem, fitted.problem.trials
     told = coefficients_of(fitted)
@@ -404,7 +424,7 @@ def _report(
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
     length = float(problem.constants[0])
     held_at = ", ".join(f"{name} {value:.4g}" for name, value in problem.model.held.items())
-    return Report(
+    return ShipFitReport(
         ship=ship.name,
         model=problem.model.name,
         sources=tuple(trial.source for trial in trials),
@@ -431,8 +451,8 @@ def _report(
         ),
         coefficients=told[:p],
         noises=told[p:],
-        from_book=tuple(one.name for one in told[:p] if one.prior_share > BOOK),
-        untold=untold(fitted),
+        from_book=tuple(one.name for one in told[:p] if one.prior_share > BOOK_PRIOR_SHARE),
+        untold=find_unknown(fitted),
         whiteness=_whiteness(fitted),
         predictions=_predictions(fitted, held),
         patterns=tuple(_patterns(fitted)),
@@ -443,13 +463,13 @@ def _report(
     )
 
 
-def _result(ship: ShipFile, fitted: Fit, report: Report) -> ShipFile:
+def _result(ship: ShipFile, fitted: ShipFit, report: ShipFitReport) -> ShipFile:
     """Return the ship's file with the result, which sails."""
     problem = fitted.problem
     whole = map(float, problem.model.whole(problem.coefficients(fitted.a)))
     rows = np.vstack([trial.table for trial in problem.trials])
     p = len(problem.model.free)
-    result = Result(
+    result = FitResult(
         model=problem.model.name,
         speed_kn=round(float(np.nanmax(rows[:, 0])) / KNOT, 4),
         revolutions_per_s=float(np.median(rows[:, 5])),

@@ -7,7 +7,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.ship.models import model_for
@@ -15,27 +15,35 @@ from trainer.config.files import ConfigError
 from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
-from trainer.identify.experiment import TAPS, HelmOptions, prbs
-from trainer.identify.ships.fit import Fit, expect, problem_of
+from trainer.identify.experiment import REGISTER_TAPS, HelmOptions, prbs
+from trainer.identify.ships.fit import ShipFit, expect_fit, problem_of
 from trainer.identify.ships.page import in_words
-from trainer.identify.ships.priors import GYRATION, prior_of
-from trainer.identify.ships.records import SHORTEST, Trial, with_steps
-from trainer.identify.ships.results import BOOK, Coefficient, Untold, coefficients_of, untold
+from trainer.identify.ships.priors import YAW_GYRATION_LENGTHS, prior_of
+from trainer.identify.ships.records import MIN_TRIAL_SAMPLES, Trial, with_steps
+from trainer.identify.ships.results import (
+    BOOK_PRIOR_SHARE,
+    FittedCoefficient,
+    UnknownDirection,
+    coefficients_of,
+    find_unknown,
+)
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.report.plots import Curve, Panel
-from trainer.report.text import INDENT, cut, items, table, wrap
+from trainer.report.text import INDENT, cut_text, items, table, wrap
 from trainer.units import KNOT
 
-STEPS: Final = 2  # of the ship between samples, where no interval is said: a twentieth of L/U
-MOST: Final = 4  # speeds side by side, which a page is wide enough for
-CALMEST: Final = 1e-9  # [rad/s/rt(s)] a disturbance that is none
-BETTER: Final = 0.9  # [-] of the next smaller deviation, from which a plan tells better
-WORST: Final = 3  # combinations that a page names of each plan
-READINGS: Final = ("speed", "sway", "yaw_rate", "heading")
-STATES: Final = ("u", "v", "r", "psi", "p", "phi")
-SENSORS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
-LETTERS: Final = "ABCDE"
-LEAD: Final = 2.0  # [s] of straight motion
+STEPS_PER_SAMPLE: Final = (
+    2  # of the ship between samples, where no interval is said: a twentieth of L/U
+)
+MAX_LEGS: Final = 4  # speeds side by side, which a page is wide enough for
+MIN_DISTURBANCE: Final = 1e-9  # [rad/s/rt(s)] a disturbance that is none
+BETTER_PLAN_RATIO: Final = 0.9  # [-] of the next smaller deviation, from which a plan tells better
+MAX_COMBINATIONS_SHOWN: Final = 3  # combinations that a page names of each plan
+READING_NAMES: Final = ("speed", "sway", "yaw_rate", "heading")
+STATE_NAMES: Final = ("u", "v", "r", "psi", "p", "phi")
+SENSOR_CHANNELS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
+PLAN_LETTERS: Final = "ABCDE"
+LEAD_TIME_S: Final = 2.0  # [s] of straight motion
 
 
 @dataclass(frozen=True)
@@ -52,15 +60,15 @@ class BinaryHelm(Manoeuvre):
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the sequence, to its end or that of the time."""
-        yield from conn.hold(LEAD)
+        yield from conn.hold(LEAD_TIME_S)
         sequence, last = prbs(self.bits, self.seed), 0.0
-        for i in range(math.ceil((self.duration_s - LEAD) / self.hold_s)):
+        for i in range(math.ceil((self.duration_s - LEAD_TIME_S) / self.hold_s)):
             bit = float(sequence[i % len(sequence)])  # 1 to port, as a rudder is positive
             if bit != last:
                 conn.order("rudder", -bit * math.radians(self.angle_deg))
                 conn.mark("execute")
             last = bit
-            yield from conn.hold_to(min(LEAD + (i + 1) * self.hold_s, self.duration_s))
+            yield from conn.hold_to(min(LEAD_TIME_S + (i + 1) * self.hold_s, self.duration_s))
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return none: a sequence is judged by what a fit to it would tell."""
@@ -109,7 +117,7 @@ class TrialOptions(HelmOptions):
     @property
     def read(self) -> tuple[str, ...]:
         """Return what is read beside the speed."""
-        return self.outputs or READINGS[1:]
+        return self.outputs or READING_NAMES[1:]
 
 
 @dataclass(frozen=True)
@@ -128,7 +136,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Plan:
+class TrialPlan:
     """Legs one after another, and what is expected of fitting them together."""
 
     name: str
@@ -138,13 +146,13 @@ class Plan:
     executes: int
     slowest_kn: float
     fastest_kn: float
-    coefficients: tuple[Coefficient, ...]
+    coefficients: tuple[FittedCoefficient, ...]
     from_book: tuple[str, ...]
-    untold: tuple[Untold, ...]
+    untold: tuple[UnknownDirection, ...]
 
 
 @dataclass(frozen=True)
-class Report:
+class TrialReport:
     """All that ``trainer prbs`` says of trials of a ship that is not linear."""
 
     ship: str
@@ -156,17 +164,17 @@ class Report:
     outputs: tuple[str, ...]
     prior: str
     prior_strength: float
-    plans: tuple[Plan, ...]
+    plans: tuple[TrialPlan, ...]
     remarks: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class TrialDesign:
     """A report with the flights of each plan, and what is expected of it."""
 
-    report: Report
+    report: TrialReport
     flights: tuple[tuple[Flight, ...], ...]
-    expected: tuple[Fit, ...]
+    expected: tuple[ShipFit, ...]
 
 
 class TrialShip(IdentifiedShip):
@@ -183,7 +191,7 @@ class TrialShip(IdentifiedShip):
         self.now = self.now._replace(turns=self.motion.straight(self._held).turns)
 
 
-def design(ship: ShipFile, options: TrialOptions) -> Design:
+def design_trials(ship: ShipFile, options: TrialOptions) -> TrialDesign:
     """Return trials of the ship with what they would tell.
 
     With several speeds, or both kinds of helm, each is tried alone, then all of them in the same
@@ -195,12 +203,12 @@ def design(ship: ShipFile, options: TrialOptions) -> Design:
     legs = [Leg(speed, held, helm) for helm in helms for speed, held in speeds]
     _check(ship, legs, options)
     ways = [(leg,) for leg in legs] + ([tuple(legs)] if len(legs) > 1 else [])
-    interval = options.interval or STEPS * usual.step
+    interval = options.interval or STEPS_PER_SAMPLE * usual.step
     every = max(1, round(interval / usual.step))
     flown = tuple(_flights(ship, way, options) for way in ways)
     expected = tuple(_expected(ship, flights, every, options) for flights in flown)
-    plans = tuple(_plan(*one) for one in zip(LETTERS, ways, flown, expected, strict=False))
-    report = Report(
+    plans = tuple(_plan(*one) for one in zip(PLAN_LETTERS, ways, flown, expected, strict=False))
+    report = TrialReport(
         ship=ship.name,
         model=expected[0].problem.model.name,
         length_m=ship.dimensions.length_m,
@@ -213,7 +221,7 @@ def design(ship: ShipFile, options: TrialOptions) -> Design:
         plans=plans,
         remarks=tuple(_remarks(plans)),
     )
-    return Design(report, flown, expected)
+    return TrialDesign(report, flown, expected)
 
 
 def _helms(usual: IdentifiedShip, options: TrialOptions) -> Iterator[Helm]:
@@ -226,8 +234,8 @@ def _helms(usual: IdentifiedShip, options: TrialOptions) -> Iterator[Helm]:
     if options.amplitude is not None:
         hold = options.hold or usual.length / (usual.speed_kn * KNOT)
         wanted = options.seconds / hold
-        long = (bits for bits in TAPS if 2**bits - 1 >= wanted)
-        bits = options.bits or next(long, max(TAPS))
+        long = (bits for bits in REGISTER_TAPS if 2**bits - 1 >= wanted)
+        bits = options.bits or next(long, max(REGISTER_TAPS))
         prbs(bits, options.seed)
         yield Helm(None, options.amplitude, hold, bits, options.seed)
 
@@ -235,7 +243,7 @@ def _helms(usual: IdentifiedShip, options: TrialOptions) -> Iterator[Helm]:
 def sensors_of(ship: ShipFile, asked: Sensors, given: Collection[str]) -> Sensors:
     """Return the instruments: those ``asked`` where ``given`` or where the file has none."""
     own = ship.sensors or Sensors()
-    kept = [key for key, name in SENSORS.items() if name not in given]
+    kept = [key for key, name in SENSOR_CHANNELS.items() if name not in given]
     of_file = {key: value for key in kept if (value := getattr(own, key)) is not None}
     return replace(asked, **of_file)
 
@@ -249,8 +257,8 @@ def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
             raise ConfigError(
                 f"--{option}: the rudder goes to {most:g} deg, not {leg.helm.angle_deg:g}"
             )
-    if len(legs) > MOST:
-        raise ConfigError(f"--speed: {len(legs)} trials: a page has room for {MOST}")
+    if len(legs) > MAX_LEGS:
+        raise ConfigError(f"--speed: {len(legs)} trials: a page has room for {MAX_LEGS}")
     read = options.read
     if "sway" not in read or not {"yaw_rate", "heading"} & set(read):
         raise ConfigError("--output: such a ship is told by sway with yaw_rate or heading")
@@ -262,7 +270,7 @@ def _flights(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> tupl
     flown = []
     for leg in legs:
         vessel = TrialShip(ship, leg.held_kn * KNOT)
-        flight = fly(vessel, leg.helm.manoeuvre(each), leg.speed_kn * KNOT)
+        flight = fly_manoeuvre(vessel, leg.helm.manoeuvre(each), leg.speed_kn * KNOT)
         if flight.lost:
             raise ConfigError(f"{ship.path.name}: {leg}: {flight.lost}")
         flown.append(flight)
@@ -272,9 +280,11 @@ def _flights(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> tupl
 def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str]) -> Trial:
     """Return a flight as a record without errors; ConfigError if it is too short."""
     t = flight.t[::every]
-    if len(t) < SHORTEST:
-        raise ConfigError(f"--seconds: {len(t)} samples of a trial; needs {SHORTEST} or more")
-    names = zip(READINGS, STATES[:4], strict=True)
+    if len(t) < MIN_TRIAL_SAMPLES:
+        raise ConfigError(
+            f"--seconds: {len(t)} samples of a trial; needs {MIN_TRIAL_SAMPLES} or more"
+        )
+    names = zip(READING_NAMES, STATE_NAMES[:4], strict=True)
     none, calm = np.full(len(t), math.nan), np.zeros(len(t))
     readings = [
         flight.column(name)[::every] if channel in ("speed", *read) else none
@@ -286,7 +296,9 @@ def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str])
     return Trial(flight.series.path.name, t, rows, (), windy=False)
 
 
-def _expected(ship: ShipFile, flights: Sequence[Flight], every: int, options: TrialOptions) -> Fit:
+def _expected(
+    ship: ShipFile, flights: Sequence[Flight], every: int, options: TrialOptions
+) -> ShipFit:
     """Return what is expected of fitting the records of these flights together."""
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
@@ -296,10 +308,10 @@ def _expected(ship: ShipFile, flights: Sequence[Flight], every: int, options: Tr
     problem = problem_of(model, np.array(ship.constants), trials, prior, options.prior_strength)
     noise, axes = _noise(ship, ship.result.speed_kn * KNOT, options), len(model.driven)
     noise[axes:] = np.maximum(noise[axes:], problem.floors)
-    states = STATES[: model.states]
+    states = STATE_NAMES[: model.states]
     firsts = [[flight.column(name)[0] for name in states] for flight in flights]
     own = [ship.coefficients[name] for name in model.free]
-    return expect(problem, np.concatenate([own, np.log(noise), *firsts]))
+    return expect_fit(problem, np.concatenate([own, np.log(noise), *firsts]))
 
 
 def _noise(ship: ShipFile, speed: float, options: TrialOptions) -> Numbers:
@@ -310,18 +322,20 @@ def _noise(ship: ShipFile, speed: float, options: TrialOptions) -> Numbers:
     is read as heading is.
     """
     length = ship.dimensions.length_m
-    turning = max(math.radians(options.unrest) / math.sqrt(length / speed), CALMEST)
-    aside = GYRATION * length * turning
+    turning = max(math.radians(options.unrest) / math.sqrt(length / speed), MIN_DISTURBANCE)
+    aside = YAW_GYRATION_LENGTHS * length * turning
     errors = [options.sensors.error(name) for name in ("sway", "sway", "yaw_rate", "heading")]
     rolls = ([turning], errors[2:]) if ship.roll is not None else ([], [])
     return np.array([aside, aside, turning, *rolls[0], *errors, *rolls[1]])
 
 
-def _plan(name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected: Fit) -> Plan:
+def _plan(
+    name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected: ShipFit
+) -> TrialPlan:
     """Return the plan with what is expected of it."""
     told = coefficients_of(expected)[: len(expected.problem.model.free)]
     speeds = np.concatenate([flight.column("u") for flight in flights]) / KNOT
-    return Plan(
+    return TrialPlan(
         name=name,
         legs=legs,
         seconds=float(flights[0].t[-1]),
@@ -330,12 +344,12 @@ def _plan(name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected:
         slowest_kn=float(speeds.min()),
         fastest_kn=float(speeds.max()),
         coefficients=told,
-        from_book=tuple(one.name for one in told if one.prior_share > BOOK),
-        untold=untold(expected),
+        from_book=tuple(one.name for one in told if one.prior_share > BOOK_PRIOR_SHARE),
+        untold=find_unknown(expected),
     )
 
 
-def _remarks(plans: Sequence[Plan]) -> Iterator[str]:
+def _remarks(plans: Sequence[TrialPlan]) -> Iterator[str]:
     """Yield which plan tells which coefficients best, and where a trial hardly turned."""
     for plan in plans:
         if plan.executes < 3 * len(plan.legs):
@@ -343,18 +357,18 @@ def _remarks(plans: Sequence[Plan]) -> Iterator[str]:
     best: dict[str, list[str]] = {}
     for i, one in enumerate(plans[0].coefficients if len(plans) > 1 else ()):
         sizes = sorted((plan.coefficients[i].deviation, plan.name) for plan in plans)
-        if sizes[0][0] < BETTER * sizes[1][0]:
+        if sizes[0][0] < BETTER_PLAN_RATIO * sizes[1][0]:
             best.setdefault(sizes[0][1], []).append(one.name)
     for name, told in sorted(best.items()):
         yield f"{name} tells {', '.join(told)} better than the others"
 
 
-def render(report: Report) -> str:
+def render(report: TrialReport) -> str:
     """Return the report as text."""
     helms = "; ".join(map(str, report.helms))
     lines = [
         f"TRIALS OF A SHIP, model {report.model}",
-        f"{INDENT}{cut(report.ship, 60)}, {report.length_m:g} m",
+        f"{INDENT}{cut_text(report.ship, 60)}, {report.length_m:g} m",
         *wrap(
             f"{helms}; {report.seconds:g} s in all, samples every "
             f"{report.interval_s:g} s of {', '.join(report.outputs)}"
@@ -383,7 +397,7 @@ def render(report: Report) -> str:
     lines += ["", *table(("coefficient", "value", *heads), rows)]
     for plan in report.plans:
         lines += ["", f"{INDENT}What {plan.name} will not tell"]
-        lines += items(map(in_words, plan.untold[:WORST]))
+        lines += items(map(in_words, plan.untold[:MAX_COMBINATIONS_SHOWN]))
         if plan.from_book:
             lines += wrap(f"- {', '.join(plan.from_book)}: from the book (its share above 90 %)")
         elif not plan.untold:
@@ -392,7 +406,7 @@ def render(report: Report) -> str:
     return "\n".join(lines).rstrip()
 
 
-def panels(found: Design) -> tuple[Panel, ...]:
+def panels(found: TrialDesign) -> tuple[Panel, ...]:
     """Return rudder, heading and speed of each leg."""
     drawn = []
     both = zip(found.report.plans, found.flights, strict=True)

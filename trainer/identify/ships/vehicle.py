@@ -10,30 +10,35 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.estimate.uncertainty import Joint
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
-from trainer.analysis.manoeuvres.page import ManoeuvreOptions, Report, fly_vehicle, format_measure
+from trainer.analysis.estimate.uncertainty import JointCoefficients
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.page import (
+    ManoeuvreOptions,
+    ManoeuvreReport,
+    fly_vehicle,
+    format_measure,
+)
 from trainer.analysis.manoeuvres.page import render as render_flight
 from trainer.analysis.manoeuvres.vehicle import Control, LostError, Measure
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
-from trainer.analysis.sweep.manoeuvres import ALONE, manoeuvre_of, speed_of
+from trainer.analysis.sweep.manoeuvres import SINGLE_CHUNK_MEMBERS, manoeuvre_of, speed_of
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study
-from trainer.boat.ship.forces import ROLL
-from trainer.boat.ship.motion import Moment, ShipMotion
+from trainer.boat.ship.forces import ROLL_PLACE
+from trainer.boat.ship.motion import ShipMoment, ShipMotion
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import read_record
 from trainer.config.ship import ShipFile, read_ship
 from trainer.report.text import table, wrap
 
-COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
-OF_ROLL: Final = ("p", "phi")  # columns of a ship with roll, after them
-DRAWS: Final = 100
-FEWEST_DRAWS: Final = 20  # of a long manoeuvre,
-MOST_CYCLES: Final = 600_000  # so that all of them together take no more
-MOST_LOST: Final = 0.5  # [-] of the draws
-BEYOND: Final = 1.05  # [-] of the range seen, from which it is told
-OF_BOATS: Final = {
+FLIGHT_COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
+ROLL_COLUMNS: Final = ("p", "phi")  # columns of a ship with roll, after them
+MAX_DRAWS: Final = 100
+MIN_DRAWS: Final = 20  # of a long manoeuvre,
+MAX_CYCLES: Final = 600_000  # so that all of them together take no more
+MAX_LOST_SHARE: Final = 0.5  # [-] of the draws
+RANGE_MARGIN: Final = 1.05  # [-] of the range seen, from which it is told
+BOAT_OPTIONS: Final = {
     "method": ("equations", "rates", "trig", "integrator"),
     "manoeuvre": ("depth_kept", "controls", "trim", "law"),
 }
@@ -47,8 +52,8 @@ class IdentifiedShip:
         self.motion = ShipMotion(ship)
         self.name, self.length = ship.name, self.motion.length
         self.step = step or self.motion.step
-        self.columns = COLUMNS if ship.roll is None else (*COLUMNS, *OF_ROLL)
-        self.now = Moment(0.0, 0.0, (0.0,) * self.motion.states, 0.0, 0.0)
+        self.columns = FLIGHT_COLUMNS if ship.roll is None else (*FLIGHT_COLUMNS, *ROLL_COLUMNS)
+        self.now = ShipMoment(0.0, 0.0, (0.0,) * self.motion.states, 0.0, 0.0)
         self._neutral = self._ordered = self._time = 0.0
 
     @property
@@ -69,8 +74,8 @@ class IdentifiedShip:
 
     def incline(self, heel: float) -> None:
         """Heel the ship; do nothing where the model has no roll."""
-        if len(self.now.state) > ROLL:
-            self.now = self.now._replace(state=(*self.now.state[:ROLL], heel))
+        if len(self.now.state) > ROLL_PLACE:
+            self.now = self.now._replace(state=(*self.now.state[:ROLL_PLACE], heel))
 
     def order(self, control: str, value: float) -> None:
         """Order the rudder [rad], positive to starboard, from its neutral angle."""
@@ -96,11 +101,11 @@ class IdentifiedShip:
         self._time += self.step
 
 
-def draws(ship: ShipFile, count: int) -> Iterator[ShipFile]:
+def draw_ships(ship: ShipFile, count: int) -> Iterator[ShipFile]:
     """Yield ships drawn from what the records leave open."""
     if ship.covariance is None:
         return
-    known = Joint(
+    known = JointCoefficients(
         {name: ship.coefficients[name] for name in ship.uncertain}, np.array(ship.covariance)
     )
     for number in range(1, count + 1):
@@ -118,7 +123,7 @@ class Interval:
 
 
 @dataclass(frozen=True)
-class ShipReport(Report):
+class ShipReport(ManoeuvreReport):
     """The report of a manoeuvre, with what the ship's uncertainty makes of it."""
 
     intervals: tuple[Interval, ...] = ()
@@ -130,8 +135,8 @@ def fly_ship(ship: ShipFile, name: str, options: ManoeuvreOptions) -> tuple[Ship
     """Return report and flight of a manoeuvre, with intervals by ships drawn."""
     vehicle = IdentifiedShip(ship, options.step)
     report, flight = fly_vehicle(vehicle, name, options, vehicle.speed_kn)
-    count = min(max(MOST_CYCLES // max(len(flight.t), 1), FEWEST_DRAWS), DRAWS)
-    drawn, others = [], list(draws(ship, count))
+    count = min(max(MAX_CYCLES // max(len(flight.t), 1), MIN_DRAWS), MAX_DRAWS)
+    drawn, others = [], list(draw_ships(ship, count))
     for other in others:
         with suppress(ConfigError):  # that one is lost
             sailing = IdentifiedShip(other, vehicle.step)
@@ -147,7 +152,7 @@ def fly_ship(ship: ShipFile, name: str, options: ManoeuvreOptions) -> tuple[Ship
 def _interval(one: Measure, drawn: list[dict[str, float | None]]) -> Interval:
     """Return where 95 % of the drawn ships have a measure; None where half have none."""
     values = [value for each in drawn if (value := each.get(one.name)) is not None]
-    if one.value is None or len(values) < MOST_LOST * len(drawn):
+    if one.value is None or len(values) < MAX_LOST_SHARE * len(drawn):
         return Interval(one.name, one.unit, None, None)
     low, high = np.percentile(values, (2.5, 97.5))
     return Interval(one.name, one.unit, float(low), float(high))
@@ -171,7 +176,7 @@ def _beyond(ship: ShipFile, flight: Flight) -> Iterator[str]:
         factor = 180.0 / math.pi if unit == "deg" else 1.0
         low, high = (factor * end for end in ship.ranges[key])
         least, most = factor * float(values.min()), factor * float(values.max())
-        slack = (BEYOND - 1.0) * max(abs(low), abs(high))
+        slack = (RANGE_MARGIN - 1.0) * max(abs(low), abs(high))
         if least < low - slack or most > high + slack:
             yield (
                 f"{name} goes from {least:.3g} to {most:.3g} {unit}; the records saw {low:.3g} to "
@@ -194,10 +199,10 @@ def render(report: ShipReport) -> str:
     return "\n".join([text, "", *lines, *table(("measure", "from", "to", "unit"), rows)])
 
 
-class Sailing:
+class SailingSubject:
     """The members of a study that sail an identified ship, one by one."""
 
-    chunk = ALONE
+    chunk = SINGLE_CHUNK_MEMBERS
 
     def __init__(self, study: Study) -> None:
         """Take the study; ConfigError if its middle member cannot sail."""
@@ -229,7 +234,7 @@ class Sailing:
         given = {"method": asdict(self.study.method), "manoeuvre": asdict(table)}
         problems = [
             Place(path.name, where).wrong(key, given[where][key], "is for boats, not for ships")
-            for where, keys in OF_BOATS.items()
+            for where, keys in BOAT_OPTIONS.items()
             for key in keys
             if given[where][key] is not None
         ]
@@ -238,4 +243,4 @@ class Sailing:
         named = Path(self.study.heading.vessel or "")
         ship = IdentifiedShip(read_ship(tables["vessel"], named), self.study.method.step_s)
         manoeuvre = manoeuvre_of(table, ship)
-        return manoeuvre, fly(ship, manoeuvre, speed_of(table, ship.speed_kn))
+        return manoeuvre, fly_manoeuvre(ship, manoeuvre, speed_of(table, ship.speed_kn))

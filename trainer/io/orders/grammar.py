@@ -21,13 +21,13 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from trainer.io.orders.phrases import meaning, nearest_phrase
-from trainer.io.orders.quantities import NUMBERS, Number, RefusedError, Unit, quantity
+from trainer.io.orders.quantities import NUMBER_KINDS, Number, RefusedError, Unit, quantity
 from trainer.io.orders.table import (
     FORMS,
-    MEANT,
-    PLANNABLE,
-    SETS,
-    SIGNS,
+    MEANT_ORDERS,
+    PLANNABLE_WORDS,
+    SIDE_SIGNS,
+    WORD_SETS,
     Form,
     Name,
     Place,
@@ -39,43 +39,43 @@ from trainer.io.orders.table import (
     variants,
 )
 
-HIDDEN = "***"
-BEGINNINGS = "|".join(sorted({said[:2] for said, _ in spellings(SETS["ROLE"])}))
-TOKEN = re.compile(
+HIDDEN_TOKEN = "***"  # noqa: S105
+ROLE_BEGINNINGS = "|".join(sorted({said[:2] for said, _ in spellings(WORD_SETS["ROLE"])}))
+TOKEN_PATTERN = re.compile(
     r"((?:^|,|^\s*(?:in|at|when)\b.*\s)\s*"  # a planned one is refused, and hidden all the same
-    rf"r(?:o\S*\s+\S+|\S*\s+(?:{BEGINNINGS})\S*)\s+)(\S.*?)\s*$",
+    rf"r(?:o\S*\s+\S+|\S*\s+(?:{ROLE_BEGINNINGS})\S*)\s+)(\S.*?)\s*$",
     re.IGNORECASE,
 )
-CREW = "order"  # heads an order to the crew; the side of its course is a word of it
-LONGEST = 80  # [characters]  of a line, its comment included
-PRINTABLE = re.compile(r"[\t -~]*")
+CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
+MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
+PRINTABLE_PATTERN = re.compile(r"[\t -~]*")
 SAID_IN_TWO = (
     (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
     (re.compile(r"\bdiving\s+officer\b", re.IGNORECASE), "diving"),
 )
-GLUED = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
-NAME = re.compile(r"[a-z][a-z0-9-]*")
-DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
-REMARK = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
-REPEAT = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)*\s*", re.IGNORECASE)
-TIME = NUMBERS["TIME"]
-TIME_UNITS = "|".join(name for unit in TIME.units for name in unit.names)
-PLAN = re.compile(
+GLUED_PATTERN = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
+NAME_PATTERN = re.compile(r"[a-z][a-z0-9-]*")
+DECIMAL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
+REMARK_PATTERN = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
+REPEAT_PATTERN = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)*\s*", re.IGNORECASE)
+TIME_NUMBER = NUMBER_KINDS["TIME"]
+TIME_UNITS = "|".join(name for unit in TIME_NUMBER.units for name in unit.names)
+PLAN_PATTERN = re.compile(
     rf"\s*(?:(?P<at>in|at)\s+(?P<time>[-+.\d]\S*?)\s*(?P<unit>{TIME_UNITS})?"
     r"|when\s+(?P<condition>\S.*?)\s+then)\s+(?P<order>\S.*?)\s*",
     re.IGNORECASE,
 )
-HEADS = {heading_word(form) for form in FORMS}
+ORDER_HEADS = {heading_word(form) for form in FORMS}
 
 
-def hide(text: str) -> str:
+def hide_token(text: str) -> str:
     """Return `text` with a token in it hidden."""
-    return TOKEN.sub(rf"\1{HIDDEN}", text)
+    return TOKEN_PATTERN.sub(rf"\1{HIDDEN_TOKEN}", text)
 
 
-def hidden(text: str) -> str:
+def find_token(text: str) -> str:
     """Return the token in `text`, "" when there is none."""
-    found = TOKEN.search(text)
+    found = TOKEN_PATTERN.search(text)
     return found[2] if found else ""
 
 
@@ -114,28 +114,30 @@ class BadOrder:
     reason: str
 
 
-class Said(NamedTuple):
+class TokenReading(NamedTuple):
     """One token as one reading takes it."""
 
     spelling: str
     word: str
 
 
-class Reading(NamedTuple):
+class PartialReading(NamedTuple):
     """One way to understand the tokens so far."""
 
     form: Form
     places: tuple[Place, ...]
-    said: tuple[Said, ...]
+    said: tuple[TokenReading, ...]
 
 
-READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in variants(form))
+FORM_READINGS = tuple(
+    PartialReading(form, places, ()) for form in FORMS for places in variants(form)
+)
 
 
-def openings() -> dict[str, list[Reading]]:
+def openings() -> dict[str, list[PartialReading]]:
     """Return the readings of a line by its first word, whole or cut short."""
-    found: dict[str, list[Reading]] = {}
-    for reading in READINGS:
+    found: dict[str, list[PartialReading]] = {}
+    for reading in FORM_READINGS:
         first = reading.places[0]
         heads = {said for said, _ in first.spellings} if isinstance(first, Word) else set()
         for word in {said[:length] for said in heads for length in range(1, len(said) + 1)}:
@@ -143,7 +145,7 @@ def openings() -> dict[str, list[Reading]]:
     return found
 
 
-OPENINGS = openings()
+HEAD_READINGS = openings()
 
 
 def parse(line: str) -> Order | BadOrder | None:
@@ -152,19 +154,19 @@ def parse(line: str) -> Order | BadOrder | None:
     try:
         refuse_unreadable(text)
         said = text.partition("#")[0]
-        if remark := REMARK.fullmatch(said):
+        if remark := REMARK_PATTERN.fullmatch(said):
             name = remark[1].lower()
             return Order(name, 0.0, "", f"{name} {remark[2]}", (), remark[2])
-        if (repeat := REPEAT.fullmatch(said)) and not hidden(said):
+        if (repeat := REPEAT_PATTERN.fullmatch(said)) and not find_token(said):
             words = (repeat[1] or "").lower()
             return Order("aye", 0.0, "", f"{words} aye".strip(), (), words)
-        if plan := PLAN.fullmatch(said):
-            return planned(plan)
+        if plan := PLAN_PATTERN.fullmatch(said):
+            return planned_order(plan)
         words = said
         for pattern, whole in SAID_IN_TWO:  # one in the table
             words = pattern.sub(whole, words)
-        tokens = tokenise(hide(words))
-        return with_token(understood(tokens), hidden(words)) if tokens else None
+        tokens = tokenise(hide_token(words))
+        return with_token(understood_order(tokens), find_token(words)) if tokens else None
     except RefusedError as refused:
         return BadOrder(printable(text), str(refused))
 
@@ -175,39 +177,41 @@ def name_of(text: str) -> str:
     return understood_as.name if isinstance(understood_as, Order) else ""
 
 
-def planned(said: re.Match[str]) -> Order:
+def planned_order(said: re.Match[str]) -> Order:
     """Return the order that plans another; refuses what is none, or cannot be planned."""
     inner = parse(said["order"])
     if not isinstance(inner, Order):
         raise RefusedError(inner.reason if inner else f"{said[0].strip()}: no order")
     inner = to_the_crew(inner)
-    if inner.name not in PLANNABLE:
+    if inner.name not in PLANNABLE_WORDS:
         raise RefusedError(f"{inner.text} cannot be planned: give it when it is time")
     if said["condition"]:
         text = f"when {' '.join(said['condition'].lower().split())} then {inner.text}"
         refuse_unreadable(text)  # written in full it may be too long
         return Order("plan", 0.0, "when", text, (), inner.text)
     head, digits = said["at"].lower(), said["time"].lower()
-    if not DECIMAL.fullmatch(digits):
-        raise RefusedError(f'"{digits}" after "{head}": expected {describe_places([TIME])[0]}')
-    unit = next(each for each in TIME.units if (said["unit"] or "s").lower() in each.names)
-    value, wording = quantity(TIME, digits, unit)
+    if not DECIMAL_PATTERN.fullmatch(digits):
+        raise RefusedError(
+            f'"{digits}" after "{head}": expected {describe_places([TIME_NUMBER])[0]}'
+        )
+    unit = next(each for each in TIME_NUMBER.units if (said["unit"] or "s").lower() in each.names)
+    value, wording = quantity(TIME_NUMBER, digits, unit)
     text = f"{head} {wording} {inner.text}"
     refuse_unreadable(text)
     return Order("plan", value, head, text, (value,), inner.text)
 
 
-def understood(tokens: list[str]) -> Order:
+def understood_order(tokens: list[str]) -> Order:
     """Return the order of the tokens, which may be a phrase; refuses what is neither."""
     try:
-        return order(read(tokens))
+        return order(read_form(tokens))
     except RefusedError as refused:
         meant = meaning(tokens)
         if meant is None:
-            near = "" if tokens[0] in HEADS else nearest_phrase(tokens)
+            near = "" if tokens[0] in ORDER_HEADS else nearest_phrase(tokens)
             told = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
             raise RefusedError(told if near else str(refused)) from None
-    return replace(order(read(tokenise(meant.order))), crew=meant.crew)
+    return replace(order(read_form(tokenise(meant.order))), crew=meant.crew)
 
 
 def to_the_crew(said: Order) -> Order:
@@ -218,9 +222,9 @@ def to_the_crew(said: Order) -> Order:
 
 def refuse_unreadable(text: str) -> None:
     """Refuse a line that is too long or not plain ASCII."""
-    if len(text) > LONGEST:
-        raise RefusedError(f"line of {len(text)} characters; the longest is {LONGEST}")
-    readable = PRINTABLE.match(text)
+    if len(text) > MAX_LINE_LETTERS:
+        raise RefusedError(f"line of {len(text)} characters; the longest is {MAX_LINE_LETTERS}")
+    readable = PRINTABLE_PATTERN.match(text)
     end = readable.end() if readable else 0
     if end < len(text):
         code = ord(text[end])
@@ -229,7 +233,7 @@ def refuse_unreadable(text: str) -> None:
 
 def printable(text: str) -> str:
     """Return `text` for a log: short, plain ASCII, a token in it hidden."""
-    return hide("".join(c if " " <= c <= "~" else "?" for c in text[:LONGEST]))
+    return hide_token("".join(c if " " <= c <= "~" else "?" for c in text[:MAX_LINE_LETTERS]))
 
 
 def with_token(order: Order, token: str) -> Order:
@@ -242,38 +246,40 @@ def with_token(order: Order, token: str) -> Order:
 def tokenise(text: str) -> list[str]:
     """Return the words in lower case, units split from their numbers."""
     words = text.lower().split()
-    split = [glued.groups() if (glued := GLUED.fullmatch(word)) else (word,) for word in words]
+    split = [
+        glued.groups() if (glued := GLUED_PATTERN.fullmatch(word)) else (word,) for word in words
+    ]
     return [token for tokens in split for token in tokens]
 
 
-def read(tokens: list[str]) -> Reading:
+def read_form(tokens: list[str]) -> PartialReading:
     """Return the one reading of the tokens. Refuses where there is none, or more than one."""
-    alive = OPENINGS.get(tokens[0], [])
+    alive = HEAD_READINGS.get(tokens[0], [])
     for i, token in enumerate(tokens):
         reached = [reading for reading in alive if len(reading.places) > i]
         alive = [
-            Reading(form, places, (*before, said))
+            PartialReading(form, places, (*before, said))
             for form, places, before in reached
-            for said in match(places[i], token)
+            for said in match_place(places[i], token)
         ]
         if not alive:
             raise RefusedError(
                 describe_unexpected(
-                    tokens, i, list_alternatives(reached if i else list(READINGS), i)
+                    tokens, i, list_alternatives(reached if i else list(FORM_READINGS), i)
                 )
             )
         alive = in_full(alive, i, token)
     refuse_doubt(tokens, alive)
     whole = [reading for reading in alive if len(reading.places) == len(tokens)]
     if not whole:
-        expected = either(describe_places(list_alternatives(alive, len(tokens))))
+        expected = join_names(describe_places(list_alternatives(alive, len(tokens))))
         raise RefusedError(f"{' '.join(tokens)} what? expected {expected}")
     if whole[0].form.refusal:
         raise RefusedError(whole[0].form.refusal)
     return whole[0]
 
 
-def in_full(alive: list[Reading], i: int, token: str) -> list[Reading]:
+def in_full(alive: list[PartialReading], i: int, token: str) -> list[PartialReading]:
     """Return the readings without those that lengthen a word typed in full."""
     words = [reading for reading in alive if isinstance(reading.places[i], Word)]
     if not any(reading.said[i].spelling == token for reading in words):
@@ -285,35 +291,35 @@ def in_full(alive: list[Reading], i: int, token: str) -> list[Reading]:
     ]
 
 
-def list_alternatives(readings: list[Reading], i: int) -> list[Place]:
+def list_alternatives(readings: list[PartialReading], i: int) -> list[Place]:
     """Return what may stand at `i`; what would be refused only where nothing else may."""
     good = [reading for reading in readings if not reading.form.refusal]
     return [reading.places[i] for reading in good or readings]
 
 
-def match(place: Place, token: str) -> Iterable[Said]:
+def match_place(place: Place, token: str) -> Iterable[TokenReading]:
     """Return the ways `token` fits the place: none, itself, or every word it abbreviates."""
     if isinstance(place, Number):
         digits = token.removeprefix(place.prefix)
-        return (Said(token, digits),) if DECIMAL.fullmatch(digits) else ()
+        return (TokenReading(token, digits),) if DECIMAL_PATTERN.fullmatch(digits) else ()
     if isinstance(place, Name):
-        return (Said(token, token),) if NAME.fullmatch(token) else ()
+        return (TokenReading(token, token),) if NAME_PATTERN.fullmatch(token) else ()
     if isinstance(place, Secret):
-        return (Said(token, token),) if token == HIDDEN else ()
+        return (TokenReading(token, token),) if token == HIDDEN_TOKEN else ()
     if isinstance(place, UnitWord):
         fits = any(token in unit.names for unit in place.number.units)
-        return (Said(token, token),) if fits else ()
+        return (TokenReading(token, token),) if fits else ()
     if not token[0].isalpha():
-        return (Said(token, word) for said, word in place.spellings if said == token)
-    return (Said(said, word) for said, word in place.spellings if said.startswith(token))
+        return (TokenReading(token, word) for said, word in place.spellings if said == token)
+    return (TokenReading(said, word) for said, word in place.spellings if said.startswith(token))
 
 
-def refuse_doubt(tokens: list[str], alive: list[Reading]) -> None:
+def refuse_doubt(tokens: list[str], alive: list[PartialReading]) -> None:
     """Refuse a token that is short for different words, naming them."""
     for i, token in enumerate(tokens):
         meant = {reading.said[i].word: reading.said[i].spelling for reading in alive}
         if len(meant) > 1:
-            raise RefusedError(f'"{token}" may be {either(sorted(meant.values()))}')
+            raise RefusedError(f'"{token}" may be {join_names(sorted(meant.values()))}')
 
 
 def nearest_word(token: str, known: Iterable[str]) -> str:
@@ -335,11 +341,13 @@ def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
     if token[0] in "+-.0123456789" and any(isinstance(place, Number) for place in places):
         return f'"{token}" is not a plain decimal number'
     spelled = {said for place in places if isinstance(place, Word) for said, _ in place.spellings}
-    near = ("" if before else MEANT.get(token)) or nearest_word(token, spelled)
+    near = ("" if before else MEANT_ORDERS.get(token)) or nearest_word(token, spelled)
     hint = f"; did you mean {near}?" if near else ""
     if not before:
         return f'"{token}" is no order{hint or "; help lists them"}'
-    return f'"{token}" after "{before}"{hint or f": expected {either(describe_places(places))}"}'
+    return (
+        f'"{token}" after "{before}"{hint or f": expected {join_names(describe_places(places))}"}'
+    )
 
 
 def describe_places(places: list[Place]) -> list[str]:
@@ -359,12 +367,12 @@ def describe_places(places: list[Place]) -> list[str]:
     return list(found)
 
 
-def either(names: list[str]) -> str:
+def join_names(names: list[str]) -> str:
     """Return the names as `a, b or c`."""
     return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
-def order(reading: Reading) -> Order:
+def order(reading: PartialReading) -> Order:
     """Return the order of a whole reading. Refuses a number beyond the limits of the grammar."""
     form, places, said = reading
     head = heading_word(form)
@@ -383,11 +391,11 @@ def order(reading: Reading) -> Order:
             rest.append(subject)
         elif isinstance(place, UnitWord | Secret) or token.word in (optional if i else [head]):
             continue
-        elif token.word in SIGNS and head != CREW:
-            sign = side = SIGNS[token.word]
+        elif token.word in SIDE_SIGNS and head != CREW_HEAD:
+            sign = side = SIDE_SIGNS[token.word]
             text.append(token.word)
         else:
-            side = SIGNS.get(token.word, side)
+            side = SIDE_SIGNS.get(token.word, side)
             words.append(token.word)
             rest.append(token.word)
     word = "_".join(words).replace("-", "_")
@@ -399,7 +407,7 @@ def order(reading: Reading) -> Order:
     )
 
 
-def unit_after(number: Number, rest: tuple[Said, ...]) -> Unit:
+def unit_after(number: Number, rest: tuple[TokenReading, ...]) -> Unit:
     """Return the unit that follows a number, or the one understood."""
     named = [unit for unit in number.units if rest and rest[0].word in unit.names]
     return (named or list(number.units))[0]

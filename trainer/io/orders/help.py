@@ -6,31 +6,32 @@ import textwrap
 from collections.abc import Mapping, Sequence
 
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.phrases import phrase_table
-from trainer.io.orders.quantities import NUMBERS, Number
+from trainer.io.orders.quantities import NUMBER_KINDS, Number
 from trainer.io.orders.table import (
     BOAT_TOPICS,
     FORMS,
-    SESSION,
+    SESSION_TOPIC,
     SESSION_TOPICS,
-    SETS,
     TOPICS,
+    WORD_SETS,
     Form,
     Topic,
     heading_word,
 )
 
-WIDTH = 79  # [characters]
-SESSION_IS = "time, moments and stations"
+HELP_WIDTH = 79  # [characters]
+SESSION_SUBJECTS = "time, moments and stations"
 
-INTRODUCTION = f"""# Orders
+INTRODUCTION_TEXT = f"""# Orders
 
 <!-- Made of the tables of trainer/io/orders and trainer/session/dispatch; a test compares them. -->
 
 After this page you can give any order, in full, cut short, or as it is said in a control room.
 
-An order is one line of at most {LONGEST} characters: plain words, in capitals or not. Any word may
+An order is one line of at most {MAX_LINE_LETTERS} characters: plain words, in capitals or not. \
+Any word may
 be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
 unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
 What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other; NAME, LABEL and
@@ -41,7 +42,7 @@ A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `60
 """
 
 
-PHRASEOLOGY = """## Phrases
+PHRASES_TEXT = """## Phrases
 
 The words of a control room are understood too. A station means the order of the second column. The
 instructor, the diving officer and a schedule mean the order to the crew of the third column, where
@@ -50,19 +51,20 @@ is refused, with the nearest. `meet her` puts the rudder against the swing, and 
 swing has stopped; `ease` and `shift` keep the side of the rudder that is on.
 """
 
-PROGRAMS = f"""## Lines of programs
+PROGRAMS_TEXT = f"""## Lines of programs
 
 A program sends the same words in a frame, and is answered in frames. The two hexadecimal digits
 after `*` are the exclusive or of all characters between `$` and `*`. A tag of one to six digits may
 stand before the words; every answer to that order carries it. A damaged line is answered without
-a tag, which cannot be trusted either. A line in has at most {LONGEST} characters, a line out
-{sentences.LONGEST_ANSWER}.
+a tag, which cannot be trusted either. A line in has at most {MAX_LINE_LETTERS} characters, \
+a line out
+{sentences.MAX_ANSWER_LETTERS}.
 
 The text is the last field and may hold commas; a `$`, a `*` or a character beyond ASCII in it is
 sent as `?`. In a field before others a comma is sent as `;`.
 """
 
-EXAMPLES = (
+EXAMPLE_ORDERS = (
     ("$TRO,[tag,]words*HH", "an order", sentences.order_sentence("rudder left 15")),
     ("$TRO,[tag,]words*HH", "one with a tag", sentences.order_sentence("rudder left 15", "7")),
     (
@@ -107,9 +109,12 @@ def help_text(topic: str) -> list[str]:
     """Return the lines of help on a topic, at most 79 columns. "" is the list of orders."""
     if not topic:
         first = "Orders; words may be cut short, and # starts a comment:"
-        return [*overview(first, BOAT_TOPICS), f"help {SESSION} lists the rest: {SESSION_IS}."]
-    if topic == SESSION:
-        return overview(f"Orders about {SESSION_IS}:", SESSION_TOPICS)
+        return [
+            *overview(first, BOAT_TOPICS),
+            f"help {SESSION_TOPIC} lists the rest: {SESSION_SUBJECTS}.",
+        ]
+    if topic == SESSION_TOPIC:
+        return overview(f"Orders about {SESSION_SUBJECTS}:", SESSION_TOPICS)
     topics = [head for entry in TOPICS for head in entry.heads]
     if topic not in topics:
         near = difflib.get_close_matches(topic, topics, n=1)
@@ -118,19 +123,23 @@ def help_text(topic: str) -> list[str]:
     lines = [f"{topic}, in full:"]
     for form in forms:
         line = f"  {usage(form):<34}  {form.says}"
-        lines += [line] if len(line) <= WIDTH else [*wrapped(usage(form)), f"      {form.says}"]
+        lines += (
+            [line]
+            if len(line) <= HELP_WIDTH
+            else [*wrap_pattern(usage(form)), f"      {form.says}"]
+        )
     patterns = " ".join(form.pattern for form in forms).split()
     lines += [
         f"  {name} is {limits_and_units(number)}"
-        for name, number in NUMBERS.items()
+        for name, number in NUMBER_KINDS.items()
         if name in patterns
     ]
     return lines + [f"  {same}" for same in synonyms(patterns)]
 
 
-def wrapped(pattern: str) -> list[str]:
+def wrap_pattern(pattern: str) -> list[str]:
     """Return a pattern in lines that fit."""
-    shape = textwrap.TextWrapper(WIDTH, "  ", "    ", break_on_hyphens=False)
+    shape = textwrap.TextWrapper(HELP_WIDTH, "  ", "    ", break_on_hyphens=False)
     return shape.wrap(pattern)
 
 
@@ -142,7 +151,7 @@ def overview(first: str, topics: Sequence[Topic]) -> list[str]:
 
 def usage(form: Form) -> str:
     """Return the pattern of a form without its second spellings."""
-    items = (SETS.get(item, item) for item in form.pattern.split() if item != "TOPIC")
+    items = (WORD_SETS.get(item, item) for item in form.pattern.split() if item != "TOPIC")
     shown = " ".join(re.sub(r"=[^|]*", "", item) for item in items)
     return f"{shown} ORDER" if "TOPIC" in form.pattern else shown
 
@@ -157,7 +166,7 @@ def synonyms(patterns: list[str]) -> list[str]:
     """Return `word: other spellings` for the words of the patterns that have any, once each."""
     found = {}
     for item in patterns:
-        for alternative in SETS.get(item.strip("[]"), item.strip("[]")).split("|"):
+        for alternative in WORD_SETS.get(item.strip("[]"), item.strip("[]")).split("|"):
             word, *others = alternative.split("=")
             if others:
                 found[word] = f"{word}: also {', '.join(others)}"
@@ -174,22 +183,23 @@ def page(obeyed_by: Mapping[str, str]) -> str:
     refused = [(usage(form).replace("|", "\\|"), form.refusal) for form in FORMS if form.refusal]
     return "\n".join(
         [
-            INTRODUCTION,
+            INTRODUCTION_TEXT,
             *table(("wording", "order", "obeyed by", "what it does"), escaped),
             "## Numbers\n",
             *table(
-                ("in the table", "is"), [(name, limits_and_units(n)) for name, n in NUMBERS.items()]
+                ("in the table", "is"),
+                [(name, limits_and_units(n)) for name, n in NUMBER_KINDS.items()],
             ),
             "The boat's own limits are narrower, and are applied later.\n",
             "## Other spellings\n",
             *(f"- {same}" for same in synonyms(" ".join(f.pattern for f in FORMS).split())),
             "",
-            PHRASEOLOGY,
+            PHRASES_TEXT,
             *table(("said", "order", "said by instructor or diving officer"), phrase_table()),
-            PROGRAMS,
+            PROGRAMS_TEXT,
             *table(
                 ("line", "what it is", "example"),
-                [(line, says, f"`{example}`") for line, says, example in EXAMPLES],
+                [(line, says, f"`{example}`") for line, says, example in EXAMPLE_ORDERS],
             ),
             "## Refused with advice\n",
             *table(("wording", "answer"), refused),

@@ -5,7 +5,8 @@ It is one table. Others may lie beside it.
 A phrase is looked for only where a line is no order of ``table``. Who works a control gives it the
 ``order``; who orders the crew (instructor, diving officer, schedule) gives the ``crew`` order where
 there is one. A pattern is a row of items: ``a|b`` one of these words, ``[a]`` may be left out,
-CAPITALS stand for SLOTS. Numbers may be words: ``zero four five``, ``one eighty``, ``two hundred``.
+CAPITALS stand for SLOT_PATTERNS. Numbers may be words: ``zero four five``, ``one eighty``, ``two
+hundred``.
 """
 
 import difflib
@@ -14,7 +15,7 @@ from typing import Final, NamedTuple
 
 from trainer.io.orders.quantities import FEET, METRES, TONNES
 
-SLOTS: Final = {
+SLOT_PATTERNS: Final = {
     "SIDE": r"(?P<side>left|right|port|starboard)",
     "COURSE": r"(?P<n>\d{3}(?:\.\d+)?)",
     "ANGLE": r"(?P<n>\d{1,2}(?:\.\d+)?)",
@@ -33,17 +34,17 @@ SLOTS: Final = {
     "GROUP": "(?P<group>forward|mid|aft)",
     "OPEN": "(?P<open>open|shut)",
 }
-UNITS: Final = (
+UNIT_WORDS: Final = (
     *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"),
     *("ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen"),
     *("eighteen", "nineteen"),
 )
-ROUND: Final = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
-DIGITS: Final = {word: f"{i}" for i, word in enumerate(UNITS[:10])} | {"niner": "9"}
-TEENS: Final = {word: i for i, word in enumerate(UNITS) if i >= 10}
-TENS: Final = {word: 10 * i for i, word in enumerate(ROUND, start=2)}
-NUMBER_WORDS: Final = {*DIGITS, *TEENS, *TENS, "hundred"}
-DIGIT: Final = "0"  # stands for any number that a phrase may begin with
+TENS_WORDS: Final = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+DIGIT_VALUES: Final = {word: f"{i}" for i, word in enumerate(UNIT_WORDS[:10])} | {"niner": "9"}
+TEEN_VALUES: Final = {word: i for i, word in enumerate(UNIT_WORDS) if i >= 10}
+TENS_VALUES: Final = {word: 10 * i for i, word in enumerate(TENS_WORDS, start=2)}
+NUMBER_WORDS: Final = {*DIGIT_VALUES, *TEEN_VALUES, *TENS_VALUES, "hundred"}
+ANY_DIGIT: Final = "0"  # stands for any number that a phrase may begin with
 
 
 class Phrase(NamedTuple):
@@ -55,7 +56,7 @@ class Phrase(NamedTuple):
     crew: str = ""  # of whoever orders the crew, "" where it is the same
 
 
-class Meaning(NamedTuple):
+class PhraseMeaning(NamedTuple):
     """The meaning of a phrase, in the words of the grammar."""
 
     order: str
@@ -181,7 +182,7 @@ def pattern(row: str) -> re.Pattern[str]:
     pieces = []
     for item in row.split():
         plain = item.strip("[]")
-        word = "|".join(SLOTS.get(each, each) for each in plain.split("|"))
+        word = "|".join(SLOT_PATTERNS.get(each, each) for each in plain.split("|"))
         pieces.append(f"(?:(?:{word}) ){'?' * item.startswith('[')}")
     return re.compile("".join(pieces))
 
@@ -191,43 +192,43 @@ def openings(row: str) -> list[str]:
     items = row.split()
     first = next(i for i, item in enumerate(items) if not item.startswith("["))
     words = [each for item in items[: first + 1] for each in item.strip("[]").split("|")]
-    return [SLOTS.get(each, each) for each in words]
+    return [SLOT_PATTERNS.get(each, each) for each in words]
 
 
 def first_words(row: str) -> set[str]:
-    """Return the words that a row may begin with; DIGIT for any number."""
+    """Return the words that a row may begin with; ANY_DIGIT for any number."""
     said = [each for expression in openings(row) for each in spoken_as(expression)]
-    return {DIGIT if each[0].isdigit() else each for each in said}
+    return {ANY_DIGIT if each[0].isdigit() else each for each in said}
 
 
 def spoken_as(expression: str) -> list[str]:
-    """Return the first words of what an expression matches; DIGIT for a number."""
+    """Return the first words of what an expression matches; ANY_DIGIT for a number."""
     inner = re.sub(r"^\(\?(?:P<\w+>|:)|\)", "", expression)
     if "\\d" in inner:
-        return [DIGIT]
+        return [ANY_DIGIT]
     return [each.split()[0] for each in inner.split("|")]
 
 
-COMPILED: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
-BY_FIRST_WORD: Final[dict[str, list[tuple[re.Pattern[str], Phrase]]]] = {}
-for _expression, _phrase in COMPILED:
+COMPILED_PHRASES: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
+PHRASES_BY_WORD: Final[dict[str, list[tuple[re.Pattern[str], Phrase]]]] = {}
+for _expression, _phrase in COMPILED_PHRASES:
     for _word in first_words(_phrase.pattern):
-        BY_FIRST_WORD.setdefault(_word, []).append((_expression, _phrase))
-OPENINGS: Final = tuple(
+        PHRASES_BY_WORD.setdefault(_word, []).append((_expression, _phrase))
+PHRASE_OPENINGS: Final = tuple(
     (re.compile("|".join(openings(phrase.pattern))), phrase.example) for phrase in PHRASES
 )
 
 
-def meaning(tokens: list[str]) -> Meaning | None:
+def meaning(tokens: list[str]) -> PhraseMeaning | None:
     """Return what a phrase means, None if it is none."""
     text = plain_text(tokens)
     first = text.partition(" ")[0]
-    for expression, phrase in BY_FIRST_WORD.get(DIGIT if first[:1].isdigit() else first, ()):
+    for expression, phrase in PHRASES_BY_WORD.get(ANY_DIGIT if first[:1].isdigit() else first, ()):
         if found := expression.fullmatch(f"{text} "):
             said = {name: value or "" for name, value in found.groupdict().items()}
             said["n"] = said.get("n", "")
             order = phrase.order.format(**said).strip()
-            return Meaning(order, phrase.crew.format(**said).strip())
+            return PhraseMeaning(order, phrase.crew.format(**said).strip())
     return None
 
 
@@ -237,7 +238,7 @@ def nearest_phrase(tokens: list[str]) -> str:
     first = text.partition(" ")[0]
     examples = {
         plain_text(example.lower().split()): example
-        for begins, example in OPENINGS
+        for begins, example in PHRASE_OPENINGS
         if begins.fullmatch(first)
     }
     near = difflib.get_close_matches(text, examples, n=1, cutoff=0.5)
@@ -273,19 +274,23 @@ def numerals(words: list[str]) -> list[str]:
 
 def chunk_of(rest: list[str]) -> str:
     """Take the first number off the words, such as two hundred, forty five, nine. Return it."""
-    if len(rest) > 1 and rest[0] in DIGITS and rest[1] == "hundred":
-        hundreds = int(DIGITS[rest.pop(0)])
+    if len(rest) > 1 and rest[0] in DIGIT_VALUES and rest[1] == "hundred":
+        hundreds = int(DIGIT_VALUES[rest.pop(0)])
         rest.pop(0)
         if rest[:1] == ["and"]:
             rest.pop(0)
         return str(100 * hundreds + int(chunk_of(rest) or 0))
-    if rest[0] in TENS if rest else False:
-        tens = TENS[rest.pop(0)]
-        unit = DIGITS[rest.pop(0)] if rest and rest[0] in DIGITS and rest[0] != "zero" else "0"
+    if rest[0] in TENS_VALUES if rest else False:
+        tens = TENS_VALUES[rest.pop(0)]
+        unit = (
+            DIGIT_VALUES[rest.pop(0)]
+            if rest and rest[0] in DIGIT_VALUES and rest[0] != "zero"
+            else "0"
+        )
         return str(tens + int(unit))
-    if rest and rest[0] in TEENS:
-        return str(TEENS[rest.pop(0)])
-    return DIGITS[rest.pop(0)] if rest and rest[0] in DIGITS else ""
+    if rest and rest[0] in TEEN_VALUES:
+        return str(TEEN_VALUES[rest.pop(0)])
+    return DIGIT_VALUES[rest.pop(0)] if rest and rest[0] in DIGIT_VALUES else ""
 
 
 def phrase_table() -> list[tuple[str, str, str]]:

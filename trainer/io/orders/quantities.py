@@ -5,8 +5,8 @@ from decimal import Decimal
 
 from trainer.units import DEGREE, FOOT, KNOT
 
-MINUTE = 60.0  # [s]
-FAR = -200_000.0, 200_000.0  # [m] from the origin
+MINUTE_S = 60.0  # [s]
+PLACE_LIMITS_M = -200_000.0, 200_000.0  # [m] from the origin
 
 
 class RefusedError(Exception):
@@ -44,15 +44,15 @@ METRES = Unit("m", ("m", "metres", "metre", "meters", "meter"), 1.0)
 FEET = Unit("ft", ("ft", "feet", "foot"), FOOT)
 KNOTS = Unit("kn", ("kn", "knots", "knot", "kts", "kt"), KNOT)
 METRES_PER_SECOND = Unit("m/s", ("m/s", "mps"), 1.0)
-PER_MINUTE = Unit("", ("rpm",), 1.0 / MINUTE)
+PER_MINUTE = Unit("", ("rpm",), 1.0 / MINUTE_S)
 TONNES = Unit("t", ("t", "tonnes", "tonne", "tons", "ton"), 1000.0)
 SECONDS = Unit("s", ("s", "seconds", "second", "sec"), 1.0)
-MINUTES = Unit("min", ("min", "minutes", "minute", "mins"), MINUTE)
+MINUTES = Unit("min", ("min", "minutes", "minute", "mins"), MINUTE_S)
 HERTZ = Unit("hz", ("hz",), 1.0)
-PLAIN = Unit("", (), 1.0)
-PLACE = Unit("", METRES.names, 1.0)
+PLAIN_UNIT = Unit("", (), 1.0)
+PLACE_UNIT = Unit("", METRES.names, 1.0)
 
-NUMBERS = {
+NUMBER_KINDS = {
     "DEPTH": Number("a depth", (METRES, FEET), 0.0, 2000.0),
     "COURSE": Number("a course", (DEGREES,), 0.0, 360.0),
     "CHANGE": Number("a change of course", (DEGREES,), 0.0, 360.0),
@@ -61,21 +61,25 @@ NUMBERS = {
     "TURNS": Number("a speed, negative astern", (KNOTS, METRES_PER_SECOND), -60.0, 60.0),
     "RPM": Number("a rate of revolutions, negative astern", (PER_MINUTE,), -2000.0, 2000.0),
     "FACTOR": Number("a time speed", (Unit("", ("x",), 1.0),), 0.1, 100.0, prefix="x"),
-    "COUNT": Number("a number of ticks", (PLAIN,), 1.0, 1000.0, decimals=0),
-    "BRANCH": Number("the number of a branch", (PLAIN,), 1.0, 1e6, decimals=0),
-    "ALERT": Number("the number of an alert", (PLAIN,), 1.0, 999999.0, decimals=0),
-    "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
+    "COUNT": Number("a number of ticks", (PLAIN_UNIT,), 1.0, 1000.0, decimals=0),
+    "BRANCH": Number("the number of a branch", (PLAIN_UNIT,), 1.0, 1e6, decimals=0),
+    "ALERT": Number("the number of an alert", (PLAIN_UNIT,), 1.0, 999999.0, decimals=0),
+    "DEGREE": Number("a sea state", (PLAIN_UNIT,), 0.0, 8.0, decimals=0),
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
     "DRIFT": Number("a drift", (KNOTS, METRES_PER_SECOND), 0.0, 10.0),
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
     "TRAIN": Number("an angle off the bow", (DEGREES,), 0.0, 360.0),
     "MAST": Number("the height of a masthead", (METRES, FEET), 1.0, 150.0),
-    "NORTH": Number("metres north of the origin, south negative", (PLACE,), *FAR, decimals=1),
-    "EAST": Number("metres east of the origin, west negative", (PLACE,), *FAR, decimals=1),
+    "NORTH": Number(
+        "metres north of the origin, south negative", (PLACE_UNIT,), *PLACE_LIMITS_M, decimals=1
+    ),
+    "EAST": Number(
+        "metres east of the origin, west negative", (PLACE_UNIT,), *PLACE_LIMITS_M, decimals=1
+    ),
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
-    "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN,), -1000.0, 1000.0),
+    "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN_UNIT,), -1000.0, 1000.0),
     "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),
-    "PLAN": Number("the number of a plan", (PLAIN,), 1.0, 999999.0, decimals=0),
+    "PLAN": Number("the number of a plan", (PLAIN_UNIT,), 1.0, 999999.0, decimals=0),
     "LAPSE": Number("a time back", (SECONDS, MINUTES), 0.1, 86400.0),
     "TIME": Number("a time", (SECONDS, MINUTES), 0.0, 86400.0),
     "RATE": Number("a rate", (HERTZ,), 0.1, 50.0),
@@ -95,7 +99,7 @@ def quantity(number: Number, digits: str, unit: Unit) -> tuple[float, str]:
         given = f"{digits} {unit.text}".rstrip()
         raise RefusedError(f"{given}: {number.says} is {number.limits}")
     plain = f"{Decimal(digits).normalize() + 0:f}"
-    if number is NUMBERS["COURSE"]:
+    if number is NUMBER_KINDS["COURSE"]:
         plain = "0" if plain == "360" else plain
         whole, point, rest = plain.partition(".")
         return float(plain) * unit.factor, f"{whole:0>3}{point}{rest}"

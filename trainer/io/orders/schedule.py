@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 from trainer.io.orders.grammar import BadOrder, Order, parse, to_the_crew
 
-LATEST = 1e6  # [s]  eleven days
-TIMED = re.compile(r"([0-9]{1,9}(?:\.[0-9]{0,9})?)\s+(\S.*)")
+MAX_TIME_S = 1e6  # [s]  eleven days
+TIMED_PATTERN = re.compile(r"([0-9]{1,9}(?:\.[0-9]{0,9})?)\s+(\S.*)")
 
 
 @dataclass(frozen=True)
-class Scheduled:
+class ScheduledOrder:
     """An order due `seconds` [s] after the start, and its line in the file."""
 
     seconds: float
@@ -34,7 +34,7 @@ class BadSchedule:
         return f"{self.source}:{self.line_number}: {self.reason}"
 
 
-def parse_schedule(text: str, source: str) -> list[Scheduled] | BadSchedule:
+def parse_schedule(text: str, source: str) -> list[ScheduledOrder] | BadSchedule:
     """Return the orders of a schedule sorted by time [s]. Equal times keep the file's order."""
     entries = []
     # Not splitlines(): it also breaks at characters that no editor counts as a line end.
@@ -47,17 +47,17 @@ def parse_schedule(text: str, source: str) -> list[Scheduled] | BadSchedule:
     return sorted(entries, key=lambda entry: entry.seconds)
 
 
-def parse_entry(line: str, line_number: int) -> Scheduled | str | None:
+def parse_entry(line: str, line_number: int) -> ScheduledOrder | str | None:
     """Return the entry on a line, None when it is blank, or the error."""
     if not line:
         return None
-    timed = TIMED.fullmatch(line)
+    timed = TIMED_PATTERN.fullmatch(line)
     if timed is None:
         return "a line is SECONDS ORDER, such as: 600 rudder right 15"
     seconds = float(timed[1])
-    if seconds > LATEST:
-        return f"{timed[1]} s: the latest time is {LATEST:.0f} s"
+    if seconds > MAX_TIME_S:
+        return f"{timed[1]} s: the latest time is {MAX_TIME_S:.0f} s"
     order = parse(timed[2])
     if isinstance(order, Order):
-        return Scheduled(seconds, to_the_crew(order), line_number)
+        return ScheduledOrder(seconds, to_the_crew(order), line_number)
     return order.reason if isinstance(order, BadOrder) else "a time without an order"

@@ -21,19 +21,21 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse, printable
+from trainer.io.orders.grammar import MAX_LINE_LETTERS, BadOrder, Order, parse, printable
 
-LONGEST_ANSWER = 2000  # [characters]  of a line from the session; NMEA's 82 would cut states apart
+MAX_ANSWER_LETTERS = (
+    2000  # [characters]  of a line from the session; NMEA's 82 would cut states apart
+)
 
-FRAME = re.compile(r"\$([^$*]*)\*([0-9A-Fa-f]{2})")
-TAG = re.compile(r"[0-9]{1,6}")
-UNSAFE = re.compile(r"[^ -~]|[$*]")
+FRAME_PATTERN = re.compile(r"\$([^$*]*)\*([0-9A-Fa-f]{2})")
+TAG_PATTERN = re.compile(r"[0-9]{1,6}")
+UNSAFE_PATTERN = re.compile(r"[^ -~]|[$*]")
 # Of each kind: the commas after which they belong to the text, and the fields it has at least.
-KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4), "TRF": (3, 4)}
+SENTENCE_KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4), "TRF": (3, 4)}
 # Of those that tell when: where the tick stands, and after it the seconds.
-TIMED = {"TRS": 1, "TRE": 0, "TRF": 0}
-TICK = re.compile(r"[0-9]{1,18}")
-SECONDS = re.compile(r"[0-9]{1,18}(?:\.[0-9]{1,9})?")
+TIME_FIELDS = {"TRS": 1, "TRE": 0, "TRF": 0}
+TICK_PATTERN = re.compile(r"[0-9]{1,18}")
+SECONDS_PATTERN = re.compile(r"[0-9]{1,18}(?:\.[0-9]{1,9})?")
 
 FACTS = {  # what the subject of each is; texts are for people, and may be reworded
     "order": "an order that was obeyed, in the grammar's words",
@@ -80,7 +82,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
 
 
 @dataclass(frozen=True)
-class Heard:
+class Message:
     """The content of a line. The answer goes back framed if it came so, with its tag."""
 
     order: Order | BadOrder
@@ -100,22 +102,22 @@ class Sentence:
     fields: tuple[str, ...]
 
 
-def hear(line: str) -> Heard | None:
+def parse_line(line: str) -> Message | None:
     """Return what `line` holds, None when it is blank or a comment; never raises."""
     if line.lstrip().startswith("$"):
         return hear_machine(line.strip())
     order = parse(line)
-    return Heard(order) if order else None
+    return Message(order) if order else None
 
 
-def hear_machine(line: str) -> Heard:
+def hear_machine(line: str) -> Message:
     """Return what a program's line holds."""
 
-    def bad(reason: str, tag: str = "") -> Heard:
-        return Heard(BadOrder(printable(line), reason), machine=True, tag=tag)
+    def bad(reason: str, tag: str = "") -> Message:
+        return Message(BadOrder(printable(line), reason), machine=True, tag=tag)
 
-    if len(line) > LONGEST:
-        return bad(f"line of {len(line)} characters; the longest is {LONGEST}")
+    if len(line) > MAX_LINE_LETTERS:
+        return bad(f"line of {len(line)} characters; the longest is {MAX_LINE_LETTERS}")
     body, trouble = open_frame(line)
     head, comma, rest = body.partition(",")
     if trouble or head != "TRO" or not comma:
@@ -123,17 +125,17 @@ def hear_machine(line: str) -> Heard:
     first, comma, words = rest.partition(",")
     if not comma:
         first, words = "", rest
-    elif not TAG.fullmatch(first):
+    elif not TAG_PATTERN.fullmatch(first):
         return bad("a tag is one to six digits")
     order = parse(words)
     if order is None:
         return bad("a sentence without an order", first)
-    return Heard(order, machine=True, tag=first)
+    return Message(order, machine=True, tag=first)
 
 
 def open_frame(line: str) -> tuple[str, str]:
     """Return what a sentence frames and "", or "" and why it is none."""
-    found = FRAME.fullmatch(line)
+    found = FRAME_PATTERN.fullmatch(line)
     if not found:
         return "", "a program's line ends in * and the two digits of its checksum"
     if not (line.isascii() and line.isprintable()):
@@ -144,22 +146,22 @@ def open_frame(line: str) -> tuple[str, str]:
     return body, ""
 
 
-def read(line: str) -> Sentence | None:
+def parse_sentence(line: str) -> Sentence | None:
     """Return the sentence on `line`, None when it is damaged or no sentence; never raises."""
     body, _ = open_frame(line.strip())
     kind, _, content = body.partition(",")
-    if kind not in KINDS:
+    if kind not in SENTENCE_KINDS:
         return None
     tag, _, rest = content.partition(",")
-    if kind != "TRA" or not TAG.fullmatch(tag):
+    if kind != "TRA" or not TAG_PATTERN.fullmatch(tag):
         tag, rest = "", content
-    commas, least = KINDS[kind]
+    commas, least = SENTENCE_KINDS[kind]
     fields = tuple(rest.split(",", commas))
     if not rest or len(fields) < least:
         return None
-    if kind in TIMED:
-        tick, seconds = fields[TIMED[kind] : TIMED[kind] + 2]
-        if not (TICK.fullmatch(tick) and SECONDS.fullmatch(seconds)):
+    if kind in TIME_FIELDS:
+        tick, seconds = fields[TIME_FIELDS[kind] : TIME_FIELDS[kind] + 2]
+        if not (TICK_PATTERN.fullmatch(tick) and SECONDS_PATTERN.fullmatch(seconds)):
             return None
     return Sentence(kind, tag, fields)
 
@@ -213,7 +215,7 @@ def checksum(body: str) -> int:
 
 def safe(text: str) -> str:
     """Return `text` without what would end a sentence or is not plain ASCII."""
-    return UNSAFE.sub("?", text)
+    return UNSAFE_PATTERN.sub("?", text)
 
 
 def safe_field(text: str) -> str:

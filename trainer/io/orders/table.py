@@ -2,22 +2,22 @@
 
 The parser, the help text and docs/orders.md are all read from the tables below. A pattern is a row
 of places: `a|b` one of these words, `a=b` the spelling b stands for a, `[a]` may be left out,
-CAPITALS are a number (``quantities``), a set of words (SETS), any name (NAMES) or a secret
-(TOKEN). The first word heads the order.
+CAPITALS are a number (``quantities``), a set of words (WORD_SETS), any name (NAME_PLACES) or a
+secret (TOKEN). The first word heads the order.
 """
 
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from trainer.io.orders.quantities import NUMBERS, Number
+from trainer.io.orders.quantities import NUMBER_KINDS, Number
 from trainer.units import DEGREE
 
 # Starboard and rising are positive, as everywhere outside the core.
-SIGNS = {"left": -1.0, "right": 1.0, "dive": -1.0, "rise": 1.0}
+SIDE_SIGNS = {"left": -1.0, "right": 1.0, "dive": -1.0, "rise": 1.0}
 # "Full" is worth the largest angle of the grammar; the boat's own limit is applied later.
 FULL_RUDDER = 90.0 * DEGREE
-SETS = {
+WORD_SETS = {
     "SIDE": "left=port|right=starboard",
     "TILT": "dive|rise",
     "MODE": "manual|auto",
@@ -32,11 +32,11 @@ SETS = {
     "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
     "AXIS": "rudder|planes|speed|ballast",
 }
-SESSION = "session"  # what `help` is asked for the other overview
+SESSION_TOPIC = "session"  # what `help` is asked for the other overview
 WHICH_WAY = "say which way: {} or {}"
 WHICH_PLANES = "which planes? say stern planes or bow planes"
 # What people say first, and the order that they are then told of.
-MEANT = {
+MEANT_ORDERS = {
     **dict.fromkeys(("pause", "hold"), "freeze"),
     **dict.fromkeys(("resume", "continue", "go", "start", "play"), "run"),
     **dict.fromkeys(("undo", "rewind"), "backtrack"),
@@ -76,9 +76,9 @@ BOAT_ORDERS = frozenset(
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.
 CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
-PLANNABLE = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
+PLANNABLE_WORDS = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
 # No schedule holds them: they answer whoever asks, or are a person's to say or to decide.
-UNSCHEDULED = frozenset(
+UNSCHEDULED_WORDS = frozenset(
     (
         *("help", "status", "briefing", "casualties", "plans", "log", "who", "history"),
         *("branches", "snapshots", "mark", "ack", "role", "name", "subscribe", "unsubscribe"),
@@ -137,7 +137,7 @@ class Topic:
     says: str
 
 
-NAMES = {
+NAME_PLACES = {
     "NAME": Name("the name of a casualty"),
     "SHIP_NAME": Name("the name of a contact"),
     "LABEL": Name("a name for a moment"),
@@ -384,22 +384,22 @@ FORMS = (
 
 def place(text: str) -> Word | Number | Name | Secret:
     """Return the place that one item of a pattern stands for."""
-    if text in NUMBERS:
-        return NUMBERS[text]
-    if text in NAMES:
-        return NAMES[text]
+    if text in NUMBER_KINDS:
+        return NUMBER_KINDS[text]
+    if text in NAME_PLACES:
+        return NAME_PLACES[text]
     if text == "TOKEN":
         return Secret()
-    return topic_place() if text == "TOPIC" else Word(tuple(spellings(SETS.get(text, text))))
+    return topic_place() if text == "TOPIC" else Word(tuple(spellings(WORD_SETS.get(text, text))))
 
 
 def topic_place() -> Word:
     """Return the place for what help may be asked about."""
     heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
     names = {head for topic in TOPICS for head in topic.heads}
-    words = dict(pair for head in heads for pair in spellings(SETS.get(head, head)))
+    words = dict(pair for head in heads for pair in spellings(WORD_SETS.get(head, head)))
     known = tuple((said, word) for said, word in words.items() if word in names)
-    return Word((*known, (SESSION, SESSION)))
+    return Word((*known, (SESSION_TOPIC, SESSION_TOPIC)))
 
 
 def spellings(text: str) -> Iterator[tuple[str, str]]:
@@ -426,4 +426,4 @@ def variants(form: Form) -> Iterator[tuple[Place, ...]]:
 def heading_word(form: Form) -> str:
     """Return the word that heads the form, also where it may be left out."""
     first = form.pattern.split()[0].strip("[]")
-    return next(word for _, word in spellings(SETS.get(first, first)))
+    return next(word for _, word in spellings(WORD_SETS.get(first, first)))

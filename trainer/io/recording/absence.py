@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, Giver
-from trainer.io.recording.queries import Branch, Journalled, Moment, Noted
+from trainer.io.recording.queries import Branch, Moment, RecordedEvent, RecordedOrder
 
 
 class NoRecording:
@@ -61,7 +61,7 @@ class NoRecording:
         """Return none."""
         return []
 
-    def events(self) -> Iterator[Noted]:
+    def events(self) -> Iterator[RecordedEvent]:
         """Return nothing."""
         return iter(())
 
@@ -77,7 +77,7 @@ class NoRecording:
         """Return nothing."""
         return None
 
-    def orders(self, _branch: int, _after: int = 0) -> list[Journalled]:
+    def orders(self, _branch: int, _after: int = 0) -> list[RecordedOrder]:
         """Return none."""
         return []
 
@@ -89,17 +89,17 @@ class NoRecording:
         """Do nothing."""
 
 
-class OrdersAlone(NoRecording):
+class OrderMemory(NoRecording):
     """All orders of the present branch, in memory; the rest is dropped."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._orders: list[Journalled] = []
+        self._orders: list[RecordedOrder] = []
 
     def order(self, tick: int, giver: Giver, text: str, place: int | None = None) -> int:
         """Keep an order; return its number."""
         number = super().order(tick, giver, text, place)
-        self._orders.append(Journalled(number, self.branch, tick, giver, text, place, None, ""))
+        self._orders.append(RecordedOrder(number, self.branch, tick, giver, text, place, None, ""))
         return number
 
     def answered(
@@ -120,6 +120,6 @@ class OrdersAlone(NoRecording):
         self._orders = [each for each in self._orders if each.id <= moment.after]
         return super().fork(moment, why)
 
-    def orders(self, _branch: int, after: int = 0) -> list[Journalled]:
+    def orders(self, _branch: int, after: int = 0) -> list[RecordedOrder]:
         """Return those after number ``after``."""
         return [each for each in self._orders if each.id > after]

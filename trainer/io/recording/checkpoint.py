@@ -14,14 +14,16 @@ from pathlib import Path
 from typing import Final
 
 from trainer.io.recording.durability import Syncer
-from trainer.io.recording.file import TOUCH, connect
+from trainer.io.recording.file import TOUCH_STATEMENT, connect
 
-WORTHWHILE: Final = 4_000_000  # [bytes] written ahead
-EVERY: Final = 0.8  # [s] between looks at how much that is, and at what waits
-LONGEST: Final = 20.0  # [s] for a checkpoint under way at the end
-FAR: Final = 64_000_000  # [bytes] written ahead before the writer waits: hours, where time is kept
+MIN_CHECKPOINT_BYTES: Final = 4_000_000  # [bytes] written ahead
+LOOK_PERIOD_S: Final = 0.8  # [s] between looks at how much that is, and at what waits
+FINAL_TIMEOUT_S: Final = 20.0  # [s] for a checkpoint under way at the end
+MAX_AHEAD_BYTES: Final = (
+    64_000_000  # [bytes] written ahead before the writer waits: hours, where time is kept
+)
 
-BRING_HOME: Final = "PRAGMA wal_checkpoint(PASSIVE)"
+CHECKPOINT_STATEMENT: Final = "PRAGMA wal_checkpoint(PASSIVE)"
 
 
 class Checkpointer:
@@ -34,13 +36,13 @@ class Checkpointer:
         self._path = path
         self._written_ahead = path.with_name(path.name + "-wal")
         self._file = _identity(path)
-        self._bound = FAR  # [bytes] written ahead at which the writer waits
+        self._bound = MAX_AHEAD_BYTES  # [bytes] written ahead at which the writer waits
         self._bringing = threading.Lock()  # two at a time SQLite refuses
         self._closing = threading.Event()
         self._thread = threading.Thread(name="checkpoints")
 
     def start(self, tend: Callable[[], None]) -> None:
-        """Begin the thread, which also calls `tend` every EVERY seconds."""
+        """Begin the thread, which also calls `tend` every LOOK_PERIOD_S seconds."""
         run = functools.partial(self._run, tend)
         self._thread = threading.Thread(target=run, name="checkpoints", daemon=True)
         self._thread.start()
@@ -50,7 +52,7 @@ class Checkpointer:
         """End the thread after its checkpoint; one whose disk hangs is left to itself."""
         self._closing.set()
         if self._thread.ident:
-            self._thread.join(LONGEST)
+            self._thread.join(FINAL_TIMEOUT_S)
         self.disk.close()
 
     @property
@@ -70,15 +72,15 @@ class Checkpointer:
             if ahead < self._bound:
                 return
             with self._bringing:
-                _, written, brought_home = writing.execute(BRING_HOME).fetchone()
-            self._bound = FAR if written == brought_home else ahead + FAR
+                _, written, brought_home = writing.execute(CHECKPOINT_STATEMENT).fetchone()
+            self._bound = MAX_AHEAD_BYTES if written == brought_home else ahead + MAX_AHEAD_BYTES
 
     def _run(self, tend: Callable[[], None]) -> None:
         connection = None
         with contextlib.suppress(sqlite3.Error):  # else it is all brought home at the end
             connection = connect(self._path, "mode=rw")
             connection.execute("PRAGMA journal_size_limit = 0")
-        while not self._closing.wait(EVERY):
+        while not self._closing.wait(LOOK_PERIOD_S):
             tend()
             if connection:
                 self._look(connection)
@@ -88,14 +90,14 @@ class Checkpointer:
     def _look(self, connection: sqlite3.Connection) -> None:
         with contextlib.suppress(OSError, sqlite3.Error):  # the next look may do better
             refused = self.disk.failure
-            if self._written_ahead.stat().st_size < WORTHWHILE and not refused:
+            if self._written_ahead.stat().st_size < MIN_CHECKPOINT_BYTES and not refused:
                 return
             with self._bringing:
-                _, written, brought_home = connection.execute(BRING_HOME).fetchone()
+                _, written, brought_home = connection.execute(CHECKPOINT_STATEMENT).fetchone()
             if written == brought_home:
                 self.disk.forgive(refused)
                 # Whoever writes next begins the file anew and waits for the disk: be that one.
-                connection.execute(TOUCH)
+                connection.execute(TOUCH_STATEMENT)
 
 
 def _identity(path: Path) -> tuple[int, int]:

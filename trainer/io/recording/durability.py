@@ -19,7 +19,7 @@ RETRY_S: Final = 2.0  # until the file is opened that could not be
 QUIET_S: Final = 30.0  # without a sync that was late, before the disk keeps up again
 CLOSE_TIMEOUT_S: Final = 5.0  # for a disk that is at it when the recording ends
 
-NEVER: Final = math.inf  # [s] when nothing is due
+NEVER_DUE: Final = math.inf  # [s] when nothing is due
 
 
 class Syncer:
@@ -33,10 +33,10 @@ class Syncer:
         """Take the path of the database; `start` begins the thread."""
         self._written_ahead = path.with_name(path.name + "-wal")
         self._lock = threading.Lock()  # held for a moment where what is due changes
-        self._begin = NEVER  # [s] of the clock, when the disk is to be asked
-        self._due = NEVER  # [s] when the oldest commit is due that was not yet asked for
-        self._asked = NEVER  # [s] when that is due which the disk is asked for now
-        self._quiet = -NEVER  # [s] from when on nothing late counts any more
+        self._begin = NEVER_DUE  # [s] of the clock, when the disk is to be asked
+        self._due = NEVER_DUE  # [s] when the oldest commit is due that was not yet asked for
+        self._asked = NEVER_DUE  # [s] when that is due which the disk is asked for now
+        self._quiet = -NEVER_DUE  # [s] from when on nothing late counts any more
         self._descriptor = -1
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
@@ -88,7 +88,7 @@ class Syncer:
         checkpoint tells, which writes it all again.
         """
         with self._lock:
-            self._asked, self._begin, self._due = self._due, NEVER, NEVER
+            self._asked, self._begin, self._due = self._due, NEVER_DUE, NEVER_DUE
         if self._opens():
             try:
                 os.fsync(self._descriptor)
@@ -96,7 +96,7 @@ class Syncer:
                 self.failure = error
         if (now := time.monotonic()) > self._asked:
             self._quiet = now + QUIET_S
-        self._asked = NEVER
+        self._asked = NEVER_DUE
 
     def _opens(self) -> bool:
         """Return whether the file is open; where it cannot be, it is tried again before long."""

@@ -58,9 +58,9 @@ class BranchCause(Enum):
 
 
 NO_CREW_FACT = CrewFact()
-SCHEDULE = Giver(GiverKind.SCHEDULE, "schedule", "schedule")
-GUARD = Giver(GiverKind.GUARD, "guard", "guard")
-REFERENCE_CREW = Giver(GiverKind.REFERENCE, "reference crew", "reference crew")
+SCHEDULE_GIVER = Giver(GiverKind.SCHEDULE, "schedule", "schedule")
+GUARD_GIVER = Giver(GiverKind.GUARD, "guard", "guard")
+REFERENCE_GIVER = Giver(GiverKind.REFERENCE, "reference crew", "reference crew")
 
 
 def station(role: str, line: str) -> Giver:

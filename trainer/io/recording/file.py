@@ -20,10 +20,10 @@ from typing import Final
 from trainer.io.recording import format_1
 from trainer.io.recording.facts import BranchCause
 
-FORMAT: Final = 2  # raised when older programs can no longer read what newer ones write
-APPLICATION: Final = 0x74726E72  # "trnr": what `file` and SQLite's tools know a recording by
-PATIENCE: Final = 2.0  # [s] for another program that holds the file for a moment
-LONGEST_NAME: Final = 60  # [characters] that are shown of a file's own
+FILE_FORMAT: Final = 2  # raised when older programs can no longer read what newer ones write
+APPLICATION_ID: Final = 0x74726E72  # "trnr": what `file` and SQLite's tools know a recording by
+BUSY_TIMEOUT_S: Final = 2.0  # [s] for another program that holds the file for a moment
+MAX_NAME_LETTERS: Final = 60  # [characters] that are shown of a file's own
 
 # Tables that format 1 had with fewer columns
 CHANGED_TABLES: Final = """CREATE TABLE branches (
@@ -45,8 +45,8 @@ CREATE TABLE events (
 """
 SCHEMA: Final = f"""
 PRAGMA page_size = 8192;
-PRAGMA application_id = {APPLICATION};
-PRAGMA user_version = {FORMAT};
+PRAGMA application_id = {APPLICATION_ID};
+PRAGMA user_version = {FILE_FORMAT};
 BEGIN;
 CREATE TABLE header (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 {CHANGED_TABLES}CREATE TABLE states (
@@ -62,17 +62,17 @@ CREATE TABLE snapshots (
 );
 COMMIT;
 """
-FORMATS: Final = {1: SCHEMA.replace(CHANGED_TABLES, format_1.TABLES), FORMAT: SCHEMA}
-TOUCH: Final = f"PRAGMA user_version = {FORMAT}"  # the least that is a write
+FORMAT_SCHEMAS: Final = {1: SCHEMA.replace(CHANGED_TABLES, format_1.TABLES_1), FILE_FORMAT: SCHEMA}
+TOUCH_STATEMENT: Final = f"PRAGMA user_version = {FILE_FORMAT}"  # the least that is a write
 
 # A file may be anybody's: what SQLite may do for it, and how much. Names and numbers of SQLite's.
-GUARD: Final = """
+GUARD_STATEMENTS: Final = """
 PRAGMA trusted_schema = OFF;
 PRAGMA cell_size_check = ON;
 PRAGMA mmap_size = 0;
 PRAGMA hard_heap_limit = 120000000;
 """
-BOUNDS: Final = (
+SQLITE_LIMITS: Final = (
     (sqlite3.SQLITE_LIMIT_LENGTH, 16_000_000),  # [bytes] of a value; all texts of a run are one
     (sqlite3.SQLITE_LIMIT_SQL_LENGTH, 5_000),  # [bytes] of a statement, or of a table's own
     (sqlite3.SQLITE_LIMIT_COLUMN, 30),
@@ -80,9 +80,9 @@ BOUNDS: Final = (
     (sqlite3.SQLITE_LIMIT_ATTACHED, 0),
     (sqlite3.SQLITE_LIMIT_TRIGGER_DEPTH, 0),
 )
-STEPS: Final = 100_000  # of SQLite's machine until signals are heard again
+SIGNAL_STEPS: Final = 100_000  # of SQLite's machine until signals are heard again
 
-REMARKS: Final = {  # texts that people have written, by the question that finds them
+REMARK_QUERIES: Final = {  # texts that people have written, by the question that finds them
     "events": (
         "SELECT id, text FROM events WHERE kind = 'mark' OR text LIKE '%mark %' "
         "OR text LIKE '%tell %' OR text LIKE '%report%' OR text LIKE '%to the crew: %'"
@@ -92,7 +92,7 @@ REMARKS: Final = {  # texts that people have written, by the question that finds
         "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %'"
     ),
 }
-ANSWERS: Final = (
+ANSWER_QUERY: Final = (
     "SELECT id, answer, crew_order FROM orders "
     "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %'"
 )
@@ -140,16 +140,16 @@ def connect(path: Path, options: str) -> sqlite3.Connection:
     """Return a connection without transactions of its own making; `options` as in an SQLite URI."""
     name = f"{path.absolute().as_uri()}?{options}"
     threads = {"check_same_thread": False}  # who writes has a lock
-    return _guard(sqlite3.connect(name, PATIENCE, isolation_level=None, uri=True, **threads))
+    return _guard(sqlite3.connect(name, BUSY_TIMEOUT_S, isolation_level=None, uri=True, **threads))
 
 
 def _guard(connection: sqlite3.Connection) -> sqlite3.Connection:
     """Return a connection to what may be anybody's file, with bounds to what SQLite does for it."""
-    for limit, most in BOUNDS:
+    for limit, most in SQLITE_LIMITS:
         connection.setlimit(limit, most)
     # Python looks for a signal there: SQLite's own work hears none
-    connection.set_progress_handler(lambda: None, STEPS)
-    connection.executescript(GUARD)
+    connection.set_progress_handler(lambda: None, SIGNAL_STEPS)
+    connection.executescript(GUARD_STATEMENTS)
     return connection
 
 
@@ -193,7 +193,7 @@ def reopen(path: Path) -> sqlite3.Connection:
             connection.execute("PRAGMA wal_autocheckpoint = 0")
             connection.execute("PRAGMA journal_size_limit = 0")
             _claim(connection, path, version)
-            if version < FORMAT:
+            if version < FILE_FORMAT:
                 format_1.upgrade(connection, CHANGED_TABLES)
             connection.execute("PRAGMA busy_timeout = 0")  # who writes waits in its own way
         except sqlite3.OperationalError as error:
@@ -202,7 +202,7 @@ def reopen(path: Path) -> sqlite3.Connection:
     return connection
 
 
-def look(path: Path) -> sqlite3.Connection:
+def open_for_reading(path: Path) -> sqlite3.Connection:
     """Return a recording for reading, whoever may be writing it.
 
     One that lies where nothing can be written is read as it lies, or from a private copy if a
@@ -281,17 +281,18 @@ def _recognise(connection: sqlite3.Connection, path: Path) -> int:
     """Return the format of a recording; RecordingError unless this program knows it."""
     (application,) = connection.execute("PRAGMA application_id").fetchone()
     (version,) = connection.execute("PRAGMA user_version").fetchone()
-    if application != APPLICATION:
+    if application != APPLICATION_ID:
         raise RecordingError(f"{path} is not a recording: it is another program's database")
-    if version not in FORMATS:
+    if version not in FORMAT_SCHEMAS:
         raise RecordingError(
-            f"{path} is a recording of format {version}, and this trainer knows format {FORMAT}; "
+            f"{path} is a recording of format {version}, and this trainer knows format "
+            f"{FILE_FORMAT}; "
             "use the version of the trainer that made it, or a newer one"
         )
     found = _schema(connection)
     for kind, name, _, _ in sorted(found ^ _own_schema(version), key=str)[:1]:
         raise RecordingError(
-            f"{path} is damaged, or made to do harm: its {kind} {name[:LONGEST_NAME]!r} is not "
+            f"{path} is damaged, or made to do harm: its {kind} {name[:MAX_NAME_LETTERS]!r} is not "
             "as in a recording; nothing of it is used"
         )
     return int(version)
@@ -307,7 +308,7 @@ def _schema(connection: sqlite3.Connection) -> frozenset[tuple[str, str, str, st
 def _own_schema(version: int) -> frozenset[tuple[str, str, str, str | None]]:
     """Return what a recording of a format is made of."""
     with contextlib.closing(sqlite3.connect(":memory:", isolation_level=None)) as empty:
-        empty.executescript(FORMATS[version])
+        empty.executescript(FORMAT_SCHEMAS[version])
         return _schema(empty)
 
 
@@ -361,7 +362,9 @@ def _beside(path: Path, ending: str) -> Path:
     return path.with_name(path.name + ending)
 
 
-def erase(path: Path, header: Mapping[str, str | None], without: Callable[[str], str]) -> int:
+def erase_header(
+    path: Path, header: Mapping[str, str | None], without: Callable[[str], str]
+) -> int:
     """Give a recording other values in its header, None for none, and other remarks.
 
     Return how many remarks were changed. RecordingError if it is in use or cannot be written.
@@ -385,12 +388,12 @@ def erase(path: Path, header: Mapping[str, str | None], without: Callable[[str],
 def _remarks(connection: sqlite3.Connection, without: Callable[[str], str]) -> int:
     """Change the remarks, and the answers that repeat them; return how many were changed."""
     changed = 0
-    for table, question in REMARKS.items():
+    for table, question in REMARK_QUERIES.items():
         for number, text in connection.execute(question).fetchall():
             if (new := without(text)) != text:
                 connection.execute(f"UPDATE {table} SET text = ? WHERE id = ?", (new, number))  # noqa: S608 our own names
                 changed += table == "events"
-    for number, *texts in connection.execute(ANSWERS).fetchall():
+    for number, *texts in connection.execute(ANSWER_QUERY).fetchall():
         changed_texts = (*map(without, texts), number)
         connection.execute(
             "UPDATE orders SET answer = ?, crew_order = ? WHERE id = ?", changed_texts

@@ -11,10 +11,10 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from trainer.io.recording.facts import (
-    GUARD,
+    GUARD_GIVER,
     NO_CREW_FACT,
-    REFERENCE_CREW,
-    SCHEDULE,
+    REFERENCE_GIVER,
+    SCHEDULE_GIVER,
     BranchCause,
     CrewFact,
     CrewNews,
@@ -24,7 +24,7 @@ from trainer.io.recording.facts import (
     plan_of,
 )
 
-TABLES: Final = """CREATE TABLE branches (
+TABLES_1: Final = """CREATE TABLE branches (
     id INTEGER PRIMARY KEY, parent INTEGER REFERENCES branches, tick INTEGER NOT NULL,
     after INTEGER NOT NULL, place INTEGER NOT NULL, why TEXT NOT NULL, state BLOB NOT NULL,
     wall TEXT NOT NULL
@@ -40,14 +40,16 @@ CREATE TABLE events (
     who TEXT NOT NULL, text TEXT NOT NULL, wall TEXT NOT NULL
 );
 """
-PLANNED: Final = re.compile(r"(instructor) at plan (\d{1,9})")
-MEETING: Final = re.compile(r"(\w+) meeting her")
-LOST: Final = "not recorded"  # begins why a branch was begun after a gap
-ORDERED: Final = "ordered: "
+PLANNED_PATTERN: Final = re.compile(r"(instructor) at plan (\d{1,9})")
+MEETING_PATTERN: Final = re.compile(r"(\w+) meeting her")
+LOST_PREFIX: Final = "not recorded"  # begins why a branch was begun after a gap
+ORDERED_PREFIX: Final = "ordered: "
 WRONG_REPEAT: Final = re.compile("WRONG REPEAT: .*?; ordered is (.*)", re.DOTALL)
-REPEATED: Final = " aye"
-TELL: Final = "tell "
-NAMED: Final = {str(giver): giver for giver in (SCHEDULE, GUARD, REFERENCE_CREW)}
+REPEATED_SUFFIX: Final = " aye"
+TELL_PREFIX: Final = "tell "
+NAMED_GIVERS: Final = {
+    str(giver): giver for giver in (SCHEDULE_GIVER, GUARD_GIVER, REFERENCE_GIVER)
+}
 
 
 Row = tuple[Any, ...]
@@ -55,11 +57,11 @@ Row = tuple[Any, ...]
 
 def giver_of(who: str) -> Giver:
     """Return who gave an order, from how the journal names him."""
-    if who in NAMED:
-        return NAMED[who]
-    if planned := PLANNED.fullmatch(who):
+    if who in NAMED_GIVERS:
+        return NAMED_GIVERS[who]
+    if planned := PLANNED_PATTERN.fullmatch(who):
         return plan_of(planned[1], int(planned[2]))
-    if met := MEETING.fullmatch(who):
+    if met := MEETING_PATTERN.fullmatch(who):
         return meeting(met[1])
     return Giver(GiverKind.STATION, who.partition(" at ")[0], who)
 
@@ -70,22 +72,28 @@ def crew_fact_of(text: str, answer: str, *, accepted: bool | None) -> CrewFact:
     if accepted is False:
         return NO_CREW_FACT
     if name == "tell":
-        return CrewFact(CrewNews.ORDERED, text.removeprefix(TELL))
+        return CrewFact(CrewNews.ORDERED, text.removeprefix(TELL_PREFIX))
     if name == "order":
-        ordered = answer.startswith(ORDERED)
-        return CrewFact(CrewNews.ORDERED, answer.removeprefix(ORDERED)) if ordered else NO_CREW_FACT
-    if text != "aye" and not text.endswith(REPEATED):
+        ordered = answer.startswith(ORDERED_PREFIX)
+        return (
+            CrewFact(CrewNews.ORDERED, answer.removeprefix(ORDERED_PREFIX))
+            if ordered
+            else NO_CREW_FACT
+        )
+    if text != "aye" and not text.endswith(REPEATED_SUFFIX):
         return NO_CREW_FACT
     if wrong := WRONG_REPEAT.fullmatch(answer):
-        return CrewFact(CrewNews.WRONG_REPEAT, wrong[1].removeprefix(TELL))
-    return CrewFact(CrewNews.REPEATED, answer.removesuffix(REPEATED).removeprefix(TELL))
+        return CrewFact(CrewNews.WRONG_REPEAT, wrong[1].removeprefix(TELL_PREFIX))
+    return CrewFact(
+        CrewNews.REPEATED, answer.removesuffix(REPEATED_SUFFIX).removeprefix(TELL_PREFIX)
+    )
 
 
 def cause_of(parent: int | None, why: str) -> BranchCause:
     """Return the cause of a branch, from why it was begun."""
     if parent is None:
         return BranchCause.START
-    return BranchCause.GAP if why.startswith(LOST) else BranchCause.JUMP
+    return BranchCause.GAP if why.startswith(LOST_PREFIX) else BranchCause.JUMP
 
 
 def upgrade(connection: sqlite3.Connection, schema: str) -> None:

@@ -22,16 +22,16 @@ from trainer.io.recording.facts import (
     Giver,
     GiverKind,
 )
-from trainer.io.recording.file import FORMAT, RecordingError, understanding
+from trainer.io.recording.file import FILE_FORMAT, RecordingError, understanding
 
-ENDLESS: Final = 2**62  # beyond any tick or order
-LEEWAY: Final = 1000  # [ticks] that an order may be beyond the last state of its branch
-LARGEST: Final = 100_000_000  # [bytes] of an answer that is held as a whole
-ROW: Final = 300  # [bytes] of a row beside its texts
+NO_END: Final = 2**62  # beyond any tick or order
+ORDER_LEEWAY_TICKS: Final = 1000  # [ticks] that an order may be beyond the last state of its branch
+MAX_ANSWER_BYTES: Final = 100_000_000  # [bytes] of an answer that is held as a whole
+ROW_BYTES: Final = 300  # [bytes] of a row beside its texts
 MAX_BRANCHES_READ: Final = 5_000  # of a file: four days of one after the other make 1,100
 MAX_EVENTS_READ: Final = 50_000  # of a file that somebody debriefs or exports
 MAX_ROWS_COUNTED: Final = 2_000_000  # where more are left out than that, it is told as so many
-DAMAGED: Final = "a value is of another kind than is written there"
+DAMAGED_TEXT: Final = "a value is of another kind than is written there"
 Row = tuple[Any, ...]
 E = TypeVar("E", bound=Enum)
 BRANCH_COLUMNS: Final = "id, parent, tick, after, place, why, state"
@@ -42,7 +42,7 @@ EVENT_COLUMNS: Final = "branch, tick, kind, who, text, wall"
 EVENT_WIDTH: Final = 6
 
 
-class Kind(NamedTuple):
+class ColumnKind(NamedTuple):
     """The type of a column in an answer: a bounded number, text or blob."""
 
     kind: type
@@ -61,21 +61,21 @@ class Kind(NamedTuple):
 
 
 # What the columns of an answer hold. SQLite itself takes anything, and a damaged page may be that.
-COUNT: Final = Kind(int, 0, 2**53)
-PLACE: Final = Kind(int, 0, 2**31)
-TIME: Final = Kind(int, -(2**62), 2**62, perhaps=True)  # [ns]
-TEXT: Final = Kind(str, 0, 10_000)
-KINDS: Final[Mapping[str, Kind]] = {
-    **dict.fromkeys(("id", "branch", "tick", "after", "last"), COUNT),
-    **dict.fromkeys(("parent", "latest"), COUNT._replace(perhaps=True)),
-    **dict.fromkeys(("key", "name", "who", "text", "answer", "kind", "why", "wall"), TEXT),
-    **dict.fromkeys(("cause", "giver", "role", "crew_news", "crew_order"), TEXT),
-    **dict.fromkeys(("scheduled", "done"), PLACE._replace(perhaps=True)),
-    **dict.fromkeys(("lateness_ns", "work_ns"), TIME),
-    **dict.fromkeys(("place", "plan", "user_version"), PLACE),
-    "accepted": Kind(int, 0, 1, perhaps=True),
-    "value": Kind(str, 0, LARGEST),
-    "state": Kind(bytes, 0, 65_536),
+COUNT_KIND: Final = ColumnKind(int, 0, 2**53)
+PLACE_KIND: Final = ColumnKind(int, 0, 2**31)
+TIME_KIND: Final = ColumnKind(int, -(2**62), 2**62, perhaps=True)  # [ns]
+TEXT_KIND: Final = ColumnKind(str, 0, 10_000)
+COLUMN_KINDS: Final[Mapping[str, ColumnKind]] = {
+    **dict.fromkeys(("id", "branch", "tick", "after", "last"), COUNT_KIND),
+    **dict.fromkeys(("parent", "latest"), COUNT_KIND._replace(perhaps=True)),
+    **dict.fromkeys(("key", "name", "who", "text", "answer", "kind", "why", "wall"), TEXT_KIND),
+    **dict.fromkeys(("cause", "giver", "role", "crew_news", "crew_order"), TEXT_KIND),
+    **dict.fromkeys(("scheduled", "done"), PLACE_KIND._replace(perhaps=True)),
+    **dict.fromkeys(("lateness_ns", "work_ns"), TIME_KIND),
+    **dict.fromkeys(("place", "plan", "user_version"), PLACE_KIND),
+    "accepted": ColumnKind(int, 0, 1, perhaps=True),
+    "value": ColumnKind(str, 0, MAX_ANSWER_BYTES),
+    "state": ColumnKind(bytes, 0, 65_536),
 }
 
 
@@ -91,7 +91,7 @@ class Moment:
 
 
 @dataclass(frozen=True, slots=True)
-class Journalled:
+class RecordedOrder:
     """An order as it was recorded; it acted after `tick` ticks."""
 
     id: int
@@ -125,7 +125,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class Noted:
+class RecordedEvent:
     """Something that happened, beside orders and states."""
 
     branch: int
@@ -138,7 +138,7 @@ class Noted:
 
 
 @dataclass(frozen=True)
-class Excess:
+class ExcessRows:
     """Rows of a kind that are too many: the first are read."""
 
     what: str
@@ -151,7 +151,7 @@ class Excess:
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
+class RecordedTick:
     """One tick of a branch; its times [ns] are None where nobody measured them."""
 
     branch: int
@@ -168,7 +168,7 @@ class Past:
         self._connection = connection
         self._name = name
         (version,) = connection.execute("PRAGMA user_version").fetchone()
-        now = int(version) == FORMAT  # or words alone
+        now = int(version) == FILE_FORMAT  # or words alone
         self._branch_columns = BRANCH_COLUMNS + (", cause" if now else "")
         self._order_columns = ORDER_COLUMNS + (CREW_COLUMNS if now else "")
         self._event_columns = EVENT_COLUMNS + (", role" if now else "")
@@ -228,13 +228,13 @@ class Past:
             place=here.place if place is None else place + 1,
         )
 
-    def orders(self, branch: int, after: int = 0) -> list[Journalled]:
+    def orders(self, branch: int, after: int = 0) -> list[RecordedOrder]:
         """Return the orders after number `after` that a branch includes, in order."""
         found = (
             f"SELECT {self._order_columns} FROM orders "  # noqa: S608 our own
             "WHERE branch = ? AND id > ? AND id <= ? ORDER BY id"
         )
-        stretches: list[list[Journalled]] = []
+        stretches: list[list[RecordedOrder]] = []
         here, last = self._branch(branch), self.last_order()
         while True:
             rows = self._all(found, here.id, after, last)
@@ -260,21 +260,21 @@ class Past:
             (past if own else elsewhere)[name] = moment
         return list((elsewhere | past).items())
 
-    def flown(self, branch: int) -> Iterator[Flown]:
+    def flown(self, branch: int) -> Iterator[RecordedTick]:
         """Yield every tick from the first of all to the last of a branch."""
         self._branch(branch)  # there is such a one
         ancestry = list(self._ancestry(branch))
         for number, (end, _) in reversed(ancestry):
             begun = self._branch(number)
             if begun.tick < end:
-                yield Flown(number, begun.tick, begun.state, None, None)
+                yield RecordedTick(number, begun.tick, begun.state, None, None)
             found = (
                 "SELECT branch, tick, state, lateness_ns, work_ns "
                 "FROM states LEFT JOIN ledger USING (branch, tick) "
                 "WHERE branch = ? AND tick > ? AND tick < ? ORDER BY tick"
             )
             for tick, row in enumerate(self._rows(found, number, begun.tick, end), begun.tick + 1):
-                yield Flown(*self._next(row, number, tick, row[1]))
+                yield RecordedTick(*self._next(row, number, tick, row[1]))
 
     def states(self, branch: int) -> Iterator[tuple[int, bytes]]:
         """Yield tick and state of what a branch itself recorded, its start first."""
@@ -284,22 +284,22 @@ class Past:
         for tick, row in enumerate(self._rows(found, branch, begun.tick), begun.tick + 1):
             yield self._next(row, branch, tick, row[0])
 
-    def events(self) -> Iterator[Noted]:
+    def events(self) -> Iterator[RecordedEvent]:
         """Yield what was noted, in order."""
         found = f"SELECT {self._event_columns} FROM events ORDER BY id"  # noqa: S608 our own
         for row in self._rows(found):
             role = row[EVENT_WIDTH] if len(row) > EVENT_WIDTH else format_1.giver_of(row[3]).role
-            yield Noted(*(*row[:EVENT_WIDTH], role))
+            yield RecordedEvent(*(*row[:EVENT_WIDTH], role))
 
-    def first_events(self) -> Iterator[Noted]:
+    def first_events(self) -> Iterator[RecordedEvent]:
         """Yield what was noted, in order, as far as a file is read."""
         return islice(self.events(), MAX_EVENTS_READ)
 
-    def excess(self) -> tuple[Excess, ...]:
+    def excess(self) -> tuple[ExcessRows, ...]:
         """Return of what there is more than is read of a file."""
         limits = {"branches": MAX_BRANCHES_READ, "events": MAX_EVENTS_READ}
         return tuple(
-            Excess(table, count, most)
+            ExcessRows(table, count, most)
             for table, most in limits.items()
             if (count := self._count(table)) > most
         )
@@ -328,7 +328,7 @@ class Past:
 
     def _ancestry(self, branch: int) -> Iterator[tuple[int, tuple[int, int]]]:
         """Yield a branch and its forebears, each with the (tick, order) where the next began."""
-        here, end = self._find(branch), (ENDLESS, ENDLESS)
+        here, end = self._find(branch), (NO_END, NO_END)
         while here:
             yield here.id, end
             end = here.tick, here.after
@@ -367,9 +367,11 @@ class Past:
         """Return all rows of an answer; RecordingError if they are too much to be held at once."""
         rows, held = [], 0
         for row in self._rows(question, *values):
-            held += ROW + sum(len(value) for value in row if isinstance(value, str | bytes))
-            if held > LARGEST:
-                raise self._damaged(f"more is to be read at once than {LARGEST // 10**6} MB")
+            held += ROW_BYTES + sum(len(value) for value in row if isinstance(value, str | bytes))
+            if held > MAX_ANSWER_BYTES:
+                raise self._damaged(
+                    f"more is to be read at once than {MAX_ANSWER_BYTES // 10**6} MB"
+                )
             rows.append(row)
         return rows
 
@@ -377,11 +379,11 @@ class Past:
         try:
             with understanding(self._name):
                 answer = self._connection.execute(question, values)
-                kinds = [KINDS[column] for column, *_ in answer.description]
+                kinds = [COLUMN_KINDS[column] for column, *_ in answer.description]
                 for row in answer:
                     for value, kind in zip(row, kinds, strict=True):
                         if not kind.holds(value):
-                            raise self._damaged(DAMAGED)
+                            raise self._damaged(DAMAGED_TEXT)
                     yield row
         except sqlite3.OperationalError as error:
             raise RecordingError(f"{self._name} cannot be read: {error}") from None
@@ -392,9 +394,9 @@ class Past:
             raise self._damaged(f"tick {due} of branch {branch} is missing before tick {tick}")
         return row
 
-    def _journalled(self, branch: Branch, rows: list[Row]) -> list[Journalled]:
+    def _journalled(self, branch: Branch, rows: list[Row]) -> list[RecordedOrder]:
         """Return orders of a branch; RecordingError for one where nothing was flown."""
-        last = self.last_tick(branch.id) + LEEWAY
+        last = self.last_tick(branch.id) + ORDER_LEEWAY_TICKS
         orders = [self._as_journalled(row) for row in rows]
         for order in orders:
             if not branch.tick <= order.tick <= last:
@@ -404,7 +406,7 @@ class Past:
     def _damaged(self, why: str) -> RecordingError:
         return RecordingError(f"{self._name} is damaged: {why}")
 
-    def _as_journalled(self, row: Row) -> Journalled:
+    def _as_journalled(self, row: Row) -> RecordedOrder:
         """Return an order; RecordingError if it is given by what gives none."""
         number, branch, tick, who, text, place, accepted, answer, *facts = row
         known = None if accepted is None else bool(accepted)
@@ -415,11 +417,11 @@ class Past:
         else:
             giver = format_1.giver_of(who)
             crew = format_1.crew_fact_of(text, answer, accepted=known)
-        return Journalled(number, branch, tick, giver, text, place, known, answer, crew)
+        return RecordedOrder(number, branch, tick, giver, text, place, known, answer, crew)
 
     def _value_of(self, kind: type[E], value: str) -> E:
         """Return a fact by its value; RecordingError if there is none such."""
         try:
             return kind(value)
         except ValueError:
-            raise self._damaged(DAMAGED) from None
+            raise self._damaged(DAMAGED_TEXT) from None

@@ -7,8 +7,9 @@ loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and no tick old
 FLOWN_WITHIN_S: a thread waits for the disk, never the caller. A disk that takes longer is `behind`.
 
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
-recorded waits, up to ROOM bytes, and the thread tries again. What is beyond is lost and counted,
-and the recording goes on in a new branch, whose start lies beyond the end of its parent.
+recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. What is beyond is lost
+and counted, and the recording goes on in a new branch, whose start lies beyond the end of its
+parent.
 """
 
 import contextlib
@@ -20,63 +21,88 @@ from pathlib import Path
 from typing import Final
 
 from trainer.io.recording import file
-from trainer.io.recording.checkpoint import BRING_HOME, Checkpointer
+from trainer.io.recording.checkpoint import CHECKPOINT_STATEMENT, Checkpointer
 from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
-from trainer.io.recording.file import FORMAT, TOUCH, RecordingError, wall_time
-from trainer.io.recording.queries import Branch, Flown, Journalled, Moment, Noted, Past
+from trainer.io.recording.file import FILE_FORMAT, TOUCH_STATEMENT, RecordingError, wall_time
+from trainer.io.recording.queries import (
+    Branch,
+    Moment,
+    Past,
+    RecordedEvent,
+    RecordedOrder,
+    RecordedTick,
+)
 from trainer.io.recording.queries import Row as Answer
 
 __all__ = [
-    "FORMAT",
+    "FILE_FORMAT",
     "Branch",
-    "Flown",
-    "Journalled",
     "Moment",
-    "Noted",
+    "RecordedEvent",
+    "RecordedOrder",
+    "RecordedTick",
     "Recording",
     "RecordingError",
 ]
 
-BATCH: Final = 256  # [rows] of a kind gathered at most
-BRIEFLY: Final = 0.2  # [s] that the caller waits for another program, or for the thread
-PATIENCE: Final = 2.0  # [s] where it writes faster than the thread, and at the end
-AGAIN: Final = 2.0  # [s] between tries to reach it
-ROOM: Final = 64_000_000  # [bytes] that wait at most while it is out of reach
-ROW: Final = 200  # [bytes] of a row beside what is in it
-LOOK: Final = 0.002  # [s] between looks at a recording that another program has locked
+BATCH_ROWS: Final = 256  # [rows] of a kind gathered at most
+CALLER_WAIT_S: Final = 0.2  # [s] that the caller waits for another program, or for the thread
+WRITE_TIMEOUT_S: Final = 2.0  # [s] where it writes faster than the thread, and at the end
+RETRY_PERIOD_S: Final = 2.0  # [s] between tries to reach it
+MAX_WAITING_BYTES: Final = 64_000_000  # [bytes] that wait at most while it is out of reach
+ROW_BYTES: Final = 200  # [bytes] of a row beside what is in it
+POLL_PERIOD_S: Final = 0.002  # [s] between looks at a recording that another program has locked
 
 SAFE_WITHIN_S: Final = 1.0  # in which orders, marks and snapshots are safe from lost power
 FLOWN_WITHIN_S: Final = 10.0  # in which all else is: most can be flown again from the orders
 
 Row = tuple[int | str | bytes | None, ...]
 
-BRANCH: Final = (
+BRANCH_INSERT: Final = (
     "INSERT INTO branches (id, parent, tick, after, place, why, state, cause, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"
 )
-ORDER: Final = (
+ORDER_INSERT: Final = (
     "INSERT INTO orders (id, branch, tick, who, giver, role, plan, text, place, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 )
-ANSWER: Final = (
+ANSWER_UPDATE: Final = (
     "UPDATE orders SET answer = ?, accepted = ?, crew_news = ?, crew_order = ? WHERE id = ?"
 )
 # a tick flown again on its own branch is the same tick
-STATE: Final = "INSERT OR IGNORE INTO states (branch, tick, state) VALUES (?, ?, ?)"
-TIMING: Final = (
+STATE_INSERT: Final = "INSERT OR IGNORE INTO states (branch, tick, state) VALUES (?, ?, ?)"
+TIMING_INSERT: Final = (
     "INSERT OR IGNORE INTO ledger (branch, tick, lateness_ns, work_ns) VALUES (?, ?, ?, ?)"
 )
-EVENT: Final = (
+EVENT_INSERT: Final = (
     "INSERT INTO events (branch, tick, kind, who, role, text, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
-SNAPSHOT: Final = (
+SNAPSHOT_INSERT: Final = (
     "INSERT INTO snapshots (name, branch, tick, state, after, place, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
-STATEMENTS: Final = (BRANCH, ORDER, ANSWER, STATE, TIMING, EVENT, SNAPSHOT)  # in this order
-PROMISED: Final = (BRANCH, ORDER, ANSWER, SNAPSHOT)  # and marks, which are events
-MARK: Final = "mark"  # the kind of such an event
-COUNTED: Final = {STATE: "ticks", ORDER: "orders", EVENT: "events", SNAPSHOT: "snapshots"}
+STATEMENTS: Final = (
+    BRANCH_INSERT,
+    ORDER_INSERT,
+    ANSWER_UPDATE,
+    STATE_INSERT,
+    TIMING_INSERT,
+    EVENT_INSERT,
+    SNAPSHOT_INSERT,
+)  # in this order
+PROMISED_STATEMENTS: Final = (
+    BRANCH_INSERT,
+    ORDER_INSERT,
+    ANSWER_UPDATE,
+    SNAPSHOT_INSERT,
+)  # and marks, which are events
+MARK_KIND: Final = "mark"  # the kind of such an event
+COUNTED_STATEMENTS: Final = {
+    STATE_INSERT: "ticks",
+    ORDER_INSERT: "orders",
+    EVENT_INSERT: "events",
+    SNAPSHOT_INSERT: "snapshots",
+}
 
 
 class Recording(Past):
@@ -113,13 +139,13 @@ class Recording(Past):
         self.branch = self._branches = self.last_branch()
         self._order = self.last_order()
         self._tick = self._kept = self.last_tick(self.branch)
-        self._states, self._timings = self._waiting[STATE], self._waiting[TIMING]
+        self._states, self._timings = self._waiting[STATE_INSERT], self._waiting[TIMING_INSERT]
         self._writing_it = threading.Lock()  # held by who uses the connection to write
         self._shortening = threading.Lock()  # held for a moment where what waits grows shorter
         self._held = 0  # [bytes] that wait while it is out of reach
         self._gap = False  # more than there is room for has come: from then on it is only counted
-        self._lost = dict.fromkeys(COUNTED, 0)  # in this gap
-        self._missing = dict.fromkeys(COUNTED, 0)  # in all
+        self._lost = dict.fromkeys(COUNTED_STATEMENTS, 0)  # in this gap
+        self._missing = dict.fromkeys(COUNTED_STATEMENTS, 0)  # in all
         self.wake = lambda: None
         self._tried = 0.0  # [s] when it was last tried to be reached
         self._plight = ("", False, "")  # as the thread last saw it
@@ -146,7 +172,7 @@ class Recording(Past):
     def look(cls, path: Path) -> "Recording":
         """Open a recording for reading, while it is written or afterwards."""
         with contextlib.ExitStack() as unless_good:
-            only = file.look(path)
+            only = file.open_for_reading(path)
             unless_good.callback(only.close)
             recording = cls(only, only, str(path), None)
             unless_good.pop_all()
@@ -157,7 +183,7 @@ class Recording(Past):
         """Return the recording; what is open is closed if it turns out to be damaged."""
         with contextlib.ExitStack() as unless_good:
             unless_good.callback(writing.close)
-            reading = file.look(path)
+            reading = file.open_for_reading(path)
             unless_good.callback(reading.close)
             reading.execute("PRAGMA busy_timeout = 0")  # it is read between ticks
             checkpointer = Checkpointer(path)
@@ -173,7 +199,7 @@ class Recording(Past):
         self._order += 1
         self._tick = tick
         given = (giver.words, giver.kind.value, giver.role, giver.plan)
-        self._put(ORDER, (self._order, self.branch, tick, *given, text, place, wall_time()))
+        self._put(ORDER_INSERT, (self._order, self.branch, tick, *given, text, place, wall_time()))
         self.flush()
         return self._order
 
@@ -185,17 +211,17 @@ class Recording(Past):
         crew: CrewFact = NO_CREW_FACT,
     ) -> None:
         """Take what became of an order, and what it said to the crew."""
-        self._put(ANSWER, (answer, int(accepted), crew.news.value, crew.order, order))
+        self._put(ANSWER_UPDATE, (answer, int(accepted), crew.news.value, crew.order, order))
 
     def state(self, tick: int, state: bytes) -> None:
         """Take what stands at the end of a tick. Of a tick taken already the first stands."""
         self._tick = tick
         if self.trouble:
-            self._put(STATE, (self.branch, tick, state))
+            self._put(STATE_INSERT, (self.branch, tick, state))
             return
         self._states.append((self.branch, tick, state))
-        if len(self._states) >= BATCH:
-            self.flush(PATIENCE)
+        if len(self._states) >= BATCH_ROWS:
+            self.flush(WRITE_TIMEOUT_S)
 
     def timing(self, tick: int, lateness: int, work: int) -> None:
         """Take how late [ns] a tick began and how long [ns] it worked."""
@@ -204,13 +230,13 @@ class Recording(Past):
 
     def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
         """Take something that happened; it is given the time of day. ``role`` is who's."""
-        self._put(EVENT, (self.branch, tick, kind, who, role, text, wall_time()))
+        self._put(EVENT_INSERT, (self.branch, tick, kind, who, role, text, wall_time()))
 
     def snapshot(self, name: str, moment: Moment) -> None:
         """Write a moment under a name, at once."""
         branch = self._owner(moment)
         kept = (branch, moment.tick, moment.state, moment.after, moment.place)
-        self._put(SNAPSHOT, (name, *kept, wall_time()))
+        self._put(SNAPSHOT_INSERT, (name, *kept, wall_time()))
         self.flush()
 
     def fork(self, moment: Moment, why: str) -> int:
@@ -228,7 +254,7 @@ class Recording(Past):
         self._gap = self.reachable = False
         self.trouble = ""
         why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
-        self._lost = dict.fromkeys(COUNTED, 0)
+        self._lost = dict.fromkeys(COUNTED_STATEMENTS, 0)
         self._begin_branch(parent, moment, why, BranchCause.GAP)
         self.branch, self._tick = self._branches, moment.tick
         self.flush()
@@ -237,7 +263,7 @@ class Recording(Past):
         """Put down the next branch, which begins at a moment."""
         self._branches += 1
         begun = (parent, moment.tick, moment.after, moment.place, why, moment.state, cause.value)
-        self._put(BRANCH, (self._branches, *begun, wall_time()))
+        self._put(BRANCH_INSERT, (self._branches, *begun, wall_time()))
 
     @property
     def behind(self) -> str:
@@ -252,7 +278,7 @@ class Recording(Past):
         """Return what has not been recorded and never will be, "" for nothing."""
         return _counts(self._missing) if any(self._missing.values()) else ""
 
-    def flush(self, patience: float = BRIEFLY) -> None:
+    def flush(self, patience: float = CALLER_WAIT_S) -> None:
         """Write what waits, all or nothing; what cannot be written is told in `trouble`."""
         if not self.trouble and any(self._waiting.values()):
             self._write(patience)
@@ -261,15 +287,15 @@ class Recording(Past):
         """Write what waits, bring all of it into the one file, and close."""
         if self._checkpointer:
             self._checkpointer.close()
-        self.flush(PATIENCE)
-        end = time.monotonic() + PATIENCE
+        self.flush(WRITE_TIMEOUT_S)
+        end = time.monotonic() + WRITE_TIMEOUT_S
         while self.trouble and self._checkpointer and not self._gap and time.monotonic() < end:
             self._reach()
-            time.sleep(BRIEFLY)
+            time.sleep(CALLER_WAIT_S)
         self._connection.close()
         if self._checkpointer:
             with contextlib.suppress(sqlite3.Error):  # it is all there, if not at home
-                self._writer.execute(BRING_HOME)
+                self._writer.execute(CHECKPOINT_STATEMENT)
         if self.trouble:
             self._drop()
         self._writer.close()
@@ -306,11 +332,13 @@ class Recording(Past):
         rows = self._waiting[statement]
         rows.append(row)
         if self.trouble:
-            self._held += ROW + sum(len(part) for part in row if isinstance(part, str | bytes))
-            if self._held > ROOM:
+            self._held += ROW_BYTES + sum(
+                len(part) for part in row if isinstance(part, str | bytes)
+            )
+            if self._held > MAX_WAITING_BYTES:
                 self._drop()
-        elif len(rows) >= BATCH:
-            self.flush(PATIENCE)
+        elif len(rows) >= BATCH_ROWS:
+            self.flush(WRITE_TIMEOUT_S)
 
     def _drop(self) -> None:
         """Give up what waits, and count it."""
@@ -376,16 +404,16 @@ class Recording(Past):
 
         That the disk is behind is none of it: else a slow one would be told of without end.
         """
-        marks = (row[2] == MARK for row in self._waiting[EVENT][: counts[EVENT]])
-        return any(counts[each] for each in PROMISED) or any(marks)
+        marks = (row[2] == MARK_KIND for row in self._waiting[EVENT_INSERT][: counts[EVENT_INSERT]])
+        return any(counts[each] for each in PROMISED_STATEMENTS) or any(marks)
 
     def _tend(self) -> None:
         """Commit what waits, or try to reach the recording again; in the thread of its own."""
         waits = any(self._waiting.values()) and not self.trouble
         if waits and self._writing_it.acquire(blocking=False):  # else it is being written
-            self._commit_or_lose(BRIEFLY)
+            self._commit_or_lose(CALLER_WAIT_S)
         # the disk may have kept this thread so long that the caller gave the recording up
-        if self.trouble and not self.reachable and time.monotonic() > self._tried + AGAIN:
+        if self.trouble and not self.reachable and time.monotonic() > self._tried + RETRY_PERIOD_S:
             self._reach()
         if self._plight != (plight := (self.trouble, self.reachable, self.behind)):
             self._plight = plight
@@ -396,7 +424,7 @@ class Recording(Past):
         self._tried = time.monotonic()
         if self._checkpointer and self._checkpointer.gone:
             return
-        if not self._writing_it.acquire(timeout=BRIEFLY):
+        if not self._writing_it.acquire(timeout=CALLER_WAIT_S):
             return
         try:
             self._try()
@@ -409,7 +437,7 @@ class Recording(Past):
         """Write what waits, after a gap the least that is a write; sqlite3.Error."""
         if self._gap:
             _begin(self._writer, 0.0)
-            self._writer.execute(TOUCH)
+            self._writer.execute(TOUCH_STATEMENT)
             self._writer.execute("COMMIT")
             self.reachable = True
             return
@@ -445,11 +473,13 @@ def _begin(connection: sqlite3.Connection, end: float) -> None:
             busy = error.sqlite_errorcode & 0xFF == sqlite3.SQLITE_BUSY
             if not busy or time.monotonic() > end:
                 raise
-            time.sleep(LOOK)
+            time.sleep(POLL_PERIOD_S)
         else:
             return
 
 
 def _counts(lost: Mapping[str, int]) -> str:
     """Return in words how many of each kind were lost."""
-    return ", ".join(f"{number} {COUNTED[each]}" for each, number in lost.items() if number)
+    return ", ".join(
+        f"{number} {COUNTED_STATEMENTS[each]}" for each, number in lost.items() if number
+    )

@@ -23,15 +23,15 @@ from typing import TYPE_CHECKING, Final
 
 from trainer.io import nmea
 from trainer.io.line import Line
-from trainer.io.lines import Overlong
-from trainer.io.nmea import Sentence
+from trainer.io.lines import OverlongLine
+from trainer.io.nmea import NmeaSentence
 from trainer.io.server import Server
 
 if TYPE_CHECKING:
     from trainer.io.connection import Connection
 
 # Positions of the standard's telegraph and the bells of ours. The standard has more astern.
-TELEGRAPH: Final[Mapping[str, str]] = {
+TELEGRAPH_BELLS: Final[Mapping[str, str]] = {
     "00": "stop",
     "01": "ahead one-third",  # dead slow
     "02": "ahead two-thirds",  # slow
@@ -44,17 +44,17 @@ TELEGRAPH: Final[Mapping[str, str]] = {
     "14": "astern full",
     "15": "astern full",  # crash
 }
-POSITIONS: Final = {
-    **{bell: position for position, bell in TELEGRAPH.items()},
+BELL_POSITIONS: Final = {
+    **{bell: position for position, bell in TELEGRAPH_BELLS.items()},
     "astern full": "14",
     "astern one-third": "12",
 }
 
-PLAIN: Final = re.compile(r"[+-]?[0-9]{1,6}(?:\.[0-9]*)?", re.ASCII)
-STEERING, ENGINE = "steering", "engine"
-AGAIN: Final = 10.0  # [s] after which the same command, sent all the time, is given anew
-KINDS_TOLD: Final = 16  # of sentences ignored: the others are only counted
-OWN: Final = frozenset({"ROR", "ETL"})  # sent here too: an echo of them is no order
+NUMBER_PATTERN: Final = re.compile(r"[+-]?[0-9]{1,6}(?:\.[0-9]*)?", re.ASCII)
+STEERING_SUBJECT, ENGINE_SUBJECT = "steering", "engine"
+REPEAT_PERIOD_S: Final = 10.0  # [s] after which the same command, sent all the time, is given anew
+MAX_TOLD_KINDS: Final = 16  # of sentences ignored: the others are only counted
+OWN_FORMATTERS: Final = frozenset({"ROR", "ETL"})  # sent here too: an echo of them is no order
 Log = Callable[[str, str], None]  # takes a kind of trainer.session.stations.roles.KINDS and a text
 
 
@@ -67,23 +67,23 @@ class Command:
 
 
 @dataclass(frozen=True)
-class Useless:
+class UnusableSentence:
     """Why a sentence orders nothing; the same words for the same fault."""
 
     reason: str
 
 
-Meaning = Command | Useless
+Meaning = Command | UnusableSentence
 
 
-def meaning(sentence: Sentence) -> Meaning | None:
+def meaning(sentence: NmeaSentence) -> Meaning | None:
     """Return the order of a sentence, or its error. None: its kind never orders."""
-    reader = READERS.get(sentence.formatter)
+    reader = SENTENCE_READERS.get(sentence.formatter)
     if reader is None or sentence.talker == "P":
         return None
     needed, read = reader
     if len(sentence.fields) < needed:
-        return Useless(f"{sentence.formatter} with less than {needed} fields")
+        return UnusableSentence(f"{sentence.formatter} with less than {needed} fields")
     return read(sentence.fields)
 
 
@@ -93,62 +93,64 @@ def heading_control(fields: tuple[str, ...]) -> Meaning:
     Override and modes R, M order the rudder, modes H, S the heading.
     """
     if len(fields) > 13 and fields[13] != "C":
-        return Useless("HTC that is a report, not a command (C)")
+        return UnusableSentence("HTC that is a report, not a command (C)")
     override, angle, side, mode = fields[:4]
     if override == "A" or mode in ("R", "M"):
         sides = {"L": "left", "R": "right"}
-        if side not in sides or not PLAIN.fullmatch(angle):
-            return Useless("HTC of the rudder without its angle and L or R")
-        return Command(STEERING, f"rudder {sides[side]} {angle}")
+        if side not in sides or not NUMBER_PATTERN.fullmatch(angle):
+            return UnusableSentence("HTC of the rudder without its angle and L or R")
+        return Command(STEERING_SUBJECT, f"rudder {sides[side]} {angle}")
     if mode in ("H", "S"):
         return heading("HTC", fields[9], fields[12])
-    return Useless("HTC in a mode other than R, M (rudder) and H, S (heading)")
+    return UnusableSentence("HTC in a mode other than R, M (rudder) and H, S (heading)")
 
 
 def heading_steering(fields: tuple[str, ...]) -> Meaning:
     """Return what HSC orders."""
     if len(fields) > 4 and fields[4] != "C":
-        return Useless("HSC that is a report, not a command (C)")
+        return UnusableSentence("HSC that is a report, not a command (C)")
     return heading("HSC", fields[0], fields[1])
 
 
 def heading(formatter: str, degrees: str, reference: str) -> Meaning:
     """Return the order to steer a heading, which must be a true one."""
-    if not PLAIN.fullmatch(degrees):
-        return Useless(f"{formatter} without a heading")
+    if not NUMBER_PATTERN.fullmatch(degrees):
+        return UnusableSentence(f"{formatter} without a heading")
     if reference != "T":
-        return Useless(f"{formatter} by magnetic north: only true headings (T) are steered")
-    return Command(STEERING, f"course {degrees}")
+        return UnusableSentence(
+            f"{formatter} by magnetic north: only true headings (T) are steered"
+        )
+    return Command(STEERING_SUBJECT, f"course {degrees}")
 
 
 def rudder(fields: tuple[str, ...]) -> Meaning:
     """Return what ROR orders; minus turns the bow to port."""
     angle, status = fields[:2]
-    if status != "A" or not PLAIN.fullmatch(angle):
-        return Useless("ROR without a valid starboard or single rudder order")
+    if status != "A" or not NUMBER_PATTERN.fullmatch(angle):
+        return UnusableSentence("ROR without a valid starboard or single rudder order")
     side = "left" if angle.startswith("-") else "right"
-    return Command(STEERING, f"rudder {side} {angle.lstrip('+-')}")
+    return Command(STEERING_SUBJECT, f"rudder {side} {angle.lstrip('+-')}")
 
 
 def telegraph(fields: tuple[str, ...]) -> Meaning:
     """Return what ETL orders."""
     if fields[1] != "O":
-        return Useless("ETL that is no order (O)")
-    if fields[2] not in TELEGRAPH:
-        return Useless("ETL of no position of the telegraph, 00 to 05 and 11 to 15")
-    return Command(ENGINE, f"bell {TELEGRAPH[fields[2]]}")
+        return UnusableSentence("ETL that is no order (O)")
+    if fields[2] not in TELEGRAPH_BELLS:
+        return UnusableSentence("ETL of no position of the telegraph, 00 to 05 and 11 to 15")
+    return Command(ENGINE_SUBJECT, f"bell {TELEGRAPH_BELLS[fields[2]]}")
 
 
 def propulsion(fields: tuple[str, ...]) -> Meaning:
     """Return what PRC orders."""
     turns, how = fields[2:4]
-    if how != "R" or not PLAIN.fullmatch(turns):
-        return Useless("PRC without revolutions a minute (R)")
-    return Command(ENGINE, f"rpm {turns}")
+    if how != "R" or not NUMBER_PATTERN.fullmatch(turns):
+        return UnusableSentence("PRC without revolutions a minute (R)")
+    return Command(ENGINE_SUBJECT, f"rpm {turns}")
 
 
 # By formatter: the least number of fields, and who reads them.
-READERS: Final[Mapping[str, tuple[int, Callable[[tuple[str, ...]], Meaning]]]] = {
+SENTENCE_READERS: Final[Mapping[str, tuple[int, Callable[[tuple[str, ...]], Meaning]]]] = {
     "HTC": (13, heading_control),
     "HSC": (2, heading_steering),
     "ROR": (2, rudder),
@@ -197,7 +199,7 @@ class NmeaLine:
         """Return whether little waits to go out."""
         return self._line.room
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         """Return the orders among the oldest lines that have come, and lines that are damaged."""
         lines = self._line.take(most)
         if len(lines) == most:
@@ -211,28 +213,30 @@ class NmeaLine:
         """Get out what was sent, for at most `patience` [s], and end the line."""
         self._line.close(patience)
 
-    def _hear(self, line: str | Overlong) -> str | Overlong | None:
+    def _hear(self, line: str | OverlongLine) -> str | OverlongLine | None:
         """Return the words of an order, a line that is damaged as it is, or None."""
-        if isinstance(line, Overlong):
+        if isinstance(line, OverlongLine):
             return line
-        heard = nmea.hear(line)
-        if isinstance(heard, nmea.Damaged):
+        heard = nmea.parse_sentence(line)
+        if isinstance(heard, nmea.DamagedSentence):
             return line
         if heard is None:
             self._ignore("what is no sentence")
             return None
         ordered = meaning(heard)
-        if isinstance(ordered, Command) and not (heard.talker == "IN" and heard.formatter in OWN):
+        if isinstance(ordered, Command) and not (
+            heard.talker == "IN" and heard.formatter in OWN_FORMATTERS
+        ):
             return self._give(ordered)
         kind = f"{heard.talker}{heard.formatter}"
-        self._ignore(ordered.reason if isinstance(ordered, Useless) else kind)
+        self._ignore(ordered.reason if isinstance(ordered, UnusableSentence) else kind)
         return None
 
     def _give(self, command: Command) -> str | None:
         """Return the words of a command, None while it is the one given last."""
         now = self._clock()
         words, given = self._given.get(command.control, ("", now))
-        if words == command.words and now - given < AGAIN:
+        if words == command.words and now - given < REPEAT_PERIOD_S:
             return None
         self._given[command.control] = command.words, now
         return command.words
@@ -240,12 +244,12 @@ class NmeaLine:
     def _ignore(self, what: str) -> None:
         """Count a sentence; tell of the first of its kind."""
         self.ignored += 1
-        if what not in self._told and len(self._told) < KINDS_TOLD:
+        if what not in self._told and len(self._told) < MAX_TOLD_KINDS:
             self._told.add(what)
             self._log("refused", f"{self.name}: {what}: ignored, as all of them will be")
 
 
-class Readers:
+class ReaderLine:
     """All clients of a port, as one line. Each is sent everything, any may order.
 
     ``take`` is for one thread, ``send`` for any.
@@ -267,10 +271,10 @@ class Readers:
         """Return how many sentences did not get out, over all readers."""
         return self._lost + sum(reader.dropped for reader in self._readers)
 
-    def take(self, most: int) -> list[str | Overlong]:
+    def take(self, most: int) -> list[str | OverlongLine]:
         """Return the oldest lines that have come, at most so many. See who comes and goes."""
         self._see_who_is_there()
-        lines: list[str | Overlong] = []
+        lines: list[str | OverlongLine] = []
         for reader in self._readers:
             lines += reader.take(most - len(lines))
         self._readers = (*self._readers[1:], *self._readers[:1])  # another is first next time

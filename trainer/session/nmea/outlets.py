@@ -19,43 +19,43 @@ import click
 
 from trainer.config.files import ConfigError, nearest
 from trainer.io.chart import Chart, chart_at
-from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, writer
-from trainer.io.nmea import LONGEST
+from trainer.io.line import DirectSender, Inbox, JoinedLine, Line, Outbox, writer
+from trainer.io.nmea import MAX_SENTENCE_LETTERS
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
-from trainer.io.serial_line import SCHEMES, LinkError, SerialLine
+from trainer.io.serial_line import URL_SCHEMES, LinkError, SerialLine
 from trainer.io.server import Server
 from trainer.io.udp import Datagrams
-from trainer.session.nmea.orders import NmeaLine, Readers
+from trainer.session.nmea.orders import NmeaLine, ReaderLine
 from trainer.session.nmea.sentences import (
-    NAMES,
-    USUAL,
+    SENTENCE_NAMES,
+    USUAL_NAMES,
     Instrument,
     InstrumentSet,
-    Sampled,
+    SampledDisplay,
     choose_instruments,
     widest,
 )
-from trainer.session.nmea.transponders import NAME as AIS
+from trainer.session.nmea.transponders import AIS_NAME as AIS
 from trainer.session.nmea.transponders import Transponders
 from trainer.session.options import RunOptions
-from trainer.session.ports import PATIENCE, Ports
+from trainer.session.ports import PORT_TIMEOUT_S, Ports
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Picture
 
-PORT: Final = 10110  # the customary one
-SILENCE: Final = 1.0  # [s] at most: displays blank what they do not hear of
-BITS: Final = 10  # of a byte on a serial line
-CHOICES: Final = (*NAMES, AIS)  # of --nmea-sentences
-HEARD_AT_ONCE: Final = 100  # AIS sentences that may wait for a line, beside the sets
-FEWEST: Final = 2  # sets that may wait for a serial line; more, if a second has more
-UNTIMED: Final = ("socket",)  # kinds of serial line that have no baud rate
-PLACE: Final = re.compile(r"(?:\[([^\]]+)\]|([^:\[\]]*))(?::([0-9]{1,5}))?", re.ASCII)
+DEFAULT_PORT: Final = 10110  # the customary one
+MAX_SILENCE_S: Final = 1.0  # [s] at most: displays blank what they do not hear of
+BITS_PER_BYTE: Final = 10  # of a byte on a serial line
+SENTENCE_CHOICES: Final = (*SENTENCE_NAMES, AIS)  # of --nmea-sentences
+MAX_WAITING_AIS: Final = 100  # AIS sentences that may wait for a line, beside the sets
+MIN_WAITING_SETS: Final = 2  # sets that may wait for a serial line; more, if a second has more
+UNTIMED_KINDS: Final = ("socket",)  # kinds of serial line that have no baud rate
+ADDRESS_PATTERN: Final = re.compile(r"(?:\[([^\]]+)\]|([^:\[\]]*))(?::([0-9]{1,5}))?", re.ASCII)
 
 
-class Steady(Subscription):
+class SteadySubscription(Subscription):
     """A subscription that is sent to all the time, also while time is frozen."""
 
     def wait(self, picture: Picture, now: float) -> float:
@@ -64,7 +64,7 @@ class Steady(Subscription):
             return 0.0
         fresh = self.seen is not picture and self.seen != picture
         period = 1.0 / self.rate
-        late = 0.0 if fresh else max(SILENCE - period, 0.0)
+        late = 0.0 if fresh else max(MAX_SILENCE_S - period, 0.0)
         return max(self.due + late - now, 0.0)
 
 
@@ -82,8 +82,8 @@ class Outlets:
     @property
     def backlog(self) -> int:
         """Return how many sentences may wait for a line. An older one is of no use."""
-        heard = HEARD_AT_ONCE if self.ais else 0
-        return max(FEWEST, math.ceil(self.rate)) * len(self.instruments) + heard
+        heard = MAX_WAITING_AIS if self.ais else 0
+        return max(MIN_WAITING_SETS, math.ceil(self.rate)) * len(self.instruments) + heard
 
     @property
     def shown(self) -> InstrumentSet:
@@ -119,12 +119,12 @@ def open_outlet(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
     scheme, separator, rest = url.partition("://")
     kinds = {"udp": open_datagrams, "tcp": open_readers}
     kind = kinds.get(scheme.lower()) if separator else None
-    if separator and kind is None and scheme.lower() not in SCHEMES:
-        hint = nearest(scheme, (*kinds, *SCHEMES))
+    if separator and kind is None and scheme.lower() not in URL_SCHEMES:
+        hint = nearest(scheme, (*kinds, *URL_SCHEMES))
         raise ConfigError(f"--nmea {url}: no such kind of outlet{hint}")
     try:
         if kind is not None:
-            return kind(ports, outlets, url, *place(rest))
+            return kind(ports, outlets, url, *parse_address(rest))
         refuse_crowded(outlets, url, baud)
         return open_serial(ports, outlets, url, baud)
     except LinkError as error:
@@ -135,19 +135,19 @@ def open_datagrams(ports: Ports, outlets: Outlets, url: str, host: str, port: in
     """Return the station of an outlet by UDP, which hears nothing."""
     sender = Datagrams(host, port)
     ports.stack.callback(sender.close, 0.0)
-    return send_to(ports, outlets, Joined(f"nmea {url}", None, sender), "observer")
+    return send_to(ports, outlets, JoinedLine(f"nmea {url}", None, sender), "observer")
 
 
 def open_readers(ports: Ports, outlets: Outlets, url: str, host: str, port: int) -> Station:
     """Return the station of all that come to a TCP port."""
     hub = Server(ports.wake)
-    ports.stack.callback(hub.close, PATIENCE)
+    ports.stack.callback(hub.close, PORT_TIMEOUT_S)
     found = hub.listen(host, port)
-    role = "helm" if local(host) and outlets.orders else "observer"
+    role = "helm" if is_local_host(host) and outlets.orders else "observer"
     why = "" if outlets.orders else "; no orders are taken without --nmea-orders: a token is asked"
-    why = why if local(host) else "; no orders are taken from beyond this machine"
+    why = why if is_local_host(host) else "; no orders are taken from beyond this machine"
     click.echo(f"nmea at tcp://{host}:{found}{why}", err=True)
-    return send_to(ports, outlets, Readers(f"nmea {url}", hub, ports.log), role)
+    return send_to(ports, outlets, ReaderLine(f"nmea {url}", hub, ports.log), role)
 
 
 def open_serial(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
@@ -155,8 +155,8 @@ def open_serial(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
     port = SerialLine(url, baud)
     ports.stack.callback(port.close)
     outbox = Outbox(port.write, outlets.backlog)
-    inbox = Inbox(port.read, ports.wake, longest=LONGEST)
-    return send_to(ports, outlets, Joined(f"nmea {url}", inbox, outbox, port), "helm")
+    inbox = Inbox(port.read, ports.wake, longest=MAX_SENTENCE_LETTERS)
+    return send_to(ports, outlets, JoinedLine(f"nmea {url}", inbox, outbox, port), "helm")
 
 
 def open_file(ports: Ports, outlets: Outlets, path: Path) -> Station:
@@ -168,17 +168,19 @@ def open_file(ports: Ports, outlets: Outlets, path: Path) -> Station:
     except OSError as error:
         raise ConfigError(f"--nmea-record {path}: {error.strerror}") from None
     ports.stack.callback(file.close)
-    line = Joined(f"nmea {path}", None, Direct(writer(file.fileno()), b"\r\n"))
-    display = Sampled(outlets.shown, 1.0 / outlets.rate)
-    return attend(ports, line, Subscription(line, "nmea", 0.0, display), "observer")
+    line = JoinedLine(f"nmea {path}", None, DirectSender(writer(file.fileno()), b"\r\n"))
+    display = SampledDisplay(outlets.shown, 1.0 / outlets.rate)
+    return attend_line(ports, line, Subscription(line, "nmea", 0.0, display), "observer")
 
 
 def send_to(ports: Ports, outlets: Outlets, line: Line, role: str) -> Station:
     """Return the station of a line that the sets are sent to from now on."""
-    return attend(ports, line, Steady(line, "nmea", outlets.rate, outlets.shown), role)
+    return attend_line(
+        ports, line, SteadySubscription(line, "nmea", outlets.rate, outlets.shown), role
+    )
 
 
-def attend(ports: Ports, line: Line, subscription: Subscription, role: str) -> Station:
+def attend_line(ports: Ports, line: Line, subscription: Subscription, role: str) -> Station:
     """Return the station of a line with a subscription of its own."""
     ports.sending.add(subscription)
     return Station(NmeaLine(line, ports.wake, ports.log), Access(role), ports.sending, ports.log)
@@ -186,32 +188,33 @@ def attend(ports: Ports, line: Line, subscription: Subscription, role: str) -> S
 
 def refuse_crowded(outlets: Outlets, url: str, baud: int) -> None:
     """Raise ConfigError if a serial line cannot carry the sets at their rate."""
-    if url.partition("://")[0].lower() in UNTIMED:
+    if url.partition("://")[0].lower() in UNTIMED_KINDS:
         return
-    (count, size), capacity = widest(outlets.instruments), baud // BITS
+    (count, size), capacity = widest(outlets.instruments), baud // BITS_PER_BYTE
     if size * outlets.rate > capacity:
         raise ConfigError(
             f"--nmea {url}: {count} sentences of {size} bytes at "
             f"{outlets.rate:g} Hz are {size * outlets.rate:.0f} bytes a second; the line carries "
-            f"{capacity} at {baud} baud: give --nmea-rate {most(capacity / size):g} or less, fewer "
+            f"{capacity} at {baud} baud: give --nmea-rate "
+            f"{round_rate_down(capacity / size):g} or less, fewer "
             f"--nmea-sentences or a faster --nmea-baud"
         )
 
 
-def most(rate: float) -> float:
+def round_rate_down(rate: float) -> float:
     """Return a rate [Hz] rounded down, to be given as an option."""
     return int(rate * 100.0) / 100.0
 
 
-def place(text: str) -> tuple[str, int]:
-    """Return host and port of ``HOST[:PORT]``; LinkError."""
-    found = PLACE.fullmatch(text.rstrip("/"))
+def parse_address(text: str) -> tuple[str, int]:
+    """Return host and port of ``HOST[:DEFAULT_PORT]``; LinkError."""
+    found = ADDRESS_PATTERN.fullmatch(text.rstrip("/"))
     if found is None or not (found[1] or found[2]):
         raise LinkError("say HOST or HOST:PORT after the ://")
-    return found[1] or found[2], int(found[3] or PORT)
+    return found[1] or found[2], int(found[3] or DEFAULT_PORT)
 
 
-def local(host: str) -> bool:
+def is_local_host(host: str) -> bool:
     """Return whether only this machine can come in at an address."""
     with contextlib.suppress(ValueError):
         return ipaddress.ip_address(host).is_loopback
@@ -221,11 +224,11 @@ def local(host: str) -> bool:
 def parse_names(text: str | None) -> Sequence[str]:
     """Return the names of a list, the usual for none; ConfigError naming the nearest."""
     if text is None:
-        return (*USUAL, AIS)
+        return (*USUAL_NAMES, AIS)
     names = [name.strip().upper() for name in text.split(",")]
     for name in names:
-        if name not in CHOICES:
-            hint = nearest(name, CHOICES) or f"; there are {','.join(CHOICES)}"
+        if name not in SENTENCE_CHOICES:
+            hint = nearest(name, SENTENCE_CHOICES) or f"; there are {','.join(SENTENCE_CHOICES)}"
             raise ConfigError(f"--nmea-sentences {text}: no sentence {name!r}{hint}")
     return names
 

@@ -6,10 +6,10 @@ from typing import Any, Final
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
-from trainer.io.chart import DEFAULT
+from trainer.io.chart import DEFAULT_CHART
 from trainer.session.nmea.sentences import (
     INSTRUMENTS,
-    USUAL,
+    USUAL_NAMES,
     Instrument,
     InstrumentSet,
     choose_instruments,
@@ -18,7 +18,7 @@ from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
-NOON: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # of the sample
+SAMPLE_TIME: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # of the sample
 
 
 def markdown() -> str:
@@ -66,4 +66,4 @@ def sample(file: VesselFile) -> list[str]:
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     lookout = StateReader(boat, Ledger(boat.method.step).summary)
     frame = lookout.frame(Picture(0, boat.records.state.tobytes(), Pace()))
-    return InstrumentSet(choose_instruments(USUAL), DEFAULT, NOON).lines(frame)
+    return InstrumentSet(choose_instruments(USUAL_NAMES), DEFAULT_CHART, SAMPLE_TIME).lines(frame)

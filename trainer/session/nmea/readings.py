@@ -15,7 +15,7 @@ from trainer.core.casualties import SOUNDER_RANGE
 from trainer.core.surfaces import SURFACES
 from trainer.io.chart import Chart
 from trainer.io.nmea import date, latitude, longitude, number, time_of_day
-from trainer.session.nmea.orders import POSITIONS
+from trainer.session.nmea.orders import BELL_POSITIONS
 from trainer.session.stations.channels import set_and_drift, way_made, way_over_ground
 from trainer.session.stations.panels import (
     bank_fields,
@@ -32,16 +32,22 @@ from trainer.session.stations.panels import (
 from trainer.session.stations.view import Frame
 from trainer.units import FOOT, KNOT
 
-BALLAST: Final = TANKS[:8]  # those that are not compartments
-FATHOM: Final = 6.0 * FOOT  # [m]
-KILOMETRES: Final = 1.852  # [km/h] in a knot
-BELLS: Final = {bell.replace(" ", "-"): position for bell, position in POSITIONS.items()}
+BALLAST_TANKS: Final = TANKS[:8]  # those that are not compartments
+FATHOM_M: Final = 6.0 * FOOT  # [m]
+KNOT_KM_H: Final = 1.852  # [km/h] in a knot
+BELL_READINGS: Final = {
+    bell.replace(" ", "-"): position for bell, position in BELL_POSITIONS.items()
+}
 # readers take no position without satellites: they are not of this trainer's world
-CONSTANTS: Final = {"satellites": "08", "dilution": "1.0", "range": number(SOUNDER_RANGE, 1)}
-FAR: Final = -9_999_999.9  # [m] from the origin
+CONSTANT_READINGS: Final = {
+    "satellites": "08",
+    "dilution": "1.0",
+    "range": number(SOUNDER_RANGE, 1),
+}
+FARTHEST_M: Final = -9_999_999.9  # [m] from the origin
 
 
-class Reading(NamedTuple):
+class NmeaReading(NamedTuple):
     """One number of a tick."""
 
     read: Callable[[Frame], object]  # no number: the boat lacks it, or nothing is ordered
@@ -73,64 +79,66 @@ def sounding(frame: Frame, unit: float = 1.0) -> float | None:
     return frame.readings.sounding / unit if frame.readings.sounding else None
 
 
-def turn(frame: Frame) -> float:
+def turn_rate(frame: Frame) -> float:
     """Return the rate of turn [deg/min], to starboard positive."""
     return math.degrees(frame["psidot"]) * 60.0
 
 
 # Angles are in degrees, speeds in knots, unless said otherwise.
-READINGS: Final[Mapping[str, Reading]] = {
-    "north": Reading(lambda f: f["x"], 1, FAR),  # [m] of the origin
-    "east": Reading(lambda f: f["y"], 1, FAR),  # [m]
-    "track": Reading(lambda f: way_made(f)[0], 2, 359.99),  # over the ground
-    "over_ground": Reading(lambda f: way_made(f)[1], 2, 99.99),
-    "over_ground_kmh": Reading(lambda f: way_made(f)[1] * KILOMETRES, 2, 99.99 * KILOMETRES),
-    "across": Reading(lambda f: over_water_and_ground(f)[0], 2, -99.99),  # through the water
-    "ahead_over_ground": Reading(lambda f: over_water_and_ground(f)[1], 2, -99.99),
-    "across_over_ground": Reading(lambda f: over_water_and_ground(f)[2], 2, -99.99),
-    "current": Reading(lambda f: set_and_drift(f)[0], 1, 359.9),  # none where water stands still
-    "drift": Reading(lambda f: set_and_drift(f)[1], 2, 99.99),
-    "depth": Reading(lambda f: f.readings.depth, 2, 9999.99),  # [m] by the gauge
-    "altitude": Reading(lambda f: -f.readings.depth, 2, -9999.99),  # [m]
-    "depth_shown": Reading(depth_shown, 2, 9999.99),
-    "depth_feet": Reading(lambda f: depth_shown(f) / FOOT, 1, 9999.99 / FOOT),
-    "depth_fathoms": Reading(lambda f: depth_shown(f) / FATHOM, 1, 9999.99 / FATHOM),
-    "heading": Reading(lambda f: compass(f.readings.heading, 2), 2, 359.99),  # by the compass
-    "speed": Reading(lambda f: f.readings.speed / KNOT, 2, -99.99),  # by the log
-    "speed_kmh": Reading(lambda f: f.readings.speed / KNOT * KILOMETRES, 2, -99.99 * KILOMETRES),
-    "sounding": Reading(sounding, 2, 9999.99),
-    "sounding_feet": Reading(lambda f: sounding(f, FOOT), 1, 9999.99 / FOOT),
-    "sounding_fathoms": Reading(lambda f: sounding(f, FATHOM), 1, 9999.99 / FATHOM),
+READINGS: Final[Mapping[str, NmeaReading]] = {
+    "north": NmeaReading(lambda f: f["x"], 1, FARTHEST_M),  # [m] of the origin
+    "east": NmeaReading(lambda f: f["y"], 1, FARTHEST_M),  # [m]
+    "track": NmeaReading(lambda f: way_made(f)[0], 2, 359.99),  # over the ground
+    "over_ground": NmeaReading(lambda f: way_made(f)[1], 2, 99.99),
+    "over_ground_kmh": NmeaReading(lambda f: way_made(f)[1] * KNOT_KM_H, 2, 99.99 * KNOT_KM_H),
+    "across": NmeaReading(lambda f: over_water_and_ground(f)[0], 2, -99.99),  # through the water
+    "ahead_over_ground": NmeaReading(lambda f: over_water_and_ground(f)[1], 2, -99.99),
+    "across_over_ground": NmeaReading(lambda f: over_water_and_ground(f)[2], 2, -99.99),
+    "current": NmeaReading(
+        lambda f: set_and_drift(f)[0], 1, 359.9
+    ),  # none where water stands still
+    "drift": NmeaReading(lambda f: set_and_drift(f)[1], 2, 99.99),
+    "depth": NmeaReading(lambda f: f.readings.depth, 2, 9999.99),  # [m] by the gauge
+    "altitude": NmeaReading(lambda f: -f.readings.depth, 2, -9999.99),  # [m]
+    "depth_shown": NmeaReading(depth_shown, 2, 9999.99),
+    "depth_feet": NmeaReading(lambda f: depth_shown(f) / FOOT, 1, 9999.99 / FOOT),
+    "depth_fathoms": NmeaReading(lambda f: depth_shown(f) / FATHOM_M, 1, 9999.99 / FATHOM_M),
+    "heading": NmeaReading(lambda f: compass(f.readings.heading, 2), 2, 359.99),  # by the compass
+    "speed": NmeaReading(lambda f: f.readings.speed / KNOT, 2, -99.99),  # by the log
+    "speed_kmh": NmeaReading(lambda f: f.readings.speed / KNOT * KNOT_KM_H, 2, -99.99 * KNOT_KM_H),
+    "sounding": NmeaReading(sounding, 2, 9999.99),
+    "sounding_feet": NmeaReading(lambda f: sounding(f, FOOT), 1, 9999.99 / FOOT),
+    "sounding_fathoms": NmeaReading(lambda f: sounding(f, FATHOM_M), 1, 9999.99 / FATHOM_M),
     # [m] above the transducer, so that it is negative; none where there is no ground
-    "keel": Reading(lambda f: -f.fittings.keel if f["bottom"] else None, 1, -99.9),
-    "pitch": Reading(lambda f: math.degrees(f["theta"]), 2, -99.99),  # bow up positive
-    "heel": Reading(lambda f: math.degrees(f["phi"]), 2, -179.99),  # to starboard positive
-    "turn": Reading(turn, 1, -9999.9),
-    "turn_per_second": Reading(lambda f: turn(f) / 60.0, 3, -9999.9 / 60.0),
-    "rpm": Reading(lambda f: rpm(f, f["u_c"]), 1, -9999.9),
-    "ordered_rpm": Reading(lambda f: rpm(f, ordered_turns(f)), 1, -9999.9),
-    "ordered_course": Reading(ordered_course, 2, 359.99),
-    "ordered_depth": Reading(ordered_depth, 2, 9999.99),  # [m]
-    "ordered_speed": Reading(ordered_speed, 2, -99.99),
+    "keel": NmeaReading(lambda f: -f.fittings.keel if f["bottom"] else None, 1, -99.9),
+    "pitch": NmeaReading(lambda f: math.degrees(f["theta"]), 2, -99.99),  # bow up positive
+    "heel": NmeaReading(lambda f: math.degrees(f["phi"]), 2, -179.99),  # to starboard positive
+    "turn": NmeaReading(turn_rate, 1, -9999.9),
+    "turn_per_second": NmeaReading(lambda f: turn_rate(f) / 60.0, 3, -9999.9 / 60.0),
+    "rpm": NmeaReading(lambda f: rpm(f, f["u_c"]), 1, -9999.9),
+    "ordered_rpm": NmeaReading(lambda f: rpm(f, ordered_turns(f)), 1, -9999.9),
+    "ordered_course": NmeaReading(ordered_course, 2, 359.99),
+    "ordered_depth": NmeaReading(ordered_depth, 2, 9999.99),  # [m]
+    "ordered_speed": NmeaReading(ordered_speed, 2, -99.99),
     **{  # right and rising positive
-        name: Reading(field.read, 2, -99.99)
+        name: NmeaReading(field.read, 2, -99.99)
         for surface in SURFACES
         for name, field in zip(
             (surface, f"ordered_{surface}"), surface_fields(surface)[:2], strict=True
         )
     },
     **{  # [%]
-        f"full_{tank}": Reading(tank_fields(place, tank)[1].read, 1, 100.0)
-        for place, tank in enumerate(BALLAST)
+        f"full_{tank}": NmeaReading(tank_fields(place, tank)[1].read, 1, 100.0)
+        for place, tank in enumerate(BALLAST_TANKS)
     },
     **{  # [MPa]
-        f"air_{bank}": Reading(bank_fields(place, bank)[0].read, 2, 99.99)
+        f"air_{bank}": NmeaReading(bank_fields(place, bank)[0].read, 2, 99.99)
         for place, bank in enumerate(BANKS)
     },
 }
 
 
-def sight(frame: Frame, chart: Chart, start: datetime) -> dict[str, str]:
+def read_fields(frame: Frame, chart: Chart, start: datetime) -> dict[str, str]:
     """Return each field at a tick by its name.
 
     The session began at ``start``, UTC.
@@ -138,10 +146,10 @@ def sight(frame: Frame, chart: Chart, start: datetime) -> dict[str, str]:
     values = {name: reading.read(frame) for name, reading in READINGS.items()}
     position = chart.position(frame["x"], frame["y"])
     at = start + timedelta(seconds=frame.seconds)
-    return describe(values, frame.tick, at, position, str(bell(frame) or ""))
+    return describe_fields(values, frame.tick, at, position, str(bell(frame) or ""))
 
 
-def describe(
+def describe_fields(
     values: Mapping[str, object],
     tick: int,
     at: datetime,
@@ -157,14 +165,14 @@ def describe(
     texts |= {"tick": f"{tick}", "time": clock, "time_to_ms": f"{clock}0", "date": date(at)}
     texts["latitude"], texts["north_or_south"] = latitude(position[0])
     texts["longitude"], texts["east_or_west"] = longitude(position[1])
-    texts["bell"] = BELLS.get(rung, "")
-    texts |= CONSTANTS
+    texts["bell"] = BELL_READINGS.get(rung, "")
+    texts |= CONSTANT_READINGS
     return texts | {
         f"{name}_status": "A" if texts[name] else "V" for name in ("rudder", "ordered_rudder")
     }
 
 
-WIDEST: Final = describe(
+WIDEST_READINGS: Final = describe_fields(
     {name: reading.widest for name, reading in READINGS.items()},
     99_999_999,
     datetime(2099, 12, 31, 23, 59, 59, tzinfo=UTC),

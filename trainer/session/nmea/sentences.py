@@ -13,24 +13,24 @@ from typing import Final
 from trainer.core.ballast.tanks import BANKS
 from trainer.io.chart import Chart
 from trainer.io.nmea import LINE_END, sentence
-from trainer.session.nmea.readings import BALLAST, WIDEST, sight
+from trainer.session.nmea.readings import BALLAST_TANKS, WIDEST_READINGS, read_fields
 from trainer.session.nmea.transponders import Transponders
 from trainer.session.stations.view import Frame
 
-TALKER: Final = "IN"
-SOUNDER: Final = "SD"  # the talker of echo sounders
+OWN_TALKER: Final = "IN"
+SOUNDER_TALKER: Final = "SD"  # the talker of echo sounders
 BOAT_DEPTHS: Final = ("INDBT", "INDPT")  # the boat's own depth as if it were a sounding
-GAUGES: Final = "as the gauges show it"
-TRUE: Final = "navigation system: true"
+GAUGES_NOTE: Final = "as the gauges show it"
+TRUE_NOTE: Final = "navigation system: true"
 
 Part = str | tuple[str, str]
 UTC_TIME: Final = ("UTC hhmmss.ss", "time")
-WHERE: Final = (
+POSITION_FIELDS: Final = (
     *(("latitude ddmm.mmmmm", "latitude"), ("N or S", "north_or_south")),
     *(("longitude dddmm.mmmmm", "longitude"), ("E or W", "east_or_west")),
 )
-TICK: Final = ("tick", "tick")
-BELOW: Final = "the ground's depth below the transducer, where there is a ground"
+TICK_FIELD: Final = ("tick", "tick")
+SOUNDING_NOTE: Final = "the ground's depth below the transducer, where there is a ground"
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Instrument:
         """
         if self.address in BOAT_DEPTHS:
             return self.address
-        return self.address.removeprefix(TALKER).removeprefix(SOUNDER)
+        return self.address.removeprefix(OWN_TALKER).removeprefix(SOUNDER_TALKER)
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -85,22 +85,22 @@ INSTRUMENTS: Final = (
         "INRMC",
         "recommended minimum: time, position, way, date",
         (
-            *(UTC_TIME, "A", *WHERE, ("speed over the ground [kn]", "over_ground")),
+            *(UTC_TIME, "A", *POSITION_FIELDS, ("speed over the ground [kn]", "over_ground")),
             *(("track [deg true]", "track"), ("date ddmmyy", "date")),
             *("-", "-", "E, dead reckoning"),
         ),
-        TRUE,
+        TRUE_NOTE,
     ),
     Instrument(
         "INGGA",
         "fix, with the depth as altitude",
         (
-            *(UTC_TIME, *WHERE, "6, dead reckoning"),
+            *(UTC_TIME, *POSITION_FIELDS, "6, dead reckoning"),
             *(("08 satellites", "satellites"), ("dilution 1.0", "dilution")),
             *(("altitude [m], below zero when submerged", "altitude"), "M"),
             *("0.0", "M", "-", "-"),
         ),
-        f"position true, altitude {GAUGES}",
+        f"position true, altitude {GAUGES_NOTE}",
     ),
     Instrument(
         "INVTG",
@@ -109,7 +109,7 @@ INSTRUMENTS: Final = (
             *(("track [deg true]", "track"), "T", "-", "M"),
             *(("speed [kn]", "over_ground"), "N", ("speed [km/h]", "over_ground_kmh"), "K", "E"),
         ),
-        TRUE,
+        TRUE_NOTE,
     ),
     Instrument(
         "INDBT",
@@ -118,17 +118,17 @@ INSTRUMENTS: Final = (
             *(("depth [ft]", "depth_feet"), "f", ("depth [m]", "depth_shown"), "M"),
             *(("depth [fathom]", "depth_fathoms"), "F"),
         ),
-        GAUGES,
+        GAUGES_NOTE,
         asked=True,
     ),
     Instrument(
         "SDDBT",
-        BELOW,
+        SOUNDING_NOTE,
         (
             *(("depth [ft]", "sounding_feet"), "f", ("depth [m]", "sounding"), "M"),
             *(("depth [fathom]", "sounding_fathoms"), "F"),
         ),
-        GAUGES,
+        GAUGES_NOTE,
         ground=True,
     ),
     Instrument(
@@ -142,24 +142,24 @@ INSTRUMENTS: Final = (
             ),
             *("-", "-", "-", "-", "0", "0"),
         ),
-        f"heading {GAUGES}, heel and pitch true",
+        f"heading {GAUGES_NOTE}, heel and pitch true",
     ),
-    Instrument("INHDT", "heading", (("heading [deg true]", "heading"), "T"), GAUGES),
+    Instrument("INHDT", "heading", (("heading [deg true]", "heading"), "T"), GAUGES_NOTE),
     Instrument(
         "INDPT",
         "the boat's depth, as if it were a sounding",
         (("depth [m]", "depth_shown"), "0.0", "-"),
-        GAUGES,
+        GAUGES_NOTE,
         asked=True,
     ),
     Instrument(
         "SDDPT",
-        BELOW,
+        SOUNDING_NOTE,
         (
             *(("depth [m]", "sounding"), ("offset [m], negative: to the keel", "keel")),
             ("range [m]", "range"),
         ),
-        GAUGES,
+        GAUGES_NOTE,
         ground=True,
     ),
     Instrument(
@@ -172,13 +172,13 @@ INSTRUMENTS: Final = (
             *(("heading [deg true]", "heading"), "T", "-", "M"),
             *(("speed [kn]", "speed"), "N", ("speed [km/h]", "speed_kmh"), "K"),
         ),
-        GAUGES,
+        GAUGES_NOTE,
     ),
     Instrument(
         "INVDR",
         "current, where it goes to",
         (("set [deg true]", "current"), "T", "-", "M", ("drift [kn]", "drift"), "N"),
-        TRUE,
+        TRUE_NOTE,
         asked=True,
     ),
     Instrument(
@@ -190,7 +190,7 @@ INSTRUMENTS: Final = (
             ("ahead over the ground [kn]", "ahead_over_ground"),
             *(("across [kn]", "across_over_ground"), "A", "-", "V", "-", "V"),
         ),
-        f"ahead through the water {GAUGES}, the rest true",
+        f"ahead through the water {GAUGES_NOTE}, the rest true",
         asked=True,
     ),
     Instrument(
@@ -232,7 +232,9 @@ INSTRUMENTS: Final = (
         ),
         "true",
     ),
-    Instrument("INXDR", "the boat's depth", ("D", ("depth [m]", "depth"), "M", "DEPTH"), GAUGES),
+    Instrument(
+        "INXDR", "the boat's depth", ("D", ("depth [m]", "depth"), "M", "DEPTH"), GAUGES_NOTE
+    ),
     Instrument(
         "INXDR",
         "planes",
@@ -246,26 +248,26 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: motion",
         (
-            *("M", TICK, ("depth [m]", "depth"), ("heading [deg]", "heading")),
+            *("M", TICK_FIELD, ("depth [m]", "depth"), ("heading [deg]", "heading")),
             *(("speed through the water [kn]", "speed"), ("pitch [deg]", "pitch")),
             *(("heel [deg]", "heel"), ("rate of turn [deg/s]", "turn_per_second")),
         ),
-        f"depth, heading and speed {GAUGES}, the rest true",
+        f"depth, heading and speed {GAUGES_NOTE}, the rest true",
     ),
     Instrument(
         "PXSC",
         "own: place",
         (
-            *("P", TICK, ("north of the origin [m]", "north"), ("east of it [m]", "east")),
+            *("P", TICK_FIELD, ("north of the origin [m]", "north"), ("east of it [m]", "east")),
             *(("track [deg]", "track"), ("speed over the ground [kn]", "over_ground")),
         ),
-        TRUE,
+        TRUE_NOTE,
     ),
     Instrument(
         "PXSC",
         "own: surfaces, right and rising positive",
         (
-            *("C", TICK, ("rudder [deg]", "rudder"), ("ordered [deg]", "ordered_rudder")),
+            *("C", TICK_FIELD, ("rudder [deg]", "rudder"), ("ordered [deg]", "ordered_rudder")),
             *(("stern planes [deg]", "stern"), ("ordered [deg]", "ordered_stern")),
             *(("bow planes [deg]", "bow"), ("ordered [deg]", "ordered_bow")),
         ),
@@ -275,7 +277,7 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: engine, and what the autopilot keeps",
         (
-            *("E", TICK, ("revolutions [1/min]", "rpm"), ("ordered [1/min]", "ordered_rpm")),
+            *("E", TICK_FIELD, ("revolutions [1/min]", "rpm"), ("ordered [1/min]", "ordered_rpm")),
             *(("depth kept [m]", "ordered_depth"), ("course kept [deg]", "ordered_course")),
             ("speed kept [kn]", "ordered_speed"),
         ),
@@ -285,20 +287,20 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: ballast",
         (
-            *("B", TICK, ("tanks [% full]: forward", "full_forward")),
-            *((tank.replace("_", " "), f"full_{tank}") for tank in BALLAST[1:]),
+            *("B", TICK_FIELD, ("tanks [% full]: forward", "full_forward")),
+            *((tank.replace("_", " "), f"full_{tank}") for tank in BALLAST_TANKS[1:]),
         ),
         "as they are",
     ),
     Instrument(
         "PXSC",
         "own: air banks",
-        ("A", TICK, *((f"{bank} [MPa]", f"air_{bank}") for bank in BANKS)),
+        ("A", TICK_FIELD, *((f"{bank} [MPa]", f"air_{bank}") for bank in BANKS)),
         "as they are",
     ),
 )
-NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
-USUAL: Final = tuple(dict.fromkeys(each.name for each in INSTRUMENTS if not each.asked))
+SENTENCE_NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
+USUAL_NAMES: Final = tuple(dict.fromkeys(each.name for each in INSTRUMENTS if not each.asked))
 
 
 def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:
@@ -309,7 +311,7 @@ def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:
 
 def widest(instruments: Iterable[Instrument]) -> tuple[int, int]:
     """Return sentences and size [bytes] of the longest set that they can make."""
-    sent = [each.sentence(WIDEST) for each in instruments if each.fits(WIDEST)]
+    sent = [each.sentence(WIDEST_READINGS) for each in instruments if each.fits(WIDEST_READINGS)]
     return len(sent), sum(len(each) + LINE_END for each in sent)
 
 
@@ -330,12 +332,12 @@ class InstrumentSet:
 
     def lines(self, frame: Frame) -> list[str]:
         """Return the set of one tick, and what ships have sent since the last."""
-        seen = sight(frame, self._chart, self._start)
+        seen = read_fields(frame, self._chart, self._start)
         told = [each.sentence(seen) for each in self._instruments if each.fits(seen)]
         return told + self._receiver.lines(frame) if self._receiver else told
 
 
-class Sampled:
+class SampledDisplay:
     """A display at a rate of the boat's own time, however fast that goes."""
 
     def __init__(self, shown: InstrumentSet, period: float) -> None:

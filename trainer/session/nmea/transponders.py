@@ -10,27 +10,29 @@ from datetime import datetime, timedelta
 from itertools import cycle
 from typing import Final
 
-from trainer.boat.depths import RAISED
-from trainer.boat.world.contacts import Seen, contacts_in
-from trainer.config.contacts import TYPES
+from trainer.boat.depths import MAST_RAISED_M
+from trainer.boat.world.contacts import ContactState, contacts_in
+from trainer.config.contacts import SHIP_TYPES
 from trainer.io import ais
-from trainer.io.ais import Field, Particulars, Report
+from trainer.io.ais import Field, PositionReport, ShipParticulars
 from trainer.io.chart import Chart
-from trainer.session.stations.plot import eye, looks, periscope
+from trainer.session.stations.plot import eye, optics_are_out, periscope
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
-NAME: Final = "VDM"  # what it is chosen by, among the sentences
-HEARD: Final = 4100.0  # [m] times the root of an antenna's height [m]
-STATIC: Final = 360.0  # [s] between two reports of name and size
-TURNING: Final = math.radians(5.0) / 15.0  # [rad/s] heading leaves its mean over 30 s by 5 deg
-GOLDEN: Final = 0.6180339887498949  # spreads the times at which ships report
-INTERVALS: Final = (  # [kn] up to, [s] between reports of class A, and turning
+AIS_NAME: Final = "VDM"  # what it is chosen by, among the sentences
+RADIO_RANGE_M: Final = 4100.0  # [m] times the root of an antenna's height [m]
+STATIC_PERIOD_S: Final = 360.0  # [s] between two reports of name and size
+MIN_TURN_RATE: Final = (
+    math.radians(5.0) / 15.0
+)  # [rad/s] heading leaves its mean over 30 s by 5 deg
+GOLDEN_RATIO: Final = 0.6180339887498949  # spreads the times at which ships report
+REPORT_PERIODS: Final = (  # [kn] up to, [s] between reports of class A, and turning
     (14.0, 10.0, 10.0 / 3.0),
     (23.0, 6.0, 2.0),
     (math.inf, 2.0, 2.0),
 )
-SLOW: Final = 180.0  # [s] at anchor, and of class B below 2 kn
+SLOW_PERIOD_S: Final = 180.0  # [s] at anchor, and of class B below 2 kn
 Messages = tuple[list[Field], ...]
 
 
@@ -38,29 +40,30 @@ def antenna(frame: Frame) -> float:
     """Return the height [m] of the boat's antenna over the water.
 
     It is the head of the periscope, minus infinity while that is in its well. A boat without one
-    has a mast that is up by RAISED at periscope depth; one without such a depth, it on the sail.
+    has a mast that is up by MAST_RAISED_M at periscope depth; one without such a depth, it on the
+    sail.
     """
     if periscope(frame):
-        over = eye(frame) if looks(frame) else None
+        over = eye(frame) if optics_are_out(frame) else None
         return -math.inf if over is None else over
     depth = frame.boat.file.run.periscope_depth_m
     if depth is not None:
-        return depth + RAISED - frame["z"] - frame["eta_wave"]
+        return depth + MAST_RAISED_M - frame["z"] - frame["eta_wave"]
     return frame.height(*frame.fittings.sail)
 
 
-def interval(ship: Seen) -> float:
+def report_interval(ship: ContactState) -> float:
     """Return the time [s] between two position reports."""
     knots = ship.speed / KNOT
-    if TYPES[ship.type].small:
-        return SLOW if knots < 2.0 else 30.0
+    if SHIP_TYPES[ship.type].small:
+        return SLOW_PERIOD_S if knots < 2.0 else 30.0
     if ship.status == "at anchor" and knots < 3.0:
-        return SLOW
-    straight, turning = next(pair for most, *pair in INTERVALS if knots <= most)
-    return turning if abs(ship.turning) > TURNING else straight
+        return SLOW_PERIOD_S
+    straight, turning = next(pair for most, *pair in REPORT_PERIODS if knots <= most)
+    return turning if abs(ship.turning) > MIN_TURN_RATE else straight
 
 
-def slot(time: float, every: float, share: float) -> int:
+def report_count(time: float, every: float, share: float) -> int:
     """Return how many reports there have been by a time [s]; ``share`` shifts them."""
     return math.floor(time / every - share)
 
@@ -73,7 +76,7 @@ class Transponders:
         self._chart, self._start = chart, start
         self._last: float | None = None  # [s]
         self._sequence = 0
-        self._channels = cycle(ais.CHANNELS)
+        self._channels = cycle(ais.AIS_CHANNELS)
 
     def lines(self, frame: Frame) -> list[str]:
         """Return what has been sent since the last frame; nothing where time has gone back."""
@@ -87,20 +90,21 @@ class Transponders:
             line
             for ship in contacts.seen(frame.tick)
             if ship.mmsi is not None
-            and math.hypot(ship.north - x, ship.east - y) <= HEARD * (own + math.sqrt(ship.mast))
+            and math.hypot(ship.north - x, ship.east - y)
+            <= RADIO_RANGE_M * (own + math.sqrt(ship.mast))
             for messages in self._due(ship, before, now)
             for line in self._sentences(messages)
         ]
 
-    def _due(self, ship: Seen, before: float, now: float) -> Iterator[Messages]:
+    def _due(self, ship: ContactState, before: float, now: float) -> Iterator[Messages]:
         """Yield what of a ship is due, a message or the two parts of one."""
-        share = (ship.mmsi or 0) * GOLDEN % 1.0
-        small = TYPES[ship.type].small
-        every = interval(ship)
-        if slot(now, every, share) > slot(before, every, share):
+        share = (ship.mmsi or 0) * GOLDEN_RATIO % 1.0
+        small = SHIP_TYPES[ship.type].small
+        every = report_interval(ship)
+        if report_count(now, every, share) > report_count(before, every, share):
             seen = self._report(ship, now)
             yield (ais.position_b(seen) if small else ais.position_a(seen),)
-        if slot(now, STATIC, share) > slot(before, STATIC, share):
+        if report_count(now, STATIC_PERIOD_S, share) > report_count(before, STATIC_PERIOD_S, share):
             told = particulars(ship)
             yield ais.static_b(told) if small else (ais.static_a(told),)
 
@@ -116,10 +120,10 @@ class Transponders:
             found += ais.sentences(fields, channel, self._sequence)
         return found
 
-    def _report(self, ship: Seen, now: float) -> Report:
+    def _report(self, ship: ContactState, now: float) -> PositionReport:
         """Return what a ship tells of a moment."""
         latitude, longitude = self._chart.position(ship.north, ship.east)
-        return Report(
+        return PositionReport(
             mmsi=ship.mmsi or 0,
             latitude=latitude,
             longitude=longitude,
@@ -128,15 +132,15 @@ class Transponders:
             heading=math.degrees(ship.heading),
             turning=math.degrees(ship.turning) * 60.0,
             second=(self._start + timedelta(seconds=now)).second,
-            status=ais.STATUS[ship.status],
+            status=ais.STATUS_CODES[ship.status],
         )
 
 
-def particulars(ship: Seen) -> Particulars:
+def particulars(ship: ContactState) -> ShipParticulars:
     """Return what a ship tells of itself; its antenna is in its middle."""
     ends, sides = round(0.5 * ship.length), round(0.5 * ship.beam)
-    return Particulars(
-        *(ship.mmsi or 0, ship.name.replace("-", " "), TYPES[ship.type].ais),
+    return ShipParticulars(
+        *(ship.mmsi or 0, ship.name.replace("-", " "), SHIP_TYPES[ship.type].ais),
         *(ends, ends, sides, sides),
         draught=ship.draught,
     )

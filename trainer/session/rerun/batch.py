@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
 from trainer.session.plan import Plan
 from trainer.session.stations.view import Pace
 
-Whole = NDArray[np.int64]
+IntArray = NDArray[np.int64]
 
-PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
+STATE_PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class Subject:
     """The subject of a picture. Nothing of the boat that moves is looked at."""
 
     boat: Boat
-    limits: Limits
+    limits: ExerciseLimits
     title: str
 
     @classmethod
@@ -50,7 +50,7 @@ class Subject:
 class Times(NamedTuple):
     """When each row was."""
 
-    ticks: Whole  # [-] of the run: they go back where it is wound back
+    ticks: IntArray  # [-] of the run: they go back where it is wound back
     seconds: Numbers  # [s] these never do
 
     def at(self, rows: NDArray[np.bool_]) -> "Times":
@@ -64,19 +64,19 @@ class Block:
 
     times: Times
     whole: Numbers  # [SI] by row and by place of LAYOUT
-    branch: Whole  # [-] of the recording
+    branch: IntArray  # [-] of the recording
     replaying: NDArray[np.bool_]
 
     def __getitem__(self, name: str) -> Numbers:
         """Return a number of the state [SI], by its name in the layout, for each row."""
-        return self.whole[:, PLACES[name]]
+        return self.whole[:, STATE_PLACES[name]]
 
     def several(self, *names: str) -> Numbers:
         """Return numbers of the state [SI], with a row for each tick."""
-        return self.whole[:, [PLACES[name] for name in names]]
+        return self.whole[:, [STATE_PLACES[name] for name in names]]
 
 
-class Worked(NamedTuple):
+class TickTimings(NamedTuple):
     """The results of ticks that were timed."""
 
     times: Times
@@ -84,7 +84,7 @@ class Worked(NamedTuple):
     work: Numbers  # [ns]
 
 
-class Told(NamedTuple):
+class NewsRows(NamedTuple):
     """Things that happened, one kind and text for each row."""
 
     times: Times
@@ -96,8 +96,8 @@ class Batch(NamedTuple):
     """All of some ticks; any part may be empty."""
 
     block: Block
-    worked: Worked
-    told: Told
+    worked: TickTimings
+    told: NewsRows
 
 
 def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
@@ -110,12 +110,12 @@ def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
         return read
     whole = np.zeros((len(parts), len(LAYOUT)))
     for i, name in enumerate(layout):
-        if name in PLACES:
-            whole[:, PLACES[name]] = read[:, i]
+        if name in STATE_PLACES:
+            whole[:, STATE_PLACES[name]] = read[:, i]
     return whole
 
 
-class Taken(NamedTuple):
+class TakenPicture(NamedTuple):
     """A picture as it was handed over, and the ledger at that moment."""
 
     tick: int
@@ -126,7 +126,7 @@ class Taken(NamedTuple):
     work: int  # [ns]
 
 
-class Heard(NamedTuple):
+class TakenNews(NamedTuple):
     """News, as they were handed over."""
 
     tick: int
@@ -134,7 +134,7 @@ class Heard(NamedTuple):
     text: str
 
 
-class Rows:
+class TimedRows:
     """Some of what was handed over, with its times. In columns, which the collector passes by."""
 
     def __init__(self) -> None:
@@ -142,7 +142,7 @@ class Rows:
         self.ticks: list[int] = []
         self.seconds: list[float] = []
 
-    def add(self, handed: Taken | Heard, tick: int, seconds: float) -> None:
+    def add(self, handed: TakenPicture | TakenNews, tick: int, seconds: float) -> None:
         """Take one with its tick and time [s]."""
         self.handed.append(handed)
         self.ticks.append(tick)
@@ -154,9 +154,11 @@ class Rows:
         return Times(np.array(self.ticks, np.int64), np.array(self.seconds, np.float64))
 
 
-def batch_of(pictures: Rows, timed: Rows, told: Rows, layout: tuple[str, ...] = LAYOUT) -> Batch:
+def batch_of(
+    pictures: TimedRows, timed: TimedRows, told: TimedRows, layout: tuple[str, ...] = LAYOUT
+) -> Batch:
     """Return a batch of pictures, of those whose work was timed, and of news."""
-    taken: list[Taken] = pictures.handed
+    taken: list[TakenPicture] = pictures.handed
     block = Block(
         pictures.times,
         states([each.state for each in taken], layout),
@@ -167,23 +169,25 @@ def batch_of(pictures: Rows, timed: Rows, told: Rows, layout: tuple[str, ...] = 
     work = np.array([each.work for each in timed.handed], np.float64)
     kinds = tuple(heard.kind for heard in told.handed)
     texts = tuple(heard.text for heard in told.handed)
-    return Batch(block, Worked(timed.times, lateness, work), Told(told.times, kinds, texts))
+    return Batch(
+        block, TickTimings(timed.times, lateness, work), NewsRows(told.times, kinds, texts)
+    )
 
 
-class Gathering:
+class BatchCollector:
     """Where the run stands, from batch to batch."""
 
     def __init__(self, step: float) -> None:
         """Take the step [s]."""
         self._step = step
-        self._last: Taken | None = None
+        self._last: TakenPicture | None = None
         self._seconds = 0.0  # of the last picture
 
-    def batch(self, handed: Sequence[Taken | Heard]) -> Batch:
+    def batch(self, handed: Sequence[TakenPicture | TakenNews]) -> Batch:
         """Return what was handed over, in that order."""
-        pictures, timed, told = Rows(), Rows(), Rows()
+        pictures, timed, told = TimedRows(), TimedRows(), TimedRows()
         for each in handed:
-            if isinstance(each, Heard):
+            if isinstance(each, TakenNews):
                 told.add(each, each.tick, self._seconds)
                 continue
             last = self._last
@@ -194,7 +198,7 @@ class Gathering:
             self._last = each
         return batch_of(pictures, timed, told)
 
-    def _moved(self, last: Taken | None, taken: Taken) -> bool:
+    def _moved(self, last: TakenPicture | None, taken: TakenPicture) -> bool:
         """Let time go on to a picture; return whether it is another than the last."""
         if last is None:
             self._seconds = taken.tick * self._step

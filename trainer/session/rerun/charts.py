@@ -7,27 +7,32 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.sea_orders import PARTS
-from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, PUMPED, TANKS
+from trainer.boat.sea_orders import FREEZABLE_PARTS
+from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, COMPARTMENTS, PUMPED_TANKS, TANKS
 from trainer.core.casualties import KINDS
 from trainer.core.kernel import Numbers
-from trainer.core.state import CASUALTIES, VALVES
+from trainer.core.state import MAX_CASUALTIES, VALVES
 from trainer.core.surfaces import SURFACES
-from trainer.session.rerun.batch import Block, Whole, Worked
+from trainer.session.rerun.batch import Block, IntArray, TickTimings
 from trainer.units import KNOT
 
-TONNE: Final = 1000.0  # [kg]
-MICROSECOND: Final = 1000.0  # [ns]
-DEGREE: Final = np.pi / 180.0  # [rad]
-DOWNWARDS: Final = -1.0  # [m] a viewer's numbers grow upwards: 60 m of depth is drawn at -60
-UNITS: Final = {"%": "percent"}  # in a path
-LEDGER: Final = "charts/ticks_us"  # what became of the ticks, which no state tells
+TONNE_KG: Final = 1000.0  # [kg]
+MICROSECOND_NS: Final = 1000.0  # [ns]
+DEGREE_RAD: Final = np.pi / 180.0  # [rad]
+DEPTH_SIGN: Final = -1.0  # [m] a viewer's numbers grow upwards: 60 m of depth is drawn at -60
+PATH_UNITS: Final = {"%": "percent"}  # in a path
+LEDGER_PATH: Final = "charts/ticks_us"  # what became of the ticks, which no state tells
 LEDGER_LABELS: Final = ["work", "lateness"]
-SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
-LEFT: Final = tuple(f"casualty_ticks[{i}]" for i in range(CASUALTIES))
-ACTING, CLEARED = "acting", "being cleared"
-BLOWS: Final = ("", "", " (emergency)")  # by the position of a blow valve
-AUTO, HAND, BROKEN, MENDING = 0x56B4E9FF, 0xE69F00FF, 0xD55E00FF, 0xCC79A7FF
+CASUALTY_SLOTS: Final = tuple(f"casualty[{i}]" for i in range(MAX_CASUALTIES))
+CASUALTY_TICKS: Final = tuple(f"casualty_ticks[{i}]" for i in range(MAX_CASUALTIES))
+ACTING_TEXT, CLEARED_TEXT = "acting", "being cleared"
+BLOW_SUFFIXES: Final = ("", "", " (emergency)")  # by the position of a blow valve
+AUTO_COLOUR, HAND_COLOUR, BROKEN_COLOUR, MENDING_COLOUR = (
+    0x56B4E9FF,
+    0xE69F00FF,
+    0xD55E00FF,
+    0xCC79A7FF,
+)
 
 
 class Series(NamedTuple):
@@ -49,7 +54,7 @@ class Chart:
     @property
     def path(self) -> str:
         """Return its place among the entities, which tells the unit."""
-        return f"charts/{self.name}_{UNITS.get(self.unit, self.unit)}"
+        return f"charts/{self.name}_{PATH_UNITS.get(self.unit, self.unit)}"
 
     @property
     def title(self) -> str:
@@ -66,25 +71,30 @@ class Chart:
         return np.stack([each.read(block) for each in self.series], axis=1)
 
 
-def ledger_columns(worked: Worked) -> Numbers:
+def ledger_columns(worked: TickTimings) -> Numbers:
     """Return work and lateness [us] of the ticks that were timed."""
-    return np.stack((worked.work, worked.lateness), axis=1) / MICROSECOND
+    return np.stack((worked.work, worked.lateness), axis=1) / MICROSECOND_NS
 
 
 def charts_of(boat: Boat) -> tuple[Chart, ...]:
     """Return the charts that the boat has something to show in."""
     c = boat.vessel
-    tonne = float(c.g) * TONNE  # [N]
+    tonne = float(c.g) * TONNE_KG  # [N]
     capacity = dict(zip(TANKS, c.capacity.tolist(), strict=True))
     full = dict(zip(BANKS, c.bank_full.tolist(), strict=True))
-    depth = _place("true", "z", DOWNWARDS), _order("ordered_depth", DOWNWARDS, depth_kept)
-    heading = _place("true", "psi", DEGREE), _order("ordered_psi", DEGREE, _automatic("rudder"))
+    depth = _place("true", "z", DEPTH_SIGN), _order("ordered_depth", DEPTH_SIGN, depth_kept)
+    heading = (
+        _place("true", "psi", DEGREE_RAD),
+        _order("ordered_psi", DEGREE_RAD, _automatic("rudder")),
+    )
     speed = _place("true", "u", KNOT), _order("ordered_speed", KNOT, _automatic("speed"))
     heavier = Series("heavier than at rest", lambda b: (b["weight"] - float(c.buoyancy)) / tonne)
-    tanks = [_place(_words(t), f"water_{t}", 0.01 * capacity[t]) for t in BLOWN if capacity[t]]
-    trim = [_place(_words(t), f"water_{t}", TONNE) for t in PUMPED if capacity[t]]
+    tanks = [
+        _place(_words(t), f"water_{t}", 0.01 * capacity[t]) for t in BLOWN_TANKS if capacity[t]
+    ]
+    trim = [_place(_words(t), f"water_{t}", TONNE_KG) for t in PUMPED_TANKS if capacity[t]]
     names = {t: t.removeprefix("compartment_") for t in COMPARTMENTS if capacity[t]}
-    flooded = [_place(_words(name), f"flood_{name}", TONNE) for name in names.values()]
+    flooded = [_place(_words(name), f"flood_{name}", TONNE_KG) for name in names.values()]
     banks = [
         _place(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
     ]
@@ -92,7 +102,11 @@ def charts_of(boat: Boat) -> tuple[Chart, ...]:
         Chart("depth", "m", depth, ", downwards"),
         Chart("heading", "deg", heading),
         Chart("speed", "kn", (*speed, _place("turns make", "u_c", KNOT))),
-        Chart("attitude", "deg", (_place("pitch", "theta", DEGREE), _place("heel", "phi", DEGREE))),
+        Chart(
+            "attitude",
+            "deg",
+            (_place("pitch", "theta", DEGREE_RAD), _place("heel", "phi", DEGREE_RAD)),
+        ),
         Chart("surfaces", "deg", tuple(_surfaces(boat))),
         Chart("ground", "kn", (Series("speed", over_ground), Series("drift", drift))),
         Chart("sea", "m", (_place("above the boat", "eta_wave"), _place("height", "sea_height"))),
@@ -146,7 +160,7 @@ def drift(block: Block) -> Numbers:
 def _surfaces(boat: Boat) -> Iterator[Series]:
     """Yield each surface as it is and as it is told; right and rise are positive."""
     for surface, letter in SURFACES.items():
-        unit = boat.toward[surface] * DEGREE
+        unit = boat.toward[surface] * DEGREE_RAD
         if not unit:
             continue
         yield _place(surface, f"delta_{letter}", unit)
@@ -165,7 +179,7 @@ class Lane:
     """A code for each tick, and the word for each code. "" while there is nothing to show."""
 
     path: str
-    codes: Callable[[Block], Whole]
+    codes: Callable[[Block], IntArray]
     word: Callable[[int], str]
     colours: Mapping[str, int] = field(default_factory=dict)  # of words that have their own
 
@@ -175,7 +189,7 @@ def lanes_of(boat: Boat) -> tuple[Lane, ...]:
     lanes = [
         Lane("lanes/run", lambda block: 2 * block.branch + block.replaying, _describe_run),
         *(_by_hand(name) for name in (*SURFACES, "speed") if boat.toward.get(name, 1.0)),
-        _several("held", tuple(f"held_{part}" for part in PARTS), PARTS),
+        _several("held", tuple(f"held_{part}" for part in FREEZABLE_PARTS), FREEZABLE_PARTS),
     ]
     if boat.vessel.fitted:
         lanes += [
@@ -188,24 +202,29 @@ def lanes_of(boat: Boat) -> tuple[Lane, ...]:
 
 def casualty_lanes(block: Block) -> list[Lane]:
     """Return a lane for each kind of casualty that is there in the block."""
-    kinds = np.unique(block.several(*SLOTS)).astype(int)
+    kinds = np.unique(block.several(*CASUALTY_SLOTS)).astype(int)
     return [_casualty(kind) for kind in kinds.tolist() if kind]
 
 
 def _casualty(kind: int) -> Lane:
     """Return the lane of a kind of casualty."""
 
-    def codes(block: Block) -> Whole:
-        here = block.several(*SLOTS) == kind
-        clearing = here & (block.several(*LEFT) < 0.0)
+    def codes(block: Block) -> IntArray:
+        here = block.several(*CASUALTY_SLOTS) == kind
+        clearing = here & (block.several(*CASUALTY_TICKS) < 0.0)
         acting = np.any(here & ~clearing, axis=1)
         return np.where(acting, 2, np.where(np.any(clearing, axis=1), 1, 0))
 
-    word = ("", CLEARED, ACTING).__getitem__
-    return Lane(f"lanes/{KINDS[kind - 1]}", codes, word, {CLEARED: MENDING, ACTING: BROKEN})
+    word = ("", CLEARED_TEXT, ACTING_TEXT).__getitem__
+    return Lane(
+        f"lanes/{KINDS[kind - 1]}",
+        codes,
+        word,
+        {CLEARED_TEXT: MENDING_COLOUR, ACTING_TEXT: BROKEN_COLOUR},
+    )
 
 
-def _whole(column: np.ndarray) -> Whole:
+def _whole(column: np.ndarray) -> IntArray:
     return column.astype(np.int64)
 
 
@@ -215,7 +234,7 @@ def _describe_run(code: int) -> str:
 
 def _by_hand(what: str) -> Lane:
     """Return whether something is steered by hand."""
-    word, colours = ("auto", "hand").__getitem__, {"auto": AUTO, "hand": HAND}
+    word, colours = ("auto", "hand").__getitem__, {"auto": AUTO_COLOUR, "hand": HAND_COLOUR}
     return Lane(f"lanes/{what}", lambda b: _whole(b[f"{what}_by_hand"]), word, colours)
 
 
@@ -229,7 +248,7 @@ def _several(name: str, places: tuple[str, ...], names: tuple[str, ...]) -> Lane
     return Lane(f"lanes/{name}", lambda b: _whole((b.several(*places) > 0.0) @ bits), word)
 
 
-def _blow(block: Block) -> Whole:
+def _blow(block: Block) -> IntArray:
     positions = block.several(*(f"blow_{name}" for name in VALVES))
     return _whole(positions @ 3.0 ** np.arange(len(VALVES)))
 
@@ -237,4 +256,4 @@ def _blow(block: Block) -> Whole:
 def _describe_blow(code: int) -> str:
     """Return which blow valves are open; each is a digit of the code to the base of three."""
     positions = [(name, code // 3**i % 3) for i, name in enumerate(VALVES)]
-    return ", ".join(name + BLOWS[position] for name, position in positions if position)
+    return ", ".join(name + BLOW_SUFFIXES[position] for name, position in positions if position)

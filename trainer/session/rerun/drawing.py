@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.world.bottom import ground_under
-from trainer.boat.world.contacts import Seen, contacts_in
+from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.boat.world.scope import Periscope, periscope_of
 from trainer.config.bottom import Bottom, depths_at
 from trainer.core.kernel import Numbers
-from trainer.session.rerun.batch import Batch, Block, Changes, Subject, Times, Told, Track
+from trainer.session.rerun.batch import Batch, Block, Changes, NewsRows, Subject, Times, Track
 from trainer.session.rerun.charts import (
-    LEDGER,
     LEDGER_LABELS,
+    LEDGER_PATH,
     Lane,
     casualty_lanes,
     charts_of,
@@ -48,39 +48,44 @@ from trainer.session.rerun.shape import (
 )
 from trainer.units import KNOT
 
-APPLICATION: Final = "trainer"
-STEP, SECONDS = "tick", "time"  # names of the time lines
-ALWAYS: Final = ("depth", "heading", "surfaces")  # charts below one another; the rest are tabs
-EYE: Final = (-1.0, -0.75, -0.3)  # [-] of its length: astern, to port and above
-WHOLE: Final = rr.TimeRange(
+APPLICATION_NAME: Final = "trainer"
+TICK_TIMELINE, TIME_TIMELINE = "tick", "time"  # names of the time lines
+MAIN_CHARTS: Final = ("depth", "heading", "surfaces")  # charts below one another; the rest are tabs
+EYE_OFFSET: Final = (-1.0, -0.75, -0.3)  # [-] of its length: astern, to port and above
+WHOLE_RANGE: Final = rr.TimeRange(
     start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite()
 )
-WORLD, BOAT, FOLLOWER, TRACK = "world", "world/boat", "world/follower", "world/track"
-MAST = "world/boat/mast"
-NEAR, SEA, ORDERED = "world/near", "world/near/sea", "world/near/ordered"
-GROUND, SHIPS, COURSES = "world/near/ground", "world/ships", "world/ships/courses"
-SQUARES: Final = 6  # of the grid, from the boat to the end of the sea
-FINE: Final = 8  # pieces of the track to a length of the boat
-DRAWN: Final = 1.0  # [s] from one picture of the ships to the next
-AHEAD: Final = 60.0  # [s] of the way that a ship's arrow shows
+WORLD_PATH, BOAT_PATH, FOLLOWER_PATH, TRACK_PATH = (
+    "world",
+    "world/boat",
+    "world/follower",
+    "world/track",
+)
+MAST_PATH = "world/boat/mast"
+NEAR_PATH, SEA_PATH, ORDERED_PATH = "world/near", "world/near/sea", "world/near/ordered"
+GROUND_PATH, SHIPS_PATH, COURSES_PATH = "world/near/ground", "world/ships", "world/ships/courses"
+GRID_SQUARES: Final = 6  # of the grid, from the boat to the end of the sea
+TRACK_PIECES: Final = 8  # pieces of the track to a length of the boat
+SHIP_PERIOD_S: Final = 1.0  # [s] from one picture of the ships to the next
+ARROW_TIME_S: Final = 60.0  # [s] of the way that a ship's arrow shows
 Colour = tuple[int, int, int, int]
-HULL: Final[Colour] = (96, 104, 112, 255)
-SAIL: Final[Colour] = (80, 88, 96, 255)
-MOVING: Final[Colour] = (213, 94, 0, 255)
-WATER: Final[Colour] = (86, 180, 233, 40)
-GRID: Final[Colour] = (86, 180, 233, 110)
-ASKED: Final[Colour] = (230, 159, 0, 255)
-FORBIDDEN: Final[Colour] = (204, 121, 167, 255)
-SAND: Final[Colour] = (148, 128, 96, 255)
-SHIP: Final[Colour] = (0, 158, 115, 255)
-WAKE: Final[Colour] = (240, 228, 66, 255)
+HULL_COLOUR: Final[Colour] = (96, 104, 112, 255)
+SAIL_COLOUR: Final[Colour] = (80, 88, 96, 255)
+MOVING_COLOUR: Final[Colour] = (213, 94, 0, 255)
+WATER_COLOUR: Final[Colour] = (86, 180, 233, 40)
+GRID_COLOUR: Final[Colour] = (86, 180, 233, 110)
+ORDERED_COLOUR: Final[Colour] = (230, 159, 0, 255)
+FORBIDDEN_COLOUR: Final[Colour] = (204, 121, 167, 255)
+SAND_COLOUR: Final[Colour] = (148, 128, 96, 255)
+SHIP_COLOUR: Final[Colour] = (0, 158, 115, 255)
+WAKE_COLOUR: Final[Colour] = (240, 228, 66, 255)
 # Okabe and Ito (2008), in the order of their contrast with a dark ground
-COLOURS: Final = (
+CHART_COLOURS: Final = (
     *((86, 180, 233), (230, 159, 0), (0, 158, 115), (240, 228, 66)),
     *((204, 121, 167), (213, 94, 0), (240, 240, 240), (0, 114, 178)),
 )
-WARNINGS: Final = ("watch", "pilot", "depth", "mark")  # kinds of news
-LEVELS: Final = {"trouble": "ERROR"} | dict.fromkeys(WARNINGS, "WARN")  # by kind of news
+WARNING_KINDS: Final = ("watch", "pilot", "depth", "mark")  # kinds of news
+LOG_LEVELS: Final = {"trouble": "ERROR"} | dict.fromkeys(WARNING_KINDS, "WARN")  # by kind of news
 
 Columns = Any  # of the library, whose makers give no type
 
@@ -95,7 +100,7 @@ class Entity(NamedTuple):
     fixed: Any = None  # what it is at all times
 
 
-def moved(places: Numbers) -> Columns:
+def place_columns(places: Numbers) -> Columns:
     """Return the columns of what is somewhere else."""
     return rr.Transform3D.columns(translation=places)
 
@@ -109,31 +114,33 @@ def scalars(columns: Numbers) -> Columns:
 
 def entities(subject: Subject, size: Size) -> Iterator[Entity]:
     """Yield all that is drawn: the boat and what moves with it, its surroundings, charts."""
-    boat, length, reach = subject.boat, size.length, SQUARES * size.length
-    yield Entity(WORLD, fixed=rr.ViewCoordinates.FRD)
-    yield Entity(FOLLOWER, place_of, moved, always=True, fixed=rr.ViewCoordinates.FRD)
-    yield Entity(BOAT, pose_of, posed, always=True)
-    yield Entity(f"{BOAT}/hull", fixed=draw_mesh(hull_mesh(size), HULL))
+    boat, length, reach = subject.boat, size.length, GRID_SQUARES * size.length
+    yield Entity(WORLD_PATH, fixed=rr.ViewCoordinates.FRD)
+    yield Entity(FOLLOWER_PATH, place_of, place_columns, always=True, fixed=rr.ViewCoordinates.FRD)
+    yield Entity(BOAT_PATH, pose_of, pose_columns, always=True)
+    yield Entity(f"{BOAT_PATH}/hull", fixed=draw_mesh(hull_mesh(size), HULL_COLOUR))
     if size.sail is not None:
-        yield Entity(f"{BOAT}/sail", fixed=draw_mesh(sail_mesh(size, size.sail), SAIL))
+        yield Entity(f"{BOAT_PATH}/sail", fixed=draw_mesh(sail_mesh(size, size.sail), SAIL_COLOUR))
     for fin in fins_of(boat, size):
-        yield Entity(f"{BOAT}/{fin.name}", fin.angle, partial(turned, fin))
-        yield Entity(f"{BOAT}/{fin.name}/shape", fixed=draw_mesh(fin.mesh, MOVING))
+        yield Entity(f"{BOAT_PATH}/{fin.name}", fin.angle, partial(turn_columns, fin))
+        yield Entity(f"{BOAT_PATH}/{fin.name}/shape", fixed=draw_mesh(fin.mesh, MOVING_COLOUR))
     scope = periscope_of(boat)
     if scope and scope.fitted:
         extension = scope.fitted.extension_m
-        yield Entity(MAST, partial(feet_of, scope, extension), moved)
-        yield Entity(f"{MAST}/shape", fixed=draw_mesh(mast_mesh(size, extension), MOVING))
+        yield Entity(MAST_PATH, partial(feet_of, scope, extension), place_columns)
+        yield Entity(
+            f"{MAST_PATH}/shape", fixed=draw_mesh(mast_mesh(size, extension), MOVING_COLOUR)
+        )
     near = partial(square_of, length)
-    yield Entity(NEAR, near, moved)
+    yield Entity(NEAR_PATH, near, place_columns)
     if ground := ground_under(boat):
-        triangles = level_triangles(2 * SQUARES + 1)
-        sand = rr.Mesh3D.from_fields(triangle_indices=triangles, albedo_factor=SAND)
-        yield Entity(GROUND, near, partial(grounds, ground, size), fixed=sand)
-    yield Entity(SEA, level_of, moved)
-    yield Entity(f"{SEA}/surface", fixed=draw_mesh(square(reach), WATER))
-    squares = rr.LineStrips3D(grid(reach, length), colors=GRID, radii=0.0015 * length)
-    yield Entity(f"{SEA}/grid", fixed=squares)
+        triangles = level_triangles(2 * GRID_SQUARES + 1)
+        sand = rr.Mesh3D.from_fields(triangle_indices=triangles, albedo_factor=SAND_COLOUR)
+        yield Entity(GROUND_PATH, near, partial(grounds, ground, size), fixed=sand)
+    yield Entity(SEA_PATH, level_of, place_columns)
+    yield Entity(f"{SEA_PATH}/surface", fixed=draw_mesh(square(reach), WATER_COLOUR))
+    squares = rr.LineStrips3D(grid(reach, length), colors=GRID_COLOUR, radii=0.0015 * length)
+    yield Entity(f"{SEA_PATH}/grid", fixed=squares)
     depths = {
         "limit": subject.limits.depth_m_max,
         "upper limit": subject.limits.depth_m_min,
@@ -142,12 +149,12 @@ def entities(subject: Subject, size: Size) -> Iterator[Entity]:
     for name, depth in depths.items():
         if depth is not None:
             strips, label, radius = [outline(reach, depth)], f"{name} {depth:g} m", 0.006 * length
-            frame = rr.LineStrips3D(strips, colors=FORBIDDEN, radii=radius, labels=label)
-            yield Entity(f"{NEAR}/{name.replace(' ', '_')}", fixed=frame)
-    yield Entity(ORDERED, ordered_of, partial(frames, size))
+            frame = rr.LineStrips3D(strips, colors=FORBIDDEN_COLOUR, radii=radius, labels=label)
+            yield Entity(f"{NEAR_PATH}/{name.replace(' ', '_')}", fixed=frame)
+    yield Entity(ORDERED_PATH, ordered_of, partial(frames, size))
     for chart in charts_of(boat):
         yield Entity(chart.path, chart.columns, scalars, always=True, fixed=lines(chart.labels))
-    yield Entity(LEDGER, fixed=lines(LEDGER_LABELS))
+    yield Entity(LEDGER_PATH, fixed=lines(LEDGER_LABELS))
 
 
 def place_of(block: Block) -> Numbers:
@@ -166,14 +173,14 @@ def pose_of(block: Block) -> Numbers:
     return np.concatenate((place_of(block), attitude), axis=1)
 
 
-def posed(poses: Numbers) -> Columns:
+def pose_columns(poses: Numbers) -> Columns:
     """Return the columns of places and attitudes."""
     return rr.Transform3D.columns(translation=poses[:, :3], quaternion=poses[:, 3:])
 
 
-def turned(fin: Fin, angle: Numbers) -> Columns:
+def turn_columns(fin: Fin, angle: Numbers) -> Columns:
     """Return the columns of a fin that is turned about its stock."""
-    return posed(
+    return pose_columns(
         np.column_stack((np.tile(fin.stock, (angle.size, 1)), half_turned(fin.outward, angle)))
     )
 
@@ -201,9 +208,9 @@ def frames(size: Size, depths: Numbers) -> Columns:
     kept = np.isfinite(depths)
     count = int(kept.sum())
     columns = rr.LineStrips3D.columns(
-        strips=[outline(0.5 * SQUARES * size.length, float(depth)) for depth in depths[kept]],
+        strips=[outline(0.5 * GRID_SQUARES * size.length, float(depth)) for depth in depths[kept]],
         labels=[f"ordered {depth:g} m" for depth in depths[kept]],
-        colors=np.full(count, colour_code(ASKED), np.uint32),
+        colors=np.full(count, colour_code(ORDERED_COLOUR), np.uint32),
         radii=np.full(count, 0.006 * size.length),
     )
     return columns.partition(kept.astype(np.int32))
@@ -211,7 +218,7 @@ def frames(size: Size, depths: Numbers) -> Columns:
 
 def grounds(ground: Bottom, size: Size, places: Numbers) -> Columns:
     """Return the columns of the ground about each of the places."""
-    offsets = np.linspace(-SQUARES, SQUARES, 2 * SQUARES + 1) * size.length
+    offsets = np.linspace(-GRID_SQUARES, GRID_SQUARES, 2 * GRID_SQUARES + 1) * size.length
     north, east = (each.ravel() for each in np.meshgrid(offsets, offsets, indexing="ij"))
     triangles = level_triangles(offsets.size)
     depths = [depths_at(ground, north + n, east + e) for n, e in places[:, :2].tolist()]
@@ -225,7 +232,7 @@ def grounds(ground: Bottom, size: Size, places: Numbers) -> Columns:
 
 def lines(labels: Sequence[str]) -> Any:
     """Return how the lines of a chart are drawn."""
-    colours = [COLOURS[i % len(COLOURS)] for i in range(len(labels))]
+    colours = [CHART_COLOURS[i % len(CHART_COLOURS)] for i in range(len(labels))]
     return rr.SeriesLines(names=labels, colors=colours, widths=[1.5] * len(labels))
 
 
@@ -257,8 +264,10 @@ class Drawing:
         self._lanes = {lane.path: lane for lane in lanes_of(subject.boat)}
         self._begun: set[str] = set()  # lanes that have had a word
         self._changes = Changes()
-        self._track = Track(self._size.length / FINE)
-        self._every = max(round(DRAWN / subject.step), 1)  # ticks from picture to picture of ships
+        self._track = Track(self._size.length / TRACK_PIECES)
+        self._every = max(
+            round(SHIP_PERIOD_S / subject.step), 1
+        )  # ticks from picture to picture of ships
 
     def save(self, path: Path) -> None:
         """Begin a file with what is the same at all times. The file is replaced."""
@@ -275,7 +284,7 @@ class Drawing:
         self._begin()
 
     def _open(self) -> None:
-        self._stream = rr.RecordingStream(APPLICATION)
+        self._stream = rr.RecordingStream(APPLICATION_NAME)
         rr.send_recording_name(self._subject.title, recording=self._stream)
 
     def _begin(self) -> None:
@@ -295,14 +304,14 @@ class Drawing:
                 if rows.any():
                     self._send(entity.path, block.times.at(rows), entity.draw(values[rows]))
             for times, strips in self._track.pieces(block):
-                self._send(TRACK, times, wake(strips, self._size))
+                self._send(TRACK_PATH, times, wake(strips, self._size))
             self._write_ships(block)
             for lane in casualty_lanes(block):
                 self._lanes.setdefault(lane.path, lane)
             for lane in self._lanes.values():
                 self._write_lane(lane, block)
         if batch.worked.times.ticks.size:
-            self._send(LEDGER, batch.worked.times, scalars(ledger_columns(batch.worked)))
+            self._send(LEDGER_PATH, batch.worked.times, scalars(ledger_columns(batch.worked)))
         self._write_news(batch.told)
         self._stream.flush()
 
@@ -317,8 +326,8 @@ class Drawing:
     def _send(self, path: str, times: Times, columns: Columns) -> None:
         """Write what an entity is at each of the times."""
         when = (
-            rr.TimeColumn(STEP, sequence=times.ticks),
-            rr.TimeColumn(SECONDS, duration=times.seconds),
+            rr.TimeColumn(TICK_TIMELINE, sequence=times.ticks),
+            rr.TimeColumn(TIME_TIMELINE, duration=times.seconds),
         )
         rr.send_columns(path, when, columns, recording=self._stream, strict=True)
 
@@ -348,12 +357,12 @@ class Drawing:
         if words:
             self._send(lane.path, block.times.at(rows), rr.StateChange.columns(state=words))
 
-    def _write_news(self, told: Told) -> None:
+    def _write_news(self, told: NewsRows) -> None:
         kinds = np.array(told.kinds)
         for kind in dict.fromkeys(told.kinds):
             rows = kinds == kind
             texts = [text for text, here in zip(told.texts, rows, strict=True) if here]
-            levels = [LEVELS.get(kind, "INFO")] * len(texts)
+            levels = [LOG_LEVELS.get(kind, "INFO")] * len(texts)
             columns = rr.TextLog.columns(text=texts, level=levels)
             self._send(f"log/{kind}", told.times.at(rows), columns)
 
@@ -362,12 +371,12 @@ def wake(strips: NDArray[np.float32], size: Size) -> Columns:
     """Return the columns of pieces of the track."""
     return rr.LineStrips3D.columns(
         strips=strips,
-        colors=np.full(len(strips), colour_code(WAKE), np.uint32),
+        colors=np.full(len(strips), colour_code(WAKE_COLOUR), np.uint32),
         radii=np.full(len(strips), 0.004 * size.length),
     )
 
 
-def ship_columns(seen: Sequence[Sequence[Seen]]) -> Iterator[tuple[str, Columns]]:
+def ship_columns(seen: Sequence[Sequence[ContactState]]) -> Iterator[tuple[str, Columns]]:
     """Yield columns of points and arrows for the ships at some ticks, by paths.
 
     A ship's label is its name with its course and speed over the ground.
@@ -375,9 +384,9 @@ def ship_columns(seen: Sequence[Sequence[Seen]]) -> Iterator[tuple[str, Columns]
     counts = np.array([len(each) for each in seen], np.int32)
     ships = [ship for each in seen for ship in each]
     places = np.array([(ship.north, ship.east, 0.0) for ship in ships]).reshape(-1, 3)
-    sailed = [(AHEAD * ship.speed, ship.course) for ship in ships]
+    sailed = [(ARROW_TIME_S * ship.speed, ship.course) for ship in ships]
     ways = [(way * math.cos(course), way * math.sin(course), 0.0) for way, course in sailed]
-    colours = np.full(len(ships), colour_code(SHIP), np.uint32)
+    colours = np.full(len(ships), colour_code(SHIP_COLOUR), np.uint32)
     courses = [round(math.degrees(ship.course)) % 360 for ship in ships]
     labels = [
         f"{ship.name} {course:03d} {ship.speed / KNOT:.1f} kn"
@@ -385,22 +394,22 @@ def ship_columns(seen: Sequence[Sequence[Seen]]) -> Iterator[tuple[str, Columns]
     ]
     radii = [0.25 * ship.length for ship in ships]
     points = rr.Points3D.columns(positions=places, labels=labels, radii=radii, colors=colours)
-    yield SHIPS, points.partition(counts)
+    yield SHIPS_PATH, points.partition(counts)
     vectors = np.array(ways).reshape(-1, 3)
     arrows = rr.Arrows3D.columns(origins=places, vectors=vectors, colors=colours)
-    yield COURSES, arrows.partition(counts)
+    yield COURSES_PATH, arrows.partition(counts)
 
 
 def blueprint(subject: Subject) -> Any:
     """Return the layout of the viewer's panes."""
     shown = {chart.name: view(chart.path, chart.title) for chart in charts_of(subject.boat)}
-    above = [shown.pop(name) for name in ALWAYS]
-    others = rrb.Tabs(*shown.values(), view(LEDGER, "ticks [us]"))
+    above = [shown.pop(name) for name in MAIN_CHARTS]
+    others = rrb.Tabs(*shown.values(), view(LEDGER_PATH, "ticks [us]"))
     log_columns = rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"])
     happened = rrb.Horizontal(
         rrb.TextLogView(origin="/log", name="log", columns=log_columns),
         rrb.StateTimelineView(
-            origin="/lanes", name="state", time_view=rrb.TimeAxis(view_range=WHOLE)
+            origin="/lanes", name="state", time_view=rrb.TimeAxis(view_range=WHOLE_RANGE)
         ),
         column_shares=[1, 1],
     )
@@ -410,7 +419,7 @@ def blueprint(subject: Subject) -> Any:
             rrb.Vertical(*above, others),
             column_shares=[3, 2],
         ),
-        rrb.TimePanel(state="collapsed", timeline=SECONDS, play_state="following"),
+        rrb.TimePanel(state="collapsed", timeline=TIME_TIMELINE, play_state="following"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.BlueprintPanel(state="collapsed"),
     )
@@ -422,7 +431,7 @@ def view(path: str, name: str) -> Any:
         origin=path,
         name=name,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
-        axis_x=rrb.TimeAxis(view_range=WHOLE),
+        axis_x=rrb.TimeAxis(view_range=WHOLE_RANGE),
     )
 
 
@@ -430,19 +439,19 @@ def scene(length: float) -> Any:
     """Return the view of the boat, by an eye that follows it."""
     sailed = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
-            SECONDS,
+            TIME_TIMELINE,
             start=rrb.TimeRangeBoundary.infinite(),
             end=rrb.TimeRangeBoundary.cursor_relative(),
         )
     )
     return rrb.Spatial3DView(
-        origin=FOLLOWER,  # seen from there, all else moves past
-        contents=f"/{WORLD}/**",
+        origin=FOLLOWER_PATH,  # seen from there, all else moves past
+        contents=f"/{WORLD_PATH}/**",
         name="boat",
-        overrides={TRACK: sailed},
+        overrides={TRACK_PATH: sailed},
         eye_controls=rrb.EyeControls3D(
             kind=rrb.Eye3DKind.Orbital,
-            position=tuple(length * part for part in EYE),
+            position=tuple(length * part for part in EYE_OFFSET),
             look_target=(0.0, 0.0, 0.0),
             eye_up=(0.0, 0.0, -1.0),
         ),

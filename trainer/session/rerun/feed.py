@@ -14,15 +14,15 @@ from typing import Final, Protocol
 
 import click
 
-from trainer.session.rerun.batch import Batch, Gathering, Heard, Taken
+from trainer.session.rerun.batch import Batch, BatchCollector, TakenNews, TakenPicture
 from trainer.session.stations.station import News
-from trainer.session.stations.subscriptions import Promptly, Publisher, Subscription
+from trainer.session.stations.subscriptions import PromptSender, Publisher, Subscription
 from trainer.session.stations.view import Pace
 from trainer.session.time.ledger import Ledger
 
-CHUNK: Final = 4096  # handed on at once
-ROOM: Final = 4 * CHUNK  # states that may wait: 32 MB
-LONGEST: Final = 2.0  # [s] that a tick waits for room
+CHUNK_STATES: Final = 4096  # handed on at once
+MAX_WAITING_STATES: Final = 4 * CHUNK_STATES  # states that may wait: 32 MB
+MAX_TICK_WAIT_S: Final = 2.0  # [s] that a tick waits for room
 
 
 class Sink(Protocol):
@@ -54,8 +54,8 @@ class Feed:
         self.trouble = ""  # what has become of it, "" while all is well
         self.lost = 0  # pictures
         self.sink = sink
-        self._gathering = Gathering(step)
-        self._waiting: deque[Taken | Heard] = deque()
+        self._gathering = BatchCollector(step)
+        self._waiting: deque[TakenPicture | TakenNews] = deque()
         self._called = threading.Event()
         self._room = threading.Event()
         self._closing = threading.Event()
@@ -63,10 +63,10 @@ class Feed:
         self._thread = threading.Thread(target=self._run, name=sink.name, daemon=True)
         self._thread.start()
 
-    def hand(self, handed: Taken | Heard) -> None:
+    def hand(self, handed: TakenPicture | TakenNews) -> None:
         """Take what is to be carried; an append, unless there is no room."""
         waiting = self._waiting
-        if len(waiting) >= CHUNK and not self._make_room(handed):
+        if len(waiting) >= CHUNK_STATES and not self._make_room(handed):
             return
         waiting.append(handed)
 
@@ -83,18 +83,20 @@ class Feed:
         elif self.lost:
             self._tell(f"{self.lost} ticks are missing: it did not take them in time")
 
-    def _make_room(self, handed: Taken | Heard) -> bool:
+    def _make_room(self, handed: TakenPicture | TakenNews) -> bool:
         """Call the thread; return whether there is room, waiting for it where time is not kept."""
         if self._over.is_set():
             return False
         if not self._called.is_set():
             self._called.set()
-        hurried = isinstance(handed, Taken) and math.isinf(handed.pace.speed)
-        if len(self._waiting) < ROOM:
+        hurried = isinstance(handed, TakenPicture) and math.isinf(handed.pace.speed)
+        if len(self._waiting) < MAX_WAITING_STATES:
             return True
         self._room.clear()
-        if len(self._waiting) >= ROOM and not (hurried and self._room.wait(LONGEST)):
-            self.lost += isinstance(handed, Taken)
+        if len(self._waiting) >= MAX_WAITING_STATES and not (
+            hurried and self._room.wait(MAX_TICK_WAIT_S)
+        ):
+            self.lost += isinstance(handed, TakenPicture)
             return False
         return True
 
@@ -120,7 +122,7 @@ class Feed:
 
     def _carry(self) -> None:
         """Carry what waits by now, piece by piece."""
-        while count := min(len(self._waiting), CHUNK):
+        while count := min(len(self._waiting), CHUNK_STATES):
             handed = [self._waiting.popleft() for _ in range(count)]
             self._room.set()
             self.sink.write(self._gathering.batch(handed))
@@ -130,7 +132,7 @@ class Feed:
 class Log:
     """Sends what is subscribed as ``sending`` does, and feeds what there is to be fed."""
 
-    sending: Publisher | Promptly
+    sending: Publisher | PromptSender
     ledger: Ledger
     feeds: Sequence[Feed]
     _last: tuple[int, bytes, Pace] | None = field(default=None, init=False)
@@ -153,14 +155,14 @@ class Log:
 
     def hear(self, news: News) -> None:
         """Take what has happened."""
-        heard = Heard(news.tick, news.kind, news.text)
+        heard = TakenNews(news.tick, news.kind, news.text)
         for feed in self.feeds:
             feed.hand(heard)
 
     def _hand_last(self) -> None:
         if self._last is not None:
             ledger = self.ledger
-            taken = Taken(*self._last, ledger.ticks, ledger.lateness, ledger.work)
+            taken = TakenPicture(*self._last, ledger.ticks, ledger.lateness, ledger.work)
             for feed in self.feeds:
                 feed.hand(taken)
 

@@ -22,13 +22,13 @@ from trainer.boat.world.world import world_of
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.io.atomic_write import replacing
-from trainer.io.paths import HOST
+from trainer.io.paths import DEFAULT_HOST
 from trainer.io.recording.recording import Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.options import RunOptions
-from trainer.session.rerun.batch import Batch, Heard, Rows, Subject, Taken, batch_of
+from trainer.session.rerun.batch import Batch, Subject, TakenNews, TakenPicture, TimedRows, batch_of
 from trainer.session.rerun.feed import Feed, Log, Sink
-from trainer.session.stations.subscriptions import Promptly, Publisher
+from trainer.session.stations.subscriptions import PromptSender, Publisher
 from trainer.session.stations.view import Pace
 from trainer.session.time.ledger import Ledger
 from trainer.session.world_orders import settle_world
@@ -36,15 +36,15 @@ from trainer.session.world_orders import settle_world
 if TYPE_CHECKING:
     from trainer.session.rerun.drawing import Drawing
 
-PORT: Final = 9876  # where Rerun's viewer listens by custom
-PROBE: Final = 0.5  # [s] that a viewer has to answer
-START: Final = 20.0  # [s] that a viewer has to open its window
-LOOK: Final = 0.1  # [s] between looks whether it has
-ROWS: Final = 4096  # [ticks] of a recording written at a time
+VIEWER_PORT: Final = 9876  # where Rerun's viewer listens by custom
+PROBE_TIMEOUT_S: Final = 0.5  # [s] that a viewer has to answer
+START_TIMEOUT_S: Final = 20.0  # [s] that a viewer has to open its window
+POLL_PERIOD_S: Final = 0.1  # [s] between looks whether it has
+BATCH_TICKS: Final = 4096  # [ticks] of a recording written at a time
 
 
 def open_log(
-    sending: Publisher | Promptly, ledger: Ledger, subject: Subject, options: RunOptions
+    sending: Publisher | PromptSender, ledger: Ledger, subject: Subject, options: RunOptions
 ) -> Log | None:
     """Return what feeds the file and the viewer asked for, None if there is neither.
 
@@ -71,8 +71,8 @@ def open_log(
             raise ConfigError(f"--rrd {path}: {error.strerror}") from None
         sinks.append(RrdFile(path, Drawing(subject)))
     if wanted:
-        there = listens(host, port)
-        if there or (host == HOST and has_window()):
+        there = viewer_listens(host, port)
+        if there or (host == DEFAULT_HOST and has_window()):
             sinks.append(Viewer(host, port, Drawing(subject), there=there))
         else:
             where = f"there is no Rerun viewer at {host}:{port}"
@@ -127,7 +127,7 @@ class Viewer:
 
 def open_window(port: int) -> None:
     """Open a viewer for this machine alone; OSError if it does not listen in time."""
-    words = ["--bind", HOST, "--port", str(port), "--expect-data-soon"]
+    words = ["--bind", DEFAULT_HOST, "--port", str(port), "--expect-data-soon"]
     process = subprocess.Popen(  # noqa: S603  the viewer that comes with the library
         [sys.executable, "-m", "rerun_cli", *words],
         stdin=subprocess.DEVNULL,
@@ -135,17 +135,17 @@ def open_window(port: int) -> None:
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
-    until = time.monotonic() + START
-    while not listens(HOST, port):
+    until = time.monotonic() + START_TIMEOUT_S
+    while not viewer_listens(DEFAULT_HOST, port):
         if process.poll() is not None or time.monotonic() > until:
             raise OSError("the viewer has not opened; does `rerun` alone open it?")
-        time.sleep(LOOK)
+        time.sleep(POLL_PERIOD_S)
 
 
-def listens(host: str, port: int) -> bool:
+def viewer_listens(host: str, port: int) -> bool:
     """Return whether something listens there: without it the library waits for ever."""
     try:
-        socket.create_connection((host, port), PROBE).close()
+        socket.create_connection((host, port), PROBE_TIMEOUT_S).close()
     except OSError:
         return False
     return True
@@ -155,10 +155,10 @@ def parse_place(text: str) -> tuple[str, int]:
     """Return host and port of ``HOST[:PORT]`` or ``:PORT``; ConfigError if it is neither."""
     host, colon, port = text.rpartition(":")
     if not colon:
-        return text or HOST, PORT
+        return text or DEFAULT_HOST, VIEWER_PORT
     if not port.isdecimal() or not 0 < int(port) < 65536:
-        raise ConfigError(f"--rerun-at {text}: say HOST:PORT, such as {HOST}:{PORT}")
-    return host.strip("[]") or HOST, int(port)
+        raise ConfigError(f"--rerun-at {text}: say HOST:PORT, such as {DEFAULT_HOST}:{VIEWER_PORT}")
+    return host.strip("[]") or DEFAULT_HOST, int(port)
 
 
 def has_window() -> bool:
@@ -199,18 +199,18 @@ def batches(
     """Yield the ticks that led to the end of a branch. The last of them has the events."""
     flown = recording.flown(branch)
     ends: dict[int, int] = {}
-    while part := list(islice(flown, ROWS)):
+    while part := list(islice(flown, BATCH_TICKS)):
         ends |= {each.branch: each.tick for each in part}
-        pictures, timed = Rows(), Rows()
+        pictures, timed = TimedRows(), TimedRows()
         for each in part:
             times = each.lateness or 0, each.work or 0
-            taken = Taken(each.tick, each.state, Pace(branch=each.branch), 0, *times)
+            taken = TakenPicture(each.tick, each.state, Pace(branch=each.branch), 0, *times)
             pictures.add(taken, each.tick, each.tick * step)
             if each.work is not None:
                 timed.add(taken, each.tick, each.tick * step)
-        yield batch_of(pictures, timed, Rows(), layout)
-    told = Rows()
+        yield batch_of(pictures, timed, TimedRows(), layout)
+    told = TimedRows()
     for event in recording.first_events():
         if event.tick <= ends.get(event.branch, -2) + 1:
-            told.add(Heard(event.tick, event.kind, event.text), event.tick, event.tick * step)
-    yield batch_of(Rows(), Rows(), told, layout)
+            told.add(TakenNews(event.tick, event.kind, event.text), event.tick, event.tick * step)
+    yield batch_of(TimedRows(), TimedRows(), told, layout)

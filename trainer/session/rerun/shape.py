@@ -16,27 +16,27 @@ from trainer.boat.boat import Boat
 from trainer.core.kernel import Numbers
 from trainer.session.rerun.batch import Block
 
-RINGS, AROUND = 33, 32  # of the hull's mesh
-NOSE, TAIL = 0.17, 0.36  # [-] of the length: the rounded nose, the tapering tail
-PRISMATIC: Final = 0.8  # [-] volume of a hull over that of its cylinder
+HULL_RINGS, RING_POINTS = 33, 32  # of the hull's mesh
+NOSE_LENGTH, TAIL_LENGTH = 0.17, 0.36  # [-] of the length: the rounded nose, the tapering tail
+PRISMATIC_COEFFICIENT: Final = 0.8  # [-] volume of a hull over that of its cylinder
 SAIL_CHORD, SAIL_BREADTH = 0.15, 0.25  # [-] of the length, of the beam
 MAST_CHORD: Final = 0.008  # [-] of the length: a mast with its fairing
 FIN_CHORD, FIN_THICKNESS = 0.055, 0.12  # [-] of the length, of the chord
-FOIL: Final = 12  # points along each side of a foil
+FOIL_POINTS: Final = 12  # points along each side of a foil
 SQRT_HALF: Final = math.sqrt(0.5)
 # where each fin of a tail points to, outward
-CRUCIFORM: Final = {
+CRUCIFORM_FINS: Final = {
     "rudder_upper": (0.0, 0.0, -1.0),
     "rudder_lower": (0.0, 0.0, 1.0),
     "stern_port": (0.0, -1.0, 0.0),
     "stern_starboard": (0.0, 1.0, 0.0),
 }
-CROSSED: Final = {
+X_TAIL_FINS: Final = {
     f"tail_{height}_{side}": (0.0, y * SQRT_HALF, z * SQRT_HALF)
     for height, z in (("upper", -1.0), ("lower", 1.0))
     for side, y in (("port", -1.0), ("starboard", 1.0))
 }
-BOW: Final = {"bow_port": (0.0, -1.0, 0.0), "bow_starboard": (0.0, 1.0, 0.0)}
+BOW_FINS: Final = {"bow_port": (0.0, -1.0, 0.0), "bow_starboard": (0.0, 1.0, 0.0)}
 
 
 class Mesh(NamedTuple):
@@ -106,7 +106,7 @@ def size_of(boat: Boat) -> Size:
     """Return the size of the boat."""
     hull, c = boat.file.hull, boat.vessel
     displaced = float(c.buoyancy / (c.rho * c.g))
-    round_hull = math.sqrt(4.0 * displaced / (math.pi * PRISMATIC * hull.length))
+    round_hull = math.sqrt(4.0 * displaced / (math.pi * PRISMATIC_COEFFICIENT * hull.length))
     beam = hull.beam or hull.diameter or round_hull
     height = hull.height_to_deck or hull.diameter or beam
     nose = hull.cg[0] + (hull.cg_from_nose or 0.5 * hull.length)
@@ -121,16 +121,16 @@ def size_of(boat: Boat) -> Size:
 
 def hull_mesh(size: Size) -> Mesh:
     """Return the hull: elliptical sections, a rounded nose, a tail that tapers to a point."""
-    along = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, RINGS)))  # [-] from nose to stern
-    ahead = np.clip(1.0 - along / NOSE, 0.0, 1.0)
-    aft = np.clip((along - (1.0 - TAIL)) / TAIL, 0.0, 1.0)
+    along = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, HULL_RINGS)))  # [-] from nose to stern
+    ahead = np.clip(1.0 - along / NOSE_LENGTH, 0.0, 1.0)
+    aft = np.clip((along - (1.0 - TAIL_LENGTH)) / TAIL_LENGTH, 0.0, 1.0)
     fullness = np.sqrt(1.0 - ahead**2) * (1.0 - aft**2)
-    round_about = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
-    points = np.empty((RINGS, AROUND, 3), np.float32)
+    round_about = np.linspace(0.0, 2.0 * np.pi, RING_POINTS, endpoint=False)
+    points = np.empty((HULL_RINGS, RING_POINTS, 3), np.float32)
     points[:, :, 0] = (size.nose - along * size.length)[:, None]
     points[:, :, 1] = 0.5 * size.beam * fullness[:, None] * np.cos(round_about)
     points[:, :, 2] = size.axis + 0.5 * size.height * fullness[:, None] * np.sin(round_about)
-    return Mesh(points.reshape(-1, 3), _tube(RINGS, AROUND))
+    return Mesh(points.reshape(-1, 3), _tube(HULL_RINGS, RING_POINTS))
 
 
 def sail_mesh(size: Size, sail: Sail) -> Mesh:
@@ -150,10 +150,10 @@ def fins_of(boat: Boat, size: Size) -> tuple[Fin, ...]:
     # a surface that turns the boat right has its trailing edge to starboard; one that makes its bow
     # rise from aft has it up, one that lifts its bow has it down
     tail = -toward["rudder"], -toward["stern"]
-    outward = CROSSED if boat.file.surfaces.tail == "x" else CRUCIFORM
+    outward = X_TAIL_FINS if boat.file.surfaces.tail == "x" else CRUCIFORM_FINS
     fins = [_tail_fin(boat, size, name, axis, tail) for name, axis in outward.items()]
     if toward["bow"] and limit[2] > 0.0:
-        fins += [_bow_fin(boat, size, name, toward["bow"]) for name in BOW]
+        fins += [_bow_fin(boat, size, name, toward["bow"]) for name in BOW_FINS]
     return tuple(fins)
 
 
@@ -168,7 +168,7 @@ def _tail_fin(
     chord = FIN_CHORD * size.length
     coefficient = boat.file.coefficients
     x = _lever(coefficient["N_dr"], coefficient["Y_dr"], size)
-    x = min(max(x, size.stern + chord), size.stern + TAIL * size.length)
+    x = min(max(x, size.stern + chord), size.stern + TAIL_LENGTH * size.length)
     mesh = _fin_mesh(chord, 0.5 * size.height, outward)
     return Fin(name, mesh, (x, 0.0, size.axis), outward, turn, "delta_s")
 
@@ -178,14 +178,14 @@ def _bow_fin(boat: Boat, size: Size, name: str, down: float) -> Fin:
     chord = FIN_CHORD * size.length
     coefficient = boat.file.coefficients
     x = _lever(-coefficient["M_db"], coefficient["Z_db"], size)
-    x = min(max(x, 0.0), size.nose - NOSE * size.length)
+    x = min(max(x, 0.0), size.nose - NOSE_LENGTH * size.length)
     z, span = size.axis, 0.75 * size.beam
     sail = size.sail
     if sail is not None and abs(x - sail.x) < sail.chord:
         x = min(max(x, sail.x - 0.25 * sail.chord), sail.x + 0.25 * sail.chord)
         z = 0.5 * (sail.top + size.axis - 0.5 * size.height)
         span = 0.45 * size.beam
-    outward = BOW[name]
+    outward = BOW_FINS[name]
     return Fin(name, _fin_mesh(chord, span, outward), (x, 0.0, z), outward, (0.0, down), "delta_b")
 
 
@@ -207,7 +207,7 @@ def _foil(
     outward = np.array([0.0, tip[1], tip[2]])
     outward /= np.linalg.norm(outward) or 1.0
     across = np.array([0.0, -outward[2], outward[1]])
-    turned = np.linspace(0.0, 2.0 * np.pi, 2 * FOIL, endpoint=False)
+    turned = np.linspace(0.0, 2.0 * np.pi, 2 * FOIL_POINTS, endpoint=False)
     fore, side = 0.5 * np.cos(turned), 0.5 * np.sin(turned)
     taper = np.sqrt(0.5 + fore)  # round in front, sharp behind
     section = np.outer(breadth * side * taper, across)
@@ -216,7 +216,7 @@ def _foil(
     inner = outer - span * outward
     middle = outer.mean(axis=0, keepdims=True)
     points = np.concatenate((inner, outer, middle)).astype(np.float32)
-    count = 2 * FOIL
+    count = 2 * FOIL_POINTS
     rim = np.arange(count, dtype=np.uint32)
     cap = np.stack((count + rim, count + (rim + 1) % count, np.full(count, 2 * count)), axis=1)
     return Mesh(points, np.concatenate((_tube(2, count), cap.astype(np.uint32))))

@@ -12,25 +12,29 @@ from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.config.derived import Loss
-from trainer.config.exercise import Limits
+from trainer.config.exercise import ExerciseLimits
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.manning import BY_HAND
-from trainer.session.stations.display import WIDTH
-from trainer.session.stations.panels import TONNE
-from trainer.session.stations.roles import INSTRUCTOR, Role, refusal
+from trainer.session.stations.display import MAX_LINE_LETTERS
+from trainer.session.stations.panels import TONNE_KG
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, refusal
 from trainer.units import KNOT
 
-OPEN: Final = frozenset({"depth", "pitch", "heel", "speed", "showing", "time"})  # no secrets
-WINS: Final = "each order carried out in time and kept; every danger mastered; no limit passed"
-SIDES: Final = {"max": "at most", "min": "at least"}
-LIMITED: Final = {  # quantities of limits that have another name among people
+OPEN_QUANTITIES: Final = frozenset(
+    {"depth", "pitch", "heel", "speed", "showing", "time"}
+)  # no secrets
+WINNING_TEXT: Final = (
+    "each order carried out in time and kept; every danger mastered; no limit passed"
+)
+SIDE_WORDS: Final = {"max": "at most", "min": "at least"}
+LIMIT_NAMES: Final = {  # quantities of limits that have another name among people
     "cpa": "range to a ship",
     "clearance": "water under the keel",
     "speed_over_ground": "speed over the ground",
 }
-TITLES: Final = {
+BRIEFING_TITLES: Final = {
     "hand": "by hand",
     "hand-from": "by hand from [s]",
     "allowed": "allowed",
@@ -39,10 +43,10 @@ TITLES: Final = {
     "lost": "lost by",
     "length": "length",
 }
-UNSETTLED: Final = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
-AUTOMATIC: Final = ("depth 80", "course 090", "rudder left 15")
-OF_STATIONS: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
-RANGES: Final = {  # keys of the fact `range`
+NO_ROLE_TEXT: Final = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
+AUTOPILOT_EXAMPLES: Final = ("depth 80", "course 090", "rudder left 15")
+STATION_EXAMPLES: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
+RANGE_KEYS: Final = {  # keys of the fact `range`
     "length": "of the hull [m]",
     "mass": "of the boat with the water in it [t]",
     "rudder": "largest angle either way [deg]",
@@ -57,8 +61,8 @@ RANGES: Final = {  # keys of the fact `range`
     "tank": "a tank, a colon and what it holds [t]; one fact each",
     "trim-arm": "distance between the centres of the trim tanks [m]",
 }
-WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
-EXERCISE: Final = {  # keys of the fact `exercise`
+TEST_DEPTH_ROLES: Final = ("instructor", "diving", "observer")  # test depth
+EXERCISE_KEYS: Final = {  # keys of the fact `exercise`
     "name": "the exercise's file; for the instructor",
     "title": "its title",
     "line": "a line of its briefing; one fact each",
@@ -84,7 +88,7 @@ class Briefing:
     text: tuple[str, ...] = ()
     instructor: tuple[str, ...] = ()  # for the instructor alone
     hides: bool = False  # an older file, whose text tells what breaks
-    limits: Limits = field(default_factory=Limits)
+    limits: ExerciseLimits = field(default_factory=ExerciseLimits)
     lost: tuple[Loss, ...] = ()
     tasks: tuple[str, ...] = ()
     duration: float | None = None  # [s]
@@ -92,7 +96,7 @@ class Briefing:
 
     def heading(self, role: Role) -> tuple[str, ...]:
         """Return title and text as a role is told them."""
-        if role is INSTRUCTOR:
+        if role is INSTRUCTOR_ROLE:
             named = f"{self.title} ({self.name})" if self.title else ""
             return tuple(filter(None, (named, *self.text, *self.instructor)))
         return () if self.hides else tuple(filter(None, (self.title, *self.text)))
@@ -101,7 +105,7 @@ class Briefing:
         """Yield keys of the exercise and their values, at a time [s] since the start."""
         if not self.title:
             return
-        instructs = role is INSTRUCTOR
+        instructs = role is INSTRUCTOR_ROLE
         if instructs:
             yield "name", self.name
         if instructs or not self.hides:
@@ -113,9 +117,9 @@ class Briefing:
         limits = [f"{name}:{value:g}" for name, value in every if value is not None]
         yield from (("limits", ",".join(limits)) for _ in limits[:1])
         for loss in self.lost:  # the crew may know what its gauges show
-            if instructs or OPEN.issuperset(each.quantity for each in loss.conditions):
+            if instructs or OPEN_QUANTITIES.issuperset(each.quantity for each in loss.conditions):
                 yield "lost", loss.text
-        yield from (("wins", each) for each in (self.tasks if instructs else (WINS,)))
+        yield from (("wins", each) for each in (self.tasks if instructs else (WINNING_TEXT,)))
         if self.visitors:
             yield "visitors", "yes"
         if self.duration is not None:
@@ -134,15 +138,21 @@ def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
         ", ".join(limit_in_words(*limit.split(":")) for limit in each.split(", "))
         for each in said.pop("limits", [])
     ]
-    lines = [f"{word}: {'; '.join(said[key])}" for key, word in TITLES.items() if said.get(key)]
-    return [part for line in lines for part in textwrap.wrap(line, WIDTH, subsequent_indent="  ")]
+    lines = [
+        f"{word}: {'; '.join(said[key])}" for key, word in BRIEFING_TITLES.items() if said.get(key)
+    ]
+    return [
+        part
+        for line in lines
+        for part in textwrap.wrap(line, MAX_LINE_LETTERS, subsequent_indent="  ")
+    ]
 
 
 def limit_in_words(name: str, value: str) -> str:
     """Return a limit such as depth_m_max in words."""
     what, unit, end = name.rsplit("_", 2)
     unit = "" if unit == "level" else f" {unit}"
-    return f"{LIMITED.get(what, what.replace('_', ' '))} {SIDES[end]} {value}{unit}"
+    return f"{LIMIT_NAMES.get(what, what.replace('_', ' '))} {SIDE_WORDS[end]} {value}{unit}"
 
 
 def hint(role: Role, hand: Collection[str]) -> str:
@@ -151,10 +161,10 @@ def hint(role: Role, hand: Collection[str]) -> str:
     An observer may be about to say what it is, as screens do: it is told no orders.
     """
     if role.name == "observer":
-        return UNSETTLED
+        return NO_ROLE_TEXT
     by_hand = [order for axis, (_, order) in BY_HAND.items() if axis in hand]
-    given = [words for words in (by_hand or AUTOMATIC) if may_order(role, words)]
-    given = given or [words for words in OF_STATIONS if may_order(role, words)]
+    given = [words for words in (by_hand or AUTOPILOT_EXAMPLES) if may_order(role, words)]
+    given = given or [words for words in STATION_EXAMPLES if may_order(role, words)]
     repeats = ["aye"] if hand and may_order(role, "aye") else []
     last = "quit" if may_order(role, "quit") else "detach"
     opening = "by hand: " if hand else "type an order, such as: "
@@ -171,12 +181,12 @@ def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
     """Yield keys of the vessel's ranges and their values. What the boat lacks is not among them."""
     hull, run, c = boat.file.hull, boat.file.run, boat.vessel
     yield "length", f"{hull.length:g}"
-    yield "mass", f"{hull.mass / TONNE:g}"
+    yield "mass", f"{hull.mass / TONNE_KG:g}"
     for surface, letter in SURFACES.items():
         limit = math.degrees(float(c[f"limit_{letter}"])) if boat.toward[surface] else 0.0
         yield from ((surface, f"{limit:g}") for _ in range(limit > 0.0))
     depths = {"depth": hull.max_depth_m, "periscope": run.periscope_depth_m}
-    if role.name in WHO_KNOW:
+    if role.name in TEST_DEPTH_ROLES:
         depths["test-depth"] = hull.test_depth_m
     yield from ((key, f"{depth:g}") for key, depth in depths.items() if depth is not None)
     yield "speed", f"{float(c.u_c_ahead) / KNOT:g}"
@@ -187,7 +197,7 @@ def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
         yield "bell", f"{ahead} {most.replace('_', '-')}:{speed:g}"
     for name, whole in zip(TANKS, c.capacity.tolist(), strict=True):
         if whole and name not in COMPARTMENTS:
-            yield "tank", f"{name}:{whole / TONNE:g}"
+            yield "tank", f"{name}:{whole / TONNE_KG:g}"
     fore, aft = (TANKS.index(name) for name in ("trim_forward", "trim_aft"))
     if c.capacity[fore] and c.capacity[aft]:
         yield "trim-arm", f"{float(c.x[fore] - c.x[aft]):g}"

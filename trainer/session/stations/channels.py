@@ -4,14 +4,14 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from trainer.boat.casualties import describe
+from trainer.boat.casualties import describe_amount
 from trainer.boat.world.bottom import height_of_keel
 from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
-from trainer.core.state import CASUALTIES
+from trainer.core.state import MAX_CASUALTIES
 from trainer.session.stations import panels
 from trainer.session.stations.panels import (
-    TONNE,
+    TONNE_KG,
     Channel,
     Field,
     Value,
@@ -21,23 +21,23 @@ from trainer.session.stations.panels import (
     metres,
     word,
 )
-from trainer.session.stations.plot import CONTACTS, PERISCOPE
+from trainer.session.stations.plot import CONTACTS_CHANNEL, PERISCOPE_CHANNELS
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
-SLOWEST: Final = 0.005  # [kn] that is not written as zero
-TELETYPE: Final = "teletype"  # the state in one line of 79 columns, under headings
-EVENTS: Final = "events"  # what happens, when it happens
+MIN_SHOWN_SPEED_KN: Final = 0.005  # [kn] that is not written as zero
+TELETYPE_CHANNEL: Final = "teletype"  # the state in one line of 79 columns, under headings
+EVENTS_CHANNEL: Final = "events"  # what happens, when it happens
 
 
-def unless(held: str, rate: str) -> Callable[[Frame], Value]:
+def rate_unless_held(held: str, rate: str) -> Callable[[Frame], Value]:
     """Return how a rate [SI] is read, which is none while its part stands still."""
     return lambda frame: 0.0 if frame[held] else frame[rate]
 
 
-def heavy(frame: Frame) -> Value:
+def excess_weight(frame: Frame) -> Value:
     """Return how much heavier [t] than its displacement the boat is."""
-    return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE
+    return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE_KG
 
 
 def clearance(frame: Frame) -> Value:
@@ -55,7 +55,7 @@ def way_made(frame: Frame) -> tuple[float, float]:
     """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
     north, east = way_over_ground(frame)
     speed = math.hypot(north, east) / KNOT
-    angle = math.atan2(east, north) if speed >= SLOWEST else frame["psi"]
+    angle = math.atan2(east, north) if speed >= MIN_SHOWN_SPEED_KN else frame["psi"]
     return compass(angle, 2), speed
 
 
@@ -64,7 +64,7 @@ def set_and_drift(frame: Frame) -> tuple[float | None, float]:
     north = frame["water_north"] + frame["shear_north"] * frame["z"]
     east = frame["water_east"] + frame["shear_east"] * frame["z"]
     drift = math.hypot(north, east) / KNOT
-    return (compass(math.atan2(east, north), 1) if drift >= SLOWEST else None), drift
+    return (compass(math.atan2(east, north), 1) if drift >= MIN_SHOWN_SPEED_KN else None), drift
 
 
 def sea_fields(block: str, before: str) -> tuple[Field, ...]:
@@ -104,7 +104,7 @@ def slot_fields(slot: int) -> tuple[Field, ...]:
     def says(frame: Frame) -> Value:
         name = kind(frame)
         amount = held(frame, "casualty_amount")
-        return describe(frame.boat, str(name), amount or 0.0) if name else None
+        return describe_amount(frame.boat, str(name), amount or 0.0) if name else None
 
     def seconds(frame: Frame) -> Value:
         left = ticks(frame)
@@ -120,7 +120,7 @@ def slot_fields(slot: int) -> tuple[Field, ...]:
     )
 
 
-INSTRUCTOR: Final = (
+INSTRUCTOR_CHANNELS: Final = (
     Channel(
         "motion",
         "the truth and its rates, for displays that move between ticks",
@@ -132,14 +132,14 @@ INSTRUCTOR: Final = (
             degrees("heel", "phi", decimals=2),
             metres("north", "x"),
             metres("east", "y"),
-            Field("depth_rate", "m/s", 3, unless("held_depth", "zdot")),
+            Field("depth_rate", "m/s", 3, rate_unless_held("held_depth", "zdot")),
             degrees("turn_rate", "psidot", "deg/s", 3),
             knots("speed_rate", "udot", "kn/s", 4),
             degrees("pitch_rate", "thetadot", "deg/s", 3),
             degrees("heel_rate", "phidot", "deg/s", 3),
-            Field("north_rate", "m/s", 2, unless("held_position", "xdot")),
-            Field("east_rate", "m/s", 2, unless("held_position", "ydot")),
-            Field("heavy", "t", 1, heavy),
+            Field("north_rate", "m/s", 2, rate_unless_held("held_position", "xdot")),
+            Field("east_rate", "m/s", 2, rate_unless_held("held_position", "ydot")),
+            Field("heavy", "t", 1, excess_weight),
             Field("clearance", "m", 1, clearance),
         ),
     ),
@@ -167,9 +167,9 @@ INSTRUCTOR: Final = (
     Channel(
         "casualties",
         "what is broken: kind, amount in SI units now and in the end, and the time until then",
-        tuple(field for slot in range(CASUALTIES) for field in slot_fields(slot)),
+        tuple(field for slot in range(MAX_CASUALTIES) for field in slot_fields(slot)),
     ),
-    CONTACTS,
+    CONTACTS_CHANNEL,
     Channel(
         "ledger",
         "what became of the ticks",
@@ -192,7 +192,8 @@ INSTRUCTOR: Final = (
 
 
 CHANNELS: Final[Mapping[str, Channel]] = {
-    channel.name: channel for channel in (*panels.CHANNELS, *PERISCOPE, *INSTRUCTOR)
+    channel.name: channel
+    for channel in (*panels.PANEL_CHANNELS, *PERISCOPE_CHANNELS, *INSTRUCTOR_CHANNELS)
 }
 
 

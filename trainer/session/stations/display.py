@@ -5,17 +5,17 @@ import textwrap
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from trainer.boat.casualties import Readings
-from trainer.boat.crew_orders import AXES
+from trainer.boat.casualties import InstrumentReadings
+from trainer.boat.crew_orders import CREW_AXES
 from trainer.io.orders import sentences
-from trainer.io.status_line import View, header, state_line
+from trainer.io.status_line import StatusView, header, state_line
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.panels import Channel
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
-WIDTH: Final = 79  # [characters]
-HEADING_EVERY: Final = 20  # [lines]
+MAX_LINE_LETTERS: Final = 79  # [characters]
+HEADING_PERIOD_LINES: Final = 20  # [lines]
 
 
 class Display(Protocol):
@@ -26,7 +26,7 @@ class Display(Protocol):
         ...
 
 
-class Sentences:
+class SentenceDisplay:
     """A channel for a program: its names and units once, then its values."""
 
     def __init__(self, channel: Channel) -> None:
@@ -43,7 +43,7 @@ class Sentences:
         return [sentences.names(name, [(each.name, each.unit) for each in fields]), values]
 
 
-class Words:
+class WordDisplay:
     """A channel for a reader: name, value and unit of every field that has one."""
 
     def __init__(self, channel: Channel) -> None:
@@ -54,18 +54,18 @@ class Words:
         return in_words(self._channel, frame)
 
 
-class Teletype:
+class TeletypeDisplay:
     """The state in one line, under headings every so often."""
 
-    def __init__(self, shown: Callable[[Frame], Readings]) -> None:
+    def __init__(self, shown: Callable[[Frame], InstrumentReadings]) -> None:
         """Show depth, heading and speed as ``shown``: by the gauges, or as they are."""
         self._shown = shown
-        self._since_heading = HEADING_EVERY  # [lines]
+        self._since_heading = HEADING_PERIOD_LINES  # [lines]
 
     def lines(self, frame: Frame) -> list[str]:
         """Return the line of state, under headings if they are due."""
         line = state_line(view(frame, self._shown(frame)))
-        if self._since_heading < HEADING_EVERY:
+        if self._since_heading < HEADING_PERIOD_LINES:
             self._since_heading += 1
             return [line]
         self._since_heading = 1
@@ -80,7 +80,7 @@ def in_words(channel: Channel, frame: Frame) -> list[str]:
         if text and not field.packed
     )
     told = f"{channel.name}, {frame.seconds:g} s: {', '.join(shown) or 'nothing'}"
-    wrapped = textwrap.wrap(told, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+    wrapped = textwrap.wrap(told, MAX_LINE_LETTERS, subsequent_indent="  ", break_on_hyphens=False)
     return [line.replace("\0", " ") for line in wrapped]
 
 
@@ -91,13 +91,13 @@ def panel(channels: tuple[str, ...], frame: Frame) -> list[str]:
     return [line for channel in shown for line in in_words(channel, frame)]
 
 
-def view(frame: Frame, shown: Readings) -> View:
+def view(frame: Frame, shown: InstrumentReadings) -> StatusView:
     """Return the line of state in display units, with depth, heading and speed as ``shown``."""
     toward, propulsion = frame.boat.toward, frame.boat.file.propulsion
     planes_by_hand = frame["stern_by_hand"] and frame["bow_by_hand"]
     kept = None if frame["rudder_by_hand"] else frame["ordered_psi"]
-    course = ordered(frame, "course", kept)
-    return View(
+    course = ordered_value(frame, "course", kept)
+    return StatusView(
         time_s=frame.seconds,
         depth_m=shown.depth,
         course_deg=math.degrees(shown.heading) % 360.0,
@@ -108,7 +108,9 @@ def view(frame: Frame, shown: Readings) -> View:
         stern_deg=math.degrees(frame["delta_s"]) * toward["stern"],
         bow_deg=math.degrees(frame["delta_b"]) * toward["bow"],
         rpm=frame["u_c"] * propulsion.rps_per_mps * 60.0,
-        ordered_depth_m=ordered(frame, "depth", None if planes_by_hand else frame["ordered_depth"]),
+        ordered_depth_m=ordered_value(
+            frame, "depth", None if planes_by_hand else frame["ordered_depth"]
+        ),
         ordered_course_deg=None if course is None else math.degrees(course) % 360.0,
         frozen=frame.pace.frozen,
         rudder_manual=bool(frame["rudder_by_hand"]),
@@ -117,7 +119,7 @@ def view(frame: Frame, shown: Readings) -> View:
     )
 
 
-def ordered(frame: Frame, axis: str, kept: float | None) -> float | None:
+def ordered_value(frame: Frame, axis: str, kept: float | None) -> float | None:
     """Return what the crew is ordered on an axis [SI], else what is kept automatically."""
-    place = AXES.index(axis)
+    place = CREW_AXES.index(axis)
     return frame.at("crew_order", place) if frame.at("crew_order_tick", place) else kept

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.boat.crew_orders import AXES
-from trainer.boat.sea_orders import PARTS
+from trainer.boat.crew_orders import CREW_AXES
+from trainer.boat.sea_orders import FREEZABLE_PARTS
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.state import VALVES
 from trainer.core.surfaces import SURFACES
@@ -21,9 +21,11 @@ from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
 Value = float | str | None  # None: the boat lacks it, or it stands for nothing at present
-TONNE: Final = 1000.0  # [kg]
-ROUND: Final = math.radians(350.0)  # still to go: nearly round, the other way than was ordered
-POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
+TONNE_KG: Final = 1000.0  # [kg]
+LONG_TURN_RAD: Final = math.radians(
+    350.0
+)  # still to go: nearly round, the other way than was ordered
+VALVE_POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
 
 
 @dataclass(frozen=True)
@@ -83,12 +85,12 @@ def knots(name: str, place: str, unit: str = "kn", decimals: int = 1) -> Field:
     return Field(name, unit, decimals, lambda frame: frame[place] / KNOT)
 
 
-HEADING: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
-DEPTH: Final = Field("depth", "m", 1, lambda frame: frame.readings.depth)
-SPEED: Final = Field("speed", "kn", 1, lambda frame: frame.readings.speed / KNOT)
-SOUNDING: Final = Field("sounding", "m", 1, lambda frame: frame.readings.sounding or None)
-PITCH: Final = degrees("pitch", "theta")
-HEEL: Final = degrees("heel", "phi")
+HEADING_FIELD: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
+DEPTH_FIELD: Final = Field("depth", "m", 1, lambda frame: frame.readings.depth)
+SPEED_FIELD: Final = Field("speed", "kn", 1, lambda frame: frame.readings.speed / KNOT)
+SOUNDING_FIELD: Final = Field("sounding", "m", 1, lambda frame: frame.readings.sounding or None)
+PITCH_FIELD: Final = degrees("pitch", "theta")
+HEEL_FIELD: Final = degrees("heel", "phi")
 
 
 def surface_fields(surface: str) -> tuple[Field, ...]:
@@ -153,7 +155,7 @@ def bell(frame: Frame) -> Value:
 
 def tonnes(name: str, place: str) -> Field:
     """Return a field of a mass."""
-    return Field(name, "t", 1, lambda frame: frame[place] / TONNE)
+    return Field(name, "t", 1, lambda frame: frame[place] / TONNE_KG)
 
 
 def tank_fields(place: int, tank: str) -> tuple[Field, ...]:
@@ -161,7 +163,7 @@ def tank_fields(place: int, tank: str) -> tuple[Field, ...]:
     name = tank.replace("compartment_", "flood_")
 
     def water(frame: Frame) -> float | None:
-        return frame.at("water", place) / TONNE if frame.fittings.capacity[place] else None
+        return frame.at("water", place) / TONNE_KG if frame.fittings.capacity[place] else None
 
     def share(frame: Frame) -> float | None:
         whole = frame.fittings.capacity[place]
@@ -190,12 +192,12 @@ def valve_fields(valve: str) -> tuple[Field, ...]:
     """Return how the levers of a vent and a blow valve stand."""
 
     def position(name: str) -> Field:
-        return word(name, lambda frame: POSITIONS[int(frame[name])])
+        return word(name, lambda frame: VALVE_POSITIONS[int(frame[name])])
 
     return position(f"vent_{valve}"), position(f"blow_{valve}")
 
 
-def on(name: str) -> Field:
+def is_working(name: str) -> Field:
     """Return whether something works."""
     return word(name, lambda frame: "on" if frame[name] else "off")
 
@@ -214,7 +216,7 @@ def trim_mode(frame: Frame) -> Value:
     return "hand" if frame["trim_by_hand"] else "auto"
 
 
-def draining(frame: Frame) -> Value:
+def drained_compartment(frame: Frame) -> Value:
     """Return the compartment that is pumped out."""
     place = int(frame["drained"])
     return COMPARTMENTS[place - 1].removeprefix("compartment_") if place else None
@@ -222,13 +224,13 @@ def draining(frame: Frame) -> Value:
 
 def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], Value]:
     """Return how to read a number of an order to the crew. None: no order stands."""
-    place = AXES.index(axis)
+    place = CREW_AXES.index(axis)
     return lambda frame: read(frame) if frame.at("crew_order_tick", place) else None
 
 
 def crew_since(axis: str) -> Field:
     """Return since when an order to the crew stands."""
-    place = AXES.index(axis)
+    place = CREW_AXES.index(axis)
 
     def since(frame: Frame) -> float:
         ticks = frame["tick"] - frame.at("crew_order_tick", place) + 1.0
@@ -251,7 +253,7 @@ def crew_error(axis: str, unit: str, ordered: Field, gauge: Field) -> Field:
 
 def crew_value(axis: str, unit: str, size: float) -> Field:
     """Return an order to the crew in a unit of that size [SI]."""
-    place = AXES.index(axis)
+    place = CREW_AXES.index(axis)
     read = crew_order(axis, lambda frame: frame.at("crew_order", place) / size)
     return Field(axis, unit, 1, read)
 
@@ -259,7 +261,7 @@ def crew_value(axis: str, unit: str, size: float) -> Field:
 def course_to_go(frame: Frame) -> float:
     """Return the angle [deg] still to turn, right positive, by the way that was ordered."""
     left = frame.at("crew_order", 0) - frame.readings.heading
-    if not frame["crew_course_side"] or abs(left) > ROUND:
+    if not frame["crew_course_side"] or abs(left) > LONG_TURN_RAD:
         left = math.remainder(left, math.tau)
     return math.degrees(left)
 
@@ -272,14 +274,14 @@ def course_side(frame: Frame) -> Value:
 
 def depth_unit(frame: Frame) -> Value:
     """Return the unit in which the depth was ordered."""
-    stands = frame.at("crew_order_tick", AXES.index("depth"))
+    stands = frame.at("crew_order_tick", CREW_AXES.index("depth"))
     return ("m" if frame["crew_depth_unit"] == 1.0 else "ft") if stands else None
 
 
 DEPTH_ORDER: Final = crew_value("depth", "m", 1.0)
 SPEED_ORDER: Final = crew_value("speed", "kn", KNOT)
 PITCH_ORDER: Final = crew_value("pitch", "deg", math.radians(1.0))
-ORDERS: Final = Channel(
+ORDERS_CHANNEL: Final = Channel(
     "orders",
     "what the crew is ordered; errors are to go, right, deeper, faster and bow up positive",
     (
@@ -291,27 +293,31 @@ ORDERS: Final = Channel(
         crew_since("course"),
         DEPTH_ORDER,
         word("depth_unit", depth_unit),
-        crew_error("depth", "m", DEPTH_ORDER, DEPTH),
+        crew_error("depth", "m", DEPTH_ORDER, DEPTH_FIELD),
         crew_since("depth"),
         SPEED_ORDER,
-        crew_error("speed", "kn", SPEED_ORDER, SPEED),
+        crew_error("speed", "kn", SPEED_ORDER, SPEED_FIELD),
         crew_since("speed"),
         PITCH_ORDER,
-        crew_error("pitch", "deg", PITCH_ORDER, PITCH),
+        crew_error("pitch", "deg", PITCH_ORDER, PITCH_FIELD),
         crew_since("pitch"),
         word("told", lambda frame: frame.pace.told or None),
     ),
 )
 
 
-CHANNELS: Final = (
-    Channel("gauges", "the repeaters at every station", (DEPTH, HEADING, SPEED, PITCH, HEEL)),
-    ORDERS,
+PANEL_CHANNELS: Final = (
+    Channel(
+        "gauges",
+        "the repeaters at every station",
+        (DEPTH_FIELD, HEADING_FIELD, SPEED_FIELD, PITCH_FIELD, HEEL_FIELD),
+    ),
+    ORDERS_CHANNEL,
     Channel(
         "steering",
         "the helm's panel",
         (
-            HEADING,
+            HEADING_FIELD,
             Field("ordered_course", "deg", 1, ordered_course),
             *surface_fields("rudder"),
             degrees("turn_rate", "r", "deg/s", 2),
@@ -321,7 +327,7 @@ CHANNELS: Final = (
         "engine",
         "log, telegraph and turns",
         (
-            SPEED,
+            SPEED_FIELD,
             Field("ordered_speed", "kn", 1, ordered_speed),
             Field("rpm", "rpm", 1, lambda frame: rpm(frame, frame["u_c"])),
             Field("ordered_rpm", "rpm", 1, lambda frame: rpm(frame, ordered_turns(frame))),
@@ -333,13 +339,13 @@ CHANNELS: Final = (
         "diving",
         "the planes' panel",
         (
-            DEPTH,
+            DEPTH_FIELD,
             Field("ordered_depth", "m", 1, ordered_depth),
-            PITCH,
-            HEEL,
+            PITCH_FIELD,
+            HEEL_FIELD,
             *surface_fields("stern"),
             *surface_fields("bow"),
-            SOUNDING,
+            SOUNDING_FIELD,
         ),
     ),
     Channel(
@@ -350,8 +356,8 @@ CHANNELS: Final = (
             tonnes("moving_trim", "move_trim"),
             tonnes("moving_auxiliary", "move_auxiliary"),
             tonnes("moving_depth_control", "move_depth_control"),
-            word("draining", draining),
-            on("hover"),
+            word("draining", drained_compartment),
+            is_working("hover"),
             word("trim_mode", trim_mode),
         ),
     ),
@@ -382,7 +388,7 @@ CHANNELS: Final = (
                 1,
                 lambda frame: "max" if math.isinf(frame.pace.speed) else frame.pace.speed,
             ),
-            word("held", lambda f: "+".join(p for p in PARTS if f[f"held_{p}"]) or None),
+            word("held", lambda f: "+".join(p for p in FREEZABLE_PARTS if f[f"held_{p}"]) or None),
             Field("branch", "-", 0, lambda frame: float(frame.pace.branch)),
             word("replay", lambda frame: "yes" if frame.pace.replaying else "no"),
         ),

@@ -15,25 +15,37 @@ from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Refused, name_of
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import Work
+from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
-from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
-from trainer.session.stations.roles import Role, hears
-from trainer.session.stations.station import Asked, Fact, News, Station
-from trainer.session.stations.subscriptions import display, unknown, why_barred
+from trainer.session.stations.channels import CHANNELS, EVENTS_CHANNEL, TELETYPE_CHANNEL
+from trainer.session.stations.roles import Role, hears_kind
+from trainer.session.stations.station import Fact, News, Request, Station
+from trainer.session.stations.subscriptions import display, unknown_channel, why_barred
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
-ROWS: Final = 360  # of a channel at most: one in ten seconds of an hour
-SLICE: Final = 12  # of them at once
-PAUSE: Final = 0.01  # [s] between slices, and for room: ticks and other lines have their turn
-ANEW: Final = ("reset", "restart", "again")  # orders after which nothing of their moment stands
-PRESENT: Final = ("time", "ledger", "scope", "swell", "lookout")  # of which no state holds all
+MAX_ROWS: Final = 360  # of a channel at most: one in ten seconds of an hour
+SLICE_ROWS: Final = 12  # of them at once
+SLICE_PAUSE_S: Final = (
+    0.01  # [s] between slices, and for room: ticks and other lines have their turn
+)
+RESET_WORDS: Final = (
+    "reset",
+    "restart",
+    "again",
+)  # orders after which nothing of their moment stands
+PRESENT_CHANNELS: Final = (
+    "time",
+    "ledger",
+    "scope",
+    "swell",
+    "lookout",
+)  # of which no state holds all
 
-Found = tuple[int, bytes]  # a tick and the state at its end
+TickState = tuple[int, bytes]  # a tick and the state at its end
 
 
-class Span(NamedTuple):
+class TickSpan(NamedTuple):
     """The ticks that are asked for."""
 
     branch: int
@@ -42,29 +54,29 @@ class Span(NamedTuple):
 
     @property
     def ticks(self) -> range:
-        """Return those that are shown: evenly spaced, at most ROWS."""
-        every = max(math.ceil((self.last - self.first) / ROWS), 1)
+        """Return those that are shown: evenly spaced, at most MAX_ROWS."""
+        every = max(math.ceil((self.last - self.first) / MAX_ROWS), 1)
         return range(-(-self.first // every) * every, self.last + 1, every)
 
 
 class PastReader:
     """Answers the order ``history``."""
 
-    def __init__(self, boat: Boat, work: Work, log: EventLog) -> None:
+    def __init__(self, boat: Boat, work: BackgroundTask, log: EventLog) -> None:
         self._log = log
         self._boat = boat
         self._work = work
 
-    def answer(self, asked: Asked, history: History, kept: Path | None) -> None:
+    def answer(self, asked: Request, history: History, kept: Path | None) -> None:
         """Answer the order, and send what it asks for."""
         channel, station = asked.order.subject, asked.station
         if why := refusal(channel, station.role):
             station.answer(asked, Refused(why))
             return
         ticks = math.ceil(asked.order.value / self._boat.method.step)
-        span = Span(history.recording.branch, max(history.tick - ticks, 0), history.tick)
-        if channel == EVENTS:
-            told = lately(self._log.news, station.role, span)
+        span = TickSpan(history.recording.branch, max(history.tick - ticks, 0), history.tick)
+        if channel == EVENTS_CHANNEL:
+            told = recent_news(self._log.news, station.role, span)
             station.answer(asked, f"events: {len(told)} of them")
             self._mark(station, "begin", channel, history)
             for each in told:
@@ -75,7 +87,7 @@ class PastReader:
         station.answer(asked, f"{channel}: what it has shown since {since:g} s")
         self._begin(asked, span, history, kept)
 
-    def _begin(self, asked: Asked, span: Span, history: History, kept: Path | None) -> None:
+    def _begin(self, asked: Request, span: TickSpan, history: History, kept: Path | None) -> None:
         """Send rows from a thread; the live ones of that channel wait until they are sent."""
         channel, station = asked.order.subject, asked.station
         wish = station.wishes.pause(channel)
@@ -94,7 +106,7 @@ class PastReader:
 
         self._work.begin("past", task)
 
-    def _send(self, asked: Asked, rows: Sequence[Found]) -> None:
+    def _send(self, asked: Request, rows: Sequence[TickState]) -> None:
         """Send rows a few at a time, in the thread of their own."""
         station = asked.station
         shown = display(asked.order.subject, station.role, machine=asked.heard.machine)
@@ -104,15 +116,15 @@ class PastReader:
                 return
             for line in shown.lines(reader.frame(Picture(tick, state, Pace()))):
                 station.line.send(line)
-            if number % SLICE == SLICE - 1:
-                time.sleep(PAUSE)
+            if number % SLICE_ROWS == SLICE_ROWS - 1:
+                time.sleep(SLICE_PAUSE_S)
 
     def _await_room(self, station: Station) -> bool:
         """Wait until a line takes more without a loss; False once nobody is there to take it."""
         while not (station.leaving or station.line.ended or self._work.closing.is_set()):
             if station.line.room:
                 return True
-            time.sleep(PAUSE)
+            time.sleep(SLICE_PAUSE_S)
         return False
 
     def _mark(self, station: Station, which: str, channel: str, history: History) -> None:
@@ -123,14 +135,14 @@ class PastReader:
 
 def refusal(channel: str, role: Role) -> str:
     """Return why a channel's past is not for a role, "" when it is."""
-    if channel in PRESENT:
+    if channel in PRESENT_CHANNELS:
         return f"{channel} tells of what is now: it has no past"
-    if channel not in (*CHANNELS, TELETYPE, EVENTS):
-        return unknown(channel, role)
+    if channel not in (*CHANNELS, TELETYPE_CHANNEL, EVENTS_CHANNEL):
+        return unknown_channel(channel, role)
     return why_barred(channel, role) or ""
 
 
-def read_states(kept: Path, span: Span) -> list[Found]:
+def read_states(kept: Path, span: TickSpan) -> list[TickState]:
     """Return the states of a span that a recording holds. None where it cannot be read."""
     found = []
     with suppress(RecordingError), closing(Recording.look(kept)) as recording:
@@ -141,7 +153,7 @@ def read_states(kept: Path, span: Span) -> list[Found]:
     return found
 
 
-def recalled(history: History) -> list[News]:
+def recalled_past(history: History) -> list[News]:
     """Return the past in a resumed recording, with the time line's contents."""
     step = history.boat.method.step
     told = [
@@ -160,7 +172,7 @@ def recalled(history: History) -> list[News]:
     return sorted(told, key=lambda each: each.tick)
 
 
-def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:
+def recent_news(news: Iterable[News], role: Role, span: TickSpan) -> list[News]:
     """Return what a role has heard on the way to the present.
 
     Nothing that time took back is in it.
@@ -168,16 +180,16 @@ def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:
     told: list[News] = []
     for each in news:
         if each.fact and each.fact.what == "back":
-            told = [kept for kept in told if stands(kept, each)]
-        if hears(role, each.kind) and each.tick >= span.first:
+            told = [kept for kept in told if still_stands(kept, each)]
+        if hears_kind(role, each.kind) and each.tick >= span.first:
             told.append(each)
     return told
 
 
-def stands(kept: News, back: News) -> bool:
+def still_stands(kept: News, back: News) -> bool:
     """Return whether something that happened is not taken back by a jump in time.
 
     At the very moment gone back to, what was ordered before stands, but not at a new start.
     """
-    anew = back.fact is not None and back.fact.subject in ANEW
+    anew = back.fact is not None and back.fact.subject in RESET_WORDS
     return kept.tick < back.tick or (kept.tick == back.tick and not (anew and kept.fact))

@@ -11,19 +11,26 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.world.contacts import contacts_in
-from trainer.boat.world.encounters import Own, plot
-from trainer.boat.world.scope import FIELDS, SHOWS, Mast, Periscope, Sight, periscope_of
+from trainer.boat.world.encounters import OwnMotion, plot_ships
+from trainer.boat.world.scope import (
+    OPTICS_SHOWING_M,
+    VIEW_WIDTHS,
+    Mast,
+    Periscope,
+    Sight,
+    periscope_of,
+)
 from trainer.boat.world.swell import Swell, swell_round
 from trainer.session.stations.panels import Channel, Field, Value, compass, word
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
-MOST: Final = 8  # ships plotted; there may be more
-SHOWN: Final = 10  # ships in sight, the nearest
-MINUTES: Final = 60.0 * math.degrees(1.0)  # of arc in a radian
+MAX_PLOTTED_SHIPS: Final = 8  # ships plotted; there may be more
+MAX_SIGHTED_SHIPS: Final = 10  # ships in sight, the nearest
+RADIAN_MINUTES: Final = 60.0 * math.degrees(1.0)  # of arc in a radian
 
 
-class Plotted(NamedTuple):
+class PlottedShip(NamedTuple):
     """One ship as it bears from the boat [SI]. Times may be NaN."""
 
     name: str
@@ -37,15 +44,15 @@ class Plotted(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def plotted(frame: Frame) -> tuple[int, tuple[Plotted, ...]]:
+def plotted_ships(frame: Frame) -> tuple[int, tuple[PlottedShip, ...]]:
     """Return how many ships there are, and the nearest at a tick."""
     contacts = contacts_in(frame.boat)
     if contacts is None or not contacts.fleet(frame.tick).order:
         return 0, ()
     ships, there = contacts.fleet(frame.tick).order, contacts.at(frame.tick)
-    seen = plot(Own.of(frame), there, contacts.encounters.cpa_m)
+    seen = plot_ships(OwnMotion.of(frame), there, contacts.encounters.cpa_m)
     course, speed = there.over_ground()
-    nearest = np.argsort(seen.range, kind="stable")[:MOST].tolist()
+    nearest = np.argsort(seen.range, kind="stable")[:MAX_PLOTTED_SHIPS].tolist()
     rows = (
         (
             *(ships[i].name, ships[i].kind, seen.bearing[i], seen.range[i]),
@@ -53,14 +60,14 @@ def plotted(frame: Frame) -> tuple[int, tuple[Plotted, ...]]:
         )
         for i in nearest
     )
-    return len(ships), tuple(Plotted(name, kind, *map(float, row)) for name, kind, *row in rows)
+    return len(ships), tuple(PlottedShip(name, kind, *map(float, row)) for name, kind, *row in rows)
 
 
-def _of(place: int, read: Callable[[Plotted], Value]) -> Callable[[Frame], Value]:
+def _of(place: int, read: Callable[[PlottedShip], Value]) -> Callable[[Frame], Value]:
     """Return how something of the ship at a place is read; none where there is no such ship."""
 
     def value(frame: Frame) -> Value:
-        _, ships = plotted(frame)
+        _, ships = plotted_ships(frame)
         return read(ships[place]) if place < len(ships) else None
 
     return value
@@ -69,7 +76,7 @@ def _of(place: int, read: Callable[[Plotted], Value]) -> Callable[[Frame], Value
 def ship_fields(place: int) -> tuple[Field, ...]:
     """Return what is told of the ship at a place."""
     name = f"contact_{place + 1}"
-    numbers: tuple[tuple[str, str, int, Callable[[Plotted], Value]], ...] = (
+    numbers: tuple[tuple[str, str, int, Callable[[PlottedShip], Value]], ...] = (
         ("bearing", "deg", 1, lambda ship: compass(ship.bearing)),
         ("range", "m", 0, lambda ship: ship.range),
         ("course", "deg", 1, lambda ship: compass(ship.course)),
@@ -87,13 +94,14 @@ def ship_fields(place: int) -> tuple[Field, ...]:
     )
 
 
-CONTACTS: Final = Channel(
+CONTACTS_CHANNEL: Final = Channel(
     "contacts",
-    f"the nearest {MOST} ships, by range: true bearing, closest approach and the time until then, "
+    f"the nearest {MAX_PLOTTED_SHIPS} ships, by range: true bearing, closest approach and the "
+    "time until then, "
     "below zero where it is past",
     (
-        Field("ships", "-", 0, lambda frame: float(plotted(frame)[0]) or None),
-        *(field for place in range(MOST) for field in ship_fields(place)),
+        Field("ships", "-", 0, lambda frame: float(plotted_ships(frame)[0]) or None),
+        *(field for place in range(MAX_PLOTTED_SHIPS) for field in ship_fields(place)),
     ),
 )
 
@@ -137,7 +145,7 @@ def of_mast(read: Callable[[Mast, Frame], Value]) -> Callable[[Frame], Value]:
     return value
 
 
-def going(stands: Mast, frame: Frame) -> Value:
+def mast_motion(stands: Mast, frame: Frame) -> Value:
     """Return how the mast moves or stands."""
     scope = periscope(frame)
     most = scope.fitted.extension_m if scope and scope.fitted else 0.0
@@ -149,21 +157,21 @@ def going(stands: Mast, frame: Frame) -> Value:
 def view(stands: Mast, frame: Frame) -> Value:
     """Return what is in the way of the view, `clear` for nothing."""
     scope, height = periscope(frame), eye(frame)
-    if stands.out < SHOWS or scope is None or height is None:
+    if stands.out < OPTICS_SHOWING_M or scope is None or height is None:
         return "down"
     if height <= 0.0:
         return "washed"
     return "shakes" if scope.shakes(frame["u"], stands) else "clear"
 
 
-def sighted(frame: Frame) -> Value:
+def sighted_ships(frame: Frame) -> Value:
     """Return the ships in the view with their bearings by the gyro, in words."""
     stands = mast(frame)
-    half = 0.5 * FIELDS[stands.power] if stands else 0.0
+    half = 0.5 * VIEW_WIDTHS[stands.power] if stands else 0.0
     train = stands.train if stands else 0.0
     told = (
         f"{each.type} {compass(frame.readings.heading + each.train, 0):03.0f}"
-        for each in sights(frame)[:SHOWN]
+        for each in sights(frame)[:MAX_SIGHTED_SHIPS]
         if abs(math.remainder(each.train - train, math.tau)) <= half
     )
     return "; ".join(told) or None
@@ -172,7 +180,7 @@ def sighted(frame: Frame) -> Value:
 def lamps(sight: Sight) -> str:
     """Return colour, angle beside the ship's middle and elevation of its lights."""
     return " ".join(
-        f"{each.colour}:{MINUTES * each.beside:.1f}:{MINUTES * each.elevation:.1f}"
+        f"{each.colour}:{RADIAN_MINUTES * each.beside:.1f}:{RADIAN_MINUTES * each.elevation:.1f}"
         for each in sight.lamps
     )
 
@@ -189,10 +197,10 @@ def sight_fields(place: int) -> tuple[Field, ...]:
     parts: tuple[tuple[str, str, int, Callable[[Sight], Value]], ...] = (
         (name, "", 0, lambda sight: sight.type),
         (f"{name}_train", "deg", 3, lambda sight: math.degrees(sight.train)),
-        (f"{name}_bottom", "min", 2, lambda sight: MINUTES * sight.bottom),
-        (f"{name}_top", "min", 2, lambda sight: MINUTES * sight.top),
+        (f"{name}_bottom", "min", 2, lambda sight: RADIAN_MINUTES * sight.bottom),
+        (f"{name}_top", "min", 2, lambda sight: RADIAN_MINUTES * sight.top),
         (f"{name}_aspect", "deg", 0, lambda sight: math.degrees(sight.aspect)),
-        (f"{name}_span", "min", 1, lambda sight: MINUTES * sight.span),
+        (f"{name}_span", "min", 1, lambda sight: RADIAN_MINUTES * sight.span),
         (f"{name}_lights", "", 0, lamps),
     )
     return tuple(
@@ -201,15 +209,15 @@ def sight_fields(place: int) -> tuple[Field, ...]:
     )
 
 
-def looks(frame: Frame) -> bool:
+def optics_are_out(frame: Frame) -> bool:
     """Return whether the optics are out of their well."""
     stands = mast(frame)
-    return stands is not None and stands.out >= SHOWS
+    return stands is not None and stands.out >= OPTICS_SHOWING_M
 
 
 def head(frame: Frame) -> Value:
     """Return the height [m] of the head over the mean water. None: nobody looks."""
-    over = eye(frame) if looks(frame) else None
+    over = eye(frame) if optics_are_out(frame) else None
     return None if over is None else over + frame["eta_wave"]
 
 
@@ -217,7 +225,7 @@ def of_swell(read: Callable[[Swell], Value]) -> Callable[[Frame], Value]:
     """Return how to read something off the waves. None: it is calm, or nobody looks."""
 
     def value(frame: Frame) -> Value:
-        if not frame["sea_height"] or not looks(frame):
+        if not frame["sea_height"] or not optics_are_out(frame):
             return None
         if "swell" not in frame.kept:
             frame.kept["swell"] = swell_round(frame.numbers, frame.fittings.g)
@@ -226,13 +234,13 @@ def of_swell(read: Callable[[Swell], Value]) -> Callable[[Frame], Value]:
     return value
 
 
-def exposed(frame: Frame, *, raised: bool) -> Value:
+def exposure_time(frame: Frame, *, raised: bool) -> Value:
     """Return how long [s] the head has shown, in all or since it was raised."""
     scope = periscope(frame)
     return scope.exposed(frame.tick, raised=raised) if scope else None
 
 
-SCOPE: Final = Channel(
+SCOPE_CHANNEL: Final = Channel(
     "scope",
     "what is seen through the periscope: angles alone, off the bow, over the horizontal",
     (
@@ -245,14 +253,14 @@ SCOPE: Final = Channel(
         Field("train", "deg", 1, of_mast(lambda stands, _: math.degrees(stands.train))),
         Field("power", "x", 1, of_mast(lambda stands, _: stands.power)),
         Field("mast", "m", 2, of_mast(lambda stands, _: stands.out)),
-        word("going", of_mast(going)),
+        word("going", of_mast(mast_motion)),
         word("view", of_mast(view)),
-        word("sighted", sighted),
-        *(field for place in range(SHOWN) for field in sight_fields(place)),
+        word("sighted", sighted_ships),
+        *(field for place in range(MAX_SIGHTED_SHIPS) for field in sight_fields(place)),
     ),
     fastest=10.0,
 )
-SWELL: Final = Channel(
+SWELL_CHANNEL: Final = Channel(
     "swell",
     "the waves round the boat, packed for the picture, and the head over their mean",
     (
@@ -273,7 +281,7 @@ SWELL: Final = Channel(
         Field("waves", "", 0, of_swell(Swell.packed_waves), packed=True),
     ),
 )
-LOOKOUT: Final = Channel(
+LOOKOUT_CHANNEL: Final = Channel(
     "lookout",
     "the truth of the periscope: its head over the waves, what it sees, and how long it showed",
     (
@@ -281,8 +289,8 @@ LOOKOUT: Final = Channel(
         Field("mast", "m", 1, of_mast(lambda stands, _: stands.out)),
         Field("ships", "-", 0, lambda frame: float(len(sights(frame)))),
         Field("nearest", "m", 0, lambda frame: of_sight(0, lambda each: each.distance, frame)),
-        Field("exposed_raise", "s", 1, partial(exposed, raised=True)),
-        Field("exposed", "s", 1, partial(exposed, raised=False)),
+        Field("exposed_raise", "s", 1, partial(exposure_time, raised=True)),
+        Field("exposed", "s", 1, partial(exposure_time, raised=False)),
     ),
 )
-PERISCOPE: Final = (SCOPE, SWELL, LOOKOUT)
+PERISCOPE_CHANNELS: Final = (SCOPE_CHANNEL, SWELL_CHANNEL, LOOKOUT_CHANNEL)

@@ -15,47 +15,47 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.config.files import ConfigError
-from trainer.io.orders.grammar import HIDDEN, Order
+from trainer.io.orders.grammar import HIDDEN_TOKEN, Order
 from trainer.io.orders.table import FORMS, heading_word
 
-ORDERS: Final = frozenset(
+ALL_ORDERS: Final = frozenset(
     form.name or heading_word(form) for form in FORMS if not form.refusal
 )  # every order of the grammar
-COMMON: Final = frozenset(
+COMMON_ORDERS: Final = frozenset(
     {
         *("role", "help", "status", "briefing", "log", "ack", "history"),
         *("subscribe", "unsubscribe", "detach", "who", "name"),
     }
 )
-CREW: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
+CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
 # What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
-EVERYBODY: Final = (*CREW, "observer", "visitor")
-KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
-    "time": ("time stopped, let go on or made faster; the end", EVERYBODY),
-    "moment": ("gone back to a moment, replayed, taken over", EVERYBODY),
-    "station": ("a line attached, took a role, went away", EVERYBODY),
+ALL_ROLES: Final = (*CREW_ROLES, "observer", "visitor")
+EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "time": ("time stopped, let go on or made faster; the end", ALL_ROLES),
+    "moment": ("gone back to a moment, replayed, taken over", ALL_ROLES),
+    "station": ("a line attached, took a role, went away", ALL_ROLES),
     "order": ("an order given at a station, and its answer", ("observer",)),
-    "crew": ("an order to the crew, its repeat, a report", EVERYBODY),
+    "crew": ("an order to the crew, its repeat, a report", ALL_ROLES),
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
     "mark": ("a moment marked, with a remark", ("observer",)),
-    "marks": ("the marks of an exercise, once they are released", EVERYBODY),
+    "marks": ("the marks of an exercise, once they are released", ALL_ROLES),
     "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
-    "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", EVERYBODY),
+    "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", ALL_ROLES),
     "depth": (
         "test depth near, passed and beyond; the hull's collapse; the ground",
-        EVERYBODY,
+        ALL_ROLES,
     ),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
     "trouble": ("late ticks, a port or the recording in trouble", ()),
 }
-OF_ANOTHER: Final = {"have": "has", "are": "is"}  # the verbs of a part
-PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
+PART_VERBS: Final = {"have": "has", "are": "is"}  # the verbs of a part
+PANEL_NAMES: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
 # what only the instructor sees
-TRUTH: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
-WHO_FIRST: Final = "say who you are first: role NAME TOKEN"
-GUESSES: Final = 3  # wrong tokens before a line is closed
-SHORT: Final = 6  # [characters]
-ANY: Final = ""  # the role of a token that stands for all roles without their own
+TRUTH_CHANNELS: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
+ROLE_FIRST_TEXT: Final = "say who you are first: role NAME TOKEN"
+MAX_TOKEN_GUESSES: Final = 3  # wrong tokens before a line is closed
+SHORT_TOKEN_LETTERS: Final = 6  # [characters]
+ANY_ROLE: Final = ""  # the role of a token that stands for all roles without their own
 FREE_GUESSES: Final = 3  # wrong tokens of a machine that are answered at once
 FIRST_WAIT_S: Final = 1.0  # of the answer to the next one; each one after it waits twice as long
 MAX_WAIT_S: Final = 30.0
@@ -64,7 +64,7 @@ MAX_MACHINES: Final = 1000  # that are remembered, the latest
 
 
 @dataclass(frozen=True)
-class Control:
+class RoleControl:
     """One permission: its words, its orders, and who has it beside the instructor.
 
     The words end in the verb, as in "the rudder is".
@@ -75,26 +75,26 @@ class Control:
     roles: tuple[str, ...]
 
 
-CONTROLS: Final = (
-    Control("the rudder is", ("rudder",), ("helm", "pilot")),
-    Control("the course is", ("course", "course-by", "course-to"), ("helm", "pilot")),
-    Control("the engine is", ("speed", "turns", "rpm", "bell"), ("helm", "pilot")),
-    Control("the planes are", ("stern", "bow", "planes"), ("planes", "pilot", "diving")),
-    Control("the lever is", ("lever",), ("visitor",)),
-    Control("the depth is", ("depth", "periscope"), ("planes", "pilot", "diving")),
-    Control("main ballast is", ("blow", "emergency", "vent"), ("ballast", "diving")),
-    Control("the negative tank is", ("negative",), ("ballast", "diving")),
-    Control("trim water is", ("flood", "pump", "trim", "drain"), ("ballast", "diving")),
-    Control("hovering is", ("hover",), ("ballast", "diving")),
-    Control("the compressor is", ("compressor",), ("ballast", "diving")),
-    Control("surfacing and diving are", ("surface", "dive"), ("diving",)),
-    Control("orders to the crew are", ("order", "tell", "belay"), ("diving",)),
-    Control("reports and repeats are", ("report", "aye"), CREW),
-    Control("the periscope is", ("scope",), ("scope",)),
-    Control("the record is", ("mark",), ("observer", "scope")),
-    Control("to be ready is", ("ready",), CREW),
-    Control("the dive from the start is", ("restart",), ("visitor",)),
-    Control("the autopilot as a whole is", ("autopilot",), ()),
+ROLE_CONTROLS: Final = (
+    RoleControl("the rudder is", ("rudder",), ("helm", "pilot")),
+    RoleControl("the course is", ("course", "course-by", "course-to"), ("helm", "pilot")),
+    RoleControl("the engine is", ("speed", "turns", "rpm", "bell"), ("helm", "pilot")),
+    RoleControl("the planes are", ("stern", "bow", "planes"), ("planes", "pilot", "diving")),
+    RoleControl("the lever is", ("lever",), ("visitor",)),
+    RoleControl("the depth is", ("depth", "periscope"), ("planes", "pilot", "diving")),
+    RoleControl("main ballast is", ("blow", "emergency", "vent"), ("ballast", "diving")),
+    RoleControl("the negative tank is", ("negative",), ("ballast", "diving")),
+    RoleControl("trim water is", ("flood", "pump", "trim", "drain"), ("ballast", "diving")),
+    RoleControl("hovering is", ("hover",), ("ballast", "diving")),
+    RoleControl("the compressor is", ("compressor",), ("ballast", "diving")),
+    RoleControl("surfacing and diving are", ("surface", "dive"), ("diving",)),
+    RoleControl("orders to the crew are", ("order", "tell", "belay"), ("diving",)),
+    RoleControl("reports and repeats are", ("report", "aye"), CREW_ROLES),
+    RoleControl("the periscope is", ("scope",), ("scope",)),
+    RoleControl("the record is", ("mark",), ("observer", "scope")),
+    RoleControl("to be ready is", ("ready",), CREW_ROLES),
+    RoleControl("the dive from the start is", ("restart",), ("visitor",)),
+    RoleControl("the autopilot as a whole is", ("autopilot",), ()),
 )
 
 
@@ -117,35 +117,35 @@ class Role:
     def of_another(self) -> str:
         """Return the part as it follows the name of a line: "has the helm"."""
         verb, _, rest = self.part.partition(" ")
-        return f"{OF_ANOTHER[verb]} {rest}"
+        return f"{PART_VERBS[verb]} {rest}"
 
 
 def _role(name: str, title: str, part: str, *channels: str) -> Role:
     """Return a role with its controls and what it hears, beside the channels everybody has."""
-    own = {order for control in CONTROLS if name in control.roles for order in control.orders}
-    heard = frozenset(kind for kind, (_, roles) in KINDS.items() if name in roles)
+    own = {order for control in ROLE_CONTROLS if name in control.roles for order in control.orders}
+    heard = frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if name in roles)
     return Role(
         name,
         title,
         part,
-        COMMON | own,
+        COMMON_ORDERS | own,
         ("teletype", "gauges", "orders", *channels, "time"),
         heard,
     )
 
 
-INSTRUCTOR: Final = Role(
+INSTRUCTOR_ROLE: Final = Role(
     "instructor",
     "the instructor's",
     "are an instructor",
-    COMMON | ORDERS,
-    ("teletype", "gauges", "orders", *PANELS, "scope", "swell", "time", *TRUTH),
-    frozenset(KINDS),
+    COMMON_ORDERS | ALL_ORDERS,
+    ("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *TRUTH_CHANNELS),
+    frozenset(EVENT_KINDS),
 )
 ROLES: Final[Mapping[str, Role]] = {
     role.name: role
     for role in (
-        INSTRUCTOR,
+        INSTRUCTOR_ROLE,
         _role("helm", "the helm's", "have the helm", "steering", "engine"),
         _role("planes", "the planes station's", "have the planes", "diving"),
         _role(
@@ -158,14 +158,14 @@ ROLES: Final[Mapping[str, Role]] = {
             "are the diving officer",
             *("diving", "engine", "tanks", "air", "valves"),
         ),
-        _role("observer", "an observer's", "are an observer", *PANELS),
+        _role("observer", "an observer's", "are an observer", *PANEL_NAMES),
         _role("visitor", "a visitor's", "are a visitor", "diving"),
         _role("scope", "the periscope's", "have the periscope", "scope", "swell"),
     )
 }
 
 # A line that has to say a token and has not: it sees and orders nothing.
-STRANGER: Final = Role(
+STRANGER_ROLE: Final = Role(
     "stranger", "nobody's", "are nobody yet", frozenset({"role", "help", "detach"}), (), frozenset()
 )
 
@@ -174,12 +174,12 @@ def refusal(role: Role, order: Order) -> str | None:
     """Return why ``role`` may not give ``order``, naming whose it is; None when it may."""
     if order.name in role.commands:
         return None
-    if role is STRANGER:
-        return WHO_FIRST
-    control = next((each for each in CONTROLS if order.name in each.orders), None)
+    if role is STRANGER_ROLE:
+        return ROLE_FIRST_TEXT
+    control = next((each for each in ROLE_CONTROLS if order.name in each.orders), None)
     says = control.says if control else f'"{order.text}" is'
     owners = [ROLES[name].title for name in control.roles] if control else []
-    whose = " or ".join(owners or [INSTRUCTOR.title])
+    whose = " or ".join(owners or [INSTRUCTOR_ROLE.title])
     return f"{says} {whose}; you {role.part}"
 
 
@@ -193,19 +193,19 @@ def not_for_visitors(role: Role) -> str:
     )
 
 
-def blind(role: Role, channel: str) -> str | None:
+def channel_refusal(role: Role, channel: str) -> str | None:
     """Return why ``role`` may not see ``channel``, naming what it has; None when it may."""
     if channel in role.channels:
         return None
-    if role is STRANGER:
-        return WHO_FIRST
+    if role is STRANGER_ROLE:
+        return ROLE_FIRST_TEXT
     shown = ", ".join((*role.channels, "events"))
     return f"{channel} is not shown here: you {role.part}; you may see {shown}"
 
 
-def hears(role: Role, kind: str) -> bool:
+def hears_kind(role: Role, kind: str) -> bool:
     """Return whether ``role`` is told of what happens of that kind; the instructor of all."""
-    return role is INSTRUCTOR or kind in role.events
+    return role is INSTRUCTOR_ROLE or kind in role.events
 
 
 def roles_with(word: str) -> list[str]:
@@ -217,18 +217,20 @@ def role_table() -> str:
     """Return the Markdown table of the roles, as docs/stations.md shows it."""
     lines = ["| role | orders | sees |", "|---|---|---|"]
     for role in ROLES.values():
-        own = sorted(role.commands - COMMON)
-        orders = "all" if role is INSTRUCTOR else ", ".join(f"`{name}`" for name in own) or "none"
+        own = sorted(role.commands - COMMON_ORDERS)
+        orders = (
+            "all" if role is INSTRUCTOR_ROLE else ", ".join(f"`{name}`" for name in own) or "none"
+        )
         lines.append(f"| {role.name} | {orders} | {', '.join(role.channels)} |")
-    common = ", ".join(f"`{name}`" for name in sorted(COMMON))
+    common = ", ".join(f"`{name}`" for name in sorted(COMMON_ORDERS))
     return "\n".join([*lines, "", f"Every line may say {common}."]) + "\n"
 
 
 def event_table() -> str:
     """Return the Markdown table of what happens and who hears of it, as docs/stations.md does."""
     lines = ["| kind | is | heard by the instructor and |", "|---|---|---|"]
-    for kind, (says, roles) in KINDS.items():
-        heard = "everybody" if roles == EVERYBODY else ", ".join(roles) or "nobody else"
+    for kind, (says, roles) in EVENT_KINDS.items():
+        heard = "everybody" if roles == ALL_ROLES else ", ".join(roles) or "nobody else"
         lines.append(f"| `{kind}` | {says} | {heard} |")
     return "\n".join(lines) + "\n"
 
@@ -241,7 +243,7 @@ class Access:
     """The demands on a line. With neither role nor tokens it may say what role it likes."""
 
     role: str | None = None
-    tokens: Mapping[str, str] = field(default_factory=dict, repr=False)  # by role, or ANY
+    tokens: Mapping[str, str] = field(default_factory=dict, repr=False)  # by role, or ANY_ROLE
     entered: Callable[[], object] = bool  # called when a line has said who it is
     delay: Callable[[], float] = float  # counts a wrong token, returns how long [s] to wait
 
@@ -250,15 +252,15 @@ class Access:
         """Return what a line is before it has said anything."""
         if self.role is not None:
             return ROLES[self.role]
-        return STRANGER if self.tokens else ROLES["observer"]
+        return STRANGER_ROLE if self.tokens else ROLES["observer"]
 
     def hide(self, text: str) -> str:
         """Return ``text`` without a token, wherever it stands: an order may be misspelt."""
         for token in self.tokens.values():
             found = re.escape(token)
-            if len(token) < SHORT:  # it may stand within words that are none of it
+            if len(token) < SHORT_TOKEN_LETTERS:  # it may stand within words that are none of it
                 found = rf"(?<![\w-]){found}(?![\w-])"
-            text = re.sub(found, HIDDEN, text, flags=re.IGNORECASE)
+            text = re.sub(found, HIDDEN_TOKEN, text, flags=re.IGNORECASE)
         return text
 
     def admits(self, role: str, given: str) -> bool:
@@ -268,7 +270,7 @@ class Access:
         """
         if not self.tokens:
             return True
-        wanted = self.tokens.get(role, self.tokens.get(ANY, ""))
+        wanted = self.tokens.get(role, self.tokens.get(ANY_ROLE, ""))
         return hmac.compare_digest(given.encode(), wanted.encode()) and bool(wanted)
 
 
@@ -301,7 +303,7 @@ def read_tokens(given: tuple[str, ...]) -> dict[str, str]:
     for text in given:
         role, equals, word = text.partition("=")
         if not equals or role not in ROLES:
-            role, word = ANY, text
+            role, word = ANY_ROLE, text
         if not word:
             raise ConfigError(f"--token {role}=: say {role}=WORD")
         if role in tokens:

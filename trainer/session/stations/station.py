@@ -12,38 +12,38 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple, Protocol
 
 from trainer.io.line import Line
-from trainer.io.lines import Overlong
+from trainer.io.lines import OverlongLine
 from trainer.io.noise_log import NoiseLog
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply, to_the_crew
 from trainer.io.orders.help import help_text
-from trainer.io.orders.sentences import Heard, hear
+from trainer.io.orders.sentences import Message, parse_line
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.facts import station as giver_at
-from trainer.session.stations.channels import EVENTS, TELETYPE
-from trainer.session.stations.display import WIDTH
+from trainer.session.stations.channels import EVENTS_CHANNEL, TELETYPE_CHANNEL
+from trainer.session.stations.display import MAX_LINE_LETTERS
 from trainer.session.stations.roles import (
-    COMMON,
-    GUESSES,
-    INSTRUCTOR,
+    COMMON_ORDERS,
+    INSTRUCTOR_ROLE,
+    MAX_TOKEN_GUESSES,
     ROLES,
-    STRANGER,
+    STRANGER_ROLE,
     Access,
     Role,
-    hears,
+    hears_kind,
     refusal,
 )
 from trainer.session.stations.subscriptions import (
-    Sending,
+    Sender,
     Subscriptions,
     rate_of,
-    unknown,
+    unknown_channel,
     why_barred,
 )
 
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
-GUESSED_WRONG: Final = "wrong token: type role NAME TOKEN with the right one"
+WRONG_TOKEN_TEXT: Final = "wrong token: type role NAME TOKEN with the right one"  # noqa: S105
 Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
 
 
@@ -73,35 +73,35 @@ class News(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """An order that a line may give, to be obeyed and then answered there."""
 
     order: Order
-    heard: Heard
+    heard: Message
     station: "Station"
 
 
-class Lines(NamedTuple):
+class LongAnswer(NamedTuple):
     """A long answer, and its result."""
 
     lines: Sequence[str]
     result: str = ""
 
 
-Duty = Callable[[Asked], Reply | Lines | None]  # None: the answer comes later
+Duty = Callable[[Request], Reply | LongAnswer | None]  # None: the answer comes later
 
 
 class LateAnswer(NamedTuple):
     """The answer to a wrong token, which is kept back for a while."""
 
     due: float  # [s]
-    heard: Heard
+    heard: Message
     reply: Refused
     leaving: str  # why the line is closed after it, "" while it stays
 
 
 @dataclass
-class Counts:
+class WordCounts:
     """The words that a line has sent."""
 
     orders: int = 0  # handed on
@@ -110,7 +110,7 @@ class Counts:
     guesses: int = 0  # wrong tokens
 
 
-def quietly(log: Log, access: Access) -> Log:
+def quiet_log(log: Log, access: Access) -> Log:
     """Return a log of what a line has said, the token not.
 
     It knows nothing of the station, which is therefore gone as soon as it is dropped.
@@ -125,13 +125,13 @@ class Station:
         self,
         line: Line,
         access: Access,
-        sending: Sending,
+        sending: Sender,
         log: Log,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.line = line
         self.role = access.first
-        self.counts = Counts()
+        self.counts = WordCounts()
         self.wishes = Subscriptions(line, sending)
         self.called = ""  # what it calls itself, as a screen for everybody does
         self.leaving = ""  # why the line is to be closed, "" while it stays
@@ -144,7 +144,7 @@ class Station:
         self._refilled = clock()
         self._orders_left = float(ORDERS_AT_ONCE)
         self._flooding = False  # has been told
-        self._quiet_log = quietly(log, access)
+        self._quiet_log = quiet_log(log, access)
         self._noise = NoiseLog(self._quiet_log, clock)
         self._late: LateAnswer | None = None
         self._machine = False  # a program spoke last
@@ -186,7 +186,7 @@ class Station:
         trouble = f"; {self.line.trouble}" if self.line.trouble else ""
         return f"{told}{lost}{trouble}"
 
-    def take(self, most: int) -> Iterator[Asked]:
+    def take(self, most: int) -> Iterator[Request]:
         """Yield the orders among the next lines, one at a time, at most so many.
 
         What comes after an order is heard once that has been answered.
@@ -204,13 +204,13 @@ class Station:
                 break
             yield from self._hear(line)
 
-    def answer(self, asked: Asked, reply: Reply, *lines: str) -> None:
+    def answer(self, asked: Request, reply: Reply, *lines: str) -> None:
         """Answer an order by a long answer's lines, then the result or the reason."""
         self._answer(asked.heard, reply, *lines)
 
     def tell(self, news: News) -> None:
         """Tell of something that happened, if it is for this role and wanted."""
-        if not (self.wishes.events and hears(self.role, news.kind)):
+        if not (self.wishes.events and hears_kind(self.role, news.kind)):
             return
         self.note(news)
         if not self._machine:
@@ -227,7 +227,7 @@ class Station:
 
     def type_out(self) -> None:
         """Send the teletype line at every tick, as a line for people begins."""
-        self.wishes.begin(TELETYPE, 0.0, self.role, machine=False)
+        self.wishes.begin(TELETYPE_CHANNEL, 0.0, self.role, machine=False)
 
     def leave(self) -> None:
         """Send nothing more. Log how many bad lines were not written one by one."""
@@ -240,13 +240,13 @@ class Station:
         self.leave()
         self.line.close(patience)
 
-    def _hear(self, line: str | Overlong) -> list[Asked]:
+    def _hear(self, line: str | OverlongLine) -> list[Request]:
         """Return the order to be obeyed on a line, if there is one; answer the rest."""
-        if isinstance(line, Overlong):
+        if isinstance(line, OverlongLine):
             reason = f"longer than {line.limit} characters; nothing done"
-            self._bad(Heard(BadOrder("", reason), self._machine), reason)
+            self._bad(Message(BadOrder("", reason), self._machine), reason)
             return []
-        heard = hear(line)
+        heard = parse_line(line)
         if heard is None:
             return []
         self._machine = heard.machine
@@ -259,22 +259,22 @@ class Station:
             return []
         return self._obey(heard, heard.order)
 
-    def _bad(self, heard: Heard, reason: str) -> None:
+    def _bad(self, heard: Message, reason: str) -> None:
         """Answer a line that is no order."""
         self.counts.bad += 1
         self._log_refusal(f"{heard.order.text or 'a line'}: {reason}")
         self._answer(heard, Refused(reason))
 
-    def _obey(self, heard: Heard, order: Order) -> list[Asked]:
+    def _obey(self, heard: Message, order: Order) -> list[Request]:
         """Answer what concerns the line alone or is not its to order; return the rest."""
         if "order" in self.role.commands:
             order = to_the_crew(order)
         why = refusal(self.role, order)
         if why is not None:
-            guessed = self.role is STRANGER and self.counts.guesses
-            self._refuse(heard, order, GUESSED_WRONG if guessed else why)
+            guessed = self.role is STRANGER_ROLE and self.counts.guesses
+            self._refuse(heard, order, WRONG_TOKEN_TEXT if guessed else why)
             return []
-        duties: dict[str, Callable[[Heard, Order], None]] = {
+        duties: dict[str, Callable[[Message, Order], None]] = {
             "role": self._take_role,
             "help": lambda heard, order: self._answer(heard, "", *help_text(order.word)),
             "subscribe": self._subscribe,
@@ -289,7 +289,7 @@ class Station:
             return []
         self.counts.orders += 1
         self._orders_left -= self.visits
-        return [Asked(order, heard, self)]
+        return [Request(order, heard, self)]
 
     def _refill(self) -> None:
         """Let as many orders more be taken as the time since the last call is worth."""
@@ -306,7 +306,7 @@ class Station:
             self._flooding = True
             self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
 
-    def _refuse(self, heard: Heard, order: Order, why: str) -> None:
+    def _refuse(self, heard: Message, order: Order, why: str) -> None:
         """Refuse an order that is not this line's to give."""
         self.counts.refused += 1
         self._log_refusal(f"{order.text}: {why}")
@@ -317,7 +317,7 @@ class Station:
         log = self._noise.log if self.settled else self._quiet_log
         log("refused", f"{self.who}: {text}")
 
-    def _answer(self, heard: Heard, reply: Reply, *lines: str) -> None:
+    def _answer(self, heard: Message, reply: Reply, *lines: str) -> None:
         """Send an answer in the manner that the order came."""
         accepted = not isinstance(reply, Refused)
         text = self._door.hide(reply.reason) if isinstance(reply, Refused) else reply
@@ -331,19 +331,19 @@ class Station:
         if text:
             self.line.send(text if accepted else f"? {text}")
 
-    def _be_called(self, heard: Heard, order: Order) -> None:
+    def _be_called(self, heard: Message, order: Order) -> None:
         """Let the line have a name of its own in the list of stations."""
         self.called = order.subject
         self._log("station", f"{self.who} is called {self.called}")
         self._answer(heard, f"this line is called {self.called}")
 
-    def _detach(self, heard: Heard, _order: Order) -> None:
+    def _detach(self, heard: Message, _order: Order) -> None:
         self.leaving = "detached"
         if self._program:
             self.line.send(sentences.fact(0, 0.0, "left", ""))
         self._answer(heard, "bye")
 
-    def _take_role(self, heard: Heard, order: Order) -> None:
+    def _take_role(self, heard: Message, order: Order) -> None:
         """Let the line be what it says it is, once, if it has the token."""
         if self.settled:
             self._refuse(heard, order, f"you {self.role.part}: a line keeps its role")
@@ -354,10 +354,10 @@ class Station:
         self.role, self.settled = ROLES[order.word], True
         self._door.entered()
         self._log("station", f"{self.line.name} now {self.role.of_another}")
-        self._answer(heard, f"you {self.role.part}", *powers(self.role))
+        self._answer(heard, f"you {self.role.part}", *role_powers(self.role))
         self.wishes.keep_for(self.role)
 
-    def _refuse_token(self, heard: Heard, order: Order) -> None:
+    def _refuse_token(self, heard: Message, order: Order) -> None:
         """Refuse a wrong token: in the log at once, by an answer that its machine has to wait for.
 
         The line is closed after the third.
@@ -371,10 +371,14 @@ class Station:
         self.counts.refused += 1
         self._log_refusal(f"{order.text}: wrong token")
         wait = self._door.delay()
-        last = self.counts.guesses >= GUESSES
-        why = f"wrong token, the {GUESSES}rd: this line is closed" if last else "wrong token"
+        last = self.counts.guesses >= MAX_TOKEN_GUESSES
+        why = (
+            f"wrong token, the {MAX_TOKEN_GUESSES}rd: this line is closed"
+            if last
+            else "wrong token"
+        )
         why += f"; answered after {wait:g} s, because there were many" if wait else ""
-        leaving = f"{GUESSES} wrong tokens" if last else ""
+        leaving = f"{MAX_TOKEN_GUESSES} wrong tokens" if last else ""
         self._late = LateAnswer(self._clock() + wait, heard, Refused(why), leaving)
         self._answer_late()
 
@@ -385,10 +389,10 @@ class Station:
             self._late, self.leaving = None, late.leaving
             self._answer(late.heard, late.reply)
 
-    def _subscribe(self, heard: Heard, order: Order) -> None:
+    def _subscribe(self, heard: Message, order: Order) -> None:
         """Have a channel sent from now on, the answer before it."""
         channel = order.subject
-        unheard_of = unknown(channel, self.role)
+        unheard_of = unknown_channel(channel, self.role)
         if unheard_of:
             self._answer(heard, Refused(unheard_of))
             return
@@ -398,15 +402,22 @@ class Station:
             return
         rate = rate_of(channel, order.value)
         often = f"at most {rate:g} a second" if rate else "every tick"
-        self._answer(heard, f"{channel}: {'as they happen' if channel == EVENTS else often}")
+        self._answer(
+            heard, f"{channel}: {'as they happen' if channel == EVENTS_CHANNEL else often}"
+        )
         self.wishes.begin(channel, rate, self.role, machine=heard.machine)
 
 
-def powers(role: Role) -> list[str]:
+def role_powers(role: Role) -> list[str]:
     """Return what a role may order and see, in words of at most 79 columns."""
-    own = "everything" if role is INSTRUCTOR else ", ".join(sorted(role.commands - COMMON))
-    told = f"you may order {own or 'nothing'}; you may see {', '.join(role.channels)}, {EVENTS}"
-    return textwrap.wrap(told, WIDTH)
+    own = (
+        "everything"
+        if role is INSTRUCTOR_ROLE
+        else ", ".join(sorted(role.commands - COMMON_ORDERS))
+    )
+    seen = ", ".join((*role.channels, EVENTS_CHANNEL))
+    told = f"you may order {own or 'nothing'}; you may see {seen}"
+    return textwrap.wrap(told, MAX_LINE_LETTERS)
 
 
 class Reception(Protocol):
@@ -422,7 +433,7 @@ class Reception(Protocol):
         ...
 
 
-class Closed:
+class NoReception:
     """Nobody comes in by himself."""
 
     awaited = False

@@ -17,13 +17,13 @@ from typing import Final, Protocol
 
 from trainer.config.files import nearest
 from trainer.io.orders.grammar import Refused, Reply
-from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
-from trainer.session.stations.display import Display, Sentences, Teletype, Words
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, blind
+from trainer.session.stations.channels import CHANNELS, EVENTS_CHANNEL, TELETYPE_CHANNEL
+from trainer.session.stations.display import Display, SentenceDisplay, TeletypeDisplay, WordDisplay
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, Role, channel_refusal
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 
-FASTEST: Final = 100.0  # [Hz] rounds at most, however fast the ticks come
-TROUBLES: Final = 64  # kept until somebody asks
+MAX_ROUND_RATE_HZ: Final = 100.0  # [Hz] rounds at most, however fast the ticks come
+MAX_KEPT_TROUBLES: Final = 64  # kept until somebody asks
 
 
 class Recipient(Protocol):
@@ -69,7 +69,7 @@ class Roster:
     """Who is subscribed to what."""
 
     def __init__(self, lookout: StateReader) -> None:
-        self.troubles: deque[str] = deque(maxlen=TROUBLES)
+        self.troubles: deque[str] = deque(maxlen=MAX_KEPT_TROUBLES)
         self._lookout = lookout
         self._change = threading.Lock()  # of the list, which is replaced and never altered
         # no tuple: one made of what is left over is hoarded by Python when it is dropped
@@ -173,10 +173,10 @@ class Publisher(RosterSender):
             if closing:
                 return
             if not self.roster.empty:  # the first to come is served at once
-                self._closing.wait(1.0 / FASTEST)
+                self._closing.wait(1.0 / MAX_ROUND_RATE_HZ)
 
 
-class Promptly(RosterSender):
+class PromptSender(RosterSender):
     """Send pictures in the caller's thread, every one: for runs that keep no time."""
 
     _picture: Picture | None = None
@@ -196,7 +196,7 @@ class Promptly(RosterSender):
         """Do nothing: all has been sent."""
 
 
-class Sending(Protocol):
+class Sender(Protocol):
     """The sender of subscriptions: a publisher, or one that sends promptly."""
 
     @property
@@ -220,7 +220,7 @@ class Sending(Protocol):
 class Subscriptions:
     """The subscriptions of one line; a channel is there once, the later wish holds."""
 
-    def __init__(self, to: Recipient, sending: Sending) -> None:
+    def __init__(self, to: Recipient, sending: Sender) -> None:
         self.events = True
         self._to = to
         self._sending = sending
@@ -229,12 +229,12 @@ class Subscriptions:
     @property
     def channels(self) -> tuple[str, ...]:
         """Return what is wanted, by name."""
-        return (*self._subscriptions, *((EVENTS,) if self.events else ()))
+        return (*self._subscriptions, *((EVENTS_CHANNEL,) if self.events else ()))
 
     def begin(self, channel: str, rate: float, role: Role, *, machine: bool) -> None:
         """Subscribe a channel at ``rate`` [Hz] at most, or 0 at every tick."""
         self.end(channel)
-        if channel == EVENTS:
+        if channel == EVENTS_CHANNEL:
             self.events = True
             return
         subscription = Subscription(
@@ -249,13 +249,13 @@ class Subscriptions:
         None if it was not sent.
         """
         found = self._subscriptions.get(channel)
-        self.end(*(() if channel == EVENTS else (channel,)))
+        self.end(*(() if channel == EVENTS_CHANNEL else (channel,)))
         return (found[0].rate, found[1]) if found else None
 
     def end(self, *channels: str) -> None:
         """Unsubscribe channels."""
         for channel in channels:
-            self.events = self.events and channel != EVENTS
+            self.events = self.events and channel != EVENTS_CHANNEL
             if channel in self._subscriptions:
                 self._sending.strike(self._subscriptions.pop(channel)[0])
 
@@ -263,7 +263,7 @@ class Subscriptions:
         """Show what ``role`` may see as it sees it, and the rest no more."""
         for channel, (old, machine) in tuple(self._subscriptions.items()):
             self.end(channel)
-            if blind(role, channel) is None:
+            if channel_refusal(role, channel) is None:
                 self.begin(channel, old.rate, role, machine=machine)
 
     def cancel(self, given: str) -> Reply:
@@ -283,23 +283,23 @@ def rate_of(channel: str, wished: float) -> float:
     return wished if math.isinf(fastest) else min(wished or fastest, fastest)
 
 
-def unknown(channel: str, role: Role) -> str:
+def unknown_channel(channel: str, role: Role) -> str:
     """Return why there is no such channel, naming the nearest that ``role`` has. "" if there is."""
-    if channel in (*CHANNELS, TELETYPE, EVENTS):
+    if channel in (*CHANNELS, TELETYPE_CHANNEL, EVENTS_CHANNEL):
         return ""
-    there = (*role.channels, EVENTS)
+    there = (*role.channels, EVENTS_CHANNEL)
     return f"no channel {channel}{nearest(channel, there) or '; there is ' + ', '.join(there)}"
 
 
 def why_barred(channel: str, role: Role) -> str | None:
     """Return why a channel, events among them, is not for ``role``; None when it is."""
-    if channel == EVENTS and role is not STRANGER:
+    if channel == EVENTS_CHANNEL and role is not STRANGER_ROLE:
         return None
-    return blind(role, channel)
+    return channel_refusal(role, channel)
 
 
 def display(channel: str, role: Role, *, machine: bool) -> Display:
     """Return how a channel is shown to a program or a reader of that role."""
-    if channel == TELETYPE:
-        return Teletype(attrgetter("truth" if role is INSTRUCTOR else "readings"))
-    return Sentences(CHANNELS[channel]) if machine else Words(CHANNELS[channel])
+    if channel == TELETYPE_CHANNEL:
+        return TeletypeDisplay(attrgetter("truth" if role is INSTRUCTOR_ROLE else "readings"))
+    return SentenceDisplay(CHANNELS[channel]) if machine else WordDisplay(CHANNELS[channel])

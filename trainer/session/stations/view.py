@@ -8,14 +8,14 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.boat import PLACES, Boat
-from trainer.boat.casualties import Readings
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.world.bottom import keel_of
 from trainer.core.casualties import instruments
-from trainer.core.state import SOUNDINGS, new_scratch, new_state
+from trainer.core.state import SOUNDING_COUNT, new_scratch, new_state
 from trainer.session.time.ledger import Summary
 
-BYTES: Final = new_state().nbytes
+STATE_BYTES: Final = new_state().nbytes
 
 
 class Pace(NamedTuple):
@@ -77,17 +77,17 @@ class Frame:
     boat: Boat
     fittings: Fittings
     numbers: list[float]
-    readings: Readings
+    readings: InstrumentReadings
     pace: Pace
     summary: Callable[[], Summary]
     kept: dict[str, Any] = field(default_factory=dict)  # what is worth finding once
 
     def __getitem__(self, name: str) -> float:
-        return self.numbers[PLACES[name]]
+        return self.numbers[STATE_PLACES[name]]
 
     def at(self, block: str, place: int) -> float:
         """Return the number at a place of a block of the state [SI]."""
-        return self.numbers[PLACES[block] + place]
+        return self.numbers[STATE_PLACES[block] + place]
 
     @cached_property
     def ledger(self) -> Summary:
@@ -111,11 +111,11 @@ class Frame:
         return lifted - self["z"] - self["eta_wave"]
 
     @property
-    def truth(self) -> Readings:
+    def truth(self) -> InstrumentReadings:
         """Return depth [m], heading [rad], speed [m/s] and sounding [m] as they are."""
-        under = self.at("bottom", SOUNDINGS // 2)
+        under = self.at("bottom", SOUNDING_COUNT // 2)
         sounding = under - self["z"] if self["bottom"] else 0.0
-        return Readings(self["z"], self["psi"], self["u"], sounding)
+        return InstrumentReadings(self["z"], self["psi"], self["u"], sounding)
 
 
 class StateReader:
@@ -130,11 +130,13 @@ class StateReader:
 
     def frame(self, picture: Picture) -> Frame:
         """Return the frame of a picture; ValueError unless its state is of this core's layout."""
-        if len(picture.state) != BYTES:
-            raise ValueError(f"a state of {len(picture.state)} bytes; this core's has {BYTES}")
+        if len(picture.state) != STATE_BYTES:
+            raise ValueError(
+                f"a state of {len(picture.state)} bytes; this core's has {STATE_BYTES}"
+            )
         whole = np.frombuffer(picture.state)
         self._state["whole"][0] = whole
         instruments(self._state, self._scratch)
-        readings = Readings(*self._scratch["reading"][0].tolist())
+        readings = InstrumentReadings(*self._scratch["reading"][0].tolist())
         numbers = whole.tolist()
         return Frame(self._boat, self._fittings, numbers, readings, picture.pace, self._summary)

@@ -10,10 +10,10 @@ from typing import Final
 
 import numpy as np
 
-SECOND: Final = 1_000_000_000  # [ns]
-HALF_BITS = 6
-HALF = 32  # [-] histogram bins to a factor of two: a percentile is at most 1/32 too high
-EXACT = 2 * HALF  # [ns] what is below it has a bin of its own
+SECOND_NS: Final = 1_000_000_000  # [ns]
+OCTAVE_BITS = 6
+OCTAVE_BINS = 32  # [-] histogram bins to a factor of two: a percentile is at most 1/32 too high
+EXACT_BELOW_NS = 2 * OCTAVE_BINS  # [ns] what is below it has a bin of its own
 
 
 @dataclass(frozen=True)
@@ -45,15 +45,15 @@ class Histogram:
     """Counts of durations in fixed logarithmic bins."""
 
     def __init__(self) -> None:
-        self._counts = [0] * (59 * HALF)  # up to 2^63 ns; a list counts four times as fast
+        self._counts = [0] * (59 * OCTAVE_BINS)  # up to 2^63 ns; a list counts four times as fast
         self._largest = 0
 
     def add(self, duration: int) -> None:
         """Count ``duration`` [ns]; a negative one counts as 0."""
         place = duration if duration > 0 else 0  # noqa: FURB136  max() takes as long as all the rest
-        if place >= EXACT:
-            shift = place.bit_length() - HALF_BITS
-            place = shift * HALF + (place >> shift)
+        if place >= EXACT_BELOW_NS:
+            shift = place.bit_length() - OCTAVE_BITS
+            place = shift * OCTAVE_BINS + (place >> shift)
         self._counts[place] += 1
         if duration > self._largest:  # noqa: PLR1730
             self._largest = duration
@@ -66,8 +66,8 @@ class Histogram:
         return Spread(p50, p99, p999, self._largest)
 
     def _top(self, place: int) -> int:
-        shift = max(place // HALF - 1, 0)
-        return min(((place - shift * HALF + 1) << shift) - 1, self._largest)
+        shift = max(place // OCTAVE_BINS - 1, 0)
+        return min(((place - shift * OCTAVE_BINS + 1) << shift) - 1, self._largest)
 
 
 class Ledger:
@@ -96,7 +96,7 @@ class Ledger:
         """Return the state of the ledger."""
         return Summary(
             ticks=self.ticks,
-            duty_cycle=float(self._worked / (max(self.ticks, 1) * self.step * SECOND)),
+            duty_cycle=float(self._worked / (max(self.ticks, 1) * self.step * SECOND_NS)),
             work=self._work.spread(),
             lateness=self._lateness.spread(),
             overruns=self.overruns,

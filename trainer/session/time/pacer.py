@@ -4,7 +4,7 @@ Tick k is due at anchor + k h / speed, computed from k in integers, so nothing d
 
     pacer.run()
     while more:
-        if pacer.wait(wake) is WOKEN:
+        if pacer.wait(wake) is WAIT_WOKEN:
             wake.clear()  # then look at what arrived, and wait on for the same deadline
         else:
             pacer.begin()
@@ -28,19 +28,20 @@ from fractions import Fraction
 from functools import partial
 from typing import Final, Protocol
 
-from trainer.session.time.ledger import SECOND, Ledger
+from trainer.session.time.ledger import SECOND_NS, Ledger
 
 # A wait is cut in pieces: some systems deliver Ctrl-C, and notice a suspension, only between two.
-LONGEST_NAP: Final = SECOND // 2  # [ns]
+MAX_NAP_NS: Final = SECOND_NS // 2  # [ns]
 # Sleep ends a little before a deadline, and the rest is spun away: long enough to wake up, and to
 # get the interpreter from a busy thread (punctuality.SWITCH); short enough to cost nothing.
-SPIN: Final = 300_000  # [ns]
-SLOWEST, FASTEST = 0.1, 100.0  # [-] speeds a pacer accepts
+SPIN_TIME_NS: Final = 300_000  # [ns]
+MIN_TIME_SPEED, MAX_TIME_SPEED = 0.1, 100.0  # [-] speeds a pacer accepts
 MAX_CATCH_UP = 5  # [-] late ticks run back to back before the rest are given up
 # Oversleeping longer than this (and than a period) is not scheduling: the process was stopped.
-STOPPED = SECOND // 4  # [ns]
+STOPPED_TIME_NS = SECOND_NS // 4  # [ns]
 # A tick may block for a while and is then late by its own doing; off the processor for more than
-# this many periods (and STOPPED) it was a stopped process too, or a debugger, which looks the same.
+# this many periods (and STOPPED_TIME_NS) it was a stopped process too, or a debugger, which looks
+# the same.
 STOPPED_PERIODS = 4
 
 
@@ -77,8 +78,8 @@ class MonotonicClock:
     def wait_until(self, deadline: int, wake: threading.Event) -> int:
         """Return the time [ns] once ``deadline`` is past, 0 if ``wake`` is set before."""
         now, woken = self.now, wake.is_set
-        while (left := deadline - SPIN - now()) > 0:
-            if wake.wait(min(left, LONGEST_NAP) / SECOND):
+        while (left := deadline - SPIN_TIME_NS - now()) > 0:
+            if wake.wait(min(left, MAX_NAP_NS) / SECOND_NS):
                 return reached if (reached := now()) >= deadline else 0
         while (reached := now()) < deadline:
             if woken():
@@ -94,17 +95,20 @@ class Policy(Enum):
     FREEZE = "freeze"  # stop until told to run
 
 
-class Waited(Enum):
+class WaitResult(Enum):
     """Why a wait came back."""
 
     DUE = "due"
     WOKEN = "woken"
 
 
-DUE, WOKEN = Waited.DUE, Waited.WOKEN  # Python looks a member up by a function of its own
+WAIT_DUE, WAIT_WOKEN = (
+    WaitResult.DUE,
+    WaitResult.WOKEN,
+)  # Python looks a member up by a function of its own
 
 
-class Happening(Enum):
+class PacerEventKind(Enum):
     """The messages of a pacer."""
 
     SLIPPED = "slipped: the deadline had passed by"
@@ -113,22 +117,22 @@ class Happening(Enum):
 
 
 @dataclass(frozen=True)
-class Event:
+class PacerEvent:
     """One thing worth telling the user."""
 
-    what: Happening
+    what: PacerEventKind
     tick: int  # [-] ticks begun so far
     length: int  # [ns]
 
     def __str__(self) -> str:
-        return f"tick {self.tick}: {self.what.value} {self.length / SECOND:.3f} s"
+        return f"tick {self.tick}: {self.what.value} {self.length / SECOND_NS:.3f} s"
 
 
 class Pacer:
     """Ticks of h at a speed against the clock; frozen until told to run."""
 
     def __init__(self, clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> None:
-        """Take the speed [-]; ValueError outside SLOWEST to FASTEST."""
+        """Take the speed [-]; ValueError outside MIN_TIME_SPEED to MAX_TIME_SPEED."""
         self.ledger, self.frozen = ledger, True
         self._clock, self._policy = clock, policy
         self._set_period(_period(ledger.step, speed))
@@ -139,8 +143,8 @@ class Pacer:
         self._deadline = self._start = 0  # of the tick at work
         self._seen = self._seen_cpu = 0  # when the thread was last known to be running
         self._in_a_row = 0
-        self._listened = False  # a wait has ended in WOKEN since the last tick
-        self._events: list[Event] = []
+        self._listened = False  # a wait has ended in WAIT_WOKEN since the last tick
+        self._events: list[PacerEvent] = []
 
     def run(self) -> None:
         """Go on where the freeze stopped, as if no time had passed."""
@@ -158,7 +162,7 @@ class Pacer:
             self._left = max((self._next - self._clock.now()) / self._period, Fraction(0))
 
     def set_speed(self, speed: float) -> None:
-        """Change the speed [-]; lateness is forgiven. ValueError outside SLOWEST to FASTEST."""
+        """Change the speed [-]; lateness is forgiven. ValueError beyond its limits."""
         period = _period(self.ledger.step, speed)
         running = not self.frozen
         self.freeze()
@@ -166,32 +170,32 @@ class Pacer:
         if running:
             self.run()
 
-    def wait(self, wake: threading.Event) -> Waited:
-        """Return DUE at the next tick, WOKEN if ``wake`` is set before or while frozen.
+    def wait(self, wake: threading.Event) -> WaitResult:
+        """Return WAIT_DUE at the next tick, WAIT_WOKEN if ``wake`` is set before or while frozen.
 
         A tick that is late waits for what has arrived once, and not for a flood of it.
         """
         if self.frozen:
             _wait_frozen(self._clock, wake)
             self._listened = True
-            return WOKEN
+            return WAIT_WOKEN
         entered = self._clock.now()
         if still := self._look(entered):
             self._gap(still, entered)
         due = self._next
         if entered >= due and not self._listened and wake.is_set():
             self._listened = True
-            return WOKEN
+            return WAIT_WOKEN
         awaited = max(due, entered)
         latest = awaited + self._overslept
         reached = self._clock.wait_until(due, wake)
         now = reached or self._clock.now()
         if now > latest:
             self._gap(now - awaited, now)
-        self._seen = now  # it has slept since, and used the processor for SPIN at most
+        self._seen = now  # it has slept since, and used the processor for SPIN_TIME_NS at most
         self._woke = reached
         self._listened = not reached
-        return DUE if reached else WOKEN
+        return WAIT_DUE if reached else WAIT_WOKEN
 
     def begin(self) -> None:
         """Start the work of a tick, also a single one in a freeze.
@@ -215,7 +219,7 @@ class Pacer:
         else:
             self._in_a_row = 0
 
-    def end(self) -> tuple[Event, ...]:
+    def end(self) -> tuple[PacerEvent, ...]:
         """End the work of a tick; return what has happened since the last one."""
         now = self._clock.now()
         still = self._still(now)
@@ -239,10 +243,10 @@ class Pacer:
             return
         exhausted = self._in_a_row >= MAX_CATCH_UP and now - due > self._whole
         if self._policy is Policy.FREEZE:
-            self._say(Happening.FROZE, now - due)
+            self._say(PacerEventKind.FROZE, now - due)
             self.freeze()
         elif self._policy is Policy.SLIP or exhausted:
-            self._say(Happening.SLIPPED, now - due)
+            self._say(PacerEventKind.SLIPPED, now - due)
             last_passed = math.ceil((now + 1 - self._anchor) / self._period) - 1
             self.ledger.skipped += last_passed - self._tick + 1
             self._reanchor(max(now, self._start + self._whole))
@@ -250,7 +254,7 @@ class Pacer:
     def _gap(self, length: int, due: int) -> None:
         self.ledger.gaps += 1
         self.ledger.gap_ns += length
-        self._say(Happening.GAP, length)
+        self._say(PacerEventKind.GAP, length)
         self._reanchor(due)
 
     def _still(self, now: int) -> int:
@@ -264,23 +268,23 @@ class Pacer:
         still = (now - seen) - (self._seen_cpu - seen_cpu)
         return still if still > self._stopped else 0
 
-    def _say(self, what: Happening, length: int) -> None:
-        self._events.append(Event(what, self.ledger.ticks, length))
+    def _say(self, what: PacerEventKind, length: int) -> None:
+        self._events.append(PacerEvent(what, self.ledger.ticks, length))
 
     def _set_period(self, period: Fraction) -> None:
         # fractions are slow, and between a deadline and its tick every microsecond is lateness;
         # a whole number is beyond the period where it is beyond the whole of it
         self._period, self._whole = period, int(period)
         self._numerator, self._denominator = period.numerator, period.denominator
-        self._overslept = max(int(period), STOPPED)
-        self._stopped = max(int(STOPPED_PERIODS * period), STOPPED)
+        self._overslept = max(int(period), STOPPED_TIME_NS)
+        self._stopped = max(int(STOPPED_PERIODS * period), STOPPED_TIME_NS)
 
     def _reanchor(self, due: int) -> None:
         self._anchor = self._next = due
         self._tick = 0
 
 
-class Unpaced:
+class FreePacer:
     """A ``Pacer`` to its caller, as fast as the machine allows. It has no deadlines to miss."""
 
     def __init__(self, clock: Clock, ledger: Ledger) -> None:
@@ -297,29 +301,29 @@ class Unpaced:
         """Stop the ticks until ``run``."""
         self.frozen = True
 
-    def wait(self, wake: threading.Event) -> Waited:
-        """Return WOKEN if ``wake`` is set, else DUE; in a freeze wait for ``wake``."""
+    def wait(self, wake: threading.Event) -> WaitResult:
+        """Return WAIT_WOKEN if ``wake`` is set, else WAIT_DUE; in a freeze wait for ``wake``."""
         if self.frozen:
             _wait_frozen(self._clock, wake)
         self._listening = wake.is_set() and not (self._listening and not self.frozen)
-        return WOKEN if self._listening else DUE
+        return WAIT_WOKEN if self._listening else WAIT_DUE
 
     def begin(self) -> None:
         """Start the work of a tick."""
         self._start = self._clock.now()
 
-    def end(self) -> tuple[Event, ...]:
+    def end(self) -> tuple[PacerEvent, ...]:
         """End the work of a tick; nothing can have happened."""
         self.ledger.record(self._start, self._start, self._clock.now() - self._start)
         return ()
 
 
 def _period(step: Fraction, speed: float) -> Fraction:
-    if not SLOWEST <= speed <= FASTEST:
-        raise ValueError(f"speed {speed} is not between {SLOWEST:g} and {FASTEST:g}")
-    return step * SECOND / Fraction(str(speed))
+    if not MIN_TIME_SPEED <= speed <= MAX_TIME_SPEED:
+        raise ValueError(f"speed {speed} is not between {MIN_TIME_SPEED:g} and {MAX_TIME_SPEED:g}")
+    return step * SECOND_NS / Fraction(str(speed))
 
 
 def _wait_frozen(clock: Clock, wake: threading.Event) -> None:
-    while clock.wait_until(clock.now() + LONGEST_NAP, wake):
+    while clock.wait_until(clock.now() + MAX_NAP_NS, wake):
         pass

@@ -17,36 +17,36 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from trainer.session.time.ledger import SECOND, Ledger
+from trainer.session.time.ledger import SECOND_NS, Ledger
 from trainer.session.time.pacer import (
     MAX_CATCH_UP,
-    SLOWEST,
+    MIN_TIME_SPEED,
     Clock,
-    Event,
-    Happening,
+    FreePacer,
     Pacer,
+    PacerEvent,
+    PacerEventKind,
     Policy,
-    Unpaced,
 )
 
-SWITCH: Final = 120e-6  # [s] after which a thread may ask another for the interpreter
-FIRST: Final = 20  # real-time priority of the thread that ticks
-REST: Final = 10  # and of the others
-THREADS: Final = Path("/proc/self/task")
+SWITCH_INTERVAL_S: Final = 120e-6  # [s] after which a thread may ask another for the interpreter
+TICK_PRIORITY: Final = 20  # real-time priority of the thread that ticks
+OTHER_PRIORITY: Final = 10  # and of the others
+THREADS_FOLDER: Final = Path("/proc/self/task")
 SET_TIMER_SLACK: Final = 29  # of prctl
 IN_USE: Final = 1 | 2 | 4  # of mlockall: now and later, but nothing that is merely set aside
-REFUSED: Final = "not permitted"
-ABSENT: Final = "not on this system"
-QUIET: Final = 10 * SECOND  # [ns] without a slip, after which the next one is told
-SUSTAINED: Final = SECOND  # [ns] of slipping until the speed falls
-FEWEST: Final = (
+NOT_PERMITTED: Final = "not permitted"
+NOT_AVAILABLE: Final = "not on this system"
+QUIET_TIME_NS: Final = 10 * SECOND_NS  # [ns] without a slip, after which the next one is told
+SLIP_TIME_NS: Final = SECOND_NS  # [ns] of slipping until the speed falls
+MIN_OVERRUNS: Final = (
     5  # [-] overruns in that time; a machine that stumbles once or twice keeps its speed
 )
-SHARE: Final = 0.8  # [-] of the clock that ticks take at the speed that is fallen to
+TICK_SHARE: Final = 0.8  # [-] of the clock that ticks take at the speed that is fallen to
 
 
 @dataclass(frozen=True)
-class Granted:
+class PunctualityResult:
     """The result of asking, in words."""
 
     priority: str = "normal"
@@ -58,10 +58,10 @@ class Granted:
         return f"priority {self.priority}, memory {self.memory}, timer slack {self.timer}"
 
 
-class Unasked:
+class NoPunctuality:
     """Asks for nothing: for runs that are on time by the way, and for tests."""
 
-    granted: Granted | None = None
+    granted: PunctualityResult | None = None
 
     def keep(self) -> None:
         """Do nothing."""
@@ -75,7 +75,7 @@ class Punctuality:
 
     def __init__(self, *, realtime: bool) -> None:
         """``realtime``: also what can slow down others, a real-time priority and locked memory."""
-        self.granted: Granted | None = None  # at the last time it was asked for
+        self.granted: PunctualityResult | None = None  # at the last time it was asked for
         self._realtime = realtime
         self._interval = 0.0  # [s] what it was; 0 while nothing has been asked for
 
@@ -84,10 +84,12 @@ class Punctuality:
         if self._interval:
             return
         self._interval = sys.getswitchinterval()
-        sys.setswitchinterval(SWITCH)
-        timer = "1 ns" if _timer_slack(1) else f"usual ({ABSENT})"
+        sys.setswitchinterval(SWITCH_INTERVAL_S)
+        timer = "1 ns" if _timer_slack(1) else f"usual ({NOT_AVAILABLE})"
         more = self._realtime
-        self.granted = Granted(_raise(), _lock(), timer) if more else Granted(timer=timer)
+        self.granted = (
+            PunctualityResult(_raise(), _lock(), timer) if more else PunctualityResult(timer=timer)
+        )
 
     def relax(self) -> None:
         """Give everything back, if it has been asked for."""
@@ -105,11 +107,11 @@ class Punctuality:
 def _raise() -> str:
     """Give every thread a real-time priority; return what came of it."""
     if sys.platform != "linux":
-        return f"normal (real-time: {ABSENT})"
+        return f"normal (real-time: {NOT_AVAILABLE})"
     try:
-        _schedule(os.SCHED_FIFO, FIRST, REST)
+        _schedule(os.SCHED_FIFO, TICK_PRIORITY, OTHER_PRIORITY)
     except PermissionError:
-        return f"normal (real-time: {REFUSED})"
+        return f"normal (real-time: {NOT_PERMITTED})"
     return "real-time"
 
 
@@ -117,7 +119,7 @@ def _schedule(policy: int, first: int, rest: int) -> None:
     """Put all threads under a policy, the first with its own priority; PermissionError."""
     if sys.platform != "linux":
         return
-    for thread in (int(path.name) for path in THREADS.iterdir()):
+    for thread in (int(path.name) for path in THREADS_FOLDER.iterdir()):
         level = os.sched_param(first if thread == os.getpid() else rest)
         with contextlib.suppress(ProcessLookupError):  # it has ended meanwhile
             os.sched_setscheduler(thread, policy, level)
@@ -126,9 +128,9 @@ def _schedule(policy: int, first: int, rest: int) -> None:
 def _lock() -> str:
     """Keep the memory of the process from being paged out; return what came of it."""
     if sys.platform != "linux":
-        return f"not locked ({ABSENT})"
+        return f"not locked ({NOT_AVAILABLE})"
     done = ctypes.CDLL(None).mlockall(IN_USE)
-    return "locked" if done == 0 else f"not locked ({REFUSED})"
+    return "locked" if done == 0 else f"not locked ({NOT_PERMITTED})"
 
 
 def _timer_slack(nanoseconds: int) -> bool:
@@ -139,7 +141,7 @@ def _timer_slack(nanoseconds: int) -> bool:
 
 
 @dataclass(frozen=True)
-class Mark:
+class LedgerMark:
     """Where the ledger stood at a moment of the clock."""
 
     now: int  # [ns]
@@ -151,14 +153,14 @@ class SlipJudge:
     """Slips of the schedule that follow each other: told once, and judged as a whole."""
 
     def __init__(self) -> None:
-        self._begun: Mark | None = None  # of those at the present speed
-        self._latest: Mark | None = None
+        self._begun: LedgerMark | None = None  # of those at the present speed
+        self._latest: LedgerMark | None = None
 
-    def begin(self, mark: Mark) -> bool:
+    def begin(self, mark: LedgerMark) -> bool:
         """Take a slip; return whether it is the first after a quiet time."""
         latest, self._latest = self._latest, mark
         first = latest is None or (
-            mark.now - latest.now > QUIET and mark.ticks - latest.ticks > MAX_CATCH_UP + 1
+            mark.now - latest.now > QUIET_TIME_NS and mark.ticks - latest.ticks > MAX_CATCH_UP + 1
         )
         if first or self._begun is None:
             self._begun = mark
@@ -168,22 +170,22 @@ class SlipJudge:
         """Judge what slips from now on alone: the speed has changed."""
         self._begun = None
 
-    def cost(self, mark: Mark) -> float:
+    def cost(self, mark: LedgerMark) -> float:
         """Return how long [ns] a tick takes where ticks cannot keep up. 0: they can.
 
         Half of the ticks at least overran: what slips now and then is held up by others.
         """
         begun = self._begun
-        if begun is None or mark.now - begun.now < SUSTAINED:
+        if begun is None or mark.now - begun.now < SLIP_TIME_NS:
             return 0.0
         ticks, overruns = mark.ticks - begun.ticks, mark.overruns - begun.overruns
-        return (mark.now - begun.now) / ticks if overruns >= max(FEWEST, ticks / 2) else 0.0
+        return (mark.now - begun.now) / ticks if overruns >= max(MIN_OVERRUNS, ticks / 2) else 0.0
 
 
-def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
+def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | FreePacer:
     """Return what paces ticks at ``speed``. An infinite speed is as fast as the machine allows."""
     if math.isinf(speed):
-        return Unpaced(clock, ledger)
+        return FreePacer(clock, ledger)
     return Pacer(clock, ledger, speed, policy)
 
 
@@ -194,9 +196,9 @@ class Timekeeping:
     clock: Clock
     ledger: Ledger
     policy: Policy
-    pacer: Pacer | Unpaced
+    pacer: Pacer | FreePacer
     speed: float  # [-]
-    punctuality: Punctuality | Unasked = field(default_factory=Unasked)
+    punctuality: Punctuality | NoPunctuality = field(default_factory=NoPunctuality)
     slips: SlipJudge = field(default_factory=SlipJudge)
     fallen_from: float = 0.0  # [-] the speed that was asked for and is not held, 0 where it is
 
@@ -238,7 +240,7 @@ class Timekeeping:
         if self.fallen_from:
             self.change(self.fallen_from)
 
-    def judge(self, events: tuple[Event, ...]) -> list[tuple[str, str]]:
+    def judge(self, events: tuple[PacerEvent, ...]) -> list[tuple[str, str]]:
         """Return what there is to tell of a tick's events, each with its kind.
 
         SlipJudge are told once as long as they follow each other. Where ticks take longer than the
@@ -246,10 +248,10 @@ class Timekeeping:
         """
         told = []
         for event in events:
-            if event.what is not Happening.SLIPPED:
+            if event.what is not PacerEventKind.SLIPPED:
                 told.append(("trouble", str(event)))
                 continue
-            mark = Mark(self.clock.now(), self.ledger.ticks, self.ledger.overruns)
+            mark = LedgerMark(self.clock.now(), self.ledger.ticks, self.ledger.overruns)
             if self.slips.begin(mark):
                 told.append(("trouble", str(event)))
             elif cost := self.slips.cost(mark):
@@ -259,8 +261,8 @@ class Timekeeping:
     def _fall(self, cost: float) -> str:
         """Let time go no faster than ticks that cost so much [ns] allow; return it in words."""
         asked, before = self.speed, self.fallen_from or self.speed
-        held = SHARE * float(self.ledger.step) * SECOND / cost
-        self.change(max(float(f"{min(held, SHARE * asked):.2g}"), SLOWEST))
+        held = TICK_SHARE * float(self.ledger.step) * SECOND_NS / cost
+        self.change(max(float(f"{min(held, TICK_SHARE * asked):.2g}"), MIN_TIME_SPEED))
         self.fallen_from = before
         return f"time x{asked:g} is more than this machine holds: x{self.speed:g} from here on"
 
