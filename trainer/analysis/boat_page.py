@@ -37,9 +37,9 @@ from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAME_PLACES, SIDE_SIGNS, WORD_SETS
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import differences, layout_of, open_whole_recording, plan_of
-from trainer.session.history import order_of
 from trainer.session.layout import read_state
 from trainer.session.plan import Plan
+from trainer.session.run_faces import order_of
 from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES

@@ -408,8 +408,7 @@ def _read_order(text: str, place: Place) -> Order:
     """Return a scheduled order; ConfigError if it is none."""
     order = parse(text)
     if not isinstance(order, Order):
-        reason = order.reason if order else "is no order"
-        raise ConfigError(place.wrong("order", text, reason))
+        raise ConfigError(place.wrong("order", text, order.reason if order else "is no order"))
     if order.name in UNSCHEDULED_WORDS:
         raise ConfigError(place.wrong("order", text, "has no place in a schedule"))
     return to_the_crew(order)

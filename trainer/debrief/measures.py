@@ -71,14 +71,14 @@ def time_to(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measureme
     return Measurement(seconds, int(ticks[first]))
 
 
-def time_to_reach(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
+def reach(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the time [s] until the quantity is in its band for good. It has been outside."""
     if _inside(trajectory, rows, rule)[0]:
         return Measurement(None, None, ALREADY_THERE)
     return time_to(trajectory, rows, rule)
 
 
-def settled_share(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
+def settled(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the share [%] of the last seconds in the band, having been outside."""
     if _inside(trajectory, rows, rule)[0]:
         return Measurement(None, None, ALREADY_THERE)
@@ -86,7 +86,7 @@ def settled_share(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Mea
     return in_band(trajectory, rows & (seconds >= seconds[rows][-1] - SETTLING_WINDOW_S), rule)
 
 
-def final_value(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
+def final(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the quantity at the last of the rows, or its distance from its target."""
     if rule.score.target is None:
         value = float(_quantity(trajectory, rows, rule)[-1])
@@ -155,7 +155,7 @@ def closest_approach(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) ->
     return _extreme(trajectory, rows, nearest, np.argmin)
 
 
-def exposed_time(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
+def exposed(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the time [s] for which the periscope's head was out of the water."""
     return _time_in(trajectory, shown_rows(trajectory)[0] & rows)
 
@@ -163,7 +163,7 @@ def exposed_time(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Mea
 def exposed_raise(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the time [s] of the raise that showed longest."""
     raises = shown_rows(trajectory)[1]
-    each = [exposed_time(trajectory, rows & (raises == one), rule) for one in np.unique(raises)]
+    each = [exposed(trajectory, rows & (raises == one), rule) for one in np.unique(raises)]
     return max(each, key=lambda attained: attained.value or 0.0)
 
 
@@ -194,7 +194,7 @@ def broaches(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measure
     return _count_in(trajectory, rows, broach_rows(trajectory))
 
 
-def count_aground(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
+def aground(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return how often the boat was aground, where it was not laid down well."""
     if not trajectory.has("clearance"):
         return Measurement(None, None, "there is no ground here", counts=False)
@@ -285,7 +285,7 @@ def depth_beyond(trajectory: Trajectory) -> Numbers | None:
     return np.where(column["held_depth"] == 0.0, beyond, np.minimum(beyond, 0.0))
 
 
-def surfacing_rows(trajectory: Trajectory) -> RowMask:
+def surfacing(trajectory: Trajectory) -> RowMask:
     """Return at which ticks main ballast is being blown, or blown."""
     vessel, column = trajectory.boat.vessel, trajectory.columns
     if not vessel.fitted:
@@ -300,7 +300,7 @@ def surfacing_rows(trajectory: Trajectory) -> RowMask:
 
 def broach_rows(trajectory: Trajectory) -> list[int]:
     """Return the rows at which the boat broached, as the watch calls it out."""
-    height, meant = shown_height(trajectory), surfacing_rows(trajectory)
+    height, meant = shown_height(trajectory), surfacing(trajectory)
     shows, found = bool(height[0] > 0.0), []
     for row in range(1, height.size):
         if not shows and height[row] > 0.0 and not meant[row]:

@@ -22,11 +22,12 @@ from trainer.session.header import (
     plan_of,
     refusing_damage,
 )
-from trainer.session.history import History, order_of
+from trainer.session.history import History
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
 from trainer.session.run import LastingParts, PreparedRun, fly_session
+from trainer.session.run_faces import order_of
 from trainer.session.warm_up import set_garbage_aside, warm_boat
 from trainer.session.world_orders import settle_world
 
