@@ -129,15 +129,15 @@ def casualty_numbers(boat: Boat, casualty: Casualty, degree: str) -> dict[str, A
 def developed_seas(boat: Boat) -> dict[str, tuple[float, float]]:
     """Return height [m] and peak [rad/s] of each sea state that the boat's step allows."""
     g = float(boat.vessel.g)
-    found = {}
+    seas = {}
     for state in SEA_STATES:
         sea = fully_developed(boat.sea.sea, "state", float(state))
         height, peak = significant_height(sea, g), peak_frequency(sea, g)
         wanted = standing_sea(boat)
         wanted[HEIGHT], wanted[OMEGA] = height, peak
         if not step_problem(wanted, boat.method.step):
-            found[str(state)] = (float(height), float(peak))
-    return found
+            seas[str(state)] = (float(height), float(peak))
+    return seas
 
 
 def grammar() -> dict[str, Any]:
@@ -185,7 +185,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         exercise += [("line", line) for line in plan.briefing.splitlines()]
         exercise += [] if plan.duration is None else [("duration", f"{plan.duration:g}")]
         branches = recording.branches()
-        told = {
+        facts = {
             "from": plain(path.name),
             "branches": [fly_branch(recording, each, boat, plan, layout) for each in branches],
             "orders": [
@@ -200,18 +200,18 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             "exercise": exercise,
         }
         plan.start(boat)
-    return boat, told
+    return boat, facts
 
 
 def refuse_world(recording: Recording, plan: Plan, name: str) -> None:
     """Raise ConfigError if a world is around the boat: a page has none."""
     around = [f"[{table}]" for table in (*plan.sea.world, *plan.world)]
     for branch in recording.branches():
-        own = recording.orders(branch.id, branch.after)
-        around += [each.text for each in own if each.text.partition(" ")[0] in WORLD_PARTS]
+        orders = recording.orders(branch.id, branch.after)
+        around += [each.text for each in orders if each.text.partition(" ")[0] in WORLD_PARTS]
     if around:
-        told = f"has a world around the boat, {around[0]}, and a page has none"
-        raise ConfigError(f"{name}: {told}; look at it by trainer debrief")
+        problem = f"has a world around the boat, {around[0]}, and a page has none"
+        raise ConfigError(f"{name}: {problem}; look at it by trainer debrief")
 
 
 def fly_branch(
@@ -231,10 +231,10 @@ def fly_branch(
         if written := apply_orders(orders, tick - 1, boat, plan):
             before.append((tick - 1, written))
         boat.tick()
-        there = read_state(state, layout, standing)["whole"][0]
-        if changed := state_changes(boat.state.whole, there):
+        recorded = read_state(state, layout, standing)["whole"][0]
+        if changed := state_changes(boat.state.whole, recorded):
             after.append((tick, changed))
-            boat.state.whole[:] = there
+            boat.state.whole[:] = recorded
         last = tick
     if written := apply_orders(orders, last, boat, plan):
         before.append((last, written))
@@ -279,14 +279,14 @@ class PageParts(NamedTuple):
 
 def page_of(boat: Boat | None, recording: Path | None, role: str) -> PageParts:
     """Return the parts of a page: of a boat, or of a recording."""
-    told = None
+    facts = None
     if recording is not None:
-        boat, told = boat_of(recording)
+        boat, facts = boat_of(recording)
     if boat is None:
         raise ValueError("a page has a boat or a recording")
     core = shipped_module(boat)
-    numbers = boat_for_page(boat, role) | {"recording": told}
-    title = boat.file.name if told is None else f"{boat.file.name}: {told['from']}"
+    numbers = boat_for_page(boat, role) | {"recording": facts}
+    title = boat.file.name if facts is None else f"{boat.file.name}: {facts['from']}"
     return PageParts(numbers, core, title)
 
 

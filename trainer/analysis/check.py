@@ -103,14 +103,14 @@ def compare_turns(file: VesselFile) -> TurnComparison:
     """
     rudder = min(TURN_RUDDER_DEG, file.surfaces.rudder_limit_deg)
     to_starboard = -1.0 if file.coefficients["N_dr"] <= 0.0 else 1.0
-    found: dict[str, SteadyTurn | None] = {"full": None, "modified": None}
+    turns: dict[str, SteadyTurn | None] = {"full": None, "modified": None}
     problem = ""
-    for equations in found:
+    for equations in turns:
         try:
-            found[equations] = steady_turn(file, equations, to_starboard * math.radians(rudder))
+            turns[equations] = steady_turn(file, equations, to_starboard * math.radians(rudder))
         except ConfigError as wrong:
             problem = problem or str(wrong)
-    full, modified = found["full"], found["modified"]
+    full, modified = turns["full"], turns["modified"]
     percent = {}
     if full and modified:
         by_compact = asdict(modified)
@@ -126,11 +126,11 @@ def compare_turns(file: VesselFile) -> TurnComparison:
 
 def absent_coefficients(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
     """Return by equation the coefficients not given; ``kept``: that the compact set would keep."""
-    found: dict[str, list[str]] = {}
+    absent_keys: dict[str, list[str]] = {}
     for term in COEFFICIENTS:
         if term.key in file.absent and term.kept == kept:
-            found.setdefault(term.equation, []).append(term.key)
-    return found
+            absent_keys.setdefault(term.equation, []).append(term.key)
+    return absent_keys
 
 
 def asymmetries(file: VesselFile) -> dict[str, float]:
@@ -318,11 +318,11 @@ def _row(mode: Mode) -> ModeRow:
 def straight_flights(file: VesselFile, speeds: Iterable[float]) -> tuple[StraightFlight, ...]:
     """Return trim and modes of the full set at ``speeds`` [kn]."""
     boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
-    found = []
+    rows = []
     for speed in speeds:
         trimmed = bring_to(boat, speed * KNOT)
         flight = measure_response(boat)
-        found.append(
+        rows.append(
             StraightFlight(
                 speed_kn=speed,
                 trimmed=trimmed,
@@ -332,18 +332,18 @@ def straight_flights(file: VesselFile, speeds: Iterable[float]) -> tuple[Straigh
                 modes=tuple(_row(mode) for mode in modes(flight.nature, flight.names)),
             )
         )
-    return tuple(found)
+    return tuple(rows)
 
 
 def check_vessel(file: VesselFile) -> CheckReport:
     """Return the report on ``file``; ``stable`` is False if any of the verdicts is."""
     speeds = round_speeds(*file.run.speed_range_kn)
-    own = file.run.step_s
-    boat = Boat(file, Method("full", "exact", "exact", "adams2", own))
+    own_step = file.run.step_s
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", own_step))
     largest: dict[str, dict[str, float | None]] = {}
     verdicts = []
     for equations in EQUATION_SETS:
-        lagged = Boat(file, Method(equations, "lagged", "exact", "adams2", own))
+        lagged = Boat(file, Method(equations, "lagged", "exact", "adams2", own_step))
         flown = boat_responses(lagged, (speed * KNOT for speed in speeds))
         largest[equations] = {}
         for integrator in STABILITY_METHODS:
@@ -351,7 +351,7 @@ def check_vessel(file: VesselFile) -> CheckReport:
             step = largest_flown(flown.values(), scheme)
             largest[equations][integrator] = None if math.isinf(step) else step
         adams = scheme_record(Method(equations, "lagged", "exact", "adams2", 1.0))
-        for step in sorted({*STEPS_1969_S, own}):
+        for step in sorted({*STEPS_1969_S, own_step}):
             stable = stable_at(flown.values(), adams, step)
             verdicts.append(StepVerdict(equations, step, stable, *worst_motion(flown, adams, step)))
     return CheckReport(
@@ -362,7 +362,7 @@ def check_vessel(file: VesselFile) -> CheckReport:
         absent_but_kept=absent_coefficients(file, kept=True),
         absent_and_dropped=absent_coefficients(file, kept=False),
         asymmetries=asymmetries(file),
-        inertia=inertia(file, own),
+        inertia=inertia(file, own_step),
         margins=margins(file),
         critical_speed_kn=critical_speeds(file),
         flights=straight_flights(file, speeds),
@@ -372,6 +372,6 @@ def check_vessel(file: VesselFile) -> CheckReport:
         afloat=afloat(file),
         clipped=is_clipped(file, boat.records.vessel),
         stable=all(verdict.stable for verdict in verdicts),
-        own_step_s=own,
-        own_step_stable=all(one.stable for one in verdicts if one.step_s == own),
+        own_step_s=own_step,
+        own_step_stable=all(one.stable for one in verdicts if one.step_s == own_step),
     )

@@ -88,8 +88,8 @@ def _modes(report: CheckReport) -> list[str]:
     for name, entries in wild.items():
         rates, speeds = zip(*entries, strict=True)
         phrases.append(f"{name} up to {max(rates):+.3g} /s ({min(speeds):g} to {max(speeds):g} kn)")
-    told = "UNSTABLE BY NATURE, at any step: " + "; ".join(phrases)
-    return lines + (wrap(told) if phrases else [])
+    sentence = "UNSTABLE BY NATURE, at any step: " + "; ".join(phrases)
+    return lines + (wrap(sentence) if phrases else [])
 
 
 def _steps(report: CheckReport) -> list[str]:
@@ -133,8 +133,8 @@ def render(report: CheckReport) -> str:
     cut_off = "linear coefficients would feed the boat beyond their range: that is cut off"
     texts = [f"from the defaults file: {', '.join(report.defaulted)}"] * bool(report.defaulted)
     texts += [f"remark: {remark}" for remark in report.remarks]
-    own = "is" if report.own_step_stable else "is NOT"
-    verdict = f"Not every step above is stable; the boat's own, {report.own_step_s:g} s, {own}."
+    verb = "is" if report.own_step_stable else "is NOT"
+    verdict = f"Not every step above is stable; the boat's own, {report.own_step_s:g} s, {verb}."
     lines = [
         report.vessel,
         INDENT + cut_text(report.path, PAGE_WIDTH - len(INDENT)),

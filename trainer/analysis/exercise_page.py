@@ -126,12 +126,12 @@ def study_exercise(name: str, count: int) -> ExerciseStudy:
 
     There are ``count`` where seeds matter.
     """
-    own = replace(fly_at(name), flights={})
-    seeds = [own.plan.seed]
-    if depends_on_seed(name, own.plan):
-        others = (seed for seed in range(1, count + 1) if seed != own.plan.seed)
+    own_run = replace(fly_at(name), flights={})
+    seeds = [own_run.plan.seed]
+    if depends_on_seed(name, own_run.plan):
+        others = (seed for seed in range(1, count + 1) if seed != own_run.plan.seed)
         seeds += list(others)[: count - 1]
-    flown = (own, *(replace(fly_at(name, seed), flights={}) for seed in seeds[1:]))
+    flown = (own_run, *(replace(fly_at(name, seed), flights={}) for seed in seeds[1:]))
     return ExerciseStudy(path_named(name, "exercises"), tuple(seeds), flown)
 
 
@@ -160,34 +160,34 @@ def baseline_of(found: ExerciseStudy) -> Baseline:
 
 def totals(cards: list[Scorecard]) -> Totals:
     """Return the totals over seeds, the exercise's own first; void counts as nothing."""
-    found = [card.total or 0.0 for card in cards]
+    marks = [card.total or 0.0 for card in cards]
     verdict = cards[0].verdict
     return Totals(
-        total=found[0],
+        total=marks[0],
         outcome=verdict.outcome if verdict else "-",
-        mean=statistics.fmean(found),
-        deviation=statistics.stdev(found) if len(found) > 1 else 0.0,
-        least=min(found),
+        mean=statistics.fmean(marks),
+        deviation=statistics.stdev(marks) if len(marks) > 1 else 0.0,
+        least=min(marks),
     )
 
 
 def baseline_lines(found: ExerciseStudy) -> Iterator[str]:
     """Yield the lines that tell a baseline."""
-    kept, own = baseline_of(found), found.own
-    crew = {each.name: each.marks for each in own.crew.scores} if own.crew else {}
-    width = max(len(name) for name in (*own.nobody_marks, "standard deviation"))
+    baseline, own_run = baseline_of(found), found.own
+    crew = {each.name: each.marks for each in own_run.crew.scores} if own_run.crew else {}
+    width = max(len(name) for name in (*own_run.nobody_marks, "standard deviation"))
     yield f"{'marks at seed ' + str(found.seeds[0]):{width}}  nobody    crew"
-    for name, mark in own.nobody_marks.items():
+    for name, mark in own_run.nobody_marks.items():
         yield f"{name:{width}}  {mark:6.0f}  {_number(crew.get(name))}"
     rows = ("total", "mean", "deviation", "least")
     seeds = "1 seed" if len(found.seeds) == 1 else f"{len(found.seeds)} seeds"
     called = {"mean": f"mean of {seeds}", "deviation": "standard deviation"}
     for row in rows:
-        of_crew = getattr(kept.crew, row) if kept.crew else None
+        of_crew = getattr(baseline.crew, row) if baseline.crew else None
         name = called.get(row, row)
-        yield f"{name:{width}}  {getattr(kept.nobody, row):6.1f}  {_number(of_crew, 1)}"
-    outcome = kept.crew.outcome if kept.crew else "-"
-    yield f"{'outcome':{width}}  {kept.nobody.outcome}; crew {outcome}"
+        yield f"{name:{width}}  {getattr(baseline.nobody, row):6.1f}  {_number(of_crew, 1)}"
+    outcome = baseline.crew.outcome if baseline.crew else "-"
+    yield f"{'outcome':{width}}  {baseline.nobody.outcome}; crew {outcome}"
     if len(found.seeds) == 1:
         yield "no sea, and nothing is drawn: every seed is the same"
 
@@ -222,13 +222,13 @@ def _copy(source: str) -> str:
     """Return the text of a shipped exercise, with what each part is for above it."""
     text = read_text(shipped_path("exercises", source))
     lines = [f"# Copied from {source}. Try it with: trainer exercise check FILE"]
-    told: set[str] = set()
+    copied_heads: set[str] = set()
     for line in text.splitlines():
         if line.startswith("lesson = "):  # its place among the shipped ones
             continue
         head = line.split("#")[0].strip()
-        if head in TABLE_COMMENTS and head not in told:
-            told.add(head)
+        if head in TABLE_COMMENTS and head not in copied_heads:
+            copied_heads.add(head)
             lines.append(f"# {TABLE_COMMENTS[head]}")
         lines.append(line)
     return "\n".join(lines) + "\n"
@@ -276,16 +276,18 @@ def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
     refused = {each.text: each.answer for each in crew if each.giver == REFERENCE_GIVER}
     for i, reaction in enumerate(plan.crew.rules):
         if reaction.order.text in refused:
-            told = f"the boat refuses it: {refused[reaction.order.text]}"
-            yield place.inside(f"crew[{i}]").wrong("order", reaction.row.order, told)
+            problem = f"the boat refuses it: {refused[reaction.order.text]}"
+            yield place.inside(f"crew[{i}]").wrong("order", reaction.row.order, problem)
     if not plan.judged_by_tasks:
         return
     for i, rule in enumerate(plan.scores):
         free = checked.nobody_marks.get(rule.score.name, 0.0)
         if rule.part != "keeping" and free > MAX_NOBODY_PERCENT:
-            told = f"gives {free:.0f} marks with nobody aboard, {MAX_NOBODY_PERCENT:.0f} at most: "
-            told += 'have it be won, or part = "keeping"'
-            yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, told)
+            problem = (
+                f"gives {free:.0f} marks with nobody aboard, {MAX_NOBODY_PERCENT:.0f} at most: "
+            )
+            problem += 'have it be won, or part = "keeping"'
+            yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, problem)
     verdict = checked.nobody.verdict
     if plan.scores and verdict is not None and verdict.outcome == "won":
         yield place.problem("[[scores]]: this exercise is won by standing still")
@@ -334,7 +336,9 @@ def _marks(checked: FlownExercise) -> Iterator[tuple[str, str]]:
 def _scores(plan: Plan) -> Iterator[str]:
     for rule in plan.scores:
         of = [
-            each for each in plan.scores if not plan.judged_by_tasks or _kept(each) == _kept(rule)
+            other
+            for other in plan.scores
+            if not plan.judged_by_tasks or _kept(other) == _kept(rule)
         ]
         share = 100.0 * rule.weight / sum(each.weight for each in of)
         part = f" of {'keeping' if _kept(rule) else 'tasks'}" if plan.judged_by_tasks else ""

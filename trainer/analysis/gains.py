@@ -169,14 +169,24 @@ def relief_rate(model: LinearModel, speed: float, vessel: Record) -> tuple[float
 def gains_at(model: LinearModel, speed: float, vessel: Record, h: float) -> list[float]:
     """Return the gains [SI] at one speed in the order of GAINS."""
     stern, bow = plane_gains(model, speed, vessel, h)
-    taken, given = relief_rate(model, speed, vessel)
+    taken, bow_relief = relief_rate(model, speed, vessel)
     a, b = with_integral(
         model.part(*LATERAL_STATES), model.inputs(LATERAL_STATES, SURFACE_COLUMNS[:1])
     )
     lasting = COURSE_ERROR_RAD * COURSE_ERROR_RUN * vessel["ell"][0] / speed
     cost = np.diag([0.0, 0.0, COURSE_ERROR_RAD**-2, lasting**-2])
     v, r, psi, integral = regulator(*discretise(a, b, h), cost, surface_reach(vessel, speed)[:1])[0]
-    return [*stern, taken, *bow, given, psi, r, -v, integral, *slew_limits(model, speed, vessel)]
+    return [
+        *stern,
+        taken,
+        *bow,
+        bow_relief,
+        psi,
+        r,
+        -v,
+        integral,
+        *slew_limits(model, speed, vessel),
+    ]
 
 
 def close_loop(model: LinearModel, row: list[float], vessel: Record, h: float) -> Matrix:

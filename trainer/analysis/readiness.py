@@ -57,8 +57,8 @@ class Readiness:
 def examine_boat(file: VesselFile) -> Readiness:
     """Return how ready a boat is."""
     compact = tuple(_compared(file)) if file.has_compact_set else ()
-    found = Readiness(file.has_compact_set, compact, ())
-    return Readiness(file.has_compact_set, compact, tuple(_lacks(file, found)))
+    readiness = Readiness(file.has_compact_set, compact, ())
+    return Readiness(file.has_compact_set, compact, tuple(_lacks(file, readiness)))
 
 
 def _compared(file: VesselFile) -> Iterator[WorstNumber]:

@@ -59,8 +59,8 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
             else:
                 write = export_csv if form == "csv" else export_parquet
                 written += write(recording, table_layout(recording), out, branch)
-        for each in recording.excess():
-            click.echo(f"trainer: {path}: {each}", err=True)
+        for problem in recording.excess():
+            click.echo(f"trainer: {path}: {problem}", err=True)
     click.echo("\n".join(map(str, written)))
 
 
@@ -165,8 +165,8 @@ class Recording:
 
     def __repr__(self) -> str:
         last = self.columns["t"][-1]
-        told = f"branch {self.branch}, {len(self.columns['t'])} states to {last:g} s"
-        return f"{self.path}: {told}, {len(self.orders)} orders, {len(self.events)} events"
+        content = f"branch {self.branch}, {len(self.columns['t'])} states to {last:g} s"
+        return f"{self.path}: {content}, {len(self.orders)} orders, {len(self.events)} events"
 
 
 def read_recording(path: str | Path, branch: int | None = None) -> Recording:

@@ -119,8 +119,10 @@ def spectrum(x: Numbers, gamma: float) -> Numbers:
 def water_speed(settings: Numbers, g: float, depth: float) -> float:
     """Return the rms vertical speed of the water [m/s] at a depth [m]."""
     number = settings[OMEGA] ** 2 / g
-    left = FREQUENCY_GRID**2 * np.exp(-2.0 * number * depth * FREQUENCY_GRID**2)
-    energy = float(np.trapezoid(left * spectrum(FREQUENCY_GRID, settings[GAMMA]), FREQUENCY_GRID))
+    weights = FREQUENCY_GRID**2 * np.exp(-2.0 * number * depth * FREQUENCY_GRID**2)
+    energy = float(
+        np.trapezoid(weights * spectrum(FREQUENCY_GRID, settings[GAMMA]), FREQUENCY_GRID)
+    )
     return float(0.25 * settings[HEIGHT] * settings[OMEGA]) * math.sqrt(energy)
 
 
@@ -163,13 +165,13 @@ def make_series(settings: Numbers, g: float, step: float, count: int, hours: flo
     """Return elevations [series, tick] over the ordered deviation, at a boat at rest."""
     vessel = np.zeros(1, VESSEL)
     vessel["g"] = g
-    found = np.empty((count, round(3600.0 * hours / step)))
-    for seed, row in enumerate(found, start=1):
+    elevations = np.empty((count, round(3600.0 * hours / step)))
+    for seed, row in enumerate(elevations, start=1):
         sea, state = new_sea(), new_state()
         state["seed"] = seed
         order_sea(vessel, step, 0.0, settings, sea, state)
         write_elevations(vessel, step, sea, state, row)
-    return np.asarray(found / (0.25 * settings[HEIGHT]))
+    return np.asarray(elevations / (0.25 * settings[HEIGHT]))
 
 
 def band_energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Numbers]:
@@ -202,14 +204,14 @@ def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: flo
     sea = describe_sea(file, settings, vessel.fluid.g)
     if sea.height_m == 0.0:
         return SeaReport(sea, vessel.name, step, (), None, ())
-    found = make_series(settings, vessel.fluid.g, step, SERIES_COUNT, SERIES_HOURS)
-    x, variance = band_energy(found, step, sea.omega_rad_s)
+    elevations = make_series(settings, vessel.fluid.g, step, SERIES_COUNT, SERIES_HOURS)
+    x, variance = band_energy(elevations, step, sea.omega_rad_s)
     return SeaReport(
         sea,
         vessel.name,
         step,
         tuple(at_depth(vessel, settings, depth) for depth in depths),
-        float(np.mean(found * found)),
+        float(np.mean(elevations * elevations)),
         in_bands(x, variance, sea.gamma, step * sea.omega_rad_s),
     )
 
@@ -218,8 +220,8 @@ def usual_depths(vessel: VesselFile) -> tuple[float, ...]:
     """Return depths [m] that the boat may be at, its periscope depth among them."""
     deepest = vessel.hull.max_depth_m or USUAL_DEPTHS_M[-1]
     periscope = vessel.run.periscope_depth_m
-    own = () if periscope is None else (periscope,)
-    return tuple(sorted({*own, *(depth for depth in USUAL_DEPTHS_M if depth <= deepest)}))
+    own_depth = () if periscope is None else (periscope,)
+    return tuple(sorted({*own_depth, *(depth for depth in USUAL_DEPTHS_M if depth <= deepest)}))
 
 
 def render(report: SeaReport) -> str:

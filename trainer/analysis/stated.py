@@ -31,8 +31,8 @@ class StatedFigure:
         what = row.when if row.when is not None else f"{row.measure} {row.quantity}"
         by = "nobody aboard" if row.by == "nobody" else "the reference crew"
         flown = "never so" if self.flown is None else f"{self.flown:.4g} {stated.unit}"
-        told = f"flown by {by}, {what} is {flown}, not {stated.target:g} {stated.unit} within"
-        return f"{told} {self.tolerance:.3g}: correct the text and its row"
+        sentence = f"flown by {by}, {what} is {flown}, not {stated.target:g} {stated.unit} within"
+        return f"{sentence} {self.tolerance:.3g}: correct the text and its row"
 
 
 def fly_stated(
@@ -42,8 +42,8 @@ def fly_stated(
     flights = dict(flights)
     figures = []
     for entry in stated:
-        given = (f", {order.seconds:g} {order.order.text}" for order in entry.orders)
-        way = entry.row.by + "".join(given)
+        order_words = (f", {order.seconds:g} {order.order.text}" for order in entry.orders)
+        way = entry.row.by + "".join(order_words)
         if way not in flights:
             schedule = sorted([*plan.schedule, *entry.orders], key=lambda order: order.seconds)
             crew = plan.crew if entry.row.by == "crew" else None

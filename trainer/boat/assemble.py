@@ -170,10 +170,10 @@ def compact_coefficients(file: VesselFile, equations: str) -> dict[str, float]:
     """Return the coefficients that the compact set keeps, compensated."""
     factors = file.compensation["basic" if equations == "basic" else "modified"]
     dropped = BASIC_DROPS if equations == "basic" else ()
-    kept = [*COMPACT_TERMS, *file.compact.extra_terms]
+    kept_names = [*COMPACT_TERMS, *file.compact.extra_terms]
     return {
         name: file.coefficients[name] * factors.get(name, 1.0)
-        for name in kept
+        for name in kept_names
         if name not in dropped
     }
 
@@ -308,12 +308,12 @@ def set_integrator(record: Record, name: str) -> None:
     if name in scheme.RUNGE_KUTTAS:
         scheme.set_runge_kutta(record, scheme.RUNGE_KUTTAS[name])
         return
-    found = scheme.INTEGRATORS.get(name) or scheme.PAIRS.get(name) or read_integrator(name)
+    formula = scheme.INTEGRATORS.get(name) or scheme.PAIRS.get(name) or read_integrator(name)
     try:
-        if isinstance(found, scheme.PredictorCorrector):
-            scheme.set_pair(record, found)
+        if isinstance(formula, scheme.PredictorCorrector):
+            scheme.set_pair(record, formula)
         else:
-            scheme.set_multistep(record, found)
+            scheme.set_multistep(record, formula)
     except ValueError as wrong:
         raise ConfigError(f"--integrator {name}: {wrong}") from None
 
@@ -335,13 +335,13 @@ def fit_out(file: VesselFile, method: Method) -> Records:
     _write_surface(file, full)
     _write_strips(file, full)
     write_envelope(file, full)
-    kept = {**compact_coefficients(file, method.equations), **rows}
+    compact_values = {**compact_coefficients(file, method.equations), **rows}
     boat = state.new_state()
     for name in ("weight", "x_g", "y_g", "z_g"):
         boat[name] = hull[name]
     return Records(
         full,
-        vessel.compact_record(hull, kept, eta),
+        vessel.compact_record(hull, compact_values, eta),
         scheme_record(method),
         boat,
         state.new_scratch(),

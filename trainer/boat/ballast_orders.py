@@ -116,11 +116,11 @@ def _move(boat: Boat, order: Order, sign: float) -> Reply:
     """Let water in, or pump it out where ``sign`` is negative."""
     s = boat.state
     s[f"move_{order.word}"] = sign * order.value
-    told = f"{order.text}: {_waits_for(boat, order.word, sign) or 'under way'}"
+    reply = f"{order.text}: {_waits_for(boat, order.word, sign) or 'under way'}"
     if order.word == "depth_control" and s.hover:
         s.hover = 0.0
-        return f"{told}, hovering off"
-    return told
+        return f"{reply}, hovering off"
+    return reply
 
 
 def _waits_for(boat: Boat, tank: str, sign: float) -> str:
@@ -244,19 +244,19 @@ class PumpMonitor:
     def look(self, boat: Boat) -> list[tuple[str, str]]:
         """Return whose orders are done, or end at a full or empty tank."""
         news = []
-        for pump, asked in list(self.asked.items()):
+        for pump, amount in list(self.asked.items()):
             now, before = float(boat.state.to_move[pump]), self.left[pump]
             self.left[pump] = now
             if now:
                 continue
             del self.asked[pump]
             inward, outward = PUMP_DIRECTIONS.get(pump, ("in", "out"))
-            way, whole = inward if asked > 0.0 else outward, abs(asked) / 1000.0
+            way, whole = inward if amount > 0.0 else outward, abs(amount) / 1000.0
             stops = [name for name in TANKS_OF[pump] if _at_an_end(boat, name)]
             if abs(before) <= float(boat.vessel.pump_rate[pump]) * boat.method.step + 1e-6:
                 news.append((self.by[pump], f"{PUMPED_BY[pump]}: {whole:.3g} t {way}"))
             elif stops:
-                moved, end = abs(asked - before) / 1000.0, _at_an_end(boat, stops[0])
+                moved, end = abs(amount - before) / 1000.0, _at_an_end(boat, stops[0])
                 says = f"{stops[0].replace('_', ' ')} is {end}"
                 news.append((self.by[pump], f"{says}: {moved:.1f} of {whole:.3g} t {way}"))
         return news

@@ -233,10 +233,10 @@ class Boat:
         if not names:
             return []
         taken = _places(names)(self.plain)
-        found = list(taken) if len(names) > 1 else [taken]
+        values = list(taken) if len(names) > 1 else [taken]
         if "t" in names:
-            found[names.index("t")] = self.time
-        return found
+            values[names.index("t")] = self.time
+        return values
 
     def snapshot(self) -> Record:
         """Return a copy of the whole state."""

@@ -101,8 +101,8 @@ def bind_update(records: tuple[Record, ...], chart: Numbers | None = None) -> Ca
 
     The caller keeps them, where they are.
     """
-    there = (0, 0) if chart is None else (chart.ctypes.data, chart.size)
-    addresses = np.array([*(record.ctypes.data for record in records), *there])
+    chart_address = (0, 0) if chart is None else (chart.ctypes.data, chart.size)
+    addresses = np.array([*(record.ctypes.data for record in records), *chart_address])
     # the machine code itself: to find it anew by its arguments' types takes a third of a tick
-    found: Callable[[Addresses], int] = update_at.compile((numba.typeof(addresses),))
-    return functools.partial(found, addresses)
+    compiled: Callable[[Addresses], int] = update_at.compile((numba.typeof(addresses),))
+    return functools.partial(compiled, addresses)

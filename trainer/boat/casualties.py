@@ -103,20 +103,20 @@ def insert_casualty(
     chosen = _chosen(boat, name, severity, ramp_s)
     if isinstance(chosen, Refused):
         return chosen
-    found, wanted, ramp = chosen
-    amount = _amount(boat, found, wanted)
-    if not casualties_module.begin(found.code, amount, _ticks(boat, ramp), boat.records.state):
-        there = active_casualties(boat)
-        return Refused(f"{len(there)} casualties at most: clear one of {_names(there)}")
-    degree = "" if found.measure.sudden else f", {describe_amount(boat, found.kind, amount)}"
-    return f"casualty {found.name}{degree}{_within(ramp)}"
+    casualty, wanted, ramp = chosen
+    amount = _amount(boat, casualty, wanted)
+    if not casualties_module.begin(casualty.code, amount, _ticks(boat, ramp), boat.records.state):
+        suffered = active_casualties(boat)
+        return Refused(f"{len(suffered)} casualties at most: clear one of {_names(suffered)}")
+    degree = "" if casualty.measure.sudden else f", {describe_amount(boat, casualty.kind, amount)}"
+    return f"casualty {casualty.name}{degree}{_within(ramp)}"
 
 
 def ordered_casualty(order: Order) -> tuple[str, float | None, float | None]:
     """Return name, severity and ramp of an order ``casualty``; None for what it leaves out."""
-    given = list(order.numbers)
-    ramp = given.pop() if order.word == "ramp" else None
-    return order.subject, given[0] if given else None, ramp
+    numbers = list(order.numbers)
+    ramp = numbers.pop() if order.word == "ramp" else None
+    return order.subject, numbers[0] if numbers else None, ramp
 
 
 def problem_of(boat: Boat, order: Order) -> str:
@@ -129,28 +129,28 @@ def _chosen(
     boat: Boat, name: str, severity: float | None, ramp_s: float | None
 ) -> tuple[Casualty, float, float] | Refused:
     """Return a casualty with its severity and ramp, or why it cannot happen to the boat."""
-    found = find_casualty(boat, name)
-    if isinstance(found, Refused):
-        return found
-    wanted = found.severity if severity is None else severity
-    ramp = found.ramp_s if ramp_s is None else ramp_s
-    wrong = _wrong(boat, found, wanted, ramp)
-    return Refused(wrong) if wrong else (found, wanted, ramp)
+    casualty = find_casualty(boat, name)
+    if isinstance(casualty, Refused):
+        return casualty
+    wanted = casualty.severity if severity is None else severity
+    ramp = casualty.ramp_s if ramp_s is None else ramp_s
+    wrong = _wrong(boat, casualty, wanted, ramp)
+    return Refused(wrong) if wrong else (casualty, wanted, ramp)
 
 
 def clear_casualty(boat: Boat, name: str) -> Reply:
     """Clear a casualty, or ``all`` of them. Each takes the time of its table."""
     if name.strip().casefold() in ("all", "casualties"):
-        there = active_casualties(boat)
-        for each in there:
-            _end(boat, boat.casualties[each.kind])
-        return f"clearing {_names(there)}" if there else "there is nothing to clear"
-    found = find_casualty(boat, name)
-    if isinstance(found, Refused):
-        return found
-    if not _end(boat, found):
-        return Refused(f"there is no {found.kind}; active: {_names(active_casualties(boat))}")
-    return f"clearing {found.name}{_within(found.clear_ramp_s)}"
+        suffered = active_casualties(boat)
+        for slot in suffered:
+            _end(boat, boat.casualties[slot.kind])
+        return f"clearing {_names(suffered)}" if suffered else "there is nothing to clear"
+    casualty = find_casualty(boat, name)
+    if isinstance(casualty, Refused):
+        return casualty
+    if not _end(boat, casualty):
+        return Refused(f"there is no {casualty.kind}; active: {_names(active_casualties(boat))}")
+    return f"clearing {casualty.name}{_within(casualty.clear_ramp_s)}"
 
 
 def active_casualties(boat: Boat) -> list[ActiveCasualty]:
@@ -217,12 +217,12 @@ def casualty_listing(boat: Boat) -> list[str]:
     for name, degree, says in available_casualties(boat):
         casualty = boat.casualties[name]
         whole = _amount(boat, casualty, casualty.severity)
-        told = (
+        effect = (
             ""
             if casualty.measure.sudden
             else f"    ({describe_amount(boat, casualty.kind, whole)})"
         )
-        lines += [f"{name} {degree}".rstrip() + told, f"    {says}"]
+        lines += [f"{name} {degree}".rstrip() + effect, f"    {says}"]
     return lines
 
 
@@ -233,12 +233,12 @@ def available_casualties(boat: Boat) -> list[tuple[str, str, str]]:
     """
     return [
         (
-            each.name,
-            "" if each.measure.sudden else f"{each.severity:g} ramp {each.ramp_s:g}",
-            each.description,
+            casualty.name,
+            "" if casualty.measure.sudden else f"{casualty.severity:g} ramp {casualty.ramp_s:g}",
+            casualty.description,
         )
-        for each in boat.casualties.values()
-        if _carries(boat, each.kind)
+        for casualty in boat.casualties.values()
+        if _carries(boat, casualty.kind)
     ]
 
 
@@ -284,8 +284,8 @@ def arm_casualty(boat: Boat, condition: Condition, casualty: Casualty, rule: str
     # what turns the threshold [SI] into that of the place in the state
     factor = scale_of(boat, condition.quantity)
     if factor == 0.0:
-        told = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
-        raise ConfigError(condition.place.problem(told))
+        problem = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
+        raise ConfigError(condition.place.problem(problem))
     m.trigger_place[i] = STATE_PLACES[STATE_QUANTITIES[condition.quantity].place]
     m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
     m.trigger_threshold[i] = _whole(condition.threshold * factor)

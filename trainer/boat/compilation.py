@@ -167,14 +167,14 @@ def interruptible() -> Iterator[None]:
         pressed.append(number)
         signal.default_int_handler(number, frame)
 
-    kept = signal.signal(signal.SIGINT, interrupt)
+    old_handler = signal.signal(signal.SIGINT, interrupt)
     try:
         yield
     except Exception:
         if not pressed:
             raise
     finally:
-        signal.signal(signal.SIGINT, kept)
+        signal.signal(signal.SIGINT, old_handler)
     if pressed:
         raise KeyboardInterrupt
 
@@ -201,9 +201,9 @@ def mark_path(name: str, *folders: str) -> Path:
     import numba  # noqa: PLC0415
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
-    asked = [numba.__version__, sys.version, binding.get_host_cpu_name()]
-    asked += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
+    facts = [numba.__version__, sys.version, binding.get_host_cpu_name()]
+    facts += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
     for path in sources(*(folders or ("core",))):
         status = path.stat()
-        asked.append(f"{path} {status.st_mtime_ns} {status.st_size}")
-    return cache_folder() / f"{name}-{hashlib.sha256(repr(asked).encode()).hexdigest()[:16]}"
+        facts.append(f"{path} {status.st_mtime_ns} {status.st_size}")
+    return cache_folder() / f"{name}-{hashlib.sha256(repr(facts).encode()).hexdigest()[:16]}"

@@ -129,9 +129,9 @@ def standing_order(boat: Boat, axis: str) -> CrewOrder | None:
 def _clear(boat: Boat, axis: str) -> Reply:
     """Let one order, or all of them, stand no longer; what is left of them is nothing."""
     had = [each for each in standing_orders(boat) if axis in (each.axis, "all")]
-    for each in had:
-        boat.state.crew_order_tick[CREW_AXES.index(each.axis)] = 0.0
-        boat.state.crew_order[CREW_AXES.index(each.axis)] = 0.0
+    for order in had:
+        boat.state.crew_order_tick[CREW_AXES.index(order.axis)] = 0.0
+        boat.state.crew_order[CREW_AXES.index(order.axis)] = 0.0
     if not had:
         return Refused(f"the crew has no order{'' if axis == 'all' else f' on {axis}'}")
     return f"no longer ordered: {', '.join(map(str, had))}"

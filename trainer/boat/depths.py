@@ -82,11 +82,11 @@ def _stars(file: VesselFile, speed: float, depth: float) -> tuple[float, float]:
         return 0.0, 0.0
     speeds = [row.speed_kn * KNOT for row in tables.rows]
     columns = ([row.Z_star for row in tables.rows], [row.M_star for row in tables.rows])
-    found = [
+    values = [
         float(np.interp(speed, speeds, [np.interp(depth, tables.depth_m, row) for row in rows]))
         for rows in columns
     ]
-    return found[0], found[1]
+    return values[0], values[1]
 
 
 def surface_at(file: VesselFile, speed: float, depth: float) -> SurfaceForces:
@@ -270,5 +270,5 @@ class DepthGuard:
         by_hand = bool(boat.state.stern_by_hand or boat.state.bow_by_hand)
         if by_hand is not self.holds(boat):
             return None
-        given = parse(f"depth {self.deepest - GUARD_MARGIN_M:g}" if by_hand else "lever zero")
-        return given if isinstance(given, Order) else None
+        reply = parse(f"depth {self.deepest - GUARD_MARGIN_M:g}" if by_hand else "lever zero")
+        return reply if isinstance(reply, Order) else None

@@ -148,8 +148,8 @@ def dissipative_forces(
     even, odd = 0.5 * (scaled + turned), 0.5 * (scaled - turned)
     values, vectors = np.linalg.eigh(even)
     feeds = values[:, -1] > 1e-12 * abs(values).max(axis=1)
-    kept = (vectors * np.minimum(values, 0.0)[:, None]) @ np.swapaxes(vectors, 1, 2)
-    return np.where(feeds[:, None, None], (kept + odd) * scale, forces), feeds
+    damping = (vectors * np.minimum(values, 0.0)[:, None]) @ np.swapaxes(vectors, 1, 2)
+    return np.where(feeds[:, None, None], (damping + odd) * scale, forces), feeds
 
 
 def is_clipped(file: VesselFile, vessel: Record) -> bool:

@@ -42,9 +42,11 @@ def kernels_below(entry: Any) -> set[Any]:
 def callees(function: Any) -> set[Any]:
     """Return the kernels that a function names, also by their module."""
     names = function.__code__.co_names
-    own = function.__globals__
-    modules = [vars(own[name]) for name in names if isinstance(own.get(name), ModuleType)]
-    things = [place[name] for place in (own, *modules) for name in names if name in place]
+    namespace = function.__globals__
+    modules = [
+        vars(namespace[name]) for name in names if isinstance(namespace.get(name), ModuleType)
+    ]
+    things = [place[name] for place in (namespace, *modules) for name in names if name in place]
     return {thing for thing in things if is_jitted(thing)}
 
 

@@ -55,12 +55,12 @@ class GroundTouch(NamedTuple):
     @property
     def faults(self) -> list[str]:
         """Return what was wrong with it, for a boat that was to be laid down."""
-        told = {
+        fault_words = {
             f"way {self.way:.2f} m/s, {GENTLE_WAY:g} at most": self.way >= GENTLE_WAY,
             f"sinking {self.sink:.2f} m/s, {GENTLE_SINK:g} at most": self.sink >= GENTLE_SINK,
             f"pitch {math.degrees(self.pitch):.1f} deg, 2 at most": abs(self.pitch) >= GENTLE_PITCH,
         }
-        return [words for words, is_fault in told.items() if is_fault]
+        return [words for words, is_fault in fault_words.items() if is_fault]
 
 
 def clearance(boat: Boat) -> float:
@@ -173,13 +173,15 @@ class GroundMonitor:
             return []
         load, u_c = self._load(), self.boat.plain[STATE_PLACES["u_c"]]
         screw = "stopped" if abs(u_c) < STOPPED_SCREW_SPEED else "turns"
-        told = f"{load:.0f} t on the ground, screw {screw}"
+        load_text = f"{load:.0f} t on the ground, screw {screw}"
         if lies_well(load, u_c):
             self.laid = True
-            return [GroundCall(f"lies on the ground: {told}")]
+            return [GroundCall(f"lies on the ground: {load_text}")]
         if self.boat.time - self.down_since > SETTLING_TIME_S:
             self.laid = True
-            return [GroundCall(f"does not lie on the ground within 5 min: {told}", aground=True)]
+            return [
+                GroundCall(f"does not lie on the ground within 5 min: {load_text}", aground=True)
+            ]
         return []
 
     def _load(self) -> float:

@@ -60,12 +60,12 @@ def _surface(boat: Boat, order: Order) -> Reply:
     if order.word == "manual":
         _by_hand(boat, order.name, float(boat.state[f"delta_{SURFACES[order.name]}"]))
         return f"{SURFACE_NAMES[order.name]} by hand"
-    told, angle = order.text, order.value
+    text, angle = order.text, order.value
     if order.word in ("ease", "shift", "meet"):
-        meant = _by_the_rudder(boat, order)
-        if isinstance(meant, Refused):
-            return meant
-        told, angle = f"rudder {_to_a_side(meant)}", meant
+        rudder = _by_the_rudder(boat, order)
+        if isinstance(rudder, Refused):
+            return rudder
+        text, angle = f"rudder {_to_a_side(rudder)}", rudder
     if order.word == "full":
         angle = math.copysign(limit, angle)
     if abs(angle) > limit + 1e-12:
@@ -74,7 +74,7 @@ def _surface(boat: Boat, order: Order) -> Reply:
             f"not {math.degrees(abs(angle)):g}"
         )
     _by_hand(boat, order.name, sign * angle)
-    return f"{told}, by hand"
+    return f"{text}, by hand"
 
 
 def _by_the_rudder(boat: Boat, order: Order) -> float | Refused:
@@ -108,13 +108,13 @@ def _automatic(boat: Boat, *surfaces: str) -> Reply:
     if not boat.automatic:
         return _without_autopilot(boat)
     s = boat.state
-    given = [surface for surface in surfaces if boat.carries(surface)]
-    for surface in given:
+    carried = [surface for surface in surfaces if boat.carries(surface)]
+    for surface in carried:
         s[f"{surface}_by_hand"] = 0.0
-    if "rudder" in given:
+    if "rudder" in carried:
         # the ordered course is steered the short way, however often the boat has turned
         s.ordered_psi = s.psi + math.remainder(s.ordered_psi - s.psi, math.tau)
-    return " and ".join(SURFACE_NAMES[surface] for surface in given) + " automatic"
+    return " and ".join(SURFACE_NAMES[surface] for surface in carried) + " automatic"
 
 
 def _planes(boat: Boat, order: Order) -> Reply:

@@ -103,15 +103,15 @@ def head_waves(boat: Boat, omega: float, depth: float, speed: float) -> NDArray[
     They are the real part of this times exp(i A), A the wave's phase at the origin. ``speed``
     [m/s] is that at which the hull's lift feels the water's own motion: 0 leaves it out.
     """
-    found = []
+    parts = []
     for elevation, quadrature in ((1.0, 0.0), (0.0, 1.0)):
         state, force = new_state(), np.zeros(6)
         s = state[0]
         s.sea_1969, s.sea_height, s.sea_omega, s.sea_direction = 1.0, 4.0, omega, math.pi
         s.sea_elevation, s.sea_quadrature, s.z, s.u = elevation, quadrature, depth, speed
         wave_forces(boat.records.vessel, new_sea(), state, force)
-        found.append(force)
-    return np.asarray(found[0] - 1j * found[1])
+        parts.append(force)
+    return np.asarray(parts[0] - 1j * parts[1])
 
 
 def head_wave_response(
@@ -257,14 +257,14 @@ def modes(matrix: Matrix, names: tuple[str, ...]) -> list[Mode]:
     """
     values, right = np.linalg.eig(matrix)
     shares = abs(right) * abs(np.linalg.pinv(right)).T
-    found = [
+    named = [
         Mode(_name(names, shares[:, i], value.imag), float(value.real), float(value.imag))
         for i, value in enumerate(values)
         if value.imag >= 0.0
     ]
-    turning = [mode for mode in found if mode.name == "sway-yaw" and mode.imaginary == 0.0]
+    turning = [mode for mode in named if mode.name == "sway-yaw" and mode.imaginary == 0.0]
     if len(turning) > 1:
         slowest = min(turning, key=lambda mode: abs(mode.real))
-        found[found.index(slowest)] = Mode("spiral", slowest.real, 0.0)
+        named[named.index(slowest)] = Mode("spiral", slowest.real, 0.0)
     order = ("surge", "heave", "pitch", "sway-yaw", "spiral", "roll")
-    return sorted(found, key=lambda mode: (order.index(mode.name), -abs(mode.eigenvalue)))
+    return sorted(named, key=lambda mode: (order.index(mode.name), -abs(mode.eigenvalue)))

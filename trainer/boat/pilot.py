@@ -63,19 +63,19 @@ class TailMonitor:
     def look(self, boat: Boat) -> list[tuple[str, str]]:
         """Return what there is to say after a tick, by names for the account."""
         c, plain = boat.vessel, boat.plain
-        given = sum(abs(plain[place]) for _, place, _ in SHARED_SURFACES.values())
-        if c.x_tail == 0.0 or given < c.limit_s - LIMIT_MARGIN:
+        total = sum(abs(plain[place]) for _, place, _ in SHARED_SURFACES.values())
+        if c.x_tail == 0.0 or total < c.limit_s - LIMIT_MARGIN:
             return []
         news = []
         for name, (has, place, command) in SHARED_SURFACES.items():
-            stands, asked = abs(plain[place]), abs(plain[command])
-            if asked - stands <= MIN_LACK_ANGLE or is_broken(boat, name):
+            stands, ordered = abs(plain[place]), abs(plain[command])
+            if ordered - stands <= MIN_LACK_ANGLE or is_broken(boat, name):
                 continue
             last = self.lacking.get(name, -math.inf)
             self.lacking[name] = boat.time
             if boat.time - last > LACK_RECALL_S:
-                told = f"{math.degrees(stands):.0f} of {math.degrees(asked):.0f} deg"
-                words = f"X-TAIL: the {has} {told}: rudder and stern planes share the fins"
+                angles = f"{math.degrees(stands):.0f} of {math.degrees(ordered):.0f} deg"
+                words = f"X-TAIL: the {has} {angles}: rudder and stern planes share the fins"
                 news.append((f"{name} short on the X-tail", words))
         return news
 
@@ -137,9 +137,9 @@ class PilotMonitor:
     def _left_undone(self, boat: Boat) -> set[str]:
         """Return what is given up, of GIVEN_UP_TEXTS."""
         plain, s = boat.plain, boat.state
-        found = set()
+        undone = set()
         if plain[ASCENT_PLACE] != NO_ASCENT:
-            found.add("afloat" if plain[ASCENT_PLACE] == ASCENT_AFLOAT else "emergency ascent")
+            undone.add("afloat" if plain[ASCENT_PLACE] == ASCENT_AFLOAT else "emergency ascent")
         if (
             plain[SPEED_PLACE] < ASTERN_SPEED
             and plain[ASCENT_PLACE] == NO_ASCENT
@@ -147,11 +147,11 @@ class PilotMonitor:
         ):
             slow = plain[SPEED_PLACE] > -LEAST_ASTERN or "astern" in self.given_up  # told once
             if slow and (s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0):
-                found.add("astern")
+                undone.add("astern")
         if plain[SPEED_SHORT_PLACE] > ENGINE_LACK_S:
-            found.add("speed not reached")
+            undone.add("speed not reached")
         if boat.time - self.trimmed > ENGINE_LACK_S:
-            found.add("trim short")
+            undone.add("trim short")
         if plain[HOVER_LOST_PLACE] != 0.0:
-            found.add("hover lost")
-        return found
+            undone.add("hover lost")
+        return undone

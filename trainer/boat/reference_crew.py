@@ -75,15 +75,15 @@ class ReferenceCrew:
     def look(self) -> list[GivenOrder]:
         """Follow the rules and the hands at this tick; return the orders given."""
         self.gauges.look()
-        given = []
-        for i, each in enumerate(self.followed):
-            if not each.over and each.due is None:
-                self._notice(each, self.followed[i - 1] if each.rule.row.then else None)
-            if each.due is not None and self.boat.time >= each.due - TIME_ROUNDING_S:
-                given.append(self._carry_out(each, i))
+        orders = []
+        for i, progress in enumerate(self.followed):
+            if not progress.over and progress.due is None:
+                self._notice(progress, self.followed[i - 1] if progress.rule.row.then else None)
+            if progress.due is not None and self.boat.time >= progress.due - TIME_ROUNDING_S:
+                orders.append(self._carry_out(progress, i))
         for hand in list(self.hands.values()):
-            given += [self._give(text) for text in hand.look(self.gauges)]
-        return given
+            orders += [self._give(text) for text in hand.look(self.gauges)]
+        return orders
 
     def take_over(self, given: Mapping[int, float]) -> None:
         """Count rules as carried out before this moment.
@@ -94,15 +94,15 @@ class ReferenceCrew:
         """
         self.gauges.look()
         done = [False] * len(self.followed)
-        for i, each in enumerate(self.followed):
-            row = each.rule.row
+        for i, progress in enumerate(self.followed):
+            row = progress.rule.row
             if row.at_s is not None or row.ordered is not None:  # settled as it came aboard
-                done[i] = each.given is not None
+                done[i] = progress.given is not None
                 continue
-            kept = i in given and given[i] < self.boat.time and (not row.then or done[i - 1])
-            done[i] = kept and (row.every_s is not None or not self._caused(each.rule))
+            was_given = i in given and given[i] < self.boat.time and (not row.then or done[i - 1])
+            done[i] = was_given and (row.every_s is not None or not self._caused(progress.rule))
             if done[i]:
-                self._count(each, given[i])
+                self._count(progress, given[i])
         self.gauges.seen.clear()
 
     def _caused(self, rule: CrewRule) -> bool:
@@ -119,14 +119,14 @@ class ReferenceCrew:
     def _skip_past(self) -> None:
         """Count as given what the clock, and orders to the crew, have had given by now."""
         before = None
-        for each in self.followed:
-            due = self._due_by_clock(each, before)
+        for progress in self.followed:
+            due = self._due_by_clock(progress, before)
             if due is not None and due < self.boat.time - TIME_ROUNDING_S:
-                each.given, each.over = due, each.rule.row.ordered is None
-                each.noticed = self._stamp(each.rule.row.ordered)
-                if each.rule.order.name in CREW_HANDS:
-                    self._switch(each.rule.order)
-            before = each
+                progress.given, progress.over = due, progress.rule.row.ordered is None
+                progress.noticed = self._stamp(progress.rule.row.ordered)
+                if progress.rule.order.name in CREW_HANDS:
+                    self._switch(progress.rule.order)
+            before = progress
 
     def _due_by_clock(self, each: RuleProgress, before: RuleProgress | None) -> float | None:
         """Return when a rule was due [s]; None if it waits for a condition, or another rule."""

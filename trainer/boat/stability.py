@@ -180,8 +180,10 @@ def added_growth(response: RateResponse, tick: Matrix, h: float) -> tuple[float,
     for eigenvalue in response.eigenvalues:
         exponent = h * allowed_rate(eigenvalue)
         if exponent > 0.0:
-            own = np.exp(min(h * eigenvalue.real, MAX_EXPONENT) + 1j * h * eigenvalue.imag)
-            nearest = int(np.argmin(abs(np.array(roots) - own)))
+            natural_factor = np.exp(
+                min(h * eigenvalue.real, MAX_EXPONENT) + 1j * h * eigenvalue.imag
+            )
+            nearest = int(np.argmin(abs(np.array(roots) - natural_factor)))
             if abs(roots[nearest]) <= np.exp(min(exponent, MAX_EXPONENT)) + ROUNDING_GROWTH:
                 roots.pop(nearest)
     worst = max(roots, key=abs)
@@ -201,12 +203,12 @@ def leading_motion(response: RateResponse, tick: Matrix, root: complex) -> str:
 def boat_responses(boat: Boat, speeds: Iterable[float]) -> dict[float, RateResponse]:
     """Return the boat's response at each of ``speeds`` [m/s]; the boat's state is not changed."""
     before = boat.snapshot()
-    found = {}
+    by_speed = {}
     for speed in speeds:
         bring_to(boat, speed)
-        found[speed] = measure_response(boat)
+        by_speed[speed] = measure_response(boat)
     boat.restore(before)
-    return found
+    return by_speed
 
 
 def inner_step(scheme: Record, h: float) -> float:
@@ -246,11 +248,11 @@ def largest_flown(flights: Iterable[RateResponse], scheme: Record) -> float:
 def worst_motion(flights: dict[float, RateResponse], scheme: Record, h: float) -> tuple[float, str]:
     """Return the largest spurious factor [-] per tick of ``h`` [s], and its name."""
     h = inner_step(scheme, h)
-    found = []
+    cases = []
     for speed, flight in flights.items():
         tick = tick_map(flight, scheme, h)
-        found.append((*added_growth(flight, tick, h), speed, flight, tick))
-    factor, root, speed, flight, tick = max(found, key=lambda entry: entry[0])
+        cases.append((*added_growth(flight, tick, h), speed, flight, tick))
+    factor, root, speed, flight, tick = max(cases, key=lambda entry: entry[0])
     return factor, f"{leading_motion(flight, tick, root)} at {speed / KNOT:.3g} kn"
 
 

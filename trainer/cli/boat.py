@@ -105,9 +105,9 @@ class Boat:
     """
 
     def __init__(self, vessel: str | Path | None = None, **options: Unpack[BoatOptions]) -> None:
-        given: dict[str, Any] = {"vessel": vessel, **options}
-        begin = {name: given.pop(name, None) for name in INITIAL_KEYS}
-        chosen = _options_of(given)
+        keywords: dict[str, Any] = {"vessel": vessel, **options}
+        begin = {name: keywords.pop(name, None) for name in INITIAL_KEYS}
+        chosen = _options_of(keywords)
         with remembering() as texts:
             self._plan = _begun_at(plan_run(chosen), begin)
         if chosen.record and any(value is not None for value in begin.values()):
@@ -155,8 +155,8 @@ class Boat:
         and ``restore``.
         """
         if not isinstance(words, str):
-            given = type(words).__name__
-            raise ConfigError(f"order(): an order is text, such as 'depth 80', not {given}")
+            type_name = type(words).__name__
+            raise ConfigError(f"order(): an order is text, such as 'depth 80', not {type_name}")
         said = parse(words)
         if said is None:
             raise ConfigError("no order: say one, such as depth 80")
@@ -202,8 +202,8 @@ class Boat:
         if seconds is None:
             return round((end or 0.0) / step)
         if not isinstance(seconds, Real):
-            given = type(seconds).__name__
-            raise ConfigError(f"run(): give a number of seconds, such as run(900), not {given}")
+            type_name = type(seconds).__name__
+            raise ConfigError(f"run(): give a number of seconds, such as run(900), not {type_name}")
         if not 0.0 < seconds <= MAX_TIME_S:
             longest = f"a run lasts longer than 0 s, and ends, within {MAX_TIME_S:g} s"
             raise ConfigError(f"run({quote(seconds)}): {longest}")
@@ -245,10 +245,10 @@ class Boat:
         step = self._boat.method.step
         with self._alone():
             journal = self._journal()
-        told = ("who", "text", "accepted", "answer")
+        text_keys = ("who", "text", "accepted", "answer")
         return [
-            {"t": each.tick * step, **{name: getattr(each, name) for name in told}}
-            for each in journal
+            {"t": entry.tick * step, **{name: getattr(entry, name) for name in text_keys}}
+            for entry in journal
         ]
 
     def _journal(self) -> list[RecordedOrder]:
@@ -359,21 +359,21 @@ def _options_of(given: Mapping[str, Any]) -> RunOptions:
     exercise = given.get("exercise")
     with parse_options(
         run_command, [] if exercise is None else [exercise], keywords, known
-    ) as asked:
-        del asked["teletype"]
-        return replace(run_options(asked), headless=True, speed=math.inf)
+    ) as options:
+        del options["teletype"]
+        return replace(run_options(options), headless=True, speed=math.inf)
 
 
 def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
     """Return the plan with the speed, depth and course given; ConfigError if one cannot be."""
     kinds = {item.name: kind_of(item) for item in fields(StartState)}
-    given: dict[str, Any] = {
+    start_values: dict[str, Any] = {
         INITIAL_KEYS[name]: kinds[INITIAL_KEYS[name]].read(name, _number(value), Place("Boat", ""))
         for name, value in begin.items()
         if value is not None
     }
-    refuse_depth(given.get("depth_m"), plan.file, "Boat: depth")
-    return replace(plan, initial=replace(plan.initial, **given))
+    refuse_depth(start_values.get("depth_m"), plan.file, "Boat: depth")
+    return replace(plan, initial=replace(plan.initial, **start_values))
 
 
 def _number(value: Any) -> Any:

@@ -49,8 +49,8 @@ class Answer(Generic[Report, Figure]):
 
     def as_json(self) -> dict[str, Any]:
         """Return the report as the command's ``--json`` has it."""
-        found: dict[str, Any] = json.loads(json_text(asdict(self.report)))  # type: ignore[call-overload]
-        return found
+        report: dict[str, Any] = json.loads(json_text(asdict(self.report)))  # type: ignore[call-overload]
+        return report
 
     def frame(self) -> Any:
         """Return ``columns`` as a pandas frame, by the time ``t`` [s] if there is one.
@@ -105,9 +105,9 @@ def manoeuvre(
     from trainer.analysis.manoeuvres.page import render
 
     known = ManoeuvreOptions.__annotations__
-    with parse_options(guide.manoeuvre, [name, vessel], options, known) as asked:
-        del asked["name"], asked["vessel"]
-        report, flight = guide.fly(str(vessel), name, asked)
+    with parse_options(guide.manoeuvre, [name, vessel], options, known) as parsed_options:
+        del parsed_options["name"], parsed_options["vessel"]
+        report, flight = guide.fly(str(vessel), name, parsed_options)
     return Answer(
         report,
         {each.name: each for each in report.measures},
@@ -140,14 +140,16 @@ def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, 
     from trainer.analysis.sweep.results import check_pyarrow
     from trainer.cli.subjects import subject_of
 
-    given = {"jobs": 1, **options}
-    with parse_options(sweep_command.sweep, [study], given, SweepOptions.__annotations__) as asked:
+    keywords = {"jobs": 1, **options}
+    with parse_options(
+        sweep_command.sweep, [study], keywords, SweepOptions.__annotations__
+    ) as parsed_options:
         check_pyarrow()
-        job = job_of(str(study), asked["members"], subject_of)
+        job = job_of(str(study), parsed_options["members"], subject_of)
         with tempfile.TemporaryDirectory() as folder:
-            out = asked["out"] or Path(folder) / "result.parquet"
-            table = sweep_command.fly(job, out, asked)
-    report = report_of(open_job(job), table, str(asked["out"] or "not kept"))
+            out = parsed_options["out"] or Path(folder) / "result.parquet"
+            table = sweep_command.fly(job, out, parsed_options)
+    report = report_of(open_job(job), table, str(parsed_options["out"] or "not kept"))
     columns = {
         name: table.column(name).to_numpy(zero_copy_only=False).copy()
         for name in table.column_names
@@ -212,18 +214,18 @@ def identify_ship(
     from trainer.identify.pages import record as record_page
     from trainer.identify.pages.identify import render
 
-    given, known = (
+    keywords, known = (
         {"data_only": data_only, **options},
         ("data_only", *IdentifyOptions.__annotations__),
     )
-    with parse_options(identify.identify, [record], given, known) as words:
-        asked = record_of(studies.IdentifyOptions, words)
-        study = studies.study_of(Path(record), asked)
-        if asked.data_only:
+    with parse_options(identify.identify, [record], keywords, known) as words:
+        wishes = record_of(studies.IdentifyOptions, words)
+        study = studies.study_of(Path(record), wishes)
+        if wishes.data_only:
             seen, _ = record_page.carry_out(study)
             channels = {each.name: each for run in seen.runs for each in run.channels}
             return Answer(seen, channels, {}, record_page.render(seen))
-        report = identify.fit_ship(study, asked).report
+        report = identify.fit_ship(study, wishes).report
     figures: dict[str, Estimate | ShipNumber] = {each.name: each for each in report.parameters}
     figures |= {each.name: each for each in report.ship}
     return Answer(report, figures, {}, render(report))

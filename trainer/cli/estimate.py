@@ -58,14 +58,14 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
         raise click.UsageError("--study: needs -o, the boat that it flies")
     made = write_boat(open_hull(hull), output or Path(f"{Path(hull).stem}-boat.toml"))
     with show_progress(turns_of(made, options["draws"]), "turning") as step:
-        found = survey_boat(made, options["draws"], step)
+        result = survey_boat(made, options["draws"], step)
     if output is not None:
         write_text(output, made.text)
     if options["html"] is not None:
-        write_text(options["html"], html_page(found, made))
+        write_text(options["html"], html_page(result, made))
     if options["study"] is not None:
-        _write_study(options["study"], output, found.rudder_deg)
-    click.echo(json_of(asdict(found)) if options["as_json"] else render(found, made))
+        _write_study(options["study"], output, result.rudder_deg)
+    click.echo(json_of(asdict(result)) if options["as_json"] else render(result, made))
     if options["reduce"]:
         _reduce(output)
 

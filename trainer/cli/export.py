@@ -64,8 +64,8 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
         from trainer.boat.export.library import export_wasm, render_wasm
 
         module = export_wasm(boat_at_start(run_options(options)), directory)
-        told = asdict(module)
-        click.echo(json.dumps(told, indent=1) if as_json else render_wasm(module, directory))
+        summary = asdict(module)
+        click.echo(json.dumps(summary, indent=1) if as_json else render_wasm(module, directory))
         return
 
     from trainer.boat.export.library import (
@@ -117,10 +117,12 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
     """
     from trainer.analysis.boat_page import write_page
 
-    given = {name: value for name, value in options.items() if value is not None}
-    if recording is not None and given:
-        raise click.UsageError(f"--recording has its own boat: leave out --{next(iter(given))}")
-    boat = None if recording else boat_at_start(replace(RunOptions(vessel="bb2"), **given))
+    page_options = {name: value for name, value in options.items() if value is not None}
+    if recording is not None and page_options:
+        raise click.UsageError(
+            f"--recording has its own boat: leave out --{next(iter(page_options))}"
+        )
+    boat = None if recording else boat_at_start(replace(RunOptions(vessel="bb2"), **page_options))
     write_page(file, page_text(boat, recording, station), recording)
 
 

@@ -192,9 +192,9 @@ def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
     from trainer.analysis.manoeuvres.page import ManoeuvreOptions
     from trainer.analysis.manoeuvres.submarine import CALM_SEA, Rig
 
-    given = {key: options[key] for key in PARAMETERS if options[key] is not None}
+    settings = {key: options[key] for key in PARAMETERS if options[key] is not None}
     rig = record_of(Rig, {**options, "sea": options["sea"] or CALM_SEA})
-    return record_of(ManoeuvreOptions, options, parameters=given, rig=rig)
+    return record_of(ManoeuvreOptions, options, parameters=settings, rig=rig)
 
 
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreReport, Flight]":
@@ -204,23 +204,23 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreRepo
     from trainer.config.ship import is_ship, load_ship
     from trainer.config.vessel import load_vessel
 
-    asked = manoeuvre_options(options)
+    wishes = manoeuvre_options(options)
     path = ships.path_of(vessel)
     known = path.suffix == ".toml" and (is_nomoto(path), is_ship(path))
     if not known or not any(known):
-        return page.fly_boat(load_vessel(vessel), name, asked)
+        return page.fly_boat(load_vessel(vessel), name, wishes)
     unknown = [f"--{option}" for option in BOAT_OPTIONS if option in options_given()]
     if unknown:
-        told = f"{vessel} is a ship: {', '.join(unknown)} are for boats"
-        raise click.UsageError(told.replace("a ship", "a Nomoto ship") if known[0] else told)
+        message = f"{vessel} is a ship: {', '.join(unknown)} are for boats"
+        raise click.UsageError(message.replace("a ship", "a Nomoto ship") if known[0] else message)
     if known[1]:
         from trainer.identify.ships.vehicle import fly_ship
 
-        return fly_ship(load_ship(path), name, asked)
+        return fly_ship(load_ship(path), name, wishes)
     from trainer.analysis.manoeuvres.nomoto_ship import steer_ship
 
-    ship = steer_ship(path, asked.step)
-    return page.fly_vehicle(ship, name, asked, ship.speed_kn)
+    ship = steer_ship(path, wishes.step)
+    return page.fly_vehicle(ship, name, wishes, ship.speed_kn)
 
 
 @click.command()
@@ -275,8 +275,8 @@ def guide(vessel: str, **options: Any) -> None:
     moved = None if earlier is None else moves.compare_guides(earlier, now)
     write_document(page.render(book, moved), options["html"], options["pdf"])
     if options["as_json"]:
-        told = {} if moved is None else {"moved": [asdict(one) for one in moved]}
-        click.echo(json_of({**now, **told}))
+        extra = {} if moved is None else {"moved": [asdict(one) for one in moved]}
+        click.echo(json_of({**now, **extra}))
     else:
         click.echo(summary.render(book.guide, moved))
     sys.exit(0 if book.guide.passed else 1)

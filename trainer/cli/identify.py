@@ -228,13 +228,13 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     from trainer.identify.pages import experiment as page
 
     sensors = ships.sensors_asked(options)
-    asked = record_of(
+    wishes = record_of(
         page.ExperimentOptions, options, vessel=vessel, speed_kn=speed, sensors=sensors
     )
-    found = page.design_experiment(file, asked)
+    design = page.design_experiment(file, wishes)
     if write is not None:
-        write_text(write, found.exercise)
-    show_report(found.report, page.render, lambda: page.panels(found), options)
+        write_text(write, design.exercise)
+    show_report(design.report, page.render, lambda: page.panels(design), options)
 
 
 def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float | None:
@@ -364,13 +364,13 @@ def identify(
         sys.exit(ships.identify(files, options))
     from trainer.identify.options import IdentifyOptions, study_of
 
-    asked = record_of(IdentifyOptions, options, further=files[1:])
-    study = study_of(files[0], asked)
-    if asked.data_only:
+    wishes = record_of(IdentifyOptions, options, further=files[1:])
+    study = study_of(files[0], wishes)
+    if wishes.data_only:
         sys.exit(_data(study, options))
-    if asked.armax:
+    if wishes.armax:
         sys.exit(_armax(study, options))
-    sys.exit(_model(fit_ship(study, asked), options))
+    sys.exit(_model(fit_ship(study, wishes), options))
 
 
 @identify.below
@@ -404,17 +404,17 @@ def new(
     if ship:
         if output or knots:
             raise click.UsageError("--ship takes the place of --output; the record tells the speed")
-        path, found = ship, write_ship_file(record, ship, length)
+        path, proposal = ship, write_ship_file(record, ship, length)
         last = f"fill in [dimensions]; fit it by: {fit_command(record, ship)}"
     else:
         path = output or record.with_suffix(".toml")
-        found = write_proposal(record, path, length, knots)
+        proposal = write_proposal(record, path, length, knots)
         lacking = "" if length else "fill in the length of [ship]; "
         last = f"{lacking}fit it by: trainer identify {as_typed(path)}"
-    columns = ", ".join(f"{key} in {one.name}" for key, one in found.columns.items())
-    guessed = "" if "t" in found.columns else " (guessed: there is no column of times)"
-    click.echo(f"{path}: {found.rows} rows every {found.interval:.6g} s{guessed}: {columns}")
-    for remark in found.remarks:
+    columns = ", ".join(f"{key} in {one.name}" for key, one in proposal.columns.items())
+    guessed = "" if "t" in proposal.columns else " (guessed: there is no column of times)"
+    click.echo(f"{path}: {proposal.rows} rows every {proposal.interval:.6g} s{guessed}: {columns}")
+    for remark in proposal.remarks:
         click.echo(f"  {remark}")
     click.echo(last)
 

@@ -27,8 +27,8 @@ def parse_options(
     """
     for name in keywords:
         if name not in known:
-            there = ", ".join(sorted(known))
-            raise ConfigError(f"no keyword {name!r}{nearest(name, known)}; there are {there}")
+            known_names = ", ".join(sorted(known))
+            raise ConfigError(f"no keyword {name!r}{nearest(name, known)}; there are {known_names}")
     words = [word for name, value in keywords.items() for word in _words(command, name, value)]
     texts = [str(each) for each in arguments]
     try:

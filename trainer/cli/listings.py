@@ -24,9 +24,9 @@ def exercises(*, as_json: bool) -> None:
     """
     from trainer.config.course import course
 
-    found = {lesson.name: lesson.title for lesson in course()}
-    lines = [f"{name:24}{title}" for name, title in found.items()]
-    click.echo(json.dumps(found, indent=1) if as_json else "\n".join(lines))
+    titles = {lesson.name: lesson.title for lesson in course()}
+    lines = [f"{name:24}{title}" for name, title in titles.items()]
+    click.echo(json.dumps(titles, indent=1) if as_json else "\n".join(lines))
 
 
 @click.command()
@@ -153,9 +153,9 @@ def baseline(file: str, seeds: int) -> None:
     """
     from trainer.analysis import exercise_page
 
-    found = exercise_page.study_exercise(file, seeds)
-    click.echo("\n".join(exercise_page.baseline_lines(found)))
-    click.echo(f"kept in {exercise_page.save_baseline(found)}")
+    study = exercise_page.study_exercise(file, seeds)
+    click.echo("\n".join(exercise_page.baseline_lines(study)))
+    click.echo(f"kept in {exercise_page.save_baseline(study)}")
 
 
 @click.command()
@@ -169,9 +169,9 @@ def casualties(tables: tuple[Path, ...], *, as_json: bool) -> None:
     """
     from trainer.config import casualties as casualties_module
 
-    found = casualties_module.load_casualties(*map(str, tables))
-    listing = casualties_module.listing(found)
-    click.echo(json.dumps(casualties_module.as_json(found), indent=1) if as_json else listing)
+    loaded = casualties_module.load_casualties(*map(str, tables))
+    listing = casualties_module.listing(loaded)
+    click.echo(json.dumps(casualties_module.as_json(loaded), indent=1) if as_json else listing)
 
 
 @click.command()

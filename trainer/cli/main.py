@@ -172,8 +172,8 @@ def run_command(command: click.Command, name: str) -> NoReturn:
         leave_with(2, *str(wrong).splitlines())
     except click.UsageError as wrong:
         path = wrong.ctx.command_path if wrong.ctx else name
-        told = " ".join(wrong.format_message().split())  # choices have a line each
-        leave_with(2, f"{told} ({path} --help says more)")
+        message = " ".join(wrong.format_message().split())  # choices have a line each
+        leave_with(2, f"{message} ({path} --help says more)")
     except click.Abort:
         leave_with(130, "interrupted")
     except OSError as lost:  # the disk behind the output is full; click handles a closed pipe

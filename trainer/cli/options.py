@@ -339,8 +339,8 @@ def options_given() -> frozenset[str]:
 
 def record_of(kind: type[Record], options: Mapping[str, Any], **further: Any) -> Record:
     """Return a record of options by their names, and of what is said ``further``."""
-    own = {name: options[name] for name in signature(kind).parameters if name in options}
-    return kind(**own, **further)
+    known_options = {name: options[name] for name in signature(kind).parameters if name in options}
+    return kind(**known_options, **further)
 
 
 def without_console(options: RunOptions) -> RunOptions:

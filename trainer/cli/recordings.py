@@ -128,9 +128,9 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
         raise click.UsageError("name a recording, or say --last")
     path = latest_recording() if file is None else file
     boat = page_text(None, path, "instructor") if how["fly"] else ""
-    asked = DebriefRequest(how["branch"], how["width"], how["reference_from"], boat)
-    change_marks(path, asked, how["change"], how["change_back"])
-    debrief_file(path, how["html"], how["pdf"], asked, as_json=how["as_json"])
+    request = DebriefRequest(how["branch"], how["width"], how["reference_from"], boat)
+    change_marks(path, request, how["change"], how["change_back"])
+    debrief_file(path, how["html"], how["pdf"], request, as_json=how["as_json"])
 
 
 @click.command()

@@ -78,12 +78,12 @@ def run(*, teletype: bool, **options: Any) -> None:
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat or
     the exercise is lost, or the recording failed, 2 wrong input.
     """
-    asked = run_options(options)
-    if asked.browse or asked.web:
-        refuse_other_screens(asked)
-        take_to_sea(without_console(with_pages(replace(asked, browse=True))))
-    with_pages(asked)
-    set_out(asked, take_to_sea, choose, teletype=teletype)
+    choices = run_options(options)
+    if choices.browse or choices.web:
+        refuse_other_screens(choices)
+        take_to_sea(without_console(with_pages(replace(choices, browse=True))))
+    with_pages(choices)
+    set_out(choices, take_to_sea, choose, teletype=teletype)
 
 
 def with_pages(asked: RunOptions) -> RunOptions:
@@ -194,19 +194,19 @@ def debriefing() -> "DebriefSource":
         with np.errstate(all="ignore"):  # a state may hold any number
             debrief = read_dossier(path, branch)
         card = debrief.final
-        told = [f"{each.name}: {each.marks:.0f}" for each in card.scores if each.marks is not None]
+        lines = [f"{each.name}: {each.marks:.0f}" for each in card.scores if each.marks is not None]
         uncounted = tuple(each.name for each in card.scores if each.marks is None)
-        times: list[float | None] = [None] * len(told)
-        told += [f"cost most: {each.told}" for each in debrief.costs]
+        times: list[float | None] = [None] * len(lines)
+        lines += [f"cost most: {each.told}" for each in debrief.costs]
         times += [None if each.tick is None else each.tick * debrief.step for each in debrief.costs]
         if card.verdict is None:
-            return Judgement("", card.total, tuple(told), uncounted, tuple(times))
+            return Judgement("", card.total, tuple(lines), uncounted, tuple(times))
         if card.verdict.reason:
             end = float(debrief.trajectory.seconds[-1])  # a loss ends the exercise
-            told = [card.verdict.reason, *told]
+            lines = [card.verdict.reason, *lines]
             times = [end if card.verdict.outcome == "lost" else None, *times]
         outcome = card.verdict.outcome
-        return Judgement(outcome, card.total, tuple(told), uncounted, tuple(times))
+        return Judgement(outcome, card.total, tuple(lines), uncounted, tuple(times))
 
     def write(path: Path, branch: int) -> Path:
         from trainer.debrief.page import DebriefRequest, debrief_file, default_page_path

@@ -42,13 +42,13 @@ def is_ship(vessel: str) -> bool:
 
 def design_trials(path: Path, options: dict[str, Any]) -> None:
     """Design trials of a ship and show what they would tell."""
-    given = options_given()
-    unknown = [f"--{option}" for option in BOAT_RECORD_OPTIONS if option in given]
+    typed_options = options_given()
+    unknown = [f"--{option}" for option in BOAT_RECORD_OPTIONS if option in typed_options]
     if unknown:
         raise click.UsageError(f"{', '.join(unknown)}: not with a ship, {path.name}")
-    if "amplitude" not in given:
+    if "amplitude" not in typed_options:
         options = {**options, "amplitude": None}
-        if lone := [f"--{option}" for option in SEQUENCE_OPTIONS if option in given]:
+        if lone := [f"--{option}" for option in SEQUENCE_OPTIONS if option in typed_options]:
             raise click.UsageError(f"{', '.join(lone)}: of a sequence: say its --amplitude")
     if options["zigzag"] is None and options["amplitude"] is None:
         raise click.UsageError(
@@ -60,11 +60,11 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
     from trainer.identify.ships import trials
 
     ship = load_ship(path)
-    sensors = trials.sensors_of(ship, sensors_asked(options), given)
-    asked = record_of(trials.TrialOptions, options, sensors=sensors)
+    sensors = trials.sensors_of(ship, sensors_asked(options), typed_options)
+    wishes = record_of(trials.TrialOptions, options, sensors=sensors)
     with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
-        found = trials.design_trials(ship, asked)
-    show_report(found.report, trials.render, lambda: trials.panels(found), options)
+        design = trials.design_trials(ship, wishes)
+    show_report(design.report, trials.render, lambda: trials.panels(design), options)
 
 
 def sensors_asked(options: dict[str, Any]) -> "Sensors":
@@ -93,16 +93,16 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
 
     if options["ship"] is not None:
         options = {**options, "ship": path_named(options["ship"], "ships")}
-    asked = record_of(IdentifyOptions, options)
-    ship, trials, held = read_trials(files, asked)
+    wishes = record_of(IdentifyOptions, options)
+    ship, trials, held = read_trials(files, wishes)
     with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
-        found = fit_trials(ship, trials, held, asked, show_step)
+        result = fit_trials(ship, trials, held, wishes, show_step)
     if options["write_ship"]:
-        sources = ", ".join(Path(source).name for source in found.report.sources)
-        write_text(options["write_ship"], ship_text(found.ship, f"trainer identify, {sources}"))
+        sources = ", ".join(Path(source).name for source in result.report.sources)
+        write_text(options["write_ship"], ship_text(result.ship, f"trainer identify, {sources}"))
     if options["coefficients"]:
-        write_text(options["coefficients"], page.coefficients_text(found.report))
+        write_text(options["coefficients"], page.coefficients_text(result.report))
     if options["html"]:
-        write_text(options["html"], page.sheet(found))
-    show_report(found.report, page.render, lambda: page.panels(found), options)
-    return 0 if found.report.settled else 1
+        write_text(options["html"], page.sheet(result))
+    show_report(result.report, page.render, lambda: page.panels(result), options)
+    return 0 if result.report.settled else 1

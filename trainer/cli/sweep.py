@@ -97,6 +97,6 @@ def _show_member(ready: Any, job: Any, member: int, *, as_json: bool) -> None:
         raise ConfigError(f"--member {member}: members are 0 to {ready.members - 1}")
     with reading_recorded(dict(job.texts)):
         batch = ready.subject.batch(member, 1)
-    told = batch.told(0, [output.name for output in ready.subject.outputs])
-    page = member_page(ready.study.heading.name, member, told, ready.subject.outputs)
-    click.echo(json_of(told) if as_json else page)
+    lines = batch.told(0, [output.name for output in ready.subject.outputs])
+    page = member_page(ready.study.heading.name, member, lines, ready.subject.outputs)
+    click.echo(json_of(lines) if as_json else page)

@@ -179,8 +179,8 @@ class Choice(click.Choice[str]):
         """Return what is wrong with a word, the words that there are, and the nearest."""
         from trainer.config.files import nearest
 
-        told = super().get_invalid_choice_message(value, ctx).removesuffix(".")
-        return told + nearest(str(value), map(str, self.choices))
+        message = super().get_invalid_choice_message(value, ctx).removesuffix(".")
+        return message + nearest(str(value), map(str, self.choices))
 
 
 class Word(click.ParamType[str]):
@@ -214,12 +214,12 @@ def complete_files(
     names = sorted(each for each in _entries(head) if each.startswith(tail) and _shown(each, tail))
     files = [name for name in names if name.endswith(endings)]
     folders = [f"{name}/" for name in names if name not in files and _is_folder(head, name)]
-    found = [os.path.join(head, name) for name in (*files, *folders)]  # noqa: PTH118 keeps ./ and ~
-    if not all(map(PLAIN_NAME.fullmatch, found)):
+    paths = [os.path.join(head, name) for name in (*files, *folders)]  # noqa: PTH118 keeps ./ and ~
+    if not all(map(PLAIN_NAME.fullmatch, paths)):
         return [CompletionItem(incomplete, type="file")] if alone else []
     if folders and not files and alone:
         return [CompletionItem(incomplete, type="dir")]
-    return [CompletionItem(each) for each in found]
+    return [CompletionItem(each) for each in paths]
 
 
 def _entries(folder: str) -> list[str]:

@@ -204,21 +204,23 @@ def reduce(vessel: str, **options: Any) -> None:
     file = load_vessel(vessel)
     cores = options["cores"] or processor_count()
     if options["check"]:
-        found = reduction.report_reduction(file, reduction.as_filed(file), (), ())
+        reduction_report = reduction.report_reduction(file, reduction.as_filed(file), (), ())
     else:
         with show_progress(verdict.flight_count(file), "putting to zero") as step:
             drops = verdict.effect_table(file, cores, lambda: step(1))
         if options["table"]:
             lines = page.sensitivity(drops)
-            told = json_of([asdict(one) for one in drops])
-            click.echo(told if options["as_json"] else "\n".join(lines))
+            json_lines = json_of([asdict(one) for one in drops])
+            click.echo(json_lines if options["as_json"] else "\n".join(lines))
             return
         result = file.path if options["write"] else options["output"]
         if result and not result.parent.is_dir():
             raise ConfigError(f"{result}: there is no folder {result.parent}")
-        found = _search_reduction(file, cores, result, drops, quick=options["quick"])
-    click.echo(json_of(asdict(found)) if options["as_json"] else page.render(found))
-    sys.exit(0 if found.passed else 1)
+        reduction_report = _search_reduction(file, cores, result, drops, quick=options["quick"])
+    click.echo(
+        json_of(asdict(reduction_report)) if options["as_json"] else page.render(reduction_report)
+    )
+    sys.exit(0 if reduction_report.passed else 1)
 
 
 def _search_reduction(
@@ -231,12 +233,12 @@ def _search_reduction(
     partial = reduction.checkpoint_of(result) if result else None
     length = reduction.MAX_SEARCHES * len(compact_terms(file, "modified"))
     with show_progress(length, "dropping terms") as step:
-        found = reduction.search(file, cores, partial, step, quick=quick)
-    report = reduction.report_reduction(file, found.factors["modified"], found.needs, drops)
+        reduced = reduction.search(file, cores, partial, step, quick=quick)
+    report = reduction.report_reduction(file, reduced.factors["modified"], reduced.needs, drops)
     if result is None:
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
-    tables = vessel_text.factor_tables(found.factors, found.needs, notes)
+    tables = vessel_text.factor_tables(reduced.factors, reduced.needs, notes)
     write_text(result, vessel_text.rewrite_vessel(file.text, tables))
     reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

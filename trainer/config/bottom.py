@@ -107,23 +107,25 @@ def read_bottom(value: object, place: Place, path: Path) -> Bottom:
 
 def _misfits(table: BottomTable, place: Place) -> list[str]:
     """Return which keys do not go with each other."""
-    found = []
+    problems = []
     if (table.depth_m is None) == (table.grid is None):
-        found.append(place.problem("give depth_m, or grid with values"))
+        problems.append(place.problem("give depth_m, or grid with values"))
     if (table.slope_percent is None) != (table.deepens_deg is None):
-        found.append(place.problem("give slope_percent and deepens_deg, or neither"))
+        problems.append(place.problem("give slope_percent and deepens_deg, or neither"))
     if table.grid is not None and table.values is None:
-        found.append(place.problem('lacks values: "depth" or "height" of the grid\'s numbers'))
-    given = ("slope_percent", "deepens_deg") if table.grid else ("values", "origin_deg")
+        problems.append(place.problem('lacks values: "depth" or "height" of the grid\'s numbers'))
+    foreign_keys = ("slope_percent", "deepens_deg") if table.grid else ("values", "origin_deg")
     other = "a grid" if table.grid else "depth_m"
-    found += [
+    problems += [
         place.wrong(key, getattr(table, key), f"does not go with {other}")
-        for key in given
+        for key in foreign_keys
         if getattr(table, key) is not None
     ]
     if table.breakout_t and table.kind != "mud":
-        found.append(place.wrong("breakout_t", table.breakout_t, 'only kind = "mud" holds a boat'))
-    return found
+        problems.append(
+            place.wrong("breakout_t", table.breakout_t, 'only kind = "mud" holds a boat')
+        )
+    return problems
 
 
 def _plane(table: BottomTable) -> Grid:
@@ -146,8 +148,8 @@ def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
     except ConfigError as wrong:
         raise ConfigError(*(place.wrong("grid", name, each) for each in wrong.problems)) from None
     if grid.degrees:
-        told = "is in degrees: give origin_deg = [LAT, LON], where the exercise's origin lies"
-        raise ConfigError(place.wrong("grid", name, told))
+        message = "is in degrees: give origin_deg = [LAT, LON], where the exercise's origin lies"
+        raise ConfigError(place.wrong("grid", name, message))
     sense = 1.0 if table.values == "depth" else -1.0
     return replace(grid, values=sense * grid.values + table.tide_m)
 

@@ -85,14 +85,14 @@ def _measures() -> dict[str, SeverityMeasure]:
     """Return the measure of each kind."""
     stuck = SeverityMeasure(SWITCH_LIMITS, "none: held as it stood")
     taken = SeverityMeasure(SHARE_LIMITS, "share of the rate lost")
-    found = {
+    measures = {
         "propulsion-lost": SeverityMeasure(SHARE_LIMITS, "share of turns lost"),
         "propulsion-stuck": stuck,
         "autopilot-failed": SeverityMeasure(SWITCH_LIMITS, "none: its commands stay"),
     }
     for surface in SURFACES:
         side = "right" if surface == "rudder" else "rise"
-        found |= {
+        measures |= {
             f"{surface}-slow": taken,
             f"{surface}-follow-up-lost": SeverityMeasure(SWITCH_LIMITS, "none: on or off"),
             f"{surface}-free": SeverityMeasure(SHARE_LIMITS, "share of its rate"),
@@ -101,7 +101,7 @@ def _measures() -> dict[str, SeverityMeasure]:
         }
     units = (("m", 1.0), ("deg", math.radians(1.0)), ("kn", KNOT), ("m", 1.0))
     for gauge, (unit, factor) in zip(GAUGES, units, strict=True):
-        found |= {
+        measures |= {
             f"{gauge}-noisy": SeverityMeasure(
                 FACTOR_LIMITS, f"times noise_{unit}", f"noise_{unit}", factor
             ),
@@ -120,10 +120,10 @@ def _measures() -> dict[str, SeverityMeasure]:
     for name in KINDS:
         for start, measure in starts.items():
             if name.startswith(start):
-                found[name] = measure
+                measures[name] = measure
     for valve in VALVES:
-        found[f"vent-{valve}-open"] = SeverityMeasure(SHARE_LIMITS, "opening it is stuck at")
-    return found
+        measures[f"vent-{valve}-open"] = SeverityMeasure(SHARE_LIMITS, "opening it is stuck at")
+    return measures
 
 
 SEVERITY_MEASURES: Final[Mapping[str, SeverityMeasure]] = _measures()
@@ -203,14 +203,14 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
     ConfigError if a file is wrong or has a name that is already taken.
     """
     shipped_table = shipped_path("casualties", STANDARD_LIST)
-    found = dict(_standard(read_text(shipped_table), shipped_table))
+    casualties = dict(_standard(read_text(shipped_table), shipped_table))
     for path in map(Path, paths):
-        for name, casualty in parse_casualties(read_text(path), path, found).items():
-            if name in found:
+        for name, casualty in parse_casualties(read_text(path), path, casualties).items():
+            if name in casualties:
                 place = Place(path.name, f"casualty.{name}")
                 raise ConfigError(place.problem("is already in another table; give it a new name"))
-            found[name] = casualty
-    return found
+            casualties[name] = casualty
+    return casualties
 
 
 @cache
@@ -229,7 +229,7 @@ def parse_casualties(
     place = Place(path.name, "")
     table = parse_toml(text, path.name)
     problems: list[str] = []
-    found: dict[str, Casualty] = {}
+    casualties: dict[str, Casualty] = {}
     for key, value in table.items():
         with collecting(problems):
             if key in HEADING_FIELDS:
@@ -243,25 +243,25 @@ def parse_casualties(
         within_file = place.inside("casualty")
         for name, entry in as_table(table["casualty"], within_file).items():
             with collecting(problems):
-                found[name] = read_casualty(name, entry, within_file.inside(name), standard)
+                casualties[name] = read_casualty(name, entry, within_file.inside(name), standard)
     raise_problems(problems)
-    return found
+    return casualties
 
 
 def read_casualty(
     name: str, table: object, place: Place, standard: Mapping[str, Casualty]
 ) -> Casualty:
     """Return one casualty from its table; ConfigError with all that is wrong."""
-    given = as_table(table, place)
+    row = as_table(table, place)
     if not CASUALTY_NAME.fullmatch(name) or name == "all":
         text = "a name is 1 to 40 of a to z, 0 to 9 and -, a letter first, and not all"
         raise ConfigError(place.problem(text))
-    entry = read_record(CasualtyEntry, {**_filler(given, standard), **given}, place, ("note",))
+    entry = read_record(CasualtyEntry, {**_filler(row, standard), **row}, place, ("note",))
     measure = SEVERITY_MEASURES[entry.kind]
     problems = [
         place.problem(f"{key} means nothing to {entry.kind}")
         for key in PARAMETER_KEYS
-        if key in given and key != measure.parameter
+        if key in row and key != measure.parameter
     ]
     full = getattr(entry, measure.parameter) if measure.parameter else 1.0
     if full is None:

@@ -24,13 +24,13 @@ def read_coefficients(table: object, place: Place) -> dict[str, float]:
 
     Those not given are left out.
     """
-    given, problems = _flatten(as_table(table, place), place)
+    entries, problems = _flatten(as_table(table, place), place)
     known = list(LENGTH_POWERS)
     values: dict[str, float] = {}
-    for axis, key, value in given:
+    for axis, key, value in entries:
         with collecting(problems):
             values[key] = _coefficient(key, value, place.inside(axis) if axis else place, known)
-    keys = [key for _, key, _ in given]
+    keys = [key for _, key, _ in entries]
     problems += [place.problem(f"{key} is given twice") for key in values if keys.count(key) > 1]
     raise_problems(problems)
     return values
@@ -51,17 +51,17 @@ def _flatten(
     place: Place,
 ) -> tuple[list[tuple[str, str, object]], list[str]]:
     """Return (axis or '', key, value) of each entry, and what is wrong with the axes."""
-    given: list[tuple[str, str, object]] = []
+    entries: list[tuple[str, str, object]] = []
     problems = []
     for name, value in table.items():
         if name in FORCE_AXES and isinstance(value, Mapping):
-            given.extend((name, key, item) for key, item in value.items())
+            entries.extend((name, key, item) for key, item in value.items())
         elif name in FORCE_AXES or isinstance(value, Mapping):
             text = f"must be one of the tables {', '.join(FORCE_AXES)}, or a coefficient"
             problems.append(place.wrong(name, value, text))
         else:
-            given.append(("", name, value))
-    return given, problems
+            entries.append(("", name, value))
+    return entries, problems
 
 
 def read_compensation(
@@ -89,12 +89,14 @@ def read_compensation(
 
 def _factors(table: object, place: Place, extra: tuple[str, ...]) -> dict[str, float]:
     """Return factor [-] by coefficient; ConfigError with all that is wrong."""
-    given = as_table(table, place)
-    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in extra]
+    values = as_table(table, place)
+    kept_keys = [term.key for term in COEFFICIENTS if term.kept or term.key in extra]
     problems = [
-        place.wrong(key, value, f"the compact set keeps no such coefficient{nearest(key, kept)}")
-        for key, value in given.items()
-        if key not in kept
+        place.wrong(
+            key, value, f"the compact set keeps no such coefficient{nearest(key, kept_keys)}"
+        )
+        for key, value in values.items()
+        if key not in kept_keys
     ]
     raise_problems(problems)
-    return {key: FACTOR_QUANTITY.read(key, value, place) for key, value in given.items()}
+    return {key: FACTOR_QUANTITY.read(key, value, place) for key, value in values.items()}

@@ -102,15 +102,15 @@ class WayPoints:
     @property
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
-        each = list_schema(within(-MAX_CONTACT_RANGE_M, MAX_CONTACT_RANGE_M).schema, 2, 2)
-        told = f"1 to {self.most} pairs, {-MAX_CONTACT_RANGE_M:.0f} to {MAX_CONTACT_RANGE_M:.0f}"
-        return KeyForm("m", told, self.meaning, list_schema(each, 1, self.most))
+        pair = list_schema(within(-MAX_CONTACT_RANGE_M, MAX_CONTACT_RANGE_M).schema, 2, 2)
+        message = f"1 to {self.most} pairs, {-MAX_CONTACT_RANGE_M:.0f} to {MAX_CONTACT_RANGE_M:.0f}"
+        return KeyForm("m", message, self.meaning, list_schema(pair, 1, self.most))
 
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, float], ...]:
         """Return the places; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
-            told = f"must be a list of 1 to {self.most} pairs [north, east]"
-            raise ConfigError(place.wrong(key, value, told))
+            message = f"must be a list of 1 to {self.most} pairs [north, east]"
+            raise ConfigError(place.wrong(key, value, message))
         return tuple(self._pair(f"{key}[{i}]", each, place) for i, each in enumerate(value))
 
     def _pair(self, key: str, value: object, place: Place) -> tuple[float, float]:
@@ -206,9 +206,11 @@ class Contact:
     @property
     def speeds(self) -> tuple[float, ...]:
         """Return the speed [m/s] on each leg; one for a ship with one point."""
-        given = self.row.speed_kn or 0.0
-        each = given if isinstance(given, tuple) else (given,) * self.legs
-        return tuple(speed * KNOT for speed in each)
+        stated_speed = self.row.speed_kn or 0.0
+        leg_speeds = (
+            stated_speed if isinstance(stated_speed, tuple) else (stated_speed,) * self.legs
+        )
+        return tuple(speed * KNOT for speed in leg_speeds)
 
     @property
     def course(self) -> float:
@@ -252,7 +254,7 @@ CONTACT_RECORDS: Final[Mapping[str, type[Any]]] = {"[contact]": ContactRow, "con
 def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...]:
     """Return the ships of an exercise; ConfigError with all that is wrong in them."""
     problems: list[str] = []
-    found = []
+    contacts = []
     rows = CONTACT_ROWS.read("contact", value, Place(place.file, ""))
     for i, row in enumerate(rows):
         inside = Place(place.file, f"contact[{i}]")
@@ -261,10 +263,10 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
             ship = _ship(row, path) if row.ship else None
             contact = Contact(row=row, place=inside, nomoto=nomoto, ship=ship)
             problems += _faults(contact)
-            found.append(contact)
-    problems += _twice(found)
+            contacts.append(contact)
+    problems += _twice(contacts)
     raise_problems(problems)
-    return tuple(found)
+    return tuple(contacts)
 
 
 def read_encounters(value: object, place: Place, path: Path) -> Encounters:
@@ -285,20 +287,24 @@ def encounters_schema() -> dict[str, Any]:
 
 def _ship(row: ContactRow, path: Path) -> ShipFile:
     """Return the ship of a contact that is not linear; ConfigError if its file is of none."""
-    found = path_named(relative_name(path, str(row.ship)), "ships")
-    if is_nomoto(found):
-        raise ConfigError(f"{found.name}: is a Nomoto ship: {row.name} has it as nomoto")
-    return load_ship(found)
+    ship_path = path_named(relative_name(path, str(row.ship)), "ships")
+    if is_nomoto(ship_path):
+        raise ConfigError(f"{ship_path.name}: is a Nomoto ship: {row.name} has it as nomoto")
+    return load_ship(ship_path)
 
 
 def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
     """Return the identified ship of a contact; ConfigError if its file is of none to be steered."""
-    found = Path(relative_name(path, str(row.nomoto)))
-    if is_ship(found):
-        raise ConfigError(f"{found.name}: is a ship that is not linear: {row.name} has it as ship")
-    ship = load_nomoto(found)
+    nomoto_path = Path(relative_name(path, str(row.nomoto)))
+    if is_ship(nomoto_path):
+        raise ConfigError(
+            f"{nomoto_path.name}: is a ship that is not linear: {row.name} has it as ship"
+        )
+    ship = load_nomoto(nomoto_path)
     bad = [
-        Place(found.name, "").wrong(key, getattr(ship, key), f"{row.name} cannot be steered: {why}")
+        Place(nomoto_path.name, "").wrong(
+            key, getattr(ship, key), f"{row.name} cannot be steered: {why}"
+        )
         for key, why, good in (
             ("K_per_s", "must be below 0", ship.K_per_s < 0.0),
             (
@@ -318,58 +324,58 @@ def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
 def _faults(contact: Contact) -> list[str]:
     """Return what is wrong with one ship by itself."""
     row, place = contact.row, contact.place
-    found = []
+    faults = []
     if not CONTACT_NAME.fullmatch(row.name) or row.name in RESERVED_NAMES:
-        told = "must be small letters, digits and hyphens, a letter first, and not add"
-        found.append(place.wrong("name", row.name, told))
+        message = "must be small letters, digits and hyphens, a letter first, and not add"
+        faults.append(place.wrong("name", row.name, message))
     if isinstance(row.speed_kn, tuple) and len(row.speed_kn) != contact.legs:
-        found.append(
+        faults.append(
             place.wrong("speed_kn", [*row.speed_kn], f"must be one number, or {contact.legs}")
         )
-    found += [
+    faults += [
         place.wrong("speed_kn", speed, f"a {row.type} makes {contact.type.fastest_kn:g} kn")
         for speed in dict.fromkeys(speed / KNOT for speed in contact.speeds)
         if speed > contact.type.fastest_kn + 1e-9
     ]
-    return found + _misplaced(contact)
+    return faults + _misplaced(contact)
 
 
 def _misplaced(contact: Contact) -> list[str]:
     """Return which keys do not go with the number of way points, or with each other."""
     row, place = contact.row, contact.place
-    found = []
+    problems = []
     if row.course_deg is not None and len(row.points) > 1:
-        found.append(place.wrong("course_deg", row.course_deg, "goes with one point alone"))
+        problems.append(place.wrong("course_deg", row.course_deg, "goes with one point alone"))
     for key in ("nomoto", "ship"):
         file = getattr(row, key)
         if file is not None and len(row.points) > 1:
-            found.append(place.wrong(key, file, "goes with one point and course_deg"))
+            problems.append(place.wrong(key, file, "goes with one point and course_deg"))
     if row.ship is not None:
-        found += _without_way(contact)
+        problems += _without_way(contact)
     if row.drifts and row.status == "at anchor":
-        found.append(place.wrong("drifts", row.drifts, 'does not go with status = "at anchor"'))
-    return found
+        problems.append(place.wrong("drifts", row.drifts, 'does not go with status = "at anchor"'))
+    return problems
 
 
 def _without_way(contact: Contact) -> list[str]:
     """Return which keys do not go with a ship that is not linear."""
     row, place = contact.row, contact.place
-    found = []
+    problems = []
     if row.nomoto is not None:
-        found.append(place.wrong("ship", row.ship, "goes without nomoto: give one"))
+        problems.append(place.wrong("ship", row.ship, "goes without nomoto: give one"))
     if not any(contact.speeds):
-        found.append(place.wrong("ship", row.ship, "goes with speed_kn: it has way on"))
+        problems.append(place.wrong("ship", row.ship, "goes with speed_kn: it has way on"))
     if row.starts_s:
-        found.append(place.wrong("starts_s", row.starts_s, "goes without ship: it has way on"))
-    return found
+        problems.append(place.wrong("starts_s", row.starts_s, "goes without ship: it has way on"))
+    return problems
 
 
 def _twice(found: list[Contact]) -> list[str]:
     """Return which names and numbers two ships have."""
     problems = []
     for key in ("name", "mmsi"):
-        given = [(getattr(each.row, key), each.place) for each in found]
-        for i, (value, place) in enumerate(given):
-            if value is not None and value in [before for before, _ in given[:i]]:
+        values = [(getattr(each.row, key), each.place) for each in found]
+        for i, (value, place) in enumerate(values):
+            if value is not None and value in [before for before, _ in values[:i]]:
                 problems.append(place.wrong(key, value, "another [[contact]] has it"))
     return problems

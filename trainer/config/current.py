@@ -61,19 +61,19 @@ class Profile:
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
         """Return the rows; ConfigError naming the first number that is wrong."""
         if not isinstance(value, list) or not 1 <= len(value) <= MAX_PROFILE_ROWS:
-            told = f"must be a list of 1 to {MAX_PROFILE_ROWS} rows [depth m, set deg, drift kn]"
-            raise ConfigError(place.wrong(key, value, told))
+            message = f"must be a list of 1 to {MAX_PROFILE_ROWS} rows [depth m, set deg, drift kn]"
+            raise ConfigError(place.wrong(key, value, message))
         rows = tuple(self._row(f"{key}[{i}]", row, place) for i, row in enumerate(value))
         for i, (upper, lower) in enumerate(itertools.pairwise(rows), start=1):
             if lower[0] <= upper[0]:
-                told = f"depths must rise: {lower[0]:g} m is not below {upper[0]:g} m"
-                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], told))
+                message = f"depths must rise: {lower[0]:g} m is not below {upper[0]:g} m"
+                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], message))
         return rows
 
     def _row(self, key: str, row: object, place: Place) -> tuple[float, ...]:
         if not isinstance(row, list) or len(row) != len(self.columns):
-            told = "must be three numbers: depth m, set deg, drift kn"
-            raise ConfigError(place.wrong(key, row, told))
+            message = "must be three numbers: depth m, set deg, drift kn"
+            raise ConfigError(place.wrong(key, row, message))
         return tuple(
             kind.read(f"{key}[{i}]", item, place)
             for i, (kind, item) in enumerate(zip(self.columns, row, strict=True))
@@ -142,15 +142,17 @@ def read_current(value: object, place: Place, _path: Path) -> Current:
 def _problem(current: Current) -> str:
     """Return why the keys make no current, "" where they do."""
     keys = [item.name for item in fields(Current) if item.name != "ramp_s"]
-    there = [key for key in keys if getattr(current, key) is not None]
-    forms = [name for name, own in CURRENT_FORMS.items() if any(key in there for key in own)]
+    present_keys = [key for key in keys if getattr(current, key) is not None]
+    forms = [name for name, own in CURRENT_FORMS.items() if any(key in present_keys for key in own)]
     if len(forms) != 1:
-        have = f"has {', '.join(there)}" if there else "has none of them"
+        have = f"has {', '.join(present_keys)}" if present_keys else "has none of them"
         return f"{have}: give one of {', '.join(CURRENT_FORMS)}"
     (form,) = forms
-    lacking = [key for key in CURRENT_FORMS[form] if key not in there]
+    lacking = [key for key in CURRENT_FORMS[form] if key not in present_keys]
     if lacking:
-        return f"has {there[0]} and lacks {lacking[0]}: give one of {', '.join(CURRENT_FORMS)}"
+        return (
+            f"has {present_keys[0]} and lacks {lacking[0]}: give one of {', '.join(CURRENT_FORMS)}"
+        )
     return _tide_problem(current.tide) if current.tide else ""
 
 
@@ -162,10 +164,10 @@ def _tide_problem(tide: Tide) -> str:
             "the strongest is the major one"
         )
     mean = {"mean_set_deg": tide.mean_set_deg, "mean_drift_kn": tide.mean_drift_kn}
-    given = [key for key, value in mean.items() if value is not None]
-    if len(given) == 1:
-        lacking = next(key for key in mean if key not in given)
-        return f"tide has {given[0]} and lacks {lacking}: give both, or neither"
+    mean_keys = [key for key, value in mean.items() if value is not None]
+    if len(mean_keys) == 1:
+        lacking = next(key for key in mean if key not in mean_keys)
+        return f"tide has {mean_keys[0]} and lacks {lacking}: give both, or neither"
     return ""
 
 

@@ -61,28 +61,29 @@ def compile_condition(
     text: str, place: Place, known: Mapping[str, Quantity] = STATE_QUANTITIES
 ) -> Condition:
     """Return the condition written in ``text``; ConfigError if it is none, naming the nearest."""
-    found = CONDITION_PATTERN.fullmatch(text)
-    if found is None:
+    match = CONDITION_PATTERN.fullmatch(text)
+    if match is None:
         raise ConfigError(
             place.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
         )
-    words, comparison, number, unit = found.groups()
+    words, comparison, number, unit = match.groups()
     name, suffix = _split(words, text, place, known)
     units = known[name].units
     if suffix and unit and suffix != unit:
         raise ConfigError(place.problem(f"condition {quote(text)}: has two units"))
-    given = (suffix or unit or next(iter(units))).lower().replace("/", "_")
-    if given not in units:
+    unit_name = (suffix or unit or next(iter(units))).lower().replace("/", "_")
+    if unit_name not in units:
         raise ConfigError(
             place.problem(
-                f"condition {quote(text)}: {name} is in {' or '.join(units)}, not {quote(given)}"
+                f"condition {quote(text)}: {name} is in {' or '.join(units)}, "
+                f"not {quote(unit_name)}"
             )
         )
     return Condition(
         quantity=name,
         sense=1.0 if comparison.startswith(">") else -1.0,
         strict="=" not in comparison,
-        threshold=_number(number, text, place) * units[given],
+        threshold=_number(number, text, place) * units[unit_name],
         text=text.strip(),
         place=place,
     )
@@ -113,9 +114,9 @@ def nearest_quantity(words: str, known: Mapping[str, Quantity] = ALL_QUANTITIES)
 
 def _split(words: str, text: str, place: Place, known: Mapping[str, Quantity]) -> tuple[str, str]:
     """Return the quantity and the unit in ``speed_kn``, which may be a wrong one."""
-    found = parse_name(words, known)
-    if found is not None:
-        return found
+    name_and_unit = parse_name(words, known)
+    if name_and_unit is not None:
+        return name_and_unit
     words = words.lower()
     for name in sorted(known, key=len, reverse=True):
         if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
@@ -154,7 +155,7 @@ class Loss:
 def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
     """Return what loses the exercise; ConfigError with all that is no condition."""
     problems: list[str] = []
-    found = []
+    losses = []
     for text in texts:
         lasting = LASTING_CONDITION.fullmatch(text.strip())
         words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
@@ -164,6 +165,6 @@ def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
             reason = str(wrong).partition("condition ")[2].partition(": ")[2]
             problems.append(place.wrong("lost", text, reason))
         else:
-            found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
+            losses.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
     raise_problems(problems)
-    return tuple(found)
+    return tuple(losses)

@@ -246,16 +246,16 @@ class Exercise:
     def schedule_of(self, seed: int) -> list[ScheduledOrder]:
         """Return the orders and casualties of a seed's run at set times, in order."""
         timed = [*self.schedule]
-        for each in _chosen(self.drawn, seed):
-            timed += _timed_casualty(_settled(each, seed), each.number)
+        for casualty in _chosen(self.drawn, seed):
+            timed += _timed_casualty(_settled(casualty, seed), casualty.number)
         return sorted(timed, key=lambda entry: entry.seconds)
 
 
 def _chosen(drawn: tuple[RandomCasualty, ...], seed: int) -> list[RandomCasualty]:
     """Return which casualties come: of each group one."""
     groups: dict[str, list[RandomCasualty]] = {}
-    for each in drawn:
-        groups.setdefault(each.row.one_of or f" {each.number}", []).append(each)
+    for casualty in drawn:
+        groups.setdefault(casualty.row.one_of or f" {casualty.number}", []).append(casualty)
     return [group[int(_share(seed, name) * len(group))] for name, group in groups.items()]
 
 
@@ -305,12 +305,12 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     ]
     parts: dict[str, Any] = {"sea": None, "casualties": load_casualties()}
     with collecting(problems):
-        own = {
+        heading_values = {
             key: value
             for key, value in table.items()
             if key in KNOWN_KEYS and key not in EXERCISE_TABLES
         }
-        heading = read_record(ExerciseHeading, own, place, ("note",))
+        heading = read_record(ExerciseHeading, heading_values, place, ("note",))
         parts["heading"] = replace(
             heading, vessel=heading.vessel and relative_name(path, heading.vessel)
         )
@@ -321,8 +321,8 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
             parts["casualties"] = load_casualties(relative_name(path, own_table))
     for name, record in (("initial", StartState), ("limits", ExerciseLimits)):
         with collecting(problems):
-            given = table.get(name, {})
-            parts[name] = read_record(record, given, place.inside(name), ("note",))
+            content = table.get(name, {})
+            parts[name] = read_record(record, content, place.inside(name), ("note",))
     with collecting(problems):
         if "sea" in table:
             parts["sea"] = _sea(table["sea"], path)
@@ -352,14 +352,14 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
 
 def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
     """Return the texts of a list, whatever else is wrong in the file."""
-    given = table.get(key)
-    return tuple(each for each in given if isinstance(each, str)) if isinstance(given, list) else ()
+    value = table.get(key)
+    return tuple(each for each in value if isinstance(each, str)) if isinstance(value, list) else ()
 
 
 def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
     """Return which scheduled orders to the crew are for an axis that nobody mans."""
-    there = (*_texts(table, "hand"), *_texts(table, "allowed"))
-    found = []
+    order_names = (*_texts(table, "hand"), *_texts(table, "allowed"))
+    problems = []
     rows = table.get("orders", [])
     for i, row in enumerate(rows if isinstance(rows, list) else []):
         text = row.get("order") if isinstance(row, Mapping) else None
@@ -368,11 +368,11 @@ def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
         axis = order.word.partition("_")[0] if isinstance(order, Order) else ""
         if isinstance(order, Order) and order.name == "order" and axis in MANNED_CONTROLS:
             manned = MANNED_CONTROLS[axis]
-            if not set(manned) & set(there):
-                told = f"nobody mans it: hand = [{', '.join(map(quote, there))}]"
-                told += f" has none of {', '.join(manned)}"
-                found.append(place.inside(f"orders[{i}]").wrong("order", text, told))
-    return found
+            if not set(manned) & set(order_names):
+                message = f"nobody mans it: hand = [{', '.join(map(quote, order_names))}]"
+                message += f" has none of {', '.join(manned)}"
+                problems.append(place.inside(f"orders[{i}]").wrong("order", text, message))
+    return problems
 
 
 def _without_win(rules: tuple[ScoreRule, ...], place: Place) -> list[str]:
@@ -393,15 +393,15 @@ def _sea(value: object, path: Path) -> SeaFile:
 def _orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrder]:
     """Return the orders and their times; ConfigError with all that are none."""
     problems: list[str] = []
-    found = []
+    orders = []
     rows: object = table.get("orders", [])
     readers: Readers = {"order": _read_order}
     for i, inside, row in sound_rows(ORDER_ROWS, rows, place.inside("orders"), readers, problems):
         with collecting(problems):
             order = _read_order(row.order, inside)
-            found.append(ScheduledOrder(row.at_s, order, i + 1))
+            orders.append(ScheduledOrder(row.at_s, order, i + 1))
     raise_problems(problems)
-    return found
+    return orders
 
 
 def _read_order(text: str, place: Place) -> Order:

@@ -47,8 +47,8 @@ def coefficients_schema() -> dict[str, Any]:
 
 def compensation_schema() -> dict[str, Any]:
     """Return the JSON Schema of the table [compensation]."""
-    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in EXTRA_TERMS]
-    factors = object_schema(dict.fromkeys(kept, describe_kind(FACTOR_QUANTITY)), ())
+    kept_keys = [term.key for term in COEFFICIENTS if term.kept or term.key in EXTRA_TERMS]
+    factors = object_schema(dict.fromkeys(kept_keys, describe_kind(FACTOR_QUANTITY)), ())
     return object_schema(dict.fromkeys(EQUATION_SETS, factors), ())
 
 

@@ -207,10 +207,10 @@ def path_named(name_or_path: str, kind: str) -> Path:
         return Path(name_or_path)
     names = shipped_names(kind)
     if name_or_path not in names:
-        one, own = OWN_FILE_EXAMPLES[kind]
+        one, example = OWN_FILE_EXAMPLES[kind]
         raise ConfigError(
             f"no {one} {quote(name_or_path)}{nearest(name_or_path, names)}; "
-            f"shipped: {', '.join(names)}; give a file of your own as a path, such as {own}"
+            f"shipped: {', '.join(names)}; give a file of your own as a path, such as {example}"
         )
     return shipped_path(kind, name_or_path)
 
@@ -315,7 +315,7 @@ def lines_of(text: str) -> dict[tuple[str, str], int]:
 
     A table of an array has its place in it: orders[2]. Tables within tables are not looked into.
     """
-    found: dict[tuple[str, str], int] = {}
+    line_numbers: dict[tuple[str, str], int] = {}
     table, counts, fence = "", dict[str, int](), ""
     for number, line in enumerate(text.split("\n"), start=1):
         if fence:
@@ -326,22 +326,22 @@ def lines_of(text: str) -> dict[tuple[str, str], int]:
             if head[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = f"{table}[{counts[table]}]"
-            found.setdefault((table, ""), number)
+            line_numbers.setdefault((table, ""), number)
         elif key := KEY_VALUE_LINE.match(line):
-            found.setdefault((table, key[1]), number)
+            line_numbers.setdefault((table, key[1]), number)
             mark = key[2][:3]
             fence = mark if mark in ('"""', "'''") and mark not in key[2][3:] else ""
-    return found
+    return line_numbers
 
 
 def number_problems(problems: Iterable[str], text: str, file: str) -> list[str]:
     """Return messages about a file in their order. Each has its line where that can be told."""
     lines, head = lines_of(text), f"{file}: "
-    found = [(_line_of(each, lines, head), each) for each in problems]
-    found.sort(key=lambda each: each[0])
+    messages_by_line = [(_line_of(each, lines, head), each) for each in problems]
+    messages_by_line.sort(key=lambda each: each[0])
     return [
         each.replace(head, f"{head}line {number}: ", 1) if number else each
-        for number, each in found
+        for number, each in messages_by_line
     ]
 
 
@@ -350,8 +350,8 @@ def _line_of(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> i
     if not problem.startswith(head) or problem.startswith(f"{head}line "):
         return 0
     about = problem.removeprefix(head)
-    told = PROBLEM_PLACE.match(about)
-    table, key = (told["table"] or "", told["key"] or "") if told else ("", "")
+    match = PROBLEM_PLACE.match(about)
+    table, key = (match["table"] or "", match["key"] or "") if match else ("", "")
     number = lines.get((table, key)) or lines.get((table, "")) or lines.get((key, ""))
     return number or lines.get((f"{key}[0]", "")) or 0
 
@@ -392,15 +392,15 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
 
 def _toml_reason(message: str, text: str) -> str:
     """Return tomllib's complaint with the line first, and duplicates in plain words."""
-    found = re.fullmatch(r"(.*) \(at line (\d+), column \d+\)", message, re.DOTALL)
-    if found is None:
+    match = re.fullmatch(r"(.*) \(at line (\d+), column \d+\)", message, re.DOTALL)
+    if match is None:
         return f"is not valid TOML: {message}"
     # Splitting at "\n" only, as tomllib counts; str.splitlines knows more separators.
-    line = text.split("\n")[int(found[2]) - 1].strip()
-    if found[1].startswith(("Cannot overwrite", "Cannot declare")):
-        given = line if line.startswith("[") else line.split("=")[0].strip()
-        return f"line {found[2]}: {format_key(given)} is given twice"
-    return f"line {found[2]}: is not valid TOML: {found[1]}{_decimal_hint(line)}"
+    line = text.split("\n")[int(match[2]) - 1].strip()
+    if match[1].startswith(("Cannot overwrite", "Cannot declare")):
+        key = line if line.startswith("[") else line.split("=")[0].strip()
+        return f"line {match[2]}: {format_key(key)} is given twice"
+    return f"line {match[2]}: is not valid TOML: {match[1]}{_decimal_hint(line)}"
 
 
 def _decimal_hint(line: str) -> str:

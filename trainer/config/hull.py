@@ -73,14 +73,14 @@ class Stations:
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
         rows = list_schema(list_schema({"type": "number"}, 3, 4), self.fewest, self.most)
-        told = f"{self.fewest} to {self.most} rows of 3 or 4 numbers"
-        return KeyForm("m", told, self.meaning, rows)
+        message = f"{self.fewest} to {self.most} rows of 3 or 4 numbers"
+        return KeyForm("m", message, self.meaning, rows)
 
     def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
         """Return the rows with four numbers each; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
-            told = f"must be {self.fewest} to {self.most} rows [x, breadth, height] in m"
-            raise ConfigError(place.wrong(key, value, told))
+            message = f"must be {self.fewest} to {self.most} rows [x, breadth, height] in m"
+            raise ConfigError(place.wrong(key, value, message))
         kind = Quantities(_number("m", -400.0, 400.0, ""), 3, 4)
         rows = [kind.read(f"{key}[{i}]", row, place) for i, row in enumerate(value)]
         for i, row in enumerate(rows):
@@ -88,8 +88,8 @@ class Stations:
                 raise ConfigError(place.wrong(f"{key}[{i}]", value[i], "must not be negative, m"))
         for i, (before, row) in enumerate(pairwise(rows), start=1):
             if row[0] <= before[0]:
-                told = f"x must rise: must be above {before[0]:g} m"
-                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], told))
+                message = f"x must rise: must be above {before[0]:g} m"
+                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], message))
         if not any(row[1] * row[2] > 0.0 for row in rows):
             raise ConfigError(place.wrong(key, value, "the area is nowhere above 0 m2"))
         return tuple((*row, 0.0)[:4] for row in rows)
@@ -303,19 +303,19 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
 
 def list_defaults(file: HullFile) -> tuple[str, ...]:
     """Return the keys, and the whole tables, that the file leaves out."""
-    found = []
+    names = []
     for name, record in HULL_TABLES.items():
-        given = file.tables.get(name)
-        if given is None:
-            found.append(name)
+        table = file.tables.get(name)
+        if table is None:
+            names.append(name)
             continue
         skipped = ("stations", *_skipped(file)) if name == "hull" else ()
-        found += [
+        names += [
             f"{name}.{key}"
             for key in record.__dataclass_fields__
-            if key not in given and key not in skipped
+            if key not in table and key not in skipped
         ]
-    return tuple(found)
+    return tuple(names)
 
 
 def _skipped(file: HullFile) -> tuple[str, ...]:
@@ -344,8 +344,8 @@ def _form_problems(file: HullFile) -> Iterator[str]:
     else:
         yield from _nose_and_tail_problems(file)
     if form.reference_length and not 0.8 <= form.reference_length / form.length <= 1.25:
-        told = f"must be about length = {form.length:g} m, 0.8 to 1.25 of it"
-        yield place.wrong("reference_length", form.reference_length, told)
+        message = f"must be about length = {form.length:g} m, 0.8 to 1.25 of it"
+        yield place.wrong("reference_length", form.reference_length, message)
 
 
 def _station_problems(file: HullFile) -> Iterator[str]:
@@ -354,16 +354,16 @@ def _station_problems(file: HullFile) -> Iterator[str]:
     rows = form.stations or ()
     first, last = rows[0], rows[-1]
     if last[0] > form.length * (1.0 + 1e-9) or first[0] < 0.0:
-        told = f"x must lie within 0 to length = {form.length:g} m"
-        yield place.problem(f"stations: {first[0]:g} to {last[0]:g} m: {told}")
+        message = f"x must lie within 0 to length = {form.length:g} m"
+        yield place.problem(f"stations: {first[0]:g} to {last[0]:g} m: {message}")
         return
     widest = max(max(row[1:3]) for row in rows)
     for name, row, at in (("first", first, 0.0), ("last", last, form.length)):
         if abs(row[0] - at) > END_SHARE * form.length:
             yield place.problem(f"stations: the {name} x = {row[0]:g} m: must be near {at:g} m")
         elif max(row[1:3]) > POINTED_END_SHARE * widest:
-            told = f"must be near 0, at most {POINTED_END_SHARE * widest:.3g} m"
-            yield place.problem(f"stations: the {name} is {max(row[1:3]):g} m wide: {told}")
+            message = f"must be near 0, at most {POINTED_END_SHARE * widest:.3g} m"
+            yield place.problem(f"stations: the {name} is {max(row[1:3]):g} m wide: {message}")
 
 
 def _nose_and_tail_problems(file: HullFile) -> Iterator[str]:
@@ -373,11 +373,11 @@ def _nose_and_tail_problems(file: HullFile) -> Iterator[str]:
     nose = form.nose_length or 1.5 * breadth
     tail = form.tail_length or 3.0 * breadth
     if nose + tail > form.length:
-        told = f"nose {nose:g} m and tail {tail:g} m must not be longer than length"
-        yield place.wrong("length", form.length, f"{told}; nearest is {nose + tail:g} m")
+        message = f"nose {nose:g} m and tail {tail:g} m must not be longer than length"
+        yield place.wrong("length", form.length, f"{message}; nearest is {nose + tail:g} m")
     if max(breadth, form.height or 0.0) > form.length / 2.0:
-        told = f"must be at most half of length, {form.length / 2.0:g} m"
-        yield place.wrong("breadth", breadth, told)
+        message = f"must be at most half of length, {form.length / 2.0:g} m"
+        yield place.wrong("breadth", breadth, message)
     if form.base_diameter >= breadth:
         yield place.wrong("base_diameter", form.base_diameter, f"must be below {breadth:g} m")
     if form.tail == "myring":
@@ -390,11 +390,11 @@ def _mass_problems(file: HullFile) -> Iterator[str]:
     place, mass, length = file.place.inside("mass"), file.mass, file.form.length
     low, high = 0.2 * length, 0.8 * length
     if mass.cg_from_nose is not None and not low <= mass.cg_from_nose <= high:
-        told = f"must be in the middle 60 %, {low:g} to {high:g} m"
-        yield place.wrong("cg_from_nose", mass.cg_from_nose, told)
+        message = f"must be in the middle 60 %, {low:g} to {high:g} m"
+        yield place.wrong("cg_from_nose", mass.cg_from_nose, message)
     if mass.cb_above_cg is not None and mass.cb_above_cg <= 0.0:
-        told = "must be above 0 m: the centre of buoyancy must be above that of gravity"
-        yield place.wrong("cb_above_cg", mass.cb_above_cg, told)
+        message = "must be above 0 m: the centre of buoyancy must be above that of gravity"
+        yield place.wrong("cb_above_cg", mass.cb_above_cg, message)
 
 
 def _surface_problems(file: HullFile) -> Iterator[str]:
@@ -415,9 +415,9 @@ def _surface_problems(file: HullFile) -> Iterator[str]:
             }
             if wanted.get(panels.control, 1.0) < MIN_NORMAL_SHARE:
                 right = {RUDDER_CONTROL: "90 or 270", X_CONTROL: "45, 135, 225 or 315"}
-                told = f"no {panels.control} can act there; nearest are"
+                message = f"no {panels.control} can act there; nearest are"
                 yield place.wrong(
-                    "angles_deg", angle, f"{told} {right.get(panels.control, '0 or 180')} deg"
+                    "angles_deg", angle, f"{message} {right.get(panels.control, '0 or 180')} deg"
                 )
 
 
@@ -432,14 +432,16 @@ def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str
             yield place.wrong(key, at, "must not be ahead of the nose: must be 0 m or more")
     trailing = panels.le_root + panels.root_chord
     if trailing > MAX_TRAILING_EDGE * length:
-        told = f"trailing edge at {trailing:g} m, must be at most {MAX_TRAILING_EDGE * length:g} m"
-        yield place.wrong("le_root", panels.le_root, told)
+        message = (
+            f"trailing edge at {trailing:g} m, must be at most {MAX_TRAILING_EDGE * length:g} m"
+        )
+        yield place.wrong("le_root", panels.le_root, message)
     if panels.root_radius is not None:
         span = panels.tip_radius - panels.root_radius
         area = 0.5 * (panels.root_chord + panels.tip_chord) * span
         if panels.moving_area is not None and panels.moving_area > area > 0.0:
-            told = f"must be at most the panel's area, {area:.4g} m2"
-            yield place.wrong("moving_area", panels.moving_area, told)
+            message = f"must be at most the panel's area, {area:.4g} m2"
+            yield place.wrong("moving_area", panels.moving_area, message)
 
 
 def key_tables() -> str:

@@ -153,7 +153,7 @@ def added_mass_problems(
     """Return the accelerations whose own virtual mass or inertia is not positive."""
     mass = hull.mass / (0.5 * fluid.rho * hull.length**3)
     per_inertia = 1 / (0.5 * fluid.rho * hull.length**5)
-    own = {
+    mass_limits = {
         "X_udot": mass,
         "Y_vdot": mass,
         "Z_wdot": mass,
@@ -164,7 +164,7 @@ def added_mass_problems(
     return [
         f"{key} = {coefficients[key]!r}: must be below the boat's own {limit:.4g}; "
         "an added mass is negative here"
-        for key, limit in own.items()
+        for key, limit in mass_limits.items()
         if coefficients[key] >= limit
     ]
 
@@ -334,17 +334,17 @@ def wave_strip_remarks(
         ("added_down_kg", "Z_wdot", "Z_qdot", 1.0),
         ("added_side_kg", "Y_vdot", "Y_rdot", -1.0),
     ):
-        given, expected = getattr(table, name), -k3 * coefficients[mass]
+        strip_values, expected = getattr(table, name), -k3 * coefficients[mass]
         arm = sign * hull.length * coefficients[moment] / -coefficients[mass] if expected else 0.0
-        if abs(sum(given) - expected) > STRIP_ADDED * abs(expected):
+        if abs(sum(strip_values) - expected) > STRIP_ADDED * abs(expected):
             remarks.append(
-                f"{name}: the sum is {sum(given):g} kg, -{mass} is {expected:g} kg, which a run "
-                "shares out"
+                f"{name}: the sum is {sum(strip_values):g} kg, -{mass} is {expected:g} kg, which a "
+                "run shares out"
             )
-        if abs(_centre(table.x_m, given) - arm) > STRIP_ADDED * hull.length:
+        if abs(_centre(table.x_m, strip_values) - arm) > STRIP_ADDED * hull.length:
             remarks.append(
-                f"{name}: the centre is at x = {_centre(table.x_m, given):.3g} m, by {moment} it "
-                f"is at {arm:.3g} m"
+                f"{name}: the centre is at x = {_centre(table.x_m, strip_values):.3g} m, by {moment} "
+                f"it is at {arm:.3g} m"
             )
     return remarks
 

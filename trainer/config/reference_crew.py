@@ -187,9 +187,9 @@ def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
     with collecting(problems):
         conditions = compile_conditions(row.when, place) if row.when else ()
     problems += [
-        place.wrong("when", row.when, f"no gauge shows {each.quantity}")
-        for each in conditions
-        if each.quantity in UNSEEN_QUANTITIES
+        place.wrong("when", row.when, f"no gauge shows {condition.quantity}")
+        for condition in conditions
+        if condition.quantity in UNSEEN_QUANTITIES
     ]
     with collecting(problems):
         order = parse_crew_order(row.order, place)

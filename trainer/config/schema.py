@@ -119,8 +119,8 @@ class WholeNumber:
         """Return the number; ConfigError if it is none, or outside the limits."""
         whole = isinstance(value, int) and not isinstance(value, bool)
         if not (whole and isinstance(value, int) and self.low <= value <= self.high):
-            told = f"must be a whole number, {self.low} to {self.high}"
-            raise ConfigError(place.wrong(key, value, told))
+            message = f"must be a whole number, {self.low} to {self.high}"
+            raise ConfigError(place.wrong(key, value, message))
         return value
 
 
@@ -239,8 +239,8 @@ class Texts:
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the lines; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or len(value) > self.most:
-            told = f"must be a list of {self.most} texts at most"
-            raise ConfigError(place.wrong(key, value, told))
+            message = f"must be a list of {self.most} texts at most"
+            raise ConfigError(place.wrong(key, value, message))
         return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
 
 
@@ -310,8 +310,8 @@ class Rows:
     @property
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
-        each = record_schema(self.record, self.documentary)
-        listed = list_schema(each, self.fewest, self.most)
+        row = record_schema(self.record, self.documentary)
+        listed = list_schema(row, self.fewest, self.most)
         return KeyForm("tables", f"{self.fewest} to {self.most}", self.meaning, listed)
 
     def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
@@ -395,8 +395,8 @@ def object_schema(keys: Mapping[str, Mapping[str, Any]], needed: Iterable[str]) 
 def describe_kind(kind: Kind) -> dict[str, Any]:
     """Return the JSON Schema of a kind with unit and meaning, which editors show."""
     unit, _, meaning, schema = kind.form
-    told = meaning if isinstance(kind, Text | Choice | Rows | Table) else f"[{unit}] {meaning}"
-    return {"description": told, **schema}
+    message = meaning if isinstance(kind, Text | Choice | Rows | Table) else f"[{unit}] {meaning}"
+    return {"description": message, **schema}
 
 
 def record_schema(
@@ -444,24 +444,24 @@ def read_record(
 
     ``record`` is a dataclass with keyword-only fields, each with a kind.
     """
-    given = as_table(table, place)
+    content = as_table(table, place)
     items: tuple[Field[Any], ...] = fields(record)  # type: ignore[arg-type]
     known = [item.name for item in items]
     problems = [
         place.wrong(key, value, f"no such key{nearest(key, known)}")
-        for key, value in given.items()
+        for key, value in content.items()
         if key not in known and key not in documentary
     ]
     for key in documentary:
-        problems += find_infinite(given.get(key), key, place)
-    lacking = [item.name for item in items if item.default is MISSING and item.name not in given]
+        problems += find_infinite(content.get(key), key, place)
+    lacking = [item.name for item in items if item.default is MISSING and item.name not in content]
     if lacking:
         problems.append(place.problem(f"lacks {', '.join(lacking)}"))
     values = {}
     for item in items:
-        if item.name in given:
+        if item.name in content:
             with collecting(problems):
-                values[item.name] = kind_of(item).read(item.name, given[item.name], place)
+                values[item.name] = kind_of(item).read(item.name, content[item.name], place)
     raise_problems(problems)
     return record(**values)
 

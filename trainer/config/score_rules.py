@@ -247,17 +247,17 @@ def understand_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]
         measured = score.quantity and parse_quantity(score.quantity, place)
     with collecting(problems):
         conditions = compile_conditions(score.when, place) if score.when else ()
-    found: dict[str, Casualty | None] = {}
+    casualties: dict[str, Casualty | None] = {}
     for key in ("casualty", "since"):
         name = getattr(score, key)
         with collecting(problems):
-            found[key] = None if name is None else _casualty_named(known, key, name, place)
+            casualties[key] = None if name is None else _casualty_named(known, key, name, place)
     if score.full == score.zero:
         problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
     if score.to_s is not None and score.to_s < (score.from_s or 0.0):
         problems.append(place.wrong("to_s", score.to_s, "is before from_s"))
     raise_problems(problems)
-    return ScoreRule(score=score, measured=measured or None, conditions=conditions, **found)
+    return ScoreRule(score=score, measured=measured or None, conditions=conditions, **casualties)
 
 
 def _casualty_named(known: Mapping[str, Casualty], key: str, name: str, place: Place) -> Casualty:
@@ -276,10 +276,10 @@ def _refuse_unknown(measure: str, place: Place) -> None:
 
 def parse_quantity(text: str, place: Place) -> MeasuredQuantity:
     """Return the quantity that is named, in its unit or else its own. ConfigError if none is."""
-    found = parse_name(text)
-    if found is None:
+    name_and_unit = parse_name(text)
+    if name_and_unit is None:
         raise ConfigError(place.wrong("quantity", text, f"no such quantity{guess(text)}"))
-    name, unit = found
+    name, unit = name_and_unit
     units = ALL_QUANTITIES[name].units
     unit = unit or next(iter(units))
     return MeasuredQuantity(name, unit.replace("_", "/").replace("mpa", "MPa"), units[unit])
@@ -331,16 +331,16 @@ def _unfit(score: ScoreRow, place: Place) -> list[str]:
     measure = SCORE_MEASURES[score.measure]
     timed = () if score.measure in TIMELESS_MEASURES else WINDOW_KEYS
     taken = (*measure.needs, *measure.may, *timed)
-    given = [key for key in OPTIONAL_KEYS if getattr(score, key) is not None]
-    found = [
+    given_keys = [key for key in OPTIONAL_KEYS if getattr(score, key) is not None]
+    problems = [
         place.wrong(key, getattr(score, key), f"{score.measure} has no use for it")
-        for key in given
+        for key in given_keys
         if key not in taken
     ]
-    lacking = [key for key in measure.needs if key not in given]
+    lacking = [key for key in measure.needs if key not in given_keys]
     if lacking:
-        found.append(place.problem(f"{score.measure} lacks {', '.join(lacking)}"))
-    return found
+        problems.append(place.problem(f"{score.measure} lacks {', '.join(lacking)}"))
+    return problems
 
 
 def _check_target(rule: ScoreRule, place: Place) -> list[str]:
@@ -349,10 +349,10 @@ def _check_target(rule: ScoreRule, place: Place) -> list[str]:
     if measured is None:
         return []
     if measure.quantities and measured.name not in measure.quantities:
-        told = f"{score.measure} is of {' or '.join(measure.quantities)}"
-        return [place.wrong("quantity", score.quantity, told)]
+        message = f"{score.measure} is of {' or '.join(measure.quantities)}"
+        return [place.wrong("quantity", score.quantity, message)]
     aims = "target" in measure.may and score.measure not in VALUE_MEASURES
     if score.target is None and aims and measured.name not in ORDERED_QUANTITIES:
-        told = f"nobody orders it as such ({', '.join(ORDERED_QUANTITIES)} are): give a target"
-        return [place.wrong("quantity", score.quantity, told)]
+        message = f"nobody orders it as such ({', '.join(ORDERED_QUANTITIES)} are): give a target"
+        return [place.wrong("quantity", score.quantity, message)]
     return []

@@ -158,9 +158,9 @@ def sea_defaults() -> Mapping[str, Any]:
 
 def _problems(sea: Sea) -> list[str]:
     """Return what does not fit together."""
-    given = [name for name in HEIGHT_KEYS if getattr(sea, name) is not None]
-    if len(given) != 1:
-        have = f"has {', '.join(given)}" if given else "has none of them"
+    given_keys = [name for name in HEIGHT_KEYS if getattr(sea, name) is not None]
+    if len(given_keys) != 1:
+        have = f"has {', '.join(given_keys)}" if given_keys else "has none of them"
         return [f"{have}: give one of {', '.join(HEIGHT_KEYS)}"]
     problems = []
     if sea.sea_state is not None and sea.sea_state != math.floor(sea.sea_state):

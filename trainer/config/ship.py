@@ -198,16 +198,16 @@ def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
         if key not in (*known, "note", "source")
     ]
     parts: dict[str, Any] = {"sensors": None, "result": None, "roll": None}
-    own = {key: table[key] for key in ("schema", "name") if key in table}
+    heading_values = {key: table[key] for key in ("schema", "name") if key in table}
     with collecting(problems):
-        parts["name"] = read_record(ShipHeading, own, place, ()).name
+        parts["name"] = read_record(ShipHeading, heading_values, place, ()).name
     for key, record in SHIP_TABLES.items():
         if key in table or key in ("dimensions", "records"):
             with collecting(problems):
-                given = table.get(key, {} if key == "records" else None)
-                if given is None:
+                content = table.get(key, {} if key == "records" else None)
+                if content is None:
                     raise ConfigError(place.problem(f"lacks [{key}]"))
-                parts[key] = read_record(record, given, place.inside(key), ("note",))
+                parts[key] = read_record(record, content, place.inside(key), ("note",))
     with collecting(problems):
         parts["columns"] = COLUMN_ROWS.read("columns", table.get("columns", []), place)
     if "result" in table:
@@ -231,32 +231,32 @@ def _with_feet(problem: str) -> str:
 
 def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     """Return coefficients, covariance and ranges of a result; ConfigError if one is wrong."""
-    given = {
+    tables = {
         key: as_table(table.get(key, {}), place.inside(key))
         for key in ("coefficients", "covariance", "ranges")
     }
-    found = {
+    numbers = {
         name: COEFFICIENT_NUMBER.read(name, value, place.inside("coefficients"))
-        for name, value in given["coefficients"].items()
+        for name, value in tables["coefficients"].items()
     }
-    if not found:
+    if not numbers:
         raise ConfigError(place.problem("[result] needs [coefficients]"))
-    rows = given["covariance"]
+    rows = tables["covariance"]
     names = tuple(rows)
     inside = place.inside("covariance")
     line = Quantities(COEFFICIENT_NUMBER, max(len(names), 1), max(len(names), 1))
     matrix = tuple(line.read(name, row, inside) for name, row in rows.items())
-    strange = [name for name in names if name not in found]
+    strange = [name for name in names if name not in numbers]
     if strange:
         raise ConfigError(inside.problem(f"{strange[0]} is no coefficient of the file"))
     pair = Quantities(Quantity("-", NUMBER_LIMITS, "range"), 2, 2)
     ranges = {
         name: (low, high)
-        for name, value in given["ranges"].items()
+        for name, value in tables["ranges"].items()
         for low, high in [pair.read(name, value, place.inside("ranges"))]
     }
     return {
-        "coefficients": found,
+        "coefficients": numbers,
         "covariance": matrix if names else None,
         "uncertain": names,
         "ranges": ranges,
@@ -265,8 +265,8 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 def ship_text(ship: ShipFile, source: str) -> str:
     """Return the text of a ship's file."""
-    told = {"schema": SHIP_SCHEMA, "name": ship.name, "source": source}
-    lines = [f"{key} = {toml_value(value)}" for key, value in told.items()]
+    heading = {"schema": SHIP_SCHEMA, "name": ship.name, "source": source}
+    lines = [f"{key} = {toml_value(value)}" for key, value in heading.items()]
     lines += _table_lines("dimensions", ship.dimensions)
     if ship.roll is not None:
         lines += _table_lines("roll", ship.roll)
@@ -308,8 +308,8 @@ def ship_schema() -> dict[str, Any]:
         "ranges": ("seen in the records", list_schema(COEFFICIENT_NUMBER.form.schema, 2, 2)),
     }
     named = {
-        key: {"type": "object", "description": told, "additionalProperties": each}
-        for key, (told, each) in numbers.items()
+        key: {"type": "object", "description": meaning, "additionalProperties": form}
+        for key, (meaning, form) in numbers.items()
     }
     keys = {**heading["properties"], **tables, "columns": describe_kind(COLUMN_ROWS), **named}
     return file_schema("ship", keys, (*heading["required"], "dimensions"))

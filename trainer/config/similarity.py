@@ -68,10 +68,10 @@ def _product(factors: str) -> float:
     for factor in factors.split():
         if factor == "1":
             continue
-        found = UNIT_PATTERN.fullmatch(factor)
-        if found is None:
+        match = UNIT_PATTERN.fullmatch(factor)
+        if match is None:
             raise KeyError(factor)
-        total += LENGTH_POWERS[found[1]] * int(found[2] or 1)
+        total += LENGTH_POWERS[match[1]] * int(match[2] or 1)
     return total
 
 

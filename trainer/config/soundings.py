@@ -128,13 +128,13 @@ def _keywords(text: str, path: Path) -> tuple[Mapping[str, str], int]:
     """Return what the keywords say, and where the samples begin."""
     said: dict[str, str] = {}
     at = 0
-    while (found := HEADER_LINE.match(text, at)) and found[1].lower() not in ("nan", "inf"):
-        name = found[1].lower()
+    while (match := HEADER_LINE.match(text, at)) and match[1].lower() not in ("nan", "inf"):
+        name = match[1].lower()
         if name not in GRID_KEYWORDS:
-            raise ConfigError(f"{path}: {found[1]}: no such keyword{nearest(name, GRID_KEYWORDS)}")
+            raise ConfigError(f"{path}: {match[1]}: no such keyword{nearest(name, GRID_KEYWORDS)}")
         if name in said:
-            raise ConfigError(f"{path}: {found[1]} is given twice")
-        said[name], at = found[2], found.end()
+            raise ConfigError(f"{path}: {match[1]} is given twice")
+        said[name], at = match[2], match.end()
     return said, at
 
 
@@ -235,8 +235,8 @@ def read_geotiff(path: Path) -> Grid:
     except ConfigError:
         raise
     except ModuleNotFoundError:  # Python's own, which tifffile has for zstd
-        told = f"is compressed by ZSTD, which needs Python 3.14: {CONVERT_COMMAND}"
-        raise ConfigError(f"{path}: {told}") from None
+        message = f"is compressed by ZSTD, which needs Python 3.14: {CONVERT_COMMAND}"
+        raise ConfigError(f"{path}: {message}") from None
     except Exception as error:  # noqa: BLE001  whatever a damaged file makes of its reader
         raise ConfigError(f"{path}: is no GeoTIFF that can be read: {error}") from None
     return _placed(values, tags, path)
@@ -268,9 +268,9 @@ def _placed(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
         if NODATA_TAG in tags and str(tags[NODATA_TAG]).strip().lower() != "nan"
         else math.nan
     )
-    found = np.where((values == absent) | ~np.isfinite(values), np.nan, values)[::-1]
+    depths = np.where((values == absent) | ~np.isfinite(values), np.nan, values)[::-1]
     return Grid(
-        found, west, south, (down, across), GEOGRAPHIC_KEY in keys and PROJECTED_KEY not in keys
+        depths, west, south, (down, across), GEOGRAPHIC_KEY in keys and PROJECTED_KEY not in keys
     )
 
 
@@ -353,9 +353,9 @@ def interpolate(values: Numbers, i: Numbers, j: Numbers) -> Numbers:
     """Return values of a grid between its rows and columns, bilinear."""
     rows, columns = values.shape
     low = np.minimum(np.floor(i).astype(int), rows - 2)
-    left = np.minimum(np.floor(j).astype(int), columns - 2)
-    up, right = i - low, j - left
-    near = values[low, left] * (1.0 - right) + values[low, left + 1] * right
-    far = values[low + 1, left] * (1.0 - right) + values[low + 1, left + 1] * right
-    found: Numbers = near * (1.0 - up) + far * up
-    return found
+    left_column = np.minimum(np.floor(j).astype(int), columns - 2)
+    up, right = i - low, j - left_column
+    near = values[low, left_column] * (1.0 - right) + values[low, left_column + 1] * right
+    far = values[low + 1, left_column] * (1.0 - right) + values[low + 1, left_column + 1] * right
+    result: Numbers = near * (1.0 - up) + far * up
+    return result

@@ -90,9 +90,9 @@ class TextFigure:
         """Return whether it is this number, in whichever unit of its kind."""
         if self.kind and kind and self.kind != kind:
             return False
-        own = self.number * self.size if self.kind and kind else self.number
+        own_number = self.number * self.size if self.kind and kind else self.number
         other = number * size if self.kind and kind else number
-        return math.isclose(own, other, rel_tol=ROUNDING_TOLERANCE, abs_tol=1e-9)
+        return math.isclose(own_number, other, rel_tol=ROUNDING_TOLERANCE, abs_tol=1e-9)
 
 
 def figures_of(text: str) -> Iterator[TextFigure]:
@@ -162,17 +162,19 @@ class StatedValue:
     @property
     def tolerance(self) -> float:
         """Return how far the flight may be off."""
-        given = self.row.within
-        return DEFAULT_TOLERANCE * abs(self.target) if given is None else given
+        width = self.row.within
+        return DEFAULT_TOLERANCE * abs(self.target) if width is None else width
 
     def states(self, figure: TextFigure) -> bool:
         """Return whether a figure of a text is this row's: its time, value or threshold."""
         numbers = [(self.row.at_s, "time", 1.0)]
         if self.measured is not None:
             numbers.append((self.row.value, *TEXT_UNITS.get(self.measured.unit, ("", 1.0))))
-        for each in self.conditions:
-            own = parse_quantity(each.quantity, each.place)
-            numbers.append((each.threshold / own.size, *TEXT_UNITS.get(own.unit, ("", 1.0))))
+        for condition in self.conditions:
+            quantity = parse_quantity(condition.quantity, condition.place)
+            numbers.append(
+                (condition.threshold / quantity.size, *TEXT_UNITS.get(quantity.unit, ("", 1.0)))
+            )
         return any(
             number is not None and figure.is_of(number, kind, size)
             for number, kind, size in numbers
@@ -197,8 +199,8 @@ def _read_row(row: StatedRow, page: str, place: Place) -> StatedValue:
     """Return one stated figure; ConfigError with all that is wrong in it."""
     problems = [*_lacking(row, place)]
     if " ".join(row.says.split()) not in page:
-        told = "neither briefing nor instructor says so: copy its words, or correct them"
-        problems.append(place.wrong("says", row.says, told))
+        message = "neither briefing nor instructor says so: copy its words, or correct them"
+        problems.append(place.wrong("says", row.says, message))
     conditions: tuple[Condition, ...] = ()
     with collecting(problems):
         conditions = compile_conditions(row.when, place) if row.when else ()

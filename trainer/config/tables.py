@@ -64,10 +64,10 @@ Rows = list[tuple[int, list[str]]]
 
 def spell_unit(unit: str) -> str:
     """Return a unit as it is written here: deg for °, kn for kts."""
-    found = unit.strip().strip("[]()").casefold()
+    spelling = unit.strip().strip("[]()").casefold()
     for wrong, right in UNIT_SPELLINGS:
-        found = wrong.sub(right, found)
-    return found
+        spelling = wrong.sub(right, spelling)
+    return spelling
 
 
 @dataclass(frozen=True)
@@ -144,10 +144,10 @@ class CsvTable:
     def _angle(self, row: int, place: int, unit: str) -> float:
         """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
         text = self.cells[row][place]
-        found = ANGLE_PATTERN.fullmatch(text)
-        if found is None:
+        match = ANGLE_PATTERN.fullmatch(text)
+        if match is None:
             return self.number(row, place, text)
-        before, whole, *parts, after = found.groups()
+        before, whole, *parts, after = match.groups()
         size, minutes, seconds = (float((x or "0").replace(",", ".")) for x in (whole, *parts))
         size = abs(size)
         if unit == "ddmm" and not any(parts):
@@ -192,10 +192,10 @@ class CsvTable:
 
 def read_table(path: Path) -> CsvTable:
     """Return the table in a CSV file. ConfigError naming row and column of what is wrong."""
-    text, told = _decoded(path)
+    text, remarks = _decoded(path)
     separator = _separator(text)
     if separator != ",":
-        told.append(f"columns by {COLUMN_SEPARATORS[separator]}")
+        remarks.append(f"columns by {COLUMN_SEPARATORS[separator]}")
     try:
         lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
         heads = tuple(name.strip() for name in next(lines, []))
@@ -211,11 +211,13 @@ def read_table(path: Path) -> CsvTable:
     while rows and not any(rows[-1][1]):
         rows.pop()
     if len(rows) < count:
-        told.append(f"{count - len(rows)} empty last rows left out")
+        remarks.append(f"{count - len(rows)} empty last rows left out")
     _check_fields(path, heads, rows, separator)
-    units = _units(heads, rows, told)
-    _mend_commas(path, heads, rows, told)
-    return CsvTable(path, heads, units, [n for n, _ in rows], [row for _, row in rows], tuple(told))
+    units = _units(heads, rows, remarks)
+    _mend_commas(path, heads, rows, remarks)
+    return CsvTable(
+        path, heads, units, [n for n, _ in rows], [row for _, row in rows], tuple(remarks)
+    )
 
 
 def _decoded(path: Path) -> tuple[str, list[str]]:
@@ -244,8 +246,8 @@ def _separator(text: str) -> str:
             return 0
         return Counter(sizes)[sizes[0]] if sizes and sizes[0] > 1 else 0
 
-    found = max(COLUMN_SEPARATORS, key=agreeing)
-    return found if agreeing(found) > 1 else ","
+    best = max(COLUMN_SEPARATORS, key=agreeing)
+    return best if agreeing(best) > 1 else ","
 
 
 def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
@@ -284,9 +286,9 @@ def _check_fields(path: Path, heads: Sequence[str], rows: Rows, separator: str) 
 
 def _parted(head: str) -> tuple[str, str]:
     """Return a heading without its unit in brackets, and the unit, "" if it has none."""
-    found = UNIT_IN_BRACKETS.fullmatch(head)
-    unit = spell_unit(found[2] or found[3] or "") if found else ""
-    return (found[1], unit) if found and unit in HEADING_UNITS else (head, "")
+    match = UNIT_IN_BRACKETS.fullmatch(head)
+    unit = spell_unit(match[2] or match[3] or "") if match else ""
+    return (match[1], unit) if match and unit in HEADING_UNITS else (head, "")
 
 
 def _units(heads: Sequence[str], rows: Rows, told: list[str]) -> tuple[str, ...]:
@@ -317,23 +319,23 @@ def _is_number(text: str) -> bool:
 def _moment(text: str) -> datetime | None:
     """Return a date with a time, or a time of day, by ISO 8601; None if it is neither."""
     try:
-        found = datetime.fromisoformat(text)
+        moment = datetime.fromisoformat(text)
     except ValueError:
         try:
-            found = datetime.combine(datetime(1, 1, 2, tzinfo=UTC), time.fromisoformat(text))
+            moment = datetime.combine(datetime(1, 1, 2, tzinfo=UTC), time.fromisoformat(text))
         except ValueError:
             return None
-    return found if found.tzinfo else found.replace(tzinfo=UTC)
+    return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
 
 
 def _mend_commas(path: Path, heads: Sequence[str], rows: Rows, told: list[str]) -> None:
     """Write decimal points for decimal commas. ConfigError if there are both."""
-    found = _first_like(DECIMAL_COMMA, rows)
-    if found is None:
+    example = _first_like(DECIMAL_COMMA, rows)
+    if example is None:
         return
     other = _first_like(DECIMAL_POINT, rows)
     if other is not None:
-        (line, i, text), (at, j, number) = found, other
+        (line, i, text), (at, j, number) = example, other
         raise ConfigError(
             f"{path}: row {line}: {heads[i]} = {quote(text)}, row {at}: {heads[j]} = "
             f"{quote(number)}: decimal commas and decimal points: write all numbers one way"

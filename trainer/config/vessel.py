@@ -245,8 +245,8 @@ def _thrust(parts: Mapping[str, Any]) -> ThrustRows:
 def _strip_remarks(parts: Mapping[str, Any]) -> list[str]:
     """Return which added masses of the strips are not those of the coefficients."""
     table = parts.get("wave_strips")
-    hull, fluid, given = parts["vessel"], parts["fluid"], parts["coefficients"]
-    return plausibility.wave_strip_remarks(table, given, hull, fluid) if table else []
+    hull, fluid, coefficients = parts["vessel"], parts["fluid"], parts["coefficients"]
+    return plausibility.wave_strip_remarks(table, coefficients, hull, fluid) if table else []
 
 
 def with_deepest_order(hull: Hull) -> Hull:
@@ -319,27 +319,27 @@ def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
 def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
     """Return what does not fit together among checked tables, with file and table."""
     fluid, hull = parts["fluid"], parts["vessel"]
-    found = {
+    problems = {
         "vessel": plausibility.hull_problems(hull, fluid),
         "coefficients": plausibility.added_mass_problems(parts["coefficients"], hull, fluid),
         "propulsion": plausibility.propulsion_problems(parts["propulsion"]),
         "run": plausibility.run_problems(parts["run"], hull),
         "envelope": plausibility.envelope_problems(parts["envelope"]),
     }
-    if not found["propulsion"]:
-        found["propulsion"] = thrust_problems(_thrust(parts))
+    if not problems["propulsion"]:
+        problems["propulsion"] = thrust_problems(_thrust(parts))
     if "autopilot" in parts:
-        found["autopilot"] = plausibility.autopilot_problems(
+        problems["autopilot"] = plausibility.autopilot_problems(
             parts["autopilot"], parts["coefficients"]
         )
     if "ballast" in parts:
-        found["ballast"] = ballast_problems(parts["ballast"])
+        problems["ballast"] = ballast_problems(parts["ballast"])
     if "free_surface" in parts:
-        found["free_surface"] = plausibility.free_surface_problems(parts["free_surface"])
+        problems["free_surface"] = plausibility.free_surface_problems(parts["free_surface"])
     if "wave_strips" in parts:
         strips = parts["wave_strips"]
-        found["wave_strips"] = plausibility.wave_strip_problems(strips, hull, fluid)
-    return _placed(found, place)
+        problems["wave_strips"] = plausibility.wave_strip_problems(strips, hull, fluid)
+    return _placed(problems, place)
 
 
 def _placed(found: Mapping[str, list[str]], place: Place) -> list[str]:
@@ -349,13 +349,13 @@ def _placed(found: Mapping[str, list[str]], place: Place) -> list[str]:
 
 def documentary_keys() -> dict[str, tuple[str, ...]]:
     """Return by table the keys that neither a run nor a message depends on."""
-    found = dict(DOCUMENTARY_KEYS)
+    keys = dict(DOCUMENTARY_KEYS)
     for table, record in VESSEL_RECORDS.items():
         for item in fields(record):
             inner = getattr(kind_of(item), "documentary", ())
             if inner:
-                found[f"{table}.{item.name}"] = inner
-    return found
+                keys[f"{table}.{item.name}"] = inner
+    return keys
 
 
 def documentary_list() -> str:

@@ -137,11 +137,14 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
     path = path_named(source, "vessels")
     text = read_text(path)
     file = parse_vessel(text, path)
-    given = parse_toml(text, path.name)
-    table, _ = with_defaults(given)
-    for own in ("compact", "compensation"):  # a set that the source lacks is none of the copy's
-        if own not in given:
-            table.pop(own, None)
+    content = parse_toml(text, path.name)
+    table, _ = with_defaults(content)
+    for table_name in (
+        "compact",
+        "compensation",
+    ):  # a set that the source lacks is none of the copy's
+        if table_name not in content:
+            table.pop(table_name, None)
     factor = COPY_FACTOR if length is None else length / file.hull.length
     if factor != COPY_FACTOR:
         table = scaled_vessel(table, factor)

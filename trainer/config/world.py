@@ -47,17 +47,17 @@ WorldTables = Mapping[str, Any]  # records, by the names of their tables
 def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
     """Return what an exercise's tables say of the world; ConfigError with all that is wrong."""
     problems: list[str] = []
-    found = {}
+    tables = {}
     for name, read in WORLD_READERS.items():
         with collecting(problems):
             if name in table:
-                found[name] = read(table[name], Place(path.name, name), path)
-    if "bottom" in found:
+                tables[name] = read(table[name], Place(path.name, name), path)
+    if "bottom" in tables:
         problems += filter(
-            None, (_aground(found["bottom"], ship) for ship in found.get("contact", ()))
+            None, (_aground(tables["bottom"], ship) for ship in tables.get("contact", ()))
         )
     raise_problems(problems)
-    return found
+    return tables
 
 
 def _aground(bottom: Bottom, ship: Contact) -> str:
@@ -66,9 +66,9 @@ def _aground(bottom: Bottom, ship: Contact) -> str:
     for north, east in _places(ship):
         depth = float(depths_at(bottom, np.array([north]), np.array([east]))[0])
         if depth < least and is_charted(bottom, north, east):
-            told = f"{depth:.1f} m of water at [{north:.0f}, {east:.0f}]"
+            message = f"{depth:.1f} m of water at [{north:.0f}, {east:.0f}]"
             draws = f"a {ship.row.type} draws {ship.type.draught:g} m"
-            return ship.place.problem(f"points: {told}: {draws}, so {least:.1f} m at least")
+            return ship.place.problem(f"points: {message}: {draws}, so {least:.1f} m at least")
     return ""
 
 

@@ -103,10 +103,10 @@ class Levers:
 
     def pump(self, tank: str, by: float, model: SessionModel) -> str:
         """Return the order that moves ``by`` tonnes more than are still to go."""
-        left = model.picture.number("tanks", f"moving_{tank}")
-        if left is None:
+        remaining = model.picture.number("tanks", f"moving_{tank}")
+        if remaining is None:
             return ""
-        wanted = round(self._last(tank, left, model.clock()) + by, 1)
+        wanted = round(self._last(tank, remaining, model.clock()) + by, 1)
         self.asked[tank] = wanted, model.clock()
         return f"{PUMP_ORDERS[tank][wanted > 0]} {abs(wanted):g}"
 

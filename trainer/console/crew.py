@@ -87,7 +87,7 @@ class CrewOrders:
     def all_to_repeat(self, role: str) -> list[CrewOrder]:
         """Return the orders that a role is to repeat, the newest first."""
         return [
-            each
-            for each in reversed(self.waiting.values())
-            if role in AXIS_ROLES.get(each.axis, CREW_ROLES)
+            waiting_order
+            for waiting_order in reversed(self.waiting.values())
+            if role in AXIS_ROLES.get(waiting_order.axis, CREW_ROLES)
         ]

@@ -170,8 +170,14 @@ def casualty_choice(model: SessionModel) -> Choice:
     slots = [name for name in picture.rows("casualties", "casualty_") if name[-1].isdigit()]
     active = {picture.word("casualties", name) for name in slots}
     rows = [
-        ChoiceRow(each.name, f"casualty {each.name}", each.degree, each.says, each.name in active)
-        for each in model.casualties
+        ChoiceRow(
+            casualty.name,
+            f"casualty {casualty.name}",
+            casualty.degree,
+            casualty.says,
+            casualty.name in active,
+        )
+        for casualty in model.casualties
     ]
     rows.sort(key=lambda row: not row.active)
     return Choice(

@@ -47,21 +47,21 @@ def offer(text: str, known: Mapping[str, Sequence[str]]) -> Offer:
 
 def following_places(said: Sequence[str]) -> list[Place]:
     """Return the places that may follow the words said."""
-    found = []
+    next_places = []
     for reading in FORM_READINGS:
         places = reading.places
         if reading.form.refusal or len(places) <= len(said):
             continue
         if all(any(True for _ in match_place(place, word)) for place, word in zip(places, said)):  # noqa: B905
-            found.append(places[len(said)])
-    return found
+            next_places.append(places[len(said)])
+    return next_places
 
 
 def fitting_words(place: Place, begun: str, known: Mapping[str, Sequence[str]]) -> list[str]:
     """Return the words of a place that begin so; of several spellings the first."""
     if isinstance(place, Word):
-        found = {word: said for said, word in reversed(place.spellings) if said.startswith(begun)}
-        return [said if not word.startswith(begun) else word for word, said in found.items()]
+        matches = {word: said for said, word in reversed(place.spellings) if said.startswith(begun)}
+        return [said if not word.startswith(begun) else word for word, said in matches.items()]
     if isinstance(place, Name):
         return [name for name in known.get(place.says, ()) if name.startswith(begun)]
     return []

@@ -39,8 +39,8 @@ class ExerciseChoice(Choice):
         ]
         rows += [line()] * (room - len(rows))
         says = self.chosen.says if self.chosen else NO_TITLE
-        told = textwrap.wrap(says, max(width - 4, 8))
-        below = [line((f"   {text}", "ordered")) for text in told[:BRIEFING_ROWS]]
+        briefing = textwrap.wrap(says, max(width - 4, 8))
+        below = [line((f"   {text}", "ordered")) for text in briefing[:BRIEFING_ROWS]]
         below += [line()] * (BRIEFING_ROWS - len(below))
         lines = [
             line((f" {self.title}", "title")),

@@ -134,8 +134,8 @@ class TextView:
         shown = lines[self.top : self.top + room]
         shown += [line()] * (room - len(shown))
         return [
-            fit(each, width)
-            for each in (line((f" {self.title}", "title")), *shown, self._foot(lines, room))
+            fit(drawn_row, width)
+            for drawn_row in (line((f" {self.title}", "title")), *shown, self._foot(lines, room))
         ][:height]
 
     def _foot(self, lines: Sequence[Line], room: int) -> Line:
@@ -213,45 +213,48 @@ def briefing_rows(model: SessionModel) -> list[Line]:
     rows = [labelled_line(label, says) for label, says in exercise_lines(model) if says]
     if model.marks_told:
         rows += titled_rows("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
-    told = model.told.get("line", [])
-    known = (*told, model.exercise.get("title"))
+    task_lines = model.told.get("line", [])
+    known = (*task_lines, model.exercise.get("title"))
     said = [
         text for text in model.briefing if text not in known and not PASSING_PATTERN.search(text)
     ]
     rows += [line()] * bool(rows)
-    rows += [line((f"   {text}", "plain")) for text in paragraphs(told)]
-    rows += [line()] * bool(told)
+    rows += [line((f"   {text}", "plain")) for text in paragraphs(task_lines)]
+    rows += [line()] * bool(task_lines)
     return [*rows, *(line((f"   {text}", "dim")) for text in said)]
 
 
 def paragraphs(lines: Sequence[str]) -> list[str]:
     """Return a page's broken lines as paragraphs, ready to be broken for a window."""
-    found: list[str] = []
+    texts: list[str] = []
     going_on = False
     for text in lines:
         if going_on:
-            found[-1] += f" {text}"
+            texts[-1] += f" {text}"
         else:
-            found.append(text)
+            texts.append(text)
         going_on = len(text) >= PAGE_LETTERS
-    return found
+    return texts
 
 
 def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
     """Return what an exercise asks for and how much time is left, label by label."""
-    told = model.exercise
-    left = "" if model.left is None else f"{clock(model.left)[3:]} (minutes:seconds)"
+    exercise = model.exercise
+    time_left = "" if model.left is None else f"{clock(model.left)[3:]} (minutes:seconds)"
     return [
-        ("exercise", told.get("title", "")),
-        ("its file", told.get("name", "")),
+        ("exercise", exercise.get("title", "")),
+        ("its file", exercise.get("name", "")),
         ("it is over", model.outcome),
-        ("time left", left),
+        ("time left", time_left),
         ("what wins", "; ".join(model.told.get("wins", []))),
-        ("limits", limits_said(told.get("limits", ""))),
+        ("limits", limits_said(exercise.get("limits", ""))),
         ("it is lost at", " or ".join(map(loss_said, model.told.get("lost", [])))),
-        ("by hand", by_hand(told.get("hand", ""))),
-        ("automatic", told.get("allowed", "").replace(",", ", ")),
-        ("free", "no marks: the autopilot may steer what was by hand" if told.get("free") else ""),
+        ("by hand", by_hand(exercise.get("hand", ""))),
+        ("automatic", exercise.get("allowed", "").replace(",", ", ")),
+        (
+            "free",
+            "no marks: the autopilot may steer what was by hand" if exercise.get("free") else "",
+        ),
     ]
 
 
@@ -272,11 +275,11 @@ def loss_said(told: str) -> str:
 
 def limits_said(told: str) -> str:
     """Return the limits of an exercise in words. One that is not known as it came."""
-    found = []
+    texts = []
     for part in filter(None, told.split(",")):
         name, _, value = part.partition(":")
-        found.append(LIMIT_TEXTS[name].format(value) if name in LIMIT_TEXTS else part)
-    return "; ".join(found)
+        texts.append(LIMIT_TEXTS[name].format(value) if name in LIMIT_TEXTS else part)
+    return "; ".join(texts)
 
 
 def guide(model: SessionModel) -> TextView:

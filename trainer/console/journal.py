@@ -151,9 +151,9 @@ class Trace:
 
     def recall(self, rows: Sequence[tuple[float, Sequence[Sample]]]) -> None:
         """Lay samples of earlier times among those there are, which stay."""
-        there = dict(zip(self.times, self.samples, strict=True))
+        traced = dict(zip(self.times, self.samples, strict=True))
         latest = self.times[-1] if self.times else math.inf
-        whole = {seconds: samples for seconds, samples in rows if seconds < latest} | there
+        whole = {seconds: samples for seconds, samples in rows if seconds < latest} | traced
         self.times = sorted(whole)[-MAX_TRACE_TICKS:]
         self.samples = [whole[seconds] for seconds in self.times]
 
@@ -164,9 +164,9 @@ class Trace:
         """
         if not self.times:
             return [None] * columns
-        end, found = self.times[-1], []
+        end, values = self.times[-1], []
         for column in range(columns):
             when = end - span * (columns - 1 - column) / max(columns - 1, 1)
             place = bisect.bisect_right(self.times, when + 1e-9) - 1
-            found.append(self.samples[place][quantity] if place >= 0 else None)
-        return found
+            values.append(self.samples[place][quantity] if place >= 0 else None)
+        return values

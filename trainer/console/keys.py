@@ -163,10 +163,10 @@ def steering(
 
     With Shift they move it further; of a letter that is the capital.
     """
-    found = []
+    move_keys = []
     for key, label, side, sign in zip(pair, labels, sides, (-1, 1), strict=True):
         says = f"{labels[1]}: {surface}" if sign < 0 else ""
-        found += [
+        move_keys += [
             Key((key,), label, says, f"{surface} 1 degree {side}", MoveAction(surface, sign)),
             Key(
                 (key.upper(), f"shift+{key}") if len(key) == 1 else (f"shift+{key}", f"ctrl+{key}"),
@@ -176,7 +176,7 @@ def steering(
                 MoveAction(surface, 5 * sign),
             ),
         ]
-    return tuple(found)
+    return tuple(move_keys)
 
 
 def order_key(key: str, says: str, words: str) -> Key:
@@ -310,9 +310,9 @@ def by_name(role: str) -> dict[str, Key]:
 
     A capital does what its letter does, as with Caps Lock, unless it is a key of its own.
     """
-    found = {name: key for key in KEYS[role] for name in key.names}
-    capitals = {name.upper(): key for name, key in found.items() if len(name) == 1}
-    return capitals | found
+    keys_by_name = {name: key for key in KEYS[role] for name in key.names}
+    capitals = {name.upper(): key for name, key in keys_by_name.items() if len(name) == 1}
+    return capitals | keys_by_name
 
 
 def key_table(role: str) -> str:

@@ -22,8 +22,8 @@ LEAVE_TIMEOUT_S: Final = 3.0  # [s] for a screen that is asked to end
 
 def attend_session(url: str | None, role: str, token: str | None) -> int:
     """Show the screen of a role until its user leaves; return the exit code."""
-    left = paths.left_address()  # where the system has no local sockets
-    token = token or (left[1] if url in (None, left[0]) else None) or None
+    address = paths.left_address()  # where the system has no local sockets
+    token = token or (address[1] if url in (None, address[0]) else None) or None
     visit = Visit.prepare(lambda: url or paths.nearest_session(), role, token)
     try:
         visit.client.dial()
@@ -68,12 +68,12 @@ class Visit:
             if not last.ident:
                 last.start()
 
-        kept = {number: signal.signal(number, end) for number in ending_signals()}
+        handlers = {number: signal.signal(number, end) for number in ending_signals()}
         try:
             why = console.run()
         finally:
             last.cancel()
-            for number, handler in kept.items():
+            for number, handler in handlers.items():
                 signal.signal(number, handler)
             self.client.close(CLOSE_TIMEOUT_S)
         return why or ""

@@ -278,11 +278,11 @@ class SessionModel:
 
     def _charted(self) -> set[str]:
         """Return the channels that the charts are drawn from."""
-        found = {self.gauges}
-        for each in self.charts:
-            found |= {each.actual[0], *([each.ordered[0]] if each.ordered else [])}
-            found |= {"orders"} if each.crew else set()
-        return found & set(self.picture.names)  # those that this role is shown
+        channels = {self.gauges}
+        for quantity in self.charts:
+            channels |= {quantity.actual[0], *([quantity.ordered[0]] if quantity.ordered else [])}
+            channels |= {"orders"} if quantity.crew else set()
+        return channels & set(self.picture.names)  # those that this role is shown
 
     def _recall(self, channel: str) -> None:
         """Lay the past of what has come to its end before the present."""
@@ -290,8 +290,8 @@ class SessionModel:
         if channel == EVENTS_CHANNEL:
             entries = [entry_of(each) for each in past.events if each.kind == "TRE"]
             self.journal.recall(entries)
-            for each in past.events:
-                self._remember_past(each)
+            for sentence in past.events:
+                self._remember_past(sentence)
         elif channel and not past.wanted - {EVENTS_CHANNEL}:
             rows = past.rows.get(self.gauges, {})
             self.trace.recall([(s, self._sampled(s)) for s in sorted(rows)])
@@ -299,13 +299,13 @@ class SessionModel:
 
     def _sampled(self, seconds: float) -> list[Sample]:
         """Return what the charts would have shown at a time [s]."""
-        number, found = self.past.number, []
-        for each in self.charts:
-            told = number("orders", each.crew, seconds) if each.crew else None
-            if told is None and each.ordered:
-                told = number(*each.ordered, seconds)
-            found.append(Sample(number(*each.actual, seconds), told))
-        return found
+        number, samples = self.past.number, []
+        for quantity in self.charts:
+            ordered = number("orders", quantity.crew, seconds) if quantity.crew else None
+            if ordered is None and quantity.ordered:
+                ordered = number(*quantity.ordered, seconds)
+            samples.append(Sample(number(*quantity.actual, seconds), ordered))
+        return samples
 
     def _recall_track(self, rows: Mapping[float, ChannelReading]) -> None:
         first = self._track[0][0] if self._track else math.inf
@@ -317,20 +317,20 @@ class SessionModel:
         """Keep on the time line what happened before this screen came."""
         if sentence.kind != "TRF":
             return
-        _, told, what, subject = sentence.fields
-        kept = TimelineMoment(float(told), "M", subject or "marked")
+        _, time_text, what, subject = sentence.fields
+        moment = TimelineMoment(float(time_text), "M", subject or "marked")
         if what == "order" and subject.startswith("casualty "):
-            kept = TimelineMoment(float(told), "C", subject)
+            moment = TimelineMoment(float(time_text), "C", subject)
         elif what != "mark":
             return
-        self.marks += [kept] if kept not in self.marks else []
+        self.marks += [moment] if moment not in self.marks else []
 
     def ordered(self, drawn: Quantity) -> float | None:
         """Return what is ordered, the crew if anybody, else the autopilot."""
-        told = self.picture.number("orders", drawn.crew) if drawn.crew else None
-        if told is None and drawn.ordered:
+        value = self.picture.number("orders", drawn.crew) if drawn.crew else None
+        if value is None and drawn.ordered:
             return self.picture.number(*drawn.ordered)
-        return told
+        return value
 
     def _follow(self, reading: ChannelReading) -> None:
         """Add the boat's place to its track; what was later is forgotten: time has gone back."""
@@ -344,8 +344,8 @@ class SessionModel:
 
     def _note(self, sentence: Sentence) -> None:
         """Take a fact: what has happened, or what there is, in fields."""
-        _, told, what, subject = sentence.fields
-        seconds = float(told)
+        _, time_text, what, subject = sentence.fields
+        seconds = float(time_text)
         if what in ("over", "next"):
             self.over = what == "over"
             self._awaited = -math.inf if self.over else self.clock() + NEXT_TIMEOUT_S
@@ -432,31 +432,31 @@ class SessionModel:
 
     def _answered(self, sentence: Sentence) -> None:
         kind, text = sentence.fields
-        asked = self._asked.get(sentence.tag)
-        if asked is None:
+        order = self._asked.get(sentence.tag)
+        if order is None:
             if kind == "no":
                 self.journal.add(None, "refused", text)
             return
         if kind == "say":
-            asked.lines.append(text)
+            order.lines.append(text)
             return
         del self._asked[sentence.tag]
-        if not asked.quiet:
-            self._show_answer(asked, kind, text)
+        if not order.quiet:
+            self._show_answer(order, kind, text)
         if kind == "ok":
-            self.ended = self.ended or asked.words == "quit"
+            self.ended = self.ended or order.words == "quit"
             # keep what was told in fields before this answer
-            if asked.words == "snapshots":
+            if order.words == "snapshots":
                 self.snapshots, self._snapshots = self._snapshots, []
-            elif asked.words == "casualties":
+            elif order.words == "casualties":
                 self.casualties, self._casualties = self._casualties, []
         else:
             self.refused += 1
-            self._own -= min(self._own, gives_crew(asked.words))
+            self._own -= min(self._own, gives_crew(order.words))
 
     def _show_answer(self, asked: SentOrder, kind: str, text: str) -> None:
-        for each in asked.lines:
-            self.journal.add(None, "answer", each)
+        for answer_line in asked.lines:
+            self.journal.add(None, "answer", answer_line)
         if len(asked.lines) >= LONG_ANSWER_LINES:
             self.answers.append((asked.words, [*asked.lines, text]))
         if text:

@@ -161,9 +161,11 @@ def sail_beside(words: Sequence[str], token: str | None) -> int:
     import secrets  # noqa: PLC0415  not where a process is forked
 
     word = token or secrets.token_hex(8)
-    told = {OWN_SESSION_VARIABLE: f"{paths.DEFAULT_HOST}:0 {word}"}
+    variables = {OWN_SESSION_VARIABLE: f"{paths.DEFAULT_HOST}:0 {word}"}
     try:
-        return show_console(OwnSession(Program(words, told)), f"tcp://{paths.DEFAULT_HOST}:", word)
+        return show_console(
+            OwnSession(Program(words, variables)), f"tcp://{paths.DEFAULT_HOST}:", word
+        )
     finally:
         paths.address_path().unlink(missing_ok=True)
 
@@ -180,10 +182,10 @@ def show_console(voyage: "OwnSession", where: str, token: str | None) -> int:
         from trainer.console.launch import Visit  # noqa: PLC0415  while the session starts
 
         def reach() -> str:
-            found = voyage.address(where)
-            if found != where and token:
-                paths.leave_address(found, token)  # for this user's stations
-            return found
+            address = voyage.address(where)
+            if address != where and token:
+                paths.leave_address(address, token)  # for this user's stations
+            return address
 
         visit = Visit.prepare(reach, "instructor", token, own=True)
         gc.freeze()
@@ -216,20 +218,20 @@ class OwnSession:
 
     def address(self, where: str) -> str:
         """Return ``where`` the session listens, once it does; NeverBegunError if it has ended."""
-        while not (found := self._listens(where)):
+        while not (listening_at := self._listens(where)):
             if self.session.ended() is not None:
                 from trainer.console.client import NeverBegunError  # noqa: PLC0415  long imported
 
                 raise NeverBegunError("the session has ended")
             time.sleep(POLL_PERIOD_S)
-        return found
+        return listening_at
 
     def _listens(self, where: str) -> str:
         """Return the address that the session listens at if it begins so, "" before."""
         for text in self.session.written("err").splitlines():
-            found = text.removeprefix(f"{paths.LISTENING_TEXT} ")
-            if found == where or (where.endswith(":") and found.startswith(where)):
-                return found
+            listening_at = text.removeprefix(f"{paths.LISTENING_TEXT} ")
+            if listening_at == where or (where.endswith(":") and listening_at.startswith(where)):
+                return listening_at
         return ""
 
     def pass_on(self) -> list[str]:

@@ -77,16 +77,16 @@ def cut(drawn: Line, width: int) -> Line:
     A number that goes on beyond them becomes ``#``: a part of it would read as another number.
     """
     begin = cut_number(drawn, width)
-    kept: list[Run] = []
+    runs: list[Run] = []
     used = 0
     for text, ink in drawn:
         if used >= width:
             break
         seen = text[: width - used]
         whole = min(max(begin - used, 0), len(seen))
-        kept.append((seen[:whole] + HIDDEN_SIGN * (len(seen) - whole), ink))
+        runs.append((seen[:whole] + HIDDEN_SIGN * (len(seen) - whole), ink))
         used += len(text)
-    return tuple(kept)
+    return tuple(runs)
 
 
 def cut_number(drawn: Line, width: int) -> int:

@@ -52,9 +52,9 @@ class PastAnswers:
     def takes(self, sentence: Sentence, names: Sequence[str]) -> bool:
         """Take a sentence if it is of the past; return whether it was."""
         if sentence.kind == "TRS" and sentence.fields[0] in self._open:
-            channel, tick, told, *values = sentence.fields
+            channel, tick, seconds, *values = sentence.fields
             reading = ChannelReading(
-                int(tick), float(told), 0.0, dict(zip(names, values, strict=False))
+                int(tick), float(seconds), 0.0, dict(zip(names, values, strict=False))
             )
             self.rows.setdefault(channel, {})[reading.seconds] = reading
             return True

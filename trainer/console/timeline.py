@@ -36,8 +36,8 @@ class TimelineView:
     @property
     def snapshot(self) -> str:
         """Return the snapshot at that time, "" for none."""
-        kept = [s for s in self.model.snapshots if abs(s.seconds - self.there) < NEAR_MOMENT_S]
-        return kept[-1].text if kept else ""
+        snapshots = [s for s in self.model.snapshots if abs(s.seconds - self.there) < NEAR_MOMENT_S]
+        return snapshots[-1].text if snapshots else ""
 
     def order(self, *, replay: bool) -> str:
         """Return the order that goes there."""
@@ -66,11 +66,11 @@ class TimelineView:
 
     def click(self, column: int, row: int, width: int) -> DialogOutcome | None:
         """Look at the place of a click, on the time line or in the list."""
-        kept = moments(self.model)[-SHOWN_MOMENTS:]
+        shown = moments(self.model)[-SHOWN_MOMENTS:]
         if row in (TIMELINE_ROW, TIMELINE_ROW + 1):
             self.lapse = self.model.picture.seconds - time_at(self.model, width, column)
-        elif 0 <= row - TIMELINE_ROW - 2 < len(kept):
-            self.lapse = self.model.picture.seconds - kept[row - TIMELINE_ROW - 2].seconds
+        elif 0 <= row - TIMELINE_ROW - 2 < len(shown):
+            self.lapse = self.model.picture.seconds - shown[row - TIMELINE_ROW - 2].seconds
         self.lapse = max(self.lapse, 0.5)
         return None
 
@@ -88,7 +88,7 @@ class TimelineView:
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""
         verb = "Replay from" if self.replays else "Go back to"
-        kept = [
+        rows = [
             line((f"   {self._said(each)}", "plain"))
             for each in moments(self.model)[-SHOWN_MOMENTS:]
         ]
@@ -101,7 +101,7 @@ class TimelineView:
             line((f"   {clock(self.there)}", "value"), f"   {self.lapse:g} s ago"),
             *time_line(self.model, width, 1),
             line((" " * (7 + round(self.there / end * max(room - 1, 0))) + "▲", "value")),
-            *(kept or [line(("   no snapshots, marks or casualties yet", "dim"))]),
+            *(rows or [line(("   no snapshots, marks or casualties yet", "dim"))]),
             line(),
             line((" 1 to 9: minutes ago    Left, Right: 5 s    Shift with them: 1 min", "dim")),
             line((" Up, Down: from one moment to the next    Home: the start", "dim")),

@@ -68,8 +68,8 @@ def read_changes(recording: Path) -> tuple[Change, ...]:
     rows = table.pop("changes", [])
     read_record(ChangesHead, table, place, ())
     changes: tuple[Change, ...] = CHANGE_ROWS.read("changes", rows, place)
-    for each in changes:
-        _what(each.name, each.what, f"{path.name}: {each.name}: {each.what}")
+    for change in changes:
+        _what(change.name, change.what, f"{path.name}: {change.name}: {change.what}")
     return changes
 
 
@@ -91,10 +91,10 @@ def text_of(changes: Iterable[Change]) -> str:
         "# Marks changed by the instructor: trainer debrief --change",
         f'schema = "{CHANGES_SCHEMA}"',
     ]
-    for each in changes:
-        lines += ["", "[[changes]]", f"branch = {int(each.branch)}"]
+    for change in changes:
+        lines += ["", "[[changes]]", f"branch = {int(change.branch)}"]
         for key in ("name", "what", "reason", "at"):
-            lines.append(f"{key} = {json.dumps(getattr(each, key), ensure_ascii=False)}")
+            lines.append(f"{key} = {json.dumps(getattr(change, key), ensure_ascii=False)}")
     return "\n".join(lines) + "\n"
 
 
@@ -105,14 +105,14 @@ def change_of(text: str, branch: int, plan: Plan) -> Change:
     what, _, reason = (part.strip() for part in rest.partition(","))
     if not (what and reason):
         raise ConfigError(f"--change {quote(text)}: {CHANGE_FORM.format(name)}: a reason is needed")
-    found = {
+    fields = {
         "branch": branch,
         "name": name,
         "what": _what(name, " ".join(what.split()), f"--change {quote(text)}"),
         "reason": reason,
         "at": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    return read_record(Change, found, Place("--change", ""), ())
+    return read_record(Change, fields, Place("--change", ""), ())
 
 
 def names_of(plan: Plan) -> tuple[str, ...]:
@@ -131,17 +131,16 @@ def _named(text: str, names: tuple[str, ...]) -> tuple[str, str]:
     for name in sorted(names, key=len, reverse=True):
         if folded.startswith(f"{name.casefold()}:"):
             return name, text.strip()[len(name) + 1 :]
-    given, colon, _ = text.partition(":")
+    given_name, colon, _ = text.partition(":")
     if not colon:
         raise ConfigError(f"--change {quote(text)}: {CHANGE_FORM.format(names[0])}")
-    raise ConfigError(_unknown("--change", given.strip(), names))
+    raise ConfigError(_unknown("--change", given_name.strip(), names))
 
 
 def _unknown(option: str, given: str, names: tuple[str, ...]) -> str:
-    there = ", ".join(names)
-    return (
-        f"{option} {quote(given)}: nothing of that name{nearest(given, names)}; there are: {there}"
-    )
+    known_names = ", ".join(names)
+    near = nearest(given, names)
+    return f"{option} {quote(given)}: nothing of that name{near}; there are: {known_names}"
 
 
 def _what(name: str, what: str, where: str) -> str:
@@ -171,13 +170,13 @@ def without_changes(changes: Sequence[Change], name: str, branch: int) -> tuple[
     names = tuple(dict.fromkeys(each.name for each in here))
     if not names:
         raise ConfigError(f"--change-back {quote(name)}: nothing has been changed in this run")
-    asked = name.strip().casefold()
-    if asked != "all" and asked not in {each.casefold() for each in names}:
+    wanted = name.strip().casefold()
+    if wanted != "all" and wanted not in {each.casefold() for each in names}:
         raise ConfigError(_unknown("--change-back", name, (*names, "all")))
     return tuple(
-        each
-        for each in changes
-        if each.branch != branch or asked not in ("all", each.name.casefold())
+        change
+        for change in changes
+        if change.branch != branch or wanted not in ("all", change.name.casefold())
     )
 
 
@@ -189,16 +188,16 @@ def changed_card(
     changes: Sequence[Change],
 ) -> Scorecard:
     """Return the marks as changed; ``nobody`` has those with nobody aboard, by width and name."""
-    told = {each.name: each.what for each in changes}  # the last of a name counts
-    width = told.get(WIDTH_NAME, width)
+    words = {each.name: each.what for each in changes}  # the last of a name counts
+    width = words.get(WIDTH_NAME, width)
     scores = []
     for rule in plan.scores:
-        what = told.get(rule.score.name, f"{WEIGHT_WORD} {rule.weight!r}")
+        what = words.get(rule.score.name, f"{WEIGHT_WORD} {rule.weight!r}")
         weight = 0.0 if what == STRIKE_WORD else float(what.partition(" ")[2])
         if weight > 0.0:
             scores.append(replace(rule, score=replace(rule.score, weight=weight)))
     card = judge_run(trajectory, replace(plan, scores=tuple(scores)), nobody[width], width)
-    return with_outcome(card, told[OUTCOME_NAME]) if OUTCOME_NAME in told else card
+    return with_outcome(card, words[OUTCOME_NAME]) if OUTCOME_NAME in words else card
 
 
 def with_outcome(card: Scorecard, outcome: str) -> Scorecard:

@@ -82,13 +82,13 @@ class RunBeside:
 
 def runs_beside(debrief: DebriefData) -> tuple[RunBeside, ...]:
     """Return the runs of the reference crew, as far as the recorded one goes."""
-    found = debrief.compared
-    if found is None:
+    comparison = debrief.compared
+    if comparison is None:
         return ()
-    runs = [RunBeside("reference", found.reference.trajectory, BESIDE_STYLE)]
-    if found.from_here is not None:
-        label = f"reference from {clock(found.from_here.since or 0.0)}"
-        runs.append(RunBeside(label, found.from_here.trajectory, FROM_HERE_STYLE))
+    runs = [RunBeside("reference", comparison.reference.trajectory, BESIDE_STYLE)]
+    if comparison.from_here is not None:
+        label = f"reference from {clock(comparison.from_here.since or 0.0)}"
+        runs.append(RunBeside(label, comparison.from_here.trajectory, FROM_HERE_STYLE))
     return tuple(runs)
 
 
@@ -104,11 +104,11 @@ def ground_of(debrief: DebriefData) -> ChartGround:
         for each in debrief.casualties
     )
     marks = tuple(each.tick * step for each in _drawn(debrief, "mark"))
-    found, moments = debrief.compared, []
-    if found and found.fault:
-        moments.append((WRONG_MOMENT, found.fault.tick * step))
-    if found and found.from_here:
-        moments.append((TAKEN_MOMENT, found.from_here.since or 0.0))
+    comparison, moments = debrief.compared, []
+    if comparison and comparison.fault:
+        moments.append((WRONG_MOMENT, comparison.fault.tick * step))
+    if comparison and comparison.from_here:
+        moments.append((TAKEN_MOMENT, comparison.from_here.since or 0.0))
     return ChartGround(seconds, spans, marks, tuple(moments))
 
 
@@ -133,11 +133,11 @@ def _under(run: RunBeside, chart: Chart | None, end: float) -> Iterator[CurveLin
         if chart
         else []
     )
-    kept = run.trajectory.seconds <= end + 1e-6
+    rows = run.trajectory.seconds <= end + 1e-6
     for line in done:
         which = "" if len(done) == 1 else f"{line.label}, "
-        seconds = run.trajectory.seconds[kept]
-        yield CurveLine(f"{which}{run.label}", line.values[kept], run.style, seconds)
+        seconds = run.trajectory.seconds[rows]
+        yield CurveLine(f"{which}{run.label}", line.values[rows], run.style, seconds)
 
 
 def _depth(trajectory: Trajectory) -> Chart:
@@ -167,10 +167,10 @@ def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: RowMask)
 
     A run without orders to the crew has what the autopilot is told all through.
     """
-    crew, own = trajectory.ordered(axis), trajectory.columns[place]
+    crew, by_boat = trajectory.ordered(axis), trajectory.columns[place]
     if np.isnan(crew).all():
-        return own
-    return np.where(np.isnan(crew), np.where(by_hand, np.nan, own), crew)
+        return by_boat
+    return np.where(np.isnan(crew), np.where(by_hand, np.nan, by_boat), crew)
 
 
 def _pitch(trajectory: Trajectory) -> Chart:
@@ -194,9 +194,9 @@ def _surface(trajectory: Trajectory, surface: str) -> Chart | None:
         return None
     column, (letter, title) = trajectory.columns, SURFACE_CHARTS[surface]
     by_hand = column[f"{surface}_by_hand"] != 0.0
-    told = np.where(by_hand, column[f"ordered_{letter}"], column[f"command_{letter}"])
+    ordered = np.where(by_hand, column[f"ordered_{letter}"], column[f"command_{letter}"])
     lines = (
-        CurveLine("ordered", np.degrees(told) * trajectory.boat.toward[surface], ORDERED_STYLE),
+        CurveLine("ordered", np.degrees(ordered) * trajectory.boat.toward[surface], ORDERED_STYLE),
         CurveLine("actual", np.degrees(trajectory.series(surface)), ACTUAL_STYLE),
     )
     return Chart(surface, title, "deg", lines, least=10.0)
@@ -205,9 +205,9 @@ def _surface(trajectory: Trajectory, surface: str) -> Chart | None:
 def _course(trajectory: Trajectory) -> Chart:
     heading = np.degrees(trajectory.columns["psi"])
     by_hand = trajectory.columns["rudder_by_hand"] != 0.0
-    told = told_to_all(trajectory, COURSE_QUANTITY, "ordered_psi", by_hand)
+    ordered = told_to_all(trajectory, COURSE_QUANTITY, "ordered_psi", by_hand)
     lines = (
-        CurveLine("ordered", as_it_was_come_to(np.degrees(told), heading), ORDERED_STYLE),
+        CurveLine("ordered", as_it_was_come_to(np.degrees(ordered), heading), ORDERED_STYLE),
         CurveLine("actual", heading, ACTUAL_STYLE),
     )
     steps: dict[str, Any] = {"least": 10.0, "steps": ANGLE_STEPS_DEG, "number": _bearing}
@@ -233,11 +233,11 @@ def _bearing(angle: float) -> str:
 
 def _speed(trajectory: Trajectory) -> Chart:
     column = trajectory.columns
-    kept = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"], np.nan)
+    ordered = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"], np.nan)
     crew = trajectory.ordered("speed")
-    kept = np.where(np.isnan(crew), kept, crew) / KNOT
+    ordered = np.where(np.isnan(crew), ordered, crew) / KNOT
     lines = (
-        CurveLine("ordered", kept, ORDERED_STYLE),
+        CurveLine("ordered", ordered, ORDERED_STYLE),
         CurveLine("turns for", column["u_c"] / KNOT, "second fine"),
         CurveLine("actual", column["u"] / KNOT, ACTUAL_STYLE),
     )
@@ -274,9 +274,9 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
 def draw_timeline(debrief: DebriefData, ground: ChartGround) -> Markup:
     """Return the time line as an SVG element."""
     ticks = [each.order.tick for each in debrief.read_backs]
-    told = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
+    numbered = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
     crew = [each.tick * debrief.step for each in debrief.crew]
-    rows = [*_casualties(debrief, ground), *_labelled(told, "ordered", debrief, ground)]
+    rows = [*_casualties(debrief, ground), *_labelled(numbered, "ordered", debrief, ground)]
     rows += [_strokes(crew, "crew", ground), *_reference(debrief, ground), _shown(debrief, ground)]
     rows += [_calls(debrief, ground), _marks(debrief, ground)]
     scores = enumerate((each.attained.tick for each in debrief.card.scores), start=1)
@@ -294,9 +294,9 @@ def draw_timeline(debrief: DebriefData, ground: ChartGround) -> Markup:
 
 def _casualties(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
     """Yield a row for each casualty."""
-    for i, each in enumerate(debrief.casualties):
+    for i, casualty in enumerate(debrief.casualties):
         begin, end = (ground.across.at(second) for second in ground.spans[i])
-        name = f"C{i + 1} {each.episode.kind}"
+        name = f"C{i + 1} {casualty.episode.kind}"
         bar = rect("bar", begin, 3.0, max(end - begin, 2.0), ROW_HEIGHT_PX - 6.0)
         fits = end + LETTER_WIDTH_PX * len(name) < CHART_WIDTH_PX - RIGHT_MARGIN_PX
         words = (
@@ -310,9 +310,9 @@ def _casualties(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
 def _reference(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
     """Yield the orders of the reference crew, a row for each of its runs."""
     for run in runs_beside(debrief):
-        given = (each for each in run.trajectory.orders if each.giver == REFERENCE_GIVER)
+        orders = (each for each in run.trajectory.orders if each.giver == REFERENCE_GIVER)
         heading = run.label.removeprefix("reference ")
-        yield _strokes([each.tick * debrief.step for each in given], heading, ground)
+        yield _strokes([each.tick * debrief.step for each in orders], heading, ground)
 
 
 def _strokes(seconds: list[float], heading: str, ground: ChartGround) -> str:
@@ -359,17 +359,17 @@ def _labelled(
     ticks: list[tuple[int, str]], heading: str, debrief: DebriefData, ground: ChartGround
 ) -> Iterator[str]:
     """Yield as many rows as it takes for no label to lie on another."""
-    left = sorted((ground.across.at(tick * debrief.step), name) for tick, name in ticks)
+    labels = sorted((ground.across.at(tick * debrief.step), name) for tick, name in ticks)
     heading = _heading(heading)
-    while left:
+    while labels:
         row, rest, end = "", [], 0.0
-        for x, name in left:
+        for x, name in labels:
             if x - end < LABEL_WIDTH_PX:
                 rest.append((x, name))
                 continue
             row, end = row + text("tick middle", x, 14.0, name), x
         yield row + heading
-        left, heading = rest, ""
+        labels, heading = rest, ""
 
 
 def _heading(words: str) -> str:

@@ -206,8 +206,8 @@ def find_branch(branches: list[Branch], source: Path, number: int | None) -> Bra
     wanted = branches[-1].id if number is None else number
     branch = next((each for each in branches if each.id == wanted), None)
     if branch is None:
-        there = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
-        raise ConfigError(f"{source}: --branch {wanted}: there are branches {there}")
+        numbers = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
+        raise ConfigError(f"{source}: --branch {wanted}: there are branches {numbers}")
     return branch
 
 
@@ -246,8 +246,8 @@ def departure_at(
         raise ConfigError(
             f"--reference-from {seconds:g}: not within the record, which is of 0 to {end:g} s"
         )
-    own = set(map(id, debrief.plan.own_schedule))
-    place = sum(id(entry) in own for entry in debrief.plan.schedule[: moment.place])
+    own_entries = set(map(id, debrief.plan.own_schedule))
+    place = sum(id(entry) in own_entries for entry in debrief.plan.schedule[: moment.place])
     to_world = recorded_world_orders(recording, moment.branch, moment.after)
     moment = replace(moment, place=place)  # in the schedule without the orders of --orders
     return Departure(moment, layout_of(debrief.header), reference.rehearsal.times, to_world)
@@ -258,9 +258,9 @@ def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
     wound = (each for each in _ancestry(branches, branch) if each.tick > 0)
     return next(
         (
-            f"{each.why}, to {each.tick * plan.method.step:g} s"
-            for each in wound
-            if plan.judged_by_tasks and each.cause is not BranchCause.GAP
+            f"{rewind.why}, to {rewind.tick * plan.method.step:g} s"
+            for rewind in wound
+            if plan.judged_by_tasks and rewind.cause is not BranchCause.GAP
         ),
         "",
     )
@@ -294,11 +294,13 @@ def last_tick(recording: Recording, branch: Branch) -> int:
 
 def order_givers(trajectory: Trajectory) -> tuple[GiverCount, ...]:
     """Return who gave orders, in the order in which they began to."""
-    found = []
+    givers = []
     for giver in dict.fromkeys(each.giver for each in trajectory.orders):
-        own = [each for each in trajectory.orders if each.giver == giver]
-        found.append(GiverCount(giver, len(own), sum(each.accepted is False for each in own)))
-    return tuple(found)
+        orders = [each for each in trajectory.orders if each.giver == giver]
+        givers.append(
+            GiverCount(giver, len(orders), sum(each.accepted is False for each in orders))
+        )
+    return tuple(givers)
 
 
 def events_of(
@@ -418,22 +420,24 @@ def _casualty(each: CasualtyAnswer, step: float) -> dict[str, Any]:
 
 def deviation_of(debrief: DebriefData) -> float | None:
     """Return the standard deviation of a mark by the sea alone [%]. None: none is known."""
-    kept = debrief.plan.baseline
-    if kept is None or kept.crew is None or kept.heading.seeds < 2:
+    baseline = debrief.plan.baseline
+    if baseline is None or baseline.crew is None or baseline.heading.seeds < 2:
         return None
-    return kept.crew.deviation
+    return baseline.crew.deviation
 
 
 def _compared(debrief: DebriefData) -> dict[str, Any]:
     """Return the reference crew's run, and where this one went wrong beside it."""
-    found, step = debrief.compared, debrief.step
-    if found is None:
+    comparison, step = debrief.compared, debrief.step
+    if comparison is None:
         return {"reference": None, "went_wrong": None, "reference_from": None}
-    fault = found.fault and asdict(found.fault) | {"seconds": found.fault.tick * step}
+    fault = comparison.fault and asdict(comparison.fault) | {
+        "seconds": comparison.fault.tick * step
+    }
     return {
-        "reference": _reference(found.reference, step),
+        "reference": _reference(comparison.reference, step),
         "went_wrong": fault,
-        "reference_from": found.from_here and _reference(found.from_here, step),
+        "reference_from": comparison.from_here and _reference(comparison.from_here, step),
     }
 
 

@@ -63,12 +63,12 @@ def casualty_episodes(trajectory: Trajectory) -> tuple[Episode, ...]:
     if not known.all():
         raise ConfigError(f"recording: casualty {slots[~known][0]:g}: is none; it is damaged")
     amounts = np.array([trajectory.columns[name] for name in CASUALTY_AMOUNTS])
-    found = [
+    episodes = [
         episode
         for code in sorted({int(code) for code in np.unique(slots)} - {0})
         for episode in _of_kind(trajectory, slots == code, amounts, KINDS[code - 1])
     ]
-    return tuple(sorted(found, key=lambda episode: episode.begun))
+    return tuple(sorted(episodes, key=lambda episode: episode.begun))
 
 
 def first_spell(trajectory: Trajectory, casualty: Casualty | None) -> Episode | None:
@@ -82,15 +82,17 @@ def _of_kind(
 ) -> list[Episode]:
     """Return the spells of one kind, whose slots are those ``there``."""
     active = np.any(there, axis=0)
-    found = []
+    episodes = []
     for first, after in row_stretches(active):
         held = np.where(there, amounts, 0.0)[:, first:after]
         amount = float(held.ravel()[np.argmax(np.abs(held))])
         lasted = after == trajectory.ticks.size
         # a state shows what acted in the tick that led to it
         begun = max(int(trajectory.ticks[first]) - 1, 0)
-        found.append(Episode(kind, begun, None if lasted else int(trajectory.ticks[after]), amount))
-    return found
+        episodes.append(
+            Episode(kind, begun, None if lasted else int(trajectory.ticks[after]), amount)
+        )
+    return episodes
 
 
 def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
@@ -99,13 +101,13 @@ def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
     The crew is everybody but schedule and instructor; when nobody else has ordered anything the
     instructor is alone on board, and is the crew.
     """
-    given = [
-        each
-        for each in trajectory.orders
-        if each.giver.kind is not GiverKind.SCHEDULE and each.accepted is not False
+    orders = [
+        entry
+        for entry in trajectory.orders
+        if entry.giver.kind is not GiverKind.SCHEDULE and entry.accepted is not False
     ]
-    stations = [each for each in given if each.giver.role != INSTRUCTOR_ROLE]
-    return tuple(each for each in stations or given if name_of(each.text) not in INSTRUCTOR_ORDERS)
+    stations = [each for each in orders if each.giver.role != INSTRUCTOR_ROLE]
+    return tuple(each for each in stations or orders if name_of(each.text) not in INSTRUCTOR_ORDERS)
 
 
 def answer_to(
@@ -113,16 +115,16 @@ def answer_to(
 ) -> RecordedOrder | None:
     """Return the crew's first order after a casualty began, of ``names`` if given."""
     caused = [
-        each.id
-        for each in trajectory.orders
-        if each.tick == episode.begun and name_of(each.text) == "casualty"
+        order.id
+        for order in trajectory.orders
+        if order.tick == episode.begun and name_of(order.text) == "casualty"
     ]
-    for each in crew_orders(trajectory):
+    for order in crew_orders(trajectory):
         # at the tick itself only what was ordered after the casualty, in a freeze
-        later = each.tick > episode.begun
-        later = later or (each.tick == episode.begun and bool(caused) and each.id > caused[-1])
-        if later and (names is None or name_of(each.text) in names):
-            return each
+        later = order.tick > episode.begun
+        later = later or (order.tick == episode.begun and bool(caused) and order.id > caused[-1])
+        if later and (names is None or name_of(order.text) in names):
+            return order
     return None
 
 
@@ -157,17 +159,19 @@ class ReadBack:
 
 def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
     """Return a run's orders to the crew, with their repeats and their ends."""
-    found: list[ReadBack] = []
+    read_back_list: list[ReadBack] = []
     for entry in trajectory.orders:
         order = parse(entry.text)
         if not isinstance(order, Order) or entry.accepted is False:
             continue
         if entry.crew.news is CrewNews.ORDERED:
             axis = WORDS_AXIS if order.name == "tell" else order.word.partition("_")[0]
-            found.append(ReadBack(entry, axis.replace("periscope", "depth"), entry.crew.order))
+            read_back_list.append(
+                ReadBack(entry, axis.replace("periscope", "depth"), entry.crew.order)
+            )
         elif entry.crew.news is not CrewNews.NOTHING:
-            _repeat(found, entry, order.subject)
-    return tuple(_carried_out(found, trajectory))
+            _repeat(read_back_list, entry, order.subject)
+    return tuple(_carried_out(read_back_list, trajectory))
 
 
 def _repeat(found: list[ReadBack], entry: RecordedOrder, words: str) -> None:
@@ -182,11 +186,13 @@ def _repeat(found: list[ReadBack], entry: RecordedOrder, words: str) -> None:
 
 def _carried_out(found: list[ReadBack], trajectory: Trajectory) -> Iterator[ReadBack]:
     """Yield the orders with the tick from which each was kept until the next of its axis."""
-    for i, each in enumerate(found):
-        later = (other.order.tick for other in found[i + 1 :] if other.axis == each.axis)
+    for i, read_back in enumerate(found):
+        later = (other.order.tick for other in found[i + 1 :] if other.axis == read_back.axis)
         end = next(later, int(trajectory.ticks[-1]))
-        known = each.axis in CREW_ORDERS and trajectory.has(each.axis)
-        yield replace(each, carried_out=_kept_from(each, end, trajectory) if known else None)
+        known = read_back.axis in CREW_ORDERS and trajectory.has(read_back.axis)
+        yield replace(
+            read_back, carried_out=_kept_from(read_back, end, trajectory) if known else None
+        )
 
 
 def _kept_from(each: ReadBack, end: int, trajectory: Trajectory) -> int | None:

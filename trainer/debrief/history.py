@@ -88,25 +88,25 @@ class AttemptHistory:
 
 def recordings_in(places: Iterable[Path]) -> Iterator[Path]:
     """Yield the recordings in folders, and those named, the newest first; ConfigError."""
-    found: list[tuple[float, Path]] = []
+    dated: list[tuple[float, Path]] = []
     for place in places:
         inside = place.glob(f"*{RECORDING_SUFFIX}") if place.is_dir() else iter((place,))
         try:
-            found += [(path.stat().st_mtime, path) for path in inside]
+            dated += [(path.stat().st_mtime, path) for path in inside]
         except OSError as error:
             raise ConfigError(f"{place}: {error.strerror}") from None
-    yield from (path for _, path in sorted(found, key=lambda each: each[0], reverse=True))
+    yield from (path for _, path in sorted(dated, key=lambda each: each[0], reverse=True))
 
 
 def latest_recording() -> Path:
     """Return the recording that was written last; ConfigError, saying what to do, without any."""
     folder = recordings_folder()
-    found = next(recordings_in([folder] if folder.is_dir() else []), None)
-    if found is None:
+    recording = next(recordings_in([folder] if folder.is_dir() else []), None)
+    if recording is None:
         raise ConfigError(
             f"--last: no recording is in {folder}: trainer run EXERCISE makes one, or name a FILE"
         )
-    return found
+    return recording
 
 
 def list_recording(path: Path) -> ListedRecording:
@@ -128,12 +128,12 @@ def list_recording(path: Path) -> ListedRecording:
 def kept_result(path: Path) -> RecordedResult | None:
     """Return the result kept beside a recording. None: it is of another state."""
     try:
-        found = json.loads(marks_path(path).read_text(encoding="utf-8"))
+        marks = json.loads(marks_path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return None
-    if not isinstance(found, dict) or found.get("of") != recording_stamp(path):
+    if not isinstance(marks, dict) or marks.get("of") != recording_stamp(path):
         return None
-    came = found.get("came")
+    came = marks.get("came")
     if not isinstance(came, dict) or came.keys() != MARK_TYPES.keys():
         return None
     good = all(isinstance(came[name], kind) for name, kind in MARK_TYPES.items())
@@ -198,22 +198,22 @@ def fold_name(name: str) -> str:
 
 def of_trainee(found: Sequence[ListedRecording], name: str) -> list[ListedRecording]:
     """Return the recordings of a trainee; ConfigError naming the nearest if there are none."""
-    own = [each for each in found if fold_name(name) in map(fold_name, each.trainees)]
-    if not own:
+    own_recordings = [each for each in found if fold_name(name) in map(fold_name, each.trainees)]
+    if not own_recordings:
         names = sorted({each for one in found for each in one.trainees})
         raise ConfigError(
             f"--trainee {quote(name)}: no recording has that name{nearest(name, names)}; "
             "trainer run EXERCISE --trainee NAME keeps one"
         )
-    return own
+    return own_recordings
 
 
 def trainee_history(own: Iterable[ListedRecording]) -> list[AttemptHistory]:
     """Return what a trainee has done, by exercise and width; recordings come newest first."""
     by_kind: dict[tuple[str, str], list[RecordedResult]] = {}
-    for each in own:
-        if each.came is not None:
-            by_kind.setdefault((each.came.exercise, each.came.width), []).insert(0, each.came)
+    for entry in own:
+        if entry.came is not None:
+            by_kind.setdefault((entry.came.exercise, entry.came.width), []).insert(0, entry.came)
     return [
         AttemptHistory(
             exercise or "without an exercise",
@@ -232,7 +232,7 @@ def trainee_history(own: Iterable[ListedRecording]) -> list[AttemptHistory]:
 def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
     """Remove a name everywhere, and yield what was done; ConfigError if no recording has it."""
     names: set[str] = set()
-    done, left = 0, []
+    done, troubles = 0, []
     for path in recordings:
         try:
             with open_recording(path) as recording:
@@ -246,9 +246,9 @@ def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
             yield from _forget(name, path, trainees)
             done += 1
         except (ConfigError, RecordingError) as wrong:
-            left.append(str(wrong))
-    if left:
-        raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in left))
+            troubles.append(str(wrong))
+    if troubles:
+        raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in troubles))
     if not done:
         raise ConfigError(
             f"--forget {quote(name)}: no recording has that name{nearest(name, names)}"
@@ -264,8 +264,8 @@ def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
     changes = read_changes(path)
     if changes:
         write_changes(path, [replace(each, reason=without(each.reason)) for each in changes])
-    told = f"; also from {remarks} remark{'s' if remarks > 1 else ''}" if remarks else ""
-    yield f"{path}: the name is removed{told}"
+    remark_words = f"; also from {remarks} remark{'s' if remarks > 1 else ''}" if remarks else ""
+    yield f"{path}: the name is removed{remark_words}"
     yield from _pages(name, path)
 
 
@@ -274,8 +274,8 @@ def _remover(name: str) -> Callable[[str], str]:
     if not re.search(r"[^\W\d_]", name):
         return lambda text: text
     words = r"\s+".join(re.escape(word) for word in name.split())
-    found = re.compile(rf"(?<!\w){words}(?!\w)", re.IGNORECASE)
-    return lambda text: found.sub(REMOVED_NAME, text)
+    pattern = re.compile(rf"(?<!\w){words}(?!\w)", re.IGNORECASE)
+    return lambda text: pattern.sub(REMOVED_NAME, text)
 
 
 def _pages(name: str, path: Path) -> Iterator[str]:
@@ -306,27 +306,27 @@ def found_in(places: Sequence[Path]) -> list[Path]:
 
 def print_list(places: Sequence[Path], *, as_json: bool) -> None:
     """Print the recordings, each as soon as it is known; what takes long comes last."""
-    found = found_in(places)
-    found.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept_result(path) is None)
+    paths = found_in(places)
+    paths.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept_result(path) is None)
     if as_json:
-        click.echo(json.dumps(as_figures(map(list_recording, found)), indent=1))
+        click.echo(json.dumps(as_figures(map(list_recording, paths)), indent=1))
         return
-    if not found:
+    if not paths:
         where = ", ".join(map(str, places)) or recordings_folder()
         click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
     columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-    for line in list_lines(map(list_recording, found), columns):
+    for line in list_lines(map(list_recording, paths), columns):
         click.echo(plain(line))
 
 
 def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
     """Print what a trainee has done; ConfigError if there is nothing of that name."""
-    own = trainee_history(of_trainee(list(map(list_recording, found_in(places))), name))
+    attempts = trainee_history(of_trainee(list(map(list_recording, found_in(places))), name))
     if as_json:
-        figures = [asdict(each) | {"mean_of_last": each.mean} for each in own]
+        figures = [asdict(each) | {"mean_of_last": each.mean} for each in attempts]
         click.echo(json.dumps(figures, indent=1))
         return
-    click.echo("\n".join(map(plain, history_lines(own))))
+    click.echo("\n".join(map(plain, history_lines(attempts))))
 
 
 def print_forgotten(places: Sequence[Path], name: str) -> None:
@@ -341,11 +341,12 @@ def list_lines(found: Iterable[ListedRecording], columns: int | None = None) -> 
     Exercise, names and file are shortened with an ellipsis to fit ``columns``; None: nothing is.
     """
     width = None if columns is None else max(columns, MIN_LIST_WIDTH)
-    for each in found:
-        if each.came is not None:
-            yield _row(each, each.came, width)
+    for recording in found:
+        if recording.came is not None:
+            yield _row(recording, recording.came, width)
             continue
-        line = f"{_day(each.started):16}  {each.path.name}: cannot be read: {each.trouble}"
+        trouble = f"{recording.path.name}: cannot be read: {recording.trouble}"
+        line = f"{_day(recording.started):16}  {trouble}"
         if width is None:
             yield line
         else:  # names of files stay in one piece
@@ -379,24 +380,24 @@ def shorten_text(text: str, most: int) -> str:
 def fit_texts(texts: Iterable[str], room: int) -> list[str]:
     """Return texts that fit ``room`` [columns] with two between them; the longest are cut."""
     whole = [plain(text) for text in texts]
-    left = room - 2 * (len(whole) - 1)
-    most = left
+    room_left = room - 2 * (len(whole) - 1)
+    most = room_left
     for done, size in enumerate(sorted(map(len, whole))):
-        most = left // (len(whole) - done)
+        most = room_left // (len(whole) - done)
         if size > most:
             break
-        left -= size
+        room_left -= size
     return [shorten_text(text, max(most, 1)) for text in whole]
 
 
 def history_lines(found: Iterable[AttemptHistory]) -> Iterator[str]:
     """Yield the history of a trainee, a line for each exercise."""
     yield f"{'exercise':28}  {'width':9}  mean of last {MEAN_ATTEMPTS}  attempts  seeds"
-    for each in found:
-        seeds = ", ".join(map(str, each.seeds))
+    for attempts in found:
+        seeds = ", ".join(map(str, attempts.seeds))
         yield (
-            f"{each.exercise:28}  {each.width:9}  {_mark(each.mean):>14}  "
-            f"{each.attempts:8}  {seeds}"
+            f"{attempts.exercise:28}  {attempts.width:9}  {_mark(attempts.mean):>14}  "
+            f"{attempts.attempts:8}  {seeds}"
         )
 
 
@@ -404,14 +405,14 @@ def as_figures(found: Iterable[ListedRecording]) -> list[dict[str, Any]]:
     """Return recordings for programs."""
     return [
         {
-            "file": str(each.path),
-            "started": each.started,
-            "trainees": list(each.trainees),
-            "trouble": each.trouble,
-            "left_out": [asdict(one) for one in each.excess],
-            **(asdict(each.came) if each.came else {}),
+            "file": str(recording.path),
+            "started": recording.started,
+            "trainees": list(recording.trainees),
+            "trouble": recording.trouble,
+            "left_out": [asdict(one) for one in recording.excess],
+            **(asdict(recording.came) if recording.came else {}),
         }
-        for each in found
+        for recording in found
     ]
 
 

@@ -49,8 +49,10 @@ def judge_run(
     scores = tuple(_less_nobody(each, nobody) for each in score_rules(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
     tasks = _mean((each.rule.weight, each.earned) for each in scores) or 0.0
-    kept = _mean((each.rule.weight, each.marks) for each in scores if each.rule.part == "keeping")
-    keeping = 100.0 if kept is None else kept
+    keeping_marks = _mean(
+        (each.rule.weight, each.marks) for each in scores if each.rule.part == "keeping"
+    )
+    keeping = 100.0 if keeping_marks is None else keeping_marks
     verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
     total = tasks * (1.0 - KEEPING_SHARE + KEEPING_SHARE * keeping / 100.0)
     total = total if verdict.cap is None else min(total, verdict.cap)
@@ -141,12 +143,12 @@ def _verdict(
 
 def _free(trajectory: Trajectory) -> str:
     """Return what made the run free of marks: something let be automatic, or broken by hand."""
-    for each in trajectory.orders:
-        if each.accepted is False or each.giver.kind is GiverKind.SCHEDULE:
+    for order in trajectory.orders:
+        if order.accepted is False or order.giver.kind is GiverKind.SCHEDULE:
             continue
-        if name_of(each.text) in FREEING_ORDERS:
-            seconds = each.tick * trajectory.boat.method.step
-            return f"{each.text} at {clock(seconds)}, by {each.who}"
+        if name_of(order.text) in FREEING_ORDERS:
+            seconds = order.tick * trajectory.boat.method.step
+            return f"{order.text} at {clock(seconds)}, by {order.who}"
     return ""
 
 
@@ -168,19 +170,19 @@ def _turned_over(trajectory: Trajectory) -> str:
     if not over.size:
         return ""
     row = int(over[0])
-    told = f"pitch {np.degrees(pitch[row]):.0f} deg, heel {np.degrees(heel[row]):.0f} deg"
-    return f"turned over at {clock(float(trajectory.seconds[row]))}: {told}"
+    angles = f"pitch {np.degrees(pitch[row]):.0f} deg, heel {np.degrees(heel[row]):.0f} deg"
+    return f"turned over at {clock(float(trajectory.seconds[row]))}: {angles}"
 
 
 def _aground(trajectory: Trajectory, plan: Plan) -> tuple[str, str]:
     """Return that the boat was hard aground, and that it was where that ends the exercise."""
     bottom = plan.world.get("bottom")
     hard = aground = ""
-    for each in groundings(trajectory):
-        when = clock(float(trajectory.seconds[each.row]))
-        if each.hard and not hard:
-            hard = f"hard aground at {when}, {each.touch.normal:.2f} m/s into the ground"
-        if each.at_fault and not aground and bottom is not None and bottom.grounding == "end":
+    for grounding in groundings(trajectory):
+        when = clock(float(trajectory.seconds[grounding.row]))
+        if grounding.hard and not hard:
+            hard = f"hard aground at {when}, {grounding.touch.normal:.2f} m/s into the ground"
+        if grounding.at_fault and not aground and bottom is not None and bottom.grounding == "end":
             aground = f"aground at {when}"
     return hard, aground
 
@@ -190,10 +192,10 @@ def _laid_badly(trajectory: Trajectory, plan: Plan) -> str:
     bottom = plan.world.get("bottom")
     if bottom is None or not bottom.bottoming:
         return ""
-    for each in groundings(trajectory):
-        if each.at_fault:
-            why = ", ".join(each.touch.faults) or "did not come to lie"
-            when = clock(float(trajectory.seconds[each.row]))
+    for grounding in groundings(trajectory):
+        if grounding.at_fault:
+            why = ", ".join(grounding.touch.faults) or "did not come to lie"
+            when = clock(float(trajectory.seconds[grounding.row]))
             return f"laid on the ground badly at {when}: {why}"
     return ""
 
@@ -214,8 +216,8 @@ def _broken(trajectory: Trajectory) -> Iterator[str]:
     for name in limits_of(trajectory):
         row = first_for(rows_beyond(trajectory, name), GATE_TIME_S, trajectory)
         if row is not None:
-            told = LIMIT_WORDS[name].format(getattr(trajectory.limits, name))
-            yield f"{told} at {clock(float(trajectory.seconds[row]))}"
+            sentence = LIMIT_WORDS[name].format(getattr(trajectory.limits, name))
+            yield f"{sentence} at {clock(float(trajectory.seconds[row]))}"
 
 
 def first_for(holds: RowMask, seconds: float, trajectory: Trajectory) -> int | None:
@@ -277,20 +279,20 @@ def marks_given(each: RuleScore) -> float | None:
 
 def dearest_costs(card: Scorecard, reference: Scorecard | None) -> tuple[MarkCost, ...]:
     """Return what cost most, MAX_COSTS_TOLD of it at most."""
-    found = [each for each in costs(card, reference) if each.marks >= MIN_COST_PERCENT]
-    return tuple(sorted(found, key=lambda each: -each.marks)[:MAX_COSTS_TOLD])
+    dear_costs = [each for each in costs(card, reference) if each.marks >= MIN_COST_PERCENT]
+    return tuple(sorted(dear_costs, key=lambda each: -each.marks)[:MAX_COSTS_TOLD])
 
 
 def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
     """Yield all that cost marks: rules by their share in the total, and the gate."""
     best = {each.name: each for each in reference.scores} if reference else {}
     yield from _by_gate(card)
-    for each in card.scores:
-        lost = 100.0 - (marks_given(each) or 0.0)
-        share = share_of(each, card)
-        if each.marks is not None and share and lost > 0.0:
-            told = _sentence(each, best.get(each.name), share * lost)
-            yield MarkCost(share * lost, told, each.attained.tick)
+    for rule_score in card.scores:
+        lost = 100.0 - (marks_given(rule_score) or 0.0)
+        share = share_of(rule_score, card)
+        if rule_score.marks is not None and share and lost > 0.0:
+            sentence = _sentence(rule_score, best.get(rule_score.name), share * lost)
+            yield MarkCost(share * lost, sentence, rule_score.attained.tick)
 
 
 def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
@@ -342,12 +344,12 @@ def _sentence(each: RuleScore, best: RuleScore | None, cost: float) -> str:
     unit = "" if each.unit == "-" else f" {each.unit}"
     value = each.attained.value
     came = each.attained.why if value is None else f"{value:.4g}{unit}"
-    told = f"{each.name}: {came}, full marks at {each.rule.score.full:.4g}{unit}"
+    words = f"{each.name}: {came}, full marks at {each.rule.score.full:.4g}{unit}"
     if best is not None and best.attained.value is not None:
-        told += f", the reference crew {best.attained.value:.4g}{unit}"
+        words += f", the reference crew {best.attained.value:.4g}{unit}"
     if each.rule.part == "answer" and (each.marks or 0.0) > (each.earned or 0.0):
-        told += " (an answer counts no more than the tasks it was to save)"
-    return f"{told}: {_marks(cost)}."
+        words += " (an answer counts no more than the tasks it was to save)"
+    return f"{words}: {_marks(cost)}."
 
 
 def _marks(cost: float) -> str:

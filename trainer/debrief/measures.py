@@ -173,8 +173,8 @@ def time_to_detect(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> M
     It is longer by FALSE_MARK_PENALTY_S for each mark that meant no ship.
     """
     looked_at = set(trajectory.ticks[rows].tolist())
-    found = look_out(trajectory)
-    ships = [each for each in found.ships if each.there in looked_at]
+    look_out_report = look_out(trajectory)
+    ships = [each for each in look_out_report.ships if each.there in looked_at]
     if not ships:
         return Measurement(None, None, "no ship came in sight", counts=False)
     for each in ships:
@@ -185,7 +185,7 @@ def time_to_detect(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> M
     step = trajectory.boat.method.step
     times = {each: ((each.marked or 0) - (each.seen or 0)) * step for each in ships}
     slowest = max(ships, key=lambda each: times[each])
-    wrong = sum(tick in looked_at for tick in found.false)
+    wrong = sum(tick in looked_at for tick in look_out_report.false)
     return Measurement(times[slowest] + FALSE_MARK_PENALTY_S * wrong, slowest.marked)
 
 
@@ -246,8 +246,8 @@ def reserve_air(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measu
     full = sum(float(vessel.bank_full[BANKS.index(name.removeprefix("bank_"))]) for name in names)
     if not full:
         return Measurement(None, None, "this boat has no air banks", counts=False)
-    left = sum(trajectory.columns[name] for name in names) / full
-    return _extreme(trajectory, rows, 100.0 * np.asarray(left)[rows], np.argmin)
+    air_shares = sum(trajectory.columns[name] for name in names) / full
+    return _extreme(trajectory, rows, 100.0 * np.asarray(air_shares)[rows], np.argmin)
 
 
 def limits_of(trajectory: Trajectory) -> list[str]:
@@ -300,13 +300,13 @@ def surfacing(trajectory: Trajectory) -> RowMask:
 
 def broach_rows(trajectory: Trajectory) -> list[int]:
     """Return the rows at which the boat broached, as the watch calls it out."""
-    height, meant = shown_height(trajectory), surfacing(trajectory)
-    shows, found = bool(height[0] > 0.0), []
+    height, meant_rows = shown_height(trajectory), surfacing(trajectory)
+    shows, broached = bool(height[0] > 0.0), []
     for row in range(1, height.size):
-        if not shows and height[row] > 0.0 and not meant[row]:
-            found.append(row)
+        if not shows and height[row] > 0.0 and not meant_rows[row]:
+            broached.append(row)
         shows = bool(height[row] > (-RECALL_COVER_M if shows else 0.0))
-    return found
+    return broached
 
 
 def _quantity(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Numbers:
@@ -325,15 +325,18 @@ def _inside(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> RowMask:
 
 def _time_in(trajectory: Trajectory, rows: RowMask) -> Measurement:
     """Return the time [s] of rows, and the first of them."""
-    found = np.flatnonzero(rows)
-    seconds = float(found.size) * trajectory.boat.method.step
-    return Measurement(seconds, int(trajectory.ticks[found[0]]) if found.size else None)
+    places = np.flatnonzero(rows)
+    seconds = float(places.size) * trajectory.boat.method.step
+    return Measurement(seconds, int(trajectory.ticks[places[0]]) if places.size else None)
 
 
 def _count_in(trajectory: Trajectory, rows: RowMask, events: Iterable[int]) -> Measurement:
     """Return how many events are at these rows, and the first of them."""
-    found = [row for row in events if rows[row]]
-    return Measurement(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
+    events_inside = [row for row in events if rows[row]]
+    return Measurement(
+        float(len(events_inside)),
+        int(trajectory.ticks[events_inside[0]]) if events_inside else None,
+    )
 
 
 def _extreme(

@@ -85,15 +85,15 @@ def render(debrief: DebriefData, boat: str = "") -> str:
 
 def _under(debrief: DebriefData) -> str:
     """Return what is below the title: the boat, the day, how long, and which branch."""
-    told = [
+    parts = [
         debrief.plan.file.name,
         debrief.header.get("started", ""),
         f"{clock(float(debrief.trajectory.seconds[-1]))} flown",
     ]
-    told.append(", ".join(debrief.trainees))
+    parts.append(", ".join(debrief.trainees))
     if len(debrief.branches) > 1:
-        told.append(f"branch {debrief.branch.id} of {len(debrief.branches)}")
-    return " - ".join(filter(None, told))
+        parts.append(f"branch {debrief.branch.id} of {len(debrief.branches)}")
+    return " - ".join(filter(None, parts))
 
 
 def _parts(debrief: DebriefData) -> Iterator[Markup]:
@@ -106,8 +106,8 @@ def _parts(debrief: DebriefData) -> Iterator[Markup]:
     yield section("charts", "Ordered and actual", _drawings(debrief))
     if debrief.read_backs:
         yield section("orders", "Orders to the crew", sections.read_backs(debrief))
-    told = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
-    yield section("casualties", "Casualties", told)
+    content = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
+    yield section("casualties", "Casualties", content)
     if debrief.card.scores:
         yield section("scores", "Measures", sections.scores(debrief))
     if met := sections.ships(debrief):
@@ -159,8 +159,8 @@ def debrief_file(
     with np.errstate(all="ignore"):  # a state may hold any number
         debrief = read_compared(path, asked)
         text = render(debrief, asked.boat) if html or pdf else ""
-    for each in debrief.excess:
-        click.echo(f"trainer: {path}: {each}", err=True)
+    for problem in debrief.excess:
+        click.echo(f"trainer: {path}: {problem}", err=True)
     written = []
     if html is not None:
         write_over(html, text)
@@ -308,10 +308,10 @@ def _approaches(debrief: DebriefData, axes: tuple[Axis, Axis]) -> Iterator[str]:
         ship = place_of_ship(debrief.trajectory, name, tick)
         if ship is None or apart > CLOSE_RANGE_M:
             continue
-        own = across.at(float(column["y"][row])), up.at(float(column["x"][row]))
-        there = across.at(ship[1]), up.at(ship[0])
-        yield rule("approach", *own, *there)
-        middle = 0.5 * (own[0] + there[0]), 0.5 * (own[1] + there[1])
+        boat_place = across.at(float(column["y"][row])), up.at(float(column["x"][row]))
+        ship_place = across.at(ship[1]), up.at(ship[0])
+        yield rule("approach", *boat_place, *ship_place)
+        middle = 0.5 * (boat_place[0] + ship_place[0]), 0.5 * (boat_place[1] + ship_place[1])
         yield text("tick middle", *middle, f"{apart:.0f} m")
 
 
@@ -349,8 +349,8 @@ def _path(style: str, x: Numbers, y: Numbers) -> str:
     """Return a line through places [px], about one point in so many as can be told apart."""
     every = max(x.size // MAX_TRACK_POINTS, 1)
     rows = [*range(0, x.size, every), x.size - 1]
-    told = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
-    return f'<path class="line {style}" d="M{told}"/>'
+    points = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
+    return f'<path class="line {style}" d="M{points}"/>'
 
 
 def _rule_of(across: Axis) -> Iterator[str]:

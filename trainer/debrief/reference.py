@@ -100,8 +100,8 @@ def join_runs(before: Trajectory, after: Trajectory) -> Trajectory:
     orders = [each for each in before.orders if each.tick < after.ticks[0]]
     alone = bool(orders) and by_instructor  # then the instructor is the crew
     taken = tuple(
-        replace(each, giver=INSTRUCTOR_GIVER) if alone and each.place is None else each
-        for each in after.orders
+        replace(item, giver=INSTRUCTOR_GIVER) if alone and item.place is None else item
+        for item in after.orders
     )
     return replace(
         after,
@@ -128,13 +128,13 @@ def first_fault(
     A task costs much from DEAR_FAULT_SHARE of what the dearest of them cost.
     """
     rules = widen_rules(plan.scores, width)
-    found = list(_faults(trajectory, rules, card, reference))
+    faults = list(_faults(trajectory, rules, card, reference))
     lost = {
-        each.name: share_of(each, card) * (100.0 - (marks_given(each) or 0.0))
-        for each in card.scores
+        score.name: share_of(score, card) * (100.0 - (marks_given(score) or 0.0))
+        for score in card.scores
     }
-    dearest = max((lost[fault.score] for fault in found), default=0.0)
-    dear = (fault for fault in found if lost[fault.score] >= DEAR_FAULT_SHARE * dearest)
+    dearest = max((lost[fault.score] for fault in faults), default=0.0)
+    dear = (fault for fault in faults if lost[fault.score] >= DEAR_FAULT_SHARE * dearest)
     return min(dear, key=lambda fault: fault.tick, default=None)
 
 
@@ -142,23 +142,23 @@ def tasks_behind(card: Scorecard, reference: Scorecard) -> tuple[str, ...]:
     """Return the tasks and answers that are worth much less than the reference crew's."""
     best = {each.name: marks_given(each) or 0.0 for each in reference.scores}
     return tuple(
-        each.name
-        for each in card.scores
-        if each.rule.part != "keeping" and each.marks is not None
-        if best.get(each.name, 0.0) - (marks_given(each) or 0.0) >= LOST_TASK_PERCENT
+        score.name
+        for score in card.scores
+        if score.rule.part != "keeping" and score.marks is not None
+        if best.get(score.name, 0.0) - (marks_given(score) or 0.0) >= LOST_TASK_PERCENT
     )
 
 
 def _faults(
     trajectory: Trajectory, rules: tuple[ScoreRule, ...], card: Scorecard, reference: Reference
 ) -> Iterator[Fault]:
-    own = {each.name: each for each in card.scores}
+    own_scores = {each.name: each for each in card.scores}
     worse = tasks_behind(card, reference.card)
     ours = {each.name: each for each in reference.card.scores}
     for rule in rules:
         if rule.score.name not in worse:
             continue
-        mine, best = own[rule.score.name], ours[rule.score.name]
+        mine, best = own_scores[rule.score.name], ours[rule.score.name]
         fault = (
             _late_answer(trajectory, rule, mine, best)
             if rule.score.measure == "response"
@@ -180,8 +180,8 @@ def _late_answer(
     step = trajectory.boat.method.step
     tick = min(episode.begun + round(allowed / step), int(trajectory.ticks[-1]))
     came = "none came" if value is None else f"it came after {value:g} s"
-    told = f"an answer to {episode.kind} was due within {allowed:g} s; {came}"
-    return Fault(tick, rule.score.name, "", told)
+    sentence = f"an answer to {episode.kind} was due within {allowed:g} s; {came}"
+    return Fault(tick, rule.score.name, "", sentence)
 
 
 def _departure(
@@ -215,8 +215,8 @@ def _departure(
     )
     if row is None:
         return None
-    told = _told(rule, float(value[row]), (float(low[row]), float(high[row])))
-    return Fault(int(trajectory.ticks[row]), rule.score.name, rule.measured.name, told)
+    sentence = _told(rule, float(value[row]), (float(low[row]), float(high[row])))
+    return Fault(int(trajectory.ticks[row]), rule.score.name, rule.measured.name, sentence)
 
 
 def band_of(rule: ScoreRule, best: RuleScore) -> tuple[float, float]:
@@ -249,13 +249,13 @@ def limits_about(
 
 def window_extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:
     """Return the least or greatest value of the rows up to ``most`` around each."""
-    found = np.pad(values, most, mode="edge")
+    windows = np.pad(values, most, mode="edge")
     width, span = 2 * most + 1, 1
     while 2 * span <= width:  # found: of so many rows from each one on
-        found = choose(found[:-span], found[span:])
+        windows = choose(windows[:-span], windows[span:])
         span *= 2
     rest = width - span
-    return choose(found[: values.size], found[rest : rest + values.size])
+    return choose(windows[: values.size], windows[rest : rest + values.size])
 
 
 def _within(value: Numbers, low: Numbers, high: Numbers, rule: ScoreRule) -> RowMask:
@@ -286,11 +286,13 @@ def _told(rule: ScoreRule, value: float, limits: tuple[float, float]) -> str:
     assert rule.measured  # noqa: S101
     name, unit = rule.measured.name, rule.measured.unit
     if name == COURSE_QUANTITY:
-        told = (
+        words = (
             round(angle * rule.measured.size / ANGLE_UNITS["deg"]) % 360
             for angle in (value, *limits)
         )
-        return "course {:03d}; {} {:03d} to {:03d}".format(next(told), REFERENCE_BAND_WORDS, *told)
+        return "course {:03d}; {} {:03d} to {:03d}".format(
+            next(words), REFERENCE_BAND_WORDS, *words
+        )
     low, high = limits
     return (
         f"{rule.measured} {value:.2f} {unit}; {REFERENCE_BAND_WORDS} {low:.2f} to {high:.2f} {unit}"

@@ -144,17 +144,17 @@ class Journal:
 
     def note(self, given: list[GivenOrder]) -> None:
         """Note what the crew has ordered and marked."""
-        for each in given:
-            if each.rule is not None:
-                self.rules[each.rule] = self.boat.time
-            order = parse(each.text)
+        for crew_order in given:
+            if crew_order.rule is not None:
+                self.rules[crew_order.rule] = self.boat.time
+            order = parse(crew_order.text)
             if isinstance(order, Order) and order.name == MARK_ORDER:  # no order of the boat's
                 noted = RecordedEvent(
                     1, self.boat.ticks, MARK_ORDER, LOOKOUT_ROLE, order.subject, "", LOOKOUT_ROLE
                 )
                 self.marks.append(noted)
             else:
-                self.write(REFERENCE_GIVER, each.text, each.reply)
+                self.write(REFERENCE_GIVER, crew_order.text, crew_order.reply)
 
     def write(
         self,

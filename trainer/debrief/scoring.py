@@ -55,8 +55,8 @@ def _window(rule: ScoreRule) -> str:
         f"from {score.since} on" if score.since and not (score.from_s or score.to_s) else "",
         f"while {score.when}" if score.when else "",
     ]
-    told = " ".join(filter(None, parts))
-    return told and f", {told}"
+    words = " ".join(filter(None, parts))
+    return words and f", {words}"
 
 
 def unit_of(rule: ScoreRule) -> str:
@@ -164,8 +164,8 @@ def take_measure(trajectory: Trajectory, rule: ScoreRule) -> Measurement:
     if rows is None:
         return Measurement(None, None, "it did not happen", counts=False)
     if not np.any(rows):
-        told = f"the record ends at {trajectory.seconds[-1]:g} s"
-        return Measurement(None, None, told, counts=False, beyond_record=True)
+        reason = f"the record ends at {trajectory.seconds[-1]:g} s"
+        return Measurement(None, None, reason, counts=False, beyond_record=True)
     for condition in rule.conditions:
         rows &= trajectory.holds(condition)
     if not np.any(rows):

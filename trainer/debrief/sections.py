@@ -93,10 +93,10 @@ def by_hand(debrief: DebriefData) -> str:
     """Return what the crew worked, and what was automatic."""
     plan = debrief.plan
     automatic = [axis for axis in CREW_AXES if axis not in plan.hand]
-    told = f"By hand: {', '.join(plan.hand)}; automatic: {', '.join(automatic) or 'nothing'}"
+    sentence = f"By hand: {', '.join(plan.hand)}; automatic: {', '.join(automatic) or 'nothing'}"
     if plan.allowed:
-        told += f"; allowed: {', '.join(plan.allowed)}"
-    return f"{told}."
+        sentence += f"; allowed: {', '.join(plan.allowed)}"
+    return f"{sentence}."
 
 
 def said_card(card: Scorecard) -> str:
@@ -107,28 +107,28 @@ def said_card(card: Scorecard) -> str:
 
 def made_of(verdict: Verdict) -> str:
     """Return what a total is made of, in words."""
-    told = (
+    words = (
         f"Tasks {verdict.tasks:.0f}, beyond what a boat with nobody aboard gets; "
         f"keeping {verdict.keeping:.0f}"
     )
     if verdict.void:
-        return f"{told}. The boat turned over: the marks are void."
+        return f"{words}. The boat turned over: the marks are void."
     if verdict.free:
-        return f"{told}. A free run has no marks."
+        return f"{words}. A free run has no marks."
     if verdict.cap is not None:
         why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
-        return f"{told}. At most {verdict.cap:.0f}: {why}."
-    return f"{told}; total = tasks \N{MULTIPLICATION SIGN} (0.7 + 0.3 keeping / 100)."
+        return f"{words}. At most {verdict.cap:.0f}: {why}."
+    return f"{words}; total = tasks \N{MULTIPLICATION SIGN} (0.7 + 0.3 keeping / 100)."
 
 
 def moment(debrief: DebriefData) -> Markup:
     """Return the moment at which the run went wrong, with a link into the charts."""
-    found = debrief.compared
-    if found is None:
+    comparison = debrief.compared
+    if comparison is None:
         return paragraph("This exercise has no reference crew to compare with.")
-    fault = found.fault
+    fault = comparison.fault
     if fault is None:
-        return paragraph(_no_moment(debrief, found))
+        return paragraph(_no_moment(debrief, comparison))
     chart = chart_of(fault.quantity)
     line = Markup('<p><b>{}</b>: {}. Task: {}. <a href="#{}-{}">Go there</a></p>')
     place = clock(fault.tick * debrief.step)
@@ -151,23 +151,23 @@ def cost(debrief: DebriefData) -> Markup:
         return paragraph("A free run has no marks.")
     items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
     lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]
-    if (found := debrief.compared) is not None:
-        told = f"The reference crew at this seed: {said_card(found.reference.card)}."
-        if found.from_here is not None:
-            since = clock(found.from_here.since or 0.0)
-            told += f" Taking over at {since}: {said_card(found.from_here.card)}."
-        lines.append(paragraph(told))
+    if (comparison := debrief.compared) is not None:
+        sentence = f"The reference crew at this seed: {said_card(comparison.reference.card)}."
+        if comparison.from_here is not None:
+            since = clock(comparison.from_here.since or 0.0)
+            sentence += f" Taking over at {since}: {said_card(comparison.from_here.card)}."
+        lines.append(paragraph(sentence))
     return Markup().join(lines)
 
 
 def changes(debrief: DebriefData) -> Markup:
     """Return what the instructor has changed, old and new beside each other."""
     rows = [
-        (each.name, _before(debrief, each), each.what, each.reason, each.at)
-        for each in debrief.changes
+        (change.name, _before(debrief, change), change.what, change.reason, change.at)
+        for change in debrief.changes
     ]
-    told = paragraph(f"Before: {said_card(debrief.card)}. Now: {said_card(debrief.final)}.")
-    return told + table(("", "was", "is", "why", "when"), rows, "")
+    summary = paragraph(f"Before: {said_card(debrief.card)}. Now: {said_card(debrief.final)}.")
+    return summary + table(("", "was", "is", "why", "when"), rows, "")
 
 
 def _before(debrief: DebriefData, change: Change) -> str:
@@ -183,14 +183,16 @@ def _before(debrief: DebriefData, change: Change) -> str:
 
 def legend(debrief: DebriefData) -> Markup:
     """Return what the lines and shades of the charts mean."""
-    told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
-    if found := debrief.compared:
-        told += " Grey dashes: the reference crew at the same seed."
-        told += " Thick upright: where it went wrong." if found.fault else ""
-        told += " Green upright: where the reference crew took over." if found.from_here else ""
+    words = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
+    if comparison := debrief.compared:
+        words += " Grey dashes: the reference crew at the same seed."
+        words += " Thick upright: where it went wrong." if comparison.fault else ""
+        words += (
+            " Green upright: where the reference crew took over." if comparison.from_here else ""
+        )
     if debrief.compared and not same_core(debrief.header.get("core")):
-        told += " The reference crew is flown by another core than the recording was."
-    return Markup('<p class="legend"><small>{}</small></p>').format(told)
+        words += " The reference crew is flown by another core than the recording was."
+    return Markup('<p class="legend"><small>{}</small></p>').format(words)
 
 
 def read_backs(debrief: DebriefData) -> Markup:
@@ -292,19 +294,24 @@ def ships(debrief: DebriefData) -> Markup:
     met, looked = meet_ships(debrief.trajectory), look_out(debrief.trajectory)
     if not met.closest:
         return Markup()
-    found = {each.name: each for each in looked.ships}
+    detections = {each.name: each for each in looked.ships}
     rows = [
-        (name, f"{apart:.0f} m", format_moment(debrief, tick), *_detected(debrief, found.get(name)))
+        (
+            name,
+            f"{apart:.0f} m",
+            format_moment(debrief, tick),
+            *_detected(debrief, detections.get(name)),
+        )
         for name, (apart, tick) in sorted(met.closest.items(), key=lambda each: each[1])
     ]
-    told = [
+    remarks = [
         f"Collision with {name} at {clock(tick * debrief.step)}." for tick, name in met.collisions
     ]
     if looked.false:
         when = ", ".join(clock(tick * debrief.step) for tick in looked.false)
-        told.append(f"Marked where no ship was seen: {when}.")
+        remarks.append(f"Marked where no ship was seen: {when}.")
     headings = ("ship", "closest approach", "when", "in sight from", "marked", "after")
-    return Markup().join(map(paragraph, told)) + table(headings, rows, "")
+    return Markup().join(map(paragraph, remarks)) + table(headings, rows, "")
 
 
 def _detected(debrief: DebriefData, found: Detection | None) -> tuple[str, str, str]:
@@ -323,8 +330,8 @@ def marks(debrief: DebriefData) -> Markup:
     """Return the table of the marks with their remarks."""
     every = debrief.of_kind("mark")
     rows = (
-        (f"M{i}", format_moment(debrief, each.tick), (each.text), (each.who))
-        for i, each in enumerate(every[:MAX_TABLE_ROWS], start=1)
+        (f"M{i}", format_moment(debrief, mark.tick), (mark.text), (mark.who))
+        for i, mark in enumerate(every[:MAX_TABLE_ROWS], start=1)
     )
     return table(("", "moment", "remark", "by"), rows, "") + _more(len(every), JSON_HINT)
 
@@ -415,16 +422,16 @@ def tick_ledger(debrief: DebriefData) -> Markup:
         ("lateness", *(f"{value / 1e3:.1f} us" for value in ticks.lateness)),
     ]
     troubles = debrief.of_kind("trouble")
-    told = (
+    counts = (
         f"{ticks.timed} ticks of {debrief.step:g} s timed, duty cycle "
         f"{100 * ticks.duty_cycle:.3f} %; {len(troubles)} troubles called out"
     )
     listed = Markup().join(
-        Markup("<li>{}: {}</li>").format(format_moment(debrief, each.tick), each.text)
-        for each in troubles[:50]
+        Markup("<li>{}: {}</li>").format(format_moment(debrief, event.tick), event.text)
+        for event in troubles[:50]
     )
     return (
-        paragraph(f"{told}.")
+        paragraph(f"{counts}.")
         + table(("", "median", "99 %", "most"), rows, "")
         + (Markup("<ul>{}</ul>").format(listed) if listed else "")
     )

@@ -66,12 +66,12 @@ def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
     """Return the ways of all ships of a passage, at some WAY_ROWS rows each."""
     contacts = contacts_in(trajectory.boat)
     every = max(trajectory.ticks.size // WAY_ROWS, 1)
-    found: dict[str, list[tuple[float, ...]]] = {}
+    ship_rows: dict[str, list[tuple[float, ...]]] = {}
     for row in range(0, trajectory.ticks.size, every):
         for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
-            found.setdefault(ship.name, []).append((row, ship.north, ship.east))
+            ship_rows.setdefault(ship.name, []).append((row, ship.north, ship.east))
     ways = []
-    for name, places in found.items():
+    for name, places in ship_rows.items():
         rows, north, east = np.array(places).T
         whole = rows.astype(np.int64)
         ways.append(ShipWay(name, whole, trajectory.seconds[whole], north, east))
@@ -146,9 +146,11 @@ def look_out(trajectory: Trajectory) -> LookOut:
     seen: dict[str, int] = {}
     for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory), up=False):
         seen.setdefault(name, int(trajectory.ticks[row]))
-    there = {**_could_be_seen(trajectory, scope), **seen}
+    first_chances = {**_could_be_seen(trajectory, scope), **seen}
     marks, false = _marks(trajectory, scope, seen)
-    ships = (Detection(name, at, seen.get(name), marks.get(name)) for name, at in there.items())
+    ships = (
+        Detection(name, at, seen.get(name), marks.get(name)) for name, at in first_chances.items()
+    )
     return LookOut(tuple(sorted(ships, key=lambda each: each.there)), false)
 
 
@@ -156,12 +158,12 @@ def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
     """Return the ships that a raised mast shows for long, with the tick at which that began."""
     every = max(round(LOOK_PERIOD_S / trajectory.boat.method.step), 1)
     rows = list(range(0, trajectory.ticks.size, every))
-    found: dict[str, list[int]] = {}
+    seen_ticks: dict[str, list[int]] = {}
     for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory, up=True), up=True):
-        found.setdefault(name, []).append(int(trajectory.ticks[row]))
+        seen_ticks.setdefault(name, []).append(int(trajectory.ticks[row]))
     return {
         name: ticks[0]
-        for name, ticks in found.items()
+        for name, ticks in seen_ticks.items()
         if len(ticks) * LOOK_PERIOD_S >= MISSED_SIGHT_S
     }
 
@@ -210,6 +212,6 @@ def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
     """
     said = [(each, BEARING_MARK.match(each.text)) for each in trajectory.marks]
     crew = [(mark, found) for mark, found in said if mark.role == LOOKOUT_ROLE]
-    for mark, found in crew or said:
-        if found:
-            yield mark.tick, math.radians(float(found[1]))
+    for mark, match in crew or said:
+        if match:
+            yield mark.tick, math.radians(float(match[1]))

@@ -237,9 +237,9 @@ def read_passage(
             f"the recording is of another version of the trainer: no {lacking[0]} in its states; "
             "debrief it with that version"
         )
-    there = [name for name in PASSAGE_COLUMNS if name in layout]
-    places = [layout.index(name) for name in there]
-    states, times = [np.empty((0, len(there)))], [np.empty((0, 3))]
+    present = [name for name in PASSAGE_COLUMNS if name in layout]
+    places = [layout.index(name) for name in present]
+    states, times = [np.empty((0, len(present)))], [np.empty((0, 3))]
     flown = recording.flown(branch)
     while batch := list(islice(flown, BATCH_TICKS)):
         states.append(np.array([numbers_of(each.state, layout)[places] for each in batch]))
@@ -251,7 +251,7 @@ def read_passage(
         limits=limits,
         orders=tuple(recording.orders(branch)),
         ticks=timings[0].astype(np.int64),
-        columns={**none, **dict(zip(there, columns, strict=True))},
+        columns={**none, **dict(zip(present, columns, strict=True))},
         lateness=timings[1],
         work=timings[2],
     )

@@ -132,7 +132,7 @@ class BinarySequence:
 
     def orders(self) -> tuple[tuple[float, str], ...]:
         """Return time [s] and order of each change, course 000 being kept before and after."""
-        found: list[tuple[float, str]] = []
+        timed_orders: list[tuple[float, str]] = []
         last = 0.0
         for i, bit in enumerate(list(prbs(self.bits, self.seed)) * self.periods):
             if bit != last:
@@ -140,27 +140,27 @@ class BinarySequence:
                 rudder = f"rudder {side} {self.amplitude_deg:g}"
                 course = f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
                 order = rudder if self.by == "rudder" else course
-                found.append((LEAD_TIME_S + i * self.hold_s, order))
+                timed_orders.append((LEAD_TIME_S + i * self.hold_s, order))
             last = bit
         end = LEAD_TIME_S + self.hold_s * self.periods * (2**self.bits - 1)
-        found.append((end, KEEP_COURSE_ORDER if self.by == "rudder" else "course 000"))
-        if len(found) > MAX_ORDERS:
+        timed_orders.append((end, KEEP_COURSE_ORDER if self.by == "rudder" else "course 000"))
+        if len(timed_orders) > MAX_ORDERS:
             raise ConfigError(
-                f"{len(found)} changes of helm are more than the {MAX_ORDERS} an exercise takes; "
-                "give fewer --bits or --periods"
+                f"{len(timed_orders)} changes of helm are more than the {MAX_ORDERS} an exercise "
+                "takes; give fewer --bits or --periods"
             )
-        return tuple(found)
+        return tuple(timed_orders)
 
 
 def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[ScheduledOrder]:
     """Return orders in words as a schedule; ConfigError if one is none."""
-    found = []
+    scheduled = []
     for i, (seconds, text) in enumerate(orders, start=1):
         order = parse(text)
         if not isinstance(order, Order):
             raise ConfigError(f"{text}: is no order")
-        found.append(ScheduledOrder(seconds, order, i))
-    return found
+        scheduled.append(ScheduledOrder(seconds, order, i))
+    return scheduled
 
 
 def suggest_hold(ship: Nomoto, interval: float) -> float:
@@ -220,8 +220,8 @@ def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]
     times = [mark.t for mark in flight.marks if mark.name == "execute"]
     late = LEAD_TIME_S - times[0] if times else 0.0
     sides = ("right", "left")
-    found = [(late + t, f"rudder {sides[i % 2]} {angle:g}") for i, t in enumerate(times)]
-    return (*found, (late + float(flight.t[-1]), KEEP_COURSE_ORDER))
+    orders = [(late + t, f"rudder {sides[i % 2]} {angle:g}") for i, t in enumerate(times)]
+    return (*orders, (late + float(flight.t[-1]), KEEP_COURSE_ORDER))
 
 
 def zigzag_told(flight: Flight, execute: float) -> dict[str, Any]:

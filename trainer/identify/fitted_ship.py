@@ -138,34 +138,34 @@ def fit(
     require_library("scipy", "identify")
     for name in keywords:
         if name not in DEFAULT_OPTIONS:
-            there = ", ".join(DEFAULT_OPTIONS)
+            known_names = ", ".join(DEFAULT_OPTIONS)
             raise ConfigError(
-                f"no keyword {name!r}{nearest(name, DEFAULT_OPTIONS)}; there are {there}"
+                f"no keyword {name!r}{nearest(name, DEFAULT_OPTIONS)}; there are {known_names}"
             )
-    given: FitOptions = {**DEFAULT_OPTIONS, **keywords}
+    chosen: FitOptions = {**DEFAULT_OPTIONS, **keywords}
     unfit = LINEAR_FIT_OPTIONS if model in OF_SHIPS else PRIOR_OPTIONS
     if strange := [name for name in unfit if name in keywords]:
         raise ConfigError(f"{', '.join(strange)}: not with model {model}")
     if model in OF_SHIPS:
-        return _fit_manoeuvring(frame, model, given, keywords.get("positive_rudder"))
+        return _fit_manoeuvring(frame, model, chosen, keywords.get("positive_rudder"))
     if not isinstance(frame, str | Path | Mapping) and not hasattr(frame, "keys"):
         raise ConfigError(f"model {model}: takes one frame")
-    return _fit_steering(cast("Frame", frame), model, given)
+    return _fit_steering(cast("Frame", frame), model, chosen)
 
 
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
-    asked: dict[str, Any] = {**given, "model": model}
+    wishes: dict[str, Any] = {**given, "model": model}
     for name, words in OPTION_CHOICES.items():
-        if asked[name] not in (None, *words):
-            raise ConfigError(f"{name} = {asked[name]!r}: must be {' or '.join(words)}")
+        if wishes[name] not in (None, *words):
+            raise ConfigError(f"{name} = {wishes[name]!r}: must be {' or '.join(words)}")
     options = IdentifyOptions(
         model=model,
         vessel=str(given["vessel"]) if given["vessel"] else None,
         length=given["length"],
         knots=given["speed"],
         channels=tuple(given["outputs"]),
-        **{name: asked[name] for name in ("noise", "method", "every", "begin", "end")},
+        **{name: wishes[name] for name in ("noise", "method", "every", "begin", "end")},
     )
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None
@@ -316,9 +316,11 @@ class FittedShip(_ShipDisplay):
         if isinstance(frame, str | Path):
             record = other_record(fitted, Path(frame))
         else:
-            own = fitted.study.columns
+            own_columns = fitted.study.columns
             columns = {
-                channel: own[channel] for channel in own if own[channel].name in names_of(frame)
+                channel: own_columns[channel]
+                for channel in own_columns
+                if own_columns[channel].name in names_of(frame)
             }
             whole = replace(fitted.study.heading, every=None, from_s=None, to_s=None)
             study = replace(fitted.study, heading=whole, sensors=None)
@@ -328,11 +330,11 @@ class FittedShip(_ShipDisplay):
 
     def _in_units(self, outputs: Numbers) -> dict[str, Numbers]:
         """Return outputs (n, y) of the models by channel, in the user's units."""
-        found = {}
+        series = {}
         for i, name in enumerate(self._found.report.outputs):
-            own = factor(name, self._units.get(name))
-            found[name] = outputs[:, i] / (OUTPUT_UNITS[name][1] * own)
-        return found
+            unit_factor = factor(name, self._units.get(name))
+            series[name] = outputs[:, i] / (OUTPUT_UNITS[name][1] * unit_factor)
+        return series
 
     def series(self) -> dict[str, Numbers]:
         """Return the columns (n,) of ``trainer identify --csv``: units are in their names."""
@@ -349,8 +351,8 @@ class FittedShip(_ShipDisplay):
         """
         fitted = self._found.fitted
         whole = fitted.study.ship is not None and fitted.study.ship.vessel is not None
-        own = fitted.problem.plant.model.name == "1" and whole
-        text = vessel_text(fitted) if own else nomoto_text(fitted, self._found.report.bend)
+        as_study = fitted.problem.plant.model.name == "1" and whole
+        text = vessel_text(fitted) if as_study else nomoto_text(fitted, self._found.report.bend)
         Path(path).write_text(text, encoding="utf-8")
 
 
@@ -418,11 +420,11 @@ class ManoeuvringShip(_ShipDisplay):
             self._given["units"],
             ("speed", "sway", "yaw_rate", "heading", *ROLL_CHANNELS),
         )
-        found = {
+        series = {
             name: values / factor(name, units.get(name))
             for name, values in zip(names, sailed.T, strict=False)
         }
-        return {"t": trial.t, **found}
+        return {"t": trial.t, **series}
 
     def write(self, path: str | Path) -> None:
         """Write the ship with its covariance, as a file that ``trainer manoeuvre`` sails."""

@@ -82,16 +82,16 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> SimulatedRun:
     """Return what is found from the record of ``seed``, estimated from the problem's values."""
     stream = np.random.Generator(np.random.PCG64(seed))
     cost = Likelihood(problem.on(draw_outputs(problem, truth, stream)))
-    found = find_best_minimum(cost, problem.start, "scoring", SearchOptions())
-    known = uncertainty(problem.names, cost.information(found.theta))
+    minimum = find_best_minimum(cost, problem.start, "scoring", SearchOptions())
+    known = uncertainty(problem.names, cost.information(minimum.theta))
     return SimulatedRun(
         seed,
-        found.theta,
+        minimum.theta,
         known.deviations,
-        intervals(problem, found.theta, known.deviations),
-        found.cost,
+        intervals(problem, minimum.theta, known.deviations),
+        minimum.cost,
         cost.value(truth),
-        converged=found.converged,
+        converged=minimum.converged,
     )
 
 
@@ -158,18 +158,21 @@ class IdentificationSubject:
         """
         model = self.middle[0].plant.model
         units = {one.name: one.unit for one in model.parameters}
-        found = []
+        offered = []
         for name in self.middle[0].names:
-            found += [Output(name, units[name]), Output(DEVIATION_COLUMN.format(name), units[name])]
-            found.append(Output(COVERED_COLUMN.format(name), "-"))
-        every = (*found, Output(CONVERGED_OUTPUT, "-"), Output(GAIN_OUTPUT, "-"))
-        asked, known = self.study.heading.measures, {one.name: one for one in every}
-        for name in asked or ():
+            offered += [
+                Output(name, units[name]),
+                Output(DEVIATION_COLUMN.format(name), units[name]),
+            ]
+            offered.append(Output(COVERED_COLUMN.format(name), "-"))
+        every = (*offered, Output(CONVERGED_OUTPUT, "-"), Output(GAIN_OUTPUT, "-"))
+        measures, known = self.study.heading.measures, {one.name: one for one in every}
+        for name in measures or ():
             if name not in known:
-                near, there = nearest(name, known), ", ".join(known)
-                text = f"no measure {quote(name)}{near}; there are {there}"
+                near, known_names = nearest(name, known), ", ".join(known)
+                text = f"no measure {quote(name)}{near}; there are {known_names}"
                 raise ConfigError(f"{self.study.path.name}: {text}")
-        return every if asked is None else tuple(known[name] for name in asked)
+        return every if measures is None else tuple(known[name] for name in measures)
 
     def batch(self, first: int, count: int) -> Batch:
         """Return what becomes of ``count`` members from ``first`` on."""
@@ -180,9 +183,14 @@ class IdentificationSubject:
         same = not self.study.variables
         problem, truth = self.middle if same else pose_experiment(*rehearsal_of(self.study, drawn))
         run = one_run(problem, truth, seed)
-        found = {CONVERGED_OUTPUT: float(run.converged), GAIN_OUTPUT: run.cost_at_truth - run.cost}
-        each = zip(problem.names, truth, run.theta, run.deviations, run.intervals, strict=True)
-        for name, true, value, deviation, (low, high) in each:
-            found[name], found[DEVIATION_COLUMN.format(name)] = float(value), float(deviation)
-            found[COVERED_COLUMN.format(name)] = float(low <= true <= high)
-        return [found.get(output.name, math.nan) for output in self.outputs]
+        numbers = {
+            CONVERGED_OUTPUT: float(run.converged),
+            GAIN_OUTPUT: run.cost_at_truth - run.cost,
+        }
+        parameters = zip(
+            problem.names, truth, run.theta, run.deviations, run.intervals, strict=True
+        )
+        for name, true, value, deviation, (low, high) in parameters:
+            numbers[name], numbers[DEVIATION_COLUMN.format(name)] = float(value), float(deviation)
+            numbers[COVERED_COLUMN.format(name)] = float(low <= true <= high)
+        return [numbers.get(output.name, math.nan) for output in self.outputs]

@@ -81,8 +81,8 @@ def as_asked(study: Study, options: IdentifyOptions) -> Study:
     if options.armax:
         base = study.armax or ArmaxTable(output="yaw_rate")
         most = None if options.most is None else float(options.most)
-        given = _given(output=next(iter(options.channels), None), most=most)
-        return replace(study, ship=ship, armax=replace(base, **given))
+        armax_options = _given(output=next(iter(options.channels), None), most=most)
+        return replace(study, ship=ship, armax=replace(base, **armax_options))
     if options.data_only:
         return study
     return replace(study, ship=ship, model=_model(study, options))
@@ -127,8 +127,8 @@ def _ship(study: Study, options: IdentifyOptions) -> Ship | None:
         length = load_vessel(vessel).hull.length
     if ship is None and length is None:
         return None
-    told = _given(vessel=vessel, length_m=length, speed_kn=knots)
-    return replace(ship, **told) if ship is not None else Ship(**told)
+    ship_values = _given(vessel=vessel, length_m=length, speed_kn=knots)
+    return replace(ship, **ship_values) if ship is not None else Ship(**ship_values)
 
 
 def _model(study: Study, options: IdentifyOptions) -> ModelTable:
@@ -150,8 +150,8 @@ def _model(study: Study, options: IdentifyOptions) -> ModelTable:
         )
     outputs = options.channels or (study.model.outputs if study.model else ())
     outputs = outputs or tuple(name for name in USUAL_OUTPUTS if name in study.channels)
-    kept = tuple(name for name in outputs if name in MODELS[kind].outputs)
-    if not kept:
+    model_outputs = tuple(name for name in outputs if name in MODELS[kind].outputs)
+    if not model_outputs:
         raise ConfigError(f"model {kind} has outputs {', '.join(MODELS[kind].outputs)}")
-    base = study.model or ModelTable(kind=kind, outputs=kept)
-    return replace(base, kind=kind, outputs=kept, **fitting)
+    base = study.model or ModelTable(kind=kind, outputs=model_outputs)
+    return replace(base, kind=kind, outputs=model_outputs, **fitting)

@@ -16,13 +16,13 @@ Part = tuple[str, Markup]  # a screen of the page: its title, and what is on it
 
 def screens_of(groups: Mapping[str, Iterable[Panel]]) -> tuple[Screen, ...]:
     """Return groups of panels as screens, those of many panels as several."""
-    found = []
+    screens = []
     for title, group in groups.items():
         panels = tuple(group)
         pieces = [panels[i : i + MAX_PANELS] for i in range(0, len(panels), MAX_PANELS)]
         names = [title] if len(pieces) == 1 else [f"{title} {i}" for i in range(1, len(pieces) + 1)]
-        found += [Screen(name, piece) for name, piece in zip(names, pieces, strict=True)]
-    return tuple(found)
+        screens += [Screen(name, piece) for name, piece in zip(names, pieces, strict=True)]
+    return tuple(screens)
 
 
 def sheet(

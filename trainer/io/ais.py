@@ -83,12 +83,12 @@ def sentences(fields: Iterable[Field], channel: str, sequence: int, kind: str = 
         for i in range(0, len(characters), MAX_PAYLOAD_LETTERS)
     ]
     joined = str(sequence) if len(parts) > 1 else ""
-    found = []
+    lines = []
     for i, part in enumerate(parts, start=1):
-        left = fill if i == len(parts) else 0
-        body = f"AI{kind},{len(parts)},{i},{joined},{channel},{part},{left}"
-        found.append(f"!{body}*{checksum(body):02X}")
-    return found
+        fill_bits = fill if i == len(parts) else 0
+        body = f"AI{kind},{len(parts)},{i},{joined},{channel},{part},{fill_bits}"
+        lines.append(f"!{body}*{checksum(body):02X}")
+    return lines
 
 
 def position_a(seen: PositionReport) -> list[Field]:

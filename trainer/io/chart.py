@@ -32,8 +32,8 @@ class Chart:
 
         bearing, distance = math.degrees(math.atan2(east, north)), math.hypot(north, east)
         wanted = Geodesic.LATITUDE | Geodesic.LONGITUDE
-        found = Geodesic.WGS84.Direct(self.latitude, self.longitude, bearing, distance, wanted)
-        return found["lat2"], found["lon2"]
+        place = Geodesic.WGS84.Direct(self.latitude, self.longitude, bearing, distance, wanted)
+        return place["lat2"], place["lon2"]
 
 
 DEFAULT_CHART: Final = Chart(25.0, -45.0)  # mid-Atlantic: deep, and far from any coast

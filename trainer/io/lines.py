@@ -37,8 +37,8 @@ def plain(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(
-        each if each.isprintable() else each.encode("unicode_escape").decode("ascii")
-        for each in text
+        character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
+        for character in text
     )
 
 
@@ -60,8 +60,8 @@ class LineDecoder:
     def feed(self, data: bytes) -> list[str | OverlongLine]:
         """Return the lines that `data` completes, without their ends."""
         done: list[str | OverlongLine] = []
-        for found in RUN_PATTERN.finditer(self._telnet.feed(data)):
-            run = found[0]
+        for match in RUN_PATTERN.finditer(self._telnet.feed(data)):
+            run = match[0]
             if self._after_return:
                 run = run.removeprefix(b"\0")
             if run in (CARRIAGE_RETURN, LINE_FEED):
@@ -115,14 +115,14 @@ class TelnetFilter:
         """Return `data` without telnet's commands."""
         if TELNET_COMMAND not in data and self._state is TelnetFilter._text:
             return data
-        kept = bytearray()
+        passed = bytearray()
         for byte in data:
             if byte in LINE_ENDS:
                 self._state = TelnetFilter._text
-                kept.append(byte)
+                passed.append(byte)
             elif self._state(self, byte):
-                kept.append(byte)
-        return bytes(kept)
+                passed.append(byte)
+        return bytes(passed)
 
     def _text(self, byte: int) -> bool:
         if byte == TELNET_COMMAND:

@@ -52,13 +52,13 @@ def parse_sentence(line: str) -> NmeaSentence | DamagedSentence | None:
     text = line.strip()
     if not text.startswith("$"):
         return None
-    found = FRAME_PATTERN.fullmatch(text)
-    if not (found and text.isascii() and text.isprintable()):
+    match = FRAME_PATTERN.fullmatch(text)
+    if not (match and text.isascii() and text.isprintable()):
         return DamagedSentence("not framed by $ and *, with two digits of checksum")
-    body, given = found.groups()
-    if int(given, 16) != checksum(body):
+    body, sum_digits = match.groups()
+    if int(sum_digits, 16) != checksum(body):
         return DamagedSentence(
-            f"wrong checksum {given.upper()}; this sentence's is {checksum(body):02X}"
+            f"wrong checksum {sum_digits.upper()}; this sentence's is {checksum(body):02X}"
         )
     address, *fields = body.split(",")
     if not ADDRESS_PATTERN.fullmatch(address):

@@ -144,8 +144,8 @@ def device_is_absent(error: Exception) -> bool:
 
 def reason(error: Exception) -> str:
     """Return what the system said, which pyserial wraps in words of its own."""
-    found = SYSTEM_TEXT_PATTERN.findall(str(error))
-    return found[-1] if found else str(error) or type(error).__name__
+    messages = SYSTEM_TEXT_PATTERN.findall(str(error))
+    return messages[-1] if messages else str(error) or type(error).__name__
 
 
 def devices() -> list[str]:

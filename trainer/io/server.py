@@ -55,8 +55,8 @@ def listen_at(host: str, port: int) -> socket.socket:
     if not 0 <= port <= MAX_PORT:
         raise LinkError(f"{where}: a port is 1 to {MAX_PORT}, or 0 for any that is free")
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family, _, _, _, address = found[0]
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, _, _, _, address = addresses[0]
         return socket.create_server(address[:2], family=family, backlog=LISTEN_BACKLOG)
     except (OSError, UnicodeError) as error:
         raise LinkError(f"{where}: {why_not(error)}") from error
@@ -135,9 +135,9 @@ def refuse_shared(folder: Path) -> None:
     """
     if not hasattr(os, "geteuid"):
         return
-    found, above = os.lstat(folder), folder.parent.stat()
-    own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid()
-    if not own or found.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+    status, above = os.lstat(folder), folder.parent.stat()
+    is_private = stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid()
+    if not is_private or status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
         raise LinkError(
             f"{folder}: is not a folder of yours alone; remove it, or set XDG_RUNTIME_DIR to a "
             "folder that is"
@@ -190,8 +190,8 @@ def why_not_here(error: OSError) -> str:
 
 def identity(path: Path) -> tuple[int, int]:
     """Return which file is at `path`."""
-    found = os.lstat(path)
-    return found.st_dev, found.st_ino
+    status = os.lstat(path)
+    return status.st_dev, status.st_ino
 
 
 class Server:

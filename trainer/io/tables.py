@@ -95,10 +95,10 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
     """Return one row for each order; `place` is that in the schedule of the exercise."""
     rows = (
         (
-            *(each.id, each.branch, each.tick, each.tick * layout.step),
-            *(each.who, each.text, each.place, each.accepted, each.answer),
+            *(order.id, order.branch, order.tick, order.tick * layout.step),
+            *(order.who, order.text, order.place, order.accepted, order.answer),
         )
-        for each in recording.orders(branch)
+        for order in recording.orders(branch)
     )
     return Table({"id": int, **PLACE_COLUMNS, **ORDER_COLUMNS}, rows)
 
@@ -106,8 +106,16 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
 def events_table(events: Iterable[RecordedEvent], layout: Layout) -> Table:
     """Return one row for each event. `wall` is the time of day, UTC."""
     rows = (
-        (each.branch, each.tick, each.tick * layout.step, each.wall, each.kind, each.who, each.text)
-        for each in events
+        (
+            event.branch,
+            event.tick,
+            event.tick * layout.step,
+            event.wall,
+            event.kind,
+            event.who,
+            event.text,
+        )
+        for event in events
     )
     return Table({**PLACE_COLUMNS, **EVENT_COLUMNS}, rows)
 

@@ -21,10 +21,10 @@ class Datagrams:
         if not 0 < port <= MAX_PORT:
             raise LinkError(f"a port is 1 to {MAX_PORT}")
         try:
-            found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+            addresses = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
         except (OSError, UnicodeError) as error:
             raise LinkError("no such host; say an address, such as 127.0.0.1") from error
-        family, kind, protocol, _, to = found[0]
+        family, kind, protocol, _, to = addresses[0]
         self._to: tuple[str | int | bytes, ...] = to
         self._end = socket.socket(family, kind, protocol)
         self._end.setblocking(False)  # noqa: FBT003

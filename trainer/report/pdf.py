@@ -40,8 +40,8 @@ PRINT_TIMEOUT_S: Final = 120.0  # [s]
 def find_browser() -> str | None:
     """Return a Chromium, Chrome or Edge, None if there is none."""
     for name in BROWSER_NAMES:
-        if found := shutil.which(name):
-            return found
+        if path := shutil.which(name):
+            return path
     places = [Path(place) for place in MAC_PATHS]
     places += [
         Path(os.environ.get(each, "")) / place

@@ -139,11 +139,11 @@ def figure_of(panels: Sequence[Panel | BarGroup | Screen]) -> "Figure":
     from matplotlib.figure import Figure  # noqa: PLC0415
 
     rows: list[tuple[Panel | BarGroup, ...]] = []
-    for each in panels:
-        if isinstance(each, Screen):
-            rows += [each.panels[i : i + 2] for i in range(0, len(each.panels), 2)]
+    for entry in panels:
+        if isinstance(entry, Screen):
+            rows += [entry.panels[i : i + 2] for i in range(0, len(entry.panels), 2)]
         else:
-            rows.append((each,))
+            rows.append((entry,))
     wide = 2 if any(isinstance(each, Screen) for each in panels) else 1
     size = (SCREEN_WIDTH if wide == 2 else PANEL_WIDTH, PANEL_HEIGHT * len(rows))
     figure = Figure(figsize=size, layout="constrained")
@@ -162,14 +162,14 @@ def _draw_bars(panel: BarGroup, axes: "Axes") -> None:
     """Draw bars across; what lies at the low and at the high end of a cause differs by hatching."""
     for place, bar in enumerate(panel.bars):
         sides = zip(bar.ends, bar.told, CURVE_COLOURS[1:3], ("", "////"), strict=False)
-        for end, told, colour, hatch in sides:
+        for end, end_text, colour, hatch in sides:
             how: dict[str, Any] = {"color": colour, "height": 0.6}
             if hatch:
                 how |= {"color": "white", "edgecolor": colour, "hatch": hatch}
             axes.barh(place, end - panel.middle, left=panel.middle, **how)
             right = end >= panel.middle
             axes.annotate(
-                told,
+                end_text,
                 (end, place),
                 (3.0 if right else -3.0, 0.0),
                 textcoords="offset points",

@@ -70,10 +70,10 @@ def thin_line(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
     """Return at most about ``most`` points of a line, with the extremes of every stretch."""
     if x.size <= most:
         return x, y
-    kept = {0, x.size - 1}
+    kept_rows = {0, x.size - 1}
     for stretch in np.array_split(np.arange(x.size), most // 2):
-        kept |= {int(stretch[np.argmin(y[stretch])]), int(stretch[np.argmax(y[stretch])])}
-    rows = np.array(sorted(kept))
+        kept_rows |= {int(stretch[np.argmin(y[stretch])]), int(stretch[np.argmax(y[stretch])])}
+    rows = np.array(sorted(kept_rows))
     return x[rows], y[rows]
 
 

@@ -30,19 +30,19 @@ class SummaryOptions:
 
 def account(session: Session, wall: float, options: SummaryOptions) -> int:
     """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code."""
-    kept = options.kept
+    path = options.kept
     lines = outcome_lines(session)
     if times := session.monitors.times:
         lines.append(f"events      {account_of(times)}")
-    lines.append(one_line(session, kept))
-    lines += details(session, wall, kept) if options.verbose else []
+    lines.append(one_line(session, path))
+    lines += details(session, wall, path) if options.verbose else []
     click.echo("\n".join(lines), err=options.aside)
     failure = session.control.failure and f"frozen: {session.control.failure}"
     ending = session.conduct.ending
     failure = failure or (f"{ending.over}: {ending.why}" if ending.how == "lost" else "")
-    recording = describe_missing(session.history.recording) if kept else ""
+    recording = describe_missing(session.history.recording) if path else ""
     troubles = [failure, session.conduct.deserted, session.rows.recorder.trouble, recording]
-    safe = "; the recording has all that happened" if kept and not recording else ""
+    safe = "; the recording has all that happened" if path and not recording else ""
     for station in session.event_log.stations:
         if station.line.dropped:
             unread = f"{station.line.dropped} lines were not read there{safe}"
@@ -92,8 +92,8 @@ def outcome_lines(session: Session) -> list[str]:
         if conduct.ending.over
         else f"left at {session.boat.time:g} s"
     )
-    told = f"outcome     {ended}; {marks}" if marks else f"outcome     {ended}"
-    return [told, *(f"            {each}" for each in (marks.reasons if marks else ()))]
+    outcome = f"outcome     {ended}; {marks}" if marks else f"outcome     {ended}"
+    return [outcome, *(f"            {each}" for each in (marks.reasons if marks else ()))]
 
 
 def describe_missing(recording: Recording | NoRecording) -> str:

@@ -94,10 +94,10 @@ class Agenda:
     def obey(self, order: Order) -> Reply:
         """Plan an order, or take one away; return what now holds."""
         if order.name == "cancel":
-            there = ", ".join(map(str, self.planned)) or "none"
+            numbers = ", ".join(map(str, self.planned)) or "none"
             gone = self._drop(order)
             if not gone:
-                return Refused(f"no such plan of an instructor's; there is {there}")
+                return Refused(f"no such plan of an instructor's; there is {numbers}")
             return f"cancelled: {', '.join(str(each.ahead) for each in gone)}"
         made = self._made(order, self.boat.time)
         if isinstance(made, Refused):
@@ -130,23 +130,25 @@ class Agenda:
 
     def due(self) -> list[PlannedOrder]:
         """Take out those that act on the tick that comes, by their times."""
-        found = [each for each in self.planned.values() if each.is_due(self.boat)]
-        for each in found:
+        due_orders = [each for each in self.planned.values() if each.is_due(self.boat)]
+        for each in due_orders:
             del self.planned[each.number]
-        return sorted(found, key=lambda each: (each.seconds, each.number))
+        return sorted(due_orders, key=lambda each: (each.seconds, each.number))
 
     def ahead(self, place: int) -> list[ComingOrder]:
         """Return what is to come, timed first; ``place`` is that of the schedule's next entry."""
-        own = [ComingOrder(entry.seconds, entry.order.text) for entry in self.schedule[place:]]
-        own += [ahead_of(each) for each in self._waiting()]
-        found = own + [each.ahead for each in self.planned.values()]
-        timed = [each for each in found if isinstance(each.when, float)]
-        return [*sorted(timed, key=lambda each: each.when), *(e for e in found if e not in timed)]
+        scheduled = [
+            ComingOrder(entry.seconds, entry.order.text) for entry in self.schedule[place:]
+        ]
+        scheduled += [ahead_of(each) for each in self._waiting()]
+        coming = scheduled + [each.ahead for each in self.planned.values()]
+        timed = [each for each in coming if isinstance(each.when, float)]
+        return [*sorted(timed, key=lambda each: each.when), *(e for e in coming if e not in timed)]
 
     def facts(self, place: int) -> list[Fact]:
         """Return the whole list as programs are told it, its length first."""
-        told = self.ahead(place)
-        return [Fact("plans", str(len(told))), *(each.fact for each in told[:MAX_PLANS])]
+        coming = self.ahead(place)
+        return [Fact("plans", str(len(coming))), *(each.fact for each in coming[:MAX_PLANS])]
 
     def listing(self, place: int) -> list[str]:
         """Return the list in words."""
@@ -162,9 +164,9 @@ class Agenda:
         """Return the casualties whose conditions have not come true yet, or may once more."""
         spent = int(self.boat.plain[SPENT_TRIGGERS])
         return [
-            each
-            for bit, each in enumerate(self.armed)
-            if each.rule == "again" or not spent >> bit & 1
+            trigger
+            for bit, trigger in enumerate(self.armed)
+            if trigger.rule == "again" or not spent >> bit & 1
         ]
 
     def _made(self, order: Order, now: float) -> PlannedOrder | Refused:

@@ -23,8 +23,8 @@ FLUSH_TIMEOUT_S: Final = 2.0  # [s] for what is still to be said at the end
 def attach_to(url: str | None, role: str, token: str | None) -> int:
     """Be a teletype of that role until the session or the user ends it. Return the exit code."""
     wake = threading.Event()
-    left = paths.left_address()  # where the system has no local sockets
-    token = token or (left[1] if url in (None, left[0]) else None)
+    address = paths.left_address()  # where the system has no local sockets
+    token = token or (address[1] if url in (None, address[0]) else None)
     try:
         line = dial(url or paths.nearest_session(), wake)
     except LinkError as error:
@@ -48,8 +48,8 @@ def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) ->
 
     Ctrl-C, and the end of an input that nobody types, leave the session.
     """
-    properly = left = False
-    kept = signal.signal(signal.SIGINT, lambda *_: line.send("detach"))
+    properly = interrupted = False
+    handler = signal.signal(signal.SIGINT, lambda *_: line.send("detach"))
     try:
         while not line.ended:
             wake.wait()
@@ -57,8 +57,8 @@ def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) ->
             for typed in inbox.take():
                 if not isinstance(typed, OverlongLine):
                     line.send(typed)
-            if inbox.ended and not inbox.waiting and not left and not os.isatty(0):
-                left = True
+            if inbox.ended and not inbox.waiting and not interrupted and not os.isatty(0):
+                interrupted = True
                 line.send("detach")
             for said in line.take(1000):
                 if isinstance(said, OverlongLine):
@@ -69,7 +69,7 @@ def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) ->
                 elif text := in_words(said, sentence):
                     out.send(text)
     finally:
-        signal.signal(signal.SIGINT, kept)
+        signal.signal(signal.SIGINT, handler)
     return properly
 
 

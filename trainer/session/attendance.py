@@ -92,9 +92,9 @@ class Attendance:
     def _take(self, station: Station) -> None:
         """Hear the next lines of a station."""
         before = station.role, station.settled
-        for asked in station.take(MAX_LINES_AT_ONCE):
+        for request in station.take(MAX_LINES_AT_ONCE):
             before = self._entered(station, before)
-            self.hear(asked)
+            self.hear(request)
         self._entered(station, before)
 
     def _admit_newcomers(self) -> None:
@@ -117,10 +117,10 @@ class Attendance:
 
     def _introduce(self, station: Station) -> None:
         """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
-        told = [("exercise", pair) for pair in self._exercise_facts(station)]
-        told += [("range", pair) for pair in ranges(self.history.boat, station.role)]
-        told += [("rate", pair) for pair in station.rate]
-        self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
+        facts = [("exercise", pair) for pair in self._exercise_facts(station)]
+        facts += [("range", pair) for pair in ranges(self.history.boat, station.role)]
+        facts += [("rate", pair) for pair in station.rate]
+        self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in facts])
         self.log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
         self.log.note(station, self.conduct.outcome_for(station.role))
         if station.role is INSTRUCTOR_ROLE:
@@ -135,8 +135,8 @@ class Attendance:
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
-        told = self.introduction
-        return told.instructor if station.role is INSTRUCTOR_ROLE else told.crew
+        introduction = self.introduction
+        return introduction.instructor if station.role is INSTRUCTOR_ROLE else introduction.crew
 
     def _see_out(self, station: Station) -> None:
         """Let a line go: it is closed by a thread of its own, since that may wait."""

@@ -80,19 +80,19 @@ class Command:
         if asker is None:
             return Refused("nobody has asked for command")
         holder = asked.station
-        kept = f"{holder.line.name} keeps command"
-        self.log.tell("exercise", kept, holder, Fact("command", holder.line.name))
+        text = f"{holder.line.name} keeps command"
+        self.log.tell("exercise", text, holder, Fact("command", holder.line.name))
         return "you keep command"
 
     def _instructors(self) -> list[Station]:
-        there = [each for each in self.log.stations if each.role is INSTRUCTOR_ROLE]
-        return [each for each in there if not each.line.ended and not each.leaving]
+        instructors = [each for each in self.log.stations if each.role is INSTRUCTOR_ROLE]
+        return [each for each in instructors if not each.line.ended and not each.leaving]
 
     def _settle(self, station: Station) -> None:
         """Give command to who came first of the instructors, if nobody has it."""
-        there = self._instructors()
-        if self.holder not in there:
-            self.holder = next(iter(there), station)
+        instructors = self._instructors()
+        if self.holder not in instructors:
+            self.holder = next(iter(instructors), station)
 
     def _pass_to(self, taker: Station | None) -> None:
         self.holder, self.asker = taker, None

@@ -200,15 +200,15 @@ class Conduct:
         ending = self.ending
         if not ending.over:
             return []
-        told = [Fact("exercise-over", ending.how)]
+        facts = [Fact("exercise-over", ending.how)]
         if ending.marks and (ending.released or role is INSTRUCTOR_ROLE):
-            told.append(Fact("marks", ending.marks.fields))
-            told += [Fact("reason", fields) for fields in ending.marks.reason_fields]
+            facts.append(Fact("marks", ending.marks.fields))
+            facts += [Fact("reason", fields) for fields in ending.marks.reason_fields]
         elif self._unmarked:
-            told.append(Fact("marks", f"{ending.how},"))
+            facts.append(Fact("marks", f"{ending.how},"))
         if ending.debrief and role is INSTRUCTOR_ROLE:
-            told.append(Fact("debrief", ending.debrief))
-        return told
+            facts.append(Fact("debrief", ending.debrief))
+        return facts
 
     def desert(self) -> None:
         """Tell that nobody is left to say run, unless the exercise is over."""
@@ -244,8 +244,8 @@ class Conduct:
         self.control.time.pacer.freeze()
         self.control.steps = 0
         ending = self.ending
-        told = Fact("exercise-over", ending.how)
-        self.log.tell("time", f"EXERCISE OVER: {ending.over}", fact=told)
+        over_fact = Fact("exercise-over", ending.how)
+        self.log.tell("time", f"EXERCISE OVER: {ending.over}", fact=over_fact)
         if ending.why:
             self.log.tell("exercise", f"lost: {ending.why}")
         self.show()
@@ -327,15 +327,21 @@ class Conduct:
             return Refused("no debrief: this session is not recorded")
         if not self.control.time.frozen:
             return Refused("a debrief takes some seconds: first freeze, or end exercise")
-        write, kept, recording = self.debriefing.write, self.kept, self.control.history.recording
+        write, recording_path, recording = (
+            self.debriefing.write,
+            self.kept,
+            self.control.history.recording,
+        )
         recording.flush()
         branch = recording.branch
 
         def written(path: Path) -> None:
-            self.ending.debrief = there = str(path.absolute())
-            self.log.tell("exercise", f"debrief written: {there}", fact=Fact("debrief", there))
+            self.ending.debrief = page_path = str(path.absolute())
+            self.log.tell(
+                "exercise", f"debrief written: {page_path}", fact=Fact("debrief", page_path)
+            )
 
-        self._begin("debrief", lambda: write(kept, branch), written)
+        self._begin("debrief", lambda: write(recording_path, branch), written)
         return f"the debrief of branch {branch} is being written"
 
     # What follows
@@ -349,8 +355,8 @@ class Conduct:
             return Refused(why)
         self.log.tell("time", "the next exercise is being made ready")
         for station in self.log.stations:  # the file's name may tell what is hidden
-            told = name if station.role is INSTRUCTOR_ROLE else ""
-            self.log.note(station, [Fact("next", told)])
+            name_told = name if station.role is INSTRUCTOR_ROLE else ""
+            self.log.note(station, [Fact("next", name_told)])
         self.control.following, self.control.ended = name, True
         return f"next: {name}"
 
@@ -413,5 +419,5 @@ class Conduct:
 
     def _others(self, station: Station) -> list[Station]:
         """Return the others that came and said who they are."""
-        there = [each for each in self.log.stations if each.visits and each.settled]
-        return [each for each in there if each is not station and not each.line.ended]
+        visitors = [each for each in self.log.stations if each.visits and each.settled]
+        return [each for each in visitors if each is not station and not each.line.ended]

@@ -76,10 +76,10 @@ class Control:
         return self.history.keep(order.subject)
 
     def _restore(self, order: Order, who: str) -> Reply:
-        kept = self.history.snapshots()
-        if order.subject not in kept:
-            return Refused(f"no snapshot {order.subject}; kept: {', '.join(kept) or 'none'}")
-        return self._go_back(kept[order.subject], f"restore {order.subject}, by {who}")
+        snapshots = self.history.snapshots()
+        if order.subject not in snapshots:
+            return Refused(f"no snapshot {order.subject}; kept: {', '.join(snapshots) or 'none'}")
+        return self._go_back(snapshots[order.subject], f"restore {order.subject}, by {who}")
 
     def _reset(self, _order: Order, who: str) -> Reply:
         return self._go_back(self.history.start(), f"reset, by {who}")
@@ -91,9 +91,9 @@ class Control:
         """Go back to a moment, frozen: a new branch begins."""
         if isinstance(moment, Refused):
             return moment
-        left, abandoned = self.boat.time, self.history.recording.branch
+        left_time, abandoned = self.boat.time, self.history.recording.branch
         self.go_to(moment, why)
-        way = f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
+        way = f"back from {left_time:g} s to {self.boat.time:g} s, frozen; {self._branch}"
         return f"{way}, branch {abandoned} returns to where you were"
 
     def go_to(self, moment: Moment, why: str) -> None:
@@ -109,13 +109,13 @@ class Control:
             return self._go_back(self.history.start(), why)
         if order.numbers:
             return self._go_back(self.history.before(order.value), why)
-        kept = self.history.snapshots()
-        if order.subject in kept:
-            return self._go_back(kept[order.subject], why)
+        snapshots = self.history.snapshots()
+        if order.subject in snapshots:
+            return self._go_back(snapshots[order.subject], why)
         if order.subject == PRESENT_MOMENT:
             return self._go_back(self.history.now(), why)
-        there = ", ".join((PRESENT_MOMENT, *kept))
-        return Refused(f"no snapshot {order.subject}; again from {there}, or from so long ago")
+        names = ", ".join((PRESENT_MOMENT, *snapshots))
+        return Refused(f"no snapshot {order.subject}; again from {names}, or from so long ago")
 
     def _restart(self, _order: Order, who: str) -> Reply:
         """Begin from the start, and let time go on: what a visitor may do with it."""

@@ -122,17 +122,19 @@ class CrewTalk:
 
     def standing(self, role: str) -> list[CrewMessage]:
         """Return what a program of that role is told of the orders that stand."""
-        found = []
-        for each in self._spoken.values():
-            found.append(CrewMessage("crew", "", Fact("crew-order", each.told)))
-            if each.repeated or role not in REPEATING_ROLES[each.axis]:
-                found.append(CrewMessage("crew", "", Fact("repeated", each.told)))
-        return found
+        messages = []
+        for spoken in self._spoken.values():
+            messages.append(CrewMessage("crew", "", Fact("crew-order", spoken.told)))
+            if spoken.repeated or role not in REPEATING_ROLES[spoken.axis]:
+                messages.append(CrewMessage("crew", "", Fact("repeated", spoken.told)))
+        return messages
 
     def unrepeated(self, role: str) -> list[tuple[int, Fact]]:
         """Return the orders that wait for a role's repeat or another's, with their ticks."""
-        own = "" if role == INSTRUCTOR_ROLE.name else role
-        waiting = (each for each in self._spoken.values() if not each.repeated and each.by != own)
+        own_role = "" if role == INSTRUCTOR_ROLE.name else role
+        waiting = (
+            each for each in self._spoken.values() if not each.repeated and each.by != own_role
+        )
         return [(each.tick, Fact("crew-order", each.told)) for each in waiting]
 
     # What is said
@@ -201,7 +203,8 @@ class CrewTalk:
         """Take what stood at another moment, at a tick: time has jumped."""
         self.freed, self.meeting = set(talk.freed), talk.meeting
         self._spoken = {
-            each.axis: replace(each, reminded=self._late_at(each) <= tick) for each in talk.spoken
+            spoken.axis: replace(spoken, reminded=self._late_at(spoken) <= tick)
+            for spoken in talk.spoken
         }
         self.pumps.asked.clear()
         self._look_ahead(tick)
@@ -211,48 +214,49 @@ class CrewTalk:
     def _ordered(self, order: Order, role: str, tick: int, ordered: str) -> list[CrewMessage]:
         """Note an order: on its axis the older one stands no longer."""
         axis = WORDS_AXIS if order.name == "tell" else axis_of(order)
-        told = order.text if axis == WORDS_AXIS else ordered
+        order_text = order.text if axis == WORDS_AXIS else ordered
         self._spoken.pop(axis, None)
-        self._spoken[axis] = CrewOrder(axis, told, order, tick, role)
+        self._spoken[axis] = CrewOrder(axis, order_text, order, tick, role)
         self._look_ahead()
         by = "" if role == SCHEDULE_GIVER.role else f"{role}: "
-        words = f"to the crew: {order.subject}" if axis == WORDS_AXIS else f"ordered: {told}"
+        words = f"to the crew: {order.subject}" if axis == WORDS_AXIS else f"ordered: {order_text}"
         saying = Saying("schedule" if role == SCHEDULE_GIVER.role else role, words)
-        return [CrewMessage("crew", f"{by}{words}", Fact("crew-order", told), saying)]
+        return [CrewMessage("crew", f"{by}{words}", Fact("crew-order", order_text), saying)]
 
     def _belayed(self, order: Order) -> list[CrewMessage]:
         axis = order.word.removeprefix("clear_")
         gone = [each for each in self._spoken.values() if axis in (each.axis, "all")]
-        for each in gone:
-            del self._spoken[each.axis]
+        for spoken in gone:
+            del self._spoken[spoken.axis]
         self._look_ahead()
         return [
-            CrewMessage("crew", f"belay: {each.says}", Fact("belayed", each.told)) for each in gone
+            CrewMessage("crew", f"belay: {spoken.says}", Fact("belayed", spoken.told))
+            for spoken in gone
         ]
 
     def _aye(self, order: Order, role: str) -> Reply:
         """Answer a repeat."""
-        found = self._find(order.subject, role)
-        if isinstance(found, Refused):
-            return found
-        if found.right:
-            return f"{found.spoken.says} aye"
-        return f"WRONG REPEAT: {order.subject}; ordered is {found.spoken.says}"
+        spoken = self._find(order.subject, role)
+        if isinstance(spoken, Refused):
+            return spoken
+        if spoken.right:
+            return f"{spoken.spoken.says} aye"
+        return f"WRONG REPEAT: {order.subject}; ordered is {spoken.spoken.says}"
 
     def _repeated(self, order: Order, role: str) -> list[CrewMessage]:
         """Note a repeat: right, the order is new no longer; wrong, it is counted."""
-        found = self._find(order.subject, role)
-        if isinstance(found, Refused):
+        match = self._find(order.subject, role)
+        if isinstance(match, Refused):
             return []
-        spoken, right = found
+        spoken, right = match
         if right:
             self._spoken[spoken.axis] = replace(spoken, repeated=True)
             self._look_ahead()
             saying = Saying(role, f"{spoken.says} aye")
             return [CrewMessage("crew", ": ".join(saying), Fact("repeated", spoken.told), saying)]
-        told = f"{order.subject}; {spoken.told}"
+        words = f"{order.subject}; {spoken.told}"
         text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
-        return [CrewMessage("crew", text, Fact("wrong-repeat", told))]
+        return [CrewMessage("crew", text, Fact("wrong-repeat", words))]
 
     def _find(self, words: str, role: str) -> Repeat | Refused:
         """Return the order that is repeated, the newest without words.
@@ -260,11 +264,11 @@ class CrewTalk:
         An instructor who is alone on board repeats what the schedule has ordered.
         """
         new = [
-            each
-            for each in reversed(self._spoken.values())
-            if not each.repeated
-            and each.by != role
-            and role in (*REPEATING_ROLES[each.axis], INSTRUCTOR_ROLE.name)
+            spoken
+            for spoken in reversed(self._spoken.values())
+            if not spoken.repeated
+            and spoken.by != role
+            and role in (*REPEATING_ROLES[spoken.axis], INSTRUCTOR_ROLE.name)
         ]
         if not new:
             return Refused("there is no new order to repeat")
@@ -272,10 +276,10 @@ class CrewTalk:
             return Repeat(new[0], right=True)
         said = said_order(words)
         axis = axis_of(said) if said else WORDS_AXIS
-        meant = [each for each in new if each.axis == axis]
-        if not meant:
+        matches = [each for each in new if each.axis == axis]
+        if not matches:
             return Refused(f'"{words}" repeats no order; the new order is {new[0].says}: say aye')
-        return Repeat(meant[0], right=is_repeated(words, meant[0]))
+        return Repeat(matches[0], right=is_repeated(words, matches[0]))
 
     # What is missing or wrong
 
@@ -285,21 +289,21 @@ class CrewTalk:
         Orders that nobody has repeated in time, each once, what comes in hand, and what the pumps
         have done. ``attends`` tells whether somebody with that role is there.
         """
-        found = []
-        for each in [*self._spoken.values()]:
-            if each.repeated or each.reminded or self._late_at(each) > tick:
+        messages = []
+        for spoken in [*self._spoken.values()]:
+            if spoken.repeated or spoken.reminded or self._late_at(spoken) > tick:
                 continue
-            self._spoken[each.axis] = replace(each, reminded=True)
-            if any(attends(role) for role in REPEATING_ROLES[each.axis] if role != each.by):
-                text = f"NOT REPEATED in {REPEAT_TIMEOUT_S:g} s: {each.says}"
-                found.append(CrewMessage("crew", text, Fact("crew-order", each.told)))
+            self._spoken[spoken.axis] = replace(spoken, reminded=True)
+            if any(attends(role) for role in REPEATING_ROLES[spoken.axis] if role != spoken.by):
+                text = f"NOT REPEATED in {REPEAT_TIMEOUT_S:g} s: {spoken.says}"
+                messages.append(CrewMessage("crew", text, Fact("crew-order", spoken.told)))
         if self._taken_at == tick:
             axes = ",".join(axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in self.hand)
             words = f"by hand from now on: {axes.replace(',', ', ')}"
-            found.append(CrewMessage("crew", words, Fact("exercise", f"hand={axes}")))
-        found += [pump_text(*each) for each in self.pumps.look(self.boat)]
+            messages.append(CrewMessage("crew", words, Fact("exercise", f"hand={axes}")))
+        messages += [pump_text(*each) for each in self.pumps.look(self.boat)]
         self._look_ahead(tick)
-        return found
+        return messages
 
     def wrong_way(self, order: Order, role: str) -> list[CrewMessage]:
         """Return whether an order by hand goes to the wrong side of the crew's order.
@@ -326,13 +330,13 @@ class CrewTalk:
             return 0.0
         shown = instrument_readings(self.boat)
         if axis == "course":
-            left = standing.value - shown.heading
-            left = left if standing.side else math.remainder(left, math.tau)
-            clear = standing.side or abs(left) < math.pi - REACHED_MARGINS[axis]
-            return left if clear and abs(left) > REACHED_MARGINS[axis] else 0.0
+            to_go = standing.value - shown.heading
+            to_go = to_go if standing.side else math.remainder(to_go, math.tau)
+            clear = standing.side or abs(to_go) < math.pi - REACHED_MARGINS[axis]
+            return to_go if clear and abs(to_go) > REACHED_MARGINS[axis] else 0.0
         now = -shown.depth if axis == "depth" else float(self.boat.state.theta)
-        left = (-standing.value if axis == "depth" else standing.value) - now
-        return left if abs(left) > REACHED_MARGINS[axis] else 0.0
+        to_go = (-standing.value if axis == "depth" else standing.value) - now
+        return to_go if abs(to_go) > REACHED_MARGINS[axis] else 0.0
 
     def _moved(self, order: Order, role: str) -> list[CrewMessage]:
         """Note that a surface was worked, and whether a swing is being met."""
@@ -395,13 +399,13 @@ class CrewTalk:
     def conditions(self, role: str) -> list[tuple[str, str]]:
         """Return what programs are told of who steers what, as keys and values."""
         later = self.hand_from > 0.0 and role == INSTRUCTOR_ROLE.name
-        told = {
+        values = {
             "hand-from": f"{self.hand_from:g}" if later else "",
             "hand": ",".join(axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in self.in_force),
             "allowed": ",".join(sorted(self.allowed | self.freed)) if self.in_force else "",
             "free": "yes" if self.freed else "",
         }
-        return [(key, value) for key, value in told.items() if value]
+        return [(key, value) for key, value in values.items() if value]
 
     def in_hand(self, order: Order) -> str:
         """Return why an automatic order is refused: the exercise has it worked by hand. "" if not.
@@ -426,17 +430,17 @@ class CrewTalk:
     def _freed(self, axis: str) -> list[CrewMessage]:
         self.freed.add(axis)
         free = f"{axis} may be automatic: the run is free, flown without marks"
-        told = ",".join(sorted(self.allowed | self.freed))
+        axes = ",".join(sorted(self.allowed | self.freed))
         return [
             CrewMessage("exercise", free, Fact("exercise", "free=yes")),
-            CrewMessage("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={told}")),
+            CrewMessage("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={axes}")),
         ]
 
 
 def report_text(order: Order, role: str) -> list[CrewMessage]:
     """Return what is told of a report."""
-    told = f"{role}: {order.subject}"
-    return [CrewMessage("crew", f"{role} reports: {order.subject}", Fact("report", told))]
+    words = f"{role}: {order.subject}"
+    return [CrewMessage("crew", f"{role} reports: {order.subject}", Fact("report", words))]
 
 
 def pump_text(by: str, done: str) -> CrewMessage:
@@ -451,10 +455,10 @@ def said_order(words: str) -> Order | None:
     """Return the order to the crew that words are, without "order" before them or with."""
     plain = re.sub(r"\bto\b", " ", words)
     for text in (plain if plain.startswith("order ") else f"order {plain}", words):
-        found = parse(text)
-        meant = to_the_crew(found) if isinstance(found, Order) else found
-        if isinstance(meant, Order) and meant.name == "order":
-            return meant
+        parsed = parse(text)
+        crew_order = to_the_crew(parsed) if isinstance(parsed, Order) else parsed
+        if isinstance(crew_order, Order) and crew_order.name == "order":
+            return crew_order
     return None
 
 
@@ -468,10 +472,10 @@ def is_repeated(words: str, spoken: CrewOrder) -> bool:
     units = {*METRES.names, *FEET.names}
     if spoken.given.unit is FEET and not units & set(re.findall("[a-z]+", words)):
         words = f"{words} ft"
-    said, told = said_order(words), said_order(spoken.told)
-    if said is None or told is None:
+    said, ordered = said_order(words), said_order(spoken.told)
+    if said is None or ordered is None:
         return False
-    return said.text == spoken.given.text or means_the_same(said, told)
+    return said.text == spoken.given.text or means_the_same(said, ordered)
 
 
 def means_the_same(said: Order, told: Order) -> bool:

@@ -190,8 +190,8 @@ class Dispatch:
         shut = refusal(order, station, session)
         if ORDERS[order.name].passed_on:
             answer = shut or self._carried_out(order, station.giver, station)
-            kept = session.event_log.as_kept(answer)
-            station.answer(asked, kept, *self._unheard(order, station, answer))
+            kept_answer = session.event_log.as_kept(answer)
+            station.answer(asked, kept_answer, *self._unheard(order, station, answer))
             self._pass_on(order, answer, station)
             return
         reply = shut or self.duties[order.name](asked)
@@ -202,8 +202,8 @@ class Dispatch:
 
     def give(self, order: Order, giver: Giver) -> Reply:
         """Carry out an order of no station; return what now holds, or why not."""
-        meant = self.session.crew.meant(order)
-        return refusal(meant, None, self.session) or self._carried_out(meant, giver)
+        crew_order = self.session.crew.meant(order)
+        return refusal(crew_order, None, self.session) or self._carried_out(crew_order, giver)
 
     def carry_out(
         self, order: Order, giver: Giver, place: int | None = None, speaker: Station | None = None
@@ -214,8 +214,8 @@ class Dispatch:
         what all are told.
         """
         session, rule = self.session, ORDERS[order.name]
-        kept = rule.journalled or place is not None or giver.kind is GiverKind.PLAN
-        number = session.history.order(giver, order, place) if kept else None
+        recorded = rule.journalled or place is not None or giver.kind is GiverKind.PLAN
+        number = session.history.order(giver, order, place) if recorded else None
         fact = NO_CREW_FACT
         if place is not None and order.name in UNSCHEDULED_WORDS:
             answer: Reply = Refused(f"{order.text} has no place in a schedule")
@@ -278,9 +278,9 @@ class Dispatch:
         session = self.session
         for place, entry in session.history.flown.due_of_schedule(session.agenda.schedule):
             answer = self.carry_out(entry.order, SCHEDULE_GIVER, place)
-            told = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
+            reason = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
             if isinstance(answer, Refused):
-                self.refused.append(told)
+                self.refused.append(reason)
 
     def obey_plans(self) -> None:
         """Carry out the instructors' plans that are due at this tick."""
@@ -302,9 +302,9 @@ class Dispatch:
         session, place = self.session, self.session.history.place
         if station is None and not session.agenda.has_changed(place):
             return
-        for each in [station] if station else session.event_log.stations:
-            if each.role is INSTRUCTOR_ROLE:
-                session.event_log.note(each, session.agenda.facts(place))
+        for listener in [station] if station else session.event_log.stations:
+            if listener.role is INSTRUCTOR_ROLE:
+                session.event_log.note(listener, session.agenda.facts(place))
 
     def _carried_out(self, order: Order, giver: Giver, speaker: Station | None = None) -> Reply:
         """Carry out an order that no gate has refused, after what was due before."""

@@ -122,8 +122,8 @@ class EventLog:
         known = {n: news for n, news in self.alerts.items() if hears_kind(by.role, news.kind)}
         wanted = list(known) if order.word == "all" else [int(order.value)]
         if not set(wanted) <= set(known) or not wanted:
-            there = ", ".join(map(str, known)) or "none"
-            return Refused(f"no such alert is open here; there is {there}")
+            numbers = ", ".join(map(str, known)) or "none"
+            return Refused(f"no such alert is open here; there is {numbers}")
         for number in wanted:
             seen = self.alerts.pop(number)
             saying = Saying(by.role.name, f"alert {number} seen")
@@ -134,13 +134,13 @@ class EventLog:
         """Forget the alerts and counts that have not come yet, after a jump in time."""
         tick = self.history.tick
         self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= tick}
-        left, self._branch = self._branch, self.history.recording.branch
-        self._counts[left] = [each.times for each in counting]
-        begun = self._counts.get(self._parent(), self._counts[left])
+        left_branch, self._branch = self._branch, self.history.recording.branch
+        self._counts[left_branch] = [each.times for each in counting]
+        begun = self._counts.get(self._parent(), self._counts[left_branch])
         now = self.history.boat.time
-        for each, times in zip(counting, begun, strict=True):
+        for counter, times in zip(counting, begun, strict=True):
             past = {what: [t for t in when if t <= now] for what, when in times.items()}
-            each.times = {what: when for what, when in past.items() if when}
+            counter.times = {what: when for what, when in past.items() if when}
 
     def _parent(self) -> int:
         """Return the branch that the present one began from, 0 where that cannot be read."""
@@ -239,8 +239,8 @@ class EventLog:
         self.unrecorded = recording.trouble
         lost = f"lost in all: {recording.missing}" if recording.missing else "nothing is lost"
         back = f"recorded again in branch {recording.branch}; {lost}"
-        told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
-        self.tell("trouble", told)
+        text = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
+        self.tell("trouble", text)
 
     def _tell_behind(self) -> None:
         """Tell once that lost power would take what was ordered, and once that it would not."""

@@ -101,8 +101,8 @@ def quantity_of(boat: Boat, name: str) -> float:
     """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
     if name == "showing":
         return -math.inf if is_deep(boat) else height_showing(boat)
-    if found := {"eye": eye_height, "clearance": clearance}.get(name):
-        return found(boat)
+    if measure := {"eye": eye_height, "clearance": clearance}.get(name):
+        return measure(boat)
     if name == "course":
         return boat.plain[STATE_PLACES["psi"]] % math.tau
     if name == "heavy":
@@ -156,8 +156,8 @@ class ExerciseEnd:
     def begin_again(self) -> None:
         """Begin it again, after a jump in time."""
         self.over = self.how = self.why = self.debrief = ""
-        for each in self.lost:
-            each.held = 0
+        for loss in self.lost:
+            loss.held = 0
         self.marks, self.released = None, False
 
     def _lost(self, boat: Boat) -> str:

@@ -99,7 +99,7 @@ def compile_beside() -> None:
     the trainer that runs, not one whose sources lie in the present folder.
     """
     ours = str(Path(trainer.__file__).parents[1])
-    found = os.pathsep.join(filter(None, (ours, os.environ.get("PYTHONPATH"))))
+    search_path = os.pathsep.join(filter(None, (ours, os.environ.get("PYTHONPATH"))))
     with compilation.compilation_lock() as lock:
         if lock is None:
             return
@@ -108,7 +108,7 @@ def compile_beside() -> None:
         with (cache_folder() / compilation.ERROR_LOG_NAME).open("wb") as said:
             process = subprocess.Popen(  # noqa: S603  our own words
                 [sys.executable, "-P", "-m", "trainer.session.warm_up", str(lock)],
-                env=os.environ | {"PYTHONPATH": found},
+                env=os.environ | {"PYTHONPATH": search_path},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=said,

@@ -141,10 +141,10 @@ def names_of(given: Iterable[str]) -> list[str]:
 def trainees_of(header: Mapping[str, str]) -> tuple[str, ...]:
     """Return the names of the trainees of a recording, none where it cannot be read."""
     try:
-        found = json.loads(header.get(TRAINEES_KEY, "[]"))
+        trainees = json.loads(header.get(TRAINEES_KEY, "[]"))
     except (ValueError, RecursionError):
         return ()
-    return tuple(found) if _are_texts(found) else ()
+    return tuple(trainees) if _are_texts(trainees) else ()
 
 
 def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES) -> Plan:
@@ -154,12 +154,12 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES
     its file of today. ConfigError if the header is of another form, or this version cannot read
     what the files say.
     """
-    found, texts = _part(header, "options"), _part(header, "texts")
-    _check_options(found)
+    plan_options, texts = _part(header, "options"), _part(header, "texts")
+    _check_options(plan_options)
     options = RunOptions(
-        **{name: found[name] for name in PLAN_OPTIONS if name != "orders_file"},
-        orders_file=found["orders_file"] and Path(found["orders_file"]),
-        given=frozenset(found["given"]) | otherwise.keys(),
+        **{name: plan_options[name] for name in PLAN_OPTIONS if name != "orders_file"},
+        orders_file=plan_options["orders_file"] and Path(plan_options["orders_file"]),
+        given=frozenset(plan_options["given"]) | otherwise.keys(),
     )
     with remembering() as today:
         if "vessel" in otherwise:
@@ -170,13 +170,13 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES
 
 def method_of(header: Mapping[str, str]) -> Method:
     """Return how the recorded boat was computed; ConfigError if the header does not say."""
-    found = _part(header, "method")
+    method = _part(header, "method")
     kinds = {field.name: str if field.name != "step" else int | float for field in fields(Method)}
-    if found.keys() != kinds.keys() or not all(
-        isinstance(found[name], kind) for name, kind in kinds.items()
+    if method.keys() != kinds.keys() or not all(
+        isinstance(method[name], kind) for name, kind in kinds.items()
     ):
-        raise ConfigError(f"recording: method = {quote(found)}: is no method of this version")
-    return Method(**found)
+        raise ConfigError(f"recording: method = {quote(method)}: is no method of this version")
+    return Method(**method)
 
 
 def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
@@ -186,12 +186,12 @@ def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
 
 def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES) -> list[str]:
     """Return what would be computed from now and was not then, a line each. None: the same bits."""
-    found: list[str] = []
+    texts: list[str] = []
     for part in (_other_program(header), _other_texts(header), _other_plan(header, otherwise)):
-        with collecting(found):
+        with collecting(texts):
             for text in part:
-                found.append(text)  # noqa: PERF402 (those before an error are kept)
-    return list(dict.fromkeys(found))
+                texts.append(text)  # noqa: PERF402 (those before an error are kept)
+    return list(dict.fromkeys(texts))
 
 
 def notes(header: Mapping[str, str]) -> list[str]:
@@ -217,12 +217,12 @@ def _part(header: Mapping[str, str], name: str) -> Any:
         form = quote(header.get("plan", "none"))
         raise ConfigError(f"recording: plan = {form}: this version reads plan {quote(PLAN_FORMAT)}")
     try:
-        found = json.loads(header[name], parse_constant=no_constant)
+        part = json.loads(header[name], parse_constant=no_constant)
     except (KeyError, ValueError, RecursionError):
         raise ConfigError(f"recording: its header has no readable {name}") from None
-    if not HEADER_PARTS[name](found):
-        raise ConfigError(f"recording: {name} = {quote(found)}: is of another form")
-    return found
+    if not HEADER_PARTS[name](part):
+        raise ConfigError(f"recording: {name} = {quote(part)}: is of another form")
+    return part
 
 
 def _check_options(recorded: Mapping[str, Any]) -> None:

@@ -168,9 +168,9 @@ class History:
         """
         ticks = math.ceil(seconds / self.boat.method.step - 1e-9)
         wanted = max(self.tick - ticks, 0)
-        found = self.recording.moment(self.recording.branch, wanted)
-        if found is not None:
-            return found
+        moment = self.recording.moment(self.recording.branch, wanted)
+        if moment is not None:
+            return moment
         return self.automatic.before(wanted) or Refused("no moment so long ago is kept")
 
     def start(self) -> Moment | Refused:
@@ -183,10 +183,15 @@ class History:
 
         return [
             Stretch(
-                *(each.id, each.parent, each.tick * step, self.flown.last_tick(each.id) * step),
-                *(each.why or "the start", each.id == present),
+                *(
+                    branch.id,
+                    branch.parent,
+                    branch.tick * step,
+                    self.flown.last_tick(branch.id) * step,
+                ),
+                *(branch.why or "the start", branch.id == present),
             )
-            for each in self.recording.branches()
+            for branch in self.recording.branches()
         ]
 
     def noted(self) -> list[RecordedEvent]:
@@ -201,18 +206,18 @@ class History:
 
     def end_of(self, branch: int) -> Moment | Refused:
         """Return the last moment of a branch, without the orders that were given after it."""
-        there = [each.id for each in self.recording.branches()]
-        if branch not in there:
-            known = f"there is 1 to {there[-1]}" if there else "nothing is recorded"
+        numbers = [each.id for each in self.recording.branches()]
+        if branch not in numbers:
+            known = f"there is 1 to {numbers[-1]}" if numbers else "nothing is recorded"
             return Refused(f"no branch {branch}: {known}; branches lists them")
-        found = self.recording.moment(branch, self.recording.last_tick(branch))
-        return found or Refused(f"the end of branch {branch} is not recorded")
+        moment = self.recording.moment(branch, self.recording.last_tick(branch))
+        return moment or Refused(f"the end of branch {branch} is not recorded")
 
     def return_to(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
         """Go to the end of a branch, give again what was ordered there, and fork."""
-        given = self.recording.orders(end.branch, end.after)  # before anything is changed
+        orders = self.recording.orders(end.branch, end.after)  # before anything is changed
         self._restore(end)
-        for entry in given:
+        for entry in orders:
             order = order_of(entry, schedule)
             if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
                 obey_order(self.boat, order)
@@ -254,8 +259,8 @@ class History:
     def arrive(self, difference: str) -> str:
         """End a replay that has arrived where it led to; return what became of it."""
         self.flown = LiveRun(self)
-        told = difference or "the same to the last bit"
-        return f"replay over at {self.boat.time:g} s: {told}; run goes on from here"
+        result = difference or "the same to the last bit"
+        return f"replay over at {self.boat.time:g} s: {result}; run goes on from here"
 
     def _restore(self, moment: Moment) -> None:
         """Take a moment whole; RecordingError with nothing changed."""

@@ -82,9 +82,9 @@ def state_difference(recorded: bytes, flown: bytes) -> StateDifference | None:
 
 def changes(file: str, now: str, was: str) -> list[str]:
     """Return a line for each changed one, with the file's name and its number."""
-    told = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
-    more = len(told) - MAX_TOLD_LINES
-    return [*told[:MAX_TOLD_LINES], f"{file}: and {more} more lines"] if more > 0 else told
+    lines = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
+    more = len(lines) - MAX_TOLD_LINES
+    return [*lines[:MAX_TOLD_LINES], f"{file}: and {more} more lines"] if more > 0 else lines
 
 
 def _changes(now: list[str], was: list[str]) -> Iterator[str]:

@@ -93,9 +93,9 @@ def unheard(
         return ""
     if axis == WORDS_AXIS:
         return "nobody of the crew is here"
-    own = parse(TURN_PATTERN.sub(r"course \1 to", order.text.removeprefix("order ")))
+    own_order = parse(TURN_PATTERN.sub(r"course \1 to", order.text.removeprefix("order ")))
     automatic = ""
-    if isinstance(own, Order) and not in_hand(own, hand, allowed):
-        automatic = f"`{own.text}` for the autopilot, "
+    if isinstance(own_order, Order) and not in_hand(own_order, hand, allowed):
+        automatic = f"`{own_order.text}` for the autopilot, "
     by_hand = f"`{BY_HAND[STEERED_BY_HAND.get(axis, axis)][1]}` by hand"
     return f"nobody mans the {REPEATING_ROLES[axis][0]}: {automatic}{by_hand}"

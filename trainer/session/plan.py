@@ -143,15 +143,15 @@ def plan_run(options: RunOptions) -> Plan:
     if exercise:
         place = f"{exercise.path.name}: [initial] depth_m"
         refuse_depth(exercise.initial.depth_m, file, place)
-    given = exercise.sea if exercise and options.sea is None else None
-    sea, method = given or load_sea(options.sea or "calm"), choose_method(file, chosen)
+    exercise_sea = exercise.sea if exercise and options.sea is None else None
+    sea, method = exercise_sea or load_sea(options.sea or "calm"), choose_method(file, chosen)
     if problem := step_problem(sea_settings(sea, file.fluid.g), method.step):
         raise ConfigError(f"{sea.path.name}: {problem}")
-    own = [
+    own_schedule = [
         *(into_hand(exercise, file) if exercise else ()),
         *(exercise.schedule_of(int(chosen.seed)) if exercise else ()),
     ]
-    schedule = [*own, *read_schedule(options.orders_file)]
+    schedule = [*own_schedule, *read_schedule(options.orders_file)]
     heading = exercise.heading if exercise else None
     return Plan(
         file=file,
@@ -167,7 +167,7 @@ def plan_run(options: RunOptions) -> Plan:
         armed=exercise.armed if exercise else (),
         limits=exercise.limits if exercise else ExerciseLimits(),
         scores=exercise.scores if exercise else (),
-        own_schedule=tuple(sorted(own, key=lambda entry: entry.seconds)),
+        own_schedule=tuple(sorted(own_schedule, key=lambda entry: entry.seconds)),
         instructor=(heading and heading.instructor) or "",
         hand=(heading and heading.hand) or (),
         hand_from=(heading and heading.hand_from_s) or 0.0,

@@ -98,9 +98,9 @@ class Ports:
         self.stack.callback(hub.close, PORT_TIMEOUT_S)
         if address is not None:
             with refusing("--listen"):
-                there = f"tcp://{host}:{hub.listen(host, port)}"
-                click.echo(f"{paths.LISTENING_TEXT} {there}", err=True)
-                self.addresses.append(there)
+                listening_at = f"tcp://{host}:{hub.listen(host, port)}"
+                click.echo(f"{paths.LISTENING_TEXT} {listening_at}", err=True)
+                self.addresses.append(listening_at)
         if path is not None:
             with refusing("--socket"):
                 Path(path).parent.mkdir(mode=0o700, parents=True, exist_ok=True)

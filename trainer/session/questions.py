@@ -63,8 +63,8 @@ class Questions:
         for name, moment in moments.items():
             seconds = moment.tick * step
             asked.station.note(News(moment.tick, seconds, "moment", "", Fact("snapshot", name)))
-        kept = [f"{name} ({moment.tick * step:g} s)" for name, moment in moments.items()]
-        return f"snapshots: {', '.join(kept) or 'none by name'}; backtrack reaches any tick"
+        names = [f"{name} ({moment.tick * step:g} s)" for name, moment in moments.items()]
+        return f"snapshots: {', '.join(names) or 'none by name'}; backtrack reaches any tick"
 
     def _mark(self, asked: Request) -> Reply:
         """Mark this moment; it is in the file before it is answered."""

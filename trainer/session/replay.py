@@ -150,10 +150,10 @@ def compare_states(flight: ReplayFlight, tick: int, recorded: bytes, course: Cou
     then = recorded_state(recorded, course)
     if course.pace != 1.0:
         then["tick"] = course.boat.state.tick
-    found = state_difference(then.tobytes(), flown)
-    if found:
+    difference = state_difference(then.tobytes(), flown)
+    if difference:
         flight.unequal += 1
-        flight.parting = flight.parting or Divergence(tick, found)
+        flight.parting = flight.parting or Divergence(tick, difference)
 
 
 def recorded_state(state: bytes, course: Course) -> Record:
@@ -165,9 +165,9 @@ def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_js
     """Fly a recording again and print how it went; return the exit code."""
     with open_whole_recording(path) as recording:
         header = recording.header()
-        found = differences(header, otherwise)
-        refuse_other(path, found, anyway=anyway)
-        for note in (*found, *notes(header)):
+        changes = differences(header, otherwise)
+        refuse_other(path, changes, anyway=anyway)
+        for note in (*changes, *notes(header)):
             click.echo(plain(f"note: {note}"), err=True)
         flights = replay_anyway(recording, otherwise)
     lines = (plain(line) for flight in flights for line in describe_flight(flight))

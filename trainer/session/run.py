@@ -105,12 +105,12 @@ def run_boat(
             ended = run_once(options, begun)
             if not ended.following:
                 return ended.code
-            given = options.given - OVERRULED_SETTINGS.keys()
+            given_options = options.given - OVERRULED_SETTINGS.keys()
             options = replace(
                 options,
                 **EXERCISE_DEFAULTS,
                 exercise=ended.following,
-                given=given,
+                given=given_options,
                 record=None,
                 frozen=True,
             )
@@ -122,36 +122,36 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
         plan = plan_run(options)
     boat = ready_boat(plan, options)
     set_garbage_aside()
-    kept: Path | None = None
+    path: Path | None = None
     state = boat.records.state.tobytes()
     recording: Recording | NoRecording = NoRecording()
     paths = recording_paths(plan, options)
     if options.trainee and not paths:
         raise ConfigError("--trainee: this run is not recorded, and keeps no names: --record FILE")
     if paths or options.serve or not options.headless:
-        kept, recording = create_recording(paths, header_of(options, texts, boat), state)
+        path, recording = create_recording(paths, header_of(options, texts, boat), state)
     files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
     barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
     prepared = PreparedRun(
-        *(plan, boat, History(boat, recording), str(kept or ""), begun),
+        *(plan, boat, History(boat, recording), str(path or ""), begun),
         NextExercises(problem_with(load_exercise), barred),
     )
     try:
         return fly_session(prepared, options)
     except ConfigError:
-        discard_recording(kept)  # it was begun for a run that is refused
+        discard_recording(path)  # it was begun for a run that is refused
         raise
 
 
 def refuse_automatic(plan: Plan, path: Path | None) -> None:
     """Raise ConfigError if orders from a file give the autopilot what the crew works."""
-    own = {*map(id, plan.own_schedule)}
-    added = [each for each in plan.schedule if id(each) not in own]
+    own_ids = {*map(id, plan.own_schedule)}
+    added = [each for each in plan.schedule if id(each) not in own_ids]
     problems = [
-        f"{path and path.name}:{each.line_number}: {each.order.text}: {taken.why}"
-        for each in added
-        if each.seconds >= plan.hand_from
-        and (taken := in_hand(each.order, plan.hand, plan.allowed))
+        f"{path and path.name}:{entry.line_number}: {entry.order.text}: {taken.why}"
+        for entry in added
+        if entry.seconds >= plan.hand_from
+        and (taken := in_hand(entry.order, plan.hand, plan.allowed))
     ]
     if problems:
         raise ConfigError(*problems)
@@ -222,7 +222,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
     """Open the ports, run the session to its end, account for it."""
     boat, history, plan = prepared.boat, prepared.history, prepared.plan
     method = boat.method
-    told = briefing_of(plan, options)
+    briefing = briefing_of(plan, options)
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH_ROWS)
     endless = plan.duration is None or lives_on(options)
     last_tick = math.inf if endless else round((plan.duration or 0.0) / method.step)
@@ -236,7 +236,9 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         stack.callback(publisher.close, PORT_TIMEOUT_S)  # also where a port cannot be opened
         here = situation(plan, boat, options.note)
         introduction = Introduction(
-            (*told.heading(INSTRUCTOR_ROLE), *here), (*told.heading(STRANGER_ROLE), *here), told
+            (*briefing.heading(INSTRUCTOR_ROLE), *here),
+            (*briefing.heading(STRANGER_ROLE), *here),
+            briefing,
         )
         session = Session(
             *(boat, time, history, sending),
@@ -304,14 +306,14 @@ def await_code(session: Session) -> None:
     work, log = session.conduct.work, session.event_log
 
     def tell(percent: int) -> None:
-        if percent // PERCENT_PER_LINE > told[-1] // PERCENT_PER_LINE:
-            told.append(percent)
+        if percent // PERCENT_PER_LINE > percents[-1] // PERCENT_PER_LINE:
+            percents.append(percent)
             work.post(lambda: log.tell("time", f"preparing in the background: {percent} %"))
 
     def task() -> Callable[[], None]:
         try:
-            there = compilation.await_tick(work.closing, tell, compile_beside)
-            tick = session.boat.compiled_tick() if there else None
+            is_compiled = compilation.await_tick(work.closing, tell, compile_beside)
+            tick = session.boat.compiled_tick() if is_compiled else None
         except Exception as error:  # noqa: BLE001 whatever it is, the session goes on as it does
             why = f"compiled code cannot be used: {type(error).__name__}; interpreted to the end"
             return lambda: log.tell("trouble", why)
@@ -320,7 +322,7 @@ def await_code(session: Session) -> None:
             return lambda: log.tell("trouble", why) if why else None
         return lambda: session.conduct.go_over(tick)
 
-    told = [compilation.tick_progress()]
+    percents = [compilation.tick_progress()]
     work.begin("machine code", task)
 
 
@@ -430,13 +432,13 @@ def end_on_interrupt(session: Session) -> Iterator[None]:
         # the signal interrupts, and would be waited for until the end of days.
         threading.Thread(target=session.stop).start()
 
-    kept = {}
+    handlers = {}
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None:
-            kept[number] = signal.signal(number, stop)
+            handlers[number] = signal.signal(number, stop)
     try:
         yield
     finally:
-        for number, handler in kept.items():
+        for number, handler in handlers.items():
             signal.signal(number, handler)

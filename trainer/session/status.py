@@ -81,8 +81,8 @@ def casualty_lines(boat: Boat) -> list[str]:
         f"heading {course(math.degrees(shown.heading), 1)}, log {shown.speed / KNOT:.1f} kn"
     )
     kinds = ", ".join(
-        f"{each.kind} {casualties.describe_amount(boat, each.kind, each.amount)}".rstrip()
-        for each in casualties.active_casualties(boat)
+        f"{one.kind} {casualties.describe_amount(boat, one.kind, one.amount)}".rstrip()
+        for one in casualties.active_casualties(boat)
     )
     if not kinds:
         return [instruments]

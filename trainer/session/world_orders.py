@@ -22,11 +22,11 @@ class WorldOrder(NamedTuple):
 
 def world_orders(latest: WorldOrder | None) -> WorldOrders:
     """Return an order to the world and all before it, the first one first."""
-    found = []
+    orders = []
     while latest:
-        found.append((latest.tick, latest.order))
+        orders.append((latest.tick, latest.order))
         latest = latest.before
-    return found[::-1]
+    return orders[::-1]
 
 
 def to_world(entry: RecordedOrder, before: WorldOrder | None) -> WorldOrder | None:

@@ -54,20 +54,20 @@ def reachable_address() -> str:
 
 def announce_address(address: Address) -> str:
     """Return an address as the terminal shows it; beyond this machine, for a camera too."""
-    told = f"pages at {address.url}"
+    text = f"pages at {address.url}"
     if address.here:
-        return told
+        return text
     drawn = io.StringIO()
     segno.make(address.url, error="l").terminal(drawn, compact=True, border=2)
-    return f"{told}\n{drawn.getvalue().rstrip()}"
+    return f"{text}\n{drawn.getvalue().rstrip()}"
 
 
 def open_page(address: Address) -> str:
     """Open the pages in this machine's browser; return what to do where there is none."""
     opened = False
     with contextlib.suppress(webbrowser.Error, OSError):
-        found = webbrowser.get()
-        opened = not in_terminal(found) and found.open(address.url)
+        browser = webbrowser.get()
+        opened = not in_terminal(browser) and browser.open(address.url)
     return "" if opened else f"no browser was found: open {address.url} in one"
 
 

@@ -61,10 +61,10 @@ class DebriefShelf:
         """
         root = Path(told).anchor
         pattern = escape(told.removeprefix(root)).replace("[?]", "?")
-        found = [*Path(root).glob(pattern)] if root and pattern else []
-        if len(found) != 1 or found[0].resolve().suffix != ".html":
+        matches = [*Path(root).glob(pattern)] if root and pattern else []
+        if len(matches) != 1 or matches[0].resolve().suffix != ".html":
             return ""
-        path = found[0]
+        path = matches[0]
         key = next((key for key, kept in self.files.items() if kept == path), token_urlsafe(16))
         self.files[key] = path
         if len(self.files) > MAX_DEBRIEFS:
@@ -240,11 +240,11 @@ def is_here(end: socket) -> bool:
 
 def debrief_fact(line: str, shelf: DebriefShelf) -> str:
     """Return the fact of where the debrief of a line is, "" for none."""
-    told = sentences.parse_sentence(line)
-    if told is None or told.kind != "TRF" or told.fields[2] != "debrief":
+    fact = sentences.parse_sentence(line)
+    if fact is None or fact.kind != "TRF" or fact.fields[2] != "debrief":
         return ""
-    address = shelf.keep(told.fields[3])
-    tick, seconds = int(told.fields[0]), float(told.fields[1])
+    address = shelf.keep(fact.fields[3])
+    tick, seconds = int(fact.fields[0]), float(fact.fields[1])
     return sentences.fact(tick, seconds, "debrief-page", address) if address else ""
 
 

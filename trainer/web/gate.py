@@ -53,8 +53,12 @@ class ServerNames:
     @classmethod
     def at(cls, host: str) -> "ServerNames":
         """Return the names of a server that listens at ``host``."""
-        own = {socket.gethostname().casefold()}
-        beyond = {f"{name}.local" for name in own} | own if host not in LOOPBACK_HOSTS else set()
+        own_names = {socket.gethostname().casefold()}
+        beyond = (
+            {f"{name}.local" for name in own_names} | own_names
+            if host not in LOOPBACK_HOSTS
+            else set()
+        )
         return cls(frozenset({*LOOPBACK_HOSTS, host.casefold(), *beyond}), host in WILDCARD_HOSTS)
 
     def admits(self, given: str) -> bool:
@@ -67,8 +71,8 @@ class ServerNames:
 
 def hostname(given: str) -> str:
     """Return the name or address in ``HOST[:PORT]``, "" if it is not of that form."""
-    found = HOST_AND_PORT.fullmatch(given)
-    return (found["six"] or found["name"]).casefold() if found else ""
+    match = HOST_AND_PORT.fullmatch(given)
+    return (match["six"] or match["name"]).casefold() if match else ""
 
 
 def is_address(name: str) -> bool:

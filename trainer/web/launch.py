@@ -105,8 +105,8 @@ def leave_program(*_signal: object) -> NoReturn:
 
 def open_pages(address: Address) -> None:
     """Open the pages in a browser, or say what to do."""
-    if told := open_page(address):
-        click.echo(told, err=True)
+    if message := open_page(address):
+        click.echo(message, err=True)
 
 
 def refuse_other_lines(url: str | None) -> None:
@@ -217,9 +217,9 @@ def out_of_date(server: ssl.SSLContext, cert: Path) -> str:
     trusting.check_hostname = False  # its name is the browser's business
     trusting.verify_flags |= ssl.VerifyFlags.VERIFY_X509_PARTIAL_CHAIN
     trusting.load_verify_locations(cert)
-    there, back = ssl.MemoryBIO(), ssl.MemoryBIO()
-    client = trusting.wrap_bio(back, there)
-    host = server.wrap_bio(there, back, server_side=True)
+    to_server, back = ssl.MemoryBIO(), ssl.MemoryBIO()
+    client = trusting.wrap_bio(back, to_server)
+    host = server.wrap_bio(to_server, back, server_side=True)
     for _ in range(HANDSHAKE_ROUNDS):
         for end in (client, host):
             try:

@@ -40,26 +40,26 @@ def catalogues(folder: Path = LOCALE_FOLDER) -> dict[str, Catalogue]:
 
 def read_catalogue(path: Path) -> Catalogue:
     """Return the entries of a catalogue that are translated; ConfigError for what is none."""
-    found: Catalogue = {}
+    catalogue: Catalogue = {}
     for first, msgid, msgstr, fuzzy in entries(path):
         if sorted(VALUE_HOLE.findall(msgid)) != sorted(VALUE_HOLE.findall(msgstr)) and msgstr:
             raise ConfigError(f"{path.name}: line {first}: {msgstr!r}: not the holes of {msgid!r}")
-        if msgid in found:
+        if msgid in catalogue:
             raise ConfigError(f"{path.name}: line {first}: msgid {msgid!r}: is there twice")
         if msgid and msgstr and not fuzzy:
-            found[msgid] = msgstr
-    return found
+            catalogue[msgid] = msgstr
+    return catalogue
 
 
 def entries(path: Path) -> list[tuple[int, str, str, bool]]:
     """Return the entries of a catalogue: line, msgid, msgstr, and whether it is in doubt."""
-    found: list[tuple[int, str, str, bool]] = []
+    catalogue_entries: list[tuple[int, str, str, bool]] = []
     texts: dict[str, str] = {}
     key, first, fuzzy = "", 0, False
     for number, line in enumerate([*read_text(path).splitlines(), ""], 1):
         words = line.strip()
         if not words and "msgid" in texts:
-            found.append((first, texts["msgid"], texts.get("msgstr", ""), fuzzy))
+            catalogue_entries.append((first, texts["msgid"], texts.get("msgstr", ""), fuzzy))
         if not words:
             texts, key, fuzzy = {}, "", False
         elif words.startswith("#"):
@@ -69,7 +69,7 @@ def entries(path: Path) -> list[tuple[int, str, str, bool]]:
             first = number if said == "msgid" else first
             key = said or key
             texts[key] = texts.get(key, "") + text
-    return found
+    return catalogue_entries
 
 
 def read_line(line: str, place: str) -> tuple[str, str]:
@@ -180,9 +180,9 @@ def lessons() -> list[dict[str, Any]]:
     The names of their files tell what breaks: the instructor's line tells those, by ``next``.
     """
     return [
-        {"title": each.title, "briefing": " ".join(each.briefing.split())}
-        | {"seconds": each.seconds, "hand": each.hand, "vessel": each.vessel}
-        for each in course()
+        {"title": exercise.title, "briefing": " ".join(exercise.briefing.split())}
+        | {"seconds": exercise.seconds, "hand": exercise.hand, "vessel": exercise.vessel}
+        for exercise in course()
     ]
 
 

@@ -127,14 +127,14 @@ def answer_page(page: Page) -> Callable[[Request], Awaitable[Response]]:
 
 async def keep_word(request: Request) -> Response:
     """Keep a role's token in the browser, where no script of a page can read it."""
-    found = ROLE_TOKEN_FORM.fullmatch(await body_of(request))
-    if not found or found["role"] not in {page.role for page in PAGES if page.role}:
+    match = ROLE_TOKEN_FORM.fullmatch(await body_of(request))
+    if not match or match["role"] not in {page.role for page in PAGES if page.role}:
         return PlainTextResponse("say ROLE WORD\n", 400)
     answer = PlainTextResponse("kept\n")
     answer.set_cookie(
-        TOKEN_COOKIE_PREFIX + found["role"],
-        found["word"],
-        max_age=TOKEN_AGE_S if found["word"] else 0,
+        TOKEN_COOKIE_PREFIX + match["role"],
+        match["word"],
+        max_age=TOKEN_AGE_S if match["word"] else 0,
         path="/line",  # nothing else needs it
         secure=request.url.scheme == "https",
         httponly=True,
@@ -158,8 +158,8 @@ async def body_of(request: Request) -> str:
 
 def words_of(cookies: dict[str, str]) -> dict[str, str]:
     """Return the tokens that a browser keeps, by role."""
-    kept = {name: word for name, word in cookies.items() if name.startswith(TOKEN_COOKIE_PREFIX)}
-    return {name.removeprefix(TOKEN_COOKIE_PREFIX): word for name, word in kept.items()}
+    tokens = {name: word for name, word in cookies.items() if name.startswith(TOKEN_COOKIE_PREFIX)}
+    return {name.removeprefix(TOKEN_COOKIE_PREFIX): word for name, word in tokens.items()}
 
 
 class MeasuredLine(asyncio.Protocol):

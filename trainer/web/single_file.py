@@ -47,14 +47,14 @@ class UnknownPageError(Exception):
 
 def collect_modules(entry: str, seen: dict[str, str] | None = None) -> dict[str, str]:
     """Return the sources of a module and of what it imports, that first."""
-    found = {} if seen is None else seen
+    sources = {} if seen is None else seen
     source = (ASSETS_FOLDER / REPLACED_SCRIPTS.get(entry, entry)).read_text(encoding="utf-8")
     for _, path in IMPORT_STATEMENT.findall(source):
         wanted = resolve_module(entry, path)
-        if wanted not in found:
-            collect_modules(wanted, found)
-    found[entry] = source
-    return found
+        if wanted not in sources:
+            collect_modules(wanted, sources)
+    sources[entry] = source
+    return sources
 
 
 def resolve_module(module: str, path: str) -> str:
@@ -106,8 +106,8 @@ def pack_data(data: bytes) -> str:
 
 def digest(text: str) -> str:
     """Return the source expression of an inline script or style."""
-    found = hashlib.sha256(text.encode()).digest()
-    return f"'sha256-{base64.b64encode(found).decode('ascii')}'"
+    hash_bytes = hashlib.sha256(text.encode()).digest()
+    return f"'sha256-{base64.b64encode(hash_bytes).decode('ascii')}'"
 
 
 def policy(scripts: list[str], sheet: str) -> str:

@@ -203,8 +203,8 @@ def samples_up(samples: int, permille: int) -> int:
 def cpu_model(listing: Path) -> str:
     """Return the processor's name in the ``listing`` of a Linux kernel, or the next best."""
     text = listing.read_text(encoding="utf-8") if listing.exists() else ""
-    found = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
-    return found[1].strip() if found else platform.processor() or platform.machine()
+    match = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return match[1].strip() if match else platform.processor() or platform.machine()
 
 
 # The page for a terminal, 79 columns of ASCII

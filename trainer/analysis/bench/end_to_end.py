@@ -80,10 +80,10 @@ class TerminalLine:
     def find(self, pattern: Pattern[bytes], until: float) -> Match[bytes] | None:
         """Return the next match, and take it and what is before it. None if none comes in time."""
         while True:
-            found = pattern.search(self.said)
-            if found:
-                self.said = self.said[found.end() :]
-                return found
+            match = pattern.search(self.said)
+            if match:
+                self.said = self.said[match.end() :]
+                return match
             if not self.hear(until):
                 return None
 
@@ -194,17 +194,17 @@ def phase(number: int) -> float:
 
 def next_rudder_angle(instrument: TerminalLine, until: float) -> float | None:
     """Return the rudder's next angle [deg] to starboard. None: none comes in time."""
-    found = instrument.find(RUDDER_SENTENCE, until)
-    return float(found[1]) if found else None
+    match = instrument.find(RUDDER_SENTENCE, until)
+    return float(match[1]) if match else None
 
 
 def summarise(taken: list[int], step: float) -> InstrumentDelay:
     """Return the figures of times [ns] from order to instrument."""
     histogram, width = Histogram(), step / BINS_PER_STEP
     counts = [0] * (int(max(taken) / SECOND_NS / width) + 1)
-    for each in taken:
-        histogram.add(each)
-        counts[int(each / SECOND_NS / width)] += 1
+    for time_ns in taken:
+        histogram.add(time_ns)
+        counts[int(time_ns / SECOND_NS / width)] += 1
     median = round(statistics.median(taken))  # itself: a bin is wider than what lines may take
     return InstrumentDelay(
         step_s=step,
@@ -220,11 +220,11 @@ def lines(figures: InstrumentDelay) -> list[str]:
     """Return the figures as lines of a page."""
     spread, most = figures.latency, max(figures.histogram)
     allowed = f"at most {figures.allowed_median_ms:.0f}: half a step and 20 ms"
-    found = f"median {spread.p50_ns / 1e6:.0f} ms ({allowed}), most {spread.max_ns / 1e6:.0f} ms"
+    summary = f"median {spread.p50_ns / 1e6:.0f} ms ({allowed}), most {spread.max_ns / 1e6:.0f} ms"
     return [
         "",
         f"FROM HELM TO INSTRUMENT (two serial lines, ticks {figures.step_s:g} s apart)",
-        f"  {figures.orders} orders: {found}",
+        f"  {figures.orders} orders: {summary}",
         *(
             f"  {place * figures.bin_ms:6.0f} ms {count:4} "
             f"{'#' * math.ceil(MAX_BAR_LENGTH * (count / most))}".rstrip()

@@ -45,13 +45,18 @@ def busy_thread() -> Iterator[None]:
 def main(seconds: str, step: str, *words: str) -> None:
     """Print the lateness of a loop as JSON. ``realtime`` and ``busy`` may be among the words."""
     busy = busy_thread() if "busy" in words else contextlib.nullcontext()
-    asked = Punctuality(realtime="realtime" in words)
+    punctuality = Punctuality(realtime="realtime" in words)
     with busy:
-        asked.keep()
+        punctuality.keep()
         summary = run_idle_loop(float(seconds), float(step))
-        asked.relax()
+        punctuality.relax()
     print(
-        json.dumps({"granted": asked.granted and asked.granted.line(), **asdict(summary.lateness)})
+        json.dumps(
+            {
+                "granted": punctuality.granted and punctuality.granted.line(),
+                **asdict(summary.lateness),
+            }
+        )
     )
 
 

@@ -128,8 +128,8 @@ def lateness_of(recording: Path) -> tuple[Spread, int]:
 
 def account_entry(account: str, name: str) -> str:
     """Return what an account says under a name, "" if it says nothing."""
-    found = [text for text in account.splitlines() if text.startswith(name)]
-    return found[0].removeprefix(name).strip() if found else ""
+    entries = [text for text in account.splitlines() if text.startswith(name)]
+    return entries[0].removeprefix(name).strip() if entries else ""
 
 
 def count_missed(entry: str) -> int:

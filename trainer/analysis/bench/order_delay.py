@@ -87,8 +87,8 @@ def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> La
         run_to(session, round(seconds / period))
         hub.close(LAST_LINES_TIMEOUT_S)
         states = [np.frombuffer(state, STATE)[0] for _, state in recording.states(recording.branch)]
-        given = [each.tick for each in recording.orders(recording.branch) if each.accepted]
-        slowest = max((effect(states[tick:]) for tick in given[:-1]), default=0)
+        order_ticks = [each.tick for each in recording.orders(recording.branch) if each.accepted]
+        slowest = max((effect(states[tick:]) for tick in order_ticks[:-1]), default=0)
         return Latency(steered.result(), period, replies.spread(), slowest)
 
 

@@ -64,10 +64,10 @@ TickRunner = Callable[[Records, int], int]  # so many ticks of a boat; the statu
 
 def orders() -> list[ScheduledOrder]:
     """Return what is ordered in the hour, by time."""
-    found = parse_schedule(HOUR_ORDERS, "the standard hour")
-    if isinstance(found, BadSchedule):
-        raise TypeError(str(found))
-    return found
+    schedule = parse_schedule(HOUR_ORDERS, "the standard hour")
+    if isinstance(schedule, BadSchedule):
+        raise TypeError(str(schedule))
+    return schedule
 
 
 def standard_boat() -> Boat:

@@ -93,12 +93,12 @@ def time_to_screen() -> float:
     with tempfile.TemporaryDirectory(prefix="bench-") as folder:
         begun = time.perf_counter()
         with on_terminal("run", "--no-record", "--socket", f"{folder}/s") as (screen, process):
-            found = screen.find(SHOWN_NUMBER, time.monotonic() + SCREEN_TIMEOUT_S)
+            match = screen.find(SHOWN_NUMBER, time.monotonic() + SCREEN_TIMEOUT_S)
             taken = time.perf_counter() - begun
             process.terminate()
             while process.poll() is None:
                 screen.hear(time.monotonic() + 0.1)
-    return taken if found else float("inf")
+    return taken if match else float("inf")
 
 
 def lines(figures: StartTimes) -> list[str]:

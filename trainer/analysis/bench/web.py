@@ -167,10 +167,10 @@ def able_browser() -> str:
     for library in ("playwright", "websockets", "uvicorn", "starlette", "segno"):
         if find_spec(library) is None:
             raise NoBrowserError(advise_install(library, "trainer bench --web"))
-    found = find_browser()
-    if found is None:
+    browser = find_browser()
+    if browser is None:
         raise NoBrowserError("trainer bench --web needs Chromium: install the package chromium")
-    return found
+    return browser
 
 
 @dataclass
@@ -204,11 +204,11 @@ def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[
             session.url = served[1] if served else ""
             yield session
             process.send_signal(signal.SIGTERM)
-            session.account, told = process.communicate(timeout=END_TIMEOUT_S)
+            session.account, error_text = process.communicate(timeout=END_TIMEOUT_S)
         finally:
             process.kill()
     if process.returncode:
-        raise ConfigError(f"the session of the bench failed: {told.strip()}")
+        raise ConfigError(f"the session of the bench failed: {error_text.strip()}")
 
 
 def ticks_of(session: WebSession, stations: int) -> WebTicks:

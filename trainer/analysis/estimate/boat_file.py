@@ -136,15 +136,15 @@ def _hull_problems(hull: Hull) -> Iterator[str]:
     if prime < MASS_PRIME_RANGE[0]:
         breadth = float(hull.shape.breadth.max())
         most = length * math.sqrt(prime / MASS_PRIME_RANGE[0]) / breadth
-        told = f"{length / breadth:.0f} breadths, must be at most {most:.0f}: is it in feet?"
-        yield place.inside("hull").wrong("length", length, told)
-    given, displaced = hull.file.mass.mass, hull.file.water.rho * hull.shape.volume
-    if given is not None and abs(given / displaced - 1.0) > MASS_SLACK:
-        told = (
+        problem = f"{length / breadth:.0f} breadths, must be at most {most:.0f}: is it in feet?"
+        yield place.inside("hull").wrong("length", length, problem)
+    given_mass, displaced = hull.file.mass.mass, hull.file.water.rho * hull.shape.volume
+    if given_mass is not None and abs(given_mass / displaced - 1.0) > MASS_SLACK:
+        problem = (
             f"must be rho V = {displaced:.6g} kg within {MASS_SLACK:.0%}, "
             f"{(1.0 - MASS_SLACK) * displaced:.6g} to {(1.0 + MASS_SLACK) * displaced:.6g} kg"
         )
-        yield place.inside("mass").wrong("mass", given, told)
+        yield place.inside("mass").wrong("mass", given_mass, problem)
 
 
 def _part_problems(hull: Hull) -> Iterator[str]:
@@ -153,21 +153,23 @@ def _part_problems(hull: Hull) -> Iterator[str]:
         place = hull.file.place.inside(f"surfaces[{i}]")
         panel = next(panels_of_surface(surface, hull.shape))
         if panel.span <= 0.0:
-            told = f"must be above the hull's radius there, {panel.root:.4g} m"
-            yield place.wrong("tip_radius", surface.tip_radius, told)
+            problem = f"must be above the hull's radius there, {panel.root:.4g} m"
+            yield place.wrong("tip_radius", surface.tip_radius, problem)
         elif surface.moving_area is not None and surface.moving_area > panel.area * (1.0 + 1e-9):
-            told = f"must be at most the panel's area, {panel.area:.4g} m2"
-            yield place.wrong("moving_area", surface.moving_area, told)
+            problem = f"must be at most the panel's area, {panel.area:.4g} m2"
+            yield place.wrong("moving_area", surface.moving_area, problem)
     p, place = hull.file.propeller, hull.file.place.inside("propeller")
     if p is None:
         return
     widest = float(max(hull.shape.breadth.max(), hull.shape.height.max()))
     if p.diameter > widest:
-        told = f"must be at most the hull's greatest breadth, {widest:.4g} m"
-        yield place.wrong("diameter", p.diameter, told)
+        problem = f"must be at most the hull's greatest breadth, {widest:.4g} m"
+        yield place.wrong("diameter", p.diameter, problem)
     elif revolutions(hull, resistance(hull)) is None:
-        told = "no revolutions give the thrust that the hull needs; usual is [0.45, -0.36, -0.09]"
-        yield place.wrong("KT", list(p.KT), told)
+        problem = (
+            "no revolutions give the thrust that the hull needs; usual is [0.45, -0.36, -0.09]"
+        )
+        yield place.wrong("KT", list(p.KT), problem)
 
 
 def round_to_digits(value: float) -> float:
@@ -177,8 +179,8 @@ def round_to_digits(value: float) -> float:
 
 def mass_of(hull: Hull) -> float:
     """Return the boat's mass [kg], neutral where the file gives none."""
-    given = hull.file.mass.mass
-    return hull.file.water.rho * hull.shape.volume if given is None else given
+    given_mass = hull.file.mass.mass
+    return hull.file.water.rho * hull.shape.volume if given_mass is None else given_mass
 
 
 def estimate_of(hull: Hull) -> Estimate:
@@ -188,12 +190,12 @@ def estimate_of(hull: Hull) -> Estimate:
 
 def boat_tables(made: Estimate) -> dict[str, Any]:
     """Return the tables of the vessel, without gains."""
-    hull, given = made.hull, made.hull.file.controls
+    hull, controls = made.hull, made.hull.file.controls
     kinds = {panel.control for panel in hull.panels}
     rate = (
         PLANE_RATE_DEG_S * math.sqrt(REFERENCE_LENGTH_M / hull.ell)
-        if given.rate_deg_s is None
-        else given.rate_deg_s
+        if controls.rate_deg_s is None
+        else controls.rate_deg_s
     )
     return {
         FIRST_KEY: "gertler-hagen-2510/1",
@@ -203,9 +205,9 @@ def boat_tables(made: Estimate) -> dict[str, Any]:
         "vessel": _body(made),
         "propulsion": _propulsion(made),
         "control_surfaces": {
-            "rudder_limit_deg": given.limit_deg,
-            "stern_plane_limit_deg": given.limit_deg,
-            "bow_plane_limit_deg": given.limit_deg if BOW_CONTROL in kinds else 0.0,
+            "rudder_limit_deg": controls.limit_deg,
+            "stern_plane_limit_deg": controls.limit_deg,
+            "bow_plane_limit_deg": controls.limit_deg if BOW_CONTROL in kinds else 0.0,
             "rate_deg_s": round_to_digits(min(rate, 1000.0)),
             "time_constant_s": 0.0,
             "tail": "x" if X_CONTROL in kinds else "cruciform",
@@ -219,21 +221,21 @@ def boat_tables(made: Estimate) -> dict[str, Any]:
 
 def _body(made: Estimate) -> dict[str, Any]:
     """Return mass, centres and inertia; the origin is on the axis, abeam of the CG."""
-    hull, mass, given = made.hull, made.mass, made.hull.file.mass
+    hull, mass, mass_table = made.hull, made.mass, made.hull.file.mass
     s = hull.shape
     breadth, height = float(s.breadth.max()), float(s.height.max())
-    above = STABILITY_HEIGHTS * height if given.cb_above_cg is None else given.cb_above_cg
-    pitch = mass * (PITCH_RADIUS * hull.ell) ** 2 if given.Iy is None else given.Iy
+    above = STABILITY_HEIGHTS * height if mass_table.cb_above_cg is None else mass_table.cb_above_cg
+    pitch = mass * (PITCH_RADIUS * hull.ell) ** 2 if mass_table.Iy is None else mass_table.Iy
     table: dict[str, Any] = {
         "length": hull.ell,
         "mass": mass,
         "weight": mass * GRAVITY_M_S2,
         "buoyancy": mass * GRAVITY_M_S2,
-        "cg": [0.0, 0.0, round_to_digits(given.cg_below_axis)],
-        "cb": [0.0, 0.0, round_to_digits(given.cg_below_axis - above)],
-        "Ix": mass * (ROLL_RADIUS * breadth) ** 2 if given.Ix is None else given.Ix,
+        "cg": [0.0, 0.0, round_to_digits(mass_table.cg_below_axis)],
+        "cb": [0.0, 0.0, round_to_digits(mass_table.cg_below_axis - above)],
+        "Ix": mass * (ROLL_RADIUS * breadth) ** 2 if mass_table.Ix is None else mass_table.Ix,
         "Iy": pitch,
-        "Iz": pitch if given.Iz is None else given.Iz,
+        "Iz": pitch if mass_table.Iz is None else mass_table.Iz,
         "beam": breadth,
         "cg_from_nose": s.x_G,
     }
@@ -303,8 +305,8 @@ def _envelope(made: Estimate) -> dict[str, Any]:
     if sails:
         area = sum(p.area for p in sails)
         at, up = (
-            sum(p.area * x for p, x in zip(sails, each, strict=True)) / area
-            for each in ([p.place(0.5) for p in sails], [p.arm * p.normal[0] for p in sails])
+            sum(p.area * x for p, x in zip(sails, places, strict=True)) / area
+            for places in ([p.place(0.5) for p in sails], [p.arm * p.normal[0] for p in sails])
         )
         mass = sum(plate_mass(p) * on_both(p.radius_ratio) * p.normal[0] ** 2 for p in sails)
         table |= {
@@ -354,9 +356,9 @@ def _waves(made: Estimate) -> dict[str, Any]:
         ("added_down_kg", "Z_wdot", down),
         ("added_side_kg", "Y_vdot", across),
     ):
-        own = [_between(hull, widths, *part) for part in parts]
+        strips = [_between(hull, widths, *part) for part in parts]
         whole = -k3 * made.values[coefficient]
-        added[key] = [round_to_digits(whole * each / sum(own)) for each in own]
+        added[key] = [round_to_digits(whole * each / sum(strips)) for each in strips]
     places = [
         s.x_G - _between(hull, s.area * s.x, *part) / volume
         for part, volume in zip(parts, volumes, strict=True)

@@ -143,25 +143,28 @@ def bare_masses(hull: Hull, factor: float) -> CoefficientValues:
 
 def panel_masses(hull: Hull) -> CoefficientValues:
     """Return the added masses of the panels."""
-    found = dict.fromkeys(("Y_vdot", "Z_wdot", "N_rdot", "M_qdot", "Y_rdot", "Z_qdot"), 0.0)
-    found |= dict.fromkeys(("K_pdot", "K_vdot", "K_rdot"), 0.0)
+    masses = dict.fromkeys(("Y_vdot", "Z_wdot", "N_rdot", "M_qdot", "Y_rdot", "Z_qdot"), 0.0)
+    masses |= dict.fromkeys(("K_pdot", "K_vdot", "K_rdot"), 0.0)
     L = hull.ell
     for panel in hull.panels:
         ny, nz = panel.normal
         x, r = panel.place(0.5) / L, panel.arm / L
-        own = 2.0 / L**3 * plate_mass(panel)
-        both, alone = own * on_both(panel.radius_ratio), own * on_panel(panel.radius_ratio)
-        found["Y_vdot"] -= both * ny * ny
-        found["Y_rdot"] -= both * ny * ny * x
-        found["N_rdot"] -= both * ny * ny * x * x
-        found["Z_wdot"] -= both * nz * nz
-        found["Z_qdot"] += both * nz * nz * x
-        found["M_qdot"] -= both * nz * nz * x * x
-        found["K_pdot"] -= alone * r * r
-        found["K_vdot"] -= alone * r * ny
-        found["K_rdot"] -= alone * r * ny * x
+        panel_mass = 2.0 / L**3 * plate_mass(panel)
+        both, alone = (
+            panel_mass * on_both(panel.radius_ratio),
+            panel_mass * on_panel(panel.radius_ratio),
+        )
+        masses["Y_vdot"] -= both * ny * ny
+        masses["Y_rdot"] -= both * ny * ny * x
+        masses["N_rdot"] -= both * ny * ny * x * x
+        masses["Z_wdot"] -= both * nz * nz
+        masses["Z_qdot"] += both * nz * nz * x
+        masses["M_qdot"] -= both * nz * nz * x * x
+        masses["K_pdot"] -= alone * r * r
+        masses["K_vdot"] -= alone * r * ny
+        masses["K_rdot"] -= alone * r * ny * x
     twins = {"N_vdot": "Y_rdot", "M_wdot": "Z_qdot", "Y_pdot": "K_vdot", "N_pdot": "K_rdot"}
-    return found | {twin: found[name] for twin, name in twins.items()}
+    return masses | {twin: masses[name] for twin, name in twins.items()}
 
 
 def products(c: Mapping[str, float]) -> CoefficientValues:
@@ -232,66 +235,74 @@ def efficiency(panel: Panel, constants: FittedConstants) -> float:
 def panel_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return the linear coefficients of the panels."""
     names = ("Y_v", "N_v", "Y_r", "N_r", "Z_w", "M_w", "Z_q", "M_q")
-    found = dict.fromkeys((*names, "K_v", "K_p", "K_r", "Y_p", "N_p"), 0.0)
+    terms = dict.fromkeys((*names, "K_v", "K_p", "K_r", "Y_p", "N_p"), 0.0)
     L = hull.ell
     for panel in hull.panels:
         ny, nz = panel.normal
-        own = efficiency(panel, constants) * lift_slope(panel) * panel.area / L**2
-        both, alone = own * on_both(panel.radius_ratio), own * on_panel(panel.radius_ratio)
+        panel_slope = efficiency(panel, constants) * lift_slope(panel) * panel.area / L**2
+        both, alone = (
+            panel_slope * on_both(panel.radius_ratio),
+            panel_slope * on_panel(panel.radius_ratio),
+        )
         x, r = panel.place(0.25) / L, panel.arm / L
         # the hull's share beside a sail acts aft of it: its wake on the afterbody
         behind = x - constants["sail_aft"] if panel.sail else x
         first = alone * x + (both - alone) * behind
         second = first * x
-        found["Y_v"] -= both * ny * ny
-        found["N_v"] -= first * ny * ny
-        found["Y_r"] -= first * ny * ny
-        found["N_r"] -= second * ny * ny
-        found["Z_w"] -= both * nz * nz
-        found["M_w"] += both * nz * nz * x
-        found["Z_q"] += both * nz * nz * x
-        found["M_q"] -= both * nz * nz * x * x
+        terms["Y_v"] -= both * ny * ny
+        terms["N_v"] -= first * ny * ny
+        terms["Y_r"] -= first * ny * ny
+        terms["N_r"] -= second * ny * ny
+        terms["Z_w"] -= both * nz * nz
+        terms["M_w"] += both * nz * nz * x
+        terms["Z_q"] += both * nz * nz * x
+        terms["M_q"] -= both * nz * nz * x * x
         # only the panel's own share makes roll: that of the hull passes through its axis
         roll = constants["roll_arm"] if panel.sail else 1.0
         damping = ROLL_DAMPING * constants["roll_damping"]
-        found["K_v"] -= roll * alone * r * ny
-        found["K_r"] -= roll * alone * r * ny * x
-        found["K_p"] -= damping * alone * r * r
-        found["Y_p"] -= damping * alone * r * ny
-        found["N_p"] -= damping * alone * r * ny * x
-    return found
+        terms["K_v"] -= roll * alone * r * ny
+        terms["K_r"] -= roll * alone * r * ny * x
+        terms["K_p"] -= damping * alone * r * r
+        terms["Y_p"] -= damping * alone * r * ny
+        terms["N_p"] -= damping * alone * r * ny * x
+    return terms
 
 
 def control_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return the coefficients of rudder and planes."""
     names = ("Y_dr", "N_dr", "K_dr", "Z_ds", "M_ds", "Z_db", "M_db")
-    found = dict.fromkeys((*names, "X_drdr", "X_dsds", "X_dbdb"), 0.0)
+    terms = dict.fromkeys((*names, "X_drdr", "X_dsds", "X_dbdb"), 0.0)
     L = hull.ell
     for panel in hull.panels:
         ny, nz = panel.normal
         C, x = lift_slope(panel), panel.place(0.25) / L
-        own = panel.share * C * panel.area / L**2 * on_panel(panel.radius_ratio)
-        force = own * (constants["tail_control"] if panel.aft else 1.0)
-        drag = own * efficiency(panel, constants) * C / (SECTION_LIFT_SLOPE / 2.0 * panel.aspect)
+        control_slope = panel.share * C * panel.area / L**2 * on_panel(panel.radius_ratio)
+        force = control_slope * (constants["tail_control"] if panel.aft else 1.0)
+        drag = (
+            control_slope
+            * efficiency(panel, constants)
+            * C
+            / (SECTION_LIFT_SLOPE / 2.0 * panel.aspect)
+        )
         if panel.control in (RUDDER_CONTROL, X_CONTROL):
-            found["Y_dr"] += force * abs(ny)
-            found["N_dr"] += force * abs(ny) * x
-            found["K_dr"] += force * ny * panel.arm / L if panel.control == RUDDER_CONTROL else 0.0
-            found["X_drdr"] -= drag
+            terms["Y_dr"] += force * abs(ny)
+            terms["N_dr"] += force * abs(ny) * x
+            terms["K_dr"] += force * ny * panel.arm / L if panel.control == RUDDER_CONTROL else 0.0
+            terms["X_drdr"] -= drag
         if panel.control in (STERN_CONTROL, X_CONTROL):
-            found["Z_ds"] -= force * abs(nz)
-            found["M_ds"] += force * abs(nz) * x
-            found["X_dsds"] -= drag
+            terms["Z_ds"] -= force * abs(nz)
+            terms["M_ds"] += force * abs(nz) * x
+            terms["X_dsds"] -= drag
         if panel.control == BOW_CONTROL:
-            found["Z_db"] -= force * abs(nz)
-            found["M_db"] += force * abs(nz) * x
-            found["X_dbdb"] -= drag
-    return found
+            terms["Z_db"] -= force * abs(nz)
+            terms["M_db"] += force * abs(nz) * x
+            terms["X_dbdb"] -= drag
+    return terms
 
 
 def sail_vortex(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return the forces of a sail's vortex on the hull behind it; own, after Mackay."""
-    found = dict.fromkeys(("Z_vv", "Z_vr", "Z_rr", "M_vv", "M_vr", "M_rr"), 0.0)
+    terms = dict.fromkeys(("Z_vv", "Z_vr", "Z_rr", "M_vv", "M_vr", "M_rr"), 0.0)
     s = hull.shape
     for panel in hull.panels:
         if not panel.sail:
@@ -302,20 +313,20 @@ def sail_vortex(hull: Hull, constants: FittedConstants) -> CoefficientValues:
         along = s.x[behind] / s.ell
         i0, i1, i2 = (integral(x**n, along) for n in (0, 1, 2))
         at = panel.place(0.25) / s.ell
-        found["Z_vv"] += strength * i0
-        found["Z_vr"] += strength * (i1 + at * i0)
-        found["Z_rr"] += strength * at * i1
-        found["M_vv"] -= strength * i1
-        found["M_vr"] -= strength * (i2 + at * i1)
-        found["M_rr"] -= strength * at * i2
-    return found
+        terms["Z_vv"] += strength * i0
+        terms["Z_vr"] += strength * (i1 + at * i0)
+        terms["Z_rr"] += strength * at * i1
+        terms["M_vv"] -= strength * i1
+        terms["M_vr"] -= strength * (i2 + at * i1)
+        terms["M_rr"] -= strength * at * i2
+    return terms
 
 
 def cross_flow_drag(hull: Hull) -> float:
     """Return the drag of the hull's sections across the flow [-]."""
-    given = hull.file.speed.cross_flow_drag
-    if given is not None:
-        return given
+    given_drag = hull.file.speed.cross_flow_drag
+    if given_drag is not None:
+        return given_drag
     reynolds = DRIFT_RATIO * hull.speed * hull.shape.diameter / hull.file.water.nu
     return CROSS_FLOW_DRAG[0] if reynolds > CRITICAL_REYNOLDS else CROSS_FLOW_DRAG[1]
 
@@ -331,22 +342,22 @@ def cross_flow(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     side = [(a * abs(p.normal[0]), p.place(0.5) / L) for a, p in plates]
     down = [(a * abs(p.normal[1]), p.place(0.5) / L) for a, p in plates]
     along = s.x / L
-    found: CoefficientValues = {}
+    terms: CoefficientValues = {}
     for names, width, fins in (
         (("Y_vav", "N_vav", "Y_var", "N_rar", "N_avr"), s.height / L, side),
         (("Z_waw", "M_waw", "Z_waq", "M_qaq", "M_awq"), s.breadth / L, down),
     ):
         drag = Strips(C, X, width, along, fins)
-        found |= dict(zip(names, drag.fitted(MIXED_SHARE * constants["mixed"]), strict=True))
-    found["M_waw"] = -found["M_waw"]  # M is -X Z; where q takes part it turns the other way too
-    found["K_vav"] = -C * integral(s.height * s.centre, s.x) / L**3
-    found["K_pap"] = 0.0
+        terms |= dict(zip(names, drag.fitted(MIXED_SHARE * constants["mixed"]), strict=True))
+    terms["M_waw"] = -terms["M_waw"]  # M is -X Z; where q takes part it turns the other way too
+    terms["K_vav"] = -C * integral(s.height * s.centre, s.x) / L**3
+    terms["K_pap"] = 0.0
     for area, panel in plates:
         ny, r = panel.normal[0], panel.arm / L
-        found["K_vav"] -= area * abs(ny) * ny * r
+        terms["K_vav"] -= area * abs(ny) * ny * r
         whole = SMALL_SWINGS * constants["roll_drag"] * panel.area / L**2
-        found["K_pap"] -= whole * abs(r) ** 3
-    return found
+        terms["K_pap"] -= whole * abs(r) ** 3
+    return terms
 
 
 @dataclass(frozen=True)
@@ -421,15 +432,15 @@ def _thrust_terms(hull: Hull) -> tuple[float, float, float]:
     if p is None:
         return 0.0, 0.0, 0.0
     D, L2 = p.diameter, hull.ell**2
-    left, slow = 1.0 - p.thrust_deduction, 1.0 - p.wake
+    thrust_share, slow = 1.0 - p.thrust_deduction, 1.0 - p.wake
     k0, k1, k2 = p.KT
-    whole = 2.0 * left / L2
+    whole = 2.0 * thrust_share / L2
     return whole * D**4 * k0, whole * D**3 * k1 * slow, whole * D**2 * k2 * slow * slow
 
 
 def propulsion(hull: Hull, drag: float) -> CoefficientValues:
     """Return the thrust rows and the torque's effect on roll."""
-    found = dict.fromkeys(("K_star", "K_star_eta"), 0.0)
+    terms = dict.fromkeys(("K_star", "K_star_eta"), 0.0)
     a, b, c = -drag, 0.0, drag
     p, g = hull.file.propeller, revolutions(hull, drag)
     astern = -c
@@ -441,39 +452,39 @@ def propulsion(hull: Hull, drag: float) -> CoefficientValues:
         KQ = p.KQ[0] + p.KQ[1] * J + p.KQ[2] * J * J
         hand = 1.0 if p.clockwise_from_astern else -1.0
         torque = 2.0 * g * g * p.diameter**5 * KQ * (1.0 - p.swirl_recovered) / hull.ell**3
-        found = {"K_star": -hand * torque, "K_star_eta": -hand * torque}
+        terms = {"K_star": -hand * torque, "K_star_eta": -hand * torque}
     for row in "12":
-        found |= {f"a{row}": a, f"b{row}": b, f"c{row}": c}
-    return found | {"a3": a, "b3": 0.0, "c3": astern}
+        terms |= {f"a{row}": a, f"b{row}": b, f"c{row}": c}
+    return terms | {"a3": a, "b3": 0.0, "c3": astern}
 
 
 def coefficients(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     """Return all 131 coefficients of a hull, those of no formula zero."""
-    given = UNFITTED_FACTORS | dict(constants)
-    drag = given["resistance"] * resistance(hull)
-    bare = bare_masses(hull, given["added_mass"])
-    found = dict.fromkeys((term.key for term in COEFFICIENTS), 0.0)
+    factors = UNFITTED_FACTORS | dict(constants)
+    drag = factors["resistance"] * resistance(hull)
+    bare = bare_masses(hull, factors["added_mass"])
+    terms = dict.fromkeys((term.key for term in COEFFICIENTS), 0.0)
     masses = add_coefficients(bare, panel_masses(hull))
-    found |= masses | products(masses)
-    found |= add_coefficients(bare_lift(hull, bare, given, drag), panel_lift(hull, given))
-    found |= control_lift(hull, given) | cross_flow(hull, given)
-    vortex = sail_vortex(hull, given)
-    found |= vortex | {
+    terms |= masses | products(masses)
+    terms |= add_coefficients(bare_lift(hull, bare, factors, drag), panel_lift(hull, factors))
+    terms |= control_lift(hull, factors) | cross_flow(hull, factors)
+    vortex = sail_vortex(hull, factors)
+    terms |= vortex | {
         "M_vr": vortex["M_vr"] + masses["Y_pdot"],
         "M_rr": vortex["M_rr"] + masses["K_rdot"],
     }
-    found |= {
-        "X_vv": DRIFT_DRAG_RATIO * abs(found["Y_v"]),
-        "X_ww": DRIFT_DRAG_RATIO * abs(found["Z_w"]),
+    terms |= {
+        "X_vv": DRIFT_DRAG_RATIO * abs(terms["Y_v"]),
+        "X_ww": DRIFT_DRAG_RATIO * abs(terms["Z_w"]),
     }
-    found |= propulsion(hull, drag)
-    return {key: value if abs(value) >= MIN_NONZERO_SIZE else 0.0 for key, value in found.items()}
+    terms |= propulsion(hull, drag)
+    return {key: value if abs(value) >= MIN_NONZERO_SIZE else 0.0 for key, value in terms.items()}
 
 
 def add_coefficients(*parts: Mapping[str, float]) -> CoefficientValues:
     """Return the sums of coefficients by name."""
-    found: CoefficientValues = {}
+    sums: CoefficientValues = {}
     for part in parts:
         for key, value in part.items():
-            found[key] = found.get(key, 0.0) + value
-    return found
+            sums[key] = sums.get(key, 0.0) + value
+    return sums

@@ -83,13 +83,13 @@ def draw_hull(hull: Hull) -> Markup:
 
 def corners_of(panel: Panel) -> list[tuple[float, float, float]]:
     """Return the four corners of a panel [m]: aft, up, to starboard."""
-    found = []
+    corners = []
     ends = ((0, panel.root, 0.0), (1, panel.tip, 0.0), (1, panel.tip, 1.0), (0, panel.root, 1.0))
     for k, radius, share in ends:
         x = panel.leading[k] + share * panel.chords[k]
         up = panel.axis_up + radius * math.sin(panel.angle)
-        found.append((x, up, radius * math.cos(panel.angle)))
-    return found
+        corners.append((x, up, radius * math.cos(panel.angle)))
+    return corners
 
 
 def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
@@ -138,15 +138,17 @@ def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
 
 def draw_bands(bands: tuple[EstimateBand, ...]) -> Markup:
     """Return the bands of figures of one unit as bars, the estimate marked."""
-    there = [band for band in bands if band.value is not None and None not in band.bands.values()]
-    if not there:
+    drawn_bands = [
+        band for band in bands if band.value is not None and None not in band.bands.values()
+    ]
+    if not drawn_bands:
         return Markup()
-    ends = [x for band in there for pair in band.bands.values() if pair for x in pair]
-    values = [band.value for band in there if band.value is not None]
+    ends = [x for band in drawn_bands for pair in band.bands.values() if pair for x in pair]
+    values = [band.value for band in drawn_bands if band.value is not None]
     low, high = min(*ends, *values, 0.0), max(*ends, *values)
     across = Axis(low, high, BARS_LEFT, BARS_LEFT + BARS_WIDTH)
     parts: list[str] = []
-    for i, band in enumerate(there):
+    for i, band in enumerate(drawn_bands):
         y = 8.0 + BAR_ROW_PX * i
         parts.append(text("tick end", BARS_LEFT - 8.0, y + 12.0, band.name))
         for style, pair in zip(("core", "outer"), band.bands.values(), strict=True):
@@ -158,7 +160,7 @@ def draw_bands(bands: tuple[EstimateBand, ...]) -> Markup:
                 )
         x = across.at(band.value or 0.0)
         parts.append(rule("estimate", x, y - 3.0, x, y + 17.0))
-    return _bar_chart("Bands of the figures", parts, len(there), across, there[0].unit)
+    return _bar_chart("Bands of the figures", parts, len(drawn_bands), across, drawn_bands[0].unit)
 
 
 def _bar_chart(title: str, parts: list[str], rows: int, across: Axis, unit: str) -> Markup:
@@ -174,12 +176,12 @@ def _bar_chart(title: str, parts: list[str], rows: int, across: Axis, unit: str)
 def draw_influences(found: tuple[Influence, ...]) -> Markup:
     """Return the effects of inputs on the turn as bars, lower input and higher."""
     most = 100.0 * max(one.size for one in found) or 1.0
-    left = BARS_LEFT + 20.0
-    across = Axis(-most, most, left, left + BARS_WIDTH - 20.0)
+    chart_left = BARS_LEFT + 20.0
+    across = Axis(-most, most, chart_left, chart_left + BARS_WIDTH - 20.0)
     parts: list[str] = []
     for i, one in enumerate(found):
         y = 8.0 + BAR_ROW_PX * i
-        parts.append(text("tick end", left - 8.0, y + 12.0, one.key))
+        parts.append(text("tick end", chart_left - 8.0, y + 12.0, one.key))
         for style, effect, at in (("lower", one.down, y), ("higher", one.up, y + 8.0)):
             ends = sorted((across.at(0.0), across.at(100.0 * (effect or 0.0))))
             parts.append(rect(style, ends[0], at, ends[1] - ends[0], 8.0))
@@ -213,7 +215,7 @@ def render(found: Survey, written: WrittenBoat) -> str:
 
 def facts(found: Survey) -> list[tuple[str, str]]:
     """Return what there is to know about the boat, each with its name."""
-    told = [
+    speeds = [
         f"{plane} planes {speed:.2g} kn"
         for plane, speed in found.critical_speed_kn.items()
         if speed is not None
@@ -223,7 +225,7 @@ def facts(found: Survey) -> list[tuple[str, str]]:
         ("mass", f"{found.mass_kg:.6g} kg; the hull displaces {found.displaced_kg:.6g} kg"),
         ("step", f"{found.step_s:g} s, the longest that is stable and that the gains hold"),
         ("limits", f"rudder and planes {found.limit_deg:g} deg, {found.rate_deg_s:.3g} deg/s"),
-        ("depth control reverses at", ", ".join(told) or "none"),
+        ("depth control reverses at", ", ".join(speeds) or "none"),
         ("roll period", f"{period} s at {found.speed_kn:g} kn"),
     ]
 

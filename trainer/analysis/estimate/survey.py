@@ -179,17 +179,17 @@ def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
         return None
     if flight.lost:
         return None
-    told = {one.name: one.value for one in turn.measures(flight)}
-    return {name: value for name in MEASURE_UNITS if (value := told[name]) is not None}
+    measured = {one.name: one.value for one in turn.measures(flight)}
+    return {name: value for name in MEASURE_UNITS if (value := measured[name]) is not None}
 
 
 def _band(name: str, unit: str, value: float | None, drawn: Sequence[float | None]) -> EstimateBand:
     """Return a figure with the bands of draws of it."""
-    there = np.array([each for each in drawn if each is not None and math.isfinite(each)])
+    values = np.array([each for each in drawn if each is not None and math.isfinite(each)])
     bands: dict[str, tuple[float, float] | None] = dict.fromkeys(BAND_PERCENTILES)
-    if len(there) > 1:
+    if len(values) > 1:
         for band, ends in BAND_PERCENTILES.items():
-            low, high = np.percentile(there, ends)
+            low, high = np.percentile(values, ends)
             bands[band] = (float(low), float(high))
     return EstimateBand(name, unit, value, bands)
 
@@ -214,20 +214,20 @@ def inputs_of(file: HullFile) -> list[HullInput]:
         ("mass", "cb_above_cg"): STABILITY_HEIGHTS * float(hull.shape.height.max()),
         ("speed", "cross_flow_drag"): cross_flow_drag(hull),
     }
-    found = []
+    inputs = []
     for table, record in HULL_TABLES.items():
         if table == "propeller" and file.propeller is None:
             continue
-        given = file.tables.get(table, {})
-        found += list(_inputs(record, given, (table,), used))
+        given_table = file.tables.get(table, {})
+        inputs += list(_inputs(record, given_table, (table,), used))
     if file.form.stations:
-        found += [
+        inputs += [
             HullInput(f"hull.stations, {name}", "m", ("stations", k), 1.0, place=False)
             for k, name in ((1, "breadth"), (2, "height"))
         ]
     for i, row in enumerate(file.tables["surfaces"]):
-        found += list(_inputs(Panels, row, ("surfaces", i), {}))
-    return found
+        inputs += list(_inputs(Panels, row, ("surfaces", i), {}))
+    return inputs
 
 
 def _inputs(
@@ -253,7 +253,8 @@ def _inputs(
 def change_hull(file: HullFile, one: HullInput, sign: float) -> HullFile:
     """Return the hull with one input changed; ConfigError if there is no such hull."""
     tables: dict[str, Any] = {
-        key: dict(each) if isinstance(each, Mapping) else each for key, each in file.tables.items()
+        key: dict(value) if isinstance(value, Mapping) else value
+        for key, value in file.tables.items()
     }
     if one.steps[0] == "stations":
         k = one.steps[1]
@@ -282,8 +283,8 @@ def influences(
     written: WrittenBoat, turn: dict[str, float] | None, heard: Callable[[int], object]
 ) -> list[Influence]:
     """Return the ten inputs that move the steady diameter most."""
-    own = (turn or {}).get(DIAMETER_MEASURE)
-    if own is None:
+    own_diameter = (turn or {}).get(DIAMETER_MEASURE)
+    if own_diameter is None:
         return []
     file = written.made.hull.file
     wanted = [(one, sign) for one in inputs_of(file) for sign in (-1.0, 1.0)]
@@ -292,8 +293,8 @@ def influences(
     effect: dict[HullInput, dict[float, float]] = {}
     for (one, sign), each in zip(boats, turns[1:], strict=True):
         if each is not None and DIAMETER_MEASURE in each:
-            effect.setdefault(one, {})[sign] = each[DIAMETER_MEASURE] / own - 1.0
-    found = [
+            effect.setdefault(one, {})[sign] = each[DIAMETER_MEASURE] / own_diameter - 1.0
+    ranked = [
         Influence(
             one.key,
             one.value,
@@ -304,15 +305,17 @@ def influences(
         )
         for one, by_sign in effect.items()
     ]
-    return sorted(found, key=lambda each: -each.size)[:MAX_INPUTS]
+    return sorted(ranked, key=lambda each: -each.size)[:MAX_INPUTS]
 
 
 def _changed_boat(written: WrittenBoat, one: HullInput, sign: float) -> VesselFile | None:
     """Return the boat of a changed hull, with the gains of the estimate; None without such."""
-    own = parse_toml(written.text, written.file.path.name)
+    own_tables = parse_toml(written.text, written.file.path.name)
     try:
         made = estimate_of(hull_of(change_hull(written.made.hull.file, one, sign)))
-        tables = boat_tables(made) | {key: own[key] for key in ("run", "autopilot") if key in own}
+        tables = boat_tables(made) | {
+            key: own_tables[key] for key in ("run", "autopilot") if key in own_tables
+        }
         return read_vessel(tables, "", written.file.path)
     except ConfigError:
         return None
@@ -327,8 +330,8 @@ def warnings(written: WrittenBoat, critical: Mapping[str, float | None]) -> Iter
             f"[mass] mass = {file.hull.mass:.6g} kg, the hull displaces {displaced:.6g} kg: "
             "one of them, or the drawing, is wrong"
         )
-    for told in range_warnings(hull):
-        yield f"outside the range of the method, every sd is doubled: {told}"
+    for problem in range_warnings(hull):
+        yield f"outside the range of the method, every sd is doubled: {problem}"
     yield from _unit_warnings(hull.file)
     planes = {"Gv": "stern planes", "Gh": "rudders"}
     for name, value in margins(file).items():
@@ -354,8 +357,8 @@ def warnings(written: WrittenBoat, critical: Mapping[str, float | None]) -> Iter
             f"[mass] cg_from_nose = {hull.shape.x_G:.4g} m, the volume's centre is at "
             f"{hull.shape.centroid:.4g} m: the boat is taken as trimmed level"
         )
-    for told in written.lacks:
-        yield f"no gains were written: {told}"
+    for problem in written.lacks:
+        yield f"no gains were written: {problem}"
 
 
 def _unit_warnings(file: HullFile) -> Iterator[str]:

@@ -69,19 +69,19 @@ def range_warnings(hull: Hull) -> tuple[str, ...]:
         "L/D": s.length / s.diameter,
         "breadth/height": float(s.breadth.max() / s.height.max()),
     }
-    found = [
+    problems = [
         f"{name} is {ratios[name]:.3g}, the method is tested from {low:g} to {high:g}"
         for name, (low, high) in TESTED_RANGES.items()
         if not low <= ratios[name] <= high
     ]
-    found += [
+    problems += [
         f"{panel.name} at {panel.station(0.25) / s.length:.2f} lengths, a tail is aft of "
         f"{AFT_PLACE_LENGTHS:g}"
         for panel in hull.panels
         if panel.control not in ("none", BOW_CONTROL)
         and panel.station(0.25) < AFT_PLACE_LENGTHS * s.length
     ]
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(problems))
 
 
 def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, float]:
@@ -96,22 +96,24 @@ def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, flo
         "turning": max(abs(c["N_rdot"]), abs(c["M_qdot"])),
     }
     wide = 2.0 if range_warnings(hull) else 1.0
-    found = {}
+    sizes = {}
     for rule in tables()["deviation"]:
         for key in rule["keys"]:
             size = rule["share"] * scales[rule.get("of", key)]
-            found[key] = wide * (size + rule.get("more", 0.0) * scales[rule.get("unit", "mass")])
+            sizes[key] = wide * (size + rule.get("more", 0.0) * scales[rule.get("unit", "mass")])
     for term in TERM_TABLE:
-        if term.key not in found:
-            found[term.key] = wide * ETA_DEVIATION * scales[term.key.removesuffix("_eta")]
-    return found
+        if term.key not in sizes:
+            sizes[term.key] = wide * ETA_DEVIATION * scales[term.key.removesuffix("_eta")]
+    return sizes
 
 
 @cache
 def coefficient_origins() -> dict[str, str]:
     """Return what each coefficient is made of, in words."""
-    found = {key: rule["rests"] for rule in tables()["deviation"] for key in rule["keys"]}
-    return {term.key: found.get(term.key, "no formula; 15 % of its parent") for term in TERM_TABLE}
+    origins = {key: rule["rests"] for rule in tables()["deviation"] for key in rule["keys"]}
+    return {
+        term.key: origins.get(term.key, "no formula; 15 % of its parent") for term in TERM_TABLE
+    }
 
 
 @dataclass(frozen=True)
@@ -158,11 +160,11 @@ class Estimate:
     def _changed(self, logarithms: Numbers) -> CoefficientValues:
         """Return the coefficients with the logarithms of the constants changed."""
         factors = np.exp(logarithms)
-        given = {
+        changed_constants = {
             name: self.constants.get(name, 1.0) * float(factor)
             for name, factor in zip(self.names, factors, strict=True)
         }
-        return coefficients(self.hull, given)
+        return coefficients(self.hull, changed_constants)
 
     def draw(self, number: int) -> CoefficientValues:
         """Return the coefficients of one draw [-]; number 0 is the estimate itself."""
@@ -174,14 +176,14 @@ class Estimate:
         if self.hull.ell < SMALL_CRAFT_LENGTH_M and logarithms[i] > 0.0:
             of = tables()["unfitted"]
             logarithms[i] *= of["openings"] / of["resistance"]
-        changed, own = self._changed(logarithms), normals[len(self.names) :]
-        found = {
-            term.key: self._drawn(term.key, changed[term.key], float(own[i]))
+        changed, own_normals = self._changed(logarithms), normals[len(self.names) :]
+        drawn = {
+            term.key: self._drawn(term.key, changed[term.key], float(own_normals[i]))
             for i, term in enumerate(TERM_TABLE)
             if term.key not in THRUST_KEYS
         }
-        found |= {twin: found[key] for twin, key in TWIN_COEFFICIENTS.items() if twin in found}
-        return found | {key: changed[key] for key in THRUST_KEYS}
+        drawn |= {twin: drawn[key] for twin, key in TWIN_COEFFICIENTS.items() if twin in drawn}
+        return drawn | {key: changed[key] for key in THRUST_KEYS}
 
     def _drawn(self, key: str, changed: float, deviate: float) -> float:
         """Return one coefficient [-] by the constants drawn and a deviate of its own."""
@@ -228,9 +230,9 @@ def root_of(covariance: Numbers) -> Numbers:
 
 def deviates(number: int, count: int) -> Numbers:
     """Return the normal deviates [-] of a draw, the same on every machine."""
-    found = np.empty(count)
-    fill_normals(uniforms(number, stream_number("estimate", ""), 0, count), found)
-    return found
+    normals = np.empty(count)
+    fill_normals(uniforms(number, stream_number("estimate", ""), 0, count), normals)
+    return normals
 
 
 def estimate_hull(hull: Hull, mass: float) -> Estimate:
@@ -248,17 +250,19 @@ def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
     """
     place = Place(file.path.name, "estimate")
     if "estimate" not in table:
-        told = "lacks the table [estimate]: it is no boat of trainer estimate"
-        raise ConfigError(f"{file.path.name}: {told}")
-    own = as_table(table["estimate"], place)
-    lacking = [key for key in ("constants", "covariance", "sd", "hull") if key not in own]
+        problem = "lacks the table [estimate]: it is no boat of trainer estimate"
+        raise ConfigError(f"{file.path.name}: {problem}")
+    estimate_table = as_table(table["estimate"], place)
+    lacking = [
+        key for key in ("constants", "covariance", "sd", "hull") if key not in estimate_table
+    ]
     if lacking:
         raise ConfigError(place.problem(f"lacks {', '.join(lacking)}"))
-    hull = hull_of(read_hull(own["hull"], file.path))
+    hull = hull_of(read_hull(estimate_table["hull"], file.path))
     names = tuple(fitted_constants())
-    constants = _numbers(own["constants"], names, place.inside("constants"))
-    sd = _numbers(own["sd"], tuple(term.key for term in TERM_TABLE), place.inside("sd"))
-    rows = _rows(own["covariance"], len(names), place)
+    constants = _numbers(estimate_table["constants"], names, place.inside("constants"))
+    sd = _numbers(estimate_table["sd"], tuple(term.key for term in TERM_TABLE), place.inside("sd"))
+    rows = _rows(estimate_table["covariance"], len(names), place)
     made = coefficients(hull, constants)
     values = made | dict(file.coefficients)
     return Estimate(hull, file.hull.mass, constants, rows, values, sd)
@@ -272,42 +276,42 @@ def filed_joint(table: Mapping[str, Any], place: Place) -> JointCoefficients:
     if "covariance" not in table:
         raise ConfigError(place.problem("lacks the table [covariance]: no fit has written it"))
     rows = as_table(table["covariance"], place.inside("covariance"))
-    given = as_table(table.get("coefficients", {}), place.inside("coefficients"))
+    given_values = as_table(table.get("coefficients", {}), place.inside("coefficients"))
     for name in rows:
-        value = given.get(name)
+        value = given_values.get(name)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            told = "must be a number: [covariance] has a row of it"
-            raise ConfigError(place.inside("coefficients").wrong(name, value, told))
-    values = {name: float(given[name]) for name in rows}
+            problem = "must be a number: [covariance] has a row of it"
+            raise ConfigError(place.inside("coefficients").wrong(name, value, problem))
+    values = {name: float(given_values[name]) for name in rows}
     return JointCoefficients(values, _rows(list(rows.values()), len(rows), place))
 
 
 def _numbers(table: object, names: tuple[str, ...], place: Place) -> dict[str, float]:
     """Return numbers by name; ConfigError if one is lacking, none, or negative."""
-    given = as_table(table, place)
+    given_values = as_table(table, place)
     for name in names:
-        value = given.get(name)
+        value = given_values.get(name)
         if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0.0:
             raise ConfigError(place.wrong(name, value, "must be a number, 0 or more"))
-    return {name: float(given[name]) for name in names}
+    return {name: float(given_values[name]) for name in names}
 
 
 def _rows(rows: object, count: int, place: Place) -> Numbers:
     """Return the covariance; ConfigError if it is no symmetric matrix of that size."""
     try:
-        found = np.array(rows, float)
+        matrix = np.array(rows, float)
     except (TypeError, ValueError):
-        found = np.zeros(0)
-    if found.shape != (count, count) or not np.allclose(found, found.T):
-        told = f"must be {count} rows of {count} numbers, symmetric"
-        raise ConfigError(place.problem(f"covariance: {told}"))
-    return found
+        matrix = np.zeros(0)
+    if matrix.shape != (count, count) or not np.allclose(matrix, matrix.T):
+        problem = f"must be {count} rows of {count} numbers, symmetric"
+        raise ConfigError(place.problem(f"covariance: {problem}"))
+    return matrix
 
 
 def drawn_tables(made: Estimate, table: Mapping[str, Any], number: int) -> dict[str, Any]:
     """Return the tables of a vessel with a draw of its coefficients in them."""
     drawn = made.draw(number)
-    own = {key: value for key, value in drawn.items() if key not in THRUST_KEYS}
+    coefficient_values = {key: value for key, value in drawn.items() if key not in THRUST_KEYS}
     rows = []
     for row in table["propulsion"]["sets"]:  # in the ratio of the draw to the estimate
         keys = {name: f"{name}{'1' if row['eta_min'] >= 0.0 else '3'}" for name in "abc"}
@@ -319,6 +323,6 @@ def drawn_tables(made: Estimate, table: Mapping[str, Any], number: int) -> dict[
         rows.append({**row, **{name: row[name] * ratio for name, ratio in ratios.items()}})
     return {
         **table,
-        "coefficients": own,
+        "coefficients": coefficient_values,
         "propulsion": {**table["propulsion"], "sets": rows},
     }

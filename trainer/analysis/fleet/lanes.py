@@ -159,9 +159,9 @@ def _get_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 
 @lower_setattr_generic(LaneRecord)
 def _set_field(context: Any, builder: Any, kinds: Any, args: Any, name: str) -> None:
-    kind, given = kinds.args
+    kind, given_type = kinds.args
     view = _open_view(context, builder, kind, args[0])
-    number = context.cast(builder, args[1], given, DOUBLE_TYPE)
+    number = context.cast(builder, args[1], given_type, DOUBLE_TYPE)
     builder.store(number, _address(builder, view, cgutils.intp_t(kind.member(name).first)))
 
 

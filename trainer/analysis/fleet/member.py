@@ -124,10 +124,10 @@ def fly_member(
     """Advance a member by ``ticks``, and obey its orders."""
     state = fleet.states[record_span(fleet.states, member)]
     write_track_row(out, member, 0, state)
-    tick, given = min(ticks, 0), 0  # a literal 0 would make all below compile twice
+    tick, next_order = min(ticks, 0), 0  # a literal 0 would make all below compile twice
     while tick < ticks and out.lost[member] < 0:
-        given = obey_orders(schedule, member, tick, given, state)
-        end = next_order_tick(schedule, member, given, ticks)
+        next_order = obey_orders(schedule, member, tick, next_order, state)
+        end = next_order_tick(schedule, member, next_order, ticks)
         fly_alone(fleet, member, tick, end, scratch, out)
         tick = end
 

@@ -151,13 +151,13 @@ def fly_block(
         for lane in range(min(LANE_COUNT, fleet.states.size - first)):
             member = first + lane
             if out.lost[member] < 0:
-                given, state = (
+                next_order, state = (
                     work.next_order[lane],
                     fleet.states[record_span(fleet.states, member)],
                 )
-                given = obey_orders(schedule, member, tick, given, state)
-                end = next_order_tick(schedule, member, given, end)
-                work.next_order[lane] = given
+                next_order = obey_orders(schedule, member, tick, next_order, state)
+                end = next_order_tick(schedule, member, next_order, end)
+                work.next_order[lane] = next_order
         fly_stretch(fleet, first, tick, end, work, out)
         tick = end
 

@@ -162,12 +162,12 @@ def _further_forces(compact: Record, state: Record, force: Numbers) -> None:
 @kernel
 def keep_gains(out: Numbers) -> None:
     """Find new gains where a lane has left its bracket of speeds."""
-    left = 0
+    outside_count = 0
     for lane in every_lane():
         gains = work_in(out, lane)[0].gains
         u = state_in(out, lane)[0].u
-        left += 1 if u <= gains[BRACKET_BELOW] or u > gains[BRACKET_TOP] else 0
-    if left > 0:
+        outside_count += 1 if u <= gains[BRACKET_BELOW] or u > gains[BRACKET_TOP] else 0
+    if outside_count > 0:
         for lane in every_lane():
             bracket_gains(lane, out)
 

@@ -106,14 +106,14 @@ class GuideContents:
 def guide_tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
     """Return every flight that a guide of these legs needs, each once."""
     path = trials_path(file)
-    found = (
+    wanted = (
         *(leg.task(file, equations) for leg in legs for equations in SET_METHODS),
         *findings.step_tasks(file),
         *findings.finding_tasks(file),
         *reasons.drop_tasks(file),
         *(trial.task(file) for trial in (load_published(path)[0] if path else ())),
     )
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(wanted))
 
 
 def write_guide(

@@ -85,13 +85,13 @@ class StepRun:
 
 def cases(file: VesselFile) -> dict[str, tuple[Manoeuvre, float]]:
     """Return the manoeuvres of the study and their speeds [m/s]."""
-    lead, own = LEAD_STEPS * file.run.step_s, file.run.start_speed_kn
+    lead, own_speed = LEAD_STEPS * file.run.step_s, file.run.start_speed_kn
     top = round_speeds(*file.run.speed_range_kn)[-1]
     turn = Turn(duration_s=300.0 * file.run.step_s / 0.5, keep=(), lead_s=lead)
     trim = TrimChange(duration_s=240.0 * file.run.step_s / 0.5, lead_s=lead)
     return {
-        f"planes offset 3 deg, {own:g} kn": (trim, own * KNOT),
-        f"rudder 15 deg, {own:g} kn": (turn, own * KNOT),
+        f"planes offset 3 deg, {own_speed:g} kn": (trim, own_speed * KNOT),
+        f"rudder 15 deg, {own_speed:g} kn": (turn, own_speed * KNOT),
         f"rudder 15 deg, {top:g} kn": (turn, top * KNOT),
     }
 
@@ -122,7 +122,7 @@ def step_tasks(file: VesselFile) -> Iterator[Task]:
 
 def step_study(file: VesselFile, flown: FlightTable) -> tuple[StepRun, ...]:
     """Return how far every scheme and step is from the standard."""
-    found = []
+    runs = []
     for case, (manoeuvre, speed) in cases(file).items():
         true = flown[standard_flight(file, manoeuvre, speed)]
         if isinstance(true, str) or true.lost:
@@ -137,8 +137,8 @@ def step_study(file: VesselFile, flown: FlightTable) -> tuple[StepRun, ...]:
                 else "of no use"
             )
             verdict = "fine" if percent is not None and percent <= GOOD_ERROR_PERCENT else verdict
-            found.append(StepRun(case, name, rates, step, percent, worst, verdict))
-    return tuple(found)
+            runs.append(StepRun(case, name, rates, step, percent, worst, verdict))
+    return tuple(runs)
 
 
 def worst_error(true: Flight, other: Flight | str) -> tuple[float | None, str]:
@@ -358,18 +358,19 @@ def nonlinear_terms(file: VesselFile, flown: FlightTable) -> Finding:
         percent[name] = 100.0 * (after - before) / before
     worst = max(abs(one) for one in percent.values())
     verdict = HOLDS_VERDICT if worst >= 10.0 else PARTIAL_VERDICT if worst > 5.0 else FAILS_VERDICT
-    given = [name for name in NONLINEAR_COEFFICIENTS if file.coefficients[name]]
+    present_terms = [name for name in NONLINEAR_COEFFICIENTS if file.coefficients[name]]
     words = (
         f"the meander's pitch is off by {percent['theta']:+.1f} %, its depth by "
-        f"{percent['z']:+.1f} %; of these terms this hull's data have {', '.join(given) or 'none'}"
+        f"{percent['z']:+.1f} %; of these terms this hull's data have "
+        f"{', '.join(present_terms) or 'none'}"
     )
     return Finding(title, claim, verdict, words)
 
 
 def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
     """Yield what 1969 said about integrators and steps, in this boat's own steps."""
-    own = file.run.step_s
-    euler, adams = _worst(steps, "Euler", 2.0 * own), _worst(steps, "Adams 2", own)
+    own_step = file.run.step_s
+    euler, adams = _worst(steps, "Euler", 2.0 * own_step), _worst(steps, "Adams 2", own_step)
     yield Finding(
         "Euler at 1 s",
         "Euler cannot be used at twice the step that Adams is used at",
@@ -382,14 +383,14 @@ def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
         HOLDS_VERDICT if adams.verdict == "fine" else FAILS_VERDICT,
         _error(adams),
     )
-    yield _lag_costs(steps, own)
+    yield _lag_costs(steps, own_step)
 
 
 def _worst(steps: tuple[StepRun, ...], scheme: str, step: float) -> StepRun:
     """Return the worst case of a scheme with lagged rates at a step."""
-    found = [run for run in steps if run.scheme == scheme and run.rates == "lagged"]
-    found = [run for run in found if abs(run.step_s - step) < 1e-9]
-    return max(found, key=lambda run: float("inf") if run.percent is None else run.percent)
+    runs = [run for run in steps if run.scheme == scheme and run.rates == "lagged"]
+    runs = [run for run in runs if abs(run.step_s - step) < 1e-9]
+    return max(runs, key=lambda run: float("inf") if run.percent is None else run.percent)
 
 
 def _error(run: StepRun) -> str:

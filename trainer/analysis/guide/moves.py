@@ -91,12 +91,12 @@ def leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]]
 def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[GuideMove, ...]:
     """Return what differs between two guides, the largest change first."""
     before, after = dict(leaves(earlier)), dict(leaves(now))
-    found = [
+    moves = [
         GuideMove(name, before.get(name), after.get(name))
         for name in dict.fromkeys([*before, *after])
         if not _same(before.get(name), after.get(name))
     ]
-    return tuple(sorted(found, key=lambda one: -_size(one)))
+    return tuple(sorted(moves, key=lambda one: -_size(one)))
 
 
 def _same(before: float | str | None, after: float | str | None) -> bool:

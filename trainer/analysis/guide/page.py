@@ -89,12 +89,12 @@ def overview(guide: Guide) -> Markup:
     heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
     totals = [
         paragraph(
-            f"The {each} set: manoeuvres within tolerance, {count['manoeuvres']}; "
+            f"The {equations} set: manoeuvres within tolerance, {count['manoeuvres']}; "
             f"{count['within']} numbers within, {count['beyond']} beyond, {count['shown']} shown "
             "and not judged."
         )
-        for each in REDUCED_SETS
-        for count in (tally_set(guide, each),)
+        for equations in REDUCED_SETS
+        for count in (tally_set(guide, equations),)
     ]
     words = (
         "The full set is flown with exact accelerations by Runge and Kutta, the reduced sets with "
@@ -176,7 +176,7 @@ def steps(guide: Guide) -> Markup:
     rows: list[tuple[str | Cell, ...]] = []
     last = ""
     for case, scheme, rates in dict.fromkeys((r.case, r.scheme, r.rates) for r in guide.steps):
-        found = {
+        runs = {
             run.step_s: run
             for run in guide.steps
             if (run.case, run.scheme, run.rates) == (case, scheme, rates)
@@ -184,7 +184,7 @@ def steps(guide: Guide) -> Markup:
         cells: list[str | Cell] = ["" if case == last else case, f"{scheme}, {rates}"]
         last = case
         for size in sizes:
-            run = found[size]
+            run = runs[size]
             style = {"fine": "good", "coarse": "soft"}.get(run.verdict, "bad")
             digits = ".0f" if run.percent is not None and run.percent >= 10.0 else ".2g"
             error = "" if run.percent is None else f"{run.percent:{digits}} % {run.worst}, "
@@ -208,8 +208,8 @@ def trials(guide: Guide) -> Markup:
         "The full set by Runge and Kutta at a fifth of the boat's step. Differences are ours less "
         "theirs; nothing here is judged."
     )
-    found = [*(_trial(one) for one in guide.trials), *(_waves(one) for one in guide.waves)]
-    return section("published", "Published results", paragraph(words), *found)
+    parts = [*(_trial(one) for one in guide.trials), *(_waves(one) for one in guide.waves)]
+    return section("published", "Published results", paragraph(words), *parts)
 
 
 def _trial(one: TrialComparison) -> Markup:
@@ -302,9 +302,9 @@ def _leg(book: GuideContents, leg: Leg, sheet: LegSheet) -> Markup:
     """Return one manoeuvre: what was ordered, charts and numbers."""
     wanted = {each: book.flown[leg.task(book.file, each)] for each in SET_METHODS}
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
-    given = format_parameters(sheet.parameters)
+    parameters = format_parameters(sheet.parameters)
     about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
-    parts = [paragraph(f"{about} [{given}; degrees, seconds, knots]", "soft")]
+    parts = [paragraph(f"{about} [{parameters}; degrees, seconds, knots]", "soft")]
     parts += [paragraph(f"{name}: {problem}") for name, problem in sheet.problems.items()]
     parts += [
         paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost
@@ -320,7 +320,8 @@ def _leg(book: GuideContents, leg: Leg, sheet: LegSheet) -> Markup:
 def _rows(sheet: LegSheet) -> list[list[str | Cell]]:
     """Return the numbers of a sheet, both reduced sets side by side."""
     by_set = {
-        each: {one.quantity: one for one in sheet.judgements.get(each, ())} for each in REDUCED_SETS
+        set_name: {one.quantity: one for one in sheet.judgements.get(set_name, ())}
+        for set_name in REDUCED_SETS
     }
     rows = []
     for quantity in dict.fromkeys(name for found in by_set.values() for name in found):
@@ -379,7 +380,7 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
 
 def _panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, ...]:
     """Return the panels of a manoeuvre, a curve for each flight; depth from its start."""
-    found = []
+    panels = []
     for name in shows:
         if name != TRACK_TITLE and not all(flight.has(name) for flight in flights.values()):
             continue
@@ -392,11 +393,11 @@ def _panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, 
             values = flight.change(name) if name == "z" else flight.column(name)
             curves.append(Curve(label, flight.t, factor * values))
         if name == TRACK_TITLE:
-            found.append(Panel(TRACK_TITLE, "east [m]", "track, north [m]", tuple(curves)))
+            panels.append(Panel(TRACK_TITLE, "east [m]", "track, north [m]", tuple(curves)))
         else:
             title = f"{COLUMN_NAMES[name]} [{page_unit(name)[1]}]"
-            found.append(Panel(title, "time [s]", title, tuple(curves), downwards=name == "z"))
-    return tuple(found)
+            panels.append(Panel(title, "time [s]", title, tuple(curves), downwards=name == "z"))
+    return tuple(panels)
 
 
 def _verdict(name: str) -> Cell:

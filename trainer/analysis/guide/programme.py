@@ -107,21 +107,21 @@ def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], No
     what starting them takes; they load the machine code that is there by then.
     """
     wanted = list(dict.fromkeys(tasks))
-    found: FlightTable = {}
+    flown_tasks: FlightTable = {}
     begin = monotonic()
     for task in wanted:
         if cores > 1 and monotonic() - begin > LONE_PROCESS_S:
             break
-        found[task] = fly_task(path, task)
+        flown_tasks[task] = fly_task(path, task)
         step()
-    rest = wanted[len(found) :]
+    rest = wanted[len(flown_tasks) :]
     if rest:
         with worker_pool(cores) as pool:
             flights = pool.map(partial(fly_task, path), rest, chunksize=CHUNK_FLIGHTS)
             for task, flight in zip(rest, flights, strict=True):
-                found[task] = flight
+                flown_tasks[task] = flight
                 step()
-    return found
+    return flown_tasks
 
 
 @dataclass(frozen=True)
@@ -184,8 +184,8 @@ def legs_of_1969(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...
     the boat's top speed, where 1969 had 5 to 25 kn.
     """
     boat = _boat_at(file, depth)
-    found = _legs_of_1969(file)
-    return _manned(boat, (replace(leg, rig=Rig(depth=depth)) for leg in found))
+    bare_legs = _legs_of_1969(file)
+    return _manned(boat, (replace(leg, rig=Rig(depth=depth)) for leg in bare_legs))
 
 
 def _boat_at(file: VesselFile, depth: float | None) -> Submarine:
@@ -198,12 +198,12 @@ def _boat_at(file: VesselFile, depth: float | None) -> Submarine:
 
 def _manned(boat: Submarine, wanted: Iterable[Leg]) -> tuple[Leg, ...]:
     """Return the legs that the boat has the controls for, by angles that these go to."""
-    found = [
+    manned = [
         replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
         for leg in wanted
         if all(control in boat.controls for control in leg.manoeuvre.needs)
     ]
-    return tuple(dict.fromkeys(_name_by_angle(leg) for leg in found))
+    return tuple(dict.fromkeys(_name_by_angle(leg) for leg in manned))
 
 
 def _legs_of_1969(file: VesselFile) -> Iterator[Leg]:
@@ -213,15 +213,15 @@ def _legs_of_1969(file: VesselFile) -> Iterator[Leg]:
     for speed in speeds:
         yield Leg("meander", "", speed, Meander())
         for angle, execute in product(OFFSETS_1969, EXECUTES_1969):
-            told = f"planes {angle:g} deg, execute {execute:g} deg"
-            yield Leg("overshoot", told, speed, Overshoot(angle_deg=angle, execute_deg=execute))
+            variant = f"planes {angle:g} deg, execute {execute:g} deg"
+            yield Leg("overshoot", variant, speed, Overshoot(angle_deg=angle, execute_deg=execute))
         for rudder in RUDDERS_1969:
             yield Leg("turn", RUDDER_PLACEHOLDER, speed, Turn(angle_deg=rudder))
         yield Leg("trim", "", speed, TrimChange())
-    own = file.run.start_speed_kn
+    own_speed = file.run.start_speed_kn
     for name in ("acceleration", "utmost-acceleration", "impulse", "rudder-impulse"):
         manoeuvre = find_manoeuvre(name)
-        yield Leg(name, "", 0.0 if manoeuvre.from_rest else own, manoeuvre)
+        yield Leg(name, "", 0.0 if manoeuvre.from_rest else own_speed, manoeuvre)
 
 
 def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Leg]:
@@ -233,10 +233,13 @@ def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Le
     yield from deep
     diameter = float(boat.boat.vessel.diameter)
     if diameter > 0.0:  # else the boat does not feel the surface
-        own, near = file.run.start_speed_kn, Rig(depth=round(SHALLOW_DEPTH_DIAMETERS * diameter, 1))
+        own_speed, near = (
+            file.run.start_speed_kn,
+            Rig(depth=round(SHALLOW_DEPTH_DIAMETERS * diameter, 1)),
+        )
         for name in SHALLOW_MANOEUVRES:
             yield from (
-                replace(leg, rig=near) for leg in both_ways(name, own, find_manoeuvre(name))
+                replace(leg, rig=near) for leg in both_ways(name, own_speed, find_manoeuvre(name))
             )
 
 
@@ -247,8 +250,8 @@ def both_ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") 
     """
     fields = [name for name in FIELD_CHOICES if hasattr(manoeuvre, name)]
     for picked in zip(*(FIELD_CHOICES[field] for field in fields), strict=True) if fields else [()]:
-        told = ", ".join(filter(None, (variant, *picked)))
-        yield Leg(name, told, speed, replace(manoeuvre, **dict(zip(fields, picked, strict=True))))
+        words = ", ".join(filter(None, (variant, *picked)))
+        yield Leg(name, words, speed, replace(manoeuvre, **dict(zip(fields, picked, strict=True))))
 
 
 def _legs_by_speed(file: VesselFile) -> Iterator[Leg]:
@@ -273,18 +276,18 @@ def _legs_by_speed(file: VesselFile) -> Iterator[Leg]:
 
 def _legs_of_one_speed(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs at the boat's own speed, or from rest."""
-    own = file.run.start_speed_kn
+    own_speed = file.run.start_speed_kn
     for name in ONE_SPEED_MANOEUVRES:
         manoeuvre = find_manoeuvre(name)
-        speed = 0.0 if manoeuvre.from_rest else own
+        speed = 0.0 if manoeuvre.from_rest else own_speed
         if name in TWO_SIDED_MANOEUVRES:
             yield Leg(name, "", speed, manoeuvre)
         else:
             yield from both_ways(name, speed, manoeuvre)
     for share in LOAD_SHARES:
-        kept = ("depth",) if share < 0.0 else ()
-        told = f"{share:+.1%}, {'depth kept' if kept else 'planes still'}"
-        yield Leg("out-of-balance", told, own, OutOfBalance(share=share, keep=kept))
+        kept_axes = ("depth",) if share < 0.0 else ()
+        variant = f"{share:+.1%}, {'depth kept' if kept_axes else 'planes still'}"
+        yield Leg("out-of-balance", variant, own_speed, OutOfBalance(share=share, keep=kept_axes))
 
 
 def _name_by_angle(leg: Leg) -> Leg:

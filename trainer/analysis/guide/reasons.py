@@ -40,13 +40,13 @@ class DropEffect:
 
 def list_dropped(file: VesselFile) -> tuple[str, ...]:
     """Return the coefficients of this boat that its modified set drops."""
-    kept = file.compact.extra_terms
+    extra_terms = file.compact.extra_terms
     factors = file.compensation["modified"]
     return tuple(
         term.key
         for term in COEFFICIENTS
         if file.coefficients[term.key]
-        and (not (term.kept or term.key in kept) or factors.get(term.key) == 0.0)
+        and (not (term.kept or term.key in extra_terms) or factors.get(term.key) == 0.0)
     )
 
 

@@ -34,10 +34,10 @@ def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
     if moves is not None:
         lines += ["", *_moves(moves)]
     for equations in REDUCED_SETS:
-        told = tally_set(guide, equations)
+        counts = tally_set(guide, equations)
         lines += wrap(
-            f"{equations}: manoeuvres within tolerance, {told['manoeuvres']}; of their numbers "
-            f"{told['within']} within, {told['beyond']} beyond"
+            f"{equations}: manoeuvres within tolerance, {counts['manoeuvres']}; of their numbers "
+            f"{counts['within']} within, {counts['beyond']} beyond"
         )
     lines.append(f"{guide.conclusion}.")
     return "\n".join(lines)

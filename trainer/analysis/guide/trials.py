@@ -149,10 +149,10 @@ def load_published(path: Path) -> tuple[tuple[Trial, ...], tuple[HeadWaves, ...]
             with collecting(problems):
                 yield read(as_table(row, place), place)
 
-    found = tuple(read_all("trials", _trial)), tuple(read_all("waves", _waves))
+    published = tuple(read_all("trials", _trial)), tuple(read_all("waves", _waves))
     if problems:
         raise ConfigError(*problems)
-    return found
+    return published
 
 
 def _waves(row: Mapping[str, Any], place: Place) -> HeadWaves:
@@ -193,7 +193,7 @@ def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
         raise ConfigError(place.wrong("manoeuvre", name, advice))
     manoeuvre = find_manoeuvre(name)
     known = {field.name: getattr(manoeuvre, field.name) for field in fields(manoeuvre)}
-    given = {}
+    field_values = {}
     for key, value in row.items():
         if key in TRIAL_KEYS:
             continue
@@ -204,8 +204,8 @@ def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
             read = Choice(FIELD_CHOICES[key], "as --side, or rise and dive").read
         elif isinstance(known[key], tuple):
             read = _words
-        given[key] = read(key, value, place)
-    return replace(manoeuvre, **given)
+        field_values[key] = read(key, value, place)
+    return replace(manoeuvre, **field_values)
 
 
 def _words(key: str, value: object, place: Place) -> tuple[str, ...]:

@@ -40,8 +40,8 @@ def verdict_account(verdicts: Sequence[bool | None]) -> str:
     As in ``21 of 21 judged, 9 not judged``.
     """
     judged = [one for one in verdicts if one is not None]
-    left = len(verdicts) - len(judged)
-    return f"{sum(judged)} of {len(judged)} judged" + f", {left} not judged" * (left > 0)
+    unjudged = len(verdicts) - len(judged)
+    return f"{sum(judged)} of {len(judged)} judged" + f", {unjudged} not judged" * (unjudged > 0)
 
 
 def passes_all(verdicts: Sequence[bool | None]) -> bool:
@@ -54,10 +54,10 @@ def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement,
 
     Where the full set itself is lost, beyond what its equations are good for, nothing is judged.
     """
-    found = (*_pair_measures(manoeuvre, full, other), *_changes(manoeuvre, full, other))
+    judgements = (*_pair_measures(manoeuvre, full, other), *_changes(manoeuvre, full, other))
     if not full.lost:
-        return found
-    return tuple(replace(one, allowed=None, verdict=NOT_JUDGED) for one in found)
+        return judgements
+    return tuple(replace(one, allowed=None, verdict=NOT_JUDGED) for one in judgements)
 
 
 def _pair_measures(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:

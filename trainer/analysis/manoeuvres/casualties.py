@@ -29,14 +29,14 @@ WATCHED_LENGTHS: Final = 12.0  # [lengths run] that are watched once the planes 
 def readings(flight: Flight, begin: float, columns: dict[str, str]) -> list[Measure]:
     """Return the change of columns at each sixth from ``begin`` [s], by name with unit."""
     end = float(flight.t[-1])
-    found = []
+    measures = []
     for name, unit in columns.items():
         most = float(abs(flight.change(name)).max())
         for reading in RUN_SIXTHS:
             value = flight.at(begin + reading * (end - begin), name)
             change = None if value is None else value - float(flight.column(name)[0])
-            found.append(part_measure(f"{name} after {reading:.2g} of it", unit, change, most))
-    return found
+            measures.append(part_measure(f"{name} after {reading:.2g} of it", unit, change, most))
+    return measures
 
 
 @runtime_checkable

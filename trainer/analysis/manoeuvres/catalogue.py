@@ -133,16 +133,16 @@ def parameter_option(parameter: str, value: object = "") -> str:
 
 def _no_parameter(name: str, parameter: str, value: object) -> str:
     """Return what a manoeuvre has instead of a parameter, and which manoeuvres have that."""
-    own = find_manoeuvre(name)
+    manoeuvre = find_manoeuvre(name)
     words = {"direction": "rise or dive"}
-    keys = (key for key, field in PARAMETERS.items() if hasattr(own, field))
+    keys = (key for key, field in PARAMETERS.items() if hasattr(manoeuvre, field))
     has = [words.get(key, key.replace("_", "-")) for key in keys]
     field = PARAMETERS[parameter]
     others = ", ".join(other for other, one in MANOEUVRES.items() if hasattr(one, field))
-    given = parameter_option(parameter, value)
+    option_text = parameter_option(parameter, value)
     return (
-        f"{given}: {name} has no such parameter; it has {', '.join(has) or 'none'}. "
-        f"{given} is for {others}"
+        f"{option_text}: {name} has no such parameter; it has {', '.join(has) or 'none'}. "
+        f"{option_text} is for {others}"
     )
 
 

@@ -247,9 +247,9 @@ class Manoeuvre(ABC):
 
     def __post_init__(self) -> None:
         for name, known in FIELD_CHOICES.items():
-            given = getattr(self, name, known[0])
-            if given not in known:
-                raise ConfigError(f"{name} = {given!r}: must be {known[0]} or {known[1]}")
+            choice = getattr(self, name, known[0])
+            if choice not in known:
+                raise ConfigError(f"{name} = {choice!r}: must be {known[0]} or {known[1]}")
 
     @property
     def sign(self) -> float:
@@ -278,14 +278,14 @@ def fly_manoeuvre(
     check_parts(vehicle, manoeuvre.needs, manoeuvre.compared)
     vehicle.start(speed)
     conn = Conn(vehicle, others)
-    lost, left = "", MAX_FLIGHT_CYCLES
+    lost, cycles_left = "", MAX_FLIGHT_CYCLES
     try:
         with np.errstate(all="ignore"):  # what is lost is told by the vehicle
             for _ in manoeuvre.schedule(conn):
                 vehicle.advance()
                 conn.look()
-                left -= 1
-                if left == 0:
+                cycles_left -= 1
+                if cycles_left == 0:
                     raise ConfigError(f"{vehicle.name}: does not end in {MAX_FLIGHT_CYCLES} cycles")
     except LostError as gone:
         lost = str(gone)

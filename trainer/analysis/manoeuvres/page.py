@@ -113,11 +113,11 @@ def fly_vehicle(
 
 def render(report: ManoeuvreReport) -> str:
     """Return the report as text."""
-    given = format_parameters(report.parameters)
+    parameter_text = format_parameters(report.parameters)
     rows = [(one.name, *format_measure(one)) for one in report.measures]
     lines = [
         f"{report.vessel}: {report.manoeuvre}",
-        f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s, kn]",
+        f"{INDENT}from {report.speed_kn:g} kn; {parameter_text or 'no parameters'} [deg, s, kn]",
         *_method_facts(report),
         "",
         *table(("measure", "", "unit"), rows),
@@ -158,22 +158,22 @@ def format_measure(one: Measure) -> tuple[str, str]:
 def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
     """Return the panels of what the manoeuvre shows and the vehicle has, events marked."""
     marks = tuple((mark.name, mark.t) for mark in flight.marks)
-    found = []
+    panel_list = []
     for name in manoeuvre.shows:
         if name == TRACK_PANEL:
             curve = Curve("track", flight.column("y"), flight.column("x"))
-            found.append(Panel("track", "east [m]", "north [m]", (curve,)))
+            panel_list.append(Panel("track", "east [m]", "north [m]", (curve,)))
         elif name == TURNS_PANEL and flight.has("delta_r"):
             curves = tuple(_steady_turns(flight))
-            found.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
+            panel_list.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
         elif flight.has(name):
             factor, of = page_unit(name)
             curve = Curve(name, flight.t, factor * flight.column(name))
             lower = name in DEPTH_COLUMNS
-            found.append(
+            panel_list.append(
                 Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks, downwards=lower)
             )
-    return tuple(found)
+    return tuple(panel_list)
 
 
 def _steady_turns(flight: Flight) -> Iterator[Curve]:

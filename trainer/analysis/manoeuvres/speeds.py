@@ -96,13 +96,15 @@ class UtmostAcceleration(Manoeuvre):
         """Return speeds on the way, and how far the depth went."""
         top = float(flight.column("u").max())
         times = [part * self.duration_s for part in READING_SHARES]
-        found = [
+        measures = [
             part_measure(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top)
             for time in times
         ]
         if flight.has("z"):
-            found.append(show_only("largest depth change", "m", largest_value(flight.change("z"))))
-        return found
+            measures.append(
+                show_only("largest depth change", "m", largest_value(flight.change("z")))
+            )
+        return measures
 
 
 @dataclass(frozen=True)
@@ -159,13 +161,15 @@ class Backing(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return speeds and the way made astern. Where the boat then goes by itself is shown."""
         fastest, furthest = largest_value(flight.column("u")), largest_value(flight.change("x"))
-        found = []
+        measures = []
         for reading in READING_SHARES:
             time = reading * self.duration_s
             speed, way = flight.at(time, "u"), flight.at(time, "x")
-            found.append(part_measure(f"speed after {time:g} s", "m/s", speed, fastest))
-            found.append(part_measure(f"way after {time:g} s", "m", way, furthest))
-        found.append(show_only("change of heading", "rad", float(flight.change("psi")[-1])))
+            measures.append(part_measure(f"speed after {time:g} s", "m/s", speed, fastest))
+            measures.append(part_measure(f"way after {time:g} s", "m", way, furthest))
+        measures.append(show_only("change of heading", "rad", float(flight.change("psi")[-1])))
         if flight.has("z"):
-            found.append(show_only("largest depth change", "m", largest_value(flight.change("z"))))
-        return found
+            measures.append(
+                show_only("largest depth change", "m", largest_value(flight.change("z")))
+            )
+        return measures

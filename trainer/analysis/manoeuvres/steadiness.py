@@ -110,13 +110,13 @@ class PullOut(Manoeuvre):
         """Return the yaw rate in the turn and its remainder, to either side."""
         flight = flight.counted_to(self.side)
         turned = [mark.t for mark in flight.marks if mark.name == "amidships"]
-        left = [mark.t for mark in flight.marks if mark.name == "left"]
-        found = []
-        for side, *times in zip(self.sides, turned, left, strict=False):
+        left_times = [mark.t for mark in flight.marks if mark.name == "left"]
+        measures = []
+        for side, *times in zip(self.sides, turned, left_times, strict=False):
             rates = [flight.at(time, "r") for time in times]
-            found.append(share_measure(f"yaw rate, rudder to {side}", "rad/s", rates[0]))
-            found.append(show_only(f"yaw rate left after {side}", "rad/s", rates[1]))
-        return found
+            measures.append(share_measure(f"yaw rate, rudder to {side}", "rad/s", rates[0]))
+            measures.append(show_only(f"yaw rate left after {side}", "rad/s", rates[1]))
+        return measures
 
 
 @dataclass(frozen=True)
@@ -151,12 +151,12 @@ class Spiral(Manoeuvre):
             way, angle = mark.name.split()
             rates[way][angle] = flight.at(mark.t, "r") or 0.0
         most = max((abs(rate) for rate in rates["down"].values()), default=0.0)
-        found = [
+        measures = [
             part_measure(f"yaw rate at {angle} deg", "rad/s", rate, most)
             for angle, rate in rates["down"].items()
         ]
         gaps = [abs(rate - rates["up"].get(angle, rate)) for angle, rate in rates["down"].items()]
-        return [*found, show_only("width of the loop", "rad/s", max(gaps) if gaps else None)]
+        return [*measures, show_only("width of the loop", "rad/s", max(gaps) if gaps else None)]
 
 
 @dataclass(frozen=True)
@@ -201,14 +201,14 @@ class ReverseSpiral(Manoeuvre):
         flight = flight.counted_to(self.side)
         if not flight.has("delta_r") or not flight.marks:
             return []
-        found = []
+        measures = []
         rudder = math.copysign(1.0, flight.at(flight.marks[0].t, "delta_r") or 0.0) * flight.change(
             "delta_r"
         )
         for mark in flight.marks[1:]:
-            found.append(show_only(f"yaw rate at {mark.name}", "rad/s", flight.at(mark.t, "r")))
+            measures.append(show_only(f"yaw rate at {mark.name}", "rad/s", flight.at(mark.t, "r")))
             angle = float(np.interp(mark.t, flight.t, rudder))
-            found.append(
+            measures.append(
                 part_measure(f"rudder at {mark.name}", "rad", angle, math.radians(self.angle_deg))
             )
-        return found
+        return measures

@@ -109,22 +109,22 @@ class Submarine:
         self._kept_speed: float | None = None
         self._lookout = np.zeros(1, entry.LOOKOUT)
         self._lookout["steepest"] = MAX_PITCH_RAD
-        own = self.boat.records.vessel
-        own["torque_limit"] = 0.0  # what holds revolutions holds them, whatever the engine
+        vessel = self.boat.records.vessel
+        vessel["torque_limit"] = 0.0  # what holds revolutions holds them, whatever the engine
         if self._at_once:
-            own["surface_rate"], own["surface_lag"] = INSTANT_RATE_RAD_S, 0.0
-            own["telegraph_dead_time"], own["propulsion_lag"] = 0.0, 0.0
+            vessel["surface_rate"], vessel["surface_lag"] = INSTANT_RATE_RAD_S, 0.0
+            vessel["telegraph_dead_time"], vessel["propulsion_lag"] = 0.0, 0.0
 
     @property
     def controls(self) -> Mapping[str, Control]:
         """Return the limits of its controls by name."""
         c, toward = self.boat.vessel, self.boat.toward
-        found = {}
+        controls = {}
         for control, (surface, letter) in CONTROL_SURFACES.items():
             most = float(c[f"limit_{letter}"])
             if toward[surface] and most > 0.0:
-                found[control] = Control(-most, most)
-        return found | {"engine": Control(float(c.u_c_astern), float(c.u_c_ahead))}
+                controls[control] = Control(-most, most)
+        return controls | {"engine": Control(float(c.u_c_astern), float(c.u_c_ahead))}
 
     def start(self, speed: float) -> None:
         """Begin anew in trim at ``speed`` [m/s], everything in hand; ConfigError if it cannot."""
@@ -165,16 +165,16 @@ class Submarine:
         """
         if self._depth is None:
             return ()
-        t, found = columns["t"], []
+        t, notices = columns["t"], []
         lowest = lowest_depth(columns["z"], columns["theta"], self.length)
         test_depth = self.boat.file.hull.test_depth_m
         if test_depth is not None and (deep := np.flatnonzero(lowest > test_depth)).size:
-            found.append(f"test depth, {test_depth:g} m, is passed after {t[deep[0]]:g} s")
+            notices.append(f"test depth, {test_depth:g} m, is passed after {t[deep[0]]:g} s")
         heights = self._heights(columns)
         if (out := np.flatnonzero(heights > 0.0)).size:
             most = f"{heights.max():.1f} m above still water"
-            found.append(f"BROACHED after {t[out[0]]:g} s; the boat shows at most {most}")
-        return tuple(found)
+            notices.append(f"BROACHED after {t[out[0]]:g} s; the boat shows at most {most}")
+        return tuple(notices)
 
     def _heights(self, columns: Mapping[str, Numbers]) -> Numbers:
         """Return the height [m] (n,) of the boat's highest part above still water."""

@@ -188,16 +188,16 @@ def depth(flight: Flight) -> list[Measure]:
     changes = flight.change("z")
     most = largest_value(changes)
     room = max(abs(most), 100.0 / ALLOWED_PERCENT * LEVEL_DEPTH_LENGTHS * flight.length)
-    found = [
+    measures = [
         part_measure("largest depth change", "m", most, room),
         part_measure("last depth change", "m", float(changes[-1]), room),
     ]
-    for name, told in (("delta_s", "stern planes"), ("delta_r", "rudder")):
+    for name, surface in (("delta_s", "stern planes"), ("delta_r", "rudder")):
         if flight.has(name):
             angles = flight.change(name)
             room = max(abs(largest_value(angles)), 100.0 / ALLOWED_PERCENT * LEVEL_PLANES_RAD)
-            found.append(
-                part_measure(f"largest change, {told}", "rad", largest_value(angles), room)
+            measures.append(
+                part_measure(f"largest change, {surface}", "rad", largest_value(angles), room)
             )
-            found.append(part_measure(f"last change, {told}", "rad", float(angles[-1]), room))
-    return found
+            measures.append(part_measure(f"last change, {surface}", "rad", float(angles[-1]), room))
+    return measures

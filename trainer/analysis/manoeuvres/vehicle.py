@@ -129,8 +129,8 @@ def check_parts(vehicle: Vehicle, controls: tuple[str, ...], columns: tuple[str,
         ("is measured by {}", columns, vehicle.columns),
     ):
         for lacking in (name for name in wanted if name not in known):
-            told = f"the manoeuvre {words.format(lacking)}, and it has {', '.join(known)} alone"
-            raise ConfigError(f"{vehicle.name}: {told}")
+            problem = f"the manoeuvre {words.format(lacking)}, and it has {', '.join(known)} alone"
+            raise ConfigError(f"{vehicle.name}: {problem}")
 
 
 @dataclass(frozen=True)
@@ -210,17 +210,17 @@ def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Me
     begin, first = tops[0]
     allowed = abs(first) * ALLOWED_PERCENT / 100.0
     faint = FAINT_SWING_RATIO * abs(first)
-    found = []
+    measures = []
     for i, (when, value) in enumerate(tops[:MAX_PEAKS], start=1):
         if abs(value) < MIN_SWING_RATIO * abs(first):
             break
-        found.append(Measure(f"{name} peak {i}", unit, value, allowed))
-        found.append(show_only(f"time of {name} peak {i}", "s", when))
+        measures.append(Measure(f"{name} peak {i}", unit, value, allowed))
+        measures.append(show_only(f"time of {name} peak {i}", "s", when))
     zeros = [at for at in zero_crossings(t, values) if at > begin]
     for i, when in enumerate(zeros[:MAX_PEAKS], start=1):
         strong = any(abs(value) >= faint for at, value in tops if at > when)
-        found.append(Measure(f"{name} zero {i}", "s", when, ALLOWED_SECONDS if strong else None))
-    return found
+        measures.append(Measure(f"{name} zero {i}", "s", when, ALLOWED_SECONDS if strong else None))
+    return measures
 
 
 def largest_value(values: Numbers) -> float:

@@ -86,10 +86,10 @@ class Pulse(Manoeuvre):
         flight = flight.counted_to(getattr(self, "side", STARBOARD))
         after = flight.since(flight.time_of("neutral") or 0.0)
         response = flight.change(self.column)
-        found = [share_measure(f"largest {self.called}", "rad", largest_value(response))]
+        measures = [share_measure(f"largest {self.called}", "rad", largest_value(response))]
         period, ratio = swing(peaks_of(flight.t[after], response[after]))
         return [
-            *found,
+            *measures,
             show_only("period of its swing", "s", period),
             show_only("damping ratio of its swing", "-", ratio),
         ]
@@ -164,11 +164,11 @@ class RollDecay(Manoeuvre):
         amplitudes = [math.radians(self.angle_deg), *crests]
         swings = (len(zeros) - 1) // 2  # whole ones between the first and the last zero
         period = (zeros[2 * swings] - begin) / swings if swings > 0 else None
-        found = [share_measure("period", "s", period)]
+        measures = [share_measure("period", "s", period)]
         for i, (before, amplitude) in enumerate(pairwise(amplitudes), 1):
-            found.append(share_measure(f"amplitude after cycle {i}", "rad", amplitude))
-            found.append(show_only(f"kept over cycle {i}", "-", amplitude / before))
-        return found
+            measures.append(share_measure(f"amplitude after cycle {i}", "rad", amplitude))
+            measures.append(show_only(f"kept over cycle {i}", "-", amplitude / before))
+        return measures
 
 
 @dataclass(frozen=True)
@@ -200,13 +200,13 @@ class Meander(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return the execute, peaks and zeros of the pitch from neutral, and its damping."""
         execute = flight.time_of("execute")
-        found = [show_only("time of execute", "s", execute)]
+        measures = [show_only("time of execute", "s", execute)]
         if execute is None:
-            return found
+            return measures
         after = flight.since(execute)
         t, pitch = flight.t[after], flight.change("theta")[after]
-        found += swing_measures("pitch", "rad", t, pitch)
-        return [*found, show_only("damping ratio", "-", half_cycle_damping(found))]
+        measures += swing_measures("pitch", "rad", t, pitch)
+        return [*measures, show_only("damping ratio", "-", half_cycle_damping(measures))]
 
 
 def half_cycle_damping(found: list[Measure]) -> float | None:
@@ -259,12 +259,12 @@ class Overshoot(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return times, overshoot angle, depth and speed lost, pitch peaks and zeros."""
         execute, reversal = flight.time_of("execute"), flight.time_of("reversal")
-        found = [
+        measures = [
             show_only("time of execute", "s", execute),
             show_only("time of reversal", "s", reversal),
         ]
         if execute is None:
-            return found
+            return measures
         pitch, depth = flight.column("theta"), flight.change("z")
         begin = int(flight.t.searchsorted(execute - TIME_ROUNDING_S))
         until = len(pitch)
@@ -273,7 +273,7 @@ class Overshoot(Manoeuvre):
         sense = math.copysign(1.0, pitch[begin])  # the pitch at the execute goes on this way
         top, deep = int((sense * pitch[:until]).argmax()), int(abs(depth[:until]).argmax())
         peak = float(pitch[top])
-        found += [
+        measures += [
             share_measure("largest pitch", "rad", peak),
             show_only("time of largest pitch", "s", float(flight.t[top])),
             show_only("overshoot angle", "rad", abs(peak) - math.radians(self.execute_deg)),
@@ -282,4 +282,4 @@ class Overshoot(Manoeuvre):
         ]
         after = flight.since(execute)
         t, swing = flight.t[after], flight.change("theta")[after]
-        return found + swing_measures("pitch", "rad", t, swing)
+        return measures + swing_measures("pitch", "rad", t, swing)

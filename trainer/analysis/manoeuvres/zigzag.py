@@ -68,9 +68,9 @@ class ThrowOver(Manoeuvre):
         executes = [mark.t for mark in flight.marks]
         if not executes:
             return [show_only("time of execute 2", "s", None)]
-        found = self._swings(flight.t, angle, executes)
+        measures = self._swings(flight.t, angle, executes)
         rates = self.sign * flight.column(self.rate)
-        found += [
+        measures += [
             share_measure("largest rate", "rad/s", float(rates.max())),
             share_measure("smallest rate", "rad/s", float(rates.min())),
             share_measure(
@@ -78,16 +78,16 @@ class ThrowOver(Manoeuvre):
             ),
         ]
         if len(executes) > 1:
-            found.insert(0, share_measure("time of execute 2", "s", executes[1] - executes[0]))
-        return found + self.track(flight)
+            measures.insert(0, share_measure("time of execute 2", "s", executes[1] - executes[0]))
+        return measures + self.track(flight)
 
     def _swings(self, t: Numbers, angle: Numbers, executes: list[float]) -> list[Measure]:
         """Return peak, its time and overshoot of the swings, and the zeros between."""
         begin, mark = executes[0], math.radians(self.execute_deg)
         tops = [top for top in peaks_of(t, angle) if abs(top[1]) >= mark][:SHOWN_PEAKS]
-        found = []
+        measures = []
         for i, (when, value) in enumerate(tops, start=1):
-            found += [
+            measures += [
                 share_measure(f"{self.called} peak {i}", "rad", value),
                 share_measure(f"time of {self.called} peak {i}", "s", when - begin),
                 show_only(f"{self.called} overshoot {i}", "rad", abs(value) - mark),
@@ -95,11 +95,11 @@ class ThrowOver(Manoeuvre):
             after = t > when
             zero = first_time(t[after], angle[after], 0.0) if after.any() else None
             if zero is not None:
-                found.append(share_measure(f"time of {self.called} zero {i}", "s", zero - begin))
+                measures.append(share_measure(f"time of {self.called} zero {i}", "s", zero - begin))
         for i, (when, _) in enumerate(tops[1:], start=2):
             ratio = (when - begin) / (tops[0][0] - begin)
-            found.append(share_measure(f"time of peak {i}, of the first's", "-", ratio))
-        return found
+            measures.append(share_measure(f"time of peak {i}, of the first's", "-", ratio))
+        return measures
 
 
 @dataclass(frozen=True)
@@ -127,17 +127,17 @@ class ZigZag(ThrowOver):
         aside = flight.change("y")
         most = float(aside.max())
         runs = [y for _, y in peaks_of(flight.t, aside) if y > 0.5 * most]
-        found = [
+        measures = [
             share_measure("first sideways run", "m", runs[0] if runs else None),
             show_only("largest sideways run", "m", most),
         ]
         if flight.has("phi"):
             rolls = flight.column("phi")
-            found += [
+            measures += [
                 share_measure("largest roll", "rad", float(rolls.max())),
                 share_measure("smallest roll", "rad", float(rolls.min())),
             ]
-        return found
+        return measures
 
 
 @dataclass(frozen=True)

@@ -266,12 +266,12 @@ def motion_modes(linear: LinearSystem) -> Motion:
     Where depth is one of the motions all is pitch and depth: its roots have the name ``depth``.
     """
     if "z" not in linear.names:
-        found = modes(linear.nature, linear.names)
+        mode_list = modes(linear.nature, linear.names)
     else:  # fastest first
         values = sorted(linear.eigenvalues, key=lambda value: -abs(value))
-        found = [Mode("depth", float(s.real), float(s.imag)) for s in values if s.imag >= 0.0]
+        mode_list = [Mode("depth", float(s.real), float(s.imag)) for s in values if s.imag >= 0.0]
     roots = []
-    for mode in found:
+    for mode in mode_list:
         size = abs(mode.eigenvalue)
         ratio = -mode.real / size if size > 0.0 else 0.0
         numbers = (mode.real, mode.imaginary, size, ratio, mode.period)

@@ -105,10 +105,10 @@ def compare_runs(
     unchanged = []
     for name in names:
         run = changes(full, name, end)
-        found = _points(name, (run, changes(reduced, name, end)), allowed)
+        compared = _points(name, (run, changes(reduced, name, end)), allowed)
         worth = event * float(abs(np.diff(run[1]) / np.diff(run[0])).max())  # at its fastest
-        points += [_excuse(point, allowed, worth) if event else point for point in found]
-        if not found:
+        points += [_excuse(point, allowed, worth) if event else point for point in compared]
+        if not compared:
             unchanged.append(name)
     return RunComparison(
         full=str(full.path),
@@ -138,7 +138,7 @@ def event_apart(full: Series, reduced: Series) -> float:
     such event, or it lies further apart than the longer of the steps: then the runs differ.
     """
     step = max(float(np.median(np.diff(run.t))) for run in (full, reduced))
-    found = [0.0]
+    gaps = [0.0]
     for name in SURFACE_COLUMNS:
         if name not in full.columns or name not in reduced.columns:
             continue
@@ -146,8 +146,8 @@ def event_apart(full: Series, reduced: Series) -> float:
         apart = [(abs(a[0] - b[0]), a[1] == b[1]) for a, b in pairs]
         gap, alike = next((one for one in apart if one[0] > TIME_ROUNDING_S), (0.0, True))
         if alike and gap <= step + TIME_ROUNDING_S:
-            found.append(gap)
-    return max(found)
+            gaps.append(gap)
+    return max(gaps)
 
 
 def _throws(run: Series, name: str) -> list[tuple[float, float]]:
@@ -179,20 +179,20 @@ def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Re
     largest = float(abs(full[1]).max())
     if largest <= COMPARED_VARIABLES.get(name, 0.0):
         return []
-    found = []
+    points = []
     place = int(np.argmax(abs(full[1])))
     is_extreme = 0 < place < full.shape[1] - 1
     if is_extreme:
         # the same sense in the reduced run, whenever that is
-        there = int(np.argmax(math.copysign(1.0, full[1, place]) * reduced[1]))
-        found.append(_point(name, "extreme", full[:, place], reduced[:, there], allowed))
+        extreme_place = int(np.argmax(math.copysign(1.0, full[1, place]) * reduced[1]))
+        points.append(_point(name, "extreme", full[:, place], reduced[:, extreme_place], allowed))
     last = full[1, full[0] >= (1.0 - STEADY_SHARE) * full[0, -1]]
     is_steady = bool(np.ptp(last) <= STEADY_SPREAD * abs(full[1, -1]))
     label = "steady" if is_steady else "at the end"
     ending = _point(name, label, full[:, -1], reduced[:, -1], allowed)
     if abs(ending.change_full) < MINOR_CHANGE_RATIO * largest or (is_extreme and not is_steady):
         ending = replace(ending, judged=False, passed=True)
-    return [*found, ending]
+    return [*points, ending]
 
 
 def _point(
@@ -260,7 +260,7 @@ def render(report: RunComparison) -> str:
 
 def panels(report: RunComparison, full: Series, reduced: Series) -> tuple[Panel, ...]:
     """Return the changes of both runs over time, extremes marked."""
-    found = []
+    panel_list = []
     for name in dict.fromkeys(point.variable for point in report.points):
         factor, unit_name = page_unit(name)
         curves = []
@@ -275,5 +275,5 @@ def panels(report: RunComparison, full: Series, reduced: Series) -> tuple[Panel,
             curves.append(marks)
         label = f"change of {name} [{unit_name}]"
         x, lower = "time from the start [s]", name in DEPTH_COLUMNS
-        found.append(Panel(name, x, label, tuple(curves), downwards=lower))
-    return tuple(found)
+        panel_list.append(Panel(name, x, label, tuple(curves), downwards=lower))
+    return tuple(panel_list)

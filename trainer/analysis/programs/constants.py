@@ -232,7 +232,7 @@ def _constants(
     file: VesselFile, record: Record, sources: Mapping[str, Source]
 ) -> tuple[Constant, ...]:
     """Return the constants of a group."""
-    found = []
+    constant_list = []
     for symbol, (unit, key) in sources.items():
         origin = DERIVED_ORIGIN if key.startswith("= ") else origin_of(file, key)
         values = np.asarray(record[symbol][0], float)
@@ -241,8 +241,10 @@ def _constants(
         high, wide = (int(record[name][0]) if name else None for name in counts)
         numbers = tuple(tuple(map(float, row[:wide])) for row in rows[:high])
         places = ARRAY_PLACES.get(symbol, ())
-        found.append(Constant(symbol, unit, numbers, places, origin, key.removeprefix("= ")))
-    return tuple(found)
+        constant_list.append(
+            Constant(symbol, unit, numbers, places, origin, key.removeprefix("= "))
+        )
+    return tuple(constant_list)
 
 
 def _compact(file: VesselFile) -> Iterator[CompactConstant]:
@@ -310,14 +312,14 @@ def _array(constant: Constant) -> Iterator[str]:
 def render(report: ConstantsReport) -> str:
     """Return the listing as text."""
     lines = [report.vessel, INDENT + cut_text(report.path, 77)]
-    for title, found in report.groups.items():
-        single = [one for one in found if len(one.values) == 1 == len(one.values[0])]
+    for title, group in report.groups.items():
+        single = [one for one in group if len(one.values) == 1 == len(one.values[0])]
         rows = [
             (one.symbol, _number(one.values[0][0]), one.unit, one.origin, cut_text(one.key, 25))
             for one in single
         ]
         lines += titled_table(title, ("", "value", "unit", "from", ""), rows)
-        lines += [line for one in found if one not in single for line in _array(one)]
+        lines += [line for one in group if one not in single for line in _array(one)]
     lines += titled_table(
         "COEFFICIENTS (EB920; value: rho/2 L^n times prime)",
         ("", "1969", "prime [-]", "value", "unit", "from"),

@@ -51,19 +51,19 @@ def evaluate_states(records: Records, lines: Iterable[str]) -> Iterator[str]:
         if not line.strip():
             continue
         try:
-            given = _read(line)
+            values = _read(line)
         except ConfigError as wrong:
             raise ConfigError(*(f"line {number}: {text}" for text in wrong.problems)) from None
         state[:] = at_rest
-        for key, value in given.items():
+        for key, value in values.items():
             state[LAST_RATE_KEYS.get(key, key)] = value
         with np.errstate(all="ignore"):  # what overflows is reported below
             write_rates(*records)
-        found = state["rates"][0]
-        if not np.isfinite(found).all():
-            lost = RATES[int(np.argmin(np.isfinite(found)))]
+        rates = state["rates"][0]
+        if not np.isfinite(rates).all():
+            lost = RATES[int(np.argmin(np.isfinite(rates)))]
             raise ConfigError(f"line {number}: {lost} is not finite: this state is out of range")
-        entries = zip(RATES, found, strict=True)  # 17 significant digits each
+        entries = zip(RATES, rates, strict=True)  # 17 significant digits each
         yield "{" + ", ".join(f'"{name}": {value:.17g}' for name, value in entries) + "}"
 
 

@@ -93,17 +93,17 @@ def one_of_each(roots: Sequence[complex]) -> list[complex]:
 
     The fastest decay is first.
     """
-    kept = [complex(s) for s in roots if s.imag >= 0.0]
-    return sorted(kept, key=lambda s: s.real)
+    upper_roots = [complex(s) for s in roots if s.imag >= 0.0]
+    return sorted(upper_roots, key=lambda s: s.real)
 
 
 def columns(roots: Sequence[complex], t: Numbers) -> Numbers:
     """Return exp(s t) of real roots, (samples, n). Pairs have its real and imaginary part."""
-    found = []
+    parts = []
     for s in roots:
         wave = np.exp(s * t)
-        found += [wave.real] if s.imag == 0.0 else [wave.real, wave.imag]
-    return np.column_stack(found)
+        parts += [wave.real] if s.imag == 0.0 else [wave.real, wave.imag]
+    return np.column_stack(parts)
 
 
 def amplitudes(roots: Sequence[complex], t: Numbers, y: Numbers) -> Numbers:
@@ -129,12 +129,12 @@ def pencil_roots(t: Numbers, y: Numbers, order: int) -> list[complex]:
     space = rows[:order].T
     values = np.linalg.eigvals(np.linalg.pinv(space[:-1]) @ space[1:])
     interval = grid[1] - grid[0]
-    found = []
+    roots = []
     for z in values:
         # a negative real z alternates from sample to sample: noise, taken as a fast decay
         s = np.log(abs(z)) / interval + 1j * (np.angle(z) / interval if z.imag != 0.0 else 0.0)
-        found.append(complex(s))
-    return found
+        roots.append(complex(s))
+    return roots
 
 
 def _shape(roots: Sequence[complex]) -> Numbers:
@@ -145,8 +145,8 @@ def _shape(roots: Sequence[complex]) -> Numbers:
 
 def _match_roots(numbers: Numbers, like: Sequence[complex]) -> list[complex]:
     """Return the roots of ``numbers``, real where those of ``like`` are."""
-    left = iter(numbers)
-    return [complex(next(left), 0.0 if s.imag == 0.0 else next(left)) for s in like]
+    rest = iter(numbers)
+    return [complex(next(rest), 0.0 if s.imag == 0.0 else next(rest)) for s in like]
 
 
 class _Response:
@@ -174,26 +174,26 @@ class _Response:
 
     def slopes(self, numbers: Numbers) -> Numbers:
         """Return d(left)/d(numbers), (samples, numbers), by central differences."""
-        found = []
+        slopes = []
         for i, number in enumerate(numbers):
             step = np.zeros_like(numbers)
             step[i] = SLOPE_NUDGE * max(abs(number), 1.0 / (self.t[-1] - self.t[0]))
-            found.append((self.left(numbers + step) - self.left(numbers - step)) / (2.0 * step[i]))
-        return np.column_stack(found)
+            slopes.append((self.left(numbers + step) - self.left(numbers - step)) / (2.0 * step[i]))
+        return np.column_stack(slopes)
 
 
 def _adjust(response: _Response, numbers: Numbers) -> tuple[Numbers, int]:
     """Return the numbers of least squares and the rounds taken: all if it did not settle."""
-    left, damping = response.left(numbers), 1e-3
-    misfit = float(left @ left)
+    residual, damping = response.left(numbers), 1e-3
+    misfit = float(residual @ residual)
     for done in range(1, MAX_FIT_ROUNDS):
         slopes = response.slopes(numbers)
-        normal, downhill = slopes.T @ slopes, -slopes.T @ left
+        normal, downhill = slopes.T @ slopes, -slopes.T @ residual
         scale = np.diag(np.maximum(np.diag(normal), np.finfo(float).tiny))
         while True:
             step = np.linalg.lstsq(normal + damping * scale, downhill, rcond=None)[0]
-            left = response.left(numbers + step)
-            tried = float(left @ left)
+            residual = response.left(numbers + step)
+            tried = float(residual @ residual)
             if tried <= misfit and np.all(abs(step) <= response.reach(numbers)):
                 break
             damping *= 4.0
@@ -212,15 +212,15 @@ def _terms(
 ) -> tuple[Term, ...]:
     """Return the terms of fitted ``roots``, their amplitudes and standard errors."""
     factor, error = iter(factors), iter(errors)
-    found = []
+    terms = []
     for s in roots:
         if s.imag == 0.0:
-            found.append(Term(s.real, 0.0, float(next(factor)), 0.0, next(error), None))
+            terms.append(Term(s.real, 0.0, float(next(factor)), 0.0, next(error), None))
             continue
         cosine, sine = float(next(factor)), math.copysign(1.0, s.imag) * float(next(factor))
         size, phase = math.hypot(cosine, sine), math.atan2(-sine, cosine)
-        found.append(Term(s.real, abs(s.imag), size, phase, next(error), next(error)))
-    return tuple(found)
+        terms.append(Term(s.real, abs(s.imag), size, phase, next(error), next(error)))
+    return tuple(terms)
 
 
 def fit_modes(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
@@ -242,17 +242,17 @@ def fit_modes(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
     response = _Response(t, y, starts)
     numbers, rounds = _adjust(response, _shape(starts))
     roots = _match_roots(numbers, starts)
-    left, slopes = response.left(numbers), response.slopes(numbers)
+    residual, slopes = response.left(numbers), response.slopes(numbers)
     nothing: list[float | None] = [None] * len(numbers)
-    errors, free = nothing, len(left) - 2 * len(numbers)
+    errors, free = nothing, len(residual) - 2 * len(numbers)
     if free >= 1 and np.linalg.matrix_rank(slopes) == len(numbers):
-        spread = float(left @ left) / free * np.linalg.inv(slopes.T @ slopes)
+        spread = float(residual @ residual) / free * np.linalg.inv(slopes.T @ slopes)
         errors = [math.sqrt(max(float(variance), 0.0)) for variance in np.diag(spread)]
     return Fit(
         start=_terms(starts, amplitudes(starts, t, y), nothing),
         terms=_terms(roots, amplitudes(roots, t, y), errors),
-        rms=math.sqrt(float(left @ left) / len(y)),
-        explained=1.0 - float(left @ left) / float(y @ y),
+        rms=math.sqrt(float(residual @ residual) / len(y)),
+        explained=1.0 - float(residual @ residual) / float(y @ y),
         converged=rounds < MAX_FIT_ROUNDS,
         rounds=rounds,
     )
@@ -325,8 +325,8 @@ def panels(report: FitReport, t: Numbers, y: Numbers) -> tuple[Panel, ...]:
     model = response_of(report.fit.terms, t - t[0])
     label = f"{report.column} less {report.about:.4g}"
     curves = (Curve("response", t, y), Curve("fit", t, model))
-    left = (Curve("response less fit", t, y - model),)
+    residual_curve = (Curve("response less fit", t, y - model),)
     return (
         Panel(f"{report.column}, fitted", "time [s]", label, curves),
-        Panel("what is left", "time [s]", label, left, levels=(0.0,)),
+        Panel("what is left", "time [s]", label, residual_curve, levels=(0.0,)),
     )

@@ -137,8 +137,8 @@ def turning_points(side: SideEquation) -> list[float]:
 
     Roots of 2 square t^4 + slope t^3 + square t^2 - constant.
     """
-    found = np.roots([2.0 * side.square, side.slope, side.square, 0.0, -side.constant])
-    real = [float(t.real) for t in found if abs(t.imag) <= REAL_ROOT_TOLERANCE * abs(t)]
+    roots = np.roots([2.0 * side.square, side.slope, side.square, 0.0, -side.constant])
+    real = [float(t.real) for t in roots if abs(t.imag) <= REAL_ROOT_TOLERANCE * abs(t)]
     return sorted({t for t in real if 0.0 < t < MAX_FLOW_SLOPE})
 
 
@@ -150,11 +150,11 @@ def solutions(side: SideEquation, square_of_speed: float) -> list[float]:
     def excess(t: float) -> float:
         return required_couple(side, t) - wanted if t > 0.0 else at_zero
 
-    found = []
+    roots = []
     for low, high in pairwise([0.0, *turning_points(side), MAX_FLOW_SLOPE]):
         if (excess(low) > 0.0) != (excess(high) > 0.0):
-            found.append(_between(side, wanted, low, high))
-    return found
+            roots.append(_between(side, wanted, low, high))
+    return roots
 
 
 def _between(side: SideEquation, wanted: float, low: float, high: float) -> float:
@@ -216,7 +216,7 @@ def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[fl
     """
     if depth is None:
         return fold_speeds(file, plane)
-    found: list[float] = []
+    speeds: list[float] = []
     for start in fold_speeds(near_surface(file, file.run.start_speed_kn * KNOT, depth), plane):
         speed = start
         for _ in range(MAX_FOLD_ROUNDS):
@@ -225,10 +225,10 @@ def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[fl
                 break
             last, speed = speed, float(folds[np.argmin(abs(folds - speed))])
             if math.isclose(last, speed, rel_tol=SAME_SPEED_RATIO):
-                if not any(math.isclose(speed, one) for one in found):
-                    found.append(speed)
+                if not any(math.isclose(speed, one) for one in speeds):
+                    speeds.append(speed)
                 break
-    return sorted(found)
+    return sorted(speeds)
 
 
 def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None:
@@ -261,24 +261,26 @@ def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None
 def level_flights(file: VesselFile, plane: str, speed: float) -> LevelFlights:
     """Return all level flights at ``speed`` [m/s] in the units of a page."""
     limit = getattr(file.surfaces, f"{plane}_plane_limit_deg")
-    found = [
+    rows = [
         (t * speed, math.degrees(math.atan(t)), math.degrees(angle))
         for t, angle in level_flight(file, plane, speed)
     ]
-    solutions = tuple(LevelSolution(*numbers, abs(numbers[-1]) <= limit) for numbers in found)
+    solutions = tuple(LevelSolution(*numbers, abs(numbers[-1]) <= limit) for numbers in rows)
     return LevelFlights(plane, speed / KNOT, solutions)
 
 
 def remarks(file: VesselFile) -> tuple[str, ...]:
     """Return in which of its assumptions EC470 differs from the boat."""
     hull = file.hull
-    found = []
+    remark_list = []
     if hull.weight != hull.buoyancy:
         heavy = 100.0 * (hull.weight - hull.buoyancy) / hull.buoyancy
-        found.append(f"EC470 takes the weight as equal to the buoyancy; it is {heavy:+.2g} % of it")
+        remark_list.append(
+            f"EC470 takes the weight as equal to the buoyancy; it is {heavy:+.2g} % of it"
+        )
     if hull.cg[0] != 0.0 or hull.cb[0] != 0.0:
-        found.append("EC470 takes x_G and x_B as zero; the trim of the boat itself does not")
-    return tuple(found)
+        remark_list.append("EC470 takes x_G and x_B as zero; the trim of the boat itself does not")
+    return tuple(remark_list)
 
 
 def report_neutral(
@@ -397,14 +399,14 @@ def _points(
 
     The surface's share changes with speed, so that no curve is followed: it is dots over speed.
     """
-    found = []
+    points = []
     for knots in np.linspace(0.0, most, CURVE_POINTS)[1:]:
         speed = float(knots) * KNOT
         for t, angle in level_flight(near_surface(file, speed, depth), plane, speed):
             pitch = math.degrees(math.atan(t))
             if abs(pitch) <= DRAWN_PITCH_DEG:
-                found.append((float(knots), pitch, math.degrees(angle)))
-    return found
+                points.append((float(knots), pitch, math.degrees(angle)))
+    return points
 
 
 def panels(file: VesselFile, report: NeutralReport) -> tuple[Panel, ...]:
@@ -414,12 +416,12 @@ def panels(file: VesselFile, report: NeutralReport) -> tuple[Panel, ...]:
     pitches, planes, marks = [], [], []
     solved = {flight.plane for flight in report.flights if flight.solutions}
     for plane in filter(solved.__contains__, PLANE_NAMES):
-        found = (
+        points = (
             _curve(file, plane, most)
             if report.depth_m is None
             else _points(file, plane, most, report.depth_m)
         )
-        knots, pitch, degrees = np.array(found, float).reshape(-1, 3).T
+        knots, pitch, degrees = np.array(points, float).reshape(-1, 3).T
         limit = getattr(file.surfaces, f"{plane}_plane_limit_deg")
         pitches.append(Curve(f"{plane} planes", knots, pitch, points=dots))
         shown = np.where(abs(degrees) <= limit, degrees, np.nan)

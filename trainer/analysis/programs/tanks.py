@@ -272,11 +272,11 @@ def panels(report: TanksReport) -> tuple[Panel, ...]:
         1e-3 * (report.now.moments[0] - report.x_b_m * report.buoyancy_N),
         1e-3 * (report.now.weight - report.buoyancy_N),
     )
-    found = []
+    outlines = []
     for ranges in report.ranges:
         corners = 1e-3 * np.array(ranges.outline)
         outline = Curve(ranges.free, corners[:, 1], corners[:, 0])
         now = Curve("as filled", np.array(here[:1]), np.array(here[1:]), points=True)
         x, y = "bow-down moment [kN m]", "W - B [kN]"
-        found.append(Panel(f"{report.vessel}: {ranges.free}", x, y, (outline, now)))
-    return tuple(found)
+        outlines.append(Panel(f"{report.vessel}: {ranges.free}", x, y, (outline, now)))
+    return tuple(outlines)

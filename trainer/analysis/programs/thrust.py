@@ -90,12 +90,12 @@ def table_entry(file: VesselFile, u: float, u_c: float) -> Thrust:
 
 def breaks(file: VesselFile) -> tuple[Break, ...]:
     """Return the limits between the rows and the jump of thrust at each."""
-    found = []
+    limits = []
     for upper, lower in pairwise(file.thrust.ahead):
         eta = upper.eta_min
         step = (upper.a - lower.a) + (upper.b - lower.b) * eta + (upper.c - lower.c) * eta * eta
-        found.append(Break(eta, step))
-    return tuple(found)
+        limits.append(Break(eta, step))
+    return tuple(limits)
 
 
 def command_speeds(file: VesselFile) -> tuple[float, ...]:

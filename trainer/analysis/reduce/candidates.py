@@ -66,10 +66,10 @@ class CandidatePool:
         """Return the slopes of the differences by ``free`` factors, (rows, all factors)."""
         nudged = []
         for place in free:
-            there = factors.copy()
-            there[place] += FACTOR_NUDGE
-            nudged.append(there)
-        found = np.zeros((here.size, factors.size))
-        for place, there in zip(free, self.differences(nudged), strict=True):
-            found[:, place] = (there - here) / FACTOR_NUDGE
-        return np.where(abs(found) > MAX_SLOPE, 0.0, found)
+            point = factors.copy()
+            point[place] += FACTOR_NUDGE
+            nudged.append(point)
+        slopes = np.zeros((here.size, factors.size))
+        for place, point in zip(free, self.differences(nudged), strict=True):
+            slopes[:, place] = (point - here) / FACTOR_NUDGE
+        return np.where(abs(slopes) > MAX_SLOPE, 0.0, slopes)

@@ -116,13 +116,13 @@ class Yardstick:
 
     def differences(self, candidate: Candidate) -> Numbers:
         """Return candidate less full by row, as multiples of what is allowed [-]."""
-        found = np.full(len(self.rows), MAX_DIFFERENCE)
+        differences = np.full(len(self.rows), MAX_DIFFERENCE)
         for leg, judgements in self.judged(candidate):
             for one in judgements:
                 place = self._places.get(JudgedNumber(leg.title, one.quantity))
                 if place is not None:
-                    found[place] = allowed_multiple(one)
-        return found
+                    differences[place] = allowed_multiple(one)
+        return differences
 
 
 def allowed_multiple(one: Judgement) -> float:

@@ -101,5 +101,5 @@ def _verdict(checked: Sequence[LegVerdict]) -> Iterator[str]:
         )
         for one in failed or sorted(judged, key=lambda each: -each.worst)[:1]:
             yield from wrap(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")
-        if left := "; ".join(one.leg for one in of_part if not one.judged):
-            yield from wrap(f"not judged, the full set is lost or cannot start: {left}")
+        if unjudged := "; ".join(one.leg for one in of_part if not one.judged):
+            yield from wrap(f"not judged, the full set is lost or cannot start: {unjudged}")

@@ -102,18 +102,18 @@ class _Weave(Manoeuvre):
             for i, (begin, end) in enumerate(zip(begins, ends, strict=True), start=1)
             for reading in READING_SHARES
         }
-        found = []
+        measures = []
         for name, unit in self.watched.items():
             most = float(abs(flight.change(name)).max())
-            for told, time in times.items():
-                found.append(
-                    part_measure(f"{name} after {told}", unit, flight.at(time, name), most)
+            for moment, time in times.items():
+                measures.append(
+                    part_measure(f"{name} after {moment}", unit, flight.at(time, name), most)
                 )
         swing = flight.change(self.swinging)
         most = float(abs(swing).max())
-        found.append(part_measure(f"largest {self.swinging}", "rad", float(swing.max()), most))
-        found.append(part_measure(f"smallest {self.swinging}", "rad", float(swing.min()), most))
-        return found
+        measures.append(part_measure(f"largest {self.swinging}", "rad", float(swing.max()), most))
+        measures.append(part_measure(f"smallest {self.swinging}", "rad", float(swing.min()), most))
+        return measures
 
 
 @dataclass(frozen=True)
@@ -167,14 +167,18 @@ def fit_legs(file: VesselFile) -> tuple[Leg, ...]:
 
 def _weaves(file: VesselFile) -> Iterator[Leg]:
     """Yield weaves and diving turns, angles not yet within the boat's limits."""
-    own, third, top = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[3]
-    for speed, angle in ((own, 10.0), (own, 20.0), (top, 15.0)):
+    own_speed, third, top = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[3]
+    for speed, angle in ((own_speed, 10.0), (own_speed, 20.0), (top, 15.0)):
         weave = Weave(angle_deg=angle)
         yield from _ways("weave", f"rudder {angle:g} deg", speed, weave, file)
-    for speed, angle in ((own, 5.0), (own, 10.0), (top, 3.0)):
+    for speed, angle in ((own_speed, 5.0), (own_speed, 10.0), (top, 3.0)):
         vertical = VerticalWeave(angle_deg=angle)
         yield from _ways("vertical weave", f"planes {angle:g} deg", speed, vertical, file)
-    for speed, angle, planes in ((own, 10.0, 5.0), (own, 20.0, 10.0), (third, 20.0, 5.0)):
+    for speed, angle, planes in (
+        (own_speed, 10.0, 5.0),
+        (own_speed, 20.0, 10.0),
+        (third, 20.0, 5.0),
+    ):
         for side in BOTH_SIDES:
             dive = ClimbingTurn(angle, planes, side=side, direction=DIVE)
             yield _leg("diving turn", f"rudder {angle:g} deg, {side}", speed, dive, file)
@@ -182,10 +186,10 @@ def _weaves(file: VesselFile) -> Iterator[Leg]:
 
 def _upright(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs besides turns and weaves, angles not yet within the boat's limits."""
-    own, third, top = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[3]
+    own_speed, third, top = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[3]
     rounds = round_speeds(*file.run.speed_range_kn)
     slow = rounds[min(1, len(rounds) - 1)]
-    for speed in sorted({slow, own, third, top}):
+    for speed in sorted({slow, own_speed, third, top}):
         yield from _ways("meander", "", speed, Meander(), file)
     for speed in (slow, top):
         yield from _ways("trim", "", speed, TrimChange(), file)
@@ -193,16 +197,16 @@ def _upright(file: VesselFile) -> Iterator[Leg]:
         for execute in (5.0, 20.0):
             overshoot = Overshoot(execute_deg=execute)
             yield from _ways("overshoot", f"execute {execute:g} deg", speed, overshoot, file)
-    yield from _ways("impulse", "", own, Impulse(), file)
-    yield from _ways("rudder-impulse", "", own, RudderImpulse(), file)
-    for speed in (rounds[0], slow, own):
+    yield from _ways("impulse", "", own_speed, Impulse(), file)
+    yield from _ways("rudder-impulse", "", own_speed, RudderImpulse(), file)
+    for speed in (rounds[0], slow, own_speed):
         for share, keep in ((-LOAD_SHARE, ("depth",)), (LOAD_SHARE, ())):
-            kept = "depth kept" if keep else "planes still"
+            depth_words = "depth kept" if keep else "planes still"
             loaded = OutOfBalance(share=share, keep=keep)
-            yield _leg("out of balance", f"{share:+.1%}, {kept}", speed, loaded, file)
-    yield _leg("crash-stop", "", own, CrashStop(), file)
+            yield _leg("out of balance", f"{share:+.1%}, {depth_words}", speed, loaded, file)
+    yield _leg("crash-stop", "", own_speed, CrashStop(), file)
     yield _leg("backing", "", 0.0, Backing(), file)
-    yield from _ways("rudder-jam", "", own, RudderJam(), file)
+    yield from _ways("rudder-jam", "", own_speed, RudderJam(), file)
     yield from _ways("roll-decay", "", 0.0, RollDecay(), file)
 
 
@@ -228,11 +232,11 @@ def legs_of_guide(file: VesselFile) -> tuple[Leg, ...]:
 
 def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that neither fit nor choice see: zig-zags, climbing turns, casualties."""
-    own, third, second = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[1]
+    own_speed, third, second = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[1]
     rounds = round_speeds(*file.run.speed_range_kn)
     slow = rounds[min(1, len(rounds) - 1)]
-    between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own)
-    jams = 0.5 * (own + third), third
+    between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own_speed)
+    jams = 0.5 * (own_speed + third), third
     heavy, light = (
         OutOfBalance(share=1.5 * LOAD_SHARE),
         OutOfBalance(share=-1.5 * LOAD_SHARE, keep=()),
@@ -269,8 +273,8 @@ def _leg(name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: Vess
 def flyable_legs(file: VesselFile, legs: tuple[Leg, ...] | list[Leg]) -> tuple[Leg, ...]:
     """Return the legs that the full set can fly. Angles of the planes are smaller where need be."""
     boat = Submarine(file, own_method(file, "full"))
-    found = (_flyable(boat, leg) for leg in legs)
-    return tuple(dict.fromkeys(leg for leg in found if leg))
+    gentled = (_flyable(boat, leg) for leg in legs)
+    return tuple(dict.fromkeys(leg for leg in gentled if leg))
 
 
 def _flyable(boat: Submarine, leg: Leg) -> Leg | None:

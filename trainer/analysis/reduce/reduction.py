@@ -73,9 +73,9 @@ def fingerprint(file: VesselFile) -> str:
 
 def save_standings(path: Path, file: VesselFile, standings: Mapping[str, SearchState]) -> None:
     """Write the standings by equation set, whole or not at all. ConfigError if that cannot be."""
-    found = {"of": fingerprint(file), **{name: asdict(one) for name, one in standings.items()}}
+    table = {"of": fingerprint(file), **{name: asdict(one) for name, one in standings.items()}}
     try:
-        write_whole(path, json.dumps(found))
+        write_whole(path, json.dumps(table))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
 
@@ -83,15 +83,15 @@ def save_standings(path: Path, file: VesselFile, standings: Mapping[str, SearchS
 def load_standings(path: Path, file: VesselFile) -> dict[str, SearchState]:
     """Return the standings kept, none if there are none of this boat by this program."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
-        if found.pop("of") != fingerprint(file):
+        table = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
+        if table.pop("of") != fingerprint(file):
             return {}
         return {
             name: SearchState(
                 **{**one, "factors": tuple(one["factors"]), "kept": tuple(one["kept"])}
                 | {"needed": tuple(TermNeed(**need) for need in one["needed"])}
             )
-            for name, one in found.items()
+            for name, one in table.items()
         }
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return {}
@@ -164,9 +164,9 @@ def round_factor(value: float) -> float:
 def as_filed(file: VesselFile) -> dict[str, float]:
     """Return the modified set's factors by term, from the file. 0: dropped."""
     factors = file.compensation["modified"]
-    kept = {*COMPACT_TERMS, *file.compact.extra_terms}
+    kept_terms = {*COMPACT_TERMS, *file.compact.extra_terms}
     return {
-        name: factors.get(name, 1.0) if name in kept else 0.0
+        name: factors.get(name, 1.0) if name in kept_terms else 0.0
         for name in compact_terms(file, "modified")
     }
 
@@ -181,18 +181,18 @@ def report_reduction(
     candidate = Candidate(file, "modified")
     candidate.take([factors[name] for name in candidate.terms])
     checked = judge_legs(file, candidate)
-    kept = tuple(
+    kept_rows = tuple(
         KeptTerm(name, file.coefficients[name], factor, name in COMPACT_TERMS)
         for name, factor in factors.items()
         if factor
     )
     hull = hull_coefficients(file)
-    staying = {one.term for one in kept}
+    staying = {one.term for one in kept_rows}
     return Reduction(
         vessel=file.name,
         hull_terms=len(hull),
         report_terms=sum(name in COMPACT_TERMS for name in hull),
-        kept=kept,
+        kept=kept_rows,
         dropped=tuple(name for name in hull if name not in staying),
         needs=tuple(need for need in needs if need.term in staying),
         sensitivity=sensitivity,
@@ -269,8 +269,8 @@ def _basic(
         for _ in range(QUICK_ROUNDS if aim.quick else BASIC_ROUNDS):
             table = crew.slopes(here.factors, free, here.differences)
             slopes = Slopes(table, free, leash)
-            there = descend_slopes(crew.differences, slopes, here, FIT_STEPS, FIT_LIMIT)
-            if there.cost >= here.cost:
+            next_point = descend_slopes(crew.differences, slopes, here, FIT_STEPS, FIT_LIMIT)
+            if next_point.cost >= here.cost:
                 break
-            here = there
+            here = next_point
     return dict(zip(names, map(round_factor, here.factors.tolist()), strict=True))

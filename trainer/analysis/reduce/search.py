@@ -62,8 +62,8 @@ class SearchPoint(NamedTuple):
     @property
     def departure(self) -> float:
         """Return how far the factors of what is kept are from 1 [-], squared."""
-        kept = self.factors[self.factors != 0.0]
-        return float(np.sum((kept - 1.0) ** 2))
+        kept_factors = self.factors[self.factors != 0.0]
+        return float(np.sum((kept_factors - 1.0) ** 2))
 
     @property
     def cost(self) -> float:
@@ -93,10 +93,10 @@ def take_step(slopes: Slopes, here: SearchPoint, power: int, damping: float) -> 
     matrix, weights = normal_matrix(slopes, here.differences, power)
     downhill = -slopes.table[:, places].T @ (weights * here.differences)
     downhill -= slopes.leash * (here.factors[places] - 1.0)
-    there = here.factors.copy()
-    there[places] += np.linalg.solve(matrix + damping * np.eye(len(places)), downhill)
-    there[places] = np.clip(there[places], MIN_FACTOR, MAX_FACTOR)
-    return there
+    factors = here.factors.copy()
+    factors[places] += np.linalg.solve(matrix + damping * np.eye(len(places)), downhill)
+    factors[places] = np.clip(factors[places], MIN_FACTOR, MAX_FACTOR)
+    return factors
 
 
 def descend_slopes(
@@ -132,10 +132,10 @@ def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Num
     inverse = np.linalg.inv(matrix)
     which = [places.index(place) for place in gone]
     pull = np.linalg.solve(inverse[np.ix_(which, which)], here.factors[list(gone)])
-    there = here.factors.copy()
-    there[places] = np.clip(there[places] - inverse[:, which] @ pull, MIN_FACTOR, MAX_FACTOR)
-    there[list(gone)] = 0.0
-    return there
+    factors = here.factors.copy()
+    factors[places] = np.clip(factors[places] - inverse[:, which] @ pull, MIN_FACTOR, MAX_FACTOR)
+    factors[list(gone)] = 0.0
+    return factors
 
 
 def cost_rises(slopes: Slopes, here: SearchPoint) -> Numbers:
@@ -283,11 +283,11 @@ class Search:
 
     def _settle(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:
         """Return the standing after a fit as good as can be, if the guide's flights bear it."""
-        there = self._fit(slopes, here, standing.kept, 0.0)
-        worse = abs(self.proof(there.factors)).max() > standing.proof
-        if worse or there.cost >= here.cost:
+        next_point = self._fit(slopes, here, standing.kept, 0.0)
+        worse = abs(self.proof(next_point.factors)).max() > standing.proof
+        if worse or next_point.cost >= here.cost:
             return replace(standing, settled=LAST_FIT_ROUNDS)
-        factors = tuple(there.factors.tolist())
+        factors = tuple(next_point.factors.tolist())
         return replace(standing, factors=factors, settled=standing.settled + 1)
 
     def _drop(
@@ -301,7 +301,7 @@ class Search:
             order = self._order(standing, here, slopes)[: standing.batch]
             if not order:
                 break
-            there, passed = self._try(standing, here, slopes, order)
+            next_point, passed = self._try(standing, here, slopes, order)
             if passed is not None and len(order) > 1:
                 standing = replace(standing, batch=standing.batch // 2)
                 continue
@@ -309,8 +309,11 @@ class Search:
             for _ in order:
                 step()
             if passed is None:
-                kept = tuple(i for i in standing.kept if i not in order)
-                standing, here = self._tighten(replace(standing, kept=kept), there), there
+                kept_places = tuple(i for i in standing.kept if i not in order)
+                standing, here = (
+                    self._tighten(replace(standing, kept=kept_places), next_point),
+                    next_point,
+                )
             else:
                 standing = replace(standing, needed=(*standing.needed, passed))
         return standing
@@ -354,19 +357,19 @@ class Search:
         self, standing: SearchState, here: SearchPoint, slopes: Slopes, gone: Sequence[int]
     ) -> tuple[SearchPoint, TermNeed | None]:
         """Return the point without some terms, and why they are needed; None: they are not."""
-        kept = tuple(i for i in standing.kept if i not in gone)
+        kept_places = tuple(i for i in standing.kept if i not in gone)
         factors = without_terms(self._among(slopes, standing.kept), here, gone)
-        there = self._point(factors)
-        if self._aim.quick and there.worst > HOPELESS_DIFFERENCE * standing.limit:
-            return there, self._need(standing, there, gone)
+        point = self._point(factors)
+        if self._aim.quick and point.worst > HOPELESS_DIFFERENCE * standing.limit:
+            return point, self._need(standing, point, gone)
         goal = FIT_STOP_SHARE * standing.limit
-        there = self._fit(slopes, there, kept, goal)
-        need = self._need(standing, there, gone)
+        point = self._fit(slopes, point, kept_places, goal)
+        need = self._need(standing, point, gone)
         if need and not self._aim.quick and len(gone) == 1 and need.worst < HOPELESS_DIFFERENCE:
-            anew = self._slopes(there, kept, standing.leash)
-            there = self._fit(anew, there, kept, 0.0)
-            need = self._need(standing, there, gone)
-        return there, need
+            anew = self._slopes(point, kept_places, standing.leash)
+            point = self._fit(anew, point, kept_places, 0.0)
+            need = self._need(standing, point, gone)
+        return point, need
 
     def _need(
         self, standing: SearchState, there: SearchPoint, gone: Sequence[int]

@@ -23,13 +23,13 @@ COEFFICIENTS_HEADER: Final = re.compile(r"^\[coefficients", re.MULTILINE)
 
 def rewrite_vessel(text: str, tables: str) -> str:
     """Return the text of a vessel file with its reduction replaced by ``tables``."""
-    kept = "\n".join(_without_ours(text.splitlines()))
-    kept = re.sub(r"\n{3,}", "\n\n", kept)
-    first = COEFFICIENTS_HEADER.search(kept)
+    kept_text = "\n".join(_without_ours(text.splitlines()))
+    kept_text = re.sub(r"\n{3,}", "\n\n", kept_text)
+    first = COEFFICIENTS_HEADER.search(kept_text)
     if not first:
-        return f"{kept.rstrip()}\n\n{tables}"
-    place = _above_comments(kept, first.start())
-    return f"{kept[:place].rstrip()}\n\n{tables}\n{kept[place:].rstrip()}\n"
+        return f"{kept_text.rstrip()}\n\n{tables}"
+    place = _above_comments(kept_text, first.start())
+    return f"{kept_text[:place].rstrip()}\n\n{tables}\n{kept_text[place:].rstrip()}\n"
 
 
 def _above_comments(text: str, place: int) -> int:

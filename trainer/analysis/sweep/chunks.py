@@ -107,7 +107,7 @@ def result_of(job: Job, out: Path) -> Any:
 
 def _compare(facts: dict[str, Any], job: Job, path: Path, verb: str) -> None:
     """Check that facts on disk are the job's; ConfigError with what differs."""
-    found = fact_differences(facts, job.facts)
-    if found:
+    problems = fact_differences(facts, job.facts)
+    if problems:
         text = f"{path}: {verb} another study: delete it, or give --out another name"
-        raise ConfigError(text, *found)
+        raise ConfigError(text, *problems)

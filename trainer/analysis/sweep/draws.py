@@ -118,9 +118,9 @@ def uniforms(seed: int, of: int, first: int, count: int) -> Numbers:
 def strata(seed: int, name: str, members: int) -> NDArray[np.int64]:
     """Return which of ``members`` equal parts of a variable each member has: a permutation."""
     keys = uniforms(seed, stream_number("strata", name), 0, members)
-    found = np.empty(members, np.int64)
-    found[np.argsort(keys, kind="stable")] = np.arange(members)
-    return found
+    parts = np.empty(members, np.int64)
+    parts[np.argsort(keys, kind="stable")] = np.arange(members)
+    return parts
 
 
 @dataclass(frozen=True)
@@ -154,14 +154,14 @@ class Draws:
                 row.name: list_values(row.values or ())[members // step % size]
                 for row, step, size in zip(self.rows, steps, sizes, strict=True)
             }
-        seed, found = int(self.sample.seed), {}
+        seed, columns = int(self.sample.seed), {}
         for row in self.rows:
             shares = uniforms(seed, stream_number("share", row.name), first, count)
             if self.sample.plan != MONTE_CARLO_SAMPLE:
                 part = strata(seed, row.name, self.members)[first : first + count]
                 shares = np.asarray((part + shares) / self.members)
-            found[row.name] = of_shares(row, shares)
-        return found
+            columns[row.name] = of_shares(row, shares)
+        return columns
 
     def middle(self) -> dict[str, Any]:
         """Return the middle of each variable, of draws the estimate. A study is tried with it."""

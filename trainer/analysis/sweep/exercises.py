@@ -47,12 +47,12 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
     if duration is None:
         raise ConfigError(f"{study.path.name}: [exercise] lacks duration_s")
     schedule = [
-        each
-        for each in (*into_hand(exercise, file), *exercise.schedule_of(seed))
-        if each.order.name not in SPOKEN_ORDERS
+        scheduled
+        for scheduled in (*into_hand(exercise, file), *exercise.schedule_of(seed))
+        if scheduled.order.name not in SPOKEN_ORDERS
     ]
     said, table = exercise.heading, study.method
-    own = {  # the study's word over the exercise's
+    study_fields = {  # the study's word over the exercise's
         key: getattr(table, key) or getattr(said, key)
         for key in ("equations", "rates", "integrator", "step_s")
     }
@@ -61,7 +61,7 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
         raise ConfigError(f"{late[0].order.text}: has no place in a study: it is about time")
     return Plan(
         file=file,
-        method=method_of(replace(table, **own), file),
+        method=method_of(replace(table, **study_fields), file),
         sea=exercise.sea or load_sea("calm"),
         seed=seed,
         duration=duration,

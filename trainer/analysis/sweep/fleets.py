@@ -133,8 +133,8 @@ def start_fleet(
     """
     scheme = fleet.scheme
     for member in range(fleet.states.size):
-        own = min(member, fleet.compacts.size - 1)  # one may serve them all
-        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[own : own + 1]
+        place = min(member, fleet.compacts.size - 1)  # one may serve them all
+        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[place : place + 1]
         state = fleet.states[member : member + 1]
         c, s = vessel[0], state[0]
         for i in range(s.whole.size):
@@ -168,11 +168,11 @@ class VesselBatch(NamedTuple):
 
 def toward_of(coefficients: Mapping[str, Any], count: int) -> dict[str, Numbers]:
     """Return the sign of a surface's deflection that turns right or makes it rise."""
-    found = {}
+    senses = {}
     for surface, (name, sign) in SURFACE_SENSES.items():
         effect = sign * np.broadcast_to(np.asarray(coefficients[name], float), count)
-        found[surface] = np.where(effect == 0.0, 0.0, np.copysign(1.0, effect))
-    return found
+        senses[surface] = np.where(effect == 0.0, 0.0, np.copysign(1.0, effect))
+    return senses
 
 
 def by_coefficients(
@@ -197,8 +197,8 @@ def by_coefficients(
         vessels[name] = full[name]
     if terms:
         write_envelope(file, vessels)
-    kept: dict[str, Any] = {**compact_coefficients(wide, method.equations), **rows}
-    compacts = compact_record(hull, kept, eta)
+    values: dict[str, Any] = {**compact_coefficients(wide, method.equations), **rows}
+    compacts = compact_record(hull, values, eta)
     return VesselBatch(vessels, compacts, toward_of(coefficients, count))
 
 
@@ -258,7 +258,7 @@ def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -
         name: states[f"delta_{letter}"].copy() for name, (_, letter) in CONTROL_SURFACES.items()
     }
     by_hand = np.ones(states.size)
-    given: list[tuple[int, int, Numbers]] = []
+    order_rows: list[tuple[int, int, Numbers]] = []
     for i, line in enumerate(scripts[0].lines):
         numbers = np.array([script.lines[i].value for script in scripts])
         if line.verb == "keep":
@@ -266,14 +266,14 @@ def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -
             for surface in DEPTH_SURFACES:
                 states[f"{surface}_by_hand"][carries_surface(made, surface)] = 0.0
         elif line.what == "engine":
-            given.append((line.tick, STATE_PLACES["speed_by_hand"], by_hand))
-            given.append((line.tick, STATE_PLACES["ordered_u_c"], numbers))
+            order_rows.append((line.tick, STATE_PLACES["speed_by_hand"], by_hand))
+            order_rows.append((line.tick, STATE_PLACES["ordered_u_c"], numbers))
         else:
             surface, letter = CONTROL_SURFACES[line.what]
             angle = neutral[line.what] + made.toward[surface] * numbers
-            given.append((line.tick, STATE_PLACES[f"{surface}_by_hand"], by_hand))
-            given.append((line.tick, STATE_PLACES[f"ordered_{letter}"], angle))
-    if not given:
+            order_rows.append((line.tick, STATE_PLACES[f"{surface}_by_hand"], by_hand))
+            order_rows.append((line.tick, STATE_PLACES[f"ordered_{letter}"], angle))
+    if not order_rows:
         return NO_ORDERS
-    ticks, places, values = zip(*given, strict=True)
+    ticks, places, values = zip(*order_rows, strict=True)
     return orders(ticks, places, np.array(values).T)

@@ -76,27 +76,29 @@ def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tup
     names, file = study.heading.measures, study.path.name
     if names is None and not known:
         raise ConfigError(f"{file}: lacks measures: such as 'last z', by {ways} and a column")
-    found = []
+    outputs = []
     for name in known if names is None else names:
         one = known.get(name) or of_column(name, flight)
         if one is None:
             columns = ", ".join(flight.series.columns)
             has = f"; there are {', '.join(known)}" if known else ""
-            told = f"no measure {quote(name)}{nearest(name, known)}{has}; and {ways} of {columns}"
-            raise ConfigError(f"{file}: {told}")
-        found.append(Output(one.name, one.unit))
-    return tuple(found)
+            problem = (
+                f"no measure {quote(name)}{nearest(name, known)}{has}; and {ways} of {columns}"
+            )
+            raise ConfigError(f"{file}: {problem}")
+        outputs.append(Output(one.name, one.unit))
+    return tuple(outputs)
 
 
 def read_off(outputs: Sequence[Output], flight: Flight, measures: Sequence[Measure]) -> list[float]:
     """Return the numbers kept of a flight, NaN for what it never came to."""
     known = {one.name: one for one in measures}
-    found = []
+    values = []
     for output in outputs:
         one = known.get(output.name) or of_column(output.name, flight)
         value = None if one is None else one.value
-        found.append(math.nan if value is None or not np.isfinite(value) else float(value))
-    return found
+        values.append(math.nan if value is None or not np.isfinite(value) else float(value))
+    return values
 
 
 @dataclass(frozen=True)
@@ -278,7 +280,7 @@ def fact_differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[st
         "study": Path(study).stem,
         "files": as_seen_from(study, then.get("files", {})),
     }
-    found = [
+    problems = [
         f"{name}: {then.get(name)!r} then, {now[name]!r} now"
         for name in ("study", "members", "version", "core")
         if then.get(name) != now[name]
@@ -290,10 +292,10 @@ def fact_differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[st
         if before.get(key) == after.get(key):
             continue
         if key not in before or key not in after:
-            found.append(f"{key}: is read {'now' if key in after else 'no longer'}")
+            problems.append(f"{key}: is read {'now' if key in after else 'no longer'}")
         else:
-            found.append(_first_line(key, before[key], after[key]))
-    return found
+            problems.append(_first_line(key, before[key], after[key]))
+    return problems
 
 
 def _first_line(key: str, before: str, after: str) -> str:

@@ -62,10 +62,12 @@ def case_of(study: Study, drawn: Mapping[str, Any]) -> MemberCase:
 
 def manoeuvre_of(table: ManoeuvreTable, vehicle: Any) -> Manoeuvre:
     """Return the manoeuvre of a study for a vehicle; ConfigError if it cannot fly it."""
-    told = asdict(table)
-    given = {name: told[key] for name, key in PARAMETERS.items() if told[key] is not None}
+    table_fields = asdict(table)
+    parameters = {
+        name: table_fields[key] for name, key in PARAMETERS.items() if table_fields[key] is not None
+    }
     try:
-        manoeuvre = adjust_manoeuvre(table.name, vehicle, given)
+        manoeuvre = adjust_manoeuvre(table.name, vehicle, parameters)
     except ConfigError as wrong:
         raise ConfigError(f"[manoeuvre] {str(wrong).removeprefix('--')}") from None
     if table.depth_kept is None:
@@ -176,16 +178,16 @@ class ManoeuvreSubject:
                 values = variable.value(drawn[variable.row.name])
                 good &= (limits.low <= values) & (values <= limits.high)
             return {int(i): (self.middle, self.trial) for i in np.flatnonzero(good)}
-        found = {}
+        cases = {}
         for i in range(count):
             try:
                 case = case_of(self.study, member_values(drawn, i))
                 boat = self.boat if case.file is self.middle.file else None
                 boat = boat or Submarine(case.file, case.method, case.rig)
-                found[i] = case, manoeuvre_of(case.table, boat)
+                cases[i] = case, manoeuvre_of(case.table, boat)
             except ConfigError:
                 continue  # it is told when the member is tried alone
-        return found
+        return cases
 
     @cached_property
     def _by_coefficients(self) -> bool:
@@ -206,9 +208,9 @@ class ManoeuvreSubject:
         places: list[int],
     ) -> Iterable[tuple[int, list[float]]]:
         """Yield place and numbers of members that fly well, whose scripts are alike."""
-        own = [cases[i] for i in places]
-        case = own[0][0]
-        written = [script for _, each in own if (script := self._script(each)) is not None]
+        own_cases = [cases[i] for i in places]
+        case = own_cases[0][0]
+        written = [script for _, each in own_cases if (script := self._script(each)) is not None]
         if self._by_coefficients:
             changes: dict[tuple[str, ...], Numbers] = {}
             for variable in self.study.variables:
@@ -216,8 +218,10 @@ class ManoeuvreSubject:
                 changes[tuple(map(str, variable.steps[1:]))] = numbers
             made = fleets.by_coefficients(self.boat.boat, changes, len(places))
         else:
-            made = fleets.by_files([one.file for one, _ in own], case.method)
-        speeds = np.array([speed_of(one.table, one.file.run.start_speed_kn) for one, _ in own])
+            made = fleets.by_files([one.file for one, _ in own_cases], case.method)
+        speeds = np.array(
+            [speed_of(one.table, one.file.run.start_speed_kn) for one, _ in own_cases]
+        )
         law = DEPTH_LAWS[case.rig.law]
         law = (
             law if self.boat.boat.automatic else max(law, REPORT_LAW)
@@ -230,7 +234,7 @@ class ManoeuvreSubject:
         good = able & (flight.lost < 0) & ~steep.any(axis=1)
         named = Path(case.file.name)
         for i in np.flatnonzero(good):
-            each, manoeuvre = own[i]
+            each, manoeuvre = own_cases[i]
             columns = {
                 "t": t,
                 **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED_COLUMNS)},

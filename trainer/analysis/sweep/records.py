@@ -45,11 +45,11 @@ class DistinctTexts(Texts):
         """Return the texts; ConfigError if there is none, one is none, or is given twice."""
         if value == []:
             raise ConfigError(place.wrong(key, value, f"must be a list of 1 to {self.most} texts"))
-        found = super().read(key, value, place)
-        twice = [text for text in found if found.count(text) > 1]
+        texts = super().read(key, value, place)
+        twice = [text for text in texts if texts.count(text) > 1]
         if twice:
             raise ConfigError(place.wrong(key, value, f"names {twice[0]!r} twice"))
-        return found
+        return texts
 
 
 @dataclass(frozen=True)
@@ -74,10 +74,10 @@ class ValueList:
         number = Quantity("-", within(-MAX_NUMBER, MAX_NUMBER), self.meaning)
         word = Text(200, self.meaning)
         kind: Quantity | Text = word if isinstance(value[0], str) else number
-        found = tuple(kind.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
-        if len(set(found)) < len(found):
+        values = tuple(kind.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+        if len(set(values)) < len(values):
             raise ConfigError(place.wrong(key, value, "must not give one twice"))
-        return found
+        return values
 
 
 @dataclass(frozen=True, kw_only=True)

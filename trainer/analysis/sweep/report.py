@@ -97,23 +97,23 @@ def report_of(opened: OpenJob, table: Any, file: str) -> SweepReport:
 
 def spread_of(name: str, unit: str, values: Numbers) -> Spread:
     """Return how a measure is spread; NaN counts as no member."""
-    there = values[~np.isnan(values)]
-    if len(there) < MIN_SPREAD_MEMBERS:
-        mean = float(there[0]) if len(there) else float("nan")
-        return Spread(name, unit, len(there), mean, float("nan"), {})
-    at = np.percentile(there, SPREAD_PERCENTILES)
+    present = values[~np.isnan(values)]
+    if len(present) < MIN_SPREAD_MEMBERS:
+        mean = float(present[0]) if len(present) else float("nan")
+        return Spread(name, unit, len(present), mean, float("nan"), {})
+    at = np.percentile(present, SPREAD_PERCENTILES)
     percentiles = {f"{p:g}": float(x) for p, x in zip(SPREAD_PERCENTILES, at, strict=True)}
-    deviation = float(there.std(ddof=1))
-    return Spread(name, unit, len(there), float(there.mean()), deviation, percentiles)
+    deviation = float(present.std(ddof=1))
+    return Spread(name, unit, len(present), float(present.mean()), deviation, percentiles)
 
 
 def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect, ...]:
     """Return what each variable does to a measure, the widest first."""
-    there = ~np.isnan(values)
-    if there.sum() < MIN_SPREAD_MEMBERS:
+    present = ~np.isnan(values)
+    if present.sum() < MIN_SPREAD_MEMBERS:
         return ()
-    found = [_effect(name, numbers[there], values[there]) for name, numbers in drawn.items()]
-    return tuple(sorted(found, key=lambda effect: -effect.width))
+    effects = [_effect(name, numbers[present], values[present]) for name, numbers in drawn.items()]
+    return tuple(sorted(effects, key=lambda effect: -effect.width))
 
 
 def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
@@ -201,9 +201,9 @@ def coverage(report: SweepReport) -> list[str]:
         return []
     rows = []
     for name in names:
-        spread, told = known[name], known[DEVIATION_COLUMN.format(name)]
+        spread, deviations = known[name], known[DEVIATION_COLUMN.format(name)]
         inside = 100.0 * known[COVERED_COLUMN.format(name)].mean
-        numbers = (spread.mean, spread.deviation, told.percentiles.get("50", told.mean))
+        numbers = (spread.mean, spread.deviation, deviations.percentiles.get("50", deviations.mean))
         rows.append((name, spread.unit, *(f"{x:.4g}" for x in numbers), f"{inside:.1f}"))
     heads = ("", "unit", "mean", "std dev\nfound", "std dev\ntold", "% inside\n95 %")
     shares = [known[COVERED_COLUMN.format(name)] for name in names]
@@ -272,7 +272,7 @@ def grid_panels(report: SweepReport, result: Any, spread: Spread) -> tuple[Panel
     drawn = {name: result.column(name).to_pylist() for name in names}
     factor, unit = on_page(spread.unit)
     values = factor * numbers_of(result, spread.name)
-    found = []
+    panel_list = []
     for name in names:
         others = [other for other in names if other != name]
         settings = list(zip(*(drawn[other] for other in others), strict=True))
@@ -283,9 +283,9 @@ def grid_panels(report: SweepReport, result: Any, spread: Spread) -> tuple[Panel
             here = np.array([one == setting for one in settings])
             along = np.array(drawn[name])[here]
             order = np.argsort(along)
-            told = zip(others, map(_format, setting), strict=True)
-            label = ", ".join(f"{other} {value}" for other, value in told)
+            fixed_values = zip(others, map(_format, setting), strict=True)
+            label = ", ".join(f"{other} {value}" for other, value in fixed_values)
             curves.append(Curve(label, along[order], values[here][order]))
         title = f"{spread.name} over {name}"
-        found.append(Panel(title, name, f"{spread.name} [{unit}]", tuple(curves)))
-    return tuple(found)
+        panel_list.append(Panel(title, name, f"{spread.name} [{unit}]", tuple(curves)))
+    return tuple(panel_list)

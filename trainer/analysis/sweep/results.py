@@ -30,12 +30,12 @@ def schema_of(opened: OpenJob) -> Any:
         pa.field(name, pa.string() if isinstance(value, str) else pa.float64())
         for name, value in middle.items()
     ]
-    kept = [
+    output_fields = [
         pa.field(output.name, pa.float64(), metadata={"unit": output.unit})
         for output in opened.subject.outputs
     ]
     first = [pa.field(MEMBER_COLUMN, pa.int64()), pa.field(SEED_COLUMN, pa.int64())]
-    return pa.schema([*first, *drawn, *kept, pa.field(TROUBLE_COLUMN, pa.string())])
+    return pa.schema([*first, *drawn, *output_fields, pa.field(TROUBLE_COLUMN, pa.string())])
 
 
 def table_of(batch: Batch, schema: Any) -> Any:
@@ -86,5 +86,5 @@ def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
 
 def facts_of(table: Any) -> dict[str, Any]:
     """Return the facts that a result follows from. There are none if it is of no study."""
-    found: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS_KEY, b"{}"))
-    return found
+    facts: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS_KEY, b"{}"))
+    return facts

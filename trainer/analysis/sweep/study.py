@@ -63,14 +63,14 @@ TEXT_DECIMALS: Final = 9  # of a number in a text
 
 def steps_of(key: str) -> tuple[PathStep, ...]:
     """Return the words and places of a key; ConfigError if it is none."""
-    found: list[PathStep] = []
+    steps: list[PathStep] = []
     for part in key.split("."):
         match = KEY_WORD.fullmatch(part)
         if match is None:
             raise ConfigError(f"{part!r} is no word of a key")
-        found.append(match[1])
-        found += [int(place) for place in re.findall(r"\d+", match[2])]
-    return tuple(found)
+        steps.append(match[1])
+        steps += [int(place) for place in re.findall(r"\d+", match[2])]
+    return tuple(steps)
 
 
 def value_at(tables: Any, steps: tuple[PathStep, ...]) -> Any:
@@ -193,12 +193,12 @@ def parse_study(text: str, path: Path) -> Study:
     ]
     parts: dict[str, Any] = {}
     with collecting(problems):
-        own = {
+        heading_table = {
             key: value
             for key, value in table.items()
             if key in KNOWN_KEYS and key not in STUDY_TABLES
         }
-        parts["heading"] = read_record(StudyHeading, own, place, ("note",))
+        parts["heading"] = read_record(StudyHeading, heading_table, place, ("note",))
     with collecting(problems):
         parts["kind"] = _kind(table, place)
     for name, record in (("method", MethodTable), ("sample", Sample)):
@@ -234,15 +234,15 @@ def parse_study(text: str, path: Path) -> Study:
 
 def _kind(table: Mapping[str, Any], place: Place) -> str:
     """Return what every member is; ConfigError if the file does not say one."""
-    given = [kind for kind in STUDY_KINDS if kind in table]
-    if len(given) != 1:
-        have = f"has {' and '.join(given)}" if given else "has none of them"
+    kinds = [kind for kind in STUDY_KINDS if kind in table]
+    if len(kinds) != 1:
+        have = f"has {' and '.join(kinds)}" if kinds else "has none of them"
         raise ConfigError(place.problem(f"{have}: give one of {', '.join(STUDY_KINDS)}"))
-    if given[0] != IDENTIFICATION_STUDY and "parameters" in table:
+    if kinds[0] != IDENTIFICATION_STUDY and "parameters" in table:
         raise ConfigError(place.inside("parameters").problem("goes with [identification]"))
-    if given[0] == IDENTIFICATION_STUDY and "method" in table:
+    if kinds[0] == IDENTIFICATION_STUDY and "method" in table:
         raise ConfigError(place.inside("method").problem("goes with a boat, not with a model"))
-    return given[0]
+    return kinds[0]
 
 
 def _check_rows(rows: tuple[VaryRow, ...], sample: Sample, place: Place) -> None:
@@ -271,10 +271,10 @@ def _row_problems(row: VaryRow, sample: Sample, place: Place) -> list[str]:
     if sample.plan == GRID_SAMPLE and row.values is None:
         return [place.wrong("distribution", row.distribution, "a grid wants values")]
     wanted = DISTRIBUTION_KEYS[row.distribution]
-    told = [name for name, value in asdict(row).items() if value is not None]
+    given_names = [name for name, value in asdict(row).items() if value is not None]
     numbers = {name for names in DISTRIBUTION_KEYS.values() for name in names}
-    extra = [name for name in told if name in numbers and name not in wanted]
-    lacking = [name for name in wanted if name not in told]
+    extra = [name for name in given_names if name in numbers and name not in wanted]
+    lacking = [name for name in wanted if name not in given_names]
     what = row.distribution or "values"
     if lacking or extra:
         have = [f"lacks {', '.join(lacking)}"] * bool(lacking)
@@ -299,27 +299,30 @@ def _subject(
         read_record(IdentificationTable, table[kind], place.inside(kind), ("note",))
         PARAMETER_ROWS.read("parameters", table.get("parameters", []), place)
         return None, {name: table[name] for name in VARIED_TABLES[kind]}
-    own = dict(as_table(table[kind], place.inside(kind)))
+    subject_table = dict(as_table(table[kind], place.inside(kind)))
     name = heading.vessel
     if kind == MANOEUVRE_STUDY:
-        read_record(ManoeuvreTable, own, place.inside(kind), ("note",))
-        own.pop("note", None)
-        found = relative_name(path, name or "bb2")
-        if is_path(found):  # of a ship that was identified, or of a boat
-            ship = parse_toml(read_text(Path(found)), Path(found).name)
+        read_record(ManoeuvreTable, subject_table, place.inside(kind), ("note",))
+        subject_table.pop("note", None)
+        vessel_path = relative_name(path, name or "bb2")
+        if is_path(vessel_path):  # of a ship that was identified, or of a boat
+            ship = parse_toml(read_text(Path(vessel_path)), Path(vessel_path).name)
             if ship.get("schema") == SHIP_FILE_SCHEMA:
-                return None, {WHOLE_VESSEL: ship, kind: own}
+                return None, {WHOLE_VESSEL: ship, kind: subject_table}
     else:
-        own = _exercise(own, heading, path)
-        name = name or own.get("vessel")
+        subject_table = _exercise(subject_table, heading, path)
+        name = name or subject_table.get("vessel")
     file = load_vessel(relative_name(path, name or "bb2"))
     tables, _ = with_defaults(parse_toml(file.text, file.path.name))
-    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms]
+    kept_keys = [
+        term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms
+    ]
     factors = {
-        name: dict.fromkeys(kept, 1.0) | dict(file.compensation[name]) for name in EQUATION_SETS
+        name: dict.fromkeys(kept_keys, 1.0) | dict(file.compensation[name])
+        for name in EQUATION_SETS
     }
     boat = {**tables, "coefficients": dict(file.coefficients), "compensation": factors}
-    return file, {WHOLE_VESSEL: boat, kind: own}
+    return file, {WHOLE_VESSEL: boat, kind: subject_table}
 
 
 def _exercise(own: dict[str, Any], heading: StudyHeading, path: Path) -> dict[str, Any]:
@@ -340,8 +343,8 @@ def _variable(row: VaryRow, parts: Mapping[str, Any], place: Place) -> Variable:
     tables, file = parts["tables"], parts["file"]
     if row.distribution == ESTIMATE_DISTRIBUTION:
         if WHOLE_VESSEL not in tables or row.key != WHOLE_VESSEL:
-            told = f"must be {WHOLE_VESSEL}: an estimate is drawn whole, of a boat or a ship"
-            raise ConfigError(place.wrong("key", row.key, told))
+            problem = f"must be {WHOLE_VESSEL}: an estimate is drawn whole, of a boat or a ship"
+            raise ConfigError(place.wrong("key", row.key, problem))
         if row.relative:
             raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
         if file is None:

@@ -94,14 +94,14 @@ def carry_out(job: Job, crew: ChunkCrew, out: Path, progress: ProgressCall) -> A
     Members that an earlier call finished are not flown again, whoever flew them.
     """
     ready = open_job(job)
-    there = result_of(job, out)
-    if there is None:
+    result = result_of(job, out)
+    if result is None:
         with writing_alone(out):
-            there = result_of(job, out)  # who wrote there before may have finished
-            if there is None:
+            result = result_of(job, out)  # who wrote there before may have finished
+            if result is None:
                 return _fly_missing(job, ready, crew, out, progress)
     progress(ready.members)
-    return there
+    return result
 
 
 def _fly_missing(

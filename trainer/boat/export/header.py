@@ -106,10 +106,10 @@ def header_text(boat: Boat, cpu: str) -> str:
 
 def place_comments(*modules: ModuleType) -> dict[str, str]:
     """Return the comments in the core's modules beside the names of a record's places."""
-    found: dict[str, str] = {}
+    comments: dict[str, str] = {}
     for module in modules:
-        found |= dict(COMMENT_PATTERN.findall(inspect.getsource(module)))
-    return found
+        comments |= dict(COMMENT_PATTERN.findall(inspect.getsource(module)))
+    return comments
 
 
 def places_of(kind: np.dtype) -> dict[str, tuple[int, tuple[int, ...]]]:

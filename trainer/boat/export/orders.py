@@ -75,9 +75,9 @@ def _place(name: str) -> str:
 
 def _give_to_autopilot(boat: Boat, *names: str) -> dict[str, str]:
     """Return what gives those surfaces to the autopilot; what the boat lacks is passed over."""
-    given = [name for name in names if boat.carries(name)]
-    writes = {f"{name}_by_hand": _const(0.0) for name in given}
-    if "rudder" in given:
+    carried = [name for name in names if boat.carries(name)]
+    writes = {f"{name}_by_hand": _const(0.0) for name in carried}
+    if "rudder" in carried:
         writes["ordered_psi"] = f"shorter:{STATE_PLACES['psi']}"
     return writes
 
@@ -173,10 +173,10 @@ def _ballast(boat: Boat) -> Iterator[str]:
     """Yield the orders to valves, pumps and compressor that this boat has."""
     # yield the orders to the valves of main ballast
     named = {**{group: (group,) for group in MAIN_TANKS}, "all": MAIN_TANKS}
-    for said, meant in named.items():
-        yield _row(f"blow {said}", _main(meant, 1.0))
+    for said, groups in named.items():
+        yield _row(f"blow {said}", _main(groups, 1.0))
         for position, vent in (("open", 1.0), ("shut", 0.0)):
-            vents = {f"vent_{group}": _const(vent) for group in meant}
+            vents = {f"vent_{group}": _const(vent) for group in groups}
             yield _row(f"vent {said} {position}", vents)
     shut = {f"blow_{valve}": _const(0.0) for valve in VALVES}
     yield _row("blow stop", {**shut, "negative_flood": _const(0.0)})

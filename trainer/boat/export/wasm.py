@@ -143,10 +143,10 @@ def settle_method(text: str, scheme: bytes) -> str:
 
     Where numba writes another text nothing is settled: the module is larger, its bits are the same.
     """
-    found = re.search(r"^define[^\n]*core6update6update", text, re.MULTILINE)
-    if not found:
+    match = re.search(r"^define[^\n]*core6update6update", text, re.MULTILINE)
+    if not match:
         return text
-    start = found.start()
+    start = match.start()
     end = text.index("\n}", start)
     place = re.compile(r"(getelementptr [^%\n]*ptr )%arg\.scheme\.4, i64 (\d+)\b")  # its numbers
 
@@ -205,12 +205,14 @@ def _lowered(scheme: bytes, code: Path) -> None:
 
 def _plain_environment() -> dict[str, str]:
     """Return the environment without what chooses how numba compiles, but for its cache."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")
+    }
     if "NUMBA_CACHE_DIR" in os.environ:
-        kept["NUMBA_CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
+        environment["NUMBA_CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
     root = str(Path(__file__).parents[3])
     return (
-        kept
+        environment
         | PLAIN_MACHINE
         | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
     )
@@ -270,8 +272,8 @@ def boat_misfit(boat: Boat) -> str:
     card = shipped_card()
     if not same_core(card["core"]):
         return f"of core {card['core']}, not {core_digest()}"
-    own = method_of(boat)
-    return "" if own == card["method"] else f"for the {card['method']}, not the {own}"
+    method = method_of(boat)
+    return "" if method == card["method"] else f"for the {card['method']}, not the {method}"
 
 
 def numbers_of(boat: Boat) -> dict[str, Any]:

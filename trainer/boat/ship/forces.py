@@ -106,7 +106,7 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
     v_R = zero - U * (gamma * b + gamma_a * size(b))
     F = (u_R * u_R + v_R * v_R).root() * (u_R * sine - v_R * cosine) / UU
     vv, rr = v_ * v_, r_ * r_
-    found = {
+    terms = {
         "1": one * per_length,
         "T": T_ * per_length,
         "v": v_ * per_length,
@@ -131,7 +131,7 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
     }
     u_, dd = (u - u_n) / U, delta * delta
     uu = u_ * u_
-    found |= {
+    terms |= {
         "u": u_ * per_length,
         "uu": uu * per_length,
         "uuu": uu * u_ * per_length,
@@ -145,7 +145,7 @@ def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
         "ddd": dd * delta * per_length,
         "vdd": v_ * dd * per_length,
     }
-    return {name: term.row for name, term in found.items()}, u.steps
+    return {name: term.row for name, term in terms.items()}, u.steps
 
 
 TERM_ROWS, _STEP_LIST = _terms()
@@ -181,9 +181,9 @@ def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Num
     angle, turns, ahead, aside = c[RUDDER], c[TURNS], c[WIND_AHEAD], c[WIND_ASIDE]
     wind = math.sqrt(ahead * ahead + aside * aside + 1e-4)
     helm = angle, math.sin(angle), math.cos(angle), turns
-    given = (*helm, aside * wind, ahead * aside, ahead * wind, ship[ADVANCE_PLACE] * turns)
+    inputs = (*helm, aside * wind, ahead * aside, ahead * wind, ship[ADVANCE_PLACE] * turns)
     for i in range(INPUT_COUNT):
-        _hold(table, DIRECTION_COUNT + SHIP_NUMBER_COUNT + i, given[i])
+        _hold(table, DIRECTION_COUNT + SHIP_NUMBER_COUNT + i, inputs[i])
     for i in range(LITERAL_VALUES.size):
         _hold(table, DIRECTION_COUNT + SHIP_NUMBER_COUNT + INPUT_COUNT + i, LITERAL_VALUES[i])
     run_steps(table, TERM_STEPS, DIRECTION_COUNT + CONSTANT_COUNT)

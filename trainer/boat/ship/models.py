@@ -93,8 +93,8 @@ def _term(name: str) -> tuple[int, int]:
         return AXIS_LETTERS.index(axis) + times * len(AXIS_LETTERS), TERM_ROWS[
             "one" if axis == "K" else "1"
         ]
-    own = {"X_F": "X_F", "X_w": "X_w"}.get(name, "1" if term == "0" else term)
-    return AXIS_LETTERS.index(axis), TERM_ROWS[own]
+    term_name = {"X_F": "X_F", "X_w": "X_w"}.get(name, "1" if term == "0" else term)
+    return AXIS_LETTERS.index(axis), TERM_ROWS[term_name]
 
 
 def model_of(name: str, *, wind: bool) -> ShipModel:
@@ -111,14 +111,14 @@ def with_roll(model: ShipModel) -> ShipModel:
     """Return a model with roll."""
     rudder = "K_F" if "N_F" in model.names else "K_d"
     wind = ("K_w",) if "N_w" in model.names else ()
-    own = ("K_0", "K_v", "K_r", rudder, *wind, *ROLL_NAMES)
+    roll_names = ("K_0", "K_v", "K_r", rudder, *wind, *ROLL_NAMES)
     names, free = (
         (
-            *(name for name in given if name not in NONLINEAR_NAMES),
-            *own,
-            *(x for x in given if x in NONLINEAR_NAMES),
+            *(name for name in listed if name not in NONLINEAR_NAMES),
+            *roll_names,
+            *(x for x in listed if x in NONLINEAR_NAMES),
         )
-        for given in (model.names, model.free)
+        for listed in (model.names, model.free)
     )
     return replace(model, names=names, free=free, driven=HEEL_EQUATIONS)
 
@@ -132,26 +132,26 @@ def model_for(ship: ShipFile, name: str, *, wind: bool) -> ShipModel:
     model = model_of(name, wind=wind)
     if ship.roll is not None:
         model = with_roll(model)
-    given = {key: ship.coefficients[key] for key in FURTHER_NAMES if key in ship.coefficients}
-    if name != "abkowitz" or not given:
+    further = {key: ship.coefficients[key] for key in FURTHER_NAMES if key in ship.coefficients}
+    if name != "abkowitz" or not further:
         return model
     if ship.dimensions.advance_m is None:
         raise ConfigError(
-            f"{ship.path.name}: [dimensions] lacks advance_m, which {min(given)} needs"
+            f"{ship.path.name}: [dimensions] lacks advance_m, which {min(further)} needs"
         )
-    names = (*model.names[: -len(NONLINEAR_NAMES)], *given, *NONLINEAR_NAMES)
-    held = THRUST_NAMES if any(key in given for key in SPEED_NAMES) else ()
-    whole = replace(model, names=names, held={**dict.fromkeys(held, 0.0), **given})
+    names = (*model.names[: -len(NONLINEAR_NAMES)], *further, *NONLINEAR_NAMES)
+    held = THRUST_NAMES if any(key in further for key in SPEED_NAMES) else ()
+    whole = replace(model, names=names, held={**dict.fromkeys(held, 0.0), **further})
     return whole.without(held)
 
 
 def check_names(ship: ShipFile, model: ShipModel) -> None:
     """Check that a ship's file has the model's coefficients and no others; ConfigError."""
-    name, given = ship.path.name, ship.coefficients
-    if missing := [key for key in model.free if key not in given]:
+    name, coefficients = ship.path.name, ship.coefficients
+    if missing := [key for key in model.free if key not in coefficients]:
         raise ConfigError(f"{name}: [coefficients] lacks {', '.join(missing)}")
     known = (*model.names, *model.held, *WIND_NAMES, "K_w")
-    if strange := [key for key in given if key not in known]:
+    if strange := [key for key in coefficients if key not in known]:
         hint = nearest(strange[0], (*known, *(FURTHER_NAMES if model.name == "abkowitz" else ())))
         raise ConfigError(
             f"{name}: [coefficients] {strange[0]} is none of model {model.name}{hint}"

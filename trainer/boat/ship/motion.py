@@ -203,8 +203,8 @@ class ShipMotion:
         """
         axes = len(self._system.driven)
         scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0, 1.0])[:axes]
-        found = np.zeros(axes)
-        found[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
+        speeds = np.zeros(axes)
+        speeds[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
         still = [0.0] if axes == AXIS_COUNT else []
         levers = np.array([1.0, 1.0, self.length, self.length])[:axes]
         unit = levers * self.length / max(speed, 1e-9) ** 2
@@ -214,22 +214,22 @@ class ShipMotion:
             return unit * self._rates(state, z[1], z[2])
 
         for _ in range(STEADY_STEPS):
-            off = left(found)
+            off = left(speeds)
             if np.max(np.abs(off)) < NEWTON_TOLERANCE:
                 break
             aside = np.diag(1e-6 * scale)
             J = np.column_stack(
-                [(left(found + e) - left(found - e)) / (2.0 * e.sum()) for e in aside]
+                [(left(speeds + e) - left(speeds - e)) / (2.0 * e.sum()) for e in aside]
             )
             try:
                 move = np.linalg.solve(J, off)
             except np.linalg.LinAlgError:
                 break
-            found = found - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
-        good = np.max(np.abs(left(found))) < 1e3 * NEWTON_TOLERANCE and abs(found[1]) < self.limit
-        if not good or not np.isfinite(found).all():
+            speeds = speeds - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
+        good = np.max(np.abs(left(speeds))) < 1e3 * NEWTON_TOLERANCE and abs(speeds[1]) < self.limit
+        if not good or not np.isfinite(speeds).all():
             raise ConfigError(
                 f"{self.file.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "
                 f"it was identified at {self.result.speed_kn:.4g} kn"
             )
-        return tuple(map(float, found))
+        return tuple(map(float, speeds))

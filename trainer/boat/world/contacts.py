@@ -114,16 +114,18 @@ class ContactFleet:
         begins, ends, pieces = self._latest
         if not begins <= time < ends:
             begins, ends, pieces = self._latest = self._pieces(time)
-        there = situation(pieces, time)
+        moment = situation(pieces, time)
         if self._steered:
-            there = there._replace(set_north=there.set_north.copy(), set_east=there.set_east.copy())
+            moment = moment._replace(
+                set_north=moment.set_north.copy(), set_east=moment.set_east.copy()
+            )
         for i, steered in self._steered:
             now = steered.at(time)
-            for column, value in zip(there, now[:5], strict=False):
+            for column, value in zip(moment, now[:5], strict=False):
                 column[i] = value
-            there.set_north[i] = -now.sway * math.sin(now.course)
-            there.set_east[i] = now.sway * math.cos(now.course)
-        return self._carried(there, time) if self._drift.any() else there
+            moment.set_north[i] = -now.sway * math.sin(now.course)
+            moment.set_east[i] = now.sway * math.cos(now.course)
+        return self._carried(moment, time) if self._drift.any() else moment
 
     def _carried(self, there: Situation, time: float) -> Situation:
         """Return where ships are, those that drift carried by the water."""
@@ -138,12 +140,12 @@ class ContactFleet:
 
     def _pieces(self, time: float) -> tuple[float, float, Numbers]:
         """Return from when to when no ship's piece changes, and the pieces."""
-        found = [ship.way.at(time) for ship in self.order]
-        if not found:
+        pieces = [ship.way.at(time) for ship in self.order]
+        if not pieces:
             return -math.inf, math.inf, np.empty((10, 0))
-        begun = [piece.begins for piece in found if piece.begins <= time]
-        ends = min(piece.ends for piece in found)
-        return max(begun, default=-math.inf), ends, np.array(found).T.copy()
+        begun = [piece.begins for piece in pieces if piece.begins <= time]
+        ends = min(piece.ends for piece in pieces)
+        return max(begun, default=-math.inf), ends, np.array(pieces).T.copy()
 
 
 class Contacts:
@@ -183,8 +185,8 @@ class Contacts:
     def seen(self, tick: int) -> tuple[ContactState, ...]:
         """Return every ship at a tick, to be looked at."""
         fleet = self.fleet(tick)
-        there = fleet.at(tick * self.step)
-        columns = *there[:2], *there.over_ground(), there.course, there.turning
+        places = fleet.at(tick * self.step)
+        columns = *places[:2], *places.over_ground(), places.course, places.turning
         rows = zip(*(column.tolist() for column in columns), strict=True)
         return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
 
@@ -216,8 +218,8 @@ class Contacts:
             return Refused(f"{ship.name}: {why}")
         if doing == "move" and ship.drifts:  # the place is over the ground
             gone = self.water(time)[0]
-            there = tuple(at - by for at, by in zip(order.numbers, gone, strict=True))
-            ships[ship.name] = change(ship, replace(order, numbers=there), time)
+            numbers = tuple(at - by for at, by in zip(order.numbers, gone, strict=True))
+            ships[ship.name] = change(ship, replace(order, numbers=numbers), time)
         else:
             ships[ship.name] = change(ship, order, time)
         return self._change(tick, ships, f"{order.text}")
@@ -296,12 +298,12 @@ def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str
 def ships_of(ships: Sequence[Contact], step: float) -> dict[str, Ship]:
     """Return the ships of an exercise; ConfigError with all ways that none can go."""
     problems: list[str] = []
-    found = {}
-    for each in ships:
+    by_name = {}
+    for contact in ships:
         with collecting(problems):
-            found[each.row.name] = _ship_of(each, step)
+            by_name[contact.row.name] = _ship_of(contact, step)
     raise_problems(problems)
-    return found
+    return by_name
 
 
 def _ship_of(contact: Contact, step: float) -> Ship:
@@ -338,16 +340,16 @@ def way_of(contact: Contact) -> Way:
         try:
             course, path = path_along(row.points, contact.speeds, contact.type.turn)
         except ValueError as wrong:
-            told = ", ".join(f"[{north:g}, {east:g}]" for north, east in row.points)
-            raise ConfigError(place.problem(f"points = [{told}]: {wrong}")) from None
+            text = ", ".join(f"[{north:g}, {east:g}]" for north, east in row.points)
+            raise ConfigError(place.problem(f"points = [{text}]: {wrong}")) from None
     (north, east), late = row.points[0], row.starts_s or 0.0
     speed = 0.0 if late else contact.speeds[0]
     start = EMPTY_PIECE._replace(north=north, east=east, course=course, speed=speed)
     way = lay_way(late, start, path)
     if len(row.points) > 1 and (leg := unreached_stretch(way)) is not None:
         ordered = (path[leg].speed or 0.0) / KNOT
-        told = f"{ordered:g} kn is not reached on a leg of {path[leg].length:.0f} m between turns"
-        raise ConfigError(place.problem(f"speed_kn = {ordered:g}: {told}"))
+        text = f"{ordered:g} kn is not reached on a leg of {path[leg].length:.0f} m between turns"
+        raise ConfigError(place.problem(f"speed_kn = {ordered:g}: {text}"))
     return way
 
 
@@ -379,8 +381,8 @@ def _move(ship: Ship, order: Order, time: float) -> Ship:
     """Be elsewhere at once, and go straight on from there."""
     now, path = rest_of(ship.way, time)
     north, east = order.numbers
-    there = now._replace(north=north, east=east)
-    return _on(ship, there, [Stretch(0.0, math.inf, path[0].speed)])
+    start = now._replace(north=north, east=east)
+    return _on(ship, start, [Stretch(0.0, math.inf, path[0].speed)])
 
 
 def _steered(ship: Ship, order: Order, time: float) -> Ship:

@@ -181,11 +181,11 @@ class CurrentAround:
         edges = sorted(edge for begun in ramps for edge in (begun, begun + self.ramp))
         while True:
             further = bisect_right(edges, here)
-            there = min(here + TIDE_SPAN_S, edges[further] if further < len(edges) else math.inf)
-            if there > time:
+            end = min(here + TIDE_SPAN_S, edges[further] if further < len(edges) else math.inf)
+            if end > time:
                 return
-            by_north, by_east = self._way(here, there)
-            here, north, east = there, north + by_north, east + by_east
+            by_north, by_east = self._way(here, end)
+            here, north, east = end, north + by_north, east + by_east
             yield here, north, east
 
     def _way(self, start: float, end: float) -> tuple[float, float]:

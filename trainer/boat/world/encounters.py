@@ -69,18 +69,18 @@ def refuse_touching(boat: Any) -> None:
     contacts = contacts_in(boat)
     if contacts is None or not contacts.given:
         return
-    hull, pose, there = OwnHull.of(boat), Pose.of(boat.state), contacts.at(0)
-    rows = list(zip(*(each.tolist() for each in there[:3]), strict=True))
+    hull, pose, start = OwnHull.of(boat), Pose.of(boat.state), contacts.at(0)
+    rows = list(zip(*(each.tolist() for each in start[:3]), strict=True))
     lying = [(*row, each.type) for row, each in zip(rows, contacts.given, strict=True)]
     problems = []
     for i, (contact, (north, east, course, kind)) in enumerate(
         zip(contacts.given, lying, strict=True)
     ):
-        told = f"points[0] = [{north:g}, {east:g}]: {contact.row.name} starts in "
+        problem = f"points[0] = [{north:g}, {east:g}]: {contact.row.name} starts in "
         if hull.touches(pose, kind, north, east, course):
-            problems.append(contact.place.problem(f"{told}the boat's own hull"))
+            problems.append(contact.place.problem(f"{problem}the boat's own hull"))
         problems += [
-            contact.place.problem(f"{told}the hull of {other.row.name}")
+            contact.place.problem(f"{problem}the hull of {other.row.name}")
             for other, its in zip(contacts.given[:i], lying[:i], strict=True)
             if ships_overlap((north, east, course, kind), its)
         ]
@@ -188,8 +188,8 @@ class EncounterMonitor:
         """Take the boat as it is, after a jump in time. Nothing is measured over it."""
         self.struck, self.nearest = "", ("", math.inf)
         self._pose = Pose.of(boat.state) if self.contacts else None
-        for kept in (self.closest, self.called, self.clear_since, self.touching, self._past):
-            kept.clear()
+        for memory in (self.closest, self.called, self.clear_since, self.touching, self._past):
+            memory.clear()
 
     def look(self, boat: Any) -> list[str]:
         """Return what there is to call out after a tick."""
@@ -250,8 +250,8 @@ class EncounterMonitor:
     def _calls(self, boat: Any, contacts: Contacts) -> list[str]:
         """Return each closest approach that is to be called now."""
         rules, tick = self.rules, boat.ticks
-        fleet, own = contacts.fleet(tick), self._own(boat)
-        seen = plot_ships(own, contacts.at(tick), rules.cpa_m)
+        fleet, boat_motion = contacts.fleet(tick), self._own(boat)
+        seen = plot_ships(boat_motion, contacts.at(tick), rules.cpa_m)
         ahead = (seen.until >= 0.0) & (seen.until < rules.warn_s)
         soon = ahead & (seen.closest < rules.cpa_m)
         over = ~ahead | (seen.closest > (1.0 + RECALL_CHANGE_SHARE) * rules.cpa_m)
@@ -275,24 +275,24 @@ class EncounterMonitor:
 
     def _own(self, boat: Any) -> OwnMotion:
         """Return how the boat goes on the mean of late: waves swing it to and fro."""
-        own = OwnMotion.of(boat.state)._replace(turning=0.0)
+        motion = OwnMotion.of(boat.state)._replace(turning=0.0)
         self._past.append(Pose.of(boat.state))
         count = round(MEAN_PERIOD_S / boat.method.step)
         if boat.state["held_position"] or len(self._past) <= count:
-            return own
+            return motion
         first, last = self._past[-count - 1], self._past[-1]
         self._past = self._past[-count:]
         seconds = count * boat.method.step
         north, east = (last.north - first.north) / seconds, (last.east - first.east) / seconds
         turned = math.remainder(last.heading - first.heading, math.tau)
         course, speed = math.atan2(east, north), math.hypot(north, east)
-        return own._replace(course=course, speed=speed, turning=turned / seconds)
+        return motion._replace(course=course, speed=speed, turning=turned / seconds)
 
     def account(self) -> str:
         """Return the closest that each ship has been, in words."""
-        found = sorted(self.closest.items(), key=lambda item: item[1])
+        ranges = sorted(self.closest.items(), key=lambda item: item[1])
         step = self.contacts.step if self.contacts else 1.0
-        return ", ".join(f"{name} {m:.0f} m (at {tick * step:g} s)" for name, (m, tick) in found)
+        return ", ".join(f"{name} {m:.0f} m (at {tick * step:g} s)" for name, (m, tick) in ranges)
 
 
 def _meets(
@@ -304,8 +304,8 @@ def _meets(
     way[:2] -= end[:2] - start[:2]
     looks = hull.looks(float(np.linalg.norm(way)), ship.type)
     for share in ((i + 1) / looks for i in range(looks)):
-        there = (start + share * (end - start)).tolist()
-        if hull.touches(before.towards(now, share), ship.type, *there):
+        place = (start + share * (end - start)).tolist()
+        if hull.touches(before.towards(now, share), ship.type, *place):
             return True
     return False
 
@@ -318,10 +318,10 @@ def _words(ships: tuple[Ship, ...], name: str) -> str:
 def _call(ship: Ship, seen: ShipPlot) -> str:
     """Return the words of a closest approach foreseen."""
     minutes, seconds = divmod(round(float(seen.until)), 60)
-    told = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
+    time_text = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
     bearing = round(math.degrees(float(seen.bearing))) % 360
     turning = ", turning" if seen.turning else ""
     return (
-        f"CLOSEST APPROACH: {ship.name} {float(seen.closest):.0f} m in {told}{turning}; "
+        f"CLOSEST APPROACH: {ship.name} {float(seen.closest):.0f} m in {time_text}{turning}; "
         f"now {bearing:03d} at {float(seen.range):.0f} m"
     )

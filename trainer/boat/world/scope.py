@@ -243,10 +243,10 @@ class Periscope:
         """Return how the mast stands by an order, and what is answered."""
         rate = fitted.extension_m / fitted.raise_s
         if order.word == "raise":
-            left = (fitted.extension_m - now.out) / rate
+            seconds = (fitted.extension_m - now.out) / rate
             then = now._replace(up=True, raised=now.raised + (not now.up))
             why = self.too_fast(float(self._boat.state.u))
-            return then, f"raising scope: up in {left:.0f} s{why and f'; {why}'}"
+            return then, f"raising scope: up in {seconds:.0f} s{why and f'; {why}'}"
         if order.word == "lower":
             return now._replace(up=False), f"lowering scope: down in {now.out / rate:.0f} s"
         if order.word == "train":
@@ -265,8 +265,8 @@ class Periscope:
         eye = self.place(self._boat.state, mast, self.height(mast))
         half = 0.5 * VIEW_WIDTHS[mast.power]
         off = [
-            (abs(math.remainder(each.train - mast.train, math.tau)), each)
-            for each in self.sights(eye, mast)
+            (abs(math.remainder(target.train - mast.train, math.tau)), target)
+            for target in self.sights(eye, mast)
         ]
         near = [pair for pair in off if pair[0] <= half]
         if not near:
@@ -295,8 +295,8 @@ def field_of(power: float) -> float:
 
 def periscope_of(boat: Any) -> Periscope | None:
     """Return a boat's periscope, None where it has none."""
-    found = boat.world.parts.get("scope")
-    return found if isinstance(found, Periscope) and found.fitted else None
+    periscope = boat.world.parts.get("scope")
+    return periscope if isinstance(periscope, Periscope) and periscope.fitted else None
 
 
 def eye_height(boat: Any) -> float:

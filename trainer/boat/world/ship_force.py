@@ -50,9 +50,9 @@ def water_acceleration(ship: PassingShip, points: Numbers) -> Numbers:
     r = np.maximum(np.sqrt(np.sum(away * away, axis=2)), least)[:, :, None]
     way = speed * ahead
     along_way = np.sum(away * way, axis=2)[:, :, None]
-    each = 3.0 * away * along_way / r**5 - way / r**3
-    found: Numbers = np.sum(strength[None, :, None] * each, axis=1) / (4.0 * math.pi)
-    return found
+    source_flow = 3.0 * away * along_way / r**5 - way / r**3
+    flow: Numbers = np.sum(strength[None, :, None] * source_flow, axis=1) / (4.0 * math.pi)
+    return flow
 
 
 def pull_share(distance: float, ship: ShipType, length: float) -> float:
@@ -75,7 +75,7 @@ class ShipPull:
 
     def on(self, pose: Pose, ships: Sequence[PassingShip]) -> Numbers:
         """Return X, Y, Z [N] and K, M, N [N m] in body axes."""
-        found = np.zeros(6)
+        force = np.zeros(6)
         apart = [
             (math.hypot(ship[1] - pose.north, ship[2] - pose.east), i)
             for i, ship in enumerate(ships)
@@ -83,8 +83,8 @@ class ShipPull:
         for distance, i in sorted(apart)[:MAX_PULLING_SHIPS]:
             share = pull_share(distance, ships[i][0], self._length)
             if share > 0.0:
-                found += share * self.whole(pose, ships[i])
-        return found
+                force += share * self.whole(pose, ships[i])
+        return force
 
     def whole(self, pose: Pose, ship: PassingShip) -> Numbers:
         """Return the forces of one ship at its full pull."""

@@ -137,10 +137,10 @@ class SteeredNomoto:
             return now._replace(speed=faster, turning=0.0, lag=0.0)
         rudder = now.rudder + h * self._rudder_rate(now, ordered, clock, h)
         here = NomotoState(now.lag, now.turning / clock, now.course, now.north, now.east)
-        there = self._motion.after(here, 0.5 * (now.rudder + rudder), clock * h)
-        turning = there.turning * faster / self._motion.speed
+        after = self._motion.after(here, 0.5 * (now.rudder + rudder), clock * h)
+        turning = after.turning * faster / self._motion.speed
         return SteeredState(
-            *(there.north, there.east, there.course, faster, turning, there.lag, rudder),
+            *(after.north, after.east, after.course, faster, turning, after.lag, rudder),
         )
 
     def _rudder_rate(self, now: SteeredState, ordered: float, clock: float, h: float) -> float:

@@ -149,14 +149,14 @@ def cosine_components(gamma: float, seed: float) -> tuple[Numbers, Numbers, Numb
 
 def _groups(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
     """Return the filters' outputs by internal step, on either side of the boat."""
-    left = 1.0 - at("sea_cosines")
-    if left <= 0.0:
+    filtered_share = 1.0 - at("sea_cosines")
+    if filtered_share <= 0.0:
         return np.empty(0, complex)
     old = at("sea_1969")
-    found = math.sqrt(left * old) * _endless(at)
+    waves = math.sqrt(filtered_share * old) * _endless(at)
     if old < 1.0:
-        found = found + math.sqrt(left * (1.0 - old)) * _of_banks(numbers, at)
-    return found
+        waves = waves + math.sqrt(filtered_share * (1.0 - old)) * _of_banks(numbers, at)
+    return waves
 
 
 def _endless(at: Callable[[str], float]) -> Waves:
@@ -171,14 +171,14 @@ def _of_banks(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
     middle = int(at("sea_steps")) - 3
     peaked, seed = at("sea_peaked"), int(at("seed"))
     shares = math.sqrt(1.0 - peaked), math.sqrt(peaked)
-    found = np.zeros(2 * REACH_STEPS, complex)
+    waves = np.zeros(2 * REACH_STEPS, complex)
     for bank, share in enumerate(shares):
         if share > 0.0:
-            found += share * bank_outputs(seed, bank, middle - REACH_STEPS, middle + REACH_STEPS)
+            waves += share * bank_outputs(seed, bank, middle - REACH_STEPS, middle + REACH_STEPS)
     for step in range(middle - 1, middle + 3):
         place = STATE_PLACES["sea_past"] + 4 * (step & 3)
-        found[step - middle + REACH_STEPS] = complex(numbers[place], numbers[place + 1])
-    return found
+        waves[step - middle + REACH_STEPS] = complex(numbers[place], numbers[place + 1])
+    return waves
 
 
 def bank_outputs(seed: int, bank: int, first: int, last: int) -> Waves:

@@ -148,13 +148,13 @@ def _end(piece: Piece, length: float, ordered: float) -> Piece:
     """Return how the next piece begins. A speed that is reached is the one ordered."""
     if not math.isfinite(piece.ends):
         return piece
-    there = situation(piece_column(piece), piece.ends)
-    speed = float(there.speed[0])
+    end = situation(piece_column(piece), piece.ends)
+    speed = float(end.speed[0])
     return piece._replace(
         begins=piece.ends,
-        north=float(there.north[0]),
-        east=float(there.east[0]),
-        course=float(there.course[0]),
+        north=float(end.north[0]),
+        east=float(end.east[0]),
+        course=float(end.course[0]),
         speed=ordered if abs(speed - ordered) < 1e-9 else speed,
         along=piece.along + length,
     )
@@ -177,14 +177,14 @@ def path_along(
     tangents = [0.0, *(radius * math.tan(0.5 * abs(change)) for change in changes), 0.0]
     path: list[Stretch] = []
     for i, ((_, length), speed) in enumerate(zip(legs, speeds, strict=True)):
-        left = length - tangents[i] - tangents[i + 1]
-        if left < 0.0:
+        straight = length - tangents[i] - tangents[i + 1]
+        if straight < 0.0:
             turns = tangents[i] + tangents[i + 1]
             raise ValueError(
                 f"leg {i + 1} is {length:.0f} m: "
                 f"its turns of radius {radius:g} m take {turns:.0f} m"
             )
-        path.append(Stretch(0.0, left, speed))
+        path.append(Stretch(0.0, straight, speed))
         if i < len(changes):
             path += turn_stretch(changes[i], radius)
     return legs[0][0], [*path, Stretch(0.0, math.inf)]
@@ -208,8 +208,8 @@ def unreached_stretch(way: Way) -> int | None:
     for i, stretch in enumerate(way.path):
         last = [piece for piece in way.pieces if piece.stretch == i]
         if stretch.speed is not None and last and last[-1].acceleration != 0.0:
-            there = situation(piece_column(last[-1]), last[-1].ends)
-            if abs(float(there.speed[0]) - stretch.speed) > 1e-6:
+            end = situation(piece_column(last[-1]), last[-1].ends)
+            if abs(float(end.speed[0]) - stretch.speed) > 1e-6:
                 return i
     return None
 
@@ -217,13 +217,13 @@ def unreached_stretch(way: Way) -> int | None:
 def rest_of(way: Way, time: float) -> tuple[Piece, list[Stretch]]:
     """Return a ship's place at a time [s] as a piece, and its further path."""
     piece = way.at(time)
-    there = situation(piece_column(piece), time)
+    place = situation(piece_column(piece), time)
     now = piece._replace(
         begins=time,
-        north=float(there.north[0]),
-        east=float(there.east[0]),
-        course=float(there.course[0]),
-        speed=float(there.speed[0]),
+        north=float(place.north[0]),
+        east=float(place.east[0]),
+        course=float(place.course[0]),
+        speed=float(place.speed[0]),
         stretch=0.0,
         along=0.0,
     )
@@ -231,11 +231,14 @@ def rest_of(way: Way, time: float) -> tuple[Piece, list[Stretch]]:
     passed = max(time - piece.begins, 0.0)
     gone = piece.along + (piece.speed + 0.5 * piece.acceleration * passed) * passed
     here = way.path[first]
-    left = max(here.length - gone, 0.0)
-    return now, [here._replace(length=left, speed=ordered_at(way, first)), *way.path[first + 1 :]]
+    remaining = max(here.length - gone, 0.0)
+    return now, [
+        here._replace(length=remaining, speed=ordered_at(way, first)),
+        *way.path[first + 1 :],
+    ]
 
 
 def ordered_at(way: Way, stretch: int) -> float:
     """Return the speed [m/s] that is ordered on a stretch."""
-    given = [each.speed for each in way.path[: stretch + 1] if each.speed is not None]
-    return given[-1] if given else way.pieces[0].speed
+    speeds = [each.speed for each in way.path[: stretch + 1] if each.speed is not None]
+    return speeds[-1] if speeds else way.pieces[0].speed

@@ -55,15 +55,15 @@ def hull(model: SessionModel, width: int, height: int) -> Lines:
     if height < 3 or width < MIN_SIDE_COLUMNS:
         return [fit(line(), width)] * height
     pitch, heel = interpolate(model, "pitch"), interpolate(model, "heel")
-    left = line((f" pitch {attitude(pitch, 'up', 'down')}", "dim"))
-    told = f"heel {attitude(heel, 'stbd', 'port')} "
-    right = line((told if width >= ANGLES_COLUMNS else "", "dim"))
+    pitch_line = line((f" pitch {attitude(pitch, 'up', 'down')}", "dim"))
+    heel_text = f"heel {attitude(heel, 'stbd', 'port')} "
+    right = line((heel_text if width >= ANGLES_COLUMNS else "", "dim"))
     room = height - 1
     astern = STERN_VIEW_COLUMNS if width >= MIN_SIDE_COLUMNS + STERN_VIEW_COLUMNS else 0
     side = side_view(pitch or 0.0, width - astern, room)
     behind = from_astern(heel or 0.0, astern, room)
     lines = [line((side.text(row), "plain"), (behind.text(row), "plain")) for row in range(room)]
-    return [*(fit(each, width) for each in lines), beside(left, right, width)]
+    return [*(fit(each, width) for each in lines), beside(pitch_line, right, width)]
 
 
 def side_view(pitch: float, width: int, height: int) -> Sheet:

@@ -89,9 +89,11 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
     actual = [scaled_value(each.actual, size) if each else None for each in series]
     ordered = [scaled_value(each.ordered, size) if each else None for each in series]
     if drawn.actual[1] in CIRCULAR_FIELDS:
-        left = model.picture.number("orders", f"{drawn.crew}_error") if drawn.crew else None
+        heading_error = (
+            model.picture.number("orders", f"{drawn.crew}_error") if drawn.crew else None
+        )
         actual = unwrap(actual)
-        ordered = beside_headings(ordered, actual, left)
+        ordered = beside_headings(ordered, actual, heading_error)
     low, high = limits([*actual, *ordered], drawn.least)
     axis = [time_axis(span, columns)] if rows >= MIN_AXIS_ROWS else []
     plot = Plot(low, high, columns, rows - len(axis))
@@ -128,12 +130,12 @@ def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> L
     unit, size = unit_of(drawn, model)
     actual = says(scaled_value(model.picture.number(*drawn.actual), size))
     ordered = says(scaled_value(model.ordered(drawn), size))
-    told = "" if ordered == NO_VALUE else f" {DASH_SIGN}{DASH_SIGN} {ordered}"
+    ordered_text = "" if ordered == NO_VALUE else f" {DASH_SIGN}{DASH_SIGN} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
     inks = ("heading", "heading-value", "heading-ordered")
-    left = line(*zip((f" {name} ", actual, told), inks, strict=True))
+    name_line = line(*zip((f" {name} ", actual, ordered_text), inks, strict=True))
     right = line((f"{unit}  {minutes(span)} ", "heading-dim"))
-    return beside(left, right, width, "heading")
+    return beside(name_line, right, width, "heading")
 
 
 def unit_of(drawn: Quantity, model: SessionModel) -> tuple[str, float]:
@@ -170,15 +172,15 @@ def format_quantity(drawn: Quantity) -> Callable[[float | None], str]:
 
 def unwrap(headings: Sequence[float | None]) -> list[float | None]:
     """Return headings [deg] counted on through north, up to the last as it is."""
-    found: list[float | None] = []
+    unwrapped: list[float | None] = []
     after: float | None = None
     for value in reversed(headings):
         if value is not None and after is not None:
             after += beside_zero(value - after)
         elif value is not None:
             after = value
-        found.append(None if value is None else after)
-    return found[::-1]
+        unwrapped.append(None if value is None else after)
+    return unwrapped[::-1]
 
 
 def beside_headings(
@@ -188,7 +190,7 @@ def beside_headings(
 
     ``left`` is how far it is to the last of them, the way that was ordered; None: the shorter.
     """
-    found: list[float | None] = []
+    placed: list[float | None] = []
     place = len(ordered)
     for value, run in groupby(reversed(ordered)):
         first, place = place, place - len(list(run))
@@ -197,8 +199,8 @@ def beside_headings(
         if value is not None and reached is not None:
             to_go = left if first == len(ordered) and left is not None else None
             drawn = reached + (beside_zero(value - reached) if to_go is None else to_go)
-        found += [drawn] * (first - place)
-    return found[::-1]
+        placed += [drawn] * (first - place)
+    return placed[::-1]
 
 
 def beside_zero(angle: float) -> float:
@@ -341,5 +343,5 @@ def rule(metres: float, width: int) -> Line:
     power = 10.0 ** math.floor(math.log10(max(longest, 1.0)))
     length = max(step * power for step in SCALE_STEPS if step * power <= max(longest, power))
     columns = max(round(length / metres / DOTS_ACROSS), 1)
-    told = f"{length:g} m" if length < 2000.0 else f"{length / 1000.0:g} km"
-    return line((f" ├{'─' * max(columns - 2, 0)}┤ {told}", "dim"))
+    length_text = f"{length:g} m" if length < 2000.0 else f"{length / 1000.0:g} km"
+    return line((f" ├{'─' * max(columns - 2, 0)}┤ {length_text}", "dim"))

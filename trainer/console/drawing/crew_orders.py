@@ -51,11 +51,11 @@ def course_order(model: SessionModel) -> tuple[str, str]:
     ordered, error = _pair(model, "course")
     if ordered is None:
         return "", ""
-    told = course(ordered)
+    text = course(ordered)
     if error is None or abs(error) < REACHED_MARGIN:
-        return _both(told, "" if error is None else ", on course")
+        return _both(text, "" if error is None else ", on course")
     side = "right" if error > 0.0 else "left"
-    return f"{told}, {to_go(error)} to the {side}", f"{told}, {to_go(error)} {side}"
+    return f"{text}, {to_go(error)} to the {side}", f"{text}, {to_go(error)} {side}"
 
 
 def depth_order(model: SessionModel) -> tuple[str, str]:
@@ -65,12 +65,12 @@ def depth_order(model: SessionModel) -> tuple[str, str]:
         return "", ""
     unit, size = ("ft", FOOT) if in_feet(model) else ("m", 1.0)
     feet = unit == "ft"
-    told = f"{round(ordered / size)} ft" if feet else f"{short_number(ordered)} m"
+    text = f"{round(ordered / size)} ft" if feet else f"{short_number(ordered)} m"
     reached = FEET_REACHED if feet else REACHED_MARGIN
     if error is None or abs(error / size) < reached:
-        return _both(told, "" if error is None else ", at depth")
+        return _both(text, "" if error is None else ", at depth")
     way = "deeper" if error > 0.0 else "higher"
-    return _both(told, f", {to_go(error / size)} {way}")
+    return _both(text, f", {to_go(error / size)} {way}")
 
 
 def speed_order(model: SessionModel) -> tuple[str, str]:
@@ -78,10 +78,10 @@ def speed_order(model: SessionModel) -> tuple[str, str]:
     ordered, error = _pair(model, "speed")
     if ordered is None:
         return "", ""
-    told = f"{short_number(ordered)} kn"
+    text = f"{short_number(ordered)} kn"
     if error is None or abs(error) < KNOTS_REACHED:
-        return _both(told, "" if error is None else ", at speed")
-    return _both(told, f", {abs(error):.1f} {'faster' if error > 0.0 else 'slower'}")
+        return _both(text, "" if error is None else ", at speed")
+    return _both(text, f", {abs(error):.1f} {'faster' if error > 0.0 else 'slower'}")
 
 
 def has_come_off(model: SessionModel) -> bool:
@@ -104,14 +104,14 @@ def pitch_order(model: SessionModel) -> tuple[str, str]:
     ordered, error = _pair(model, "pitch")
     if ordered is None:
         return "", ""
-    told = "zero" if abs(ordered) < 0.05 else f"{short_number(abs(ordered))} {_way(ordered)}"
+    text = "zero" if abs(ordered) < 0.05 else f"{short_number(abs(ordered))} {_way(ordered)}"
     if ordered and has_come_off(model):
-        return _both(told, ", at depth")
+        return _both(text, ", at depth")
     if error is None or abs(error) < REACHED_MARGIN:
-        return _both(told, "" if error is None else ", on it")
+        return _both(text, "" if error is None else ", on it")
     return (
-        f"{told}, {to_go(error)} to go {_way(error)}",
-        f"{told}, {to_go(error)} {_way(error)}",
+        f"{text}, {to_go(error)} to go {_way(error)}",
+        f"{text}, {to_go(error)} {_way(error)}",
     )
 
 
@@ -167,14 +167,14 @@ def order_line(model: SessionModel, width: int) -> Line:
     if new:
         says = new[0].says
         return fit(line((f" NEW ORDER  {says} ", "new"), (f"  {REPEAT_HINT}", "key")), width, "bar")
-    told = told_words(model)
-    return fit(line((f" told: {told}" if told else "", "ordered")), width)
+    words = told_words(model)
+    return fit(line((f" told: {words}" if words else "", "ordered")), width)
 
 
 def told_words(model: SessionModel) -> str:
     """Return the last order in words. A channel has no commas, the fact of it has."""
-    told = model.picture.word(ORDERS_CHANNEL, "told")
-    return model.crew.told if len(model.crew.told) == len(told) else told
+    words = model.picture.word(ORDERS_CHANNEL, "told")
+    return model.crew.told if len(model.crew.told) == len(words) else words
 
 
 def crew_line(model: SessionModel, width: int) -> Line:
@@ -184,9 +184,12 @@ def crew_line(model: SessionModel, width: int) -> Line:
     if new:
         waits = max(model.picture.seconds - new.seconds, 0.0)
         return (*label, (f"NEW {new.says}, not repeated for {waits:.0f} s ", "warning"))
-    found = [order(model) for order in AXIS_TEXTS.values()]
-    told = told_words(model)
-    for text in (_joined([each[0] for each in found]), _joined([each[1] for each in found])):
+    order_texts = [order(model) for order in AXIS_TEXTS.values()]
+    words = told_words(model)
+    for text in (
+        _joined([each[0] for each in order_texts]),
+        _joined([each[1] for each in order_texts]),
+    ):
         if text and len(text) + len(" crew   ") <= width:
             return (*label, (text, "ordered"))
     # all orders with their errors by sign, where words have no room
@@ -196,12 +199,12 @@ def crew_line(model: SessionModel, width: int) -> Line:
         ordered, error = _pair(model, axis)
         if ordered is not None:
             done = error is None or (axis == "pitch" and ordered and has_come_off(model))
-            left = 0.0 if done else (error or 0.0) / (size if axis == "depth" else 1.0)
-            parts.append(f"{AXIS_TEXTS[axis](model)[1].partition(',')[0]} {left:+.0f}")
+            to_go = 0.0 if done else (error or 0.0) / (size if axis == "depth" else 1.0)
+            parts.append(f"{AXIS_TEXTS[axis](model)[1].partition(',')[0]} {to_go:+.0f}")
     signed = "; ".join(parts)
     if signed:
         return (*label, (signed, "ordered"))
-    return (*label, (f"told: {told}", "ordered") if told else ("no orders", "dim"))
+    return (*label, (f"told: {words}", "ordered") if words else ("no orders", "dim"))
 
 
 def _joined(texts: Sequence[str]) -> str:

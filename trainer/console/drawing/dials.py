@@ -117,9 +117,9 @@ def side_by_side(dials: list[Lines], width: int) -> Lines:
 def depth_gauge(model: SessionModel) -> Gauge:
     """Return the depth gauge."""
     ordered = model.picture.number("diving", "ordered_depth")
-    kept = "" if ordered is None else depth_text(model, ordered)
+    ordered_text = "" if ordered is None else depth_text(model, ordered)
     shown = depth_text(model, interpolate(model, "depth"))
-    return Gauge("depth", "depth", shown, depth_unit(model), kept, depth_rate(model))
+    return Gauge("depth", "depth", shown, depth_unit(model), ordered_text, depth_rate(model))
 
 
 def depth_rate(model: SessionModel) -> str:
@@ -138,9 +138,9 @@ def depth_rate(model: SessionModel) -> str:
 def compass(model: SessionModel) -> Gauge:
     """Return the compass."""
     ordered = model.picture.number("steering", "ordered_course")
-    kept = "" if ordered is None else course(ordered)
+    ordered_text = "" if ordered is None else course(ordered)
     shown = course(interpolate(model, "heading"), 1)
-    return Gauge("course", "heading", shown, "deg", kept, rate_of_turn(model))
+    return Gauge("course", "heading", shown, "deg", ordered_text, rate_of_turn(model))
 
 
 def rate_of_turn(model: SessionModel) -> str:
@@ -154,8 +154,8 @@ def rate_of_turn(model: SessionModel) -> str:
 def speed_log(model: SessionModel) -> Gauge:
     """Return the log, which shows the speed through the water."""
     ordered = model.picture.number("engine", "ordered_speed")
-    kept = "" if ordered is None else number(ordered)
-    return Gauge("speed", "speed", number(interpolate(model, "speed")), "kn", kept)
+    ordered_text = "" if ordered is None else number(ordered)
+    return Gauge("speed", "speed", number(interpolate(model, "speed")), "kn", ordered_text)
 
 
 def angles(model: SessionModel, width: int) -> Line:
@@ -181,17 +181,17 @@ def scale(model: SessionModel, name: str, channel: str, width: int) -> Line:
     if actual is None:
         lacking = no_value_reason(picture, channel, "this boat has none")
         return line((f" {name:<7}", "dim"), (lacking, "dim"))
-    left, right = SCALE_ENDS[name]
+    left_word, right = SCALE_ENDS[name]
     mode = picture.word(channel, f"{name}_mode")
-    ends = line((f" {name:<7}{left} ", "dim")), line((f" {right}  ", "dim"))
-    told = line(
+    ends = line((f" {name:<7}{left_word} ", "dim")), line((f" {right}  ", "dim"))
+    marks_line = line(
         (surface(name, actual), "value"),
         (f" > {surface(name, ordered)}", "ordered"),
         (f" {mode:<4} ", "warning" if mode == "hand" else "dim"),
     )
-    room = width - sum(len(text) for part in (*ends, told) for text, _ in part)
+    room = width - sum(len(text) for part in (*ends, marks_line) for text, _ in part)
     drawn = marks(actual, ordered, room) if room >= MIN_SCALE_COLUMNS // 2 else ()
-    return (*ends[0], *drawn, *ends[1], *told)
+    return (*ends[0], *drawn, *ends[1], *marks_line)
 
 
 def marks(actual: float, ordered: float | None, room: int) -> tuple[Run, ...]:
@@ -227,20 +227,22 @@ def telegraph(model: SessionModel, width: int) -> Lines:
             parts.append((BELL_KEYS[f"{way} {name}".strip()], "key"))
             parts.append((f"[{says}]" if here else f" {says} ", "chosen" if here else "plain"))
     rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
-    kept = "speed kept automatically" if picture.word("engine", "speed_mode") == "auto" else ""
+    speed_text = (
+        "speed kept automatically" if picture.word("engine", "speed_mode") == "auto" else ""
+    )
     turns = line(
         (" rpm ", "dim"),
         (number(rpm, 0), "value"),
         (f" > {number(ordered, 0)}  ", "ordered"),
-        (kept or bells_in_knots(model), "dim"),
+        (speed_text or bells_in_knots(model), "dim"),
     )
     return [fit(tuple(parts), width), fit(turns, width)]
 
 
 def bells_in_knots(model: SessionModel) -> str:
     """Return the turns of the bells [kn] that the vessel has told."""
-    found = []
+    texts = []
     for way, bells in (("ahead", AHEAD_BELLS), ("astern", ASTERN_BELLS[::-1])):
         turns = [model.ranges[f"{way} {name}"] for name in bells if f"{way} {name}" in model.ranges]
-        found += [f"{way} {'/'.join(f'{abs(each):g}' for each in turns)}"] * bool(turns)
-    return f"kn: {', '.join(found)}" if found else ""
+        texts += [f"{way} {'/'.join(f'{abs(each):g}' for each in turns)}"] * bool(turns)
+    return f"kn: {', '.join(texts)}" if texts else ""

@@ -14,13 +14,13 @@ SHIPS_HEADING = " ship      brg  range crs kn   cpa  sec"
 def log(model: SessionModel, width: int, height: int) -> Lines:
     """Return the last entries, the newest at the bottom."""
     journal = model.journal
-    found: list[tuple[str, str, str]] = []
+    rows: list[tuple[str, str, str]] = []
     for entry in reversed(journal.entries):
-        found[:0] = wrap_entry(entry, width)
-        if len(found) >= height + journal.back:
+        rows[:0] = wrap_entry(entry, width)
+        if len(rows) >= height + journal.back:
             break
-    back = min(journal.back, max(len(found) - height, 0))
-    shown = found[max(len(found) - height - back, 0) : len(found) - back]
+    back = min(journal.back, max(len(rows) - height, 0))
+    shown = rows[max(len(rows) - height - back, 0) : len(rows) - back]
     lines = [line((f" {when} ", "dim"), (text, ink)) for when, text, ink in shown]
     if back and lines:
         lines[-1] = line((f" ... {back} more lines below: Page Down", "warning"))
@@ -30,19 +30,19 @@ def log(model: SessionModel, width: int, height: int) -> Lines:
 def time_line(model: SessionModel, width: int, _height: int) -> Lines:
     """Return the run in one line: moments, plans, a bar for the present."""
     now, end = model.picture.seconds, end_of(model)
-    left = line((" 00:00 ", "dim"))
+    start_label = line((" 00:00 ", "dim"))
     right = line((f" {clock(end)} ", "dim"))
-    room = width - sum(len(text) for text, _ in (*left, *right))
+    room = width - sum(len(text) for text, _ in (*start_label, *right))
     if room < MIN_TIMELINE_COLUMNS:
         return [fit(line((f" {clock(now)}", "dim")), width)]
-    return [(*left, *scale(model, now, end, room), *right)]
+    return [(*start_label, *scale(model, now, end, room), *right)]
 
 
 def time_at(model: SessionModel, width: int, column: int) -> float:
     """Return the time [s] at a column of the line of time."""
     end = end_of(model)
-    left, right = len(" 00:00 "), 10
-    share = (column - left) / max(width - left - right - 1, 1)
+    label_width, right = len(" 00:00 "), 10
+    share = (column - label_width) / max(width - label_width - right - 1, 1)
     return min(max(share, 0.0), 1.0) * end
 
 
@@ -64,10 +64,10 @@ def scale(model: SessionModel, now: float, end: float, room: int) -> tuple[Run, 
         return min(max(round(seconds / end * (room - 1)), 0), room - 1)
 
     signs: list[Run] = [("━" if at <= column(now) else "╌", "dim") for at in range(room)]
-    for each in model.plans:
-        signs[column(each.seconds)] = (each.sign, "ordered")
-    for kept in moments(model):
-        signs[column(kept.seconds)] = (kept.sign, "warning")
+    for plan in model.plans:
+        signs[column(plan.seconds)] = (plan.sign, "ordered")
+    for moment in moments(model):
+        signs[column(moment.seconds)] = (moment.sign, "warning")
     signs[column(now)] = ("┃", "value")
     return tuple(signs)
 
@@ -104,17 +104,19 @@ def suffering(model: SessionModel, width: int, height: int) -> Lines:
     for name in picture.rows("casualties", "casualty_"):
         if not name[-1].isdigit():
             continue
-        target, left = (
+        target, seconds = (
             picture.number("casualties", f"{name}_{part}") for part in ("target", "left")
         )
-        going = "" if not left else (" going" if target == 0.0 else " coming") + f", {left:.0f} s"
+        going = (
+            "" if not seconds else (" going" if target == 0.0 else " coming") + f", {seconds:.0f} s"
+        )
         says = picture.word("casualties", f"{name}_says")
         lines.append(
             line((f" {picture.word('casualties', name)} ", "alarm"), f" {says}{going}".rstrip())
         )
     if len(lines) == 1:
-        told = no_value_reason(picture, "casualties", "none; F4 lists what can break")
-        lines.append(line((f" {told}", "dim")))
+        text = no_value_reason(picture, "casualties", "none; F4 lists what can break")
+        lines.append(line((f" {text}", "dim")))
     return [fit(each, width) for each in lines[:height]]
 
 
@@ -137,13 +139,13 @@ def ships(model: SessionModel, width: int) -> Lines:
 def ship_row(model: SessionModel, name: str) -> Line:
     """Return one ship; what is past has no time."""
     picture = model.picture
-    told = {part: picture.number("contacts", f"{name}_{part}") for part in SHIP_PARTS}
-    until = told["tcpa"]
+    values = {part: picture.number("contacts", f"{name}_{part}") for part in SHIP_PARTS}
+    until = values["tcpa"]
     when = "past" if until is not None and until < 0.0 else number(until, 0)
     return line(
         (" ", "value"),
         *fit(line((picture.word("contacts", name), "value")), SHIP_NAME),
-        f" {course(told['bearing']):>3} {number(told['range'], 0):>6}"
-        f" {course(told['course']):>3} {number(told['speed'], 0):>2}"
-        f" {number(told['cpa'], 0):>5} {when:>4}",
+        f" {course(values['bearing']):>3} {number(values['range'], 0):>6}"
+        f" {course(values['course']):>3} {number(values['speed'], 0):>2}"
+        f" {number(values['cpa'], 0):>5} {when:>4}",
     )

@@ -47,8 +47,8 @@ def interpolate(model: SessionModel, name: str) -> float | None:
 
 def pair(label: str, actual: str, ordered: str, unit: str) -> Line:
     """Return a value and what is ordered."""
-    told = ("", "plain") if ordered == NO_VALUE else (f" > {ordered}", "ordered")
-    return line((f" {label:<7}", "dim"), (f"{actual:>6}", "value"), told, (f" {unit}", "dim"))
+    order_run = ("", "plain") if ordered == NO_VALUE else (f" > {ordered}", "ordered")
+    return line((f" {label:<7}", "dim"), (f"{actual:>6}", "value"), order_run, (f" {unit}", "dim"))
 
 
 def false(model: SessionModel, name: str) -> str:
@@ -66,14 +66,14 @@ def reading(model: SessionModel, name: str, channel: str, unit: str) -> Line:
     actual = interpolate(model, name)
     if name == "heading":
         ordered = course(model.picture.number(channel, "ordered_course"))
-        told = pair(name, course(actual, 1), ordered, unit)
+        shown = pair(name, course(actual, 1), ordered, unit)
     else:
         ordered = number(model.picture.number(channel, f"ordered_{name}"))
-        told = pair(name, number(actual), ordered, unit)
+        shown = pair(name, number(actual), ordered, unit)
     wrong = false(model, name)
     if not wrong:
-        return told
-    choices = [(*told[:2], (f"{gap}{wrong}", "warning")) for gap in ("  ", " ")]
+        return shown
+    choices = [(*shown[:2], (f"{gap}{wrong}", "warning")) for gap in ("  ", " ")]
     return first_fitting(MOTION_COLUMNS, *choices)
 
 
@@ -101,12 +101,12 @@ def engine(model: SessionModel, room: int) -> Line:
     """Return bell, or that speed is kept, and revolutions, whose numbers outlast the labels."""
     picture = model.picture
     rung = bell(picture.word("engine", "bell"))
-    kept = "auto" if picture.word("engine", "speed_mode") == "auto" else "turns"
+    mode_text = "auto" if picture.word("engine", "speed_mode") == "auto" else "turns"
     rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
     numbers = line((number(rpm, 0), "value"), (f" > {number(ordered, 0)}", "ordered"))
     labels = (
-        line(("bell ", "dim"), (rung or kept, "value"), (" rpm ", "dim")),
-        line((rung or kept, "value"), (" rpm ", "dim")),
+        line(("bell ", "dim"), (rung or mode_text, "value"), (" rpm ", "dim")),
+        line((rung or mode_text, "value"), (" rpm ", "dim")),
         line(("rpm ", "dim")),
     )
     return first_fitting(room, *((*label, *numbers) for label in labels))
@@ -130,8 +130,8 @@ def tanks(model: SessionModel, room: int) -> Line:
     parts = []
     for says, names in TANK_LABELS:
         full = (number(model.picture.number("tanks", f"{name}_full"), 0) for name in names)
-        told = "/".join(full)
-        parts += [(f" {says} ", "dim"), (told, "plain")]
+        shares_text = "/".join(full)
+        parts += [(f" {says} ", "dim"), (shares_text, "plain")]
     shares = line(*parts, (" %", "dim"))
     return first_fitting(room, line((" tanks ", "dim"), *shares), shares)
 
@@ -159,12 +159,12 @@ def air(model: SessionModel) -> Line:
 def sea(model: SessionModel) -> Line:
     """Return the sea, and the one it is becoming."""
     now, then = swell(model, ""), swell(model, "ordered_")
-    told = "" if now == then else f" > {then}"
+    order_text = "" if now == then else f" > {then}"
     carried = over_ground(model)
     now = now.replace(",", "") if carried else now  # both fit side by side
     return line(
         *((" sea    ", "dim"), (now, "plain"), *over_sail(model)),
-        *((carried, "plain"), (told, "ordered")),
+        *((carried, "plain"), (order_text, "ordered")),
     )
 
 
@@ -207,9 +207,9 @@ def casualty_names(model: SessionModel) -> Line:
         for name in slots
     ]
     if not names:
-        told = no_value_reason(model.picture, "casualties", "nothing; F4 lists what can be")
-        return line((" broken ", "dim"), (told, "plain"))
-    told = ", ".join(names)
-    if len(told) > STATE_COLUMNS - len(" broken   "):
-        told = ", ".join(picture.word("casualties", name) for name in slots)
-    return line((" broken ", "dim"), (f" {told} ", "alarm"))
+        text = no_value_reason(model.picture, "casualties", "nothing; F4 lists what can be")
+        return line((" broken ", "dim"), (text, "plain"))
+    text = ", ".join(names)
+    if len(text) > STATE_COLUMNS - len(" broken   "):
+        text = ", ".join(picture.word("casualties", name) for name in slots)
+    return line((" broken ", "dim"), (f" {text} ", "alarm"))

@@ -33,10 +33,14 @@ def top(model: SessionModel, width: int, _height: int) -> Lines:
         says = MAKING_READY if model.follows else "making ready"
         return [fit(line((f" {model.role} ", "bright"), (says, "bar")), width, "bar")]
     clockwork = f"{clock(model.picture.seconds)} "
-    left = (*line((f" {model.role} ", "bright"), (clockwork, "bright")), *pace(model))
-    told, room = title(model), width - length(left)
-    told = told if len(told) <= room else f" {told.rpartition('  ')[2]}"
-    return [beside(left, line((told if len(told) <= room else "", "bar")), width, "bar")]
+    left_line = (*line((f" {model.role} ", "bright"), (clockwork, "bright")), *pace(model))
+    title_text, room = title(model), width - length(left_line)
+    title_text = title_text if len(title_text) <= room else f" {title_text.rpartition('  ')[2]}"
+    return [
+        beside(
+            left_line, line((title_text if len(title_text) <= room else "", "bar")), width, "bar"
+        )
+    ]
 
 
 def trouble(model: SessionModel) -> str:
@@ -78,8 +82,8 @@ def title(model: SessionModel) -> str:
     named = model.exercise.get("title") or (model.briefing[0] if model.briefing else "")
     if model.outcome:
         return f" {named}  EXERCISE OVER: {model.outcome} "
-    left = "" if model.left is None else f"  {clock(model.left)[3:]} left"
-    return f" {named}{left} " if named or left else ""
+    time_text = "" if model.left is None else f"  {clock(model.left)[3:]} left"
+    return f" {named}{time_text} " if named or time_text else ""
 
 
 def foot(keys: Sequence[tuple[str, str]], width: int, rows: int) -> Lines:
@@ -103,16 +107,16 @@ def key_rows(keys: Sequence[tuple[str, str]], width: int, rows: int) -> list[lis
 
 def flowed(keys: Sequence[tuple[str, str]], width: int) -> list[list[tuple[str, str]]]:
     """Return keys in rows of at most ``width`` columns, however many rows it takes."""
-    found: list[list[tuple[str, str]]] = [[]]
+    key_rows: list[list[tuple[str, str]]] = [[]]
     used = 1
     for key in keys:
         wide = sum(map(len, key)) + 1
-        if found[-1] and used + wide > width:
-            found.append([])
+        if key_rows[-1] and used + wide > width:
+            key_rows.append([])
             used = 1
-        found[-1].append(key)
+        key_rows[-1].append(key)
         used += wide + KEY_GAP_COLUMNS
-    return found
+    return key_rows
 
 
 def key_at(

@@ -40,8 +40,8 @@ def levels(model: SessionModel, width: int, height: int) -> Lines:
     """Return the tanks, what is moved, and what has flooded."""
     picture = model.picture
     if not picture.word("tanks", "auxiliary"):
-        told = no_value_reason(picture, "tanks", "this boat has no tanks")
-        return [fit(line((f" {told}", "dim")), width)]
+        text = no_value_reason(picture, "tanks", "this boat has no tanks")
+        return [fit(line((f" {text}", "dim")), width)]
     lines = [fit(pumping_heading(model), width, "heading")]
     for name, says in TANK_LABELS:
         mass, share = picture.number("tanks", name), picture.number("tanks", f"{name}_full")
@@ -49,12 +49,12 @@ def levels(model: SessionModel, width: int, height: int) -> Lines:
             continue
         room = max(width - NAME_COLUMNS - NUMBER_COLUMNS, 0)
         moving = picture.number("tanks", MOVING_FIELDS.get(name, "")) or 0.0
-        told = f" {number(mass):>6} t {number(share, 0):>3} %"
+        text = f" {number(mass):>6} t {number(share, 0):>3} %"
         lines.append(
             line(
                 (f" {says:<{NAME_COLUMNS - 1}}", "dim"),
                 (bar(share, room), "ordered"),
-                (told, "value"),
+                (text, "value"),
                 (f" {moving:+.1f}" if moving else "", "warning"),
             )
         )
@@ -64,14 +64,14 @@ def levels(model: SessionModel, width: int, height: int) -> Lines:
 
 def floodwater(model: SessionModel) -> Line:
     """Return what has come in where none belongs."""
-    found = [
+    compartments = [
         f"{name.removeprefix('flood_')} {number(mass)} t"
         for name in FLOODED_FIELDS
         if (mass := model.picture.number("tanks", name))
     ]
-    if not found:
+    if not compartments:
         return line((" flooded        ", "dim"), "no compartment")
-    return line((" FLOODED        ", "alarm"), (f" {', '.join(found)}", "warning"))
+    return line((" FLOODED        ", "alarm"), (f" {', '.join(compartments)}", "warning"))
 
 
 def pumping_heading(model: SessionModel) -> Line:
@@ -97,10 +97,10 @@ def banks(model: SessionModel, width: int, height: int) -> Lines:
         pressure, share = picture.number("air", name), picture.number("air", f"{name}_full")
         if pressure is None:
             continue
-        told = f" {number(pressure):>6} MPa {number(share, 0):>3} %"
+        text = f" {number(pressure):>6} MPa {number(share, 0):>3} %"
         drawn = bar(share, max(width - NAME_COLUMNS - NUMBER_COLUMNS, 0))
         lines.append(
-            line((f" {says:<{NAME_COLUMNS - 1}}", "dim"), (drawn, "ordered"), (told, "value"))
+            line((f" {says:<{NAME_COLUMNS - 1}}", "dim"), (drawn, "ordered"), (text, "value"))
         )
     return [fit(each, width) for each in lines[:height]]
 

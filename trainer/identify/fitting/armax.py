@@ -66,14 +66,16 @@ class Armax:
 
     def value(self, name: str) -> float:
         """Return a coefficient by its name, a1 or another."""
-        found: float = getattr(self, name[0])[int(name[1:]) - 1]
-        return found
+        number: float = getattr(self, name[0])[int(name[1:]) - 1]
+        return number
 
     def residuals(self, y: Numbers, u: Numbers) -> Numbers:
         """Return the one-step errors eps (N,) of output y and input u, both (N,)."""
-        left = filter_series((1.0, *self.a), (1.0,), y) - filter_series((0.0, *self.b), (1.0,), u)
-        left[: len(self.d)] -= self.d
-        return filter_series((1.0,), (1.0, *self.c), left)
+        difference = filter_series((1.0, *self.a), (1.0,), y) - filter_series(
+            (0.0, *self.b), (1.0,), u
+        )
+        difference[: len(self.d)] -= self.d
+        return filter_series((1.0,), (1.0, *self.c), difference)
 
     def simulated(self, u: Numbers, e: Numbers) -> Numbers:
         """Return the output (N,) to input u under white disturbance e, both (N,)."""
@@ -155,9 +157,9 @@ class _Search:
         size = np.abs(zeros)
         inside = np.where(size > 1.0, zeros / size**2, zeros)
         inside *= np.minimum(1.0, MAX_ZERO_RADIUS / np.maximum(np.abs(inside), 1e-300))
-        found = theta.copy()
-        found[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
-        return found
+        stable_theta = theta.copy()
+        stable_theta[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
+        return stable_theta
 
     def radius(self, theta: Numbers) -> float:
         """Return how far out the zeros of C are."""
@@ -360,11 +362,11 @@ def rounding_poles(model: Armax) -> tuple[tuple[float, float], ...]:
 
     They show a rounded reading, not a ship.
     """
-    found = []
+    poles = []
     for pole in model.poles:
         if abs(pole.imag) > 1e-9 or pole.real >= 0.0:
             continue
         near = min(model.zeros, key=lambda zero: abs(zero - pole), default=None)
         if near is not None and abs(near - pole) < CANCELLED_DISTANCE:
-            found.append((pole.real, near.real))
-    return tuple(found)
+            poles.append((pole.real, near.real))
+    return tuple(poles)

@@ -110,10 +110,10 @@ def find_best_minimum(
             "is not finite; start with other values"
         )
     starts = starts or RestartOptions()
-    found = MINIMISER_BY_NAME[method](cost, theta, search)
+    minimum = MINIMISER_BY_NAME[method](cost, theta, search)
     if starts.restarts:
-        found = _doubt_speed(cost.problem, _best(cost, theta, found, starts))
-    return replace(found, theta=cost.problem.folded(found.theta))
+        minimum = _doubt_speed(cost.problem, _best(cost, theta, minimum, starts))
+    return replace(minimum, theta=cost.problem.folded(minimum.theta))
 
 
 def _best(cost: Cost, theta: Numbers, found: SearchResult, starts: RestartOptions) -> SearchResult:
@@ -178,9 +178,11 @@ def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numb
     """
     problem = stretch_cost(cost, theta)
     size = np.diag(problem.information(np.zeros(len(theta))))
-    told = np.isfinite(size) & (size > 0.0)
-    known = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
-    bounded = np.where(told, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
+    has_information = np.isfinite(size) & (size > 0.0)
+    known = np.where(
+        has_information, starts.width / np.sqrt(np.where(has_information, size, 1.0)), 0.0
+    )
+    bounded = np.where(has_information, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
     free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW_WIDTH * known, known
     widths = [np.where(problem.bounded, bounded, one) for one in free]
     widths[1] = np.where(problem.bounded, NARROW_WIDTH * bounded, widths[1])

@@ -90,8 +90,8 @@ class Likelihood:
             cost = sum(one.cost for one in runs)
             score = Score(cost, gradient, tuple(rows for one in runs for rows in one.rows))
             self._last.update(key=key, score=score)
-        found: Score = self._last["score"]
-        return found
+        last_score: Score = self._last["score"]
+        return last_score
 
 
 def _cost(problem: Problem, theta: Numbers) -> float:

@@ -117,12 +117,12 @@ class StretchedCost:
         scale, far = self.cost.problem.scale, np.clip(eta, -MAX_DISTANCE, MAX_DISTANCE)
         floors = self.cost.problem.floors
         positive = floors + (self.origin - floors) * np.exp(far)
-        found = np.where(self._positive, positive, self.origin + eta)
+        values = np.where(self._positive, positive, self.origin + eta)
         inside = np.clip(np.sin(self.origin * scale), -MAX_START_SHARE, MAX_START_SHARE)
         angle = np.arcsin(np.tanh(np.arctanh(inside) + far)) / scale
-        found = np.where(self._kinds == "angle", angle, found)
+        values = np.where(self._kinds == "angle", angle, values)
         lag = np.arcsin(self._share(far)) / scale
-        return np.where(self._kinds == "lag", lag, found)
+        return np.where(self._kinds == "lag", lag, values)
 
     def _share(self, far: Numbers) -> Numbers:
         """Return lags as shares of the interval (f,)."""
@@ -133,11 +133,11 @@ class StretchedCost:
     def rates(self, eta: Numbers) -> Numbers:
         """Return d theta/d eta (f,)."""
         scale, theta = self.cost.problem.scale, self.theta(eta)
-        found = np.where(self._positive, theta - self.cost.problem.floors, 1.0)
-        found = np.where(self._kinds == "angle", np.cos(theta * scale) / scale, found)
+        slopes = np.where(self._positive, theta - self.cost.problem.floors, 1.0)
+        slopes = np.where(self._kinds == "angle", np.cos(theta * scale) / scale, slopes)
         share = self._share(np.clip(eta, -MAX_DISTANCE, MAX_DISTANCE))
         lag = share * np.sqrt((1.0 - share) / (1.0 + share)) / scale
-        return np.where(self._kinds == "lag", lag, found)
+        return np.where(self._kinds == "lag", lag, slopes)
 
     def slope(self, eta: Numbers) -> tuple[float, Numbers]:
         """Return cost and gradient by eta."""
@@ -347,8 +347,8 @@ def curvature(
         (slope(at + aside) - slope(at - one * aside)) / ((1.0 + one) * step)
         for aside, step, one in zip(np.diag(steps), steps, back, strict=True)
     ]
-    found = np.column_stack(columns)
-    return np.asarray(0.5 * (found + found.T))
+    matrix = np.column_stack(columns)
+    return np.asarray(0.5 * (matrix + matrix.T))
 
 
 def scipy_search(
@@ -376,8 +376,8 @@ def scipy_search(
         return value, gradient * width
 
     def curvature(x: Numbers) -> Numbers:
-        found = problem.information(eta + x * width) * np.outer(width, width)
-        return found if np.isfinite(found).all() else np.eye(len(x))
+        hessian = problem.information(eta + x * width) * np.outer(width, width)
+        return hessian if np.isfinite(hessian).all() else np.eye(len(x))
 
     def tell(x: Numbers) -> None:
         search.progress(SearchResult(problem.theta(eta + x * width), best[0], 0, converged=False))

@@ -72,29 +72,32 @@ class BentShip:
         Of three the middle one does not last.
         """
         H1, H2, H3 = self.curve
-        found = {
+        roots = {
             float(root.real) + 0.0
             for side in (1.0, -1.0)
             for root in np.roots([H3, side * H2, H1, self.delta_0 - helm])
             if abs(root.imag) <= HELM_TOLERANCE_RAD * abs(root) and side * root.real >= 0.0
         }
-        return tuple(sorted(found))
+        return tuple(sorted(roots))
 
     def changed(self, names: Sequence[str], values: Sequence[Any]) -> "BentShip":
         """Return the ship with other numbers, linear or of its curve, by name."""
-        told = dict(zip(names, values, strict=True))
-        curve = [told.pop(name, own) for name, own in zip(CURVE_NAMES, self.curve, strict=True)]
+        numbers_by_name = dict(zip(names, values, strict=True))
+        curve = [
+            numbers_by_name.pop(name, own)
+            for name, own in zip(CURVE_NAMES, self.curve, strict=True)
+        ]
         whole = any(name in CURVE_NAMES for name in names) or self.H is not None
-        return replace(self, H=(curve[0], curve[1], curve[2]) if whole else None, **told)
+        return replace(self, H=(curve[0], curve[1], curve[2]) if whole else None, **numbers_by_name)
 
 
 def _least_root(a: float, b: float, c: float) -> float | None:
     """Return the least positive root of a + b x + c x^2; None if there is none."""
     roots = np.roots([c, b, a])
-    found = [
+    positive_roots = [
         float(x.real) for x in roots if abs(x.imag) <= HELM_TOLERANCE_RAD * abs(x) and x.real > 0.0
     ]
-    return min(found, default=None)
+    return min(positive_roots, default=None)
 
 
 def _powers(rate: Numbers) -> Numbers:
@@ -157,13 +160,13 @@ def _regress(
     """Return Schwarz's criterion, names, numbers, deviations and rms of helm [rad] of a shape."""
     count, scale = len(rate), float(np.max(np.abs(rate)))
     terms = np.column_stack([_powers(rate / scale)[:, shape], np.ones(count)])
-    found = np.linalg.lstsq(terms, rudder, rcond=None)[0]
-    square = max(float(np.sum((rudder - terms @ found) ** 2)), count * HELM_TOLERANCE_RAD**2)
-    variance = square / (count - len(found)) * np.diag(np.linalg.pinv(terms.T @ terms))
+    solution = np.linalg.lstsq(terms, rudder, rcond=None)[0]
+    square = max(float(np.sum((rudder - terms @ solution) ** 2)), count * HELM_TOLERANCE_RAD**2)
+    variance = square / (count - len(solution)) * np.diag(np.linalg.pinv(terms.T @ terms))
     unit = np.array([*(scale ** -(place + 1.0) for place in shape), 1.0])
     names = [*(CURVE_NAMES[place] for place in shape), "delta_0"]
-    criterion = count * math.log(square / count) + len(found) * math.log(count)
-    return criterion, names, found * unit, np.sqrt(variance) * unit, math.sqrt(square / count)
+    criterion = count * math.log(square / count) + len(solution) * math.log(count)
+    return criterion, names, solution * unit, np.sqrt(variance) * unit, math.sqrt(square / count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,14 +187,14 @@ class _Records:
             (*LINEAR_NAMES, *CURVE_NAMES, "kappa"),
             (*self.ship.numbers[:7], self.ship.kappa),
         )
-        told = dict(zip(names, numbers, strict=True))
+        numbers_by_name = dict(zip(names, numbers, strict=True))
         rates = [record.column("yaw_rate") for record in self.records]
-        own = [x for rate in rates for x in (rate[~np.isnan(rate)][0], self.ship.delta_0)]
-        return np.array([*(told[name] for name in self.free), *own])
+        starts = [x for rate in rates for x in (rate[~np.isnan(rate)][0], self.ship.delta_0)]
+        return np.array([*(numbers_by_name[name] for name in self.free), *starts])
 
     def errors(self, theta: Any) -> NDArray[np.complex128]:
         """Return what is left of the known yaw rates, record by record."""
-        count, left = len(self.free), []
+        count, residuals = len(self.free), []
         for i, record in enumerate(self.records):
             first, helm = theta[count + 2 * i : count + 2 * i + 2]
             ship = self.ship.changed([*self.free, "delta_0"], [*theta[:count], helm])
@@ -199,8 +202,8 @@ class _Records:
             with np.errstate(all="ignore"):  # of trials that go astray
                 run = _run(ship, record.column("rudder"), record.interval, start)
             rate = record.column("yaw_rate")
-            left.append((rate - run[:, 1])[~np.isnan(rate)])
-        return np.concatenate(left)
+            residuals.append((rate - run[:, 1])[~np.isnan(rate)])
+        return np.concatenate(residuals)
 
     def value(self, theta: Numbers) -> Numbers:
         """Return the errors (n,) [rad/s]."""
@@ -225,28 +228,28 @@ def bend_from_records(
     for record in records:
         if np.ptp(np.diff(record.t)) > 1e-6 * record.interval:
             raise ConfigError(f"{record.source}: H(r) is fitted at one interval; this one varies")
-    asked, source = _Records(ship, records, free), records[-1].source
+    problem, source = _Records(ship, records, free), records[-1].source
     with np.errstate(all="ignore"):
-        found = least_squares(
-            asked.value,
-            asked.start,
-            asked.slopes,
+        solution = least_squares(
+            problem.value,
+            problem.start,
+            problem.slopes,
             x_scale="jac",
             xtol=FIT_TOLERANCE,
             ftol=FIT_TOLERANCE,
             gtol=None,
         )
-    size = np.linalg.norm(found.jac, axis=0)
-    unit = found.jac / np.maximum(size, 1e-300)
-    if not found.success or np.linalg.cond(unit) > MAX_CONDITION:
+    size = np.linalg.norm(solution.jac, axis=0)
+    unit = solution.jac / np.maximum(size, 1e-300)
+    if not solution.success or np.linalg.cond(unit) > MAX_CONDITION:
         raise ConfigError(f"{source}: this record does not tell {', '.join(free)}")
-    variance = 2.0 * found.cost / max(len(found.fun) - len(size), 1)
+    variance = 2.0 * solution.cost / max(len(solution.fun) - len(size), 1)
     widths = np.sqrt(variance * np.diag(np.linalg.inv(unit.T @ unit))) / size
     names, places = [*free, "delta_0"], [*range(len(free)), -1]
     return BendEstimate(
         source,
-        ship.changed(names, [float(found.x[place]) for place in places]),
+        ship.changed(names, [float(solution.x[place]) for place in places]),
         {name: float(widths[place]) for name, place in zip(names, places, strict=True)},
-        math.sqrt(2.0 * found.cost / len(found.fun)),
-        float(found.x[-2]),
+        math.sqrt(2.0 * solution.cost / len(solution.fun)),
+        float(solution.x[-2]),
     )

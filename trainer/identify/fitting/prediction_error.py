@@ -56,11 +56,11 @@ class PredictionRun:
     @property
     def standardised(self) -> Numbers:
         """Return errors divided by the Cholesky factor of R (n, y). NaN where one is missing."""
-        found = np.full_like(self.errors, np.nan)
+        scaled_errors = np.full_like(self.errors, np.nan)
         whole = self.counted & ~np.isnan(self.errors).any(axis=1)
         roots = np.linalg.cholesky(self.spreads[whole])
-        found[whole] = np.linalg.solve(roots, self.errors[whole][..., None])[..., 0]
-        return found
+        scaled_errors[whole] = np.linalg.solve(roots, self.errors[whole][..., None])[..., 0]
+        return scaled_errors
 
 
 def no_limits(readings: int) -> Numbers:
@@ -275,15 +275,15 @@ class MultiStep:
 
     def _costs(self, theta: Numbers, *, sloped: bool) -> list[Complexes]:
         """Return n V2 of each run, in the first row, and its slopes in the next ones."""
-        found = []
+        step_costs = []
         for run, at in self.problem.runs:
             sampled = run.sloped(theta[at]) if sloped else run.sampled(theta[at]).as_complex()
             if possible(sampled):
                 costs = [self._cost(run, sampled, row) for row in range(len(sampled.start))]
             else:
                 costs = [complex(math.inf)] * len(sampled.start)
-            found.append(np.array(costs))
-        return found
+            step_costs.append(np.array(costs))
+        return step_costs
 
     def _cost(self, problem: Problem, sampled: SampledSystems, row: int) -> complex:
         """Return n V2 of a row."""
@@ -315,9 +315,11 @@ class MultiStep:
 
 def _surprises(errors: Entries, R: Entries) -> Complexes:
     """Return -log L (n,) of errors (n, y) with covariances R (n, y, y); infinite if R is none."""
-    there = ~np.isnan(errors)
-    R = np.where(there[:, :, None] & there[:, None, :], R, np.eye(errors.shape[1]))
-    left, size = np.where(there, errors, 0.0), np.linalg.det(R)
-    squares = np.einsum("ki,ki->k", left, np.linalg.solve(R, left[..., None])[..., 0])
+    present = ~np.isnan(errors)
+    R = np.where(present[:, :, None] & present[:, None, :], R, np.eye(errors.shape[1]))
+    present_errors, size = np.where(present, errors, 0.0), np.linalg.det(R)
+    squares = np.einsum(
+        "ki,ki->k", present_errors, np.linalg.solve(R, present_errors[..., None])[..., 0]
+    )
     logs = np.log(np.where(size.real > 0.0, size, math.inf))
-    return np.asarray(0.5 * (logs + squares + there.sum(axis=1) * LOG_2_PI))
+    return np.asarray(0.5 * (logs + squares + present.sum(axis=1) * LOG_2_PI))

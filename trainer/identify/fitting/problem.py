@@ -81,7 +81,7 @@ class Problem:
     def runs(self) -> tuple[tuple["Problem", NDArray[np.int64]], ...]:
         """Return the problem of each run alone, and the places of its numbers among all."""
         count, size = len(self.free), len(self.own)
-        found = []
+        problems = []
         for i, run in enumerate((FurtherRun(self.plant, self.samples, self.values), *self.others)):
             at = np.arange(count)
             if i:
@@ -98,8 +98,8 @@ class Problem:
                 scale=self.scale[at],
                 others=(),
             )
-            found.append((alone, at))
-        return tuple(found)
+            problems.append((alone, at))
+        return tuple(problems)
 
     @property
     def counted(self) -> int:

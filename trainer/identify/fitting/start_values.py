@@ -72,41 +72,45 @@ def start_values(
     ConfigError naming those of Model 1 that neither ``ship`` nor ``rows`` give.
     """
     model = plant.model
-    told = dict(ship) if model.name == "1" else {}
-    given = {row.name: row.start for row in rows if row.start is not None}
+    known_values = dict(ship) if model.name == "1" else {}
+    stated_starts = {row.name: row.start for row in rows if row.start is not None}
     shown = _regress(plant, record) | _read(plant, record)
-    values = model.vector(**shown | {name: given[name] for name in model.given if name in given})
-    for name in given.keys() - set(model.given):
-        told[model.names[model.place(name)]] = given[name]
-    for name, value in told.items():
+    values = model.vector(
+        **shown | {name: stated_starts[name] for name in model.given if name in stated_starts}
+    )
+    for name in stated_starts.keys() - set(model.given):
+        known_values[model.names[model.place(name)]] = stated_starts[name]
+    for name, value in known_values.items():
         values[model.place(name)] = value
     if model.name == "1":
-        lacking = [name for name in (*ACCELERATION_NAMES, *DERIVATIVE_NAMES) if name not in told]
+        lacking = [
+            name for name in (*ACCELERATION_NAMES, *DERIVATIVE_NAMES) if name not in known_values
+        ]
         if lacking:
             raise ConfigError(
                 f"model 1 lacks a start for {', '.join(lacking)}: give a vessel, or "
                 "[[parameters]]; m11 to m22 cannot be estimated, the others start from a similar "
                 "ship"
             )
-    _disturb(plant, record, values, told)
+    _disturb(plant, record, values, known_values)
     return values
 
 
 def _read(plant: Plant, record: Record) -> dict[str, float]:
     """Return initial state and variances of errors as the record shows them."""
     kind = plant.model.name
-    found = {}
+    starts = {}
     for output in plant.outputs:
         values = record.column(output) * OUTPUT_UNITS[output][1]
         known = values[~np.isnan(values)]
         least = MIN_ERRORS.get(output, MIN_ERRORS["sway"])
         rough = np.diff(known, 3) / math.sqrt(20.0)  # white noise of unit variance has 20
-        found[ERROR_NAMES[kind][output]] = max(float(np.var(rough)), least**2)
+        starts[ERROR_NAMES[kind][output]] = max(float(np.var(rough)), least**2)
     for name, channel in INITIAL_STATE_NAMES[kind]:
         if channel and channel in record.channels:
             values = record.column(channel) * OUTPUT_UNITS[channel][1]
-            found[name] = float(values[~np.isnan(values)][0])
-    return found
+            starts[name] = float(values[~np.isnan(values)][0])
+    return starts
 
 
 def _regress(plant: Plant, record: Record) -> dict[str, float]:
@@ -123,11 +127,11 @@ def _regress(plant: Plant, record: Record) -> dict[str, float]:
     if kind == "nomoto2":
         return {"K": gain, "T1": T1, "T2": T2, "T3": T3}
     a1, a2, b1, b2 = rate_coefficients(gain, T1, T2, T3)
-    told = {"a1": a1 / k, "a2": a2 / k**2}
+    values = {"a1": a1 / k, "a2": a2 / k**2}
     if kind == "3":
-        return told | {"b1": b1 / k**2, "b2": b2 / k**3}
+        return values | {"b1": b1 / k**2, "b2": b2 / k**3}
     V = plant.ship.speed
-    return told | {"c1": b1 / (k * V), "c2": b2 / (k**2 * V)}
+    return values | {"c1": b1 / (k * V), "c2": b2 / (k**2 * V)}
 
 
 def first_order(record: Record, channel: str) -> tuple[float, float]:

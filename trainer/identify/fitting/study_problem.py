@@ -44,8 +44,8 @@ def pose_problem(
     not counted.
     """
     table, studies = table_of(study), studies_of(study)
-    plant, own = _plant_of(study, record)
-    known = own.prime if own else {}
+    plant, vessel_steering = _plant_of(study, record)
+    known = vessel_steering.prime if vessel_steering else {}
     rows = study.parameters if fixed else tuple(replace(x, free=None) for x in study.parameters)
     free = _estimated(study, plant, rows)
     if not free:
@@ -62,20 +62,22 @@ def pose_problem(
     samples, values = runs[0].samples, runs[0].values
     problem = problem_of(plant, samples, values, free)
     places = plant.model.places
-    told = [(places((row.name,)), row.scale) for row in study.parameters if row.scale is not None]
-    scales = {place: size for inside, size in reversed(told) for place in inside}
+    row_scales = [
+        (places((row.name,)), row.scale) for row in study.parameters if row.scale is not None
+    ]
+    scales = {place: size for inside, size in reversed(row_scales) for place in inside}
     scale = [scales.get(place, 1.0) for place in problem.free]
     sampling = table.measurement or "instantaneous"
     if study.system is not None and study.system.discrete:
         sampling = "discrete"
         _check_interval(study, runs)
-    each = _of_each_run(plant.model, rows, problem.free) if others else ()
-    scale += [scale[problem.free.index(place)] for place in each] * len(others)
-    further: dict[str, Any] = {"others": tuple(runs[1:]), "own": each}
+    run_parameters = _of_each_run(plant.model, rows, problem.free) if others else ()
+    scale += [scale[problem.free.index(place)] for place in run_parameters] * len(others)
+    further: dict[str, Any] = {"others": tuple(runs[1:]), "own": run_parameters}
     problem = replace(problem, scale=np.array(scale), sampling=sampling, **further)
     if fixed:
         check_count(record, problem.counted, len(problem.names))
-    return problem, own
+    return problem, vessel_steering
 
 
 def _plant_of(study: Study, record: Record) -> tuple[Plant, SteeringModel | None]:
@@ -87,8 +89,8 @@ def _plant_of(study: Study, record: Record) -> tuple[Plant, SteeringModel | None
         raise ConfigError(f"{study.path.name}: lacks [ship]: say --length or --vessel")
     speed, ship = speed_of(study, record), study.ship
     scales = Ship(ship.length_m, speed, ship.bow_log_m or 0.0, ship.stern_log_m or 0.0)
-    own = find_steering(load_vessel(ship.vessel), speed) if ship.vessel else None
-    return Plant(MODELS[table.kind], scales, table.outputs, record.interval), own
+    vessel_steering = find_steering(load_vessel(ship.vessel), speed) if ship.vessel else None
+    return Plant(MODELS[table.kind], scales, table.outputs, record.interval), vessel_steering
 
 
 def _start(study: Study, plant: Plant, record: Record, ship: Mapping[str, float]) -> Numbers:
@@ -104,14 +106,14 @@ def _start(study: Study, plant: Plant, record: Record, ship: Mapping[str, float]
 
 def _estimated(study: Study, plant: Plant, rows: Sequence[ParameterRow]) -> list[str]:
     """Return the names of the parameters to estimate."""
-    dropped, asked = dropped_names(study, plant), {row.name for row in rows if row.free == "yes"}
+    dropped, wanted = dropped_names(study, plant), {row.name for row in rows if row.free == "yes"}
     if study.system is None:
         names: Sequence[str] = free_names(plant, rows)
     else:
         said = dict.fromkeys(study.system.held, "no")
         said |= {row.name: row.free for row in rows if row.free is not None}
         names = [x.name for x in study.system.parameters if said.get(x.name, "yes") == "yes"]
-    return [name for name in names if name in asked or name not in dropped]
+    return [name for name in names if name in wanted or name not in dropped]
 
 
 def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
@@ -131,11 +133,13 @@ def _of_each_run(
     model: Model, rows: Sequence[ParameterRow], free: Sequence[int]
 ) -> tuple[int, ...]:
     """Return the places of the free parameters that each run has for itself."""
-    own = set(model.of_each_run)
+    run_names = set(model.of_each_run)
     for row in rows:
         if row.per_run is not None:
-            (own.add if row.per_run == "yes" else own.discard)(model.names[model.place(row.name)])
-    return tuple(place for place in free if model.names[place] in own)
+            (run_names.add if row.per_run == "yes" else run_names.discard)(
+                model.names[model.place(row.name)]
+            )
+    return tuple(place for place in free if model.names[place] in run_names)
 
 
 def _check_interval(study: Study, runs: Sequence[FurtherRun]) -> None:
@@ -157,13 +161,13 @@ def table_of(study: Study) -> ModelTable:
 
 def cost_of(problem: Problem, table: ModelTable) -> Cost:
     """Return what the study wants minimised; ConfigError for what does not go together."""
-    noise, own = table.noise or "covariance", problem.plant.model.system
+    noise, system = table.noise or "covariance", problem.plant.model.system
     steps = int(table.predict_from or 1), int(table.predict_to or 1)
     if noise != "covariance":
         if steps != (1, 1):
             raise ConfigError(f"predict_to goes with noise covariance, not with {noise}")
         gains = no_gain if noise == "output-error" else settled_gain
-        gave = own is not None and problem.sampled(problem.start).gain is not None
+        gave = system is not None and problem.sampled(problem.start).gain is not None
         return Innovations(problem, own_gain if gave and gains is settled_gain else gains)
     if steps[1] < steps[0]:
         raise ConfigError(f"predict_to = {steps[1]}: must be at least predict_from = {steps[0]}")

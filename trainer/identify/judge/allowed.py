@@ -58,8 +58,8 @@ class AllowedShips:
     def sailing(self) -> Numbers:
         """Return those of the draws that are run, models all of them (k, f)."""
         tried = self.draws[:MOTION_DRAWS]
-        kept = tried[[_sails(self.problem, one) for one in tried]]
-        return kept if len(kept) else self.problem.start[None]
+        sailing_rows = tried[[_sails(self.problem, one) for one in tried]]
+        return sailing_rows if len(sailing_rows) else self.problem.start[None]
 
     @property
     def lost(self) -> float:
@@ -143,17 +143,17 @@ def _draw_parameters(names: tuple[str, ...], theta: Numbers, covariance: Numbers
     for arm, force in pairs:
         middle[arm] = theta[arm] * theta[force]
         J[arm, arm], J[arm, force] = theta[force], theta[arm]
-    found = draw_parameters(middle, J @ covariance @ J.T, QUANTITY_DRAWS, DRAW_SEED)
+    draws = draw_parameters(middle, J @ covariance @ J.T, QUANTITY_DRAWS, DRAW_SEED)
     for arm, force in pairs:
-        found[:, arm] /= found[:, force]
-    return found
+        draws[:, arm] /= draws[:, force]
+    return draws
 
 
 def step_of(fitted: ModelFit) -> Numbers:
     """Return a rudder (n,) [deg] that goes to 1 degree, until the ship has settled."""
     plant, samples = fitted.problem.plant, fitted.problem.samples
-    told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
-    slowest = abs(told["T1"]) or plant.period
+    quantity_values = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
+    slowest = abs(quantity_values["T1"]) or plant.period
     count = math.ceil(min(RESPONSE_TIME_CONSTANTS * slowest / plant.period, 1e6))
     rudder = np.ones(max(MIN_RESPONSE_SAMPLES, min(count, len(samples.t))))
     rudder[0] = 0.0

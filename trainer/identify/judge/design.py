@@ -79,9 +79,9 @@ def prospect(
         (name,) for name, one in zip(problem.names, spread, strict=True) if one > HOPELESS_SPREAD
     ]
     if lost := known.flat or hopeless:
-        told = "; ".join(" with ".join(group) for group in lost)
-        raise ConfigError(f"such a record cannot separate {told}")
-    found = propagate_covariance(
+        groups_text = "; ".join(" with ".join(group) for group in lost)
+        raise ConfigError(f"such a record cannot separate {groups_text}")
+    expected_spread = propagate_covariance(
         lambda theta: quantities(plant, problem.whole(theta)),
         problem.start,
         known.covariance,
@@ -91,8 +91,8 @@ def prospect(
         model=kind,
         samples=len(record.t),
         interval_s=record.interval,
-        values=dict(zip(names, map(float, found.values), strict=True)),
-        deviations=dict(zip(names, map(float, found.deviations), strict=True)),
+        values=dict(zip(names, map(float, expected_spread.values), strict=True)),
+        deviations=dict(zip(names, map(float, expected_spread.deviations), strict=True)),
     )
 
 

@@ -78,15 +78,15 @@ class ModelFit:
     def told(self) -> Spread:
         """Return what follows of the parameters, and how well; NaN where these are not known."""
         problem, covariance = self.problem, self.known.covariance
-        told = propagate_covariance(
+        spread = propagate_covariance(
             lambda free: quantities(problem.plant, problem.whole(free)),
             self.found.theta,
             np.nan_to_num(covariance, nan=0.0),
         )
         ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED_PREFIXES)]
         if np.isnan(np.diag(covariance)[ship]).any():
-            return Spread(told.values, np.full_like(told.covariance, math.nan))
-        return told
+            return Spread(spread.values, np.full_like(spread.covariance, math.nan))
+        return spread
 
     @property
     def values(self) -> Numbers:
@@ -129,7 +129,7 @@ def fit_study(
     the records of the study's further runs. ConfigError if it cannot be posed, or the start is no
     model.
     """
-    problem, own = pose_problem(study, record, others)
+    problem, vessel_steering = pose_problem(study, record, others)
     _check_separable(study, problem)
     start, search = problem.start, SearchOptions(MAX_STEPS, heard)
     if kept is not None:
@@ -140,18 +140,18 @@ def fit_study(
         DEFAULT_RESTARTS if table.restarts is None else max(MIN_RESTARTS, int(table.restarts))
     )
     cost, method = cost_of(problem, table), table.method or "scoring"
-    found = find_best_minimum(cost, start, method, search, RestartOptions(restarts))
+    minimum = find_best_minimum(cost, start, method, search, RestartOptions(restarts))
     rejected: list[tuple[int, int]] = []
     for _ in range(SCREENING_ROUNDS if table.reject else 0):
-        problem, more = screen_samples(problem, found.theta, table.reject or 0.0)
+        problem, more = screen_samples(problem, minimum.theta, table.reject or 0.0)
         rejected += more
         if not more:
             break
         cost = cost_of(problem, table)
-        found = find_best_minimum(cost, found.theta, method, search)
-    known = _estimate_uncertainty(cost, found.theta)
+        minimum = find_best_minimum(cost, minimum.theta, method, search)
+    known = _estimate_uncertainty(cost, minimum.theta)
     outliers = tuple(sorted(rejected))
-    return ModelFit(study, record, tuple(others), own, cost, found, known, outliers)
+    return ModelFit(study, record, tuple(others), vessel_steering, cost, minimum, known, outliers)
 
 
 def simulate_study(study: Study, record: Record, others: Sequence[Record] = ()) -> ModelFit:
@@ -159,7 +159,7 @@ def simulate_study(study: Study, record: Record, others: Sequence[Record] = ()) 
 
     Outliers are screened if the study says so.
     """
-    problem, own = pose_problem(study, record, others, fixed=False)
+    problem, vessel_steering = pose_problem(study, record, others, fixed=False)
     table = table_of(study)
     rejected: list[tuple[int, int]] = []
     if table.reject:
@@ -168,27 +168,37 @@ def simulate_study(study: Study, record: Record, others: Sequence[Record] = ()) 
     value = cost.value(problem.start)
     if not math.isfinite(value):
         raise ConfigError(f"{study.path.name}: {NO_MODEL}")
-    found = SearchResult(problem.start, value, 0, converged=True)
+    start_result = SearchResult(problem.start, value, 0, converged=True)
     shape = uncertainty(problem.names, cost.information(problem.start))
     known = replace(shape, covariance=np.full_like(shape.curvature, math.nan))
     outliers = tuple(sorted(rejected))
-    return ModelFit(study, record, tuple(others), own, cost, found, known, outliers, simulated=True)
+    return ModelFit(
+        study,
+        record,
+        tuple(others),
+        vessel_steering,
+        cost,
+        start_result,
+        known,
+        outliers,
+        simulated=True,
+    )
 
 
 def screen_samples(
     problem: Problem, theta: Numbers, probability: float
 ) -> tuple[Problem, list[tuple[int, int]]]:
     """Return the problem without the samples that are improbable, and their runs and places."""
-    kept, found = [], []
+    kept_samples, outliers = [], []
     limits = chi_square_limits(probability, problem.samples.outputs.shape[1])
     for number, (run, at) in enumerate(problem.runs):
         flags = run_filter(run, theta[at], limits).flags
         rejected = flags == FLAG_REASONS.index("rejected")
-        kept.append(run.samples.without(rejected))
-        found += [(number, int(place)) for place in np.flatnonzero(rejected)]
-    further = zip(problem.others, kept[1:], strict=True)
+        kept_samples.append(run.samples.without(rejected))
+        outliers += [(number, int(place)) for place in np.flatnonzero(rejected)]
+    further = zip(problem.others, kept_samples[1:], strict=True)
     others = tuple(replace(run, samples=samples) for run, samples in further)
-    return replace(problem, samples=kept[0], others=others), found
+    return replace(problem, samples=kept_samples[0], others=others), outliers
 
 
 def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
@@ -220,13 +230,13 @@ def save_steps(path: Path, problem: Problem, heard: Progress = ignore_news) -> P
 
     def write(found: SearchResult) -> None:
         theta = problem.folded(found.theta) * problem.scale
-        told = {
+        state = {
             "model": problem.plant.model.name,
             "cost": found.cost,
             "parameters": dict(zip(problem.names, map(float, theta), strict=True)),
         }
         part = path.with_name(path.name + ".part")
-        part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        part.write_text(json.dumps(state, indent=1) + "\n", encoding="utf-8")
         os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
         heard(found)
 
@@ -239,8 +249,8 @@ def resume_search(path: Path, problem: Problem) -> Numbers:
     ConfigError if it is of another model or lacks a free parameter.
     """
     try:
-        told = json.loads(path.read_text(encoding="utf-8"), parse_int=float)
-        model, parameters = told["model"], dict(told["parameters"])
+        content = json.loads(path.read_text(encoding="utf-8"), parse_int=float)
+        model, parameters = content["model"], dict(content["parameters"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise ConfigError(f"{path.name}: is no checkpoint of a search ({error})") from None
     if model != problem.plant.model.name:

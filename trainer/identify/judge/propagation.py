@@ -63,11 +63,11 @@ def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
 
     A draw of which one number is none counts for the others.
     """
-    found = np.array([derived(draw) for draw in draws])
-    told = np.where(np.isnan(found).all(axis=0), 0.0, found)  # no quantile of nothing
-    low, high = np.nanquantile(told, (TAIL_SHARE, 1.0 - TAIL_SHARE), axis=0)
-    nothing = np.isnan(found).all(axis=0)
-    return found, Span(np.where(nothing, np.nan, low), np.where(nothing, np.nan, high))
+    values = np.array([derived(draw) for draw in draws])
+    known_values = np.where(np.isnan(values).all(axis=0), 0.0, values)  # no quantile of nothing
+    low, high = np.nanquantile(known_values, (TAIL_SHARE, 1.0 - TAIL_SHARE), axis=0)
+    nothing = np.isnan(values).all(axis=0)
+    return values, Span(np.where(nothing, np.nan, low), np.where(nothing, np.nan, high))
 
 
 def draw_parameters(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:

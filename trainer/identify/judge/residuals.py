@@ -67,10 +67,10 @@ def examine_residuals(
     if not 1 <= lags <= MAX_LAGS or count < 2 * lags + 2:
         raise ConfigError(f"residuals of {output}: {count} are too few for {lags} lags")
     centred = left - np.nanmean(left)
-    own = correlation(left, lags)
+    autocorrelation = correlation(left, lags)
     cross = cross_correlation(centred, rudder - rudder.mean(), lags)
     input_own = correlation(rudder - rudder.mean(), lags)
-    widening = math.sqrt(max(1.0 + 2.0 * float(own[1:] @ input_own[1:]), 0.1))
+    widening = math.sqrt(max(1.0 + 2.0 * float(autocorrelation[1:] @ input_own[1:]), 0.1))
     positive, known = left > 0.0, ~np.isnan(left)
     both = known[1:] & known[:-1]  # neighbours, which may differ in sign
     pairs = int(np.sum(both))
@@ -80,9 +80,9 @@ def examine_residuals(
         samples=count,
         mean=float(np.nanmean(left)),
         deviation=float(np.nanstd(left)),
-        correlation=tuple(map(float, own)),
+        correlation=tuple(map(float, autocorrelation)),
         band=BAND_STANDARD_ERRORS / math.sqrt(count),
-        whiteness=portmanteau(own, count, max(lags - fitted, 1)),
+        whiteness=portmanteau(autocorrelation, count, max(lags - fitted, 1)),
         sign_changes=int(np.count_nonzero((positive[1:] != positive[:-1]) & both)),
         sign_changes_expected=pairs / 2.0,
         sign_changes_deviation=math.sqrt(pairs) / 2.0,
@@ -100,8 +100,8 @@ def correlation(series: Numbers, lags: int) -> Numbers:
     power = float(values @ values)
     if power == 0.0:
         return np.concatenate([[1.0], np.zeros(lags)])
-    found = [float(values[: len(values) - lag] @ values[lag:]) for lag in range(lags + 1)]
-    return np.array(found) / power
+    sums = [float(values[: len(values) - lag] @ values[lag:]) for lag in range(lags + 1)]
+    return np.array(sums) / power
 
 
 def cross_correlation(left: Numbers, rudder: Numbers, lags: int) -> Numbers:

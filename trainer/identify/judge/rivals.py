@@ -35,7 +35,7 @@ def compare_without(fitted: ModelFit, names: tuple[str, ...]) -> RivalModel:
     """
     model, study = fitted.problem.plant.model, fitted.study
     wanted = [model.names[model.place(ZERO_PARAMETERS.get(name, name))] for name in names]
-    told = [
+    shown_names = [
         name if name in ZERO_PARAMETERS else one for name, one in zip(names, wanted, strict=True)
     ]
     fixed = [name for name in wanted if name not in fitted.problem.names]
@@ -50,7 +50,7 @@ def compare_without(fitted: ModelFit, names: tuple[str, ...]) -> RivalModel:
     )
     nothing = tuple(ParameterRow(name=name, start=0.0, free="no") for name in wanted)
     smaller = replace(study, parameters=(*rows, *nothing))
-    return _test_smaller(fitted, smaller, "without " + ", ".join(told))
+    return _test_smaller(fitted, smaller, "without " + ", ".join(shown_names))
 
 
 def compare_models(fitted: ModelFit, kind: str) -> RivalModel:
@@ -69,8 +69,8 @@ def _test_smaller(fitted: ModelFit, smaller: Study, name: str) -> RivalModel:
     if (table.predict_from or 1, table.predict_to or 1) != (1, 1):
         raise ConfigError("order tests need the likelihood: predict one step, not more")
     other = fit_study(smaller, fitted.record, ignore_news, others=fitted.others)
-    count, own = len(other.problem.names), len(fitted.problem.names)
-    test = ratio_test((other.log_likelihood, count), (fitted.log_likelihood, own))
+    count, full_count = len(other.problem.names), len(fitted.problem.names)
+    test = ratio_test((other.log_likelihood, count), (fitted.log_likelihood, full_count))
     return RivalModel(
         name=name,
         parameters=count,

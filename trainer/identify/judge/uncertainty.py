@@ -87,9 +87,9 @@ def beside_bounds(known: Uncertainty) -> Uncertainty:
     lost = {name for group in known.flat for name in group if name.startswith(BOUNDED_PREFIXES)}
     if not lost:
         return known
-    kept = [i for i, name in enumerate(known.names) if name not in lost]
-    places = np.ix_(kept, kept)
-    rest = uncertainty(tuple(known.names[i] for i in kept), known.curvature[places])
+    kept_places = [i for i, name in enumerate(known.names) if name not in lost]
+    places = np.ix_(kept_places, kept_places)
+    rest = uncertainty(tuple(known.names[i] for i in kept_places), known.curvature[places])
     covariance = np.full_like(known.covariance, np.nan)
     covariance[places] = rest.covariance
     return replace(known, covariance=covariance)
@@ -138,6 +138,6 @@ def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     middle = np.where(above, np.abs(theta), theta)
     straight = middle[:, None] + HALF_INTERVAL_95 * deviations[:, None] * ways
     straight[above, 0] = np.maximum(straight[above, 0], 0.0)
-    found = np.sort(np.where(scaled[:, None], factors, straight), axis=1)
+    ends = np.sort(np.where(scaled[:, None], factors, straight), axis=1)
     both = np.sort(np.hstack([factors, straight]), axis=1)[:, [0, 3]]
-    return np.where(ratio[:, None], both, found)
+    return np.where(ratio[:, None], both, ends)

@@ -83,14 +83,14 @@ def predict_alone(problem: Problem, theta: Numbers) -> Numbers:
 def check_of(fitted: ModelFit, path: Path) -> ValidationCheck:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
     problem = other_problem(fitted, other_record(fitted, path))
-    there, own = (_errors(one) for one in (problem, _found(fitted)))
-    share = there / _spread(problem)
+    other_errors, own_errors = (_errors(one) for one in (problem, _found(fitted)))
+    share = other_errors / _spread(problem)
     return ValidationCheck(
         source=str(path),
         outputs=problem.plant.outputs,
-        rms=tuple(map(float, there)),
+        rms=tuple(map(float, other_errors)),
         share=tuple(map(float, share)),
-        own=tuple(map(float, own / _spread(fitted.problem))),
+        own=tuple(map(float, own_errors / _spread(fitted.problem))),
         explained=tuple(map(float, 1.0 - share**2)),
     )
 
@@ -98,9 +98,11 @@ def check_of(fitted: ModelFit, path: Path) -> ValidationCheck:
 def other_record(fitted: ModelFit, path: Path) -> Record:
     """Return the record of another study, or another one of the same columns."""
     if path.suffix == ".toml":
-        own = fitted.study.system
+        system = fitted.study.system
         study = load_study(path)
-        study = study if own is None else replace(study, columns=fitted.study.columns, system=own)
+        study = (
+            study if system is None else replace(study, columns=fitted.study.columns, system=system)
+        )
         return observe_record(study).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
     beside = path.parent / fitted.study.path.name
@@ -136,10 +138,10 @@ def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[Be
     # a bend that halves the gain at the fastest turn: where the search begins
     fastest = float(np.nanmax(np.abs(record.column("yaw_rate"))))
     ship = replace(ship, kappa=1.0 / (abs(form.K) * fastest))
-    own = fitted.record
-    same = len(own.t) == len(record.t) and bool(np.allclose(own.t, record.t))
-    same = same and np.array_equal(own.column("rudder"), record.column("rudder"))
-    records = [own, record] if joint and not same else [record]
+    fitted_record = fitted.record
+    same = len(fitted_record.t) == len(record.t) and bool(np.allclose(fitted_record.t, record.t))
+    same = same and np.array_equal(fitted_record.column("rudder"), record.column("rudder"))
+    records = [fitted_record, record] if joint and not same else [record]
     free = ("kappa",) if kind == "kappa" else CURVE_NAMES
     return bend_from_records(ship, records, (*LINEAR_NAMES, *free) if joint else free), record
 
@@ -152,13 +154,13 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
     not recorded are not a number; where none was, the ship begins at rest.
     """
     plant = fitted.problem.plant
-    own, known = plant.model.system, {}
-    if own is None:
+    system, known = plant.model.system, {}
+    if system is None:
         unknown = {name: np.full(len(record.t), np.nan) for name in plant.outputs}
         known = {name: getattr(record, name) for name in plant.outputs if name in record.channels}
         samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
     else:
-        samples = samples_of(record, plant.outputs, own.inputs)
+        samples = samples_of(record, plant.outputs, system.inputs)
     problem = replace(_found(fitted), samples=samples)
     states = len(
         INITIAL_STATE_NAMES.get(plant.model.name, range(plant.model.states))
@@ -166,7 +168,7 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
     first = problem.sampled(problem.start).start[0, :, 0].real
     first[:states] = 0.0
     problem = replace(problem, first=first)
-    if not known and own is None:
+    if not known and system is None:
         return problem
     still = predict_alone(problem, problem.start)
     units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
@@ -174,12 +176,12 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
     spread = np.sqrt(noise[plant.model.states :])
     if isinstance(fitted.cost, Innovations):  # which has no errors of readings: as they scatter
         spread = _errors(_found(fitted))
-    there, weight = ~np.isnan(samples.outputs), 1.0 / np.maximum(spread, 1e-12)
+    present, weight = ~np.isnan(samples.outputs), 1.0 / np.maximum(spread, 1e-12)
     changes = [predict_alone(unit, unit.start) - still for unit in units]
-    free = np.column_stack([(change * weight)[there] for change in changes])
+    free = np.column_stack([(change * weight)[present] for change in changes])
     width = np.maximum(np.linalg.norm(free, axis=0), 1e-300)
-    left = ((samples.outputs - still) * weight)[there]
-    best = np.linalg.lstsq(free / width, left, rcond=None)[0] / width
+    residuals = ((samples.outputs - still) * weight)[present]
+    best = np.linalg.lstsq(free / width, residuals, rcond=None)[0] / width
     return replace(problem, first=np.concatenate([best, first[states:]]))
 
 
@@ -191,8 +193,8 @@ def _found(fitted: ModelFit) -> Problem:
 
 def _errors(problem: Problem) -> Numbers:
     """Return the rms of the errors by rudder alone (y,)."""
-    left = problem.samples.outputs - predict_alone(problem, problem.start)
-    return np.asarray(np.sqrt(np.nanmean(left**2, axis=0)))
+    residuals = problem.samples.outputs - predict_alone(problem, problem.start)
+    return np.asarray(np.sqrt(np.nanmean(residuals**2, axis=0)))
 
 
 def _spread(problem: Problem) -> Numbers:

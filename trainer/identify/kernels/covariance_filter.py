@@ -221,42 +221,42 @@ def show_filter(
     readings: it neither moves the filter nor counts. R is shown of missing readings too.
     """
     mean, noise, start = system.mean, system.noise, system.start
-    told = shown.rows
+    filter_rows = shown.rows
     rows, columns, states = mean.shape[1], mean.shape[2], start.shape[0]
     readings = rows - states
     square_place = rows + readings
     flag_place = square_place + 1
-    J, kept = np.empty((rows, rows), mean.dtype), np.empty((rows, rows), mean.dtype)
+    J, joint_copy = np.empty((rows, rows), mean.dtype), np.empty((rows, rows), mean.dtype)
     work, v = np.empty((rows, states), mean.dtype), np.empty(rows, mean.dtype)
-    error, there = np.empty(readings, mean.dtype), np.empty(readings, np.bool_)
+    error, present = np.empty(readings, mean.dtype), np.empty(readings, np.bool_)
     z, P = np.ones(columns, mean.dtype), start[:, 1:].copy()
     z[:states] = start[:, 0]
     for k in range(table.shape[0]):
         put_vector(table[k, readings:], states, z)
         predict_sample(mean[which[k]], z, v)
         write_joint(mean[which[k]], noise[which[k]], P, work, J)
-        kept[:] = J
-        count = write_residual(table[k], v, error, there)
-        told[k, :states] = z[:states]
-        told[k, states:rows] = v[states:]
-        told[k, rows:square_place] = error
+        joint_copy[:] = J
+        count = write_residual(table[k], v, error, present)
+        filter_rows[k, :states] = z[:states]
+        filter_rows[k, states:rows] = v[states:]
+        filter_rows[k, rows:square_place] = error
         shown.covariances[k] = P
         shown.spreads[k] = J[states:, states:]
         flag = FLAG_COUNTED if count > 0 else FLAG_MISSING
-        told[k, square_place] = 0.0
-        if np.isnan(condition_on_readings(J, error, there)):
+        filter_rows[k, square_place] = 0.0
+        if np.isnan(condition_on_readings(J, error, present)):
             flag = FLAG_SINGULAR
         else:
             size = error_square(J, error)
-            told[k, square_place] = size
+            filter_rows[k, square_place] = size
             if size.real > limits[count]:
                 flag = FLAG_REJECTED
         if flag > FLAG_MISSING:
-            J[:] = kept
-            there[:] = False
-            condition_on_readings(J, error, there)
+            J[:] = joint_copy
+            present[:] = False
+            condition_on_readings(J, error, present)
         advance_state(J, v, error, z, P)
-        told[k, flag_place] = flag
+        filter_rows[k, flag_place] = flag
 
 
 @kernel
@@ -321,10 +321,10 @@ def settle_gain(
     readings = rows - states
     J = np.empty((rows, rows), np.complex128)
     work = np.empty((rows, states), np.complex128)
-    error, there = np.zeros(readings, np.complex128), np.ones(readings, np.bool_)
+    error, present = np.zeros(readings, np.complex128), np.ones(readings, np.bool_)
     for step in range(1, most + 1):
         write_joint(mean, noise, P, work, J)
-        determinant = condition_on_readings(J, error, there)
+        determinant = condition_on_readings(J, error, present)
         if np.isnan(determinant):
             return -1
         change = _change(J, P)

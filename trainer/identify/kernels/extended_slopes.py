@@ -77,14 +77,14 @@ def count_reading(
 def _take(driven: DrivenPlaces, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
     """Take one reading into state and covariance, its own column last."""
     error, s = innovation.error, innovation.variance
-    own = P[m, m]
+    pivot = P[m, m]
     for i in range(states_of(driven)):
         x[i] += P[i, m] / s * error
         for k in range(states_of(driven)):
             if k != m:
                 P[i, k] -= P[i, m] * P[k, m] / s
     for i in range(states_of(driven)):
-        P[i, m] -= P[i, m] * own / s
+        P[i, m] -= P[i, m] * pivot / s
 
 
 @lean

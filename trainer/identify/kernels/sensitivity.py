@@ -271,10 +271,10 @@ def _close_stage(room: ScoreRoom, counted: int, rows: Numbers, slope: Numbers) -
                     factor = weight * U[i, k] * U[j, m]
                     for q in range(count):
                         rows[place, q] += factor * dJ[states + k, states + m, q]
-            left = (counted if i == j else 0.0) - products[i, j]
-            left *= 0.5 / weight
+            remainder = (counted if i == j else 0.0) - products[i, j]
+            remainder *= 0.5 / weight
             for q in range(count):
-                slope[q] += left * rows[place, q]
+                slope[q] += remainder * rows[place, q]
             products[i, j] = 0.0
 
 
@@ -291,7 +291,7 @@ def _rows(
     table, which = samples.table, samples.which
     z, P, dx, dP = now.z, now.P, now.dx, now.dP
     J, dJ, v, dv = room.J, room.dJ, room.v, room.dv
-    error, there = room.error, room.there
+    error, present = room.error, room.there
     rows, states, readings = v.size, P.shape[0], error.size
     stages, counted, constant, cost, determinant = 0, 0, False, 0.0, 0.0
     for k in range(table.shape[0]):
@@ -299,8 +299,8 @@ def _rows(
         put_vector(table[k, readings:], states, z)
         predict_sample(W, z, v)
         _mean_slopes(W, dW, room.used[which[k]], z, dx, dv)
-        write_residual(table[k], v, error, there)
-        constant = constant and all_there(there) and which[k] == which[k - 1]
+        write_residual(table[k], v, error, present)
+        constant = constant and all_there(present) and which[k] == which[k - 1]
         if not constant:
             if stages > 0:
                 _close_stage(room, counted, out.covariances[stages - 1], out.gradient)
@@ -310,12 +310,12 @@ def _rows(
                 put_block(slopes.noise[which[k], i], 0, dJ[i])
             _half_slopes(W, dW, P, dP, room.d_half)
             _joint_slopes(W, room.d_half, dJ)
-            determinant = condition_on_readings(J, error, there)
+            determinant = condition_on_readings(J, error, present)
             if math.isnan(determinant):
                 return 0, determinant
             _root(J, readings, room.U)
             moved = _condition(room, dP)
-            constant = all_there(there) and has_settled(J, P) and moved < SLOPE_TOLERANCE
+            constant = all_there(present) and has_settled(J, P) and moved < SLOPE_TOLERANCE
             _gain_slopes(J, dJ, states, room.line)
         cost += determinant + _standardise(room, out.errors[k])
         _add_slope(out.errors[k], room.standard, out.gradient)

@@ -81,8 +81,8 @@ def _model_2(p: dict[str, float], ship: Ship) -> Nomoto:
     k, V = ship.speed / ship.length, ship.speed
     a1, a2 = k * p["a1"], k * k * p["a2"]
     c1, c2 = V * k * p["c1"], V * k * k * p["c2"]
-    found = nomoto(Transfer(a1, a2, 0.0, 0.0, 0.0, c1, c2, 0.0))
-    return Nomoto(0.0, found.T1, found.T2, 0.0, found.K_v, found.T3v)
+    constants = nomoto(Transfer(a1, a2, 0.0, 0.0, 0.0, c1, c2, 0.0))
+    return Nomoto(0.0, constants.T1, constants.T2, 0.0, constants.K_v, constants.T3v)
 
 
 def _model_3(p: dict[str, float], ship: Ship) -> Nomoto:
@@ -100,8 +100,8 @@ def _first(K: float, T: float) -> Nomoto:
 
 def _nomoto_2(p: dict[str, float], ship: Ship) -> Nomoto:
     del ship
-    found = nomoto(Transfer(p["a1"], p["a2"], 0.0, p["b1"], p["b2"], 0.0, 0.0, 0.0))
-    return replace(found, K_v=0.0, T3v=0.0)
+    constants = nomoto(Transfer(p["a1"], p["a2"], 0.0, p["b1"], p["b2"], 0.0, 0.0, 0.0))
+    return replace(constants, K_v=0.0, T3v=0.0)
 
 
 _NOMOTO_BY_MODEL: Final[Mapping[str, Callable[[dict[str, float], Ship], Nomoto]]] = {
@@ -118,8 +118,8 @@ def derivatives(model: Model, values: Numbers) -> Numbers:
     if model.name != "1":
         return np.empty(0)
     p = _named(model, values)
-    own = [p[name] for name in ("Y_v", "Y_r", "N_v", "N_r", "Y_delta")]
-    return np.array([*own, -p["Y_delta"] * p["l_delta"]])
+    own_derivatives = [p[name] for name in ("Y_v", "Y_r", "N_v", "N_r", "Y_delta")]
+    return np.array([*own_derivatives, -p["Y_delta"] * p["l_delta"]])
 
 
 def quantities(plant: Plant, values: Numbers) -> Numbers:
@@ -132,13 +132,13 @@ def quantities(plant: Plant, values: Numbers) -> Numbers:
         return np.asarray(model.system.tell(plant, values))
     ship_like = nomoto_of(model, values, plant.ship)
     T1, T2 = ship_like.T1, ship_like.T2
-    told = [
+    numbers = [
         *(ship_like.K, T1.real, T2.real, T1.imag, ship_like.T3, ship_like.K_v, ship_like.T3v),
         *(ship_like.first_order, (T1 + T2).real if T2 else 0.0, (T1 * T2).real),
         *((1.0 / T1).real if T1 else math.inf, 1.0 / ship_like.K if ship_like.K else 0.0),
         *arms_of(model, values, plant.ship),
     ]
-    return np.concatenate([derivatives(model, values), told])
+    return np.concatenate([derivatives(model, values), numbers])
 
 
 def quantity_units(model: Model) -> dict[str, str]:

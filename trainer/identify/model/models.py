@@ -121,12 +121,15 @@ class Model:
 
     def places(self, names: Iterable[str]) -> tuple[int, ...]:
         """Return the places of ``names``, each once; those ``given`` stand for what follows."""
-        asked = list(dict.fromkeys(names))
-        inside = [name for name in self.given if name in asked]
+        unique_names = list(dict.fromkeys(names))
+        inside = [name for name in self.given if name in unique_names]
         if inside and len(inside) < len(self.given):
             self.place(inside[0])
-        found = [*range(len(inside)), *(self.place(one) for one in asked if one not in inside)]
-        return tuple(dict.fromkeys(found))
+        indices = [
+            *range(len(inside)),
+            *(self.place(one) for one in unique_names if one not in inside),
+        ]
+        return tuple(dict.fromkeys(indices))
 
     def vector(self, **values: float) -> Numbers:
         """Return the parameters with these values, zero elsewhere."""

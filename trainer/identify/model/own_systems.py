@@ -63,13 +63,13 @@ class System:
     @cached_property
     def pairs(self) -> tuple[tuple[str, str], ...]:
         """Return first state and its variance, where each is a parameter alone."""
-        found, names = self.matrices(step_aside(self.starts)), list(self.touched)
+        matrices, names = self.matrices(step_aside(self.starts)), list(self.touched)
         pairs = []
         for i in range(self.states):
             alone = [
                 names[k]
                 for key, j in (("x0", 0), ("P0", i))
-                for k in (np.flatnonzero(found[key][1:, i, j].imag) if key in found else ())
+                for k in (np.flatnonzero(matrices[key][1:, i, j].imag) if key in matrices else ())
             ]
             if len(alone) == 2:
                 pairs.append((alone[0], alone[1]))
@@ -92,13 +92,13 @@ class System:
         theta[:, bounded] = np.where(
             theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
         )
-        found = self.matrices(theta)
+        matrices = self.matrices(theta)
         for (
             key,
             one,
-        ) in found.items():  # an imaginary part beyond MAX_STRAY_IMAGINARY is no derivative
+        ) in matrices.items():  # an imaginary part beyond MAX_STRAY_IMAGINARY is no derivative
             if np.iscomplexobj(one):
-                found[key] = np.where(np.abs(one.imag) > MAX_STRAY_IMAGINARY, math.nan, one)
+                matrices[key] = np.where(np.abs(one.imag) > MAX_STRAY_IMAGINARY, math.nan, one)
         places = {
             "A": (drift, slice(x), slice(x)),
             "B": (drift, slice(x), slice(x, u)),
@@ -112,22 +112,22 @@ class System:
             "P0": (start, slice(None), slice(1, None)),
         }
         for key, (out, rows, columns) in places.items():
-            if key in found:
-                out[:, rows, columns] = found[key]
-        if "R12" in found:
-            noise[:, :x, x:] = found["R12"]
-            noise[:, x:, :x] = found["R12"].swapaxes(1, 2)
-        return found.get("K")
+            if key in matrices:
+                out[:, rows, columns] = matrices[key]
+        if "R12" in matrices:
+            noise[:, :x, x:] = matrices["R12"]
+            noise[:, x:, :x] = matrices["R12"].swapaxes(1, 2)
+        return matrices.get("K")
 
     @cached_property
     def quantities(self) -> dict[str, str]:
         """Return what ``tell`` tells, and units."""
-        found = {"1/T1": "1/s"}
+        units = {"1/T1": "1/s"}
         for i in range(1, 1 + self.states):
-            found |= {f"T{i}": "s", f"period {i}": "s"}
+            units |= {f"T{i}": "s", f"period {i}": "s"}
         for output, unit in zip(self.outputs, self.units, strict=True):
-            found |= {f"{name} to {output}": unit for name in self.inputs}
-        return found
+            units |= {f"{name} to {output}": unit for name in self.inputs}
+        return units
 
     def tell(self, plant: Plant, values: Numbers) -> Numbers:
         """Return -Re of the slowest root, T and period of each, and steady gains.
@@ -141,14 +141,14 @@ class System:
             with np.errstate(all="ignore"):
                 roots, A = np.log(roots + 0j) / plant.period, A - np.eye(x)
         roots = roots[np.lexsort((-roots.imag, -roots.real))]
-        found = [-roots[0].real]
+        numbers = [-roots[0].real]
         for root in roots:
             second = root.imag < 0.0
             slow = -1.0 / root.real if root.real else math.inf
-            found += [0.0 if second else slow, 0.0 if root.imag <= 0.0 else math.tau / root.imag]
+            numbers += [0.0 if second else slow, 0.0 if root.imag <= 0.0 else math.tau / root.imag]
         regular = np.linalg.matrix_rank(A) == len(A)
         gain = D - C @ np.linalg.solve(A, B) if regular else np.full_like(D, math.nan)
-        return np.array([*found, *gain.ravel()])
+        return np.array([*numbers, *gain.ravel()])
 
 
 def check_names(path: Path, names: Sequence[str]) -> None:
@@ -164,34 +164,34 @@ def check_names(path: Path, names: Sequence[str]) -> None:
 def load_program(path: Path) -> System:
     """Return the system of a Python file, which is run. ConfigError if it fails or lacks a part."""
     try:
-        told = runpy.run_path(str(path))
+        program = runpy.run_path(str(path))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
     except Exception as error:
         raise ConfigError(f"{path}: {_failed(error, path)}") from error
-    lacking = [name for name in ("matrices", "outputs", "parameters") if name not in told]
+    lacking = [name for name in ("matrices", "outputs", "parameters") if name not in program]
     if lacking:
         raise ConfigError(f"{path}: lacks {', '.join(lacking)}")
-    starts = dict(told["parameters"])
+    starts = dict(program["parameters"])
     check_names(path, tuple(starts))
-    outputs, inputs = tuple(told["outputs"]), tuple(told.get("inputs", ()))
+    outputs, inputs = tuple(program["outputs"]), tuple(program.get("inputs", ()))
     vector = np.array([float(value) for value in starts.values()])
-    plain = _FunctionMatrices(path, told["matrices"], tuple(starts))
-    found = plain(vector[None])
-    if "A" not in found or "C" not in found:
+    plain = _FunctionMatrices(path, program["matrices"], tuple(starts))
+    matrices = plain(vector[None])
+    if "A" not in matrices or "C" not in matrices:
         raise ConfigError(f"{path}: matrices() gives no A and C at the start values")
-    states = found["A"].shape[1]
+    states = matrices["A"].shape[1]
     function, how = _stepped(plain, vector)
     return System(
         path=path,
-        name=str(told.get("name", path.stem)),
-        discrete=bool(told.get("discrete", False)),
+        name=str(program.get("name", path.stem)),
+        discrete=bool(program.get("discrete", False)),
         inputs=inputs,
         outputs=outputs,
-        units=tuple(told.get("units", ("-",) * len(outputs))),
+        units=tuple(program.get("units", ("-",) * len(outputs))),
         parameters=tuple(Parameter(name, "", "-") for name in starts),
         starts=vector,
-        held=tuple(told.get("held", ())),
+        held=tuple(program.get("held", ())),
         states=states,
         matrices=function,
         touched={},
@@ -206,8 +206,8 @@ def _failed(error: Exception, path: Path) -> str:
         if trace.tb_frame.f_code.co_filename == str(path):
             line = trace.tb_lineno
         trace = trace.tb_next
-    told = str(error) if isinstance(error, _ReturnedError) else f"{type(error).__name__}: {error}"
-    return (f"line {line}: {told}" if line else told).splitlines()[0]
+    reason = str(error) if isinstance(error, _ReturnedError) else f"{type(error).__name__}: {error}"
+    return (f"line {line}: {reason}" if line else reason).splitlines()[0]
 
 
 class _ReturnedError(ValueError):
@@ -232,18 +232,18 @@ class _FunctionMatrices:
     def _row(self, theta: Entries) -> Matrices:
         try:
             with np.errstate(all="ignore"):
-                found = self._function(self._theta(*theta))
-            if isinstance(found, tuple | list) and len(found) == len(TUPLE_ORDER):
-                found = dict(zip(TUPLE_ORDER, found, strict=True))
-            if not isinstance(found, Mapping):
-                told = f"must return {', '.join(TUPLE_ORDER)}, or some matrices by name"
-                raise _ReturnedError(told)  # noqa: TRY301
-            return {key: _as_matrix(key, one) for key, one in found.items() if one is not None}
+                matrices = self._function(self._theta(*theta))
+            if isinstance(matrices, tuple | list) and len(matrices) == len(TUPLE_ORDER):
+                matrices = dict(zip(TUPLE_ORDER, matrices, strict=True))
+            if not isinstance(matrices, Mapping):
+                message = f"must return {', '.join(TUPLE_ORDER)}, or some matrices by name"
+                raise _ReturnedError(message)  # noqa: TRY301
+            return {key: _as_matrix(key, one) for key, one in matrices.items() if one is not None}
         except (ArithmeticError, np.linalg.LinAlgError):
             return {}
         except Exception as error:
-            told = _failed(error, self._path)
-            raise ConfigError(f"{self._path}: matrices(): {told}") from error
+            message = _failed(error, self._path)
+            raise ConfigError(f"{self._path}: matrices(): {message}") from error
 
 
 def _as_matrix(name: str, value: Any) -> Entries:
@@ -251,12 +251,12 @@ def _as_matrix(name: str, value: Any) -> Entries:
     if name not in MATRIX_NAMES:
         raise _ReturnedError(f"no matrix {name!r}; there are {', '.join(MATRIX_NAMES)}")
     try:
-        found = np.asarray(value)
+        matrix = np.asarray(value)
     except ValueError:
-        found = np.asarray(None)
-    if found.dtype.kind not in "iufc" or found.ndim > 2:
+        matrix = np.asarray(None)
+    if matrix.dtype.kind not in "iufc" or matrix.ndim > 2:
         raise _ReturnedError(f"{name} is not made of rows of numbers")
-    return found[:, None] if found.ndim == 1 else np.atleast_2d(found)
+    return matrix[:, None] if matrix.ndim == 1 else np.atleast_2d(matrix)
 
 
 def _stepped(function: _FunctionMatrices, start: Numbers) -> tuple[Function, str]:
@@ -267,15 +267,16 @@ def _stepped(function: _FunctionMatrices, start: Numbers) -> tuple[Function, str
     """
     plain = _by_differences(function, step_aside(start))
     try:
-        found = function(step_aside(start))
+        matrices = function(step_aside(start))
     except ConfigError:
-        found = {}
+        matrices = {}
     slopes = [
-        {key: one[1:].imag / COMPLEX_STEP for key, one in each.items()} for each in (found, plain)
+        {key: one[1:].imag / COMPLEX_STEP for key, one in each.items()}
+        for each in (matrices, plain)
     ]
     sizes = [float(np.max(np.abs(one), initial=0.0)) for one in slopes[1].values()]
     largest = max(sizes, default=0.0)
-    agree = found.keys() == plain.keys() and all(
+    agree = matrices.keys() == plain.keys() and all(
         np.allclose(
             slopes[0][key], one, rtol=SLOPE_TOLERANCE, atol=SLOPE_TOLERANCE * 1e-3 * largest
         )
@@ -288,40 +289,40 @@ def _stepped(function: _FunctionMatrices, start: Numbers) -> tuple[Function, str
 
 def _by_differences(function: _FunctionMatrices, theta: Entries) -> Matrices:
     """Return matrices whose imaginary parts are central differences, where ``theta`` has any."""
-    found = function(np.ascontiguousarray(theta.real))
+    matrices = function(np.ascontiguousarray(theta.real))
     if not np.iscomplexobj(theta):
-        return found
-    found = {key: one.astype(complex) for key, one in found.items()}
+        return matrices
+    matrices = {key: one.astype(complex) for key, one in matrices.items()}
     for row, place in zip(*np.nonzero(theta.imag), strict=True):
         step = 6e-6 * max(abs(theta[row, place].real), 1e-3)
         beside = np.tile(theta[row].real, (2, 1))
         beside[:, place] += (step, -step)
         part = theta[row, place].imag
         for key, two in function(beside).items():
-            found[key][row] += 1j * part * (two[0] - two[1]) / (beside[0] - beside[1])[place]
-    return found
+            matrices[key][row] += 1j * part * (two[0] - two[1]) / (beside[0] - beside[1])[place]
+    return matrices
 
 
 def check_shapes(system: System) -> None:
     """Check sizes of matrices and covariances at the start; ConfigError with all faults."""
-    found, problems = system.matrices(system.starts[None]), []
+    matrices, problems = system.matrices(system.starts[None]), []
     sizes = {"x": system.states, "u": len(system.inputs), "y": len(system.outputs)}
     words = {"x": "states", "u": "inputs", "y": "outputs"}
     shapes = {"A": "xx", "B": "xu", "C": "yx", "D": "yu", "R1": "xx", "R2": "yy", "P0": "xx"}
     shapes |= {"R12": "xy", "K": "xy", "x0": "x1", "f": "x1", "d": "y1"}
-    for key in (*(("A", "C") if "A" not in found or "C" not in found else ()), *found):
-        if key not in found:
+    for key in (*(("A", "C") if "A" not in matrices or "C" not in matrices else ()), *matrices):
+        if key not in matrices:
             problems.append(f"lacks {key}")
             continue
-        rows, columns = found[key].shape[1:]
+        rows, columns = matrices[key].shape[1:]
         wanted = tuple(sizes.get(sign, 1) for sign in shapes[key])
         if (rows, columns) != wanted:
             by = " by ".join(words.get(sign, "1") for sign in shapes[key])
             must = f"must be {wanted[0]} by {wanted[1]}, {by}"
             problems.append(f"{key} is {rows} by {columns}, {must}")
-        elif not np.isfinite(found[key]).all():
+        elif not np.isfinite(matrices[key]).all():
             problems.append(f"{key} is not finite at the start values")
-        elif key in ("R1", "R2", "P0") and not _is_covariance(found[key][0]):
+        elif key in ("R1", "R2", "P0") and not _is_covariance(matrices[key][0]):
             problems.append(f"{key} is no covariance at the start values")
     if len(set(system.outputs)) < len(system.outputs) or not system.outputs:
         problems.append("outputs must be one column or more, each once")
@@ -346,8 +347,8 @@ def with_kinds(system: System) -> System:
     start = system.starts
     touched: dict[str, set[str]] = {one.name: set() for one in system.parameters}
     for theta in (start, 1.17 * start + 0.013):  # a slope may be nothing at one place
-        for key, found in system.matrices(step_aside(theta)).items():
-            for place, slope in enumerate(found[1:].imag):
+        for key, matrix in system.matrices(step_aside(theta)).items():
+            for place, slope in enumerate(matrix[1:].imag):
                 if np.any(slope != 0.0):
                     touched[system.parameters[place].name].add(key)
     at_start = system.matrices(step_aside(start))

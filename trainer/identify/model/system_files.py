@@ -111,9 +111,9 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
     if isinstance(node, ast.Name):
         name, known = node.id, (*names, *NAMED_CONSTANTS)
         if name not in known:
-            there = ", ".join(known)
+            known_names = ", ".join(known)
             raise ConfigError(
-                f"no parameter {quote(name)}{nearest(name, known)}; there are {there}"
+                f"no parameter {quote(name)}{nearest(name, known)}; there are {known_names}"
             )
         return lambda values: values[name] if name in names else NAMED_CONSTANTS[name]
     function, operands = _sign_of(node)
@@ -131,9 +131,9 @@ def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
         raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED_TEXT}")
     name = node.func.id if isinstance(node.func, ast.Name) else ""
     if name not in KNOWN_FUNCTIONS:
-        there = ", ".join(KNOWN_FUNCTIONS)
+        function_names = ", ".join(KNOWN_FUNCTIONS)
         raise ConfigError(
-            f"no function {quote(name)}{nearest(name, KNOWN_FUNCTIONS)}; there are {there}"
+            f"no function {quote(name)}{nearest(name, KNOWN_FUNCTIONS)}; there are {function_names}"
         )
     return KNOWN_FUNCTIONS[name], node.args
 
@@ -203,23 +203,23 @@ class SystemFile:
 
 def load_system(path: Path) -> System:
     """Return the system in a TOML file or a program, which is run. ConfigError if it is none."""
-    found = load_program(path) if path.suffix == ".py" else _load_file(path)
-    check_shapes(found)
-    return with_kinds(found)
+    system = load_program(path) if path.suffix == ".py" else _load_file(path)
+    check_shapes(system)
+    return with_kinds(system)
 
 
 def _load_file(path: Path) -> System:
     """Return the system of a TOML file, its expressions parsed; ConfigError with all faults."""
     table, place = parse_toml(read_text(path), path.name), Place(path.name, "")
-    own = {key: value for key, value in table.items() if key != "parameters"}
-    file = read_record(SystemFile, own, place, ("note",))
+    heading_values = {key: value for key, value in table.items() if key != "parameters"}
+    file = read_record(SystemFile, heading_values, place, ("note",))
     rows = SYSTEM_PARAMETERS.read("parameters", table.get("parameters", []), place)
     names = tuple(row.name for row in rows)
     check_names(path, names)
     for name in names:
         if name in KNOWN_FUNCTIONS or name in NAMED_CONSTANTS:
-            told = "is the name of a function or constant"
-            raise ConfigError(f"{path.name}: parameter {quote(name)}: {told}")
+            message = "is the name of a function or constant"
+            raise ConfigError(f"{path.name}: parameter {quote(name)}: {message}")
     matrices = {
         name: getattr(file, name) for name in MATRIX_NAMES if getattr(file, name) is not None
     }
@@ -266,15 +266,15 @@ class _FileMatrices:
 
     def __call__(self, theta: Entries) -> Matrices:
         """Return the matrices of each row of parameters."""
-        values, found = dict(zip(self.names, theta.T, strict=True)), {}
+        values, matrices = dict(zip(self.names, theta.T, strict=True)), {}
         with np.errstate(all="ignore"):
             for name, rows in self.entries.items():
                 out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
                 for i, row in enumerate(rows):
                     for j, entry in enumerate(row):
                         out[:, i, j] = entry if isinstance(entry, float) else entry(values)
-                found[name] = out
-        return found
+                matrices[name] = out
+        return matrices
 
 
 SYSTEM_RECORDS: Final = {"": SystemFile, "[parameters]": SystemParameter}

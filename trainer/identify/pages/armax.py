@@ -48,32 +48,32 @@ class ArmaxReport:
 
 def carry_out(study: Study) -> tuple[ArmaxReport, OrderComparison]:
     """Return the models of a study. ConfigError if its record has gaps or is too short."""
-    asked = study.armax
-    if asked is None:
+    settings = study.armax
+    if settings is None:
         raise ConfigError(f"{study.path.name}: lacks [armax]")
     observed = observe_record(study)
     record = observed.record
-    samples = samples_of(record, (asked.output,))
+    samples = samples_of(record, (settings.output,))
     if len(samples.steps[0]) > 1:
         raise ConfigError(f"{record.source}: ARMAX needs one interval; this record has more")
-    how, dead = asked.remove or "mean", int(asked.dead_time or 0)
+    how, dead = settings.remove or "mean", int(settings.dead_time or 0)
     if not samples.whole:
         raise ConfigError(f"{record.source}: ARMAX needs a record without missing values; cut it")
-    most, initial = int(asked.most or DEFAULT_MAX_ORDER), asked.initial != "no"
+    most, initial = int(settings.most or DEFAULT_MAX_ORDER), settings.initial != "no"
     check_count(record, samples.counted, (4 if initial else 3) * most)
     y, u = remove_delay(
         detrend(samples.outputs[:, 0], how), detrend(samples.inputs[:, 0], how), dead
     )
-    orders = try_orders(y, u, most, initial=initial, lags=int(asked.lags or DEFAULT_LAGS))
+    orders = try_orders(y, u, most, initial=initial, lags=int(settings.lags or DEFAULT_LAGS))
     ship = None
-    if asked.output == "heading" and most > 1:
+    if settings.output == "heading" and most > 1:
         with suppress(ConfigError):  # it may have none
             ship = without_wind(orders.models[1], record.interval)
     report = ArmaxReport(
         study=study.heading.name,
         source=record.source,
-        output=asked.output,
-        unit=OUTPUT_UNITS[asked.output][0],
+        output=settings.output,
+        unit=OUTPUT_UNITS[settings.output][0],
         samples=len(y),
         interval_s=record.interval,
         removed=how,

@@ -89,9 +89,9 @@ def design_experiment(file: VesselFile, options: ExperimentOptions) -> Experimen
     interval = options.interval or suggest_interval(ship.nomoto, step)
     depth = options.depth or file.run.start_depth_m
     if options.zigzag:
-        kind, orders, seconds, told = _zigzag(file, speed, options.zigzag, options.seconds)
+        kind, orders, seconds, report_fields = _zigzag(file, speed, options.zigzag, options.seconds)
     else:
-        kind, orders, seconds, told = _sequence(ship.nomoto, interval, options)
+        kind, orders, seconds, report_fields = _sequence(ship.nomoto, interval, options)
     flight = fly_trial(file, schedule_orders(orders), speed, depth, seconds)
     record = flight.every(max(1, round(interval / step)))
     outputs = options.outputs or ("sway", "yaw_rate", "heading")
@@ -110,7 +110,7 @@ def design_experiment(file: VesselFile, options: ExperimentOptions) -> Experimen
         lowest_speed_kn=float(np.min(flight.column("speed"))) / KNOT,
         outputs=outputs,
         prospect=prospect(ship, record, outputs, options.sensors, options.unrest),
-        **told,
+        **report_fields,
     )
     return ExperimentDesign(report, flight, exercise)
 
@@ -132,8 +132,8 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
         seed=options.seed,
     )
     warned = tuple(remarks(sequence, ship, interval))
-    told = {"settings": asdict(sequence), "remarks": warned, **NO_ZIGZAG}
-    return "PRBS", sequence.orders(), sequence.seconds, told
+    report_fields = {"settings": asdict(sequence), "remarks": warned, **NO_ZIGZAG}
+    return "PRBS", sequence.orders(), sequence.seconds, report_fields
 
 
 def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: float) -> Any:
@@ -141,12 +141,12 @@ def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: f
     helm, execute = angles
     flight = zigzag_flight(file, speed, angles, most)
     orders = zigzag_orders(flight, helm)
-    told = {
+    report_fields = {
         "settings": {"helm_deg": helm, "execute_deg": execute},
         "remarks": (f"the ship reaches {execute:g} deg only in a calm at just these times",),
         **zigzag_told(flight, execute),
     }
-    return "zig-zag", orders, orders[-1][0] + LEAD_TIME_S, told
+    return "zig-zag", orders, orders[-1][0] + LEAD_TIME_S, report_fields
 
 
 def render(report: ExperimentReport) -> str:
@@ -171,19 +171,19 @@ def render(report: ExperimentReport) -> str:
             f"{INDENT}Reach {format_number(report.reach_s, '.1f')} s, period "
             f"{format_number(report.period_s, '.1f')} s, overshoots {overshoots} deg."
         )
-    told = report.prospect
-    head = f"{INDENT}Expected from {told.samples} samples at {told.interval_s:g} s of "
+    expected = report.prospect
+    head = f"{INDENT}Expected from {expected.samples} samples at {expected.interval_s:g} s of "
     lines += ["", f"{head}{', '.join(report.outputs)}:", ""]
     rows = [
         (
             name,
             QUANTITY_UNITS.get(name, "prime"),
             f"{value:.5g}",
-            f"{told.deviations[name]:.2g}",
-            f"{100.0 * told.deviations[name] / abs(value):.1f}" if value else "-",
+            f"{expected.deviations[name]:.2g}",
+            f"{100.0 * expected.deviations[name] / abs(value):.1f}" if value else "-",
         )
-        for name, value in told.values.items()
-        if name not in HIDDEN_IF_ZERO and (value or told.deviations[name])
+        for name, value in expected.values.items()
+        if name not in HIDDEN_IF_ZERO and (value or expected.deviations[name])
     ]
     lines += table(("quantity", "unit", "value", "std dev", "%"), rows)
     if report.remarks:

@@ -68,9 +68,9 @@ def render(report: IdentifyReport) -> str:
 
 def _bend_lines(bend: BendEstimate) -> list[str]:
     """Return the kappa or H(r) of large manoeuvres, and the loop of an unstable ship."""
-    told = dict(zip(("H1", "H2", "H3"), bend.ship.curve, strict=True)) | vars(bend.ship)
+    numbers_by_name = dict(zip(("H1", "H2", "H3"), bend.ship.curve, strict=True)) | vars(bend.ship)
     rows = [
-        (name, BEND_UNITS[name], f"{told[name]:.5g}", f"{deviation:.2g}")
+        (name, BEND_UNITS[name], f"{numbers_by_name[name]:.5g}", f"{deviation:.2g}")
         for name, deviation in bend.deviations.items()
     ]
     of = "helm" if bend.rate_0 is None else "yaw rate"
@@ -116,13 +116,13 @@ def _run_table(report: IdentifyReport) -> list[str]:
     for number, run in enumerate(report.runs, 1):
         speed = "-" if run.speed_kn is None else f"{run.speed_kn:.2f}"
         first = (f"{number} {cut_text(run.source.rpartition('/')[2], 18)}", speed, str(run.samples))
-        each = zip(report.outputs, report.units, run.rms, run.alone, run.explained, strict=True)
-        for name, unit, rms, alone_rms, explained in each:
+        columns = zip(report.outputs, report.units, run.rms, run.alone, run.explained, strict=True)
+        for name, unit, rms, alone_rms, explained in columns:
             numbers = (f"{rms:.4g}", f"{alone_rms:.4g}", f"{100.0 * explained:.1f}")
             rows.append((*first, name, unit, *numbers))
             first = ("", "", "")
-    ahead, left = "rms error\none ahead", "\nalone"
-    heads = ("run", "kn", "samples", "output", "unit", ahead, left, "% variance\nexplained")
+    ahead, alone_head = "rms error\none ahead", "\nalone"
+    heads = ("run", "kn", "samples", "output", "unit", ahead, alone_head, "% variance\nexplained")
     return table(heads, rows)
 
 
@@ -187,15 +187,15 @@ def _fit_lines(report: IdentifyReport) -> list[str]:
     ]
     if report.screened:
         several = bool(report.runs)
-        told = [
+        fit_lines = [
             (f"run {one.run} " if several else "") + f"row {one.row} ({one.t_s:g} s)"
             for one in report.screened[:MAX_OUTLIERS_SHOWN]
         ]
-        more = len(report.screened) - len(told)
+        more = len(report.screened) - len(fit_lines)
         rest = f" and {more} more" if more else ""
         verb = "was" if len(report.screened) == 1 else "were"
         lines += wrap(
-            f"{len(report.screened)} {verb} rejected as outliers: {', '.join(told)}{rest}",
+            f"{len(report.screened)} {verb} rejected as outliers: {', '.join(fit_lines)}{rest}",
             INDENT,
             2 * INDENT,
         )
@@ -245,27 +245,27 @@ def _check_lines(check: ValidationCheck, units: tuple[str, ...]) -> list[str]:
 def screens(identified: Identification) -> tuple[Screen, ...]:
     """Return all figures of a fit in groups, each for one screen."""
     of = " deg" if identified.report.length_m else ""
-    asked = (f"step of 1{of}", step_of), (f"pulse of 1{of} s", pulse_of)
-    found: dict[str, Iterable[Panel]] = {"Record": _record(identified)}
+    responses = (f"step of 1{of}", step_of), (f"pulse of 1{of} s", pulse_of)
+    groups: dict[str, Iterable[Panel]] = {"Record": _record(identified)}
     for number in range(1, len(identified.report.runs)):
-        found[f"Run {number + 1}"] = _record(identified, number)
+        groups[f"Run {number + 1}"] = _record(identified, number)
     t, standard = identified.fitted.problem.samples.t, identified.run.standardised.T
-    found["Residuals"] = [
+    groups["Residuals"] = [
         Panel(
             f"residuals of {output}",
             "time [s]",
             "[std dev]",
-            (Curve("residual", t, left),),
+            (Curve("residual", t, residuals),),
             levels=(-BAND_DEVIATIONS, 0.0, BAND_DEVIATIONS),
         )
-        for output, left in zip(identified.report.outputs, standard, strict=True)
+        for output, residuals in zip(identified.report.outputs, standard, strict=True)
     ]
-    found["Correlations"] = correlation_panels(identified.report.residuals)
-    for title, shape in asked:
+    groups["Correlations"] = correlation_panels(identified.report.residuals)
+    for title, shape in responses:
         name = title.split()[0].capitalize()
-        found[name] = _responses(identified, title, shape(identified.fitted))
-    found |= {"Bode": _bode(identified), "Terms": _terms(identified)}
-    return screens_of(found | {"Large manoeuvre": _large(identified)})
+        groups[name] = _responses(identified, title, shape(identified.fitted))
+    groups |= {"Bode": _bode(identified), "Terms": _terms(identified)}
+    return screens_of(groups | {"Large manoeuvre": _large(identified)})
 
 
 def _record(identified: Identification, number: int = 0) -> Iterator[Panel]:
@@ -374,9 +374,9 @@ def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
         curve = (Curve(output, lags, np.array(values), points=True),)
         return Panel(f"{title} {output}", "lag [samples]", "[-]", curve, levels=(-band, band))
 
-    own, crossed = "correlation of the residuals of", "rudder with the residuals of"
+    own_title, crossed = "correlation of the residuals of", "rudder with the residuals of"
     return (
-        *(panel(own, one.output, one.correlation, 0, one.band) for one in residuals),
+        *(panel(own_title, one.output, one.correlation, 0, one.band) for one in residuals),
         *(
             panel(crossed, one.output, one.cross, -(len(one.cross) // 2), one.cross_band)
             for one in residuals

@@ -183,19 +183,23 @@ def carry_out(
     if options.joint and [kind for kind, _ in bends] not in (["kappa"], ["bech"]):
         raise ConfigError("--joint goes with --kappa or --bech and its record")
     seen = [observe_record(one) for one in studies_of(study)]
-    told = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
-    findings = [f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in told]
+    all_findings = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
+    findings = [
+        f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in all_findings
+    ]
     record, *others = (one.record for one in seen)
     try:
         if options.simulate:
             fitted = simulate_study(study, record, others)
         else:
-            kept = options.checkpoint
-            fitted = fit_study(study, record, lambda one: heard(one.steps, one.cost), kept, others)
+            checkpoint = options.checkpoint
+            fitted = fit_study(
+                study, record, lambda one: heard(one.steps, one.cost), checkpoint, others
+            )
     except ConfigError as error:  # what is odd about the record may be why
         raise ConfigError(*error.problems, *findings) from None
     odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
-    found = describe_fit(fitted, tuple(odd))
+    result = describe_fit(fitted, tuple(odd))
     rivals = [compare_without(fitted, options.without)] if options.without else []
     if options.against is not None:
         rivals.append(compare_models(fitted, options.against))
@@ -206,9 +210,9 @@ def carry_out(
         more["matrices"] = matrices_of(fitted)
     for kind, path in bends:  # one at most
         more["bend"], turned = bend_of(fitted, path, kind, joint=options.joint)
-        terms = found.terms | bent_terms(more["bend"], turned)
-        more["terms"], found = sizes_of(terms), replace(found, terms=terms, turned=turned)
-    return replace(found, report=replace(found.report, **more))
+        terms = result.terms | bent_terms(more["bend"], turned)
+        more["terms"], result = sizes_of(terms), replace(result, terms=terms, turned=turned)
+    return replace(result, report=replace(result.report, **more))
 
 
 def describe_fit(fitted: ModelFit, findings: tuple[str, ...] = ()) -> Identification:
@@ -225,16 +229,16 @@ def report_of(
     """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     records = (fitted.record, *fitted.others)
-    residuals, own = _residuals(fitted, run), plant.model.system
+    residuals, system = _residuals(fitted, run), plant.model.system
     samples, weakest = problem.samples, np.abs(fitted.known.directions[:, 0])
     return IdentifyReport(
         study=study.heading.name,
         source=fitted.record.source,
         model=plant.model.name,
         settings=settings(table_of(study)),
-        length_m=None if own else plant.ship.length,
-        speed_kn=None if own else plant.ship.speed / KNOT,
-        inputs=own.inputs if own else ("rudder",),
+        length_m=None if system else plant.ship.length,
+        speed_kn=None if system else plant.ship.speed / KNOT,
+        inputs=system.inputs if system else ("rudder",),
         outputs=plant.outputs,
         units=tuple(map(plant.model.unit, plant.outputs)),
         samples=problem.counted,
@@ -276,18 +280,18 @@ def report_of(
 
 def _runs(fitted: ModelFit) -> tuple[RunNumbers, ...]:
     """Return how well the model follows each of several runs."""
-    found = []
+    runs = []
     for number, (problem, at) in enumerate(fitted.problem.runs):
         samples, plant = problem.samples, problem.plant
-        left = samples.outputs - predict_alone(problem, fitted.found.theta[at])
+        residuals = samples.outputs - predict_alone(problem, fitted.found.theta[at])
         errors, spread = errors_of(fitted, number).errors, np.nanstd(samples.outputs, axis=0)
-        rms = [np.sqrt(np.nanmean(one**2, axis=0)) for one in (errors, left)]
+        rms = [np.sqrt(np.nanmean(one**2, axis=0)) for one in (errors, residuals)]
         explained = 1.0 - (rms[1] / np.maximum(spread, 1e-300)) ** 2
         numbers = (tuple(map(float, one)) for one in (*rms, explained))
         speed = None if plant.model.system else plant.ship.speed / KNOT
         record = (fitted.record, *fitted.others)[number]
-        found.append(RunNumbers(record.source, speed, samples.counted, *numbers))
-    return tuple(found)
+        runs.append(RunNumbers(record.source, speed, samples.counted, *numbers))
+    return tuple(runs)
 
 
 def _finite(value: float) -> float | None:
@@ -308,8 +312,8 @@ def _parameters(fitted: ModelFit) -> tuple[Estimate, ...]:
 
 def _ship(fitted: ModelFit, others: AllowedShips) -> tuple[ShipNumber, ...]:
     """Return gains and time constants that the model has, SI."""
-    names, told = fitted.quantity_names, fitted.told
-    rows = zip(names, told.values, told.deviations, *others.spans, strict=True)
+    names, spread = fitted.quantity_names, fitted.told
+    rows = zip(names, spread.values, spread.deviations, *others.spans, strict=True)
     units = quantity_units(fitted.problem.plant.model)
     return tuple(
         ShipNumber(name, units[name], float(x), *map(_finite, (s, low, high)))
@@ -327,37 +331,37 @@ def _derivatives(fitted: ModelFit) -> tuple[Derivative, ...]:
     elif ship is not None and ship.vessel is not None:
         file = load_vessel(ship.vessel)
         mass = 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
-    told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
-    found = []
-    for name, value, deviation in told:
+    rows = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
+    derivatives = []
+    for name, value, deviation in rows:
         if name not in DERIVATIVE_NAMES:
             continue
-        own = float(value)
-        other = None if mass is None else own * mass if bis else own / mass
-        prime, both = (other, own) if bis else (own, other)
-        found.append(Derivative(name, prime, both, _finite(deviation)))
-    return tuple(found)
+        own_value = float(value)
+        other = None if mass is None else own_value * mass if bis else own_value / mass
+        prime, both = (other, own_value) if bis else (own_value, other)
+        derivatives.append(Derivative(name, prime, both, _finite(deviation)))
+    return tuple(derivatives)
 
 
 def _doubts(fitted: ModelFit, others: AllowedShips) -> list[str]:
     """Return what must not be taken at its word."""
-    found = []
+    doubts = []
     if isinstance(fitted.cost, MultiStep):
-        found.append(
+        doubts.append(
             "no standard deviations: errors of predictions over several steps are not independent, "
             "and what they promise would be too small; predict_from = predict_to = 1 has them"
         )
     if others.paired > MIN_COMPLEX_SHARE:
-        found.append(
+        doubts.append(
             f"T1 and T2: {others.paired:.0%} of the ships that this record allows have a complex "
             "pair; they cannot be told apart: trust T1 + T2, T1 T2, and the intervals"
         )
-    found += [
+    doubts += [
         f"{name}: the error went to its floor; another reading or the initial state stands for "
         "this one: drop one of them, or fix it"
         for name in fitted.problem.collapsed(fitted.found.theta)
     ]
-    return found
+    return doubts
 
 
 def _stability(fitted: ModelFit) -> str:
@@ -375,13 +379,13 @@ def _stability(fitted: ModelFit) -> str:
 def _directions(fitted: ModelFit) -> tuple[Direction, ...]:
     """Return the eigenvalues of the scaled second derivatives with what each is made of."""
     known = fitted.known
-    found = []
+    directions = []
     for value, direction in zip(known.eigenvalues, known.directions.T, strict=True):
         least = 0.1 * np.max(np.abs(direction))
         named = zip(known.names, map(float, direction), strict=True)
         parts = {name: part for name, part in named if abs(part) >= least}
-        found.append(Direction(float(value), parts))
-    return tuple(found)
+        directions.append(Direction(float(value), parts))
+    return tuple(directions)
 
 
 def _residuals(fitted: ModelFit, run: PredictionRun) -> tuple[Residuals, ...]:

@@ -94,7 +94,7 @@ def terms_of(fitted: ModelFit, states: Numbers) -> Series:
         m11, m12, m21, m22 = fitted.values[:4]
         rows[:2] = np.array([[m11, L * m12], [m21, L * m22]]) * L / V**2 @ rows[:2]
     by = np.column_stack([states, problem.samples.inputs, np.ones(len(states))])
-    found: Series = {}
+    terms: Series = {}
     for state in (name for name in names if name in EQUATION_NAMES):
         row = names.index(state)
         for j, name in enumerate((*names, "delta", "0")):
@@ -106,8 +106,8 @@ def terms_of(fitted: ModelFit, states: Numbers) -> Series:
                 side = "Y" if state == "v" else "N"
                 term = f"{side}_{name}" + (f" {name}" if name != "0" else ""), "-"
                 equation = FORCE_NAMES[state]
-            found[equation, *term] = rows[row, j] * by[:, j]
-    return found
+            terms[equation, *term] = rows[row, j] * by[:, j]
+    return terms
 
 
 def bent_terms(bend: BendEstimate, record: Record) -> Series:
@@ -147,33 +147,33 @@ def series_of(fitted: ModelFit, number: int = 0) -> dict[str, Numbers]:
     """
     (problem, at), run = fitted.problem.runs[number], errors_of(fitted, number)
     samples, model = problem.samples, predict_alone(problem, fitted.found.theta[at])
-    own = problem.plant.model.system
-    inputs = zip(own.inputs if own else ("rudder_deg",), samples.inputs.T, strict=True)
-    found = {"t_s": samples.t, **dict(inputs)}
+    system = problem.plant.model.system
+    inputs = zip(system.inputs if system else ("rudder_deg",), samples.inputs.T, strict=True)
+    series = {"t_s": samples.t, **dict(inputs)}
     for i, output in enumerate(problem.plant.outputs):
         reading = samples.outputs[:, i]
         columns = {"measured": reading, "model": model[:, i], "error": reading - model[:, i]}
         columns |= {"predicted": run.predictions[:, i], "residual": run.errors[:, i]}
-        unit = "" if own else "_" + OUTPUT_UNITS[output][0].replace("/", "_")
-        found |= {f"{output}_{name}{unit}": column for name, column in columns.items()}
+        unit = "" if system else "_" + OUTPUT_UNITS[output][0].replace("/", "_")
+        series |= {f"{output}_{name}{unit}": column for name, column in columns.items()}
     names = states_of(problem)
-    found |= {f"state_{name}": run.states[:, i] for i, name in enumerate(names)}
+    series |= {f"state_{name}": run.states[:, i] for i, name in enumerate(names)}
     terms = {} if number else terms_of(fitted, run.states)  # of the first run
     for (equation, term, _), part in terms.items():
-        found[f"{equation} {term}".replace(" ", "_")] = part
-    return found | {"flag": run.flags.astype(float)}
+        series[f"{equation} {term}".replace(" ", "_")] = part
+    return series | {"flag": run.flags.astype(float)}
 
 
 def write_series(fitted: ModelFit, path: Path) -> None:
     """Write the columns of a fit as CSV; ConfigError if it cannot be."""
     runs = [series_of(fitted, number) for number in range(len(fitted.problem.runs))]
     sizes = [len(columns["t_s"]) for columns in runs]
-    found = {"run": np.repeat(np.arange(1.0, 1 + len(runs)), sizes)} if fitted.others else {}
+    series = {"run": np.repeat(np.arange(1.0, 1 + len(runs)), sizes)} if fitted.others else {}
     for name in runs[0]:
         parts = zip(runs, sizes, strict=True)
         whole = [columns.get(name, np.full(size, math.nan)) for columns, size in parts]
-        found[name] = np.concatenate(whole)
-    write_columns(path, found, ".10g")
+        series[name] = np.concatenate(whole)
+    write_columns(path, series, ".10g")
 
 
 @dataclass(frozen=True)
@@ -233,15 +233,15 @@ def _parts(
     matrix: Numbers, split: int, above: dict[str, int], below: dict[str, int]
 ) -> dict[str, Any]:
     """Return the named parts of a matrix by their widths, above and below a row."""
-    found = {}
+    parts = {}
     for rows, widths in ((matrix[:split], above), (matrix[split:], below)):
         at = 0
         for name, width in widths.items():
             end = rows.shape[1] if width < 0 else at + width
             if name:
-                found[name] = rows[:, at:end].tolist()
+                parts[name] = rows[:, at:end].tolist()
             at = end
-    return found
+    return parts
 
 
 def _final(fitted: ModelFit, theta: Numbers) -> dict[str, Any]:
@@ -255,8 +255,8 @@ def _final(fitted: ModelFit, theta: Numbers) -> dict[str, Any]:
     which = problem.samples.steps[1][-1]
     n, W = len(start), mean[which][:, : len(start)]
     J = W @ run.covariances[-1] @ W.T + noise[which]
-    there = n + np.flatnonzero(~np.isnan(problem.samples.outputs[-1]))
+    present = n + np.flatnonzero(~np.isnan(problem.samples.outputs[-1]))
     K = np.zeros((n, len(J) - n))
-    K[:, there - n] = np.linalg.solve(J[np.ix_(there, there)], J[there, :n]).T
+    K[:, present - n] = np.linalg.solve(J[np.ix_(present, present)], J[present, :n]).T
     P = J[:n, :n] - K @ J[n:, :n]
     return {"K": K.tolist(), "R": run.spreads[-1].tolist(), "P": P.tolist()}

@@ -69,13 +69,17 @@ def nomoto_text(fitted: ModelFit, bend: BendEstimate | None) -> str:
     """Return the text of the Nomoto file, with kappa or H(r) where one was found."""
     ship, deviations = nomoto_ship(fitted)
     if bend is not None:
-        found = bend.ship
-        told: dict[str, Any] = {"K_per_s": found.K, "T1_s": found.T1, "T2_s": found.T2}
-        told |= {"T3_s": found.T3, "kappa_s2": None if found.H else found.kappa}
-        told |= dict(zip(("H1_s", "H2_s2", "H3_s3"), found.H or (None,) * 3, strict=True))
+        bent_ship = bend.ship
+        numbers: dict[str, Any] = {
+            "K_per_s": bent_ship.K,
+            "T1_s": bent_ship.T1,
+            "T2_s": bent_ship.T2,
+        }
+        numbers |= {"T3_s": bent_ship.T3, "kappa_s2": None if bent_ship.H else bent_ship.kappa}
+        numbers |= dict(zip(("H1_s", "H2_s2", "H3_s3"), bent_ship.H or (None,) * 3, strict=True))
         if "delta_0" not in fitted.problem.plant.model.names:
-            told["neutral_deg"] = math.degrees(found.delta_0)
-        ship = replace(ship, **told)
+            numbers["neutral_deg"] = math.degrees(bent_ship.delta_0)
+        ship = replace(ship, **numbers)
         deviations |= bend.deviations
     source = f"model {fitted.problem.plant.model.name} fitted to {fitted.record.source}"
     return nomoto_text_of(ship, source.replace("\\", "/").replace('"', "'"), deviations)
@@ -91,9 +95,9 @@ def vessel_text(fitted: ModelFit) -> str:
     if model.name != "1" or vessel is None:
         raise ConfigError("--write-vessel needs model 1 and the vessel file it started from")
     file = load_vessel(vessel)
-    found = dict(zip(model.names, map(float, fitted.values), strict=True))
+    parameters = dict(zip(model.names, map(float, fitted.values), strict=True))
     means = averages(fitted.record)
-    values = coefficients(file, found, fitted.problem.plant.ship.speed, means)
+    values = coefficients(file, parameters, fitted.problem.plant.ship.speed, means)
     return rewrite_coefficients(file.text, values, f"identified from {fitted.study.data.name}")
 
 
@@ -149,7 +153,7 @@ def rewrite_coefficients(text: str, values: dict[str, float], remark: str) -> st
         line = re.compile(rf"(\s*{re.escape(key)}\s*=\s*){NUMBER_PATTERN}.*")
         match = next(((i, one) for i in inside if (one := line.fullmatch(rows[i]))), None)
         if match is None:
-            told = f"the vessel file has no line {key} = ...: add one, such as {key} = 0"
-            raise ConfigError(told)
+            message = f"the vessel file has no line {key} = ...: add one, such as {key} = 0"
+            raise ConfigError(message)
         rows[match[0]] = f"{match[1][1]}{value:.6g}  # {remark}"
     return "\n".join(rows)

@@ -52,12 +52,12 @@ class SteeringReport:
 
 def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> SteeringReport:
     """Return how a boat steers at ``speeds_kn``, by its vessel file; roll is left out."""
-    found = []
+    speed_rows = []
     for knots in speeds_kn:
         ship = find_steering(file, knots * KNOT)
         bent = BentShip(ship.nomoto.K, 0.0, 0.0, 0.0)
-        found.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
-    return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, tuple(found))
+        speed_rows.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
+    return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, tuple(speed_rows))
 
 
 def of_nomoto(path: Path) -> SteeringReport:
@@ -123,13 +123,13 @@ def _numbers(report: SteeringReport, one: SteeringAtSpeed) -> list[str]:
     """Return gains, time constants and lever arms, SI and in lengths and speeds of the ship."""
     V, L = one.speed_kn * KNOT, report.length_m
     sizes = {"1/s": V / L, "s": L / V, "m/s": V, "m": L}
-    told = [(name, unit, one.numbers[name]) for name, unit in NUMBER_UNITS.items()]
+    numbers = [(name, unit, one.numbers[name]) for name, unit in NUMBER_UNITS.items()]
     if one.numbers["T_imag"]:
-        told.insert(3, ("T_imag", "s", one.numbers["T_imag"]))
-    told += [(name, "m", value) for name, value in (one.levers_m or {}).items()]
+        numbers.insert(3, ("T_imag", "s", one.numbers["T_imag"]))
+    numbers += [(name, "m", value) for name, value in (one.levers_m or {}).items()]
     rows = [
         (name, unit, f"{value:.5g}", f"{value / sizes[unit]:.4g}")
-        for name, unit, value in told
+        for name, unit, value in numbers
         if value
     ]
     for power, value in enumerate(one.helm, 1):

@@ -112,18 +112,18 @@ def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
     )
     if "t" not in named and (clock := next(clocks, None)):
         named["t"] = clock
-    found = {channel: named[channel] for channel in words if channel in named}
+    headings = {channel: named[channel] for channel in words if channel in named}
     known: dict[str, str] = {}
-    for channel, head in found.items():
+    for channel, head in headings.items():
         place = table.place(head)
         said = [one for one in (table.units[place], _plain(head)[1]) if one in units_of(channel)]
         if said or table.is_clock(place):
             known[channel] = [*said, "s"][0]
-    unsure = found.keys() - known.keys()
-    for channel in found:
+    unsure = headings.keys() - known.keys()
+    for channel in headings:
         if channel in unsure:
-            known[channel] = _unit(table, channel, found, known)
-    columns = {channel: Column(head, known[channel]) for channel, head in found.items()}
+            known[channel] = _unit(table, channel, headings, known)
+    columns = {channel: Column(head, known[channel]) for channel, head in headings.items()}
     return GuessedColumns(columns, frozenset(unsure))
 
 
@@ -134,14 +134,14 @@ def _by_name(table: CsvTable, words: Words) -> dict[str, str]:
         for channel in words
         for head in table.names
     }
-    found: dict[str, str] = {}
+    columns: dict[str, str] = {}
     for (channel, head), like in sorted(likeness.items(), key=lambda pair: -pair[1]):
-        if like >= MIN_NAME_LIKENESS and channel not in found and head not in found.values():
-            found[channel] = head
+        if like >= MIN_NAME_LIKENESS and channel not in columns and head not in columns.values():
+            columns[channel] = head
     for pair in CHANNEL_PAIRS:
-        if not all(channel in found for channel in pair):
-            found = {channel: head for channel, head in found.items() if channel not in pair}
-    return found
+        if not all(channel in columns for channel in pair):
+            columns = {channel: head for channel, head in columns.items() if channel not in pair}
+    return columns
 
 
 def _plain(name: str) -> tuple[str, str]:
@@ -202,7 +202,7 @@ def _rate_unit(
         size = float(np.nanstd(derivative(unwrap_angle(record.heading), record.interval)))
     elif record.rudder is not None:
         size = USUAL_TURNING_RATE * float(np.std(record.rudder))
-    own, known = float(np.nanstd(values)), units_of("yaw_rate")
-    if not (own > 0.0 and size > 0.0):
+    deviation, known = float(np.nanstd(values)), units_of("yaw_rate")
+    if not (deviation > 0.0 and size > 0.0):
         return "deg/s"
-    return min(known, key=lambda one: abs(math.log(own * known[one] / size)))
+    return min(known, key=lambda one: abs(math.log(deviation * known[one] / size)))

@@ -138,12 +138,12 @@ def sharpness(first: Slave, second: Slave, ship: Point) -> float:
 
     The sine of the angle at which the lanes cross, times how narrow the lanes are there.
     """
-    own = math.hypot(*ship) or 1.0
+    distance = math.hypot(*ship) or 1.0
     gradients = []
     for slave in (first, second):
         x, y = ship.x - slave.place.x, ship.y - slave.place.y
         other = math.hypot(x, y) or 1.0
-        gradients.append((ship.x / own - x / other, ship.y / own - y / other))
+        gradients.append((ship.x / distance - x / other, ship.y / distance - y / other))
     (x1, y1), (x2, y2) = gradients
     return abs(x1 * y2 - y1 * x2)
 
@@ -164,18 +164,18 @@ def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -
     Lanes are resolved by the place before, ``start`` at first; the two colours that cross best
     there are taken, and of two places the nearer one.
     """
-    found, last = list[Fix](), start
+    track_fixes, last = list[Fix](), start
     for reading in readings:
         known = [colour for colour in chain if not math.isnan(reading.get(colour, math.nan))]
         lanes = {c: resolve_lane(c, reading[c], lane_at(chain[c], last)) for c in known}
         pairs = [(chain[a], chain[b], (a, b)) for a, b in combinations(known, 2)]
-        found.append(NO_FIX)
+        track_fixes.append(NO_FIX)
         for one, two, colours in sorted(pairs, key=lambda pair: -sharpness(pair[0], pair[1], last)):
             if places := fixes(one, two, (lanes[colours[0]], lanes[colours[1]])):
                 last = min(places, key=lambda at: math.dist(at, last))
-                found[-1] = Fix(last, colours)
+                track_fixes[-1] = Fix(last, colours)
                 break
-    return found
+    return track_fixes
 
 
 # A study in a file.
@@ -318,12 +318,12 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
     )
     interval = even_interval(t, str(source))
     readings = [dict(zip(lanes, row, strict=True)) for row in zip(*lanes.values(), strict=True)]
-    found = track(file.chain, readings, Point(said.start_east_m, said.start_north_m))
-    if sum(fix is not NO_FIX for fix in found) < MIN_FIXES:
+    track_fixes = track(file.chain, readings, Point(said.start_east_m, said.start_north_m))
+    if sum(fix is not NO_FIX for fix in track_fixes) < MIN_FIXES:
         raise ConfigError(
             f"{file.path.name}: fewer than {MIN_FIXES} rows give a fix; is the start right?"
         )
-    east, north = np.array([fix.place for fix in found]).T
+    east, north = np.array([fix.place for fix in track_fixes]).T
     heading = np.unwrap(true) - math.radians(said.convergence_deg or 0.0)
     rate = derivative(heading, interval) if own_rate is None else own_rate
     scale = said.grid_scale or 1.0
@@ -335,7 +335,7 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
     ahead, sway = through_water(*ground, heading, rate, drift)
     if rudder is not None and said.positive_rudder == "starboard":
         rudder = -rudder
-    colours = tuple("+".join(fix.colours) for fix in found)
+    colours = tuple("+".join(fix.colours) for fix in track_fixes)
     return ShipTrack(said.name, t, east, north, heading, rate, sway, ahead, rudder, colours)
 
 

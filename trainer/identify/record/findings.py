@@ -65,14 +65,14 @@ def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
     problems = [*_rudder_problems(record), *_unit_problems(record)]
     if problems:
         raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
-    found = [*record.told, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
-    found += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
-    return [*found, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
+    findings = [*record.told, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
+    findings += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
+    return [*findings, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
 
 
 def examine_columns(record: Record) -> list[Finding]:
     """Return what may mislead in the columns of a user's own system; ConfigError if unusable."""
-    problems, found = [], [*record.told, *_intervals(record)]
+    problems, findings = [], [*record.told, *_intervals(record)]
     for name, values in record.plain.items():
         missing = _missing(record, name, values)
         count, acts = int(np.count_nonzero(np.isnan(values))), name in record.driving
@@ -80,12 +80,12 @@ def examine_columns(record: Record) -> list[Finding]:
             what = "an input must be known at each row; it is empty" if acts else "has no value"
             problems.append(f"{record.source}: {replace(missing, text=what)}")
         elif missing:
-            found.append(missing)
+            findings.append(missing)
         elif np.ptp(values) == 0.0:
-            found.append(record.finding(name, f"is {values[0]:g} in all rows"))
+            findings.append(record.finding(name, f"is {values[0]:g} in all rows"))
     if problems:
         raise ConfigError(*problems)
-    return found
+    return findings
 
 
 def _missing(record: Record, name: str, values: Numbers) -> Finding | None:
@@ -133,8 +133,8 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
     texts = [text for factor, text in UNIT_MISTAKES if 0.7 < slope / factor < 1.4]
     if texts:
         columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
-        told = ", or ".join(texts)
-        yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {told}")
+        guesses = ", or ".join(texts)
+        yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {guesses}")
 
 
 def _gain(y: Numbers, x: Numbers) -> float | None:
@@ -171,11 +171,11 @@ def _missing_outputs(record: Record) -> Iterator[Finding]:
     """Yield which outputs have missing values."""
     for channel in OUTPUT_CHANNELS:
         values = getattr(record, channel)
-        if values is None or (found := _missing(record, channel, values)) is None:
+        if values is None or (finding := _missing(record, channel, values)) is None:
             continue
         if np.isnan(values).all():
             raise ConfigError(f"{record.source}: {record.name(channel)}: has no value at all")
-        yield found
+        yield finding
 
 
 def _jumps(record: Record) -> Iterator[Finding]:
@@ -218,9 +218,9 @@ def positive_turns(record: Record) -> float | None:
     if np.count_nonzero(good) < MIN_SAMPLES:
         return None
     regressors, y = before[good], rate[1:][good]
-    found, *_ = np.linalg.lstsq(regressors, y, rcond=None)
-    left, value = y - regressors @ found, float(found[1])
-    variance = float(left @ left) / max(len(y) - regressors.shape[1], 1)
+    solution, *_ = np.linalg.lstsq(regressors, y, rcond=None)
+    residuals, value = y - regressors @ solution, float(solution[1])
+    variance = float(residuals @ residuals) / max(len(y) - regressors.shape[1], 1)
     error = math.sqrt(variance * float(np.linalg.pinv(regressors.T @ regressors)[1, 1]))
     error = max(error, 1e-300)
     return value / error if abs(value) > SURE_STANDARD_ERRORS * error else None
@@ -241,8 +241,8 @@ def follows_motion(record: Record) -> float | None:
     wound = np.concatenate([[0.0], np.cumsum(heading[:-1] * np.diff(record.t))])
     regressors = np.column_stack([np.ones_like(since), since, rate, heading, wound])
     regressors /= np.maximum(np.abs(regressors).max(axis=0), 1e-300)
-    found, *_ = np.linalg.lstsq(regressors, rudder, rcond=None)
-    return 1.0 - float(np.var(rudder - regressors @ found) / np.var(rudder))
+    solution, *_ = np.linalg.lstsq(regressors, rudder, rcond=None)
+    return 1.0 - float(np.var(rudder - regressors @ solution) / np.var(rudder))
 
 
 def _find_feedback(record: Record) -> Iterator[Finding]:
@@ -280,13 +280,13 @@ def _spikes(record: Record) -> Iterator[Finding]:
         limit = SPIKE_SCATTERS * max(1.5 * float(np.nanmedian(np.abs(off))), float(least))
         # a lone reading takes half of its error to either side, a ship that turns does not
         beside = -0.25 * np.abs(off[1:-1]) > np.sign(off[1:-1]) * np.stack([off[2:], off[:-2]])
-        found = np.flatnonzero((np.abs(off[1:-1]) > limit) & beside.all(axis=0)) + 2
-        if found.size:
-            times = SPIKE_SCATTERS * abs(off[found[0] - 1]) / limit
-            more = f"; {found.size - 1} more" if found.size > 1 else ""
+        rows = np.flatnonzero((np.abs(off[1:-1]) > limit) & beside.all(axis=0)) + 2
+        if rows.size:
+            times = SPIKE_SCATTERS * abs(off[rows[0] - 1]) / limit
+            more = f"; {rows.size - 1} more" if rows.size > 1 else ""
             text = f"stands out from its neighbours by {times:.0f} times the usual scatter{more}: "
             remedy = "an outlier? [model] reject = 1e-6 leaves such out"
-            yield record.finding(channel, text + remedy, found[0])
+            yield record.finding(channel, text + remedy, rows[0])
 
 
 def _swing(record: Record) -> Iterator[Finding]:

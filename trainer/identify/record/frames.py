@@ -30,19 +30,21 @@ def columns_of(
     channels, known_as = ("t", *CHANNEL_UNITS, *further), {**TRAINER_COLUMNS, **FURTHER_COLUMNS}
     for name in (*columns, *units):
         if name not in channels:
-            there = ", ".join(channels)
-            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
-    found = {}
+            known_names = ", ".join(channels)
+            raise ConfigError(
+                f"no channel {name!r}{nearest(name, channels)}; there are {known_names}"
+            )
+    columns_by_channel = {}
     for channel in channels:
         usual = [channel, known_as.get(channel, channel)]
         names = [columns[channel]] if channel in columns else usual
         column = next((name for name in names if name in names_of(frame)), None)
         if column is not None:
-            found[channel] = Column(column, units.get(channel))
+            columns_by_channel[channel] = Column(column, units.get(channel))
         elif channel in columns or channel in ("t", "rudder"):
             known = ", ".join(map(str, names_of(frame)))
             raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
-    return found
+    return columns_by_channel
 
 
 def names_of(frame: Mapping[str, Any]) -> list[str]:
@@ -57,8 +59,8 @@ def arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[s
     for channel, column in columns.items():
         scale = factor(channel, column.unit)
         # the index of a pandas frame is no column of it
-        found = frame[column.name] if column.name in frame else cast("Any", frame).index
-        values = np.asarray(found)
+        series = frame[column.name] if column.name in frame else cast("Any", frame).index
+        values = np.asarray(series)
         if values.dtype.kind == "M":
             values = (values - values[0]) / np.timedelta64(1, "s")
         try:
@@ -75,8 +77,10 @@ def arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[s
 def record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Record:
     """Return the record of arrays by channel; ConfigError if times do not rise."""
     names = {channel: column.name for channel, column in columns.items()}
-    own: dict[str, Any] = {channel: one for channel, one in taken.items() if channel != "t"}
+    values_by_channel: dict[str, Any] = {
+        channel: one for channel, one in taken.items() if channel != "t"
+    }
     rows = np.arange(len(taken["t"]))
-    record = Record(source="frame", t=taken["t"], rows=rows, names=names, **own)
+    record = Record(source="frame", t=taken["t"], rows=rows, names=names, **values_by_channel)
     check_times(record)
     return record

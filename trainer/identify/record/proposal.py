@@ -68,9 +68,9 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
 
     ConfigError if the file is there, or nothing looks like the rudder.
     """
-    own = data.suffix == RECORDING_SUFFIX
-    found = GuessedColumns(own_columns(), frozenset()) if own else _guessed(data)
-    columns = found.columns
+    is_recording = data.suffix == RECORDING_SUFFIX
+    guess = GuessedColumns(own_columns(), frozenset()) if is_recording else _guessed(data)
+    columns = guess.columns
     record, sign = turn_rudder(load_record(data, columns))
     try:
         record = with_sway(record, Drift(0.0, 0.0, 0.0))
@@ -91,7 +91,7 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
         begin=record.t[0],
         end=record.t[-1],
         interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
-        columns=SENSORS_TEXT if own else columns_text(found),
+        columns=SENSORS_TEXT if is_recording else columns_text(guess),
         length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
         speed=f"speed_kn = {speed:g}" if speed else f"# speed_kn = 12  # {lacking}",
         kind=kind,
@@ -105,14 +105,14 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
 def _guessed(data: Path) -> GuessedColumns:
     """Return the columns of a file; ConfigError if none is the rudder, or a ship's answer to it."""
     table = read_table(data)
-    found = guess_columns(table, CHANNEL_WORDS)
+    columns = guess_columns(table, CHANNEL_WORDS)
     for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS_TEXT, ANSWER_CHANNELS)):
-        if wanted.isdisjoint(found.columns):
+        if wanted.isdisjoint(columns.columns):
             name = "it rudder" if "rudder" in wanted else "one so"
             raise ConfigError(
                 f"{data}: no column looks like {what}; it has {', '.join(table.names)}: name {name}"
             )
-    return found
+    return columns
 
 
 def turn_rudder(record: Record) -> tuple[Record, str]:

@@ -65,8 +65,8 @@ class Column:
 
 def own_columns() -> dict[str, Column]:
     """Return the columns of the trainer's own files, times among them."""
-    own = {key: Column(name, CHANNEL_UNITS[key]) for key, name in TRAINER_COLUMNS.items()}
-    return {"t": Column("t", "s"), **own}
+    columns = {key: Column(name, CHANNEL_UNITS[key]) for key, name in TRAINER_COLUMNS.items()}
+    return {"t": Column("t", "s"), **columns}
 
 
 def units_of(channel: str) -> Mapping[str, float]:
@@ -101,7 +101,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """
     read = _read_recording if path.suffix == RECORDING_SUFFIX else _read_csv
-    rows, taken, told = read(path, columns)
+    rows, taken, remarks = read(path, columns)
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
@@ -111,7 +111,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         t=times,
         rows=np.array(rows),
         names={channel: column.name for channel, column in columns.items()},
-        told=tuple(Finding(path.name, 0, text) for text in told),
+        told=tuple(Finding(path.name, 0, text) for text in remarks),
         plain=plain,
         **taken,
     )
@@ -133,15 +133,15 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
             table.place(column.name, channel)
     if problems:
         raise NoColumnError(*problems)
-    told, other = list(table.told), list[str]()
+    remarks, other = list(table.told), list[str]()
     taken = {channel: _take(table, channel, one, other) for channel, one in columns.items()}
     if "t" in columns:
         name = columns["t"].name
         if table.is_clock(table.place(name)):
-            told.append("times by ISO 8601")
+            remarks.append("times by ISO 8601")
         taken["t"], rebuilt = rebuild_times(taken["t"], table.repeats)
         other += [f"{name}: {rebuilt}"] if rebuilt else []
-    return table.lines, taken, ([f"read with {', '.join(told)}"] if told else []) + other
+    return table.lines, taken, ([f"read with {', '.join(remarks)}"] if remarks else []) + other
 
 
 def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Numbers:

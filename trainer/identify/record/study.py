@@ -149,8 +149,8 @@ def read_parts(
     parts: dict[str, Any] = dict.fromkeys(records)
     above = {item.name for item in fields(record)} | {"note"}
     with collecting(problems):
-        own = {key: value for key, value in table.items() if key in above}
-        parts["heading"] = read_record(record, own, place, ("note",))
+        heading_values = {key: value for key, value in table.items() if key in above}
+        parts["heading"] = read_record(record, heading_values, place, ("note",))
     for name, kind in records.items():
         with collecting(problems):
             if name in table:
@@ -162,18 +162,18 @@ def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dic
     """Return the columns by channel; ConfigError if one is given twice or in a wrong unit."""
     _check_once([row.channel for row in rows], place, "columns")
     problems: list[str] = []
-    found = {}
+    columns = {}
     for i, row in enumerate(rows):
         try:
             factor(row.channel, row.unit)
-            found[row.channel] = Column(row.column, row.unit)
+            columns[row.channel] = Column(row.column, row.unit)
         except ConfigError as wrong:
             problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
-    if found and steered and "rudder" not in found and not problems:
+    if columns and steered and "rudder" not in columns and not problems:
         problems.append(place.inside("columns").problem("no column is the rudder"))
     if problems:
         raise ConfigError(*problems)
-    return found
+    return columns
 
 
 def _check_once(names: list[str], place: Place, table: str) -> None:
@@ -274,7 +274,7 @@ def studies_of(study: Study) -> tuple[Study, ...]:
 
     The instruments of a further run err on their own.
     """
-    found = [study]
+    studies = [study]
     for number, row in enumerate(study.runs, 1):
         ship, sensors = study.ship, study.sensors
         if ship is not None and row.speed_kn is not None:
@@ -282,8 +282,8 @@ def studies_of(study: Study) -> tuple[Study, ...]:
         if sensors is not None:
             sensors = replace(sensors, seed=(sensors.seed or 1) + number)
         heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
-        found.append(replace(study, heading=heading, ship=ship, sensors=sensors, runs=()))
-    return tuple(found)
+        studies.append(replace(study, heading=heading, ship=ship, sensors=sensors, runs=()))
+    return tuple(studies)
 
 
 def speed_of(study: Study, record: Record) -> float:

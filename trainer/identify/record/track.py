@@ -38,10 +38,10 @@ def derivative(series: Numbers, interval: float) -> Numbers:
 
 def smooth_spencer(series: Numbers) -> Numbers:
     """Return the series by Spencer's 15 points, exact for cubics. Seven at each end are NaN."""
-    found = np.full_like(series, np.nan)
+    smoothed = np.full_like(series, np.nan)
     if len(series) >= len(SPENCER_WEIGHTS):
-        found[7:-7] = np.convolve(series, SPENCER_WEIGHTS, mode="valid")
-    return found
+        smoothed[7:-7] = np.convolve(series, SPENCER_WEIGHTS, mode="valid")
+    return smoothed
 
 
 def resolve_along(
@@ -104,9 +104,9 @@ def ground_velocity(
 
 def unwrap_angle(angle: Numbers) -> Numbers:
     """Return an angle [rad] that does not jump by whole turns; NaN stays."""
-    found, known = angle.copy(), ~np.isnan(angle)
-    found[known] = np.unwrap(found[known])
-    return found
+    unwrapped_angle, known = angle.copy(), ~np.isnan(angle)
+    unwrapped_angle[known] = np.unwrap(unwrapped_angle[known])
+    return unwrapped_angle
 
 
 def with_sway(record: Record, drift: Drift) -> Record:
@@ -124,13 +124,13 @@ def with_sway(record: Record, drift: Drift) -> Record:
         unwrap_angle(record.column("heading")),
     )
     east, north = ground_velocity(record.latitude, record.longitude, interval)
-    own = record.yaw_rate
-    rate = derivative(heading, interval) if own is None else own
+    yaw_rate = record.yaw_rate
+    rate = derivative(heading, interval) if yaw_rate is None else yaw_rate
     _, sway = through_water(east, north, heading, rate, drift)
     track = f"{record.name('latitude')} and {record.name('longitude')}"
     over = "" if drift.east or drift.north else ", over the ground"
-    told = Finding(track, 0, f"sway is that of this track{over}")
+    finding = Finding(track, 0, f"sway is that of this track{over}")
     names = {**record.names, "sway": f"sway of {track}"}
-    if own is None:
+    if yaw_rate is None:
         names["yaw_rate"] = f"yaw rate of {record.name('heading')}"
-    return replace(record, sway=sway, yaw_rate=rate, names=names, told=(*record.told, told))
+    return replace(record, sway=sway, yaw_rate=rate, names=names, told=(*record.told, finding))

@@ -154,8 +154,8 @@ def tabulate_terms(
 ) -> Numbers:
     """Return every row of the terms' table at each sample (n, rows)."""
     table, out = np.empty((ROW_COUNT, 1)), np.empty((len(states), ROW_COUNT))
-    for k, (state, given) in enumerate(zip(states, inputs, strict=True)):
-        set_terms(table, constants, state, np.ascontiguousarray(given), rudder)
+    for k, (state, sample_inputs) in enumerate(zip(states, inputs, strict=True)):
+        set_terms(table, constants, state, np.ascontiguousarray(sample_inputs), rudder)
         out[k] = table[:, 0]
     return out
 
@@ -163,12 +163,12 @@ def tabulate_terms(
 def terms_of(problem: ShipProblem, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
     """Return what each factor is times (n, factors), yaw and roll times L."""
     L, stiffness = problem.constants[0], problem.constants[STIFFNESS_PLACE]
-    rows, found = tabulate_terms(problem.constants, states, inputs, rudder), []
+    rows, terms = tabulate_terms(problem.constants, states, inputs, rudder), []
     for place, row in problem.model.terms:
         axis, by = place % len(AXIS_LETTERS), place // len(AXIS_LETTERS)
-        own = rows[:, row] * states[:, 2 + by] if by else rows[:, row]
-        found.append(own * L * stiffness ** (0.5 * by) if by and axis == 3 else own)
-    return np.column_stack(found)
+        term = rows[:, row] * states[:, 2 + by] if by else rows[:, row]
+        terms.append(term * L * stiffness ** (0.5 * by) if by and axis == 3 else term)
+    return np.column_stack(terms)
 
 
 def _regression(problem: ShipProblem) -> Numbers:
@@ -205,10 +205,12 @@ def _solve_axis(
     places = [model.free.index(name) for name in names]
     weight = 1.0 / max(RESIDUAL_SHARE * float(np.var(target)), 1e-30)
     A, known = terms[:, [model.names.index(name) for name in names]], problem.width[places] ** -2.0
-    left = weight * A.T @ A + np.diag(known)
+    normal_matrix = weight * A.T @ A + np.diag(known)
     right = weight * A.T @ target + known * problem.mean[places]
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(left), 1e-300))
-    solved = unit * np.linalg.lstsq(left * np.outer(unit, unit), unit * right, rcond=1e-12)[0]
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(normal_matrix), 1e-300))
+    solved = (
+        unit * np.linalg.lstsq(normal_matrix * np.outer(unit, unit), unit * right, rcond=1e-12)[0]
+    )
     return dict(zip(names, map(float, solved), strict=True))
 
 
@@ -366,10 +368,10 @@ def _known_at(
 ) -> ShipFit:
     """Return the fit with the covariance that the information at ``a`` gives."""
     _, H = held_slopes(problem, a)
-    own = H.copy()
+    records_information = H.copy()
     places = np.arange(problem.common)
-    own[places, places] -= problem.width**-2.0
-    return ShipFit(problem, found, a, _inverse(H), own, others)
+    records_information[places, places] -= problem.width**-2.0
+    return ShipFit(problem, found, a, _inverse(H), records_information, others)
 
 
 def expect_fit(problem: ShipProblem, a: Numbers) -> ShipFit:

@@ -99,10 +99,10 @@ class ShipProblem:
         np.fill_diagonal(information[: self.common, : self.common], self.width**-2.0)
         count = self.common + self.model.states
         for i in range(len(self.trials)):
-            own, known = np.zeros(count), np.zeros((count, count))
-            total += self._filter(a, i, own, known)[0]
+            own_slopes, known = np.zeros(count), np.zeros((count, count))
+            total += self._filter(a, i, own_slopes, known)[0]
             places = np.r_[: self.common, self.first_places(i)]
-            gradient[places] += own
+            gradient[places] += own_slopes
             information[np.ix_(places, places)] += np.tril(known) + np.tril(known, -1).T
         return total, gradient, information
 

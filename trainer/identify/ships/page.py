@@ -202,10 +202,10 @@ def _residual_panels(found: ShipIdentification, cause: str) -> Iterator[Panel]:
             Curve(
                 Path(trial.source).name,
                 turn(causes_of(trial, states, length)[cause]),
-                left[:, i],
+                residuals[:, i],
                 points=True,
             )
-            for trial, states, left in rows
+            for trial, states, residuals in rows
         )
         unit = "[rad/s^2]" if i >= 2 else "[m/s^2]"
         label = f"{cause} [{'deg' if cause == 'rudder' else '-'}]"

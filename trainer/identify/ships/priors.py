@@ -88,11 +88,11 @@ def kijima(hull: Dimensions) -> Prior:
         return {}
     L = hull.length_m
     k, a, e = 2.0 * d / L, C_B * B / L, d * (1.0 - C_B) / B
-    own, water = 2.0 * a, math.pi * d / L
-    sway = own + water
-    yaw = own * YAW_GYRATION_LENGTHS**2 + water / 12.0
-    found = {
-        "X_T": THRUST_LEFT / (own * d / L * (1.0 + SURGE_WATER)),
+    own_mass, water = 2.0 * a, math.pi * d / L
+    sway = own_mass + water
+    yaw = own_mass * YAW_GYRATION_LENGTHS**2 + water / 12.0
+    means = {
+        "X_T": THRUST_LEFT / (own_mass * d / L * (1.0 + SURGE_WATER)),
         "Y_v": -(0.5 * math.pi * k + 1.4 * a) / sway,
         "Y_r": -1.5 * a / sway,
         "Y_vrr": -5.95 * e / sway,
@@ -103,14 +103,14 @@ def kijima(hull: Dimensions) -> Prior:
         "N_vrr": (0.5 * d * C_B / B - 0.05) / yaw,
         "N_vvr": -(57.5 * a * a - 18.4 * a + 1.6) / yaw,
     }
-    found |= _rudder(hull, sway * L * d, yaw * L * d)
+    means |= _rudder(hull, sway * L * d, yaw * L * d)
     least = {name: TANKER_PRIOR[name][1] for name in ("Y_vvr", "Y_vrr", "N_rrr", "N_vrr", "N_vvr")}
     spread = {
         name: max(FORMULA_DEVIATION_SHARE * abs(mean), least.get(name, 0.0))
-        for name, mean in found.items()
+        for name, mean in means.items()
     }
-    spread["X_T"] = 0.1 * found["X_T"]
-    return {name: (mean, spread[name]) for name, mean in found.items()}
+    spread["X_T"] = 0.1 * means["X_T"]
+    return {name: (mean, spread[name]) for name, mean in means.items()}
 
 
 def _rudder(hull: Dimensions, sway: float, yaw: float) -> dict[str, float]:

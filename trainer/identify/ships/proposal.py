@@ -57,25 +57,25 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
     ConfigError if the file is there, or no column of the record is known.
     """
     table = read_table(data)
-    own = _own(table)
-    found = own or guess_columns(table, SHIP_WORDS)
-    if found.columns.keys() <= {"t"}:
+    trainer_columns = _own(table)
+    columns = trainer_columns or guess_columns(table, SHIP_WORDS)
+    if columns.columns.keys() <= {"t"}:
         raise ConfigError(
             f"{data}: no column looks like the rudder, the speed or the heading; it has "
             f"{', '.join(table.names)}: name them so"
         )
-    usual = {key: one for key, one in found.columns.items() if key not in FURTHER_CHANNELS}
+    usual = {key: one for key, one in columns.columns.items() if key not in FURTHER_CHANNELS}
     record = load_record(data, usual)
     sign = ""
     if record.rudder is not None:
         record, sign = turn_rudder(record)
-    lacking = _lacking(found.columns)
+    lacking = _lacking(columns.columns)
     lines = []
-    if "t" not in found.columns:
+    if "t" not in columns.columns:
         lines.append("interval_s = 1  # guessed: there is no time\n")
     if (
-        all(channel in found.columns for channel in GROUND_VELOCITIES)
-        and "speed" not in found.columns
+        all(channel in columns.columns for channel in GROUND_VELOCITIES)
+        and "speed" not in columns.columns
     ):
         lines.append(f'current = "none"{GUESSED_NOTE}\n')
     text = SHIP_FILE_TEXT.format(
@@ -84,27 +84,27 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
         name=quote_toml(data.stem[:79]),
         length=f"length_m = {length:g}  #" if length else "# length_m = 320.0  # fill in:",
         records=sign + "".join(lines),
-        columns=("" if own else columns_text(found))
+        columns=("" if trainer_columns else columns_text(columns))
         + "".join(
             MISSING_COLUMN_TEXT.format(channel=channel, why=why) for channel, why in lacking.items()
         ),
     )
     write_once(path, text.rstrip() + "\n")
     remarks = [str(one) for one in examine_record(record)]
-    if "wind_speed" in found.columns:
-        remarks.append(f"{found.columns['wind_speed'].name}: {WIND_REMARK}")
+    if "wind_speed" in columns.columns:
+        remarks.append(f"{columns.columns['wind_speed'].name}: {WIND_REMARK}")
     remarks += [f"no column for {channel} found" for channel in lacking]
-    return Proposal(text, len(record.t), record.interval, found.columns, tuple(remarks))
+    return Proposal(text, len(record.t), record.interval, columns.columns, tuple(remarks))
 
 
 def _own(table: CsvTable) -> GuessedColumns | None:
     """Return the columns as the trainer writes them, which a ship's file need not name."""
-    own = {
+    trainer_columns = {
         **own_columns(),
         **{key: Column(name, next(iter(units_of(key)))) for key, name in FURTHER_COLUMNS.items()},
     }
-    found = {key: column for key, column in own.items() if table.has(column.name)}
-    return None if _lacking(found) else GuessedColumns(found, frozenset())
+    columns = {key: column for key, column in trainer_columns.items() if table.has(column.name)}
+    return None if _lacking(columns) else GuessedColumns(columns, frozenset())
 
 
 def fit_command(data: Path, path: Path) -> str:

@@ -98,8 +98,8 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     rolls = [further.get(name, none) for name in ROLL_CHANNELS] if "roll" in further else []
     table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
     if ship.roll is not None:
-        told = _check_roll(record, further["roll"], ship, ship.roll.gm_m, every)
-        findings += [Finding(Path(record.source).name, 0, text) for text in told]
+        remarks = _check_roll(record, further["roll"], ship, ship.roll.gm_m, every)
+        findings += [Finding(Path(record.source).name, 0, text) for text in remarks]
     _check_propeller(record, further["revolutions"], ship)
     for channel, values in further.items():
         missing = np.isnan(values)
@@ -123,14 +123,21 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
 def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
     """Return where each channel is: as the ship's file says, or as the trainer writes them."""
     if ship.columns:
-        found = {row.channel: Column(row.column, row.unit) for row in ship.columns}
-        if "rudder" not in found:
+        columns = {row.channel: Column(row.column, row.unit) for row in ship.columns}
+        if "rudder" not in columns:
             raise ConfigError(f"{ship.path.name}: [columns]: no column is the rudder")
-        return found
+        return columns
     table = read_table(path)
-    own = {**own_columns(), **{key: Column(name, None) for key, name in FURTHER_COLUMNS.items()}}
+    trainer_columns = {
+        **own_columns(),
+        **{key: Column(name, None) for key, name in FURTHER_COLUMNS.items()},
+    }
     unread = ROLL_CHANNELS if ship.roll is None else ()
-    return {key: one for key, one in own.items() if table.has(one.name) and key not in unread}
+    return {
+        key: one
+        for key, one in trainer_columns.items()
+        if table.has(one.name) and key not in unread
+    }
 
 
 def _read(
@@ -281,13 +288,13 @@ def _read_by(
     """
     if record.speed is None:
         return record, further
-    own = int(sensors.seed or 1), zlib.crc32(Path(record.source).name.encode())
+    seeds = int(sensors.seed or 1), zlib.crc32(Path(record.source).name.encode())
 
     def errors(like: str, number: int) -> Numbers:
-        stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((*own, number))))
+        stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((*seeds, number))))
         return sensors.error(like) * stream.standard_normal(len(record.t))
 
-    others = read_by(record, replace(sensors, seed=float(sum(own))))
+    others = read_by(record, replace(sensors, seed=float(sum(seeds))))
     rolls = {
         name: further[name] + errors(like, ROLL_STREAM + i)
         for i, (name, like) in enumerate(zip(ROLL_CHANNELS, ("yaw_rate", "heading"), strict=True))

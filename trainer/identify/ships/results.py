@@ -175,8 +175,8 @@ def fit_trials(
             f"{trials[0].source}: no starting point fits this record: check units and "
             "signs of the columns, and at the dimensions"
         )
-    told = source if strength > 0.0 else "none"
-    report = _report(ship, fitted, (told, strength), held)
+    prior_source = source if strength > 0.0 else "none"
+    report = _report(ship, fitted, (prior_source, strength), held)
     report = replace(report, findings=(*report.findings, *doubts))
     if options.without:
         report = replace(report, tests=(_test_without(fitted, options.without),))
@@ -208,19 +208,19 @@ def _strangers(problem: ShipProblem, begin: Numbers) -> Iterator[str]:
     if len(problem.trials) < 2:
         return
     for trial in problem.trials:
-        own, start = pose_problem(problem.model, problem.constants, [trial], {}, 0.0)
+        own_problem, start = pose_problem(problem.model, problem.constants, [trial], {}, 0.0)
         _, rates = smooth_trial(trial, problem.constants[0])
-        more = _left_in_yaw(problem, begin, trial) - _left_in_yaw(own, start, trial)
+        more = _left_in_yaw(problem, begin, trial) - _left_in_yaw(own_problem, start, trial)
         share = more / max(float(np.var(rates[:, 2])), 1e-300)
-        told = (
+        message = (
             f"{trial.source}: row 1 on: coefficients in common with the other records leave "
             f"{share:.0%} more of its yaw acceleration than its own: is it of another ship, "
             "loading, sign or unit? Fit ships one by one, each with its own file"
         )
         if share > OTHER_SHIP_SHARE:
-            raise ConfigError(told)
+            raise ConfigError(message)
         if share > DOUBTED_SHARE:
-            yield told
+            yield message
 
 
 def _left_in_yaw(problem: ShipProblem, a: Numbers, trial: Trial) -> float:
@@ -266,7 +266,7 @@ def predict_record(problem: ShipProblem, a: Numbers, trial: Trial, kind: str) ->
 def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
     """Return the predictions of the records fitted, of each held back in turn, of others."""
     problem, trials = fitted.problem, fitted.problem.trials
-    found = [predict_record(problem, fitted.found.a, trial, "fitted") for trial in trials]
+    predictions = [predict_record(problem, fitted.found.a, trial, "fitted") for trial in trials]
     if len(trials) > 1:
         for i, trial in enumerate(trials):
             places = [place for place in range(len(trials)) if place != i]
@@ -274,16 +274,16 @@ def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, 
             firsts = [fitted.found.a[problem.first_places(place)] for place in places]
             begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
             end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all
-            found.append(predict_record(rest, end.a, trial, "held back in turn"))
+            predictions.append(predict_record(rest, end.a, trial, "held back in turn"))
     return (
-        *found,
+        *predictions,
         *(predict_record(problem, fitted.found.a, trial, "held back") for trial in held),
     )
 
 
 def coefficients_of(fitted: ShipFit) -> tuple[FittedCoefficient, ...]:
     """Return the common parameters; noises by their size, not its logarithm."""
-    found = []
+    coefficients = []
     problem = fitted.problem
     for j, name in enumerate(problem.names):
         value, deviation = float(fitted.a[j]), float(fitted.deviations[j])
@@ -292,8 +292,8 @@ def coefficients_of(fitted: ShipFit) -> tuple[FittedCoefficient, ...]:
             value, low, high = (math.exp(min(x, 700.0)) for x in (value, low, high))
             deviation *= value
         share = float(fitted.prior_share[j])
-        found.append(FittedCoefficient(name, value, deviation, low, high, share))
-    return tuple(found)
+        coefficients.append(FittedCoefficient(name, value, deviation, low, high, share))
+    return tuple(coefficients)
 
 
 def find_unknown(fitted: ShipFit) -> tuple[UnknownDirection, ...]:
@@ -309,14 +309,14 @@ def find_unknown(fitted: ShipFit) -> tuple[UnknownDirection, ...]:
     H = known[:p, :p] - B @ scaled @ B.T  # the first states being unknown
     unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
     sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
-    found = []
+    directions = []
     for size, vector in zip(sizes[:MAX_DIRECTIONS], vectors.T, strict=False):
         if size < FAINT_EIGENVALUE:
             turned = vector * np.sign(vector[int(np.argmax(np.abs(vector)))])
             named = zip(problem.model.free, map(float, turned), strict=True)
             parts = {name: x for name, x in named if abs(x) > MIN_NAMED_PART}
-            found.append(UnknownDirection(float(max(size, 0.0)), parts))
-    return tuple(found)
+            directions.append(UnknownDirection(float(max(size, 0.0)), parts))
+    return tuple(directions)
 
 
 def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
@@ -325,20 +325,24 @@ def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
     rows = [problem.innovations(fitted.found.a, i) for i in range(len(problem.trials))]
     gap = np.full((DEFAULT_LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
-    found = []
+    tests = []
     for values, output in zip(joined.T, OUTPUT_NAMES, strict=False):
         count = int(np.count_nonzero(np.isfinite(values)))
         if count < 2 * DEFAULT_LAGS:
             continue
-        own = correlation(values - np.nanmean(values), DEFAULT_LAGS)
-        test = portmanteau(own, count, DEFAULT_LAGS)
+        autocorrelation = correlation(values - np.nanmean(values), DEFAULT_LAGS)
+        test = portmanteau(autocorrelation, count, DEFAULT_LAGS)
         longer = (
-            1.0 + 2.0 * float(np.sum(own[1:])) if test.probability < SUSPECT_PROBABILITY else 1.0
+            1.0 + 2.0 * float(np.sum(autocorrelation[1:]))
+            if test.probability < SUSPECT_PROBABILITY
+            else 1.0
         )
         deviation = float(np.sqrt(np.nanmean(values**2)))
         factor = max(deviation * math.sqrt(max(longer, 1.0)), 1.0)
-        found.append(Whiteness(output, deviation, test.probability, float(own[1]), factor))
-    return tuple(found)
+        tests.append(
+            Whiteness(output, deviation, test.probability, float(autocorrelation[1]), factor)
+        )
+    return tuple(tests)
 
 
 def causes_of(trial: Trial, states: Numbers, length: float) -> dict[str, Numbers]:
@@ -352,14 +356,14 @@ def _patterns(fitted: ShipFit) -> Iterator[str]:
     """Yield in words where residual accelerations follow v', r' or the rudder."""
     problem, length = fitted.problem, float(fitted.problem.constants[0])
     rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
-    left = np.vstack([one for _, one in rows])
+    residuals = np.vstack([one for _, one in rows])
     causes = [
         causes_of(trial, states, length)
         for trial, (states, _) in zip(problem.trials, rows, strict=True)
     ]
     for i, state in enumerate(problem.model.driven):
         for name in TURNING_CAUSES:
-            share = _explained_by(np.concatenate([one[name] for one in causes]), left[:, i])
+            share = _explained_by(np.concatenate([one[name] for one in causes]), residuals[:, i])
             if share > SHARE_SEEN:
                 yield (
                     f"{OUTPUT_NAMES[state]}: {share:.0%} of the acceleration left over "
@@ -372,8 +376,8 @@ def _explained_by(cause: Numbers, values: Numbers) -> float:
     """Return the share of the variance of values that a cubic of their cause explains [-]."""
     unit = cause / max(float(np.max(np.abs(cause))), 1e-300)
     powers = np.column_stack([unit**n for n in range(4)])
-    found, *_ = np.linalg.lstsq(powers, values, rcond=None)
-    return 1.0 - float(np.var(values - powers @ found) / max(float(np.var(values)), 1e-300))
+    solution, *_ = np.linalg.lstsq(powers, values, rcond=None)
+    return 1.0 - float(np.var(values - powers @ solution) / max(float(np.var(values)), 1e-300))
 
 
 def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
@@ -390,15 +394,15 @@ def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
             raise ConfigError(
                 f"--without {name}: it cannot be nothing; it is {FIXED_VALUES[name]:g} in books"
             )
-    kept = np.array([name not in names for name in problem.names])
+    kept_places = np.array([name not in names for name in problem.names])
     small = replace(
         problem,
         model=problem.model.without(names),
-        mean=problem.mean[kept],
-        width=problem.width[kept],
+        mean=problem.mean[kept_places],
+        width=problem.width[kept_places],
     )
     firsts = fitted.found.a[problem.common :]
-    begin = np.concatenate([fitted.found.a[: problem.common][kept], firsts])
+    begin = np.concatenate([fitted.found.a[: problem.common][kept_places], firsts])
     end = search_minimum(small, begin, lambda *_: None)
     test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
     return OrderTest(names, test.statistic, test.freedom, test.probability)
@@ -419,7 +423,7 @@ def _report(
 ) -> ShipFitReport:
     """Return all that there is to say."""
     problem, trials = fitted.problem, fitted.problem.trials
-    told = coefficients_of(fitted)
+    coefficients = coefficients_of(fitted)
     p, common = len(problem.model.free), problem.common
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
     length = float(problem.constants[0])
@@ -449,9 +453,9 @@ def _report(
             for name, value, low in zip(problem.names, fitted.a, problem.lowest, strict=False)
             if value <= low
         ),
-        coefficients=told[:p],
-        noises=told[p:],
-        from_book=tuple(one.name for one in told[:p] if one.prior_share > BOOK_PRIOR_SHARE),
+        coefficients=coefficients[:p],
+        noises=coefficients[p:],
+        from_book=tuple(one.name for one in coefficients[:p] if one.prior_share > BOOK_PRIOR_SHARE),
         untold=find_unknown(fitted),
         whiteness=_whiteness(fitted),
         predictions=_predictions(fitted, held),

@@ -242,9 +242,9 @@ def _helms(usual: IdentifiedShip, options: TrialOptions) -> Iterator[Helm]:
 
 def sensors_of(ship: ShipFile, asked: Sensors, given: Collection[str]) -> Sensors:
     """Return the instruments: those ``asked`` where ``given`` or where the file has none."""
-    own = ship.sensors or Sensors()
-    kept = [key for key, name in SENSOR_CHANNELS.items() if name not in given]
-    of_file = {key: value for key in kept if (value := getattr(own, key)) is not None}
+    sensors = ship.sensors or Sensors()
+    sensor_keys = [key for key, name in SENSOR_CHANNELS.items() if name not in given]
+    of_file = {key: value for key in sensor_keys if (value := getattr(sensors, key)) is not None}
     return replace(asked, **of_file)
 
 
@@ -266,11 +266,11 @@ def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
 
 def _flights(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> tuple[Flight, ...]:
     """Return the flights of a plan, which share its seconds. ConfigError if one is lost."""
-    each = options.seconds / len(legs)
+    leg_time = options.seconds / len(legs)
     flown = []
     for leg in legs:
         vessel = TrialShip(ship, leg.held_kn * KNOT)
-        flight = fly_manoeuvre(vessel, leg.helm.manoeuvre(each), leg.speed_kn * KNOT)
+        flight = fly_manoeuvre(vessel, leg.helm.manoeuvre(leg_time), leg.speed_kn * KNOT)
         if flight.lost:
             raise ConfigError(f"{ship.path.name}: {leg}: {flight.lost}")
         flown.append(flight)
@@ -310,8 +310,8 @@ def _expected(
     noise[axes:] = np.maximum(noise[axes:], problem.floors)
     states = STATE_NAMES[: model.states]
     firsts = [[flight.column(name)[0] for name in states] for flight in flights]
-    own = [ship.coefficients[name] for name in model.free]
-    return expect_fit(problem, np.concatenate([own, np.log(noise), *firsts]))
+    coefficients = [ship.coefficients[name] for name in model.free]
+    return expect_fit(problem, np.concatenate([coefficients, np.log(noise), *firsts]))
 
 
 def _noise(ship: ShipFile, speed: float, options: TrialOptions) -> Numbers:
@@ -333,7 +333,7 @@ def _plan(
     name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected: ShipFit
 ) -> TrialPlan:
     """Return the plan with what is expected of it."""
-    told = coefficients_of(expected)[: len(expected.problem.model.free)]
+    coefficients = coefficients_of(expected)[: len(expected.problem.model.free)]
     speeds = np.concatenate([flight.column("u") for flight in flights]) / KNOT
     return TrialPlan(
         name=name,
@@ -343,8 +343,8 @@ def _plan(
         executes=sum(len(flight.marks) for flight in flights),
         slowest_kn=float(speeds.min()),
         fastest_kn=float(speeds.max()),
-        coefficients=told,
-        from_book=tuple(one.name for one in told if one.prior_share > BOOK_PRIOR_SHARE),
+        coefficients=coefficients,
+        from_book=tuple(one.name for one in coefficients if one.prior_share > BOOK_PRIOR_SHARE),
         untold=find_unknown(expected),
     )
 
@@ -359,8 +359,8 @@ def _remarks(plans: Sequence[TrialPlan]) -> Iterator[str]:
         sizes = sorted((plan.coefficients[i].deviation, plan.name) for plan in plans)
         if sizes[0][0] < BETTER_PLAN_RATIO * sizes[1][0]:
             best.setdefault(sizes[0][1], []).append(one.name)
-    for name, told in sorted(best.items()):
-        yield f"{name} tells {', '.join(told)} better than the others"
+    for name, better_names in sorted(best.items()):
+        yield f"{name} tells {', '.join(better_names)} better than the others"
 
 
 def render(report: TrialReport) -> str:

@@ -143,10 +143,10 @@ def fly_ship(ship: ShipFile, name: str, options: ManoeuvreOptions) -> tuple[Ship
             flown, _ = fly_vehicle(sailing, name, options, vehicle.speed_kn)
             if not flown.lost:
                 drawn.append({one.name: one.value for one in flown.measures})
-    own = {**vars(report), "notices": (*report.notices, *_beyond(ship, flight))}
+    report_values = {**vars(report), "notices": (*report.notices, *_beyond(ship, flight))}
     intervals = tuple(_interval(one, drawn) for one in report.measures) if drawn else ()
-    own |= {"draws": len(others), "draws_lost": len(others) - len(drawn)}
-    return ShipReport(**own, intervals=intervals), flight
+    report_values |= {"draws": len(others), "draws_lost": len(others) - len(drawn)}
+    return ShipReport(**report_values, intervals=intervals), flight
 
 
 def _interval(one: Measure, drawn: list[dict[str, float | None]]) -> Interval:
@@ -231,12 +231,12 @@ class SailingSubject:
         tables, path = self.study.varied(drawn), self.study.path
         inside = Place(path.name, "manoeuvre")
         table = read_record(ManoeuvreTable, tables["manoeuvre"], inside, ())
-        given = {"method": asdict(self.study.method), "manoeuvre": asdict(table)}
+        settings = {"method": asdict(self.study.method), "manoeuvre": asdict(table)}
         problems = [
-            Place(path.name, where).wrong(key, given[where][key], "is for boats, not for ships")
+            Place(path.name, where).wrong(key, settings[where][key], "is for boats, not for ships")
             for where, keys in BOAT_OPTIONS.items()
             for key in keys
-            if given[where][key] is not None
+            if settings[where][key] is not None
         ]
         if problems:
             raise ConfigError(*problems)

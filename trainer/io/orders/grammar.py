@@ -75,8 +75,8 @@ def hide_token(text: str) -> str:
 
 def find_token(text: str) -> str:
     """Return the token in `text`, "" when there is none."""
-    found = TOKEN_PATTERN.search(text)
-    return found[2] if found else ""
+    match = TOKEN_PATTERN.search(text)
+    return match[2] if match else ""
 
 
 @dataclass(frozen=True)
@@ -136,13 +136,13 @@ FORM_READINGS = tuple(
 
 def openings() -> dict[str, list[PartialReading]]:
     """Return the readings of a line by its first word, whole or cut short."""
-    found: dict[str, list[PartialReading]] = {}
+    readings: dict[str, list[PartialReading]] = {}
     for reading in FORM_READINGS:
         first = reading.places[0]
         heads = {said for said, _ in first.spellings} if isinstance(first, Word) else set()
         for word in {said[:length] for said in heads for length in range(1, len(said) + 1)}:
-            found.setdefault(word, []).append(reading)
-    return found
+            readings.setdefault(word, []).append(reading)
+    return readings
 
 
 HEAD_READINGS = openings()
@@ -206,18 +206,18 @@ def understood_order(tokens: list[str]) -> Order:
     try:
         return order(read_form(tokens))
     except RefusedError as refused:
-        meant = meaning(tokens)
-        if meant is None:
+        phrase = meaning(tokens)
+        if phrase is None:
             near = "" if tokens[0] in ORDER_HEADS else nearest_phrase(tokens)
-            told = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
-            raise RefusedError(told if near else str(refused)) from None
-    return replace(order(read_form(tokenise(meant.order))), crew=meant.crew)
+            reason = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
+            raise RefusedError(reason if near else str(refused)) from None
+    return replace(order(read_form(tokenise(phrase.order))), crew=phrase.crew)
 
 
 def to_the_crew(said: Order) -> Order:
     """Return what an order means from who orders the crew."""
-    meant = parse(said.crew) if said.crew else said
-    return meant if isinstance(meant, Order) else said
+    order = parse(said.crew) if said.crew else said
+    return order if isinstance(order, Order) else said
 
 
 def refuse_unreadable(text: str) -> None:
@@ -317,9 +317,9 @@ def match_place(place: Place, token: str) -> Iterable[TokenReading]:
 def refuse_doubt(tokens: list[str], alive: list[PartialReading]) -> None:
     """Refuse a token that is short for different words, naming them."""
     for i, token in enumerate(tokens):
-        meant = {reading.said[i].word: reading.said[i].spelling for reading in alive}
-        if len(meant) > 1:
-            raise RefusedError(f'"{token}" may be {join_names(sorted(meant.values()))}')
+        spellings = {reading.said[i].word: reading.said[i].spelling for reading in alive}
+        if len(spellings) > 1:
+            raise RefusedError(f'"{token}" may be {join_names(sorted(spellings.values()))}')
 
 
 def nearest_word(token: str, known: Iterable[str]) -> str:
@@ -352,19 +352,19 @@ def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
 
 def describe_places(places: list[Place]) -> list[str]:
     """Return what fits the places, in words, once each."""
-    found: dict[str, None] = {}
+    descriptions: dict[str, None] = {}
     for place in places:
         if isinstance(place, Word):
-            found |= dict.fromkeys(word for _, word in place.spellings)
+            descriptions |= dict.fromkeys(word for _, word in place.spellings)
         elif isinstance(place, Number):
-            found[f"{place.says} ({place.limits})"] = None
+            descriptions[f"{place.says} ({place.limits})"] = None
         elif isinstance(place, Name):
-            found[place.says] = None
+            descriptions[place.says] = None
         elif isinstance(place, Secret):
-            found["a token"] = None
+            descriptions["a token"] = None
         else:
-            found |= dict.fromkeys(unit.names[0] for unit in place.number.units)
-    return list(found)
+            descriptions |= dict.fromkeys(unit.names[0] for unit in place.number.units)
+    return list(descriptions)
 
 
 def join_names(names: list[str]) -> str:

@@ -164,13 +164,13 @@ def limits_and_units(number: Number) -> str:
 
 def synonyms(patterns: list[str]) -> list[str]:
     """Return `word: other spellings` for the words of the patterns that have any, once each."""
-    found = {}
+    lines_by_word = {}
     for item in patterns:
         for alternative in WORD_SETS.get(item.strip("[]"), item.strip("[]")).split("|"):
             word, *others = alternative.split("=")
             if others:
-                found[word] = f"{word}: also {', '.join(others)}"
-    return list(found.values())
+                lines_by_word[word] = f"{word}: also {', '.join(others)}"
+    return list(lines_by_word.values())
 
 
 def page(obeyed_by: Mapping[str, str]) -> str:

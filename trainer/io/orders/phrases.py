@@ -224,8 +224,8 @@ def meaning(tokens: list[str]) -> PhraseMeaning | None:
     text = plain_text(tokens)
     first = text.partition(" ")[0]
     for expression, phrase in PHRASES_BY_WORD.get(ANY_DIGIT if first[:1].isdigit() else first, ()):
-        if found := expression.fullmatch(f"{text} "):
-            said = {name: value or "" for name, value in found.groupdict().items()}
+        if match := expression.fullmatch(f"{text} "):
+            said = {name: value or "" for name, value in match.groupdict().items()}
             said["n"] = said.get("n", "")
             order = phrase.order.format(**said).strip()
             return PhraseMeaning(order, phrase.crew.format(**said).strip())
@@ -260,16 +260,16 @@ def parts_of(word: str) -> list[str]:
 
 def numerals(words: list[str]) -> list[str]:
     """Return the words with numbers in digits. They are said digit by digit or as a whole."""
-    found: list[str] = []
+    numbers: list[str] = []
     digits, rest = "", list(words)
     while rest:
         chunk = chunk_of(rest)
         if chunk:
             digits += chunk
             continue
-        found += [digits, rest.pop(0)]
+        numbers += [digits, rest.pop(0)]
         digits = ""
-    return [word for word in (*found, digits) if word]
+    return [word for word in (*numbers, digits) if word]
 
 
 def chunk_of(rest: list[str]) -> str:
@@ -297,9 +297,15 @@ def phrase_table() -> list[tuple[str, str, str]]:
     """Return the rows of the table in docs/orders.md: phrase, order, order to the crew."""
     rows = []
     for phrase in PHRASES:
-        found = meaning(as_tokens(phrase.example))
-        if found:
-            rows.append((phrase.example, f"`{found.order}`", found.crew and f"`{found.crew}`"))
+        phrase_meaning = meaning(as_tokens(phrase.example))
+        if phrase_meaning:
+            rows.append(
+                (
+                    phrase.example,
+                    f"`{phrase_meaning.order}`",
+                    phrase_meaning.crew and f"`{phrase_meaning.crew}`",
+                )
+            )
     return rows
 
 

@@ -96,8 +96,8 @@ def quantity(number: Number, digits: str, unit: Unit) -> tuple[float, str]:
     value = float(digits) * unit.factor
     size = number.units[0].factor
     if not number.low * size <= value <= number.high * size:
-        given = f"{digits} {unit.text}".rstrip()
-        raise RefusedError(f"{given}: {number.says} is {number.limits}")
+        wording = f"{digits} {unit.text}".rstrip()
+        raise RefusedError(f"{wording}: {number.says} is {number.limits}")
     plain = f"{Decimal(digits).normalize() + 0:f}"
     if number is NUMBER_KINDS["COURSE"]:
         plain = "0" if plain == "360" else plain

@@ -135,14 +135,14 @@ def hear_machine(line: str) -> Message:
 
 def open_frame(line: str) -> tuple[str, str]:
     """Return what a sentence frames and "", or "" and why it is none."""
-    found = FRAME_PATTERN.fullmatch(line)
-    if not found:
+    match = FRAME_PATTERN.fullmatch(line)
+    if not match:
         return "", "a program's line ends in * and the two digits of its checksum"
     if not (line.isascii() and line.isprintable()):
         return "", "a program's line is plain ASCII"
-    body, given = found.groups()
-    if int(given, 16) != checksum(body):
-        return "", f"wrong checksum {given.upper()}; this line's is {checksum(body):02X}"
+    body, sum_digits = match.groups()
+    if int(sum_digits, 16) != checksum(body):
+        return "", f"wrong checksum {sum_digits.upper()}; this line's is {checksum(body):02X}"
     return body, ""
 
 

@@ -103,7 +103,7 @@ class Checkpointer:
 def _identity(path: Path) -> tuple[int, int]:
     """Return what tells a file from every other, (0, 0) if there is none."""
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError:
         return 0, 0
-    return found.st_dev, found.st_ino
+    return status.st_dev, status.st_ino

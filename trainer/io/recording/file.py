@@ -289,8 +289,8 @@ def _recognise(connection: sqlite3.Connection, path: Path) -> int:
             f"{FILE_FORMAT}; "
             "use the version of the trainer that made it, or a newer one"
         )
-    found = _schema(connection)
-    for kind, name, _, _ in sorted(found ^ _own_schema(version), key=str)[:1]:
+    schema = _schema(connection)
+    for kind, name, _, _ in sorted(schema ^ _own_schema(version), key=str)[:1]:
         raise RecordingError(
             f"{path} is damaged, or made to do harm: its {kind} {name[:MAX_NAME_LETTERS]!r} is not "
             "as in a recording; nothing of it is used"
@@ -300,8 +300,8 @@ def _recognise(connection: sqlite3.Connection, path: Path) -> int:
 
 def _schema(connection: sqlite3.Connection) -> frozenset[tuple[str, str, str, str | None]]:
     """Return what a database is made of: its tables and indices, and whatever else is in it."""
-    found = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_schema")
-    return frozenset((str(kind), str(name), str(of), sql) for kind, name, of, sql in found)
+    rows = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_schema")
+    return frozenset((str(kind), str(name), str(of), sql) for kind, name, of, sql in rows)
 
 
 @cache

@@ -179,8 +179,8 @@ class Past:
 
     def branches(self) -> list[Branch]:
         """Return all branches, oldest first."""
-        found = f"SELECT {self._branch_columns} FROM branches ORDER BY id"  # noqa: S608 our own
-        branches = [self._begun(row) for row in self._all(found)]
+        query = f"SELECT {self._branch_columns} FROM branches ORDER BY id"  # noqa: S608 our own
+        branches = [self._begun(row) for row in self._all(query)]
         if not branches:
             raise self._damaged("it has no branch")
         return branches
@@ -195,8 +195,8 @@ class Past:
 
     def last_tick(self, branch: int) -> int:
         """Return the tick of the last state of a branch, its start at least."""
-        found = "SELECT max(tick) AS latest FROM states WHERE branch = ?"
-        (tick,) = self._row(found, branch)
+        query = "SELECT max(tick) AS latest FROM states WHERE branch = ?"
+        (tick,) = self._row(query, branch)
         return max(self._branch(branch).tick, -1 if tick is None else int(tick))
 
     def owner(self, branch: int, tick: int, after: int) -> int:
@@ -218,10 +218,10 @@ class Past:
         state = self._row("SELECT state FROM states WHERE branch = ? AND tick = ?", here.id, tick)
         if not state:
             return None
-        given = (
+        query = (
             "SELECT max(id) AS latest, max(place) AS done FROM orders WHERE branch = ? AND tick < ?"
         )
-        after, place = self._row(given, here.id, tick)
+        after, place = self._row(query, here.id, tick)
         return Moment(
             *(here.id, tick, state[0]),
             after=here.after if after is None else after,
@@ -230,14 +230,14 @@ class Past:
 
     def orders(self, branch: int, after: int = 0) -> list[RecordedOrder]:
         """Return the orders after number `after` that a branch includes, in order."""
-        found = (
+        query = (
             f"SELECT {self._order_columns} FROM orders "  # noqa: S608 our own
             "WHERE branch = ? AND id > ? AND id <= ? ORDER BY id"
         )
         stretches: list[list[RecordedOrder]] = []
         here, last = self._branch(branch), self.last_order()
         while True:
-            rows = self._all(found, here.id, after, last)
+            rows = self._all(query, here.id, after, last)
             stretches.append(self._journalled(here, rows))
             if here.parent is None or here.after <= after:
                 break
@@ -249,15 +249,15 @@ class Past:
 
         What was kept in the past of the branch goes before what was kept elsewhere.
         """
-        found = "SELECT name, branch, tick, state, after, place FROM snapshots ORDER BY id"
-        kept = [(str(name), Moment(*fields)) for name, *fields in self._all(found)]
+        query = "SELECT name, branch, tick, state, after, place FROM snapshots ORDER BY id"
+        snapshots = [(str(name), Moment(*fields)) for name, *fields in self._all(query)]
         begun = dict(self._ancestry(branch))
         past: dict[str, Moment] = {}
         elsewhere: dict[str, Moment] = {}
-        for name, moment in kept:
+        for name, moment in snapshots:
             end = begun.get(moment.branch)
-            own = end is not None and (moment.tick, moment.after) <= end
-            (past if own else elsewhere)[name] = moment
+            is_past = end is not None and (moment.tick, moment.after) <= end
+            (past if is_past else elsewhere)[name] = moment
         return list((elsewhere | past).items())
 
     def flown(self, branch: int) -> Iterator[RecordedTick]:
@@ -268,26 +268,26 @@ class Past:
             begun = self._branch(number)
             if begun.tick < end:
                 yield RecordedTick(number, begun.tick, begun.state, None, None)
-            found = (
+            query = (
                 "SELECT branch, tick, state, lateness_ns, work_ns "
                 "FROM states LEFT JOIN ledger USING (branch, tick) "
                 "WHERE branch = ? AND tick > ? AND tick < ? ORDER BY tick"
             )
-            for tick, row in enumerate(self._rows(found, number, begun.tick, end), begun.tick + 1):
+            for tick, row in enumerate(self._rows(query, number, begun.tick, end), begun.tick + 1):
                 yield RecordedTick(*self._next(row, number, tick, row[1]))
 
     def states(self, branch: int) -> Iterator[tuple[int, bytes]]:
         """Yield tick and state of what a branch itself recorded, its start first."""
         begun = self._branch(branch)
         yield begun.tick, begun.state
-        found = "SELECT tick, state FROM states WHERE branch = ? AND tick > ? ORDER BY tick"
-        for tick, row in enumerate(self._rows(found, branch, begun.tick), begun.tick + 1):
+        query = "SELECT tick, state FROM states WHERE branch = ? AND tick > ? ORDER BY tick"
+        for tick, row in enumerate(self._rows(query, branch, begun.tick), begun.tick + 1):
             yield self._next(row, branch, tick, row[0])
 
     def events(self) -> Iterator[RecordedEvent]:
         """Yield what was noted, in order."""
-        found = f"SELECT {self._event_columns} FROM events ORDER BY id"  # noqa: S608 our own
-        for row in self._rows(found):
+        query = f"SELECT {self._event_columns} FROM events ORDER BY id"  # noqa: S608 our own
+        for row in self._rows(query):
             role = row[EVENT_WIDTH] if len(row) > EVENT_WIDTH else format_1.giver_of(row[3]).role
             yield RecordedEvent(*(*row[:EVENT_WIDTH], role))
 
@@ -309,11 +309,11 @@ class Past:
 
         Unlike events they cannot be cut: the last rests on all that it came from.
         """
-        for each in self.excess():
-            if each.what == "branches":
+        for excess in self.excess():
+            if excess.what == "branches":
                 raise RecordingError(
-                    f"{self._name} is too long to be read: {each.of} branches, and "
-                    f"{each.first} is the most"
+                    f"{self._name} is too long to be read: {excess.of} branches, and "
+                    f"{excess.first} is the most"
                 )
 
     def _count(self, table: str) -> int:
@@ -323,8 +323,8 @@ class Past:
 
     def ledger(self, branch: int) -> Iterator[tuple[int, int, int]]:
         """Yield tick, lateness and work [ns] of what a branch itself recorded."""
-        found = "SELECT tick, lateness_ns, work_ns FROM ledger WHERE branch = ? ORDER BY tick"
-        yield from self._rows(found, branch)
+        query = "SELECT tick, lateness_ns, work_ns FROM ledger WHERE branch = ? ORDER BY tick"
+        yield from self._rows(query, branch)
 
     def _ancestry(self, branch: int) -> Iterator[tuple[int, tuple[int, int]]]:
         """Yield a branch and its forebears, each with the (tick, order) where the next began."""
@@ -335,16 +335,16 @@ class Past:
             here = None if here.parent is None else self._find(here.parent)
 
     def _branch(self, branch: int) -> Branch:
-        found = self._find(branch)
-        if found is None:
+        record = self._find(branch)
+        if record is None:
             raise RecordingError(
                 f"{self._name} has no branch {branch}; the latest is {self.last_branch()}"
             )
-        return found
+        return record
 
     def _find(self, branch: int) -> Branch | None:
-        found = f"SELECT {self._branch_columns} FROM branches WHERE id = ?"  # noqa: S608 our own
-        row = self._row(found, branch)
+        query = f"SELECT {self._branch_columns} FROM branches WHERE id = ?"  # noqa: S608 our own
+        row = self._row(query, branch)
         return self._begun(row) if row else None
 
     def _begun(self, row: Row) -> Branch:

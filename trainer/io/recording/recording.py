@@ -198,8 +198,10 @@ class Recording(Past):
         """Write an order that is about to act, at once; return its number."""
         self._order += 1
         self._tick = tick
-        given = (giver.words, giver.kind.value, giver.role, giver.plan)
-        self._put(ORDER_INSERT, (self._order, self.branch, tick, *given, text, place, wall_time()))
+        giver_columns = (giver.words, giver.kind.value, giver.role, giver.plan)
+        self._put(
+            ORDER_INSERT, (self._order, self.branch, tick, *giver_columns, text, place, wall_time())
+        )
         self.flush()
         return self._order
 
@@ -235,8 +237,8 @@ class Recording(Past):
     def snapshot(self, name: str, moment: Moment) -> None:
         """Write a moment under a name, at once."""
         branch = self._owner(moment)
-        kept = (branch, moment.tick, moment.state, moment.after, moment.place)
-        self._put(SNAPSHOT_INSERT, (name, *kept, wall_time()))
+        moment_columns = (branch, moment.tick, moment.state, moment.after, moment.place)
+        self._put(SNAPSHOT_INSERT, (name, *moment_columns, wall_time()))
         self.flush()
 
     def fork(self, moment: Moment, why: str) -> int:

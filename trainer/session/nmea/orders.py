@@ -235,8 +235,8 @@ class NmeaLine:
     def _give(self, command: Command) -> str | None:
         """Return the words of a command, None while it is the one given last."""
         now = self._clock()
-        words, given = self._given.get(command.control, ("", now))
-        if words == command.words and now - given < REPEAT_PERIOD_S:
+        words, given_at = self._given.get(command.control, ("", now))
+        if words == command.words and now - given_at < REPEAT_PERIOD_S:
             return None
         self._given[command.control] = command.words, now
         return command.words

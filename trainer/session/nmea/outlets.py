@@ -142,11 +142,11 @@ def open_readers(ports: Ports, outlets: Outlets, url: str, host: str, port: int)
     """Return the station of all that come to a TCP port."""
     hub = Server(ports.wake)
     ports.stack.callback(hub.close, PORT_TIMEOUT_S)
-    found = hub.listen(host, port)
+    bound_port = hub.listen(host, port)
     role = "helm" if is_local_host(host) and outlets.orders else "observer"
     why = "" if outlets.orders else "; no orders are taken without --nmea-orders: a token is asked"
     why = why if is_local_host(host) else "; no orders are taken from beyond this machine"
-    click.echo(f"nmea at tcp://{host}:{found}{why}", err=True)
+    click.echo(f"nmea at tcp://{host}:{bound_port}{why}", err=True)
     return send_to(ports, outlets, ReaderLine(f"nmea {url}", hub, ports.log), role)
 
 
@@ -208,10 +208,10 @@ def round_rate_down(rate: float) -> float:
 
 def parse_address(text: str) -> tuple[str, int]:
     """Return host and port of ``HOST[:DEFAULT_PORT]``; LinkError."""
-    found = ADDRESS_PATTERN.fullmatch(text.rstrip("/"))
-    if found is None or not (found[1] or found[2]):
+    match = ADDRESS_PATTERN.fullmatch(text.rstrip("/"))
+    if match is None or not (match[1] or match[2]):
         raise LinkError("say HOST or HOST:PORT after the ://")
-    return found[1] or found[2], int(found[3] or DEFAULT_PORT)
+    return match[1] or match[2], int(match[3] or DEFAULT_PORT)
 
 
 def is_local_host(host: str) -> bool:

@@ -25,8 +25,9 @@ def markdown() -> str:
     """Return the table of the sentences, as docs/nmea.md shows it."""
     rows = ["| sentence | tells | fields | source |", "|---|---|---|---|"]
     rows += [
-        f"| `{heading(each)}` | {each.says} | {'; '.join(each.fields)} | {each.source} |"
-        for each in INSTRUMENTS
+        f"| `{heading(instrument)}` | {instrument.says} | {'; '.join(instrument.fields)} "
+        f"| {instrument.source} |"
+        for instrument in INSTRUMENTS
     ]
     return "\n".join(rows) + "\n"
 
@@ -34,9 +35,11 @@ def markdown() -> str:
 def page() -> str:
     """Return the sentences for a terminal, a paragraph each."""
     blocks = []
-    for each in INSTRUMENTS:
-        fields = (f"{place:>4}  {field}" for place, field in enumerate(each.fields, 1))
-        blocks.append("\n".join([f"{heading(each)}: {each.says} ({each.source})", *fields]))
+    for instrument in INSTRUMENTS:
+        fields = (f"{place:>4}  {field}" for place, field in enumerate(instrument.fields, 1))
+        blocks.append(
+            "\n".join([f"{heading(instrument)}: {instrument.says} ({instrument.source})", *fields])
+        )
     return "\n\n".join(blocks)
 
 
@@ -50,13 +53,13 @@ def as_json() -> list[dict[str, Any]]:
     """Return the table as plain records."""
     return [
         {
-            "sentence": heading(each),
-            "name": each.name,
-            "tells": each.says,
-            "fields": list(each.fields),
-            "source": each.source,
+            "sentence": heading(instrument),
+            "name": instrument.name,
+            "tells": instrument.says,
+            "fields": list(instrument.fields),
+            "source": instrument.source,
         }
-        for each in INSTRUMENTS
+        for instrument in INSTRUMENTS
     ]
 
 

@@ -333,8 +333,8 @@ class InstrumentSet:
     def lines(self, frame: Frame) -> list[str]:
         """Return the set of one tick, and what ships have sent since the last."""
         seen = read_fields(frame, self._chart, self._start)
-        told = [each.sentence(seen) for each in self._instruments if each.fits(seen)]
-        return told + self._receiver.lines(frame) if self._receiver else told
+        sentences = [each.sentence(seen) for each in self._instruments if each.fits(seen)]
+        return sentences + self._receiver.lines(frame) if self._receiver else sentences
 
 
 class SampledDisplay:

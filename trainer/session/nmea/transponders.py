@@ -85,13 +85,13 @@ class Transponders:
         contacts, height = contacts_in(frame.boat), antenna(frame)
         if contacts is None or before is None or now <= before or height <= 0.0:
             return []
-        own, x, y = math.sqrt(height), frame["x"], frame["y"]
+        own_root, x, y = math.sqrt(height), frame["x"], frame["y"]
         return [
             line
             for ship in contacts.seen(frame.tick)
             if ship.mmsi is not None
             and math.hypot(ship.north - x, ship.east - y)
-            <= RADIO_RANGE_M * (own + math.sqrt(ship.mast))
+            <= RADIO_RANGE_M * (own_root + math.sqrt(ship.mast))
             for messages in self._due(ship, before, now)
             for line in self._sentences(messages)
         ]
@@ -105,8 +105,8 @@ class Transponders:
             seen = self._report(ship, now)
             yield (ais.position_b(seen) if small else ais.position_a(seen),)
         if report_count(now, STATIC_PERIOD_S, share) > report_count(before, STATIC_PERIOD_S, share):
-            told = particulars(ship)
-            yield ais.static_b(told) if small else (ais.static_a(told),)
+            ship_particulars = particulars(ship)
+            yield ais.static_b(ship_particulars) if small else (ais.static_a(ship_particulars),)
 
     def _sentences(self, messages: Messages) -> list[str]:
         """Return the sentences of messages, on the two channels in turn.
@@ -114,11 +114,11 @@ class Transponders:
         Parts go out on one: readers join what comes on the same channel.
         """
         channel = next(self._channels)
-        found = []
+        sentences = []
         for fields in messages:
             self._sequence = (self._sequence + 1) % 10
-            found += ais.sentences(fields, channel, self._sequence)
-        return found
+            sentences += ais.sentences(fields, channel, self._sequence)
+        return sentences
 
     def _report(self, ship: ContactState, now: float) -> PositionReport:
         """Return what a ship tells of a moment."""

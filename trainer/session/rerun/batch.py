@@ -185,18 +185,18 @@ class BatchCollector:
 
     def batch(self, handed: Sequence[TakenPicture | TakenNews]) -> Batch:
         """Return what was handed over, in that order."""
-        pictures, timed, told = TimedRows(), TimedRows(), TimedRows()
-        for each in handed:
-            if isinstance(each, TakenNews):
-                told.add(each, each.tick, self._seconds)
+        pictures, timed, news = TimedRows(), TimedRows(), TimedRows()
+        for item in handed:
+            if isinstance(item, TakenNews):
+                news.add(item, item.tick, self._seconds)
                 continue
             last = self._last
-            if last is not None and each.timed != last.timed:
-                timed.add(each, last.tick, self._seconds)
-            if self._moved(last, each):
-                pictures.add(each, each.tick, self._seconds)
-            self._last = each
-        return batch_of(pictures, timed, told)
+            if last is not None and item.timed != last.timed:
+                timed.add(item, last.tick, self._seconds)
+            if self._moved(last, item):
+                pictures.add(item, item.tick, self._seconds)
+            self._last = item
+        return batch_of(pictures, timed, news)
 
     def _moved(self, last: TakenPicture | None, taken: TakenPicture) -> bool:
         """Let time go on to a picture; return whether it is another than the last."""

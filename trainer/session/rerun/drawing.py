@@ -205,15 +205,17 @@ def ordered_of(block: Block) -> Numbers:
 
 def frames(size: Size, depths: Numbers) -> Columns:
     """Return the columns of the ordered depth, empty where none is kept."""
-    kept = np.isfinite(depths)
-    count = int(kept.sum())
+    is_ordered = np.isfinite(depths)
+    count = int(is_ordered.sum())
     columns = rr.LineStrips3D.columns(
-        strips=[outline(0.5 * GRID_SQUARES * size.length, float(depth)) for depth in depths[kept]],
-        labels=[f"ordered {depth:g} m" for depth in depths[kept]],
+        strips=[
+            outline(0.5 * GRID_SQUARES * size.length, float(depth)) for depth in depths[is_ordered]
+        ],
+        labels=[f"ordered {depth:g} m" for depth in depths[is_ordered]],
         colors=np.full(count, colour_code(ORDERED_COLOUR), np.uint32),
         radii=np.full(count, 0.006 * size.length),
     )
-    return columns.partition(kept.astype(np.int32))
+    return columns.partition(is_ordered.astype(np.int32))
 
 
 def grounds(ground: Bottom, size: Size, places: Numbers) -> Columns:

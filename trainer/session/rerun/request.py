@@ -56,8 +56,8 @@ def open_log(
     if path is None and not wanted:
         return None
     if find_spec("rerun") is None:
-        told = advise_install("rerun", "--rerun" if wanted else "--rrd")
-        click.echo(f"trainer: {told}", err=True)
+        advice = advise_install("rerun", "--rerun" if wanted else "--rrd")
+        click.echo(f"trainer: {advice}", err=True)
         return None
 
     from trainer.session.rerun.drawing import Drawing  # noqa: PLC0415  rerun itself
@@ -71,9 +71,9 @@ def open_log(
             raise ConfigError(f"--rrd {path}: {error.strerror}") from None
         sinks.append(RrdFile(path, Drawing(subject)))
     if wanted:
-        there = viewer_listens(host, port)
-        if there or (host == DEFAULT_HOST and has_window()):
-            sinks.append(Viewer(host, port, Drawing(subject), there=there))
+        viewer_is_open = viewer_listens(host, port)
+        if viewer_is_open or (host == DEFAULT_HOST and has_window()):
+            sinks.append(Viewer(host, port, Drawing(subject), there=viewer_is_open))
         else:
             where = f"there is no Rerun viewer at {host}:{port}"
             click.echo(f"trainer: {where}; start one: rerun --bind {host} --port {port}", err=True)
@@ -202,15 +202,17 @@ def batches(
     while part := list(islice(flown, BATCH_TICKS)):
         ends |= {each.branch: each.tick for each in part}
         pictures, timed = TimedRows(), TimedRows()
-        for each in part:
-            times = each.lateness or 0, each.work or 0
-            taken = TakenPicture(each.tick, each.state, Pace(branch=each.branch), 0, *times)
-            pictures.add(taken, each.tick, each.tick * step)
-            if each.work is not None:
-                timed.add(taken, each.tick, each.tick * step)
+        for flown_tick in part:
+            times = flown_tick.lateness or 0, flown_tick.work or 0
+            taken = TakenPicture(
+                flown_tick.tick, flown_tick.state, Pace(branch=flown_tick.branch), 0, *times
+            )
+            pictures.add(taken, flown_tick.tick, flown_tick.tick * step)
+            if flown_tick.work is not None:
+                timed.add(taken, flown_tick.tick, flown_tick.tick * step)
         yield batch_of(pictures, timed, TimedRows(), layout)
-    told = TimedRows()
+    news = TimedRows()
     for event in recording.first_events():
         if event.tick <= ends.get(event.branch, -2) + 1:
-            told.add(TakenNews(event.tick, event.kind, event.text), event.tick, event.tick * step)
-    yield batch_of(TimedRows(), TimedRows(), told, layout)
+            news.add(TakenNews(event.tick, event.kind, event.text), event.tick, event.tick * step)
+    yield batch_of(TimedRows(), TimedRows(), news, layout)

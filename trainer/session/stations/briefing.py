@@ -132,11 +132,11 @@ def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
     said: dict[str, list[str]] = {}
     for key, value in facts:
         said.setdefault(key, []).append(value.replace(",", ", "))
-    left = said.pop("left", [""])[0]
-    said["length"] = [f"{whole} s, {left} s left" for whole in said.pop("duration", [])]
+    time_left = said.pop("left", [""])[0]
+    said["length"] = [f"{whole} s, {time_left} s left" for whole in said.pop("duration", [])]
     said["limits"] = [
-        ", ".join(limit_in_words(*limit.split(":")) for limit in each.split(", "))
-        for each in said.pop("limits", [])
+        ", ".join(limit_in_words(*limit.split(":")) for limit in limits.split(", "))
+        for limits in said.pop("limits", [])
     ]
     lines = [
         f"{word}: {'; '.join(said[key])}" for key, word in BRIEFING_TITLES.items() if said.get(key)
@@ -163,12 +163,12 @@ def hint(role: Role, hand: Collection[str]) -> str:
     if role.name == "observer":
         return NO_ROLE_TEXT
     by_hand = [order for axis, (_, order) in BY_HAND.items() if axis in hand]
-    given = [words for words in (by_hand or AUTOPILOT_EXAMPLES) if may_order(role, words)]
-    given = given or [words for words in STATION_EXAMPLES if may_order(role, words)]
+    examples = [words for words in (by_hand or AUTOPILOT_EXAMPLES) if may_order(role, words)]
+    examples = examples or [words for words in STATION_EXAMPLES if may_order(role, words)]
     repeats = ["aye"] if hand and may_order(role, "aye") else []
     last = "quit" if may_order(role, "quit") else "detach"
     opening = "by hand: " if hand else "type an order, such as: "
-    return opening + "   ".join((*given[: 2 if repeats else 3], *repeats, "help", last))
+    return opening + "   ".join((*examples[: 2 if repeats else 3], *repeats, "help", last))
 
 
 def may_order(role: Role, words: str) -> bool:

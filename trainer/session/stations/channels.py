@@ -42,8 +42,8 @@ def excess_weight(frame: Frame) -> Value:
 
 def clearance(frame: Frame) -> Value:
     """Return the least height [m] of the keel over the ground, where there is one."""
-    found = height_of_keel(frame.numbers, frame.fittings.length, frame.fittings.keel)
-    return None if math.isinf(found) else found
+    height = height_of_keel(frame.numbers, frame.fittings.length, frame.fittings.keel)
+    return None if math.isinf(height) else height
 
 
 def way_over_ground(frame: Frame) -> tuple[float, float]:
@@ -98,8 +98,12 @@ def slot_fields(slot: int) -> tuple[Field, ...]:
         return held(frame, "casualty_ticks")
 
     def target(frame: Frame) -> Value:
-        left = ticks(frame)
-        return None if left is None else (0.0 if left < 0.0 else held(frame, "casualty_target"))
+        ticks_left = ticks(frame)
+        return (
+            None
+            if ticks_left is None
+            else (0.0 if ticks_left < 0.0 else held(frame, "casualty_target"))
+        )
 
     def says(frame: Frame) -> Value:
         name = kind(frame)
@@ -107,8 +111,8 @@ def slot_fields(slot: int) -> tuple[Field, ...]:
         return describe_amount(frame.boat, str(name), amount or 0.0) if name else None
 
     def seconds(frame: Frame) -> Value:
-        left = ticks(frame)
-        return None if left is None else abs(left) * frame.boat.method.step
+        ticks_left = ticks(frame)
+        return None if ticks_left is None else abs(ticks_left) * frame.boat.method.step
 
     name = f"casualty_{slot + 1}"
     return (

@@ -79,15 +79,17 @@ def in_words(channel: Channel, frame: Frame) -> list[str]:
         for field, text in zip(channel.fields, channel.values(frame), strict=True)
         if text and not field.packed
     )
-    told = f"{channel.name}, {frame.seconds:g} s: {', '.join(shown) or 'nothing'}"
-    wrapped = textwrap.wrap(told, MAX_LINE_LETTERS, subsequent_indent="  ", break_on_hyphens=False)
+    summary = f"{channel.name}, {frame.seconds:g} s: {', '.join(shown) or 'nothing'}"
+    wrapped = textwrap.wrap(
+        summary, MAX_LINE_LETTERS, subsequent_indent="  ", break_on_hyphens=False
+    )
     return [line.replace("\0", " ") for line in wrapped]
 
 
 def panel(channels: tuple[str, ...], frame: Frame) -> list[str]:
     """Return the instruments of some channels in words, for the order ``status``."""
-    there = (CHANNELS[name] for name in channels if name in CHANNELS)
-    shown = (each for each in there if not all(field.packed for field in each.fields))
+    known = (CHANNELS[name] for name in channels if name in CHANNELS)
+    shown = (each for each in known if not all(field.packed for field in each.fields))
     return [line for channel in shown for line in in_words(channel, frame)]
 
 
@@ -95,8 +97,8 @@ def view(frame: Frame, shown: InstrumentReadings) -> StatusView:
     """Return the line of state in display units, with depth, heading and speed as ``shown``."""
     toward, propulsion = frame.boat.toward, frame.boat.file.propulsion
     planes_by_hand = frame["stern_by_hand"] and frame["bow_by_hand"]
-    kept = None if frame["rudder_by_hand"] else frame["ordered_psi"]
-    course = ordered_value(frame, "course", kept)
+    ordered_heading = None if frame["rudder_by_hand"] else frame["ordered_psi"]
+    course = ordered_value(frame, "course", ordered_heading)
     return StatusView(
         time_s=frame.seconds,
         depth_m=shown.depth,

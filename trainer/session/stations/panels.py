@@ -124,8 +124,8 @@ def ordered_course(frame: Frame) -> Value:
 
 def ordered_depth(frame: Frame) -> Value:
     """Return the depth kept [m], by the planes or hovering."""
-    kept = not (frame["stern_by_hand"] and frame["bow_by_hand"]) or frame["hover"]
-    return frame["ordered_depth"] if kept else None
+    is_kept = not (frame["stern_by_hand"] and frame["bow_by_hand"]) or frame["hover"]
+    return frame["ordered_depth"] if is_kept else None
 
 
 def ordered_speed(frame: Frame) -> Value:
@@ -260,10 +260,10 @@ def crew_value(axis: str, unit: str, size: float) -> Field:
 
 def course_to_go(frame: Frame) -> float:
     """Return the angle [deg] still to turn, right positive, by the way that was ordered."""
-    left = frame.at("crew_order", 0) - frame.readings.heading
-    if not frame["crew_course_side"] or abs(left) > LONG_TURN_RAD:
-        left = math.remainder(left, math.tau)
-    return math.degrees(left)
+    to_go = frame.at("crew_order", 0) - frame.readings.heading
+    if not frame["crew_course_side"] or abs(to_go) > LONG_TURN_RAD:
+        to_go = math.remainder(to_go, math.tau)
+    return math.degrees(to_go)
 
 
 def course_side(frame: Frame) -> Value:

@@ -76,11 +76,11 @@ class PastReader:
         ticks = math.ceil(asked.order.value / self._boat.method.step)
         span = TickSpan(history.recording.branch, max(history.tick - ticks, 0), history.tick)
         if channel == EVENTS_CHANNEL:
-            told = recent_news(self._log.news, station.role, span)
-            station.answer(asked, f"events: {len(told)} of them")
+            news = recent_news(self._log.news, station.role, span)
+            station.answer(asked, f"events: {len(news)} of them")
             self._mark(station, "begin", channel, history)
-            for each in told:
-                station.tell(each)
+            for item in news:
+                station.tell(item)
             self._mark(station, "end", channel, history)
             return
         since = span.first * self._boat.method.step
@@ -144,19 +144,19 @@ def refusal(channel: str, role: Role) -> str:
 
 def read_states(kept: Path, span: TickSpan) -> list[TickState]:
     """Return the states of a span that a recording holds. None where it cannot be read."""
-    found = []
+    states = []
     with suppress(RecordingError), closing(Recording.look(kept)) as recording:
         for tick in span.ticks:
             state = recording.state_at(span.branch, tick)
             if state is not None:
-                found.append((tick, state))
-    return found
+                states.append((tick, state))
+    return states
 
 
 def recalled_past(history: History) -> list[News]:
     """Return the past in a resumed recording, with the time line's contents."""
     step = history.boat.method.step
-    told = [
+    news = [
         News(
             *(each.tick, each.tick * step, each.kind, each.text),
             Fact("mark", each.text) if each.kind == "mark" else None,
@@ -164,12 +164,12 @@ def recalled_past(history: History) -> list[News]:
         for each in history.noted()
     ]
     orders = history.recording.orders(history.recording.branch)
-    told += [
+    news += [
         News(each.tick, each.tick * step, "exercise", each.text, Fact("order", each.text))
         for each in orders
         if name_of(each.text) == "casualty" and each.accepted
     ]
-    return sorted(told, key=lambda each: each.tick)
+    return sorted(news, key=lambda each: each.tick)
 
 
 def recent_news(news: Iterable[News], role: Role, span: TickSpan) -> list[News]:
@@ -177,13 +177,13 @@ def recent_news(news: Iterable[News], role: Role, span: TickSpan) -> list[News]:
 
     Nothing that time took back is in it.
     """
-    told: list[News] = []
-    for each in news:
-        if each.fact and each.fact.what == "back":
-            told = [kept for kept in told if still_stands(kept, each)]
-        if hears_kind(role, each.kind) and each.tick >= span.first:
-            told.append(each)
-    return told
+    heard: list[News] = []
+    for item in news:
+        if item.fact and item.fact.what == "back":
+            heard = [kept for kept in heard if still_stands(kept, item)]
+        if hears_kind(role, item.kind) and item.tick >= span.first:
+            heard.append(item)
+    return heard
 
 
 def still_stands(kept: News, back: News) -> bool:

@@ -49,9 +49,9 @@ def plotted_ships(frame: Frame) -> tuple[int, tuple[PlottedShip, ...]]:
     contacts = contacts_in(frame.boat)
     if contacts is None or not contacts.fleet(frame.tick).order:
         return 0, ()
-    ships, there = contacts.fleet(frame.tick).order, contacts.at(frame.tick)
-    seen = plot_ships(OwnMotion.of(frame), there, contacts.encounters.cpa_m)
-    course, speed = there.over_ground()
+    ships, places = contacts.fleet(frame.tick).order, contacts.at(frame.tick)
+    seen = plot_ships(OwnMotion.of(frame), places, contacts.encounters.cpa_m)
+    course, speed = places.over_ground()
     nearest = np.argsort(seen.range, kind="stable")[:MAX_PLOTTED_SHIPS].tolist()
     rows = (
         (
@@ -131,8 +131,8 @@ def sights(frame: Frame) -> list[Sight]:
     if "sights" not in frame.kept:
         place = scope.place(frame, stands, frame.height(*scope.head(stands)))
         frame.kept["sights"] = scope.sights(place, stands)
-    found: list[Sight] = frame.kept["sights"]
-    return found
+    in_sight: list[Sight] = frame.kept["sights"]
+    return in_sight
 
 
 def of_mast(read: Callable[[Mast, Frame], Value]) -> Callable[[Frame], Value]:
@@ -169,26 +169,26 @@ def sighted_ships(frame: Frame) -> Value:
     stands = mast(frame)
     half = 0.5 * VIEW_WIDTHS[stands.power] if stands else 0.0
     train = stands.train if stands else 0.0
-    told = (
-        f"{each.type} {compass(frame.readings.heading + each.train, 0):03.0f}"
-        for each in sights(frame)[:MAX_SIGHTED_SHIPS]
-        if abs(math.remainder(each.train - train, math.tau)) <= half
+    texts = (
+        f"{sight.type} {compass(frame.readings.heading + sight.train, 0):03.0f}"
+        for sight in sights(frame)[:MAX_SIGHTED_SHIPS]
+        if abs(math.remainder(sight.train - train, math.tau)) <= half
     )
-    return "; ".join(told) or None
+    return "; ".join(texts) or None
 
 
 def lamps(sight: Sight) -> str:
     """Return colour, angle beside the ship's middle and elevation of its lights."""
     return " ".join(
-        f"{each.colour}:{RADIAN_MINUTES * each.beside:.1f}:{RADIAN_MINUTES * each.elevation:.1f}"
-        for each in sight.lamps
+        f"{lamp.colour}:{RADIAN_MINUTES * lamp.beside:.1f}:{RADIAN_MINUTES * lamp.elevation:.1f}"
+        for lamp in sight.lamps
     )
 
 
 def of_sight(place: int, read: Callable[[Sight], Value], frame: Frame) -> Value:
     """Return something of a ship in sight, None where there is none."""
-    found = sights(frame)
-    return read(found[place]) if place < len(found) else None
+    in_sight = sights(frame)
+    return read(in_sight[place]) if place < len(in_sight) else None
 
 
 def sight_fields(place: int) -> tuple[Field, ...]:

@@ -122,13 +122,15 @@ class Role:
 
 def _role(name: str, title: str, part: str, *channels: str) -> Role:
     """Return a role with its controls and what it hears, beside the channels everybody has."""
-    own = {order for control in ROLE_CONTROLS if name in control.roles for order in control.orders}
+    own_orders = {
+        order for control in ROLE_CONTROLS if name in control.roles for order in control.orders
+    }
     heard = frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if name in roles)
     return Role(
         name,
         title,
         part,
-        COMMON_ORDERS | own,
+        COMMON_ORDERS | own_orders,
         ("teletype", "gauges", "orders", *channels, "time"),
         heard,
     )
@@ -217,9 +219,11 @@ def role_table() -> str:
     """Return the Markdown table of the roles, as docs/stations.md shows it."""
     lines = ["| role | orders | sees |", "|---|---|---|"]
     for role in ROLES.values():
-        own = sorted(role.commands - COMMON_ORDERS)
+        own_orders = sorted(role.commands - COMMON_ORDERS)
         orders = (
-            "all" if role is INSTRUCTOR_ROLE else ", ".join(f"`{name}`" for name in own) or "none"
+            "all"
+            if role is INSTRUCTOR_ROLE
+            else ", ".join(f"`{name}`" for name in own_orders) or "none"
         )
         lines.append(f"| {role.name} | {orders} | {', '.join(role.channels)} |")
     common = ", ".join(f"`{name}`" for name in sorted(COMMON_ORDERS))
@@ -257,10 +261,10 @@ class Access:
     def hide(self, text: str) -> str:
         """Return ``text`` without a token, wherever it stands: an order may be misspelt."""
         for token in self.tokens.values():
-            found = re.escape(token)
+            pattern = re.escape(token)
             if len(token) < SHORT_TOKEN_LETTERS:  # it may stand within words that are none of it
-                found = rf"(?<![\w-]){found}(?![\w-])"
-            text = re.sub(found, HIDDEN_TOKEN, text, flags=re.IGNORECASE)
+                pattern = rf"(?<![\w-]){pattern}(?![\w-])"
+            text = re.sub(pattern, HIDDEN_TOKEN, text, flags=re.IGNORECASE)
         return text
 
     def admits(self, role: str, given: str) -> bool:

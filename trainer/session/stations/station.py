@@ -181,10 +181,10 @@ class Station:
         """Return what there is to say of the line, for the order ``who``."""
         c = self.counts
         called = f", called {self.called}" if self.called else ""
-        told = f"{self.who}{called}: {c.orders} orders, {c.refused} refused, {c.bad} bad lines"
+        text = f"{self.who}{called}: {c.orders} orders, {c.refused} refused, {c.bad} bad lines"
         lost = f", {self.line.dropped} lines lost" if self.line.dropped else ""
         trouble = f"; {self.line.trouble}" if self.line.trouble else ""
-        return f"{told}{lost}{trouble}"
+        return f"{text}{lost}{trouble}"
 
     def take(self, most: int) -> Iterator[Request]:
         """Yield the orders among the next lines, one at a time, at most so many.
@@ -322,12 +322,12 @@ class Station:
         accepted = not isinstance(reply, Refused)
         text = self._door.hide(reply.reason) if isinstance(reply, Refused) else reply
         if heard.machine:
-            for each in lines:
-                self.line.send(sentences.say(heard.tag, each))
+            for answer_line in lines:
+                self.line.send(sentences.say(heard.tag, answer_line))
             self.line.send(sentences.answer(heard.tag, accepted=accepted, text=text))
             return
-        for each in lines:
-            self.line.send(each)
+        for answer_line in lines:
+            self.line.send(answer_line)
         if text:
             self.line.send(text if accepted else f"? {text}")
 
@@ -410,14 +410,14 @@ class Station:
 
 def role_powers(role: Role) -> list[str]:
     """Return what a role may order and see, in words of at most 79 columns."""
-    own = (
+    own_orders = (
         "everything"
         if role is INSTRUCTOR_ROLE
         else ", ".join(sorted(role.commands - COMMON_ORDERS))
     )
     seen = ", ".join((*role.channels, EVENTS_CHANNEL))
-    told = f"you may order {own or 'nothing'}; you may see {seen}"
-    return textwrap.wrap(told, MAX_LINE_LETTERS)
+    text = f"you may order {own_orders or 'nothing'}; you may see {seen}"
+    return textwrap.wrap(text, MAX_LINE_LETTERS)
 
 
 class Reception(Protocol):

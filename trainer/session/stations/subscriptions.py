@@ -248,9 +248,9 @@ class Subscriptions:
 
         None if it was not sent.
         """
-        found = self._subscriptions.get(channel)
+        entry = self._subscriptions.get(channel)
         self.end(*(() if channel == EVENTS_CHANNEL else (channel,)))
-        return (found[0].rate, found[1]) if found else None
+        return (entry[0].rate, entry[1]) if entry else None
 
     def end(self, *channels: str) -> None:
         """Unsubscribe channels."""
@@ -268,11 +268,11 @@ class Subscriptions:
 
     def cancel(self, given: str) -> Reply:
         """Carry out the order to send a channel, or ``all``, no more."""
-        there = self.channels
-        if given not in (*there, "all"):
-            named = ", ".join(there) or "nothing"
+        channels = self.channels
+        if given not in (*channels, "all"):
+            named = ", ".join(channels) or "nothing"
             return Refused(f"{given} is not subscribed here; there is {named}")
-        ended = there if given == "all" else (given,)
+        ended = channels if given == "all" else (given,)
         self.end(*ended)
         return f"no more {', '.join(ended)}" if ended else "nothing was subscribed"
 
@@ -287,8 +287,10 @@ def unknown_channel(channel: str, role: Role) -> str:
     """Return why there is no such channel, naming the nearest that ``role`` has. "" if there is."""
     if channel in (*CHANNELS, TELETYPE_CHANNEL, EVENTS_CHANNEL):
         return ""
-    there = (*role.channels, EVENTS_CHANNEL)
-    return f"no channel {channel}{nearest(channel, there) or '; there is ' + ', '.join(there)}"
+    channels = (*role.channels, EVENTS_CHANNEL)
+    return (
+        f"no channel {channel}{nearest(channel, channels) or '; there is ' + ', '.join(channels)}"
+    )
 
 
 def why_barred(channel: str, role: Role) -> str | None:

@@ -78,8 +78,8 @@ class MonotonicClock:
     def wait_until(self, deadline: int, wake: threading.Event) -> int:
         """Return the time [ns] once ``deadline`` is past, 0 if ``wake`` is set before."""
         now, woken = self.now, wake.is_set
-        while (left := deadline - SPIN_TIME_NS - now()) > 0:
-            if wake.wait(min(left, MAX_NAP_NS) / SECOND_NS):
+        while (remaining := deadline - SPIN_TIME_NS - now()) > 0:
+            if wake.wait(min(remaining, MAX_NAP_NS) / SECOND_NS):
                 return reached if (reached := now()) >= deadline else 0
         while (reached := now()) < deadline:
             if woken():

@@ -246,25 +246,27 @@ class Timekeeping:
         SlipJudge are told once as long as they follow each other. Where ticks take longer than the
         clock gives them, the speed falls to what the machine holds.
         """
-        told = []
+        messages = []
         for event in events:
             if event.what is not PacerEventKind.SLIPPED:
-                told.append(("trouble", str(event)))
+                messages.append(("trouble", str(event)))
                 continue
             mark = LedgerMark(self.clock.now(), self.ledger.ticks, self.ledger.overruns)
             if self.slips.begin(mark):
-                told.append(("trouble", str(event)))
+                messages.append(("trouble", str(event)))
             elif cost := self.slips.cost(mark):
-                told.append(("time", self._fall(cost)))
-        return told
+                messages.append(("time", self._fall(cost)))
+        return messages
 
     def _fall(self, cost: float) -> str:
         """Let time go no faster than ticks that cost so much [ns] allow; return it in words."""
-        asked, before = self.speed, self.fallen_from or self.speed
+        asked_speed, before = self.speed, self.fallen_from or self.speed
         held = TICK_SHARE * float(self.ledger.step) * SECOND_NS / cost
-        self.change(max(float(f"{min(held, TICK_SHARE * asked):.2g}"), MIN_TIME_SPEED))
+        self.change(max(float(f"{min(held, TICK_SHARE * asked_speed):.2g}"), MIN_TIME_SPEED))
         self.fallen_from = before
-        return f"time x{asked:g} is more than this machine holds: x{self.speed:g} from here on"
+        return (
+            f"time x{asked_speed:g} is more than this machine holds: x{self.speed:g} from here on"
+        )
 
     def _attend(self) -> None:
         """Ask for it where time is kept; as fast as it goes needs no precedence over others."""
