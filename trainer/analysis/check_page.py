@@ -143,11 +143,13 @@ def render(report: CheckReport) -> str:
         *_hull(report),
         *_modes(report),
         *_steps(report),
-        *("", "AFLOAT (at the lightest)"),
+        "",
+        "AFLOAT (at the lightest)",
         f"{INDENT}periods                 {periods}",
         f"{INDENT}steps are divided       {parts}",
         *(wrap(cut_off) if report.clipped else []),
         *_turn_lines(report.turn),
-        *("", "All steps above are stable." if report.stable else verdict),
+        "",
+        "All steps above are stable." if report.stable else verdict,
     ]
     return "\n".join(lines)

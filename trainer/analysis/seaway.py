@@ -47,8 +47,12 @@ MAX_WAVE_DEPTH: Final = 3.0  # [-] depth times the peak's number, beyond which l
 HIGHEST_WAVE_RATIO: Final = 1.86  # [-] of the significant height: sqrt(ln 1000/2), Rayleigh's
 FREQUENCY_GRID: Final = np.linspace(0.25, 12.0, 20_001)  # [-] of integrals over frequency
 DEPTH_HEADS: Final = (
-    *("depth\n[m]", "swell\n[m/s]", "suction\n[N]"),
-    *("water\n[kg]", "less by\n[N/m]", "doubles\n[s]"),
+    "depth\n[m]",
+    "swell\n[m/s]",
+    "suction\n[N]",
+    "water\n[kg]",
+    "less by\n[N/m]",
+    "doubles\n[s]",
 )
 
 

@@ -39,15 +39,25 @@ if TYPE_CHECKING:
     from trainer.analysis.manoeuvres.page import ManoeuvreOptions, ManoeuvreReport
 
 BOAT_OPTIONS: Final = (
-    *("equations", "rates", "trig", "integrator", "controls", "trim", "law"),
-    *("depth", "sea", "seed"),
+    "equations",
+    "rates",
+    "trig",
+    "integrator",
+    "controls",
+    "trim",
+    "law",
+    "depth",
+    "sea",
+    "seed",
 )
+# fmt: off
 MANOEUVRE_NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load the core
-    *("meander", "overshoot", "turn", "climbing-turn", "acceleration", "utmost-acceleration"),
-    *("trim", "impulse", "rudder-impulse", "turning-circle", "zigzag-10", "zigzag-20"),
-    *("pull-out", "spiral", "reverse-spiral", "vertical-zigzag", "crash-stop", "backing"),
-    *("roll-decay", "out-of-balance", "plane-jam", "rudder-jam"),
+    "meander", "overshoot", "turn", "climbing-turn", "acceleration", "utmost-acceleration",
+    "trim", "impulse", "rudder-impulse", "turning-circle", "zigzag-10", "zigzag-20",
+    "pull-out", "spiral", "reverse-spiral", "vertical-zigzag", "crash-stop", "backing",
+    "roll-decay", "out-of-balance", "plane-jam", "rudder-jam",
 )
+# fmt: on
 ANGLE_DEG: Final = Number(0.0, 90.0)
 DURATION_S: Final = Number(1.0, 1e5)
 PARAMETER_OPTIONS: Final = combine_options(

@@ -14,13 +14,19 @@ if TYPE_CHECKING:
 SHIP_KERNELS: Final = "boat/ship", "identify/kernels"
 SHIP_KERNELS_TEXT: Final = "the kernels of ships, once (some 20 s)"
 SHIP_MODELS: Final = ("linear", "mavmm", "abkowitz", "mmg")
+# fmt: off
 LINEAR_FIT_OPTIONS: Final = (  # options that these models do not know
-    *("vessel", "length", "knots", "channels", "noise", "method", "exact", "armax", "most"),
-    *("against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel"),
-    *("simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject"),
+    "vessel", "length", "knots", "channels", "noise", "method", "exact", "armax", "most",
+    "against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel",
+    "simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject",
 )
+# fmt: on
 BOAT_RECORD_OPTIONS: Final = (  # options of experiments that ships do not know
-    *("depth", "periods", "by", "sea", "write"),
+    "depth",
+    "periods",
+    "by",
+    "sea",
+    "write",
 )
 SEQUENCE_OPTIONS: Final = ("bits", "hold", "seed")  # options that need an amplitude
 

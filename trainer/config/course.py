@@ -35,7 +35,10 @@ def lesson(name: str) -> Lesson:
     place = float(table.get("lesson", math.inf))
     length = table.get("duration_s")
     return Lesson(
-        *(place, name, str(table["name"]), str(table["briefing"])),
+        place,
+        name,
+        str(table["name"]),
+        str(table["briefing"]),
         seconds=None if length is None else float(length),
         hand=tuple(map(str, table.get("hand", ()))),
         vessel=str(table.get("vessel", STANDARD_VESSEL)),

@@ -1,5 +1,6 @@
 """An exercise from its file, checked at load. What it leaves out is as in a run without one."""
 
+# long: one file format, with its tables and their readers
 import hashlib
 import math
 from collections.abc import Mapping
@@ -68,8 +69,15 @@ MANNED_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an o
     "pitch": ("planes", "ballast"),
 }
 EXERCISE_TABLES: Final = (
-    *("initial", "sea", "orders", "casualties", "limits", "scores", "stated"),
-    *(*CREW_TABLES, *WORLD_READERS),
+    "initial",
+    "sea",
+    "orders",
+    "casualties",
+    "limits",
+    "scores",
+    "stated",
+    *CREW_TABLES,
+    *WORLD_READERS,
 )
 TIMED_KEYS: Final = {  # what is settled before the run, as when has no time yet
     **dict.fromkeys(("within_s", "one_of"), "goes with at_s"),

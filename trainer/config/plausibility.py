@@ -343,8 +343,8 @@ def wave_strip_remarks(
             )
         if abs(_centre(table.x_m, strip_values) - arm) > STRIP_ADDED * hull.length:
             remarks.append(
-                f"{name}: the centre is at x = {_centre(table.x_m, strip_values):.3g} m, by {moment} "
-                f"it is at {arm:.3g} m"
+                f"{name}: the centre is at x = {_centre(table.x_m, strip_values):.3g} m, "
+                f"by {moment} it is at {arm:.3g} m"
             )
     return remarks
 

@@ -43,11 +43,13 @@ from trainer.config.words import SHIP_FILE_SCHEMA
 SHIP_SCHEMA: Final = SHIP_FILE_SCHEMA
 MAX_LENGTH_M: Final = 500.0  # [m] the longest ship is shorter
 UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
+# fmt: off
 SHIP_CHANNELS: Final = (
-    *("t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading"),
-    *("north_velocity", "east_velocity", "wind_speed", "wind_from"),
-    *("wind_ahead", "wind_starboard", "roll", "roll_rate"),
+    "t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading",
+    "north_velocity", "east_velocity", "wind_speed", "wind_from",
+    "wind_ahead", "wind_starboard", "roll", "roll_rate",
 )
+# fmt: on
 MAX_ROWS: Final = 100  # of a covariance, for editors
 NUMBER_LIMITS: Final = within(-1e9, 1e9)
 ROLL_GYRATION_BEAMS: Final = 0.38  # [-] of the beam: radius of gyration in roll, with the water
@@ -191,7 +193,7 @@ def parse_ship(text: str, path: Path) -> ShipFile:
 def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
     """Return the ship in the tables of the file ``path``; ConfigError with all faults."""
     place = Place(path.name, "")
-    known = ("schema", "name", *SHIP_TABLES, "columns", *("coefficients", "covariance", "ranges"))
+    known = ("schema", "name", *SHIP_TABLES, "columns", "coefficients", "covariance", "ranges")
     problems = [
         place.wrong(key, value, f"no such key{nearest(key, known)}")
         for key, value in table.items()

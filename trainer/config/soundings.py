@@ -24,8 +24,14 @@ Numbers = NDArray[np.float64]
 MAX_CELLS: Final = 4_000_000  # at most
 MAX_FILE_BYTES: Final = 100_000_000  # of a file, at most
 GRID_KEYWORDS: Final = (
-    *("ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter"),
-    *("cellsize", "nodata_value"),
+    "ncols",
+    "nrows",
+    "xllcorner",
+    "xllcenter",
+    "yllcorner",
+    "yllcenter",
+    "cellsize",
+    "nodata_value",
 )
 DEFAULT_NODATA_VALUE: Final = -9999.0  # at a sample without a value, where the file names no other
 HEADER_LINE: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")

@@ -52,8 +52,18 @@ TEXT_UNITS: Final[Mapping[str, tuple[str, float]]] = {
     "t": ("mass", 1000.0),
 }
 SMALL_NUMBERS: Final = (
-    *("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"),
-    *("eleven", "twelve"),
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
 )
 NUMBER_WORDS: Final[Mapping[str, float]] = {
     **dict.fromkeys(("half", "half a", "half an"), 0.5),

@@ -56,8 +56,20 @@ UNIT_SPELLINGS: Final = (  # of units, and ours
     (re.compile("s-1$"), "/s"),
 )
 HEADING_UNITS: Final = (
-    *("s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn"),
-    *("1/s", "rps", "rpm"),
+    "s",
+    "ms",
+    "min",
+    "h",
+    "rad",
+    "deg",
+    "rad/s",
+    "deg/s",
+    "deg/min",
+    "m/s",
+    "kn",
+    "1/s",
+    "rps",
+    "rpm",
 )
 Rows = list[tuple[int, list[str]]]
 

@@ -75,8 +75,21 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
         Layout(
             "instructor",
             (
-                *("time", "gauges", "steering", "engine", "diving", "tanks", "air", "valves"),
-                *("sea", "current", "casualties", "contacts", "ledger", "orders", "motion"),
+                "time",
+                "gauges",
+                "steering",
+                "engine",
+                "diving",
+                "tanks",
+                "air",
+                "valves",
+                "sea",
+                "current",
+                "casualties",
+                "contacts",
+                "ledger",
+                "orders",
+                "motion",
             ),
             charts_named("motion", "depth", "heading", "speed", "stern", "rudder", "pitch"),
             (

@@ -22,7 +22,11 @@ from typing import Any
 _FOLDER_PREFIX = "submarine-trainer-"
 _PRIVATE_PREFIX = "trainer-private-"
 KERNEL_FOLDERS = (  # folders that have any
-    *("core", "boat/ship", "identify/kernels", "analysis/fleet", "analysis/sweep"),
+    "core",
+    "boat/ship",
+    "identify/kernels",
+    "analysis/fleet",
+    "analysis/sweep",
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
 SAME_BITS: frozenset[str] = frozenset()

@@ -23,8 +23,15 @@ EXPONENTIAL_COEFFICIENTS: Final = np.array([1.0 / math.factorial(k) for k in ran
 ARCTANGENT_COEFFICIENTS: Final = np.array([(-1.0) ** k / (2 * k + 1) for k in range(7, 0, -1)])
 ARCTANGENT_EIGHTHS: Final = np.array(  # arctan k/8, to the nearest double
     [
-        *(0.0, 0.12435499454676144, 0.24497866312686414, 0.35877067027057225, 0.4636476090008061),
-        *(0.5585993153435624, 0.6435011087932844, 0.7188299996216245, 0.7853981633974483),
+        0.0,
+        0.12435499454676144,
+        0.24497866312686414,
+        0.35877067027057225,
+        0.4636476090008061,
+        0.5585993153435624,
+        0.6435011087932844,
+        0.7188299996216245,
+        0.7853981633974483,
     ]
 )
 LOGARITHM_COEFFICIENTS: Final = np.array([1.0 / (2 * k + 1) for k in range(10, 0, -1)])

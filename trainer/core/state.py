@@ -44,6 +44,7 @@ STRIP_ROWS: Final = 96  # wave numbers beside 0 at which their sums are tabulate
 MAX_CASUALTIES: Final = 8  # at a time
 VALVES: Final = ("forward", "mid", "aft", "negative")  # blow valves and vents have these
 
+# fmt: off
 STATE: Final = record_dtype(
     "tick",  # [-] ticks done since the start of the run
     ("motion", MOTION),
@@ -120,9 +121,9 @@ STATE: Final = record_dtype(
     (
         "water",  # [kg]
         [
-            *("water_forward", "water_mid", "water_aft", "water_negative"),
-            *("water_trim_forward", "water_trim_aft", "water_auxiliary", "water_depth_control"),
-            *("flood_forward", "flood_centre", "flood_aft"),
+            "water_forward", "water_mid", "water_aft", "water_negative",
+            "water_trim_forward", "water_trim_aft", "water_auxiliary", "water_depth_control",
+            "flood_forward", "flood_centre", "flood_aft",
         ],
     ),
     ("tank_air", ["air_forward", "air_mid", "air_aft", "air_negative"]),  # [kg]
@@ -143,8 +144,8 @@ STATE: Final = record_dtype(
     (
         "breach",  # [m2] holes
         [
-            *("leak_trim_forward", "leak_trim_aft", "leak_auxiliary", "leak_depth_control"),
-            *("breach_forward", "breach_centre", "breach_aft"),
+            "leak_trim_forward", "leak_trim_aft", "leak_auxiliary", "leak_depth_control",
+            "breach_forward", "breach_centre", "breach_aft",
         ],
     ),
     # [-] share of the rate lost
@@ -227,8 +228,8 @@ STATE: Final = record_dtype(
     (
         "current",  # of the water over ground: north = water_north + shear_north z
         [
-            *("water_north", "water_east"),  # [m/s]
-            *("shear_north", "shear_east"),  # [1/s]
+            "water_north", "water_east",  # [m/s]
+            "shear_north", "shear_east",  # [1/s]
         ],
     ),
     ("through", ["through_north", "through_east"]),  # [m/s] rates of place through the water
@@ -237,6 +238,7 @@ STATE: Final = record_dtype(
     "aground",  # [-] ticks for which it has
     ("ship_force", (6,)),  # [N] and [N m] of ships near
 )
+# fmt: on
 
 STATE_FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]
 

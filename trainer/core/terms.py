@@ -169,22 +169,26 @@ COEFFICIENTS: Final = tuple(term for term in TERM_TABLE if term.key not in THRUS
 LENGTH_POWERS: Final = {term.key: term.power for term in COEFFICIENTS}  # of the length
 
 # The compact set keeps these and the thrust rows, [ASSES] Table 18 with errata C18, C19.
+# fmt: off
 COMPACT_TERMS: Final = (
-    *("X_udot", "X_drdr", "X_dsds", "X_dbdb"),
-    *("Y_pdot", "Y_rdot", "Y_vdot", "Y_r", "Y_p", "Y_v", "Y_vav", "Y_dr"),
-    *("Z_qdot", "Z_wdot", "Z_q", "Z_w", "Z_star", "Z_ds", "Z_db", "Z_waw", "Z_vv", "Z_rr", "Z_vr"),
-    *("K_rdot", "K_pdot", "K_vdot", "K_p", "K_v", "K_vav"),
-    *("M_qdot", "M_wdot", "M_q", "M_w", "M_star", "M_awq", "M_waw", "M_ds", "M_db"),
-    *("M_rr", "M_vr", "M_vv", "M_rp"),
-    *("N_rdot", "N_pdot", "N_vdot", "N_r", "N_p", "N_v", "N_vav", "N_pq", "N_dr"),
+    "X_udot", "X_drdr", "X_dsds", "X_dbdb",
+    "Y_pdot", "Y_rdot", "Y_vdot", "Y_r", "Y_p", "Y_v", "Y_vav", "Y_dr",
+    "Z_qdot", "Z_wdot", "Z_q", "Z_w", "Z_star", "Z_ds", "Z_db", "Z_waw", "Z_vv", "Z_rr", "Z_vr",
+    "K_rdot", "K_pdot", "K_vdot", "K_p", "K_v", "K_vav",
+    "M_qdot", "M_wdot", "M_q", "M_w", "M_star", "M_awq", "M_waw", "M_ds", "M_db",
+    "M_rr", "M_vr", "M_vv", "M_rp",
+    "N_rdot", "N_pdot", "N_vdot", "N_r", "N_p", "N_v", "N_vav", "N_pq", "N_dr",
 )
+# fmt: on
 BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")  # the basic set leaves these out
 # A vessel file may also keep these; they are zero elsewhere.
+# fmt: off
 EXTRA_TERMS: Final = (
-    *("X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww"),
-    *("Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw"),
-    *("Z_pp", "Z_rp", "Z_vp"),
-    *("K_pap", "K_qr", "K_pq", "K_r", "K_vq", "K_wp", "K_wr", "K_vw", "K_star"),
-    *("M_pp", "M_qaq", "M_vp"),
-    *("N_rar", "N_avr", "N_qr", "N_wr", "N_wp", "N_vq", "N_vw"),
+    "X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww",
+    "Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw",
+    "Z_pp", "Z_rp", "Z_vp",
+    "K_pap", "K_qr", "K_pq", "K_r", "K_vq", "K_wp", "K_wr", "K_vw", "K_star",
+    "M_pp", "M_qaq", "M_vp",
+    "N_rar", "N_avr", "N_qr", "N_wr", "N_wp", "N_vq", "N_vw",
 )
+# fmt: on

@@ -23,8 +23,14 @@ PLANE_GAINS: Final = ("depth", "depth_rate", "pitch", "pitch_rate", "integral", 
 GAINS: Final = [
     *(f"stern_{name}" for name in PLANE_GAINS),
     *(f"bow_{name}" for name in PLANE_GAINS),
-    *("rudder_course", "rudder_yaw_rate", "rudder_sway", "rudder_integral"),
-    *("depth_rate", "depth_acceleration", "course_rate", "course_acceleration"),
+    "rudder_course",
+    "rudder_yaw_rate",
+    "rudder_sway",
+    "rudder_integral",
+    "depth_rate",
+    "depth_acceleration",
+    "course_rate",
+    "course_acceleration",
 ]
 # places in a row of gains: where those of a pair of planes begin, and from there on
 STERN_GAINS: Final = GAINS.index("stern_depth")
@@ -47,11 +53,13 @@ SLEW_RATE, SLEW_ACCELERATION = 0, 1
 
 SURFACE_DEPTHS, SURFACE_SPEEDS = 8, 6  # largest tables of the calm surface's effect
 
+# fmt: off
 BODY_NAMES: Final = [
-    *("rho", "g", "ell", "mass", "weight", "buoyancy"),
-    *("x_g", "y_g", "z_g", "x_b", "y_b", "z_b"),
-    *("I_x", "I_y", "I_z", "I_xy", "I_yz", "I_xz"),
+    "rho", "g", "ell", "mass", "weight", "buoyancy",
+    "x_g", "y_g", "z_g", "x_b", "y_b", "z_b",
+    "I_x", "I_y", "I_z", "I_xy", "I_yz", "I_xz",
 ]
+# fmt: on
 
 VESSEL: Final = record_dtype(
     # what every tick reads comes first: that makes the machine code shorter
@@ -146,7 +154,14 @@ def vessel_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
 
 
 COMPACT: Final = record_dtype(
-    *("rho", "g", "mass", "weight", "buoyancy", "eta_1", "eta_2", "eta_whole"),
+    "rho",
+    "g",
+    "mass",
+    "weight",
+    "buoyancy",
+    "eta_1",
+    "eta_2",
+    "eta_whole",
     *THRUST_KEYS,
     *(INVERTED_NAMES.get(name, name) for name in COMPACT_TERMS),
     "ZB",  # [N m] buoyancy times z_b

@@ -58,7 +58,15 @@ QUANTITY_CHARTS: Final = {  # where a quantity is drawn that has no chart of its
     "speed_over_ground": "speed",
 }
 CHART_NAMES: Final = (
-    *("depth", "clearance", "pitch", "stern", "bow", "course", "rudder", "speed", "air"),
+    "depth",
+    "clearance",
+    "pitch",
+    "stern",
+    "bow",
+    "course",
+    "rudder",
+    "speed",
+    "air",
 )
 ROW_HEIGHT_PX, TIMELINE_TOP_PX, TIMELINE_BOTTOM_PX = 20.0, 8.0, 24.0  # [px]
 LABEL_WIDTH_PX: Final = 24.0  # [px] that a label takes

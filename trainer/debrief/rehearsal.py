@@ -169,7 +169,14 @@ class Journal:
         answer = reply.reason if isinstance(reply, Refused) else reply
         number = len(self.entries) + 1
         entry = RecordedOrder(
-            *(number, 1, self.boat.ticks, giver, text, place, not refused, answer),
+            number,
+            1,
+            self.boat.ticks,
+            giver,
+            text,
+            place,
+            not refused,
+            answer,
             crew=NO_CREW_FACT if refused else fact,
         )
         self.entries.append(entry)

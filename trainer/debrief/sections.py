@@ -207,8 +207,13 @@ def _read_back(debrief: DebriefData, i: int, each: ReadBack) -> tuple[str, ...]:
     after = "-" if said is None else f"{(said.tick - order.tick) * debrief.step:g} s"
     by = by_whom(order.giver)
     return (
-        *(f"O{i}", each.told, format_moment(debrief, order.tick), by),
-        *("not repeated" if said is None else said.who, after, ", ".join(each.wrong) or "-"),
+        f"O{i}",
+        each.told,
+        format_moment(debrief, order.tick),
+        by,
+        "not repeated" if said is None else said.who,
+        after,
+        ", ".join(each.wrong) or "-",
         format_moment(debrief, each.carried_out),
     )
 
@@ -219,9 +224,17 @@ def scores(debrief: DebriefData) -> Markup:
     best = {each.name: each for card in cards for each in card.scores}
     judged = debrief.card.verdict is not None
     headings = [
-        *("", "measure", "value", *(("reference",) if best else ()), "full at", "none at", "marks"),
+        "",
+        "measure",
+        "value",
+        *(("reference",) if best else ()),
+        "full at",
+        "none at",
+        "marks",
         *(("nobody", "earned") if judged else ()),
-        *("weight", "place", "formula"),
+        "weight",
+        "place",
+        "formula",
     ]
     rows = (_score(debrief, i, each, best) for i, each in enumerate(debrief.card.scores, start=1))
     return table(headings, rows, "scores")
@@ -242,17 +255,17 @@ def _score(
         earned = (nobody, f"{each.rule.part} " if each.earned is None else f"{each.earned:.0f}")
     beside = (value_of(best[each.name]) if each.name in best else "-",) if best else ()
     return (
-        *(
-            f"S{i}",
-            each.name,
-            value,
-            *beside,
-            format_value(score.full),
-            format_value(score.zero),
-            marks,
-        ),
+        f"S{i}",
+        each.name,
+        value,
+        *beside,
+        format_value(score.full),
+        format_value(score.zero),
+        marks,
         *earned,
-        *(f"{each.rule.weight:g}", format_moment(debrief, attained.tick), each.formula),
+        f"{each.rule.weight:g}",
+        format_moment(debrief, attained.tick),
+        each.formula,
     )
 
 
@@ -278,7 +291,9 @@ def _casualty(debrief: DebriefData, i: int, each: CasualtyAnswer) -> tuple[str, 
         return f"{(tick - episode.begun) * debrief.step:g} s"
 
     return (
-        *(f"C{i}", episode.kind, format_moment(debrief, episode.begun)),
+        f"C{i}",
+        episode.kind,
+        format_moment(debrief, episode.begun),
         "at the end still there"
         if episode.ended is None
         else format_moment(debrief, episode.ended),

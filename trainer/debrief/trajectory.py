@@ -39,15 +39,17 @@ NEVER_S: Final = 1e18  # [s]
 CASUALTY_SLOTS: Final = tuple(f"casualty[{i}]" for i in range(MAX_CASUALTIES))
 CASUALTY_AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(MAX_CASUALTIES))
 # places of the state beside those that conditions are about
+# fmt: off
 PASSAGE_PLACES: Final = (
-    *("x", "y", "xdot", "ydot", "held_position"),
-    *("psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed"),
-    *("ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b"),
-    *("rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand"),
-    *("blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth"),
+    "x", "y", "xdot", "ydot", "held_position",
+    "psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed",
+    "ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b",
+    "rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand",
+    "blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth",
     *CASUALTY_SLOTS,
     *CASUALTY_AMOUNTS,
 )
+# fmt: on
 # what is ordered to the crew, and the tick after which it was; older recordings have none
 CREW_ORDERS: Final = {
     axis: (f"crew_{axis}", f"crew_order_tick[{i}]") for i, axis in enumerate(CREW_AXES)

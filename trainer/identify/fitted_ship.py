@@ -49,7 +49,14 @@ OPTION_CHOICES: Final = {
 }
 PRIOR_OPTIONS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
 LINEAR_FIT_OPTIONS: Final = (  # and those that ships that are not linear do not
-    *("length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed"),
+    "length",
+    "speed",
+    "vessel",
+    "outputs",
+    "noise",
+    "method",
+    "start",
+    "fixed",
 )
 MAX_PRIOR_STRENGTH: Final = 100.0  # of the prior's strengths, as on the command line
 OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]

@@ -95,10 +95,17 @@ def position_a(seen: PositionReport) -> list[Field]:
     """Return message 1, the position report of a ship with class A."""
     return [
         *_head(POSITION_A, seen.mmsi),
-        *((seen.status, 4), (rate_of_turn(seen.turning), 8), (_speed(seen.speed), 10), (0, 1)),
+        (seen.status, 4),
+        (rate_of_turn(seen.turning), 8),
+        (_speed(seen.speed), 10),
+        (0, 1),
         *_place(seen),
-        *((round(seen.heading) % 360, 9), (seen.second, 6)),
-        *((0, 2), (0, 3), (0, 1), (0, 19)),
+        (round(seen.heading) % 360, 9),
+        (seen.second, 6),
+        (0, 2),
+        (0, 3),
+        (0, 1),
+        (0, 19),
     ]
 
 
@@ -106,11 +113,22 @@ def position_b(seen: PositionReport) -> list[Field]:
     """Return message 18, the position report of a small ship with class B."""
     return [
         *_head(POSITION_B, seen.mmsi),
-        *((0, 8), (_speed(seen.speed), 10), (0, 1)),
+        (0, 8),
+        (_speed(seen.speed), 10),
+        (0, 1),
         *_place(seen),
-        *((round(seen.heading) % 360, 9), (seen.second, 6), (0, 2)),
+        (round(seen.heading) % 360, 9),
+        (seen.second, 6),
+        (0, 2),
         # carrier sense, no display, no selective calling, whole band, message 22, not assigned
-        *((1, 1), (0, 1), (0, 1), (1, 1), (1, 1), (0, 1), (0, 1), (0, 20)),
+        (1, 1),
+        (0, 1),
+        (0, 1),
+        (1, 1),
+        (1, 1),
+        (0, 1),
+        (0, 1),
+        (0, 20),
     ]
 
 
@@ -118,11 +136,21 @@ def static_a(ship: ShipParticulars) -> list[Field]:
     """Return message 5, name, kind and sizes of a ship with class A."""
     return [
         *_head(STATIC_A, ship.mmsi),
-        *((2, 2), (0, 30)),
-        *(*text(ship.call_sign, 7), *text(ship.name, 20), (ship.kind, 8)),
+        (2, 2),
+        (0, 30),
+        *text(ship.call_sign, 7),
+        *text(ship.name, 20),
+        (ship.kind, 8),
         *_sizes(ship),
-        *((1, 4), (0, 4), (0, 5), (24, 5), (60, 6)),
-        *((min(round(10.0 * ship.draught), 255), 8), *text("", 20), (0, 1), (0, 1)),
+        (1, 4),
+        (0, 4),
+        (0, 5),
+        (24, 5),
+        (60, 6),
+        (min(round(10.0 * ship.draught), 255), 8),
+        *text("", 20),
+        (0, 1),
+        (0, 1),
     ]
 
 

@@ -28,8 +28,28 @@ TIMING_COLUMNS: Final = {"lateness_ns": int, "work_ns": int}
 ORDER_COLUMNS: Final = {"who": str, "text": str, "place": int, "accepted": bool, "answer": str}
 EVENT_COLUMNS: Final = {"wall": str, "kind": str, "who": str, "text": str}
 MOTION_COLUMNS: Final = (
-    *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
-    *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
+    "tick",
+    "t",
+    "u",
+    "v",
+    "w",
+    "p",
+    "q",
+    "r",
+    "x",
+    "y",
+    "z",
+    "phi",
+    "theta",
+    "psi",
+    "delta_r",
+    "delta_s",
+    "delta_b",
+    "u_c",
+    "weight",
+    "x_g",
+    "z_g",
+    "eta_wave",
     "validity",
 )
 
@@ -95,8 +115,15 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
     """Return one row for each order; `place` is that in the schedule of the exercise."""
     rows = (
         (
-            *(order.id, order.branch, order.tick, order.tick * layout.step),
-            *(order.who, order.text, order.place, order.accepted, order.answer),
+            order.id,
+            order.branch,
+            order.tick,
+            order.tick * layout.step,
+            order.who,
+            order.text,
+            order.place,
+            order.accepted,
+            order.answer,
         )
         for order in recording.orders(branch)
     )

@@ -12,8 +12,15 @@ from trainer.config.files import ConfigError
 from trainer.io.atomic_write import replacing
 
 BROWSER_NAMES: Final = (
-    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
-    *("microsoft-edge", "microsoft-edge-stable", "msedge", "chromium-headless-shell"),
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "microsoft-edge-stable",
+    "msedge",
+    "chromium-headless-shell",
 )
 
 
@@ -79,7 +86,10 @@ def _print(browser: str, html: Path, pdf: Path) -> str:
     confined = hasattr(os, "geteuid") and os.geteuid() != 0  # a browser's sandbox refuses root
     words = [
         browser,
-        *("--headless", "--disable-gpu", "--no-pdf-header-footer", "--no-first-run"),
+        "--headless",
+        "--disable-gpu",
+        "--no-pdf-header-footer",
+        "--no-first-run",
         *(() if confined or sys.platform == "win32" else ("--no-sandbox",)),
         f"--user-data-dir={pdf.parent / 'profile'}",
         f"--print-to-pdf={pdf}",

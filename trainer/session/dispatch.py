@@ -159,8 +159,13 @@ def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
 
 
 ORDER_GATES: Final[Sequence[Gate]] = (
-    *(command_gate, quit_gate, visitor_gate),
-    *(lost_gate, end_gate, hand_gate, replay_gate),
+    command_gate,
+    quit_gate,
+    visitor_gate,
+    lost_gate,
+    end_gate,
+    hand_gate,
+    replay_gate,
 )
 
 

@@ -183,13 +183,12 @@ class History:
 
         return [
             Stretch(
-                *(
-                    branch.id,
-                    branch.parent,
-                    branch.tick * step,
-                    self.flown.last_tick(branch.id) * step,
-                ),
-                *(branch.why or "the start", branch.id == present),
+                branch.id,
+                branch.parent,
+                branch.tick * step,
+                self.flown.last_tick(branch.id) * step,
+                branch.why or "the start",
+                branch.id == present,
             )
             for branch in self.recording.branches()
         ]

@@ -133,7 +133,11 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
     files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
     barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
     prepared = PreparedRun(
-        *(plan, boat, History(boat, recording), str(path or ""), begun),
+        plan,
+        boat,
+        History(boat, recording),
+        str(path or ""),
+        begun,
         NextExercises(problem_with(load_exercise), barred),
     )
     try:
@@ -241,7 +245,10 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
             briefing,
         )
         session = Session(
-            *(boat, time, history, sending),
+            boat,
+            time,
+            history,
+            sending,
             Agenda(boat, plan.schedule, plan.armed),
             crew_talk(plan, boat),
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),

@@ -41,8 +41,14 @@ class Session(Parts):
     def __post_init__(self, introduction: Introduction) -> None:
         super().__post_init__()
         self.attendance = Attendance(
-            *(self.event_log, self.history, self.conduct, self.crew, self.agenda),
-            *(introduction, self.wake, self._hear),
+            self.event_log,
+            self.history,
+            self.conduct,
+            self.crew,
+            self.agenda,
+            introduction,
+            self.wake,
+            self._hear,
         )
         questions = Questions(self.history, self.event_log, self.agenda, self.shown)
         briefing: Mapping[str, Duty] = {"briefing": self.attendance.brief}

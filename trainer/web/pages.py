@@ -95,49 +95,51 @@ class Page:
 
 
 MISSING_PAGE: Final = Page("missing", "There is no such page", "", "missing.html")
+# fmt: off
 PAGES: Final = (
     Page("", "Control room", "", "choice.html"),
     Page(
-        *("instructor", "Instructor", "instructor", "instructor.html"),
-        *(LEAD_GROUP, "Time, casualties and orders; looks back, judges, debriefs"),
+        "instructor", "Instructor", "instructor", "instructor.html",
+        LEAD_GROUP, "Time, casualties and orders; looks back, judges, debriefs",
     ),
     Page(
-        *("helm", "Helm", "helm", "steering.html"),
-        *(CREW_GROUP, "Steers the course and orders the engine"),
+        "helm", "Helm", "helm", "steering.html",
+        CREW_GROUP, "Steers the course and orders the engine",
     ),
     Page(
-        *("planes", "Planes", "planes", "steering.html"),
-        *(CREW_GROUP, "Keeps depth and angle with bow and stern planes"),
+        "planes", "Planes", "planes", "steering.html",
+        CREW_GROUP, "Keeps depth and angle with bow and stern planes",
     ),
     Page(
-        *("pilot", "Pilot", "pilot", "steering.html"),
-        *(CREW_GROUP, "Helm and planes, worked by one person"),
+        "pilot", "Pilot", "pilot", "steering.html",
+        CREW_GROUP, "Helm and planes, worked by one person",
     ),
     Page(
-        *("ballast", "Ballast", "ballast", "ballast.html"),
-        *(CREW_GROUP, "Tanks, pumps, valves and air"),
+        "ballast", "Ballast", "ballast", "ballast.html",
+        CREW_GROUP, "Tanks, pumps, valves and air",
     ),
     Page(
-        *("diving", "Diving officer", "diving", "diving.html"),
-        *(CREW_GROUP, "Orders planes and ballast, and keeps the boat in trim"),
+        "diving", "Diving officer", "diving", "diving.html",
+        CREW_GROUP, "Orders planes and ballast, and keeps the boat in trim",
     ),
     Page(
-        *("scope", "Periscope", "scope", "scope.html"),
-        *(CREW_GROUP, "Looks round, takes bearings and ranges, marks contacts"),
+        "scope", "Periscope", "scope", "scope.html",
+        CREW_GROUP, "Looks round, takes bearings and ranges, marks contacts",
     ),
     Page(
-        *("observer", "Observer", "observer", "observer.html"),
-        *(WATCH_GROUP, "All instruments, no controls; marks moments"),
+        "observer", "Observer", "observer", "observer.html",
+        WATCH_GROUP, "All instruments, no controls; marks moments",
     ),
     Page(
-        *("wall", "Wall", "observer", "wall.html"),
-        *(WATCH_GROUP, "A large screen that everybody looks at"),
+        "wall", "Wall", "observer", "wall.html",
+        WATCH_GROUP, "A large screen that everybody looks at",
     ),
     Page(
-        *("kiosk", "Kiosk", "visitor", "kiosk.html"),
-        *(WATCH_GROUP, "For visitors: one lever, three minutes"),
+        "kiosk", "Kiosk", "visitor", "kiosk.html",
+        WATCH_GROUP, "For visitors: one lever, three minutes",
     ),
 )
+# fmt: on
 
 
 @cache

@@ -28,13 +28,15 @@ EXPORTED_NAME: Final = re.compile(
 REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER_SCRIPT: Final = "js/tab/worker.js"
 # orders that such a page takes, beside those that only write numbers
+# fmt: off
 TAB_ORDERS: Final = frozenset(
     (
-        *("sea", "casualty", "clear", "casualties", "freeze", "run", "step", "time", "snapshot"),
-        *("snapshots", "restore", "reset", "backtrack", "replay", "take", "branches", "branch"),
-        *("mark", "log", "status", "history"),
+        "sea", "casualty", "clear", "casualties", "freeze", "run", "step", "time", "snapshot",
+        "snapshots", "restore", "reset", "backtrack", "replay", "take", "branches", "branch",
+        "mark", "log", "status", "history",
     )
 )
+# fmt: on
 TAB_NOTE: Final = (
     "A boat in a file: it is flown by this page alone. "
     "Marks are not judged here; nothing is sent or kept."

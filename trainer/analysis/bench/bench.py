@@ -223,7 +223,8 @@ def render(figures: BenchFigures) -> str:
         *wrap(figures.vessel, "", INDENT),
         *wrap(
             f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors",
-            *("", INDENT),
+            "",
+            INDENT,
         ),
         *wrap(f"{machine.system}, {versions}", "", INDENT),
         *_real_time(figures.real_time),
@@ -231,11 +232,14 @@ def render(figures: BenchFigures) -> str:
         f"  with a sea, tanks at work and six casualties {figures.troubled.troubled.median_ns:.0f}",
         f"  ({figures.troubled.times_the_calm:.2f} times the calm one)",
         *_session_cost(figures.attended),
-        *("", f"ORDERS OVER TCP (five subscribers, time x{TIME_SPEED:g}: a tick each {period})"),
+        "",
+        f"ORDERS OVER TCP (five subscribers, time x{TIME_SPEED:g}: a tick each {period})",
         head("  [us]", 16),
         row("  reply", latency.reply, 16),
         f"    {latency.orders} orders; from order to effect: {effect}",
-        *("", "RECORDS", f"  {'':<14}{'bytes':>8}{'16-bit words':>14}"),
+        "",
+        "RECORDS",
+        f"  {'':<14}{'bytes':>8}{'16-bit words':>14}",
         *(
             f"  {name:<14}{size.bytes:>8}{size.words_of_16_bits:>14}"
             for name, size in figures.sizes.items()
@@ -292,7 +296,10 @@ def _session_cost(attended: SessionTickCost) -> list[str]:
     """Return what a tick of the session costs, by what attends to it."""
     names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
     costs = (
-        *(attended.boat, attended.bare, attended.recorded, attended.subscribed),
+        attended.boat,
+        attended.bare,
+        attended.recorded,
+        attended.subscribed,
         attended.csv_row,
     )
     return [

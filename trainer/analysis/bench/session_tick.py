@@ -53,8 +53,13 @@ def session_of(
     keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
     publisher = Publisher(Roster(StateReader(boat, keeping.ledger.summary)))
     session = Session(
-        *(boat, keeping, History(boat, recording), publisher),
-        *(Agenda(boat), CrewTalk(boat), Monitors.over(boat, LimitMonitor())),
+        boat,
+        keeping,
+        History(boat, recording),
+        publisher,
+        Agenda(boat),
+        CrewTalk(boat),
+        Monitors.over(boat, LimitMonitor()),
     )
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:

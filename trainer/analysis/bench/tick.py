@@ -23,8 +23,12 @@ BATCH_NS: Final = 10_000_000  # [ns] a batch takes at least; the clock resolves 
 STANDARD_METHOD: Final = ("modified", "lagged", "adams2")
 SEA_NAME: Final = "sea-state-5"
 CASUALTY_KINDS: Final = (
-    *("rudder-slow", "stern-slow", "bow-slow"),
-    *("depth-gauge-noisy", "gyro-biased", "log-noisy"),
+    "rudder-slow",
+    "stern-slow",
+    "bow-slow",
+    "depth-gauge-noisy",
+    "gyro-biased",
+    "log-noisy",
 )
 
 

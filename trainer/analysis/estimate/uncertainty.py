@@ -39,11 +39,13 @@ TWIN_COEFFICIENTS: Final = {
     "Y_pdot": "K_vdot",
     "N_pdot": "K_rdot",
 }
+# fmt: off
 FIXED_SIGN_COEFFICIENTS: Final = (  # damping, added mass and control effect never change their sign
-    *("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot"),
-    *("Y_v", "N_r", "Z_w", "M_q", "K_p", "K_pap", "Y_vav", "Z_waw", "N_rar", "M_qaq"),
-    *("Y_dr", "N_dr", "Z_ds", "M_ds", "Z_db", "M_db"),
+    "X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot",
+    "Y_v", "N_r", "Z_w", "M_q", "K_p", "K_pap", "Y_vav", "Z_waw", "N_rar", "M_qaq",
+    "Y_dr", "N_dr", "Z_ds", "M_ds", "Z_db", "M_db",
 )
+# fmt: on
 MIN_REMAINING_SHARE: Final = 0.1  # of the estimate is left of them
 CONSTANT_NUDGE: Final = 1e-3  # of the logarithm of a constant
 SMALL_CRAFT_LENGTH_M: Final = 5.0  # [m] below it openings count

@@ -34,11 +34,13 @@ SET_METHODS: Final = {  # equation set: accelerations, integrator
     "basic": ("lagged", "adams2"),
 }
 # at the boat's own speed or from rest, each to both sides or up and down
+# fmt: off
 ONE_SPEED_MANOEUVRES: Final = (
-    *("climbing-turn", "acceleration", "utmost-acceleration", "impulse", "rudder-impulse"),
-    *("turning-circle", "zigzag-10", "zigzag-20", "pull-out", "spiral", "reverse-spiral"),
-    *("vertical-zigzag", "crash-stop", "backing", "roll-decay", "plane-jam", "rudder-jam"),
+    "climbing-turn", "acceleration", "utmost-acceleration", "impulse", "rudder-impulse",
+    "turning-circle", "zigzag-10", "zigzag-20", "pull-out", "spiral", "reverse-spiral",
+    "vertical-zigzag", "crash-stop", "backing", "roll-decay", "plane-jam", "rudder-jam",
 )
+# fmt: on
 TWO_SIDED_MANOEUVRES: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
 SHALLOW_MANOEUVRES: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
 SHALLOW_DEPTH_DIAMETERS: Final = (

@@ -25,8 +25,23 @@ from trainer.core.propulsion import answer_telegraph
 from trainer.core.update import lost, outside
 
 BOAT_COLUMNS: Final = (
-    *("t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
-    *("delta_r", "delta_s", "delta_b", "u_c"),
+    "t",
+    "u",
+    "v",
+    "w",
+    "p",
+    "q",
+    "r",
+    "x",
+    "y",
+    "z",
+    "phi",
+    "theta",
+    "psi",
+    "delta_r",
+    "delta_s",
+    "delta_b",
+    "u_c",
 )
 CONTROL_SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
 DEPTH_LAWS: Final = {"trainer": OWN_LAW, "report": REPORT_LAW, "literal": REPORT_LITERAL}

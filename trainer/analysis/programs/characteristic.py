@@ -359,8 +359,13 @@ def surface_lines(depth: float | None, surface: Iterable[SurfaceForces]) -> list
     if depth is None:
         return []
     heads = (
-        *("speed\n[kn]", "Z_star\nx 1000", "M_star\nx 1000", "Z\n[kN]", "M\n[kN m]"),
-        *("dZ_star/dz\n[1e-3/m]", "dM_star/dz\n[1e-3/m]"),
+        "speed\n[kn]",
+        "Z_star\nx 1000",
+        "M_star\nx 1000",
+        "Z\n[kN]",
+        "M\n[kN m]",
+        "dZ_star/dz\n[1e-3/m]",
+        "dM_star/dz\n[1e-3/m]",
     )
     rows = [
         (
@@ -392,7 +397,8 @@ def render(report: ModesReport) -> str:
         cubic = len(speed.vertical.polynomial) == 4
         down = "cubic in s" if cubic else "with depth, quartic in s"
         lines += [
-            *("", f"{speed.speed_kn:.4g} kn"),
+            "",
+            f"{speed.speed_kn:.4g} kn",
             *_motion_lines(
                 f"vertical plane, EC140: {down}, highest power first [SI]", speed.vertical
             ),

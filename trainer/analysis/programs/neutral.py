@@ -348,7 +348,9 @@ def render(report: NeutralReport) -> str:
         report.vessel,
         *(line for text in report.remarks for line in wrap("remark: " + text)),
         *surface_lines(report.depth_m, report.surface),
-        *("", "CRITICAL SPEEDS (a plane below its own reverses its effect on depth)", *critical),
+        "",
+        "CRITICAL SPEEDS (a plane below its own reverses its effect on depth)",
+        *critical,
         *titled_table(
             "NEUTRAL ANGLES (EC470: one pair of planes, the other at zero)",
             ANGLE_HEADS,

@@ -21,14 +21,30 @@ from trainer.units import KNOT
 # What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a
 # boat without rudder drag would pass many a test.
 CONTROL_COEFFICIENTS: Final = (
-    *("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),
+    "X_drdr",
+    "X_dsds",
+    "X_dbdb",
+    "Y_dr",
+    "Z_ds",
+    "Z_db",
+    "M_ds",
+    "M_db",
+    "N_dr",
 )
 FIXED_COEFFICIENTS: Final = ("X_dbdb", "Z_db", "M_db")
 # Those that couple roll with sway and yaw may go: by accelerations of the last cycle they drive a
 # roll that nothing else damps.
 ADDED_MASSES: Final = (
-    *("X_udot", "Y_vdot", "Y_rdot", "Z_wdot", "Z_qdot"),
-    *("K_pdot", "M_wdot", "M_qdot", "N_vdot", "N_rdot"),
+    "X_udot",
+    "Y_vdot",
+    "Y_rdot",
+    "Z_wdot",
+    "Z_qdot",
+    "K_pdot",
+    "M_wdot",
+    "M_qdot",
+    "N_vdot",
+    "N_rdot",
 )
 MAX_DIFFERENCE: Final = 10.0  # [-] a difference beyond this counts as this
 

@@ -57,7 +57,11 @@ TARGET_TRIPLE: Final = "wasm32-unknown-unknown"
 WASM_FEATURES: Final = "+bulk-memory,+bulk-memory-opt"  # in every browser since 2021
 LINKER_NAME: Final = "wasm-ld"
 LINKER_OPTIONS: Final = (
-    *("--no-entry", "--strip-all", "--no-check-features", "-z", "stack-size=65536"),
+    "--no-entry",
+    "--strip-all",
+    "--no-check-features",
+    "-z",
+    "stack-size=65536",
     "--initial-memory=262144",
 )
 INSTALL_HINT: Final = (

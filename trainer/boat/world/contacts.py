@@ -274,13 +274,15 @@ def _seen(ship: Ship, row: Sequence[float]) -> ContactState:
     """Return a ship as it is looked at, by its numbers in the order of a situation."""
     kind = ship.type
     north, east, course, speed, heading, turning = row
+    # fmt: off
     return ContactState(
-        *(ship.name, ship.kind, ship.status),
-        *(north, east, course % math.tau, speed, heading % math.tau, turning),
-        *(kind.length, kind.beam, kind.draught, kind.height, kind.mast),
+        ship.name, ship.kind, ship.status,
+        north, east, course % math.tau, speed, heading % math.tau, turning,
+        kind.length, kind.beam, kind.draught, kind.height, kind.mast,
         lights=lights_of(ship.kind, ship.status),
         mmsi=ship.mmsi,
     )
+    # fmt: on
 
 
 def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str:

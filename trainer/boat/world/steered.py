@@ -83,7 +83,10 @@ class SteeredContact:
         """Return the ship steered otherwise from a time [s] on; None: as before."""
         now = self.at(time)
         return SteeredContact(
-            *(self.ship, self.step, max(time, self.begins), now),
+            self.ship,
+            self.step,
+            max(time, self.begins),
+            now,
             self.ordered if course is None else course,
             self.ordered_speed if speed is None else speed,
         )
@@ -140,7 +143,13 @@ class SteeredNomoto:
         after = self._motion.after(here, 0.5 * (now.rudder + rudder), clock * h)
         turning = after.turning * faster / self._motion.speed
         return SteeredState(
-            *(after.north, after.east, after.course, faster, turning, after.lag, rudder),
+            after.north,
+            after.east,
+            after.course,
+            faster,
+            turning,
+            after.lag,
+            rudder,
         )
 
     def _rudder_rate(self, now: SteeredState, ordered: float, clock: float, h: float) -> float:

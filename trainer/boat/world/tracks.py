@@ -99,7 +99,8 @@ def situation(pieces: Numbers, time: float | Numbers) -> Situation:
         course + 2.0 * half,
         now,
         now * curvature,
-        *(still, still),
+        still,
+        still,
     )
 
 

@@ -163,8 +163,11 @@ def sea(model: SessionModel) -> Line:
     carried = over_ground(model)
     now = now.replace(",", "") if carried else now  # both fit side by side
     return line(
-        *((" sea    ", "dim"), (now, "plain"), *over_sail(model)),
-        *((carried, "plain"), (order_text, "ordered")),
+        (" sea    ", "dim"),
+        (now, "plain"),
+        *over_sail(model),
+        (carried, "plain"),
+        (order_text, "ordered"),
     )
 
 

@@ -133,9 +133,18 @@ def quantities(plant: Plant, values: Numbers) -> Numbers:
     ship_like = nomoto_of(model, values, plant.ship)
     T1, T2 = ship_like.T1, ship_like.T2
     numbers = [
-        *(ship_like.K, T1.real, T2.real, T1.imag, ship_like.T3, ship_like.K_v, ship_like.T3v),
-        *(ship_like.first_order, (T1 + T2).real if T2 else 0.0, (T1 * T2).real),
-        *((1.0 / T1).real if T1 else math.inf, 1.0 / ship_like.K if ship_like.K else 0.0),
+        ship_like.K,
+        T1.real,
+        T2.real,
+        T1.imag,
+        ship_like.T3,
+        ship_like.K_v,
+        ship_like.T3v,
+        ship_like.first_order,
+        (T1 + T2).real if T2 else 0.0,
+        (T1 * T2).real,
+        (1.0 / T1).real if T1 else math.inf,
+        1.0 / ship_like.K if ship_like.K else 0.0,
         *arms_of(model, values, plant.ship),
     ]
     return np.concatenate([derivatives(model, values), numbers])

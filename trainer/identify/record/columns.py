@@ -29,24 +29,26 @@ CHANNEL_WORDS: Final[Words] = {  # what a column of a channel is called
     "latitude": ("latitude", "lat"),
     "longitude": ("longitude", "lon", "long"),
 }
+# fmt: off
 SHIP_WORDS: Final[Words] = {  # of records for ships that are not linear
     **{key: CHANNEL_WORDS[key] for key in ("t", "rudder", "heading", "yaw_rate", "sway", "speed")},
     "revolutions": (
-        *("revolutions", "n", "rpm", "rps", "revs", "propeller", "n prop", "propeller speed"),
-        *("propeller revolutions", "shaft speed", "shaft revolutions", "engine speed"),
+        "revolutions", "n", "rpm", "rps", "revs", "propeller", "n prop", "propeller speed",
+        "propeller revolutions", "shaft speed", "shaft revolutions", "engine speed",
     ),
     "north_velocity": ("north velocity", "velocity north", "vn", "x0 dot", "x dot", "dx0"),
     "east_velocity": ("east velocity", "velocity east", "ve", "y0 dot", "y dot", "dy0"),
     "wind_speed": ("wind speed", "relative wind speed", "apparent wind speed", "wind relative"),
     "wind_from": (
-        *("wind direction", "wind angle", "wind dir", "relative wind direction"),
-        *("apparent wind angle", "wind dir relative"),
+        "wind direction", "wind angle", "wind dir", "relative wind direction",
+        "apparent wind angle", "wind dir relative",
     ),
     "wind_ahead": ("wind ahead",),
     "wind_starboard": ("wind starboard",),
     "roll": ("roll", "phi", "heel", "roll angle"),
     "roll_rate": ("roll rate", "p"),
 }
+# fmt: on
 EARTH_WORD: Final = "true"  # wind over ground is called so
 CHANNEL_PAIRS: Final = (  # channels that tell nothing alone
     ("north_velocity", "east_velocity"),
@@ -55,8 +57,19 @@ CHANNEL_PAIRS: Final = (  # channels that tell nothing alone
 )
 MIN_NAME_LIKENESS: Final = 0.75  # [-] likeness of two names that are one
 UNIT_ENDINGS: Final = (  # of a heading such as psi_deg
-    *("deg s", "deg min", "rad s", "m s", "deg", "rad", "kn", "kts", "s", "ms", "min"),
-    *("rpm", "rps"),
+    "deg s",
+    "deg min",
+    "rad s",
+    "m s",
+    "deg",
+    "rad",
+    "kn",
+    "kts",
+    "s",
+    "ms",
+    "min",
+    "rpm",
+    "rps",
 )
 FILLER_WORDS: Final = frozenset(  # words of a heading that tell no channel from another
     (

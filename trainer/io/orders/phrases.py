@@ -34,11 +34,13 @@ SLOT_PATTERNS: Final = {
     "GROUP": "(?P<group>forward|mid|aft)",
     "OPEN": "(?P<open>open|shut)",
 }
+# fmt: off
 UNIT_WORDS: Final = (
-    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"),
-    *("ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen"),
-    *("eighteen", "nineteen"),
+    "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
+    "ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen",
+    "eighteen", "nineteen",
 )
+# fmt: on
 TENS_WORDS: Final = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
 DIGIT_VALUES: Final = {word: f"{i}" for i, word in enumerate(UNIT_WORDS[:10])} | {"niner": "9"}
 TEEN_VALUES: Final = {word: i for i, word in enumerate(UNIT_WORDS) if i >= 10}

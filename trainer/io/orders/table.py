@@ -54,38 +54,31 @@ MEANT_ORDERS = {
     **dict.fromkeys(("where", "show", "state"), "status"),
 }
 # What the boat obeys, by the names of the orders; all else is the session's.
+# fmt: off
 BOAT_ORDERS = frozenset(
     (
-        *(
-            "depth",
-            "course",
-            "course-by",
-            "speed",
-            "turns",
-            "rpm",
-            "bell",
-            "rudder",
-            "stern",
-            "bow",
-        ),
-        *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
-        *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "current", "contact", "scope"),
-        *("casualty", "clear", "hold", "release", "order", "course-to"),
+        "depth", "course", "course-by", "speed", "turns", "rpm", "bell", "rudder", "stern", "bow",
+        "planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency",
+        "vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor",
+        "sea", "current", "contact", "scope",
+        "casualty", "clear", "hold", "release", "order", "course-to",
     )
 )
+# fmt: on
 # What is said between those who order the crew, the crew and the instructor: journalled as well.
 CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
 PLANNABLE_WORDS = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
 # No schedule holds them: they answer whoever asks, or are a person's to say or to decide.
+# fmt: off
 UNSCHEDULED_WORDS = frozenset(
     (
-        *("help", "status", "briefing", "casualties", "plans", "log", "who", "history"),
-        *("branches", "snapshots", "mark", "ack", "role", "name", "subscribe", "unsubscribe"),
-        *("detach", "aye", "belay", "allow", "plan", "cancel", "again", "restart", "branch"),
-        *("end", "release-marks", "debrief", "next", "ready", "command", "give", "keep"),
+        "help", "status", "briefing", "casualties", "plans", "log", "who", "history",
+        "branches", "snapshots", "mark", "ack", "role", "name", "subscribe", "unsubscribe",
+        "detach", "aye", "belay", "allow", "plan", "cancel", "again", "restart", "branch",
+        "end", "release-marks", "debrief", "next", "ready", "command", "give", "keep",
     )
 )
+# fmt: on
 
 
 @dataclass(frozen=True)

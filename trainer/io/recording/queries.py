@@ -35,11 +35,9 @@ DAMAGED_TEXT: Final = "a value is of another kind than is written there"
 Row = tuple[Any, ...]
 E = TypeVar("E", bound=Enum)
 BRANCH_COLUMNS: Final = "id, parent, tick, after, place, why, state"
-BRANCH_WIDTH: Final = 7
 ORDER_COLUMNS: Final = "id, branch, tick, who, text, place AS scheduled, accepted, answer"
 CREW_COLUMNS: Final = ", giver, role, plan, crew_news, crew_order"
 EVENT_COLUMNS: Final = "branch, tick, kind, who, text, wall"
-EVENT_WIDTH: Final = 6
 
 
 class ColumnKind(NamedTuple):
@@ -223,7 +221,9 @@ class Past:
         )
         after, place = self._row(query, here.id, tick)
         return Moment(
-            *(here.id, tick, state[0]),
+            here.id,
+            tick,
+            state[0],
             after=here.after if after is None else after,
             place=here.place if place is None else place + 1,
         )
@@ -288,8 +288,9 @@ class Past:
         """Yield what was noted, in order."""
         query = f"SELECT {self._event_columns} FROM events ORDER BY id"  # noqa: S608 our own
         for row in self._rows(query):
-            role = row[EVENT_WIDTH] if len(row) > EVENT_WIDTH else format_1.giver_of(row[3]).role
-            yield RecordedEvent(*(*row[:EVENT_WIDTH], role))
+            branch, tick, kind, who, text, wall, *roles = row
+            role = roles[0] if roles else format_1.giver_of(who).role
+            yield RecordedEvent(branch, tick, kind, who, text, wall, role)
 
     def first_events(self) -> Iterator[RecordedEvent]:
         """Yield what was noted, in order, as far as a file is read."""
@@ -349,12 +350,12 @@ class Past:
 
     def _begun(self, row: Row) -> Branch:
         """Return a branch; RecordingError if it begins in itself or a later one."""
-        _, parent, *_, why, _ = row[:BRANCH_WIDTH]
-        if len(row) > BRANCH_WIDTH:
-            cause = self._value_of(BranchCause, row[BRANCH_WIDTH])
+        number, parent, tick, after, place, why, state, *causes = row
+        if causes:
+            cause = self._value_of(BranchCause, causes[0])
         else:
             cause = format_1.cause_of(parent, why)
-        branch = Branch(*(*row[:BRANCH_WIDTH], cause))
+        branch = Branch(number, parent, tick, after, place, why, state, cause)
         if branch.parent is not None and branch.parent >= branch.id:
             raise self._damaged(f"branch {branch.id} begins in a later one")
         return branch

@@ -26,8 +26,10 @@ TRUE_NOTE: Final = "navigation system: true"
 Part = str | tuple[str, str]
 UTC_TIME: Final = ("UTC hhmmss.ss", "time")
 POSITION_FIELDS: Final = (
-    *(("latitude ddmm.mmmmm", "latitude"), ("N or S", "north_or_south")),
-    *(("longitude dddmm.mmmmm", "longitude"), ("E or W", "east_or_west")),
+    ("latitude ddmm.mmmmm", "latitude"),
+    ("N or S", "north_or_south"),
+    ("longitude dddmm.mmmmm", "longitude"),
+    ("E or W", "east_or_west"),
 )
 TICK_FIELD: Final = ("tick", "tick")
 SOUNDING_NOTE: Final = "the ground's depth below the transducer, where there is a ground"
@@ -80,14 +82,15 @@ def text_of(part: Part, seen: dict[str, str]) -> str:
     return seen[part[1]]
 
 
+# fmt: off
 INSTRUMENTS: Final = (
     Instrument(
         "INRMC",
         "recommended minimum: time, position, way, date",
         (
-            *(UTC_TIME, "A", *POSITION_FIELDS, ("speed over the ground [kn]", "over_ground")),
-            *(("track [deg true]", "track"), ("date ddmmyy", "date")),
-            *("-", "-", "E, dead reckoning"),
+            UTC_TIME, "A", *POSITION_FIELDS, ("speed over the ground [kn]", "over_ground"),
+            ("track [deg true]", "track"), ("date ddmmyy", "date"),
+            "-", "-", "E, dead reckoning",
         ),
         TRUE_NOTE,
     ),
@@ -95,10 +98,10 @@ INSTRUMENTS: Final = (
         "INGGA",
         "fix, with the depth as altitude",
         (
-            *(UTC_TIME, *POSITION_FIELDS, "6, dead reckoning"),
-            *(("08 satellites", "satellites"), ("dilution 1.0", "dilution")),
-            *(("altitude [m], below zero when submerged", "altitude"), "M"),
-            *("0.0", "M", "-", "-"),
+            UTC_TIME, *POSITION_FIELDS, "6, dead reckoning",
+            ("08 satellites", "satellites"), ("dilution 1.0", "dilution"),
+            ("altitude [m], below zero when submerged", "altitude"), "M",
+            "0.0", "M", "-", "-",
         ),
         f"position true, altitude {GAUGES_NOTE}",
     ),
@@ -106,8 +109,8 @@ INSTRUMENTS: Final = (
         "INVTG",
         "way made over the ground",
         (
-            *(("track [deg true]", "track"), "T", "-", "M"),
-            *(("speed [kn]", "over_ground"), "N", ("speed [km/h]", "over_ground_kmh"), "K", "E"),
+            ("track [deg true]", "track"), "T", "-", "M",
+            ("speed [kn]", "over_ground"), "N", ("speed [km/h]", "over_ground_kmh"), "K", "E",
         ),
         TRUE_NOTE,
     ),
@@ -115,8 +118,8 @@ INSTRUMENTS: Final = (
         "INDBT",
         "the boat's depth, as if it were a sounding",
         (
-            *(("depth [ft]", "depth_feet"), "f", ("depth [m]", "depth_shown"), "M"),
-            *(("depth [fathom]", "depth_fathoms"), "F"),
+            ("depth [ft]", "depth_feet"), "f", ("depth [m]", "depth_shown"), "M",
+            ("depth [fathom]", "depth_fathoms"), "F",
         ),
         GAUGES_NOTE,
         asked=True,
@@ -125,8 +128,8 @@ INSTRUMENTS: Final = (
         "SDDBT",
         SOUNDING_NOTE,
         (
-            *(("depth [ft]", "sounding_feet"), "f", ("depth [m]", "sounding"), "M"),
-            *(("depth [fathom]", "sounding_fathoms"), "F"),
+            ("depth [ft]", "sounding_feet"), "f", ("depth [m]", "sounding"), "M",
+            ("depth [fathom]", "sounding_fathoms"), "F",
         ),
         GAUGES_NOTE,
         ground=True,
@@ -135,12 +138,10 @@ INSTRUMENTS: Final = (
         "PASHR",
         "attitude",
         (
-            *(("UTC hhmmss.sss", "time_to_ms"), ("heading [deg]", "heading"), "T"),
-            *(
-                ("heel [deg], to starboard positive", "heel"),
-                ("pitch [deg], bow up positive", "pitch"),
-            ),
-            *("-", "-", "-", "-", "0", "0"),
+            ("UTC hhmmss.sss", "time_to_ms"), ("heading [deg]", "heading"), "T",
+            ("heel [deg], to starboard positive", "heel"),
+            ("pitch [deg], bow up positive", "pitch"),
+            "-", "-", "-", "-", "0", "0",
         ),
         f"heading {GAUGES_NOTE}, heel and pitch true",
     ),
@@ -156,7 +157,7 @@ INSTRUMENTS: Final = (
         "SDDPT",
         SOUNDING_NOTE,
         (
-            *(("depth [m]", "sounding"), ("offset [m], negative: to the keel", "keel")),
+            ("depth [m]", "sounding"), ("offset [m], negative: to the keel", "keel"),
             ("range [m]", "range"),
         ),
         GAUGES_NOTE,
@@ -169,8 +170,8 @@ INSTRUMENTS: Final = (
         "INVHW",
         "heading and speed through the water",
         (
-            *(("heading [deg true]", "heading"), "T", "-", "M"),
-            *(("speed [kn]", "speed"), "N", ("speed [km/h]", "speed_kmh"), "K"),
+            ("heading [deg true]", "heading"), "T", "-", "M",
+            ("speed [kn]", "speed"), "N", ("speed [km/h]", "speed_kmh"), "K",
         ),
         GAUGES_NOTE,
     ),
@@ -186,9 +187,9 @@ INSTRUMENTS: Final = (
         "speeds through the water and over the ground",
         (
             ("ahead through the water [kn]", "speed"),
-            *(("across, to starboard positive [kn]", "across"), "A"),
+            ("across, to starboard positive [kn]", "across"), "A",
             ("ahead over the ground [kn]", "ahead_over_ground"),
-            *(("across [kn]", "across_over_ground"), "A", "-", "V", "-", "V"),
+            ("across [kn]", "across_over_ground"), "A", "-", "V", "-", "V",
         ),
         f"ahead through the water {GAUGES_NOTE}, the rest true",
         asked=True,
@@ -204,7 +205,7 @@ INSTRUMENTS: Final = (
         "rudder ordered, by hand or by the autopilot",
         (
             ("angle [deg], right positive", "ordered_rudder"),
-            *(("A", "ordered_rudder_status"), "-", "V", "B, bridge"),
+            ("A", "ordered_rudder_status"), "-", "V", "B, bridge",
         ),
         "as ordered",
     ),
@@ -218,8 +219,8 @@ INSTRUMENTS: Final = (
         "INETL",
         "engine telegraph",
         (
-            *(UTC_TIME, "O, order", ("position 00 to 05 ahead, 12 to 14 astern", "bell")),
-            *("-", "B, bridge", "0, single"),
+            UTC_TIME, "O, order", ("position 00 to 05 ahead, 12 to 14 astern", "bell"),
+            "-", "B, bridge", "0, single",
         ),
         "as rung; empty when speed is kept or turns are ordered",
     ),
@@ -227,8 +228,8 @@ INSTRUMENTS: Final = (
         "INXDR",
         "attitude",
         (
-            *("A", ("angle [deg], bow up positive", "pitch"), "D", "PITCH"),
-            *("A", ("angle [deg], to starboard positive", "heel"), "D", "ROLL"),
+            "A", ("angle [deg], bow up positive", "pitch"), "D", "PITCH",
+            "A", ("angle [deg], to starboard positive", "heel"), "D", "ROLL",
         ),
         "true",
     ),
@@ -239,8 +240,8 @@ INSTRUMENTS: Final = (
         "INXDR",
         "planes",
         (
-            *("A", ("angle [deg], rising positive", "stern"), "D", "STERN"),
-            *("A", ("angle [deg], rising positive", "bow"), "D", "BOW"),
+            "A", ("angle [deg], rising positive", "stern"), "D", "STERN",
+            "A", ("angle [deg], rising positive", "bow"), "D", "BOW",
         ),
         "as they are",
     ),
@@ -248,9 +249,9 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: motion",
         (
-            *("M", TICK_FIELD, ("depth [m]", "depth"), ("heading [deg]", "heading")),
-            *(("speed through the water [kn]", "speed"), ("pitch [deg]", "pitch")),
-            *(("heel [deg]", "heel"), ("rate of turn [deg/s]", "turn_per_second")),
+            "M", TICK_FIELD, ("depth [m]", "depth"), ("heading [deg]", "heading"),
+            ("speed through the water [kn]", "speed"), ("pitch [deg]", "pitch"),
+            ("heel [deg]", "heel"), ("rate of turn [deg/s]", "turn_per_second"),
         ),
         f"depth, heading and speed {GAUGES_NOTE}, the rest true",
     ),
@@ -258,8 +259,8 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: place",
         (
-            *("P", TICK_FIELD, ("north of the origin [m]", "north"), ("east of it [m]", "east")),
-            *(("track [deg]", "track"), ("speed over the ground [kn]", "over_ground")),
+            "P", TICK_FIELD, ("north of the origin [m]", "north"), ("east of it [m]", "east"),
+            ("track [deg]", "track"), ("speed over the ground [kn]", "over_ground"),
         ),
         TRUE_NOTE,
     ),
@@ -267,9 +268,9 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: surfaces, right and rising positive",
         (
-            *("C", TICK_FIELD, ("rudder [deg]", "rudder"), ("ordered [deg]", "ordered_rudder")),
-            *(("stern planes [deg]", "stern"), ("ordered [deg]", "ordered_stern")),
-            *(("bow planes [deg]", "bow"), ("ordered [deg]", "ordered_bow")),
+            "C", TICK_FIELD, ("rudder [deg]", "rudder"), ("ordered [deg]", "ordered_rudder"),
+            ("stern planes [deg]", "stern"), ("ordered [deg]", "ordered_stern"),
+            ("bow planes [deg]", "bow"), ("ordered [deg]", "ordered_bow"),
         ),
         "as they are and as ordered",
     ),
@@ -277,8 +278,8 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: engine, and what the autopilot keeps",
         (
-            *("E", TICK_FIELD, ("revolutions [1/min]", "rpm"), ("ordered [1/min]", "ordered_rpm")),
-            *(("depth kept [m]", "ordered_depth"), ("course kept [deg]", "ordered_course")),
+            "E", TICK_FIELD, ("revolutions [1/min]", "rpm"), ("ordered [1/min]", "ordered_rpm"),
+            ("depth kept [m]", "ordered_depth"), ("course kept [deg]", "ordered_course"),
             ("speed kept [kn]", "ordered_speed"),
         ),
         "as they are and as ordered",
@@ -287,7 +288,7 @@ INSTRUMENTS: Final = (
         "PXSC",
         "own: ballast",
         (
-            *("B", TICK_FIELD, ("tanks [% full]: forward", "full_forward")),
+            "B", TICK_FIELD, ("tanks [% full]: forward", "full_forward"),
             *((tank.replace("_", " "), f"full_{tank}") for tank in BALLAST_TANKS[1:]),
         ),
         "as they are",
@@ -299,6 +300,7 @@ INSTRUMENTS: Final = (
         "as they are",
     ),
 )
+# fmt: on
 SENTENCE_NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
 USUAL_NAMES: Final = tuple(dict.fromkeys(each.name for each in INSTRUMENTS if not each.asked))
 

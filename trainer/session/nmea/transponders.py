@@ -140,7 +140,12 @@ def particulars(ship: ContactState) -> ShipParticulars:
     """Return what a ship tells of itself; its antenna is in its middle."""
     ends, sides = round(0.5 * ship.length), round(0.5 * ship.beam)
     return ShipParticulars(
-        *(ship.mmsi or 0, ship.name.replace("-", " "), SHIP_TYPES[ship.type].ais),
-        *(ends, ends, sides, sides),
+        ship.mmsi or 0,
+        ship.name.replace("-", " "),
+        SHIP_TYPES[ship.type].ais,
+        ends,
+        ends,
+        sides,
+        sides,
         draught=ship.draught,
     )

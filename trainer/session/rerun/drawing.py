@@ -81,8 +81,14 @@ SHIP_COLOUR: Final[Colour] = (0, 158, 115, 255)
 WAKE_COLOUR: Final[Colour] = (240, 228, 66, 255)
 # Okabe and Ito (2008), in the order of their contrast with a dark ground
 CHART_COLOURS: Final = (
-    *((86, 180, 233), (230, 159, 0), (0, 158, 115), (240, 228, 66)),
-    *((204, 121, 167), (213, 94, 0), (240, 240, 240), (0, 114, 178)),
+    (86, 180, 233),
+    (230, 159, 0),
+    (0, 158, 115),
+    (240, 228, 66),
+    (204, 121, 167),
+    (213, 94, 0),
+    (240, 240, 240),
+    (0, 114, 178),
 )
 WARNING_KINDS: Final = ("watch", "pilot", "depth", "mark")  # kinds of news
 LOG_LEVELS: Final = {"trouble": "ERROR"} | dict.fromkeys(WARNING_KINDS, "WARN")  # by kind of news

@@ -158,7 +158,10 @@ def recalled_past(history: History) -> list[News]:
     step = history.boat.method.step
     news = [
         News(
-            *(each.tick, each.tick * step, each.kind, each.text),
+            each.tick,
+            each.tick * step,
+            each.kind,
+            each.text,
             Fact("mark", each.text) if each.kind == "mark" else None,
         )
         for each in history.noted()

@@ -55,8 +55,14 @@ def plotted_ships(frame: Frame) -> tuple[int, tuple[PlottedShip, ...]]:
     nearest = np.argsort(seen.range, kind="stable")[:MAX_PLOTTED_SHIPS].tolist()
     rows = (
         (
-            *(ships[i].name, ships[i].kind, seen.bearing[i], seen.range[i]),
-            *(course[i], speed[i], seen.closest[i], seen.until[i]),
+            ships[i].name,
+            ships[i].kind,
+            seen.bearing[i],
+            seen.range[i],
+            course[i],
+            speed[i],
+            seen.closest[i],
+            seen.until[i],
         )
         for i in nearest
     )

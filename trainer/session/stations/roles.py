@@ -23,8 +23,18 @@ ALL_ORDERS: Final = frozenset(
 )  # every order of the grammar
 COMMON_ORDERS: Final = frozenset(
     {
-        *("role", "help", "status", "briefing", "log", "ack", "history"),
-        *("subscribe", "unsubscribe", "detach", "who", "name"),
+        "role",
+        "help",
+        "status",
+        "briefing",
+        "log",
+        "ack",
+        "history",
+        "subscribe",
+        "unsubscribe",
+        "detach",
+        "who",
+        "name",
     }
 )
 CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
@@ -158,7 +168,11 @@ ROLES: Final[Mapping[str, Role]] = {
             "diving",
             "the diving officer's",
             "are the diving officer",
-            *("diving", "engine", "tanks", "air", "valves"),
+            "diving",
+            "engine",
+            "tanks",
+            "air",
+            "valves",
         ),
         _role("observer", "an observer's", "are an observer", *PANEL_NAMES),
         _role("visitor", "a visitor's", "are a visitor", "diving"),
