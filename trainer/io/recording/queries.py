@@ -351,10 +351,8 @@ class Past:
     def _begun(self, row: Row) -> Branch:
         """Return a branch; RecordingError if it begins in itself or a later one."""
         number, parent, tick, after, place, why, state, *causes = row
-        if causes:
-            cause = self._value_of(BranchCause, causes[0])
-        else:
-            cause = format_1.cause_of(parent, why)
+        read = (self._value_of(BranchCause, value) for value in causes)
+        cause = next(read, None) or format_1.cause_of(parent, why)
         branch = Branch(number, parent, tick, after, place, why, state, cause)
         if branch.parent is not None and branch.parent >= branch.id:
             raise self._damaged(f"branch {branch.id} begins in a later one")
