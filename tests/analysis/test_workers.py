@@ -19,10 +19,10 @@ from trainer.analysis.workers import worker_pool
 
 POOL = """
 import multiprocessing, sys, time
-from trainer.analysis.workers import workers
+from trainer.analysis.workers import worker_pool
 
 if __name__ == "__main__":
-    with workers(2) as pool:
+    with worker_pool(2) as pool:
         started = pool.map(abs, range(2))
         list(started)
         for _ in range(2):
@@ -33,10 +33,10 @@ if __name__ == "__main__":
 SEARCH = """
 import multiprocessing, sys
 from pathlib import Path
-from trainer.analysis.reduce.candidates import Crew
+from trainer.analysis.reduce.candidates import CandidatePool
 
 if __name__ == "__main__":
-    with Crew(Path("nowhere.toml"), "modified", (), 2) as crew:
+    with CandidatePool(Path("nowhere.toml"), "modified", (), 2) as crew:
         try:
             crew.differences([[1.0], [1.0]])
         except Exception:
@@ -120,7 +120,7 @@ def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
         for path in (ROOT / "trainer").rglob("*.py")
         for node in nodes_of(path)
         if isinstance(node, ast.Call)
-        and ast.unparse(node.func).endswith(("ProcessPoolExecutor", "Pool"))
+        and ast.unparse(node.func).rpartition(".")[2] in ("ProcessPoolExecutor", "Pool")
     }
 
     assert makers == {"trainer/analysis/workers.py"}

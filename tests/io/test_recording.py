@@ -353,7 +353,7 @@ from trainer.io.recording.format_1 import giver_of
 from trainer.io.recording.recording import Moment, Recording
 
 HELM = giver_of("helm")
-checkpoint.WORTHWHILE, checkpoint.EVERY, recording.BATCH = 100_000, 0.002, 20
+checkpoint.MIN_CHECKPOINT_BYTES, checkpoint.LOOK_PERIOD_S, recording.BATCH_ROWS = 100_000, 0.002, 20
 
 def fly(path, pipe):
     recording = Recording.create(path, {"vessel": "v" * 20_000}, b"0" * 1944)
@@ -481,7 +481,7 @@ from pathlib import Path
 from trainer.io.recording import checkpoint, file
 from trainer.io.recording.recording import Recording
 
-checkpoint.EVERY = 0.0002
+checkpoint.LOOK_PERIOD_S = 0.0002
 connect = file.connect
 
 def heard_all_the_time(path, options):

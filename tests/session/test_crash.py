@@ -74,8 +74,9 @@ from trainer.cli import main as cli
 from trainer.io.recording import checkpoint, file as recording_file, recording
 from trainer.session import replay
 
-checkpoint.WORTHWHILE, checkpoint.EVERY = 200_000, 0.05  # a kill may hit these too
-recording.BATCH = 20  # and there is something after the last order more often
+checkpoint.MIN_CHECKPOINT_BYTES = 200_000  # a kill may hit these too
+checkpoint.LOOK_PERIOD_S = 0.05
+recording.BATCH_ROWS = 20  # and there is something after the last order more often
 connect = recording_file.connect
 
 def counting(most):

@@ -138,7 +138,7 @@ def fit(run: Path, column: str, **options: Any) -> None:
 
 def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[complex], str]:
     """Return the roots [1/s] to start from, and their source; UsageError if half is given."""
-    from trainer.analysis.programs import characteristic
+    from trainer.analysis.programs.characteristic import horizontal_system, vertical_system
     from trainer.analysis.programs.fit import one_of_each, pencil_roots
     from trainer.config.vessel import load_vessel
     from trainer.units import KNOT
@@ -149,7 +149,8 @@ def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[comple
     if vessel is None:
         order = options["order"] or {"vertical": 3, "horizontal": 4}[plane]
         return one_of_each(pencil_roots(t, y, order)), "the response itself"
-    linear = getattr(characteristic, plane)(load_vessel(vessel), speed * KNOT)
+    system_of = {"vertical": vertical_system, "horizontal": horizontal_system}[plane]
+    linear = system_of(load_vessel(vessel), speed * KNOT)
     program = {"vertical": "EC140", "horizontal": "EC200"}[plane]
     return one_of_each(linear.eigenvalues), f"{program}, {vessel} at {speed:g} kn"
 

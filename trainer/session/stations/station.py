@@ -44,7 +44,7 @@ from trainer.session.stations.subscriptions import (
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
 WRONG_TOKEN_TEXT: Final = "wrong token: type role NAME TOKEN with the right one"  # noqa: S105
-Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
+Log = Callable[[str, str], None]  # takes a kind of roles.EVENT_KINDS and a text
 
 
 class Fact(NamedTuple):
@@ -62,7 +62,7 @@ class Saying(NamedTuple):
 
 
 class News(NamedTuple):
-    """Something that happened; ``kind`` is one of roles.KINDS, and decides who is told."""
+    """Something that happened; ``kind`` is one of roles.EVENT_KINDS, and decides who is told."""
 
     tick: int
     seconds: float
