@@ -8,7 +8,7 @@ struct angles {
     double phi, theta, psi;
 };
 
-static int is_polar(const struct state *s) { return fabs(s->theta) > POLAR; }
+static int is_polar(const struct state *s) { return fabs(s->theta) > POLAR_PITCH; }
 
 static struct turn rotated(double a, double b, double c, struct turn t)
 {
@@ -31,7 +31,7 @@ static struct turn rotated(double a, double b, double c, struct turn t)
 
 static double nearest_turn(double angle, double old)
 {
-    return angle + TURN * floor((old - angle) / TURN + 0.5);
+    return angle + FULL_TURN * floor((old - angle) / FULL_TURN + 0.5);
 }
 
 static struct angles turned(struct angles at, struct turn turn)

@@ -8,7 +8,7 @@ static double within(double value, double centre, double furthest)
 static double slewed_rate(double distance, double rate, double fastest, double gentlest, double h)
 {
     double size = fabs(distance);
-    double wanted = least(least(fastest, sqrt(gentlest * size)), size / (APPROACH * h));
+    double wanted = least(least(fastest, sqrt(gentlest * size)), size / (APPROACH_TICKS * h));
     if (distance < 0.0)
         wanted = -wanted;
     return rate + clamped(wanted - rate, -gentlest * h, gentlest * h);
@@ -18,7 +18,7 @@ static double leash(const double *gains, int slew)
 {
     double rate = gains[slew + SLEW_RATE], acceleration = gains[slew + SLEW_ACCELERATION];
     if (acceleration > 0.0)
-        return LEASH * rate * rate / acceleration;
+        return LEASH_SHARE * rate * rate / acceleration;
     return 0.0;
 }
 
@@ -45,17 +45,17 @@ static void follow_boat(
 static void slew_depth(double h, const double *gains, struct state *s)
 {
     if ((s->stern_by_hand != 0.0 && s->bow_by_hand != 0.0) || s->ascent != 0.0)
-        follow_boat(DEPTH, s->z, s->zdot, gains, s);
+        follow_boat(DEPTH_AXIS, s->z, s->zdot, gains, s);
     else
-        move_reference(DEPTH, s->z, h, gains, s);
+        move_reference(DEPTH_AXIS, s->z, h, gains, s);
 }
 
 static void slew_course(double h, const double *gains, struct state *s)
 {
     if (s->rudder_by_hand != 0.0)
-        follow_boat(COURSE, s->psi, s->r, gains, s);
+        follow_boat(COURSE_AXIS, s->psi, s->r, gains, s);
     else
-        move_reference(COURSE, s->psi, h, gains, s);
+        move_reference(COURSE_AXIS, s->psi, h, gains, s);
 }
 
 static void scheduled_gains(const struct vessel *c, double u, double *gains)
@@ -73,7 +73,7 @@ static void scheduled_gains(const struct vessel *c, double u, double *gains)
 
 static double plane_law(const struct state *s, const double *gains, int first)
 {
-    double pitch_wanted = -s->depth_reference_rate / most(s->u, SLOWEST);
+    double pitch_wanted = -s->depth_reference_rate / most(s->u, MIN_DIVISOR_SPEED);
     return gains[first + DEPTH_GAIN] * (s->depth_reference - s->z)
         + gains[first + DEPTH_RATE_GAIN] * (s->depth_reference_rate - s->zdot)
         + gains[first + PITCH_GAIN] * (s->theta - pitch_wanted)
@@ -90,7 +90,7 @@ static double course_law(const struct state *s, const double *gains)
 static void stand_by(struct state *s, int surface, double law, int settled)
 {
     double trim = s->surface[surface] - law;
-    if (settled && fabs(s->command[surface] - s->surface[surface]) < STANDS)
+    if (settled && fabs(s->command[surface] - s->surface[surface]) < ARRIVAL_TOLERANCE)
         s->integral[surface] = trim;
     s->handover[surface] = trim - s->integral[surface];
 }
@@ -106,7 +106,7 @@ static void steer(const struct vessel *c, struct state *s, int surface, double l
 
 static void fade(const struct vessel *c, double h, struct state *s)
 {
-    double left = exponential(-h * most(s->u, SLOWEST) / (HANDOVER * c->ell));
+    double left = exponential(-h * most(s->u, MIN_DIVISOR_SPEED) / (HANDOVER_LENGTHS * c->ell));
     for (int surface = 0; surface < 3; surface++)
         if (s->by_hand[surface] == 0.0)
             s->handover[surface] *= left;
@@ -114,25 +114,25 @@ static void fade(const struct vessel *c, double h, struct state *s)
 
 static int is_level(const double *gains, const struct state *s)
 {
-    double pitch_rate = SETTLED * gains[DEPTH_SLEW + SLEW_ACCELERATION] / most(s->u, SLOWEST);
-    return fabs(s->zdot) < SETTLED * gains[DEPTH_SLEW + SLEW_RATE] && fabs(s->q) < pitch_rate;
+    double pitch_rate = LEVEL_SHARE * gains[DEPTH_SLEW + SLEW_ACCELERATION] / most(s->u, MIN_DIVISOR_SPEED);
+    return fabs(s->zdot) < LEVEL_SHARE * gains[DEPTH_SLEW + SLEW_RATE] && fabs(s->q) < pitch_rate;
 }
 
 static double depth_error(const double *gains, const struct state *s)
 {
     double error = s->depth_reference - s->z;
     int learning;
-    if (fabs(error) > FAR * leash(gains, DEPTH_SLEW))
-        learning = fabs(s->zdot) < FAR * gains[DEPTH_SLEW + SLEW_RATE];
+    if (fabs(error) > FAR_SHARE * leash(gains, DEPTH_SLEW))
+        learning = fabs(s->zdot) < FAR_SHARE * gains[DEPTH_SLEW + SLEW_RATE];
     else
-        learning = fabs(s->depth_reference_rate) < SETTLED * gains[DEPTH_SLEW + SLEW_RATE];
+        learning = fabs(s->depth_reference_rate) < LEVEL_SHARE * gains[DEPTH_SLEW + SLEW_RATE];
     return learning ? error : 0.0;
 }
 
 static double between_limits(double ratio, const double *factor)
 {
-    double upper = (ratio / LIMITS[0] - 1.0 + BLEND) / (2.0 * BLEND);
-    double lower = (ratio / LIMITS[1] - 1.0 + BLEND) / (2.0 * BLEND);
+    double upper = (ratio / LIMITS[0] - 1.0 + LIMIT_BLEND) / (2.0 * LIMIT_BLEND);
+    double lower = (ratio / LIMITS[1] - 1.0 + LIMIT_BLEND) / (2.0 * LIMIT_BLEND);
     double rise = clamped(upper, 0.0, 1.0) * (factor[0] - factor[1]);
     return factor[2] + clamped(lower, 0.0, 1.0) * (factor[1] - factor[2]) + rise;
 }
@@ -140,17 +140,17 @@ static double between_limits(double ratio, const double *factor)
 static void count_waves(double h, double band, struct state *s)
 {
     s->wave_since += h;
-    if (s->wave_band < 0.0 && 0.0 <= band && s->wave_since >= SHORTEST) {
+    if (s->wave_band < 0.0 && 0.0 <= band && s->wave_since >= MIN_CROSSING_S) {
         if (s->wave_count > 0.0)
             s->wave_period += (s->wave_since - s->wave_period) / s->wave_count;
-        s->wave_count = least(s->wave_count + 1.0, COUNTED);
+        s->wave_count = least(s->wave_count + 1.0, AVERAGED_WAVES);
         s->wave_since = 0.0;
     }
 }
 
 static int are_counted(const struct state *s)
 {
-    return s->wave_count >= COUNTED && s->wave_since < LAST * s->wave_period;
+    return s->wave_count >= AVERAGED_WAVES && s->wave_since < MAX_QUIET_PERIODS * s->wave_period;
 }
 
 static void sense_waves(double h, struct state *s)
@@ -164,8 +164,8 @@ static void sense_waves(double h, struct state *s)
     count_waves(h, band, s);
     s->wave_band = band;
     s->wave_power += h / (WAVE_MEMORY + h) * (band * band - s->wave_power);
-    int there = s->wave_power > FELT * FELT && are_counted(s);
-    s->wave_share = clamped(s->wave_share + (there ? h / FADE : -h / FADE), 0.0, 1.0);
+    int there = s->wave_power > FELT_DEPTH_RATE * FELT_DEPTH_RATE && are_counted(s);
+    s->wave_share = clamped(s->wave_share + (there ? h / FADE_TIME_S : -h / FADE_TIME_S), 0.0, 1.0);
 }
 
 static double frequency_met(const struct state *s)
@@ -229,15 +229,15 @@ static double law_in_waves(
 {
     if (s->wave_share == 0.0)
         return law;
-    int first = STERN_GAINS + PLANE_COUNT * (surface - STERN), fresh = s->wave_share <= h / FADE;
-    double *kept = s->notch + NOTCHES * (surface - STERN);
+    int first = STERN_GAINS + PLANE_COUNT * (surface - STERN), fresh = s->wave_share <= h / FADE_TIME_S;
+    double *kept = s->notch + NOTCH_SIZE * (surface - STERN);
     double ratio = frequency_ratio(c, gains, s);
     double damping = gains[first + PITCH_RATE_GAIN] * s->q;
     double x = between_limits(ratio, SOFT) * (law - damping)
         + between_limits(ratio, DAMPED) * damping;
     double omega = frequency_met(s);
-    x = past(notch_at(BELOW * omega, h, PLANE_ZEROS, PLANE_POLES), x, fresh, kept);
-    x = past(notch_at(ABOVE * omega, h, PLANE_ZEROS, PLANE_POLES), x, fresh, kept + KEPT);
+    x = past(notch_at(LOWER_NOTCH * omega, h, PLANE_ZEROS, PLANE_POLES), x, fresh, kept);
+    x = past(notch_at(UPPER_NOTCH * omega, h, PLANE_ZEROS, PLANE_POLES), x, fresh, kept + SECTION_SIZE);
     return law + s->wave_share * (x - law);
 }
 
@@ -276,7 +276,7 @@ static void keep_plane(
     if (s->by_hand[surface] != 0.0) {
         s->command[surface] = s->ordered[surface];
         stand_by(s, surface, law, is_level(gains, s));
-    } else if (s->u < ASTERN) {
+    } else if (s->u < ASTERN_SPEED) {
         go_astern(c, gains, s, surface);
         stand_by(s, surface, law, 0);
     } else {
@@ -303,7 +303,7 @@ static void keep_depth(const struct vessel *c, double h, const double *gains, st
 
 static int is_blown(const struct state *s)
 {
-    return s->blow_forward == EMERGENCY || s->blow_mid == EMERGENCY || s->blow_aft == EMERGENCY;
+    return s->blow_forward == EMERGENCY_OPENING || s->blow_mid == EMERGENCY_OPENING || s->blow_aft == EMERGENCY_OPENING;
 }
 
 static void watch_blow(const struct vessel *c, struct state *s)
@@ -311,8 +311,8 @@ static void watch_blow(const struct vessel *c, struct state *s)
     int planes = s->stern_by_hand == 0.0 || s->bow_by_hand == 0.0;
     if (!(planes && c->gain_count > 0.0))
         s->ascent = 0.0;
-    else if (is_blown(s) && s->ascent != RISING) {
-        s->ascent = RISING;
+    else if (is_blown(s) && s->ascent != ASCENT_RISING) {
+        s->ascent = ASCENT_RISING;
         s->ascent_pitch = s->theta;
         s->ascent_quiet = s->ordered_depth = 0.0;
     }
@@ -328,26 +328,26 @@ static void hold_bubble(const struct vessel *c, double h, const double *gains, s
 {
     double wanted = 0.0;
     if (is_blown(s))
-        wanted = BUBBLE + MORE * clamped((s->u - FAST[0]) / (FAST[1] - FAST[0]), 0.0, 1.0);
-    s->ascent_pitch += clamped(wanted - s->ascent_pitch, -TAKEN_UP * h, TAKEN_UP * h);
-    double angle = most(STIFF, fabs(gains[STERN_GAINS + PITCH_GAIN])) * (s->theta - s->ascent_pitch);
+        wanted = ASCENT_BUBBLE + EXTRA_BUBBLE * clamped((s->u - FAST[0]) / (FAST[1] - FAST[0]), 0.0, 1.0);
+    s->ascent_pitch += clamped(wanted - s->ascent_pitch, -BUBBLE_RATE * h, BUBBLE_RATE * h);
+    double angle = most(MIN_PITCH_GAIN, fabs(gains[STERN_GAINS + PITCH_GAIN])) * (s->theta - s->ascent_pitch);
     angle += most(DAMPED_BUBBLE, fabs(gains[STERN_GAINS + PITCH_RATE_GAIN])) * s->q;
     double furthest = least(MOST_STERN, c->limit_s);
     double down = c->M_ds <= 0.0 ? 1.0 : -1.0;
     s->command_s = s->stern_by_hand != 0.0 ? s->ordered_s : within(down * angle, 0.0, furthest);
     s->command_b = s->bow_by_hand != 0.0 ? s->ordered_b : 0.0;
-    if (s->blow_forward == EMERGENCY)
-        s->blow_aft = s->theta > HELD_AFT ? EMERGENCY : 0.0;
+    if (s->blow_forward == EMERGENCY_OPENING)
+        s->blow_aft = s->theta > AFT_BLOW_PITCH ? EMERGENCY_OPENING : 0.0;
 }
 
 static void hand_back(const struct vessel *c, double h, struct state *s)
 {
     int still = fabs(s->zdot) < QUIET_RATE && fabs(s->theta) < QUIET_PITCH && !is_blown(s);
     s->ascent_quiet = still ? s->ascent_quiet + h : 0.0;
-    if (s->ascent_quiet < QUIET)
+    if (s->ascent_quiet < QUIET_TIME_S)
         return;
-    if (s->z < SURFACED * c->diameter) {
-        s->ascent = AFLOAT;
+    if (s->z < SURFACED_DEPTH * c->diameter) {
+        s->ascent = ASCENT_AFLOAT;
         return;
     }
     s->ascent = 0.0;
@@ -366,7 +366,7 @@ static void go_on_from(struct state *s, int surface, double law)
 
 static int is_hovering(const struct state *s)
 {
-    return s->hover > 0.0 && fabs(s->u) < WAY;
+    return s->hover > 0.0 && fabs(s->u) < MAX_WAY_SPEED;
 }
 
 static void keep_planes(const struct vessel *c, double h, const double *gains, struct state *s)
@@ -374,7 +374,7 @@ static void keep_planes(const struct vessel *c, double h, const double *gains, s
     watch_blow(c, s);
     double stern_law = plane_law(s, gains, STERN_GAINS), bow_law = plane_law(s, gains, STERN_GAINS + PLANE_COUNT);
     if (s->ascent != 0.0) {
-        if (s->ascent == RISING) {
+        if (s->ascent == ASCENT_RISING) {
             hold_bubble(c, h, gains, s);
             hand_back(c, h, s);
         } else
@@ -398,7 +398,7 @@ static void keep_course(const struct vessel *c, double h, const double *gains, s
     if (s->rudder_by_hand != 0.0) {
         s->command_r = s->ordered_r;
         stand_by(s, RUDDER, law, fabs(s->r) < c->turning_rate);
-    } else if (s->u < ASTERN) {
+    } else if (s->u < ASTERN_SPEED) {
         s->command_r = within(-law, 0.0, c->limit_r);
         stand_by(s, RUDDER, law, 0);
     } else {
@@ -411,13 +411,13 @@ static void keep_course(const struct vessel *c, double h, const double *gains, s
 
 static double learnt(const struct vessel *c, double h, struct state *s)
 {
-    double share = h / (FOLLOW + h);
+    double share = h / (LOW_PASS_TIME_S + h);
     double pace = c->speed_integral * most(s->speed_followed, 0.0) / c->gain_speed[0];
     double rate = pace * (s->ordered_speed - s->u) - s->udot;
     if (is_turning(c, s))
         rate = 0.0;
     int answering = (fabs(s->ordered_speed - s->speed_followed) > FAR_SPEED
-        && s->speed_since < ANSWERING) || fabs(s->command_u_c - s->u_c) > PACE;
+        && s->speed_since < ANSWER_TIME_S) || fabs(s->command_u_c - s->u_c) > PROPELLER_SLACK;
     double first = s->speed_rate_1 + share * (rate - s->speed_rate_1);
     if (answering)
         first = 0.0;
@@ -435,14 +435,14 @@ static double learnt(const struct vessel *c, double h, struct state *s)
 static int is_short(const struct vessel *c, const struct state *s)
 {
     int lacking = s->ordered_speed - s->speed_followed > FAR_SPEED;
-    int all_given = s->command_u_c >= c->u_c_ahead || s->command_u_c - s->u_c > PACE
+    int all_given = s->command_u_c >= c->u_c_ahead || s->command_u_c - s->u_c > PROPELLER_SLACK
         || s->speed_trim >= MOST_TRIM[0] * fabs(s->ordered_speed) + MOST_TRIM[1];
     return lacking && all_given && !is_turning(c, s);
 }
 
 static void keep_speed(const struct vessel *c, double h, struct state *s)
 {
-    double share = h / (FOLLOW + h);
+    double share = h / (LOW_PASS_TIME_S + h);
     s->speed_followed += share * (s->u - s->speed_followed);
     s->turn_followed += share * (s->r - s->turn_followed);
     s->speed_since = s->ordered_speed != s->speed_order ? 0.0 : s->speed_since + h;
@@ -462,14 +462,14 @@ static double trim_moved(double wanted, double negligible, double h, double furt
 {
     if (fabs(wanted) <= negligible)
         return 0.0;
-    return clamped(wanted * h / GRADUAL, -furthest * h, furthest * h);
+    return clamped(wanted * h / TRIM_TIME_S, -furthest * h, furthest * h);
 }
 
 static int is_trimming(const struct state *s)
 {
     int free = s->ascent == 0.0 && !is_hovering(s);
     return free && s->stern_by_hand == 0.0 && s->bow_by_hand == 0.0
-        && fabs(s->ordered_depth - s->z) < NEAR && s->u > UNDER_WAY;
+        && fabs(s->ordered_depth - s->z) < MAX_DEPTH_ERROR_M && s->u > MIN_TRIM_SPEED;
 }
 
 static void keep_trim(const struct vessel *c, double h, struct state *s)
@@ -486,11 +486,11 @@ static void keep_trim(const struct vessel *c, double h, struct state *s)
     if (!is_trimming(s) || is_turning(c, s))
         return;
     if (c->limit_b > 0.0 && fabs(s->delta_s) < FREE_PLANES)
-        s->stern_integral += (c->M_ds <= 0.0 ? 1.0 : -1.0) * LEVELLING * h * s->trim_pitch;
+        s->stern_integral += (c->M_ds <= 0.0 ? 1.0 : -1.0) * LEVELLING_RATE * h * s->trim_pitch;
     double arm = c->x[TRIM_FORWARD] - c->x[TRIM_AFT];
-    s->trim_flood = trim_moved(s->trim_lift / c->g, HEAVY * c->mass, h, FLOODED);
+    s->trim_flood = trim_moved(s->trim_lift / c->g, MIN_HEAVINESS * c->mass, h, MAX_FLOOD_RATE);
     if (arm > 0.0)
-        s->trim_forward = trim_moved(-s->trim_moment / (c->g * arm), STEEP * c->mass, h, MOVED);
+        s->trim_forward = trim_moved(-s->trim_moment / (c->g * arm), MIN_IMBALANCE * c->mass, h, MAX_TRANSFER_RATE);
 }
 
 static void hold_commands(const double *gains, struct state *s)

@@ -2,7 +2,7 @@
 
 static double sea_pressure(double specific, double depth)
 {
-    return ATMOSPHERE + specific * most(depth, 0.0);
+    return ATMOSPHERIC_PRESSURE + specific * most(depth, 0.0);
 }
 
 static void admit(const struct vessel *c, int tank, double wanted, struct state *s)
@@ -19,11 +19,11 @@ static double through_hole(double rho, double area, double pressure)
 
 static double sonic_share(double ratio)
 {
-    if (ratio <= CRITICAL)
+    if (ratio <= CRITICAL_RATIO)
         return 1.0;
     if (ratio >= 1.0)
         return 0.0;
-    double beyond = (ratio - CRITICAL) / (1.0 - CRITICAL);
+    double beyond = (ratio - CRITICAL_RATIO) / (1.0 - CRITICAL_RATIO);
     return sqrt(1.0 - beyond * beyond);
 }
 
@@ -75,8 +75,8 @@ static void vent(const struct vessel *c, int tank, double top, double h, struct 
     double volume = (c->capacity[tank] - s->water[tank]) / c->rho;
     double space = c->capacity[tank] / c->rho;
     double head = least(top, 0.0) + c->height[tank] * volume / space;
-    double pressure = ATMOSPHERE + c->rho * c->g * (head + most(top, 0.0));
-    double density = most(pressure, THINNEST) / c->gas;
+    double pressure = ATMOSPHERIC_PRESSURE + c->rho * c->g * (head + most(top, 0.0));
+    double density = most(pressure, MIN_TANK_PRESSURE) / c->gas;
     double flow = through_hole(density, area, c->rho * c->g * fabs(head)) * h;
     double passed = least(flow, fabs(head) / c->height[tank] * space * density);
     passed = head > 0.0 ? least(passed, s->tank_air[tank]) : -passed;
@@ -90,7 +90,7 @@ static void settle(const struct vessel *c, int tank, double top, double h, struc
 {
     double space = c->capacity[tank] / c->rho;
     double volume = (c->capacity[tank] - s->water[tank]) / c->rho;
-    double p_top = most(ATMOSPHERE + c->rho * c->g * top, THINNEST);
+    double p_top = most(ATMOSPHERIC_PRESSURE + c->rho * c->g * top, MIN_TANK_PRESSURE);
     double slope = c->rho * c->g * c->height[tank] / space;
     double content = s->tank_air[tank] * c->gas;
     double balance = 2.0 * content / (p_top + sqrt(p_top * p_top + 4.0 * slope * content));
@@ -112,7 +112,7 @@ static void settle(const struct vessel *c, int tank, double top, double h, struc
 
 static int at_work(const struct vessel *c, int tank, const struct state *s)
 {
-    if (tank == NEGATIVE && s->negative_flood <= 0.0)
+    if (tank == NEGATIVE_TANK && s->negative_flood <= 0.0)
         return 0;
     if (s->tank_air[tank] > 0.0 || s->water[tank] < c->capacity[tank])
         return 1;
@@ -193,13 +193,13 @@ static void flood_auxiliary(const struct vessel *c, double h, struct state *s)
 {
     double furthest = sound_rate(c, DRAIN_PUMP, s) * h;
     double amount = clamped(s->trim_flood, -furthest * delivery(c, s->z), furthest);
-    admit(c, AUXILIARY, amount, s);
+    admit(c, AUXILIARY_TANK, amount, s);
 }
 
 static void drain(const struct vessel *c, double h, struct state *s)
 {
     int place = FIRST_DRY - 1 + (int)s->drained;
-    if (FIRST_DRY <= place && place < END)
+    if (FIRST_DRY <= place && place < TANKS_END)
         admit(c, place, -sound_rate(c, DRAIN_PUMP, s) * h * delivery(c, s->z), s);
 }
 
@@ -226,13 +226,13 @@ static void follow_error(double h, struct state *s)
     if (are_counted(s)) {
         double omega = frequency_met(s);
         int anew = fresh || s->hover_notched == 0.0;
-        x = past(notch_at(BELOW * omega, h, HOVER_ZEROS, HOVER_POLES), x, anew, kept);
-        x = past(notch_at(ABOVE * omega, h, HOVER_ZEROS, HOVER_POLES), x, anew, kept + KEPT);
+        x = past(notch_at(LOWER_NOTCH * omega, h, HOVER_ZEROS, HOVER_POLES), x, anew, kept);
+        x = past(notch_at(UPPER_NOTCH * omega, h, HOVER_ZEROS, HOVER_POLES), x, anew, kept + SECTION_SIZE);
         s->hover_notched = 1.0;
     } else
         s->hover_notched = 0.0;
-    double last = kept[2 * KEPT + 2];
-    s->hover_error = past(low_pass(HOVER_SLOW, h, SLOW_DAMPING), x, fresh, kept + 2 * KEPT);
+    double last = kept[2 * SECTION_SIZE + 2];
+    s->hover_error = past(low_pass(HOVER_SLOW, h, SLOW_DAMPING), x, fresh, kept + 2 * SECTION_SIZE);
     s->hover_error_rate = fresh ? 0.0 : (s->hover_error - last) / h;
     double room = fabs(s->hover_error) + HOVER_FURTHEST;
     s->hover_room = fresh ? room : most(least(s->hover_room, room), HOVER_FURTHEST);
@@ -246,7 +246,7 @@ static int cannot_hold(const struct vessel *c, double gradient, const struct sta
     double caught = c->pump_rate[DEPTH_CONTROL_PUMP] * c->g
         / (heaved_mass(c) * pole * pole * pole);
     return s->hover_full > HOVER_LONGEST || fabs(s->hover_error) > s->hover_room
-        || fabs(s->hover_error + s->hover_error_rate / pole) > CATCH * caught;
+        || fabs(s->hover_error + s->hover_error_rate / pole) > CATCH_SHARE * caught;
 }
 
 static void hover(const struct vessel *c, double h, struct state *s)
@@ -258,10 +258,10 @@ static void hover(const struct vessel *c, double h, struct state *s)
         s->hover = s->to_move[DEPTH_CONTROL_PUMP] = s->hover_time = 0.0;
         s->hover_lost = 1.0;
         if (s->speed_by_hand == 0.0)
-            s->ordered_speed = most(s->ordered_speed, AWAY);
+            s->ordered_speed = most(s->ordered_speed, GIVE_UP_SPEED);
         return;
     }
-    int rough = s->wave_power > FELT * FELT;
+    int rough = s->wave_power > FELT_DEPTH_RATE * FELT_DEPTH_RATE;
     double frequency = SOFTER[rough] * c->hover_frequency, per_acceleration = heaved_mass(c) / c->g;
     double asked = s->hover_error * frequency / (2.0 * HOVER_DAMPING[rough]);
     double lack = clamped(asked, -c->hover_rate, c->hover_rate) + s->hover_error_rate;
@@ -272,7 +272,7 @@ static void hover(const struct vessel *c, double h, struct state *s)
     s->to_move[DEPTH_CONTROL_PUMP] = possible - s->water[DEPTH_CONTROL];
     double rate = c->pump_rate[DEPTH_CONTROL_PUMP], size = fabs(s->to_move[DEPTH_CONTROL_PUMP]);
     s->hover_full = size > rate * h ? s->hover_full + h : 0.0;
-    if (wanted == possible && size < SOON * rate) {
+    if (wanted == possible && size < LEARNING_TIME_S * rate) {
         double learnt_now = HOVER_INTEGRAL[rough] * frequency * frequency * lack * h;
         s->hover_integral += per_acceleration * learnt_now;
     }
@@ -289,7 +289,7 @@ static void work_pumps(const struct vessel *c, double h, struct state *s)
     if (s->drained > 0.0)
         drain(c, h, s);
     else if (s->to_move[DRAIN_PUMP] != 0.0)
-        pump_tank(c, DRAIN_PUMP, AUXILIARY, h, s);
+        pump_tank(c, DRAIN_PUMP, AUXILIARY_TANK, h, s);
     else if (s->trim_flood != 0.0)
         flood_auxiliary(c, h, s);
     if (s->to_move[DEPTH_CONTROL_PUMP] != 0.0)
@@ -299,7 +299,7 @@ static void work_pumps(const struct vessel *c, double h, struct state *s)
 static void balance(const struct vessel *c, struct state *s)
 {
     double weight = 0.0, x = 0.0, y = 0.0, z = 0.0;
-    for (int i = 0; i < END; i++) {
+    for (int i = 0; i < TANKS_END; i++) {
         double more = (s->water[i] - c->start[i]) * c->g;
         weight += more;
         x += more * (c->x[i] - c->x_g);
@@ -315,12 +315,12 @@ static void balance(const struct vessel *c, struct state *s)
 static void breached(const struct vessel *c, int tank, double depth, double h, struct state *s)
 {
     double outside = sea_pressure(c->rho * c->g, depth);
-    double limit = c->capacity[tank], inside = ATMOSPHERE;
+    double limit = c->capacity[tank], inside = ATMOSPHERIC_PRESSURE;
     if (tank >= FIRST_DRY) {
-        limit *= 1.0 - ATMOSPHERE / outside;
-        inside = ATMOSPHERE / (1.0 - least(s->water[tank], limit) / c->capacity[tank]);
+        limit *= 1.0 - ATMOSPHERIC_PRESSURE / outside;
+        inside = ATMOSPHERIC_PRESSURE / (1.0 - least(s->water[tank], limit) / c->capacity[tank]);
     }
-    double area = DISCHARGE * s->breach[tank - TRIM_FORWARD];
+    double area = DISCHARGE_COEFFICIENT * s->breach[tank - TRIM_FORWARD];
     double amount =
         least(through_hole(c->rho, area, outside - inside) * h, limit - s->water[tank]);
     if (amount > 0.0)
@@ -336,10 +336,10 @@ static void advance_ballast(const struct vessel *c, double h, struct state *s)
     cosine_and_sine(s->phi, &cos_phi, &sin_phi);
     double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
     work_pumps(c, h, s);
-    for (int i = TRIM_FORWARD; i < END; i++)
+    for (int i = TRIM_FORWARD; i < TANKS_END; i++)
         if (s->breach[i - TRIM_FORWARD] > 0.0 && c->capacity[i] > 0.0)
             breached(c, i, s->z + down_x * c->x[i] + down_y * c->y[i] + down_z * c->z[i], h, s);
-    for (int i = 0; i <= NEGATIVE; i++)
+    for (int i = 0; i <= NEGATIVE_TANK; i++)
         if (at_work(c, i, s))
             work_blown_tank(
                 c, i, s->z + down_x * c->x[i] + down_y * c->y[i] + down_z * c->z[i], h, s);

@@ -21,9 +21,9 @@ static int fault_of(int surface, const struct state *s)
         int kind = (int)s->casualty[i];
         if (kind == 0)
             return slot;
-        if (SURFACE[kind] == surface && FAULT[kind] > latest) {
+        if (KIND_SURFACES[kind] == surface && KIND_FAULTS[kind] > latest) {
             slot = i;
-            latest = FAULT[kind];
+            latest = KIND_FAULTS[kind];
         }
     }
     return slot;
@@ -31,8 +31,8 @@ static int fault_of(int surface, const struct state *s)
 
 static void write_fault(int kind, double amount, struct state *s)
 {
-    if (PLACE[kind] >= 0)
-        s->whole[PLACE[kind]] = SENSE[kind] * amount;
+    if (KIND_PLACES[kind] >= 0)
+        s->whole[KIND_PLACES[kind]] = KIND_SENSES[kind] * amount;
 }
 
 static void leave(int slot, struct state *s)
@@ -82,18 +82,18 @@ static void advance_casualties(struct state *s)
 static double shown(int gauge, const struct state *s)
 {
     double value = gauge == GYRO ? s->psi : gauge == LOG ? s->u : s->z;
-    int slot = slot_of(GAUGE_CODE[gauge][BIASED], s);
+    int slot = slot_of(GAUGE_CODE[gauge][GAUGE_BIASED], s);
     return slot >= 0 ? value + s->casualty_amount[slot] : value;
 }
 
 static double onset(int kind, const struct state *s)
 {
-    if (SURFACE[kind] >= 0 && FAULT[kind] >= HARD_OVER)
-        return s->surface[SURFACE[kind]];
+    if (KIND_SURFACES[kind] >= 0 && KIND_FAULTS[kind] >= HARD_OVER)
+        return s->surface[KIND_SURFACES[kind]];
     if (kind == PROPULSION_STUCK)
         return s->u_c;
-    if (GAUGE[kind] >= 0 && HOLDS[kind])
-        return shown(GAUGE[kind], s);
+    if (KIND_GAUGES[kind] >= 0 && KIND_HOLDS[kind])
+        return shown(KIND_GAUGES[kind], s);
     return 0.0;
 }
 
@@ -109,7 +109,7 @@ static int begin(int kind, double amount, double ticks, struct state *s)
     }
     s->casualty_ticks[slot] = ticks;
     s->casualty_target[slot] = amount;
-    if (HOLDS[kind]) {
+    if (KIND_HOLDS[kind]) {
         s->casualty_ticks[slot] = 0.0;
         s->casualty_target[slot] = s->casualty_amount[slot];
     } else if (ticks == 0.0) {

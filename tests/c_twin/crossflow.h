@@ -2,7 +2,7 @@
 
 static void add_hull_strips(const struct vessel *c, const struct state *s, double *force)
 {
-    for (int i = 0; i < STATIONS; i++) {
+    for (int i = 0; i < HULL_STATIONS; i++) {
         double x = c->station_x[i];
         double aside = s->v + x * s->r, down = s->w - x * s->q;
         double speed = sqrt(aside * aside + down * down);

@@ -23,18 +23,18 @@ static int validity(const struct vessel *c, const struct state *s)
 {
     double cross = cross_speed_squared(c, s), square = s->u * s->u;
     if (s->u < 0.0 || cross > c->handover_from * square)
-        return OUTSIDE;
-    return cross > c->tested * square ? EXTRAPOLATED : INSIDE;
+        return OUTSIDE_RANGE;
+    return cross > c->tested * square ? EXTRAPOLATED_RANGE : INSIDE_RANGE;
 }
 
 static int substeps(const struct vessel *c, double h, int afloat, const struct state *s)
 {
     double phase = 0.0;
     if (c->u_c_ahead > 0.0)
-        phase = s->u / (BEYOND * c->u_c_ahead);
+        phase = s->u / (PROVED_TURN_RATIO * c->u_c_ahead);
     if (wide_share(c, s) > 0.0) {
         double speed = sqrt(s->u * s->u + cross_speed_squared(c, s));
-        phase = most(phase, h * c->stiffness * speed / SUBSTEP);
+        phase = most(phase, h * c->stiffness * speed / SUBSTEP_PHASE);
     }
     if (afloat)
         phase = most(phase, h * c->surface_mode / SURFACE_SUBSTEP);

@@ -5,17 +5,17 @@ enum { PAST = sizeof(((struct state *)0)->past_rates) / (12 * sizeof(double)) };
 
 static double pitch_roll_sine(int64_t trig, double angle)
 {
-    if (trig == POLYNOMIAL)
+    if (trig == POLYNOMIAL_TRIGONOMETRY)
         return angle - angle * angle * angle / 6.0;
-    return trig == LINEAR ? 0.971 * angle : sine(angle);
+    return trig == LINEAR_TRIGONOMETRY ? 0.971 * angle : sine(angle);
 }
 
 static double pitch_roll_cosine(int64_t trig, double angle)
 {
     double square = angle * angle;
-    if (trig == POLYNOMIAL)
+    if (trig == POLYNOMIAL_TRIGONOMETRY)
         return 1.0 - square / 2.0 + square * square / 24.0;
-    return trig == LINEAR ? 1.02 - 0.281 * fabs(angle) : cosine(angle);
+    return trig == LINEAR_TRIGONOMETRY ? 1.02 - 0.281 * fabs(angle) : cosine(angle);
 }
 
 static void forces(const struct compact *c, int64_t trig, const struct state *s, double *force)
@@ -175,9 +175,9 @@ static void off_centre_inertia(const struct compact *c, const struct state *s, d
 
 static double guarded(double cos_theta)
 {
-    if (fabs(cos_theta) >= STEEPEST)
+    if (fabs(cos_theta) >= MIN_PITCH_COSINE)
         return cos_theta;
-    return cos_theta >= 0.0 ? STEEPEST : -STEEPEST;
+    return cos_theta >= 0.0 ? MIN_PITCH_COSINE : -MIN_PITCH_COSINE;
 }
 
 static void kinematics(int64_t trig, struct state *s)
@@ -243,12 +243,12 @@ static double told(
     if (slot < 0)
         return command;
     double amount = s->casualty_amount[slot];
-    int fault = FAULT[(int)s->casualty[slot]];
-    if (fault == SLOW)
+    int fault = KIND_FAULTS[(int)s->casualty[slot]];
+    if (fault == SURFACE_SLOW)
         command = within(command, angle, furthest * (1.0 - amount));
     else if (fault == FOLLOW_UP_LOST)
-        command = fabs(command) < AMIDSHIPS ? angle : copysign(c->limit[surface], command);
-    else if (fault == FREE)
+        command = fabs(command) < AMIDSHIPS_ANGLE ? angle : copysign(c->limit[surface], command);
+    else if (fault == SURFACE_FREE)
         command = within(0.0, angle, amount * furthest);
     else
         command = amount;

@@ -7,7 +7,7 @@ static void random_words(uint64_t seed, uint32_t stream, uint32_t tick, uint32_t
 {
     static const int turns[2][4] = {{13, 15, 26, 6}, {17, 29, 16, 24}};
     uint32_t key_0 = (uint32_t)(seed >> 32), key_1 = (uint32_t)seed;
-    uint32_t keys[3] = {key_0, key_1, (uint32_t)(PARITY ^ key_0 ^ key_1)};
+    uint32_t keys[3] = {key_0, key_1, (uint32_t)(KEY_PARITY ^ key_0 ^ key_1)};
     uint32_t x = tick + key_0, y = stream + key_1;
     for (int block = 0; block < 5; block++) {
         for (int round = 0; round < 4; round++) {
@@ -48,7 +48,7 @@ static double gaussian(uint64_t seed, uint32_t stream, uint32_t tick)
 
 static double corner(double omega, double g, int which)
 {
-    double wind = PEAK * g / omega;
+    double wind = PEAK_FACTOR * g / omega;
     double knots = wind / KNOT;
     double product = SIMILAR[which];
     for (int row = 0; row < 3; row++) {
@@ -64,7 +64,7 @@ static double corner(double omega, double g, int which)
 static double warped(double omega, double h)
 {
     double adjacent, opposite;
-    cosine_and_sine(least(0.5 * omega * h, WIDEST), &adjacent, &opposite);
+    cosine_and_sine(least(0.5 * omega * h, MAX_HALF_ANGLE), &adjacent, &opposite);
     return opposite / adjacent;
 }
 
@@ -78,7 +78,7 @@ static double section(double c, double damping, double *a1, double *a2)
 
 static void times(struct scratch *work, double first, double second, double third)
 {
-    for (int i = DEGREE; i >= 0; i--) {
+    for (int i = FILTER_DEGREE; i >= 0; i--) {
         double value = first * work->a[i];
         if (i >= 1)
             value += second * work->a[i - 1];
@@ -91,7 +91,7 @@ static void times(struct scratch *work, double first, double second, double thir
 static void powers(struct scratch *work)
 {
     work->elevation_power = work->quadrature_power = 0.0;
-    for (int degree = DEGREE; degree > 0; degree--) {
+    for (int degree = FILTER_DEGREE; degree > 0; degree--) {
         double alpha = work->a[0] / work->a[1];
         double beta = work->b[1] / work->a[1], delta = work->d[1] / work->a[1];
         work->elevation_power += 0.5 * beta * beta / alpha;
@@ -122,7 +122,7 @@ static void prepare_filter(double g, double omega, double h, struct scratch *wor
     double low = warped(corner(omega, g, 0), h), high = warped(corner(omega, g, 1), h);
     double low_a0 = section(low, LOW_DAMPING, &work->low_a1, &work->low_a2);
     double high_a0 = section(high, HIGH_DAMPING, &work->high_a1, &work->high_a2);
-    for (int i = 0; i <= DEGREE; i++)
+    for (int i = 0; i <= FILTER_DEGREE; i++)
         work->a[i] = work->b[i] = work->d[i] = 0.0;
     work->a[0] = 1.0;
     double ratio = high / low;
@@ -130,8 +130,8 @@ static void prepare_filter(double g, double omega, double h, struct scratch *wor
     for (int i = 0; i < 3; i++)
         times(work, 1.0, 2.0 * HIGH_DAMPING * ratio, ratio * ratio);
     times(work, low, 1.0, 0.0);
-    work->b[DEGREE - 6] = 1.0;
-    work->d[DEGREE - 7] = 1.0;
+    work->b[FILTER_DEGREE - 6] = 1.0;
+    work->d[FILTER_DEGREE - 7] = 1.0;
     powers(work);
     work->elevation_power *= 2.0 * low;
     work->quadrature_power *= 2.0 * low;
@@ -179,7 +179,7 @@ static void advance_modes(int bank, struct state *s)
         x = gaussian_pair(
             (uint64_t)s->seed, SEA_BANK + bank, (uint32_t)(step >> 1), &s->sea_spare[bank]);
     for (int i = 0; i < 4; i++) {
-        double along = MODES[bank][0][i], across = MODES[bank][1][i];
+        double along = MODE_FACTORS[bank][0][i], across = MODE_FACTORS[bank][1][i];
         double a = mode[i], b = mode[4 + i];
         mode[i] = along * a - across * b + x;
         mode[4 + i] = across * a + along * b;
@@ -210,7 +210,7 @@ static void add_outputs(
 static void note_outputs(const struct scratch *work, struct state *s)
 {
     double *outputs = s->sea_past[(int64_t)s->sea_steps & 3];
-    for (int j = 0; j < OUTPUTS; j++)
+    for (int j = 0; j < OUTPUT_COUNT; j++)
         outputs[j] = 0.0;
     if (s->sea_peaked < 1.0)
         add_outputs(0, sqrt(1.0 - s->sea_peaked), work, s, outputs);
@@ -220,7 +220,7 @@ static void note_outputs(const struct scratch *work, struct state *s)
 
 static double left_length(int row, double inside, double peaked)
 {
-    const double *one = &LENGTHS[0][row], *other = &LENGTHS[1][row];
+    const double *one = &LENGTH_TABLE[0][row], *other = &LENGTH_TABLE[1][row];
     double flat = one[0] + inside * (one[1] - one[0]);
     double raised = other[0] + inside * (other[1] - other[0]);
     return flat + peaked * (raised - flat);
@@ -257,14 +257,14 @@ static void read_outputs(double turn_cos, double turn_sin, struct state *s)
     double weight[4] = {
         -f * after * beyond * 0.16666666666666666, before * after * beyond * 0.5,
         -before * f * beyond * 0.5, before * f * after * 0.16666666666666666};
-    double now[OUTPUTS], *past[4];
+    double now[OUTPUT_COUNT], *past[4];
     for (int i = 0; i < 4; i++)
         past[i] = s->sea_past[((int64_t)s->sea_steps + i) & 3];
-    for (int j = 0; j < OUTPUTS; j++) {
+    for (int j = 0; j < OUTPUT_COUNT; j++) {
         double early = weight[0] * past[0][j] + weight[1] * past[1][j];
         now[j] = early + (weight[2] * past[2][j] + weight[3] * past[3][j]);
     }
-    for (int j = 0; j < OUTPUTS; j += 2) {
+    for (int j = 0; j < OUTPUT_COUNT; j += 2) {
         s->sea_waves[j] = now[j] * turn_cos - now[j + 1] * turn_sin;
         s->sea_waves[j + 1] = now[j + 1] * turn_cos + now[j] * turn_sin;
     }
@@ -285,10 +285,10 @@ static void prepare_sum(double gamma, double seed, struct scratch *work)
     double total = 0.0;
     for (int i = 0; i < SEA_COMPONENTS; i++) {
         double inside = uniform((uint64_t)seed, SEA_FREQUENCY, i);
-        double part = PART * (i % BANDS + inside) / BANDS;
+        double part = VARIANCE_SHARE * (i % BAND_COUNT + inside) / BAND_COUNT;
         work->relative[i] = sqrt(sqrt(-1.25 / logarithm(part)));
         work->phase_start[i] = 6.283185307179586 * (uniform((uint64_t)seed, SEA_PHASE, i) - 0.5);
-        work->amplitude[i] = WEIGHT[i / BANDS];
+        work->amplitude[i] = DIRECTION_WEIGHTS[i / BAND_COUNT];
         if (gamma != 1.0)
             work->amplitude[i] *= sqrt(peakedness(gamma, work->relative[i]));
         total += 0.5 * work->amplitude[i] * work->amplitude[i];
@@ -310,7 +310,7 @@ static void advance_sum(const struct vessel *c, double h, struct state *s)
 static double phase(const struct scratch *work, const struct state *s, int i)
 {
     double q = work->relative[i];
-    double met = s->sea_along * ANGLE_COS[i / BANDS] + s->sea_across * ANGLE_SIN[i / BANDS];
+    double met = s->sea_along * ANGLE_COS[i / BAND_COUNT] + s->sea_across * ANGLE_SIN[i / BAND_COUNT];
     return work->phase_start[i] + q * s->sea_turned - q * q * met;
 }
 

@@ -11,7 +11,7 @@ static void suction(
     double g, double omega, double height, double depth, double *lift, double *gradient)
 {
     double number = omega * omega / g;
-    double kappa = clamped(number * depth, SHALLOWEST, DEEPEST);
+    double kappa = clamped(number * depth, MIN_KAPPA, MAX_KAPPA);
     double force = 0.125 * g * number * number * height * height;
     *lift = force * exponential(fading(0, kappa));
     *gradient = 2.0 * number * force * exponential(fading(1, kappa));

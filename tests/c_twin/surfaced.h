@@ -20,7 +20,7 @@ static double share_above(
     const struct vessel *c, const struct scratch *work, const struct state *s)
 {
     double share = 0.0;
-    for (int i = 0; i < STATIONS; i++) {
+    for (int i = 0; i < HULL_STATIONS; i++) {
         double depth = axis_depth(c, i, work, s);
         share += c->station_share[i] * segment(0.5 - depth / c->hull_diameter);
     }
@@ -29,7 +29,7 @@ static double share_above(
 
 static int is_cut(const struct vessel *c, const struct scratch *work, const struct state *s)
 {
-    for (int i = 0; i < STATIONS; i++)
+    for (int i = 0; i < HULL_STATIONS; i++)
         if (axis_depth(c, i, work, s) < 0.5 * c->hull_diameter)
             return 1;
     return 0;
@@ -68,7 +68,7 @@ static void add_waterplane(
     const struct vessel *c, const struct scratch *work, const struct state *s, double *force)
 {
     double heavy = 0.0, x = 0.0, above = 0.0;
-    for (int i = 0; i < STATIONS; i++) {
+    for (int i = 0; i < HULL_STATIONS; i++) {
         double depth = axis_depth(c, i, work, s) / c->hull_diameter;
         if (depth >= 0.5)
             continue;
@@ -90,7 +90,7 @@ static void add_waterplane(
     cosine_and_sine(s->phi, &cos_phi, &sin_phi);
     double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
     double z = heavy * c->hull_axis;
-    double square = least(s->u * s->u, HUMP * HUMP * c->g * c->ell);
+    double square = least(s->u * s->u, HUMP_FROUDE * HUMP_FROUDE * c->g * c->ell);
     force[0] += heavy * down_x;
     force[0] -= c->wave_drag * least(above / 0.05, 1.0) * square * square * s->u * fabs(s->u);
     force[1] += heavy * down_y;

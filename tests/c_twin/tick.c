@@ -32,10 +32,10 @@
 static int lost(const struct state *s)
 {
     for (int i = 0; i < 12; i++)
-        if (!(fabs(s->rates[i]) < FASTEST_RATE))
+        if (!(fabs(s->rates[i]) < MAX_RATE))
             return 1 + i;
     for (int i = 0; i < 12; i++)
-        if (!(fabs(s->motion[i]) < (i < 6 ? FASTEST : FURTHEST)))
+        if (!(fabs(s->motion[i]) < (i < 6 ? MAX_SPEED : MAX_DISTANCE)))
             return 13 + i;
     return 0;
 }
@@ -46,7 +46,7 @@ static void outside(const struct vessel *c, const struct state *s, struct scratc
         work->external[i] = 0.0;
     int near = is_near_surface(c, s);
     work->levels = near ? 1.0 : 0.0;
-    for (int i = 0; near && i < STATIONS; i++) {
+    for (int i = 0; near && i < HULL_STATIONS; i++) {
         work->level[i] = work->rise[i] = 0.0;
         work->station[i] = c->station_x[i];
     }

@@ -18,15 +18,15 @@ static void prepare_strips(const struct vessel *c, struct scratch *work)
 {
     int same = 0;
     for (int i = 0; i < 4; i++)
-        for (int strip = 0; strip < STRIPS; strip++)
+        for (int strip = 0; strip < STRIP_COUNT; strip++)
             same += work->strips_of[i][strip] == c->strips[i][strip];
-    if (same == 4 * STRIPS)
+    if (same == 4 * STRIP_COUNT)
         return;
     memcpy(work->strips_of, c->strips, sizeof c->strips);
     for (int row = 0; row <= STRIP_ROWS; row++) {
-        double left = kept(row), (*sums)[NUMBERS] = work->strip_sums[row];
+        double left = kept(row), (*sums)[SUM_NUMBERS] = work->strip_sums[row];
         memset(sums, 0, sizeof work->strip_sums[row]);
-        for (int strip = 0; strip < STRIPS; strip++) {
+        for (int strip = 0; strip < STRIP_COUNT; strip++) {
             double x = c->strips[0][strip], turn_cos, turn_sin;
             cosine_and_sine(row / ROWS_PER_TURN * x, &turn_cos, &turn_sin);
             for (int kind = 0; kind < 3; kind++) {
@@ -45,13 +45,13 @@ struct sums { double heave, surge, pitch, yaw; };
 
 static struct sums at_strips(const struct scratch *work, int kind, double rise, double swing)
 {
-    double x = ROWS_PER_TURN * fabs(work->kappa), inside = 1.0, sum[NUMBERS];
+    double x = ROWS_PER_TURN * fabs(work->kappa), inside = 1.0, sum[SUM_NUMBERS];
     int row = STRIP_ROWS - 1;
     if (x < STRIP_ROWS) {
         row = (int)floor(x);
         inside = x - row;
     }
-    for (int j = 0; j < NUMBERS; j++) {
+    for (int j = 0; j < SUM_NUMBERS; j++) {
         double before = work->strip_sums[row][kind][j];
         sum[j] = before + inside * (work->strip_sums[row + 1][kind][j] - before);
     }
@@ -68,7 +68,7 @@ static struct sums at_strips(const struct scratch *work, int kind, double rise, 
 static void raise_levels(struct scratch *work, double k, double a_cos, double a_sin)
 {
     double omega = sqrt(work->g * k);
-    for (int i = 0; i < STATIONS; i++) {
+    for (int i = 0; i < HULL_STATIONS; i++) {
         double turn_cos, turn_sin;
         cosine_and_sine(k * work->station[i] * work->along, &turn_cos, &turn_sin);
         work->level[i] += a_cos * turn_cos + a_sin * turn_sin;
@@ -142,7 +142,7 @@ static void add_sum(struct scratch *work, const struct state *s)
     double chi_cos, chi_sin;
     cosine_and_sine(s->sea_direction - s->psi, &chi_cos, &chi_sin);
     for (int i = 0; i < SEA_COMPONENTS; i++) {
-        double angle_cos = ANGLE_COS[i / BANDS], angle_sin = ANGLE_SIN[i / BANDS];
+        double angle_cos = ANGLE_COS[i / BAND_COUNT], angle_sin = ANGLE_SIN[i / BAND_COUNT];
         work->along = chi_cos * angle_cos - chi_sin * angle_sin;
         work->across = chi_sin * angle_cos + chi_cos * angle_sin;
         double omega = s->sea_omega * work->relative[i];
