@@ -152,7 +152,8 @@ def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[comple
     system_of = {"vertical": vertical_system, "horizontal": horizontal_system}[plane]
     linear = system_of(load_vessel(vessel), speed * KNOT)
     program = {"vertical": "EC140", "horizontal": "EC200"}[plane]
-    return one_of_each([complex(root) for root in linear.eigenvalues]), f"{program}, {vessel} at {speed:g} kn"
+    roots = [complex(root) for root in linear.eigenvalues]
+    return one_of_each(roots), f"{program}, {vessel} at {speed:g} kn"
 
 
 def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
