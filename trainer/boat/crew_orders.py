@@ -127,7 +127,7 @@ def standing_order(boat: Boat, axis: str) -> CrewOrder | None:
 
 
 def _clear(boat: Boat, axis: str) -> Reply:
-    """Let one order, or all of them, stand no longer; what is left of them is nothing."""
+    """Clear one order, or all of them; their numbers in the state become 0."""
     had = [each for each in standing_orders(boat) if axis in (each.axis, "all")]
     for order in had:
         boat.state.crew_order_tick[CREW_AXES.index(order.axis)] = 0.0

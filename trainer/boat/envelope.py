@@ -17,6 +17,7 @@ from trainer.core.ballast.tanks import NEGATIVE_TANK
 from trainer.core.kernel import Numbers, Record
 from trainer.units import KNOT
 
+# What holds where a vessel file says nothing; docs/envelope.md has where it comes from.
 TESTED_FLOW_DEG: Final = 12.0  # [deg]
 HANDOVER_DEG: Final = (35.0, 55.0)  # [deg]
 HULL_SHARE: Final = 0.5  # [-]

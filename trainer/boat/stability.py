@@ -163,7 +163,7 @@ def tick_map(response: RateResponse, scheme: Record, h: float) -> Matrix:
 def allowed_rate(eigenvalue: complex) -> float:
     """Return the growth [1/s] that a step may show where the boat itself has ``eigenvalue``.
 
-    None if the boat damps it well; else twice the boat's own and BLAMED_GROWTH of the frequency.
+    It is 0 if the boat damps it well; else twice the boat's own and BLAMED_GROWTH of the frequency.
     """
     if eigenvalue.real < -max(BLAMED_GROWTH * abs(eigenvalue), NEUTRAL_TOLERANCE):
         return 0.0
@@ -173,8 +173,8 @@ def allowed_rate(eigenvalue: complex) -> float:
 def added_growth(response: RateResponse, tick: Matrix, h: float) -> tuple[float, complex]:
     """Return the largest spurious factor [-] per tick of ``h`` [s], and its root.
 
-    Left out for each mode the boat does not damp well is the root nearest to exp(h lambda), unless
-    it grows faster than is allowed.
+    For each mode that the boat does not damp well, the root nearest to exp(h lambda) does not
+    count, because it is the boat's own, unless it grows faster than is allowed.
     """
     roots = list(np.linalg.eigvals(tick))
     for eigenvalue in response.eigenvalues:

@@ -113,9 +113,9 @@ def bring_within(state: Record) -> None:
 
 @part
 def forget_rates(state: Record) -> None:
-    """Replace the past rates of the attitude by the present ones, as at a start (errata D10).
+    """Replace the past rates of the attitude by the present ones.
 
-    The boat has just left the vertical, where these rates had no bound.
+    The boat has just left the vertical, where these rates had no bound: as at a start, errata D10.
     """
     s = state[0]
     for i in range(3):

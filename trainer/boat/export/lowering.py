@@ -93,9 +93,9 @@ def freestanding_module(
 ) -> Any:
     """Return the module of ``trainer_tick`` for one scheme, beside the constants.
 
-    ``function`` of the addresses of all records is what it does; ``tick`` does all of it.
-
-    Only they can be seen from outside; whatever else there is may be inlined or dropped.
+    ``trainer_tick`` does what ``function`` does with the addresses of all records; ``tick`` is the
+    whole tick. Only ``trainer_tick`` and the constants can be seen from outside, so that the
+    compiler may inline or drop all else.
     """
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()

@@ -143,7 +143,7 @@ class CurrentAround:
         state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
 
     def at(self, tick: float, depth: float) -> Line:
-        """Return the current of a tick, or between two, as a depth's line."""
+        """Return the current at a tick, or between two ticks, as a line over depth."""
         whole = bisect_left(self.changes, 1, key=lambda each: self._share(each, tick) < 1.0)
         line = self.changes[whole - 1].line if whole else STILL_WATER  # it hides what was before
         if not whole and self.flow:

@@ -127,7 +127,10 @@ def suction(g: float, omega: float, height: float, depth: float) -> tuple[float,
 
 @part
 def kept(row: int) -> float:
-    """Return the share [-] that a row of the strips' table keeps; short waves fade to zero."""
+    """Return the share [-] that a row of the strips' table keeps.
+
+    Sums of waves too short for the strips fade to zero.
+    """
     t = max(row - LAST_TRUE, 0.0) / (STRIP_ROWS - LAST_TRUE)
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
