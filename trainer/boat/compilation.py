@@ -38,7 +38,7 @@ def is_tick_kept() -> bool:
 
 
 def mark_compiled(name: str = "complete", *folders: str) -> None:
-    """Leave a mark that all a run needs is compiled, where a file can be written."""
+    """Mark that all a run needs is compiled, where a file can be written."""
     with contextlib.suppress(OSError):
         mark_path(name, *folders).touch()
 

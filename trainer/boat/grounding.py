@@ -48,7 +48,7 @@ class GroundTouch(NamedTuple):
 
     @property
     def faults(self) -> list[str]:
-        """Return what was wrong with the touch of a boat that was to be laid down."""
+        """Return what was wrong with the touch, for a boat to be laid down."""
         fault_words = {
             f"way {self.way:.2f} m/s, {GENTLE_WAY:g} at most": self.way >= GENTLE_WAY,
             f"sinking {self.sink:.2f} m/s, {GENTLE_SINK:g} at most": self.sink >= GENTLE_SINK,

@@ -82,7 +82,7 @@ class TailMonitor:
 
 @dataclass
 class PilotMonitor:
-    """The laws that are given up at present, and the times [s] of all givings up."""
+    """The laws given up at present, and the times [s] at which laws were."""
 
     given_up: set[str] = field(default_factory=set)
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]

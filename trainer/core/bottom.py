@@ -102,7 +102,7 @@ def push(
 
 @part
 def holding(vessel: Record, scheme: Record, state: Record) -> float:
-    """Return the height [m] up to which the ground holds a hull that lay on it, as mud does."""
+    """Return up to which height [m] the ground holds a hull that lay there."""
     if scheme[0].breakout <= 0.0 or state[0].aground == 0.0:
         return 0.0
     mass = state[0].weight / vessel[0].g + vessel[0].m33

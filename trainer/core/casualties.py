@@ -43,7 +43,7 @@ FAULTS: Final = (  # in the order of the faults in the state, which begin at its
 
 
 class CasualtyKind(NamedTuple):
-    """A kind of casualty [-]: its name, its equipment, its fault and its place in the state."""
+    """A kind of casualty [-]: its name, equipment, fault, and place in the state."""
 
     name: str
     surface: int = -1  # of SURFACES
@@ -132,7 +132,7 @@ def fault_of(surface: int, state: Record) -> int:
 
 @kernel
 def write_fault(kind: int, amount: float, state: Record) -> None:
-    """Write the fault of tanks or air that ``kind`` is to its place in the state.
+    """Write the amount of a fault of tanks or air to the state.
 
     Kinds of other equipment have no place, because that equipment looks its casualties up.
     """

@@ -84,11 +84,11 @@ class OwnHull:
         return bool((sum(each * each for each in beyond) <= self.radii * self.radii).any())
 
     def looks(self, way: float, ship: ShipType) -> int:
-        """Return how often to look on a relative way [m], so that no ship is missed."""
+        """Return how often to look on a relative way [m] to miss no ship."""
         return max(math.ceil(way / (STEP_BEAM_SHARE * ship.beam)), 1)
 
     def far(self, range_m: float, depth: float, ship: ShipType, way: float) -> bool:
-        """Return whether a ship is too far to touch, by range, depth and relative way [m]."""
+        """Return whether range, depth and relative way [m] leave no chance of a touch."""
         around = self.reach + 0.5 * math.hypot(ship.length, ship.beam) + way
         return range_m > around or depth - self.reach - way > ship.draught
 

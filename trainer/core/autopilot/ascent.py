@@ -139,7 +139,7 @@ def lay_amidships(state: Record) -> None:
 
 @part
 def go_on_from(state: Record, surface: int, law: float) -> None:
-    """Make the depth ``law`` [rad] of a plane follow the plane, so that it starts without a jump.
+    """Make the depth ``law`` [rad] of a plane follow the plane, against a jump.
 
     Once the ascent is over, the integral takes the angle that is left, as the plane's trim.
     """
