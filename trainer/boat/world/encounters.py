@@ -18,7 +18,7 @@ from trainer.config.contacts import Encounters
 from trainer.config.files import raise_problems
 from trainer.core.kernel import Numbers
 
-MIN_RELATIVE_SPEED: Final = 0.1  # [m/s] below which closest approach is the range now, without a time
+MIN_RELATIVE_SPEED: Final = 0.1  # [m/s] below which it is the range now, without a time
 ARC_DEVIATION_SHARE: Final = 0.1  # [-] of the limit: arcs that leave straight lines by more count
 ARC_TIMES_S: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead at which places on arcs are compared
 MIN_TURN_RATE: Final = math.radians(0.1)  # [rad/s] of the boat; below, waves yaw it
