@@ -38,7 +38,7 @@ class OwnMotion(NamedTuple):
 
     @classmethod
     def of(cls, state: Any) -> "OwnMotion":
-        """Return those of a state; a boat whose place is held stands still."""
+        """Return the motion in a state; a boat whose place is held stands still."""
         if state["held_position"]:
             # without way there is no course over the ground: the heading stands for it
             return cls(float(state["x"]), float(state["y"]), float(state["psi"]), 0.0, 0.0)
@@ -114,7 +114,7 @@ def plot_ships(own: OwnMotion, there: Situation, limit: float) -> ShipPlot:
 
 
 def on_arcs(own: OwnMotion, there: Situation) -> tuple[Numbers, Numbers]:
-    """Return closest approach [m] and time to it [s] if all keep turning."""
+    """Return closest approach [m] and time to it [s], if boat and ships keep turning."""
     mine = _ahead(Situation(*(np.array([each]) for each in (*own, 0.0, 0.0))))
     theirs = _ahead(there)
     apart = np.hypot(theirs.north - mine.north, theirs.east - mine.east)
@@ -174,7 +174,7 @@ class EncounterMonitor:
 
     @property
     def rules(self) -> Encounters:
-        """Return what is made of ships that come near."""
+        """Return the exercise's rules about ships that come near."""
         return self.contacts.encounters if self.contacts else Encounters()
 
     def settle(self, boat: Any) -> None:
@@ -268,7 +268,7 @@ class EncounterMonitor:
                 self.called.pop(name, None)
 
     def _own(self, boat: Any) -> OwnMotion:
-        """Return how the boat goes on the mean of late: waves swing it to and fro."""
+        """Return the boat's mean motion of the last MEAN_PERIOD_S, because waves swing it."""
         motion = OwnMotion.of(boat.state)._replace(turning=0.0)
         self._past.append(Pose.of(boat.state))
         count = round(MEAN_PERIOD_S / boat.method.step)

@@ -33,7 +33,7 @@ class Pose(NamedTuple):
 
     @classmethod
     def of(cls, state: Any) -> "Pose":
-        """Return that of a state."""
+        """Return the pose in a state."""
         return cls(*(float(state[name]) for name in ("x", "y", "z", "phi", "theta", "psi")))
 
     def towards(self, other: "Pose", share: float) -> "Pose":

@@ -145,7 +145,7 @@ class Periscope:
 
     @property
     def fitted(self) -> Scope | None:
-        """Return what the vessel file says of it, None for a boat without one."""
+        """Return the vessel file's periscope, None for a boat without one."""
         return self._fitted
 
     @property
@@ -180,7 +180,7 @@ class Periscope:
         return next((each.tick for each in self._stood if each.raised == number), 0)
 
     def forget(self) -> None:
-        """Be down, as at the start."""
+        """Forget all orders: the mast is down, as at the start."""
         self._stood = [Mast()]
 
     def at(self, tick: int) -> Mast:
