@@ -30,11 +30,10 @@ ROUNDING_GROWTH = 1e-9  # [-] growth per step that is only rounding
 # [-] A swing with less than this damping ratio is barely damped: any explicit method and any lag
 # may turn it, and a step is blamed only for growth of more than this, which doubles in 11 swings.
 BLAMED_GROWTH = 0.01
-MAX_STEP_EIGENVALUE = (
-    30.0  # [-] |h lambda| beyond which no explicit method of four cycles is stable
-)
+# [-] |h lambda| beyond which no explicit method of four cycles is stable
+MAX_STEP_EIGENVALUE = 30.0
 MIN_SEARCH_STEP_S, MAX_SEARCH_STEP_S = 1e-3, 128.0  # [s] steps looked at
-HALVING_COUNT = 20
+HALVING_COUNT = 20  # of the steps between which the largest stable one lies
 MAX_EXPONENT = 300.0  # [-] exponent beyond which growth is simply large
 
 
@@ -217,7 +216,7 @@ def inner_step(scheme: Record, h: float) -> float:
 
 
 def stable_at(flights: Iterable[RateResponse], scheme: Record, h: float) -> bool:
-    """Return whether ticks of ``h`` [s] make nothing grow but what grows by nature."""
+    """Return whether ticks of ``h`` [s] add no growth to that of the boat itself."""
     h = inner_step(scheme, h)
     return all(
         added_growth(flight, tick_map(flight, scheme, h), h)[0] <= 1.0 + ROUNDING_GROWTH

@@ -25,6 +25,7 @@ from trainer.core.vessel import COMPACT, VESSEL
 Kind = np.dtype | type  # of a parameter: the record at an address, or `float`
 TICK_RECORDS: Final[tuple[Kind, ...]] = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
 FREESTANDING_PATH: Final = Path(__file__).parent / "freestanding.ll"
+# numba returns whether a kernel raised, and its answer by address: where it raised the status is -1
 ENTRY_TEMPLATE: Final = """
 @scheme = internal constant [{size} x i8] c"{scheme}", align 8
 declare i32 @"{kernel}"(ptr, ptr, ptr, ptr, ptr, ptr, ptr)
