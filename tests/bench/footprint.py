@@ -70,7 +70,7 @@ import json, sys
 from llvmlite import binding
 binding.set_option("", "--pre-RA-sched=" + sys.argv[1])
 from trainer.core import kernel
-kernel.part = kernel.kernel = kernel.njit(error_model="numpy", **kernel.LEAN)
+kernel.part = kernel.kernel = kernel.njit(error_model="numpy", **kernel.LEAN_OPTIONS)
 from bench import footprint
 ticks = {"update": footprint.update_of_1969, "tick": footprint.tick_of_1969}
 ticks[footprint.WIDE] = footprint.wide_of_today

@@ -84,7 +84,7 @@ def test_a_compiler_of_another_version_is_not_given_options_of_its_own() -> None
         "import math, numba\n"
         "numba.__version__ = '1.2.0'\n"
         "from trainer.core import kernel\n"
-        "assert kernel.LEAN == {}\n"
+        "assert kernel.LEAN_OPTIONS == {}\n"
         "twice = kernel.inlined(lambda x: x + x)\n"
         "assert twice(1.5) == 3.0\n"
     )

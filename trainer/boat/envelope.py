@@ -243,7 +243,7 @@ def lightness(c: Record) -> Numbers:
 
 
 def float_height(share: float) -> float:
-    """Return the height [diameters] of a part of a circle with this share of its area."""
+    """Return the height [diameters] of a part of a circle, by its share [-]."""
     low, high = 0.0, 0.5
     for _ in range(HALVING_COUNT):
         middle = 0.5 * (low + high)
