@@ -19,10 +19,10 @@ from trainer.analysis.workers import worker_pool
 
 POOL = """
 import multiprocessing, sys, time
-from trainer.analysis.workers import workers
+from trainer.analysis.workers import worker_pool
 
 if __name__ == "__main__":
-    with workers(2) as pool:
+    with worker_pool(2) as pool:
         started = pool.map(abs, range(2))
         list(started)
         for _ in range(2):
@@ -33,10 +33,10 @@ if __name__ == "__main__":
 SEARCH = """
 import multiprocessing, sys
 from pathlib import Path
-from trainer.analysis.reduce.candidates import Crew
+from trainer.analysis.reduce.candidates import CandidatePool
 
 if __name__ == "__main__":
-    with Crew(Path("nowhere.toml"), "modified", (), 2) as crew:
+    with CandidatePool(Path("nowhere.toml"), "modified", (), 2) as crew:
         try:
             crew.differences([[1.0], [1.0]])
         except Exception:

@@ -346,7 +346,6 @@ def test_what_a_session_fails_of_as_it_begins_is_told_once_the_screen_is_gone(
 ENDLESS = """
 import sys, time
 from trainer.io import paths
-from trainer.cli.main import fail
 from trainer.console.own_session import sail
 import click
 

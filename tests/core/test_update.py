@@ -114,10 +114,10 @@ from numba.core.runtime import rtsys
 
 from trainer.boat.boat import Boat
 from trainer.core.update import update
-from trainer.boat.casualties import insert
+from trainer.boat.casualties import insert_casualty
 from trainer.boat.assemble import Method
 from trainer.config.sea import load_sea
-from trainer.analysis.bench.tick import CASUALTIES
+from trainer.analysis.bench.tick import CASUALTY_KINDS
 from trainer.config.vessel import load_vessel
 
 @njit
@@ -141,8 +141,8 @@ for equations in ("full", "modified", "basic", "longitudinal"):
                 boat.state.sea_cosines = boat.state.sea_1969 = boat.state.sea_peaked = 0.5
                 boat.state.hover = 1.0
                 boat.state.blow[0] = boat.state.vent[2] = 1.0
-                for name in CASUALTIES:
-                    assert isinstance(insert(boat, name), str)
+                for name in CASUALTY_KINDS:
+                    assert isinstance(insert_casualty(boat, name), str)
             for run in (ticks, wasteful):
                 found = []
                 for count in (1, 1, 1001):

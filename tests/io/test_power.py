@@ -42,10 +42,9 @@ from pathlib import Path
 from trainer.io.recording import checkpoint
 from trainer.io.recording.format_1 import giver_of
 from trainer.io.recording.recording import Moment, Recording
-from trainer.session.event_log import SAFE, UNSAFE
 
 HELM = giver_of("helm")
-checkpoint.WORTHWHILE = 1_500_000  # [bytes]: the log is brought home now and then
+checkpoint.MIN_CHECKPOINT_BYTES = 1_500_000  # [bytes]: the log is brought home now and then
 dice = random.Random(int(sys.argv[2]))
 recording = Recording.create(Path(sys.argv[1]), {"vessel": "x" * 50_000}, b"begun")
 tick = after = 0
