@@ -462,7 +462,7 @@ def test_the_tick_comes_before_the_rest_and_has_its_mark_before_the_rest_begins(
 def test_the_tick_compiled_alone_is_what_a_run_goes_over_to(tmp_path: Path) -> None:
     trained(
         code="from trainer.boat import compilation, first_tick\n"
-        "first_tick.compile_tick(compilation.write_progress)\ncompilation.keep('tick')",
+        "first_tick.compile_tick(compilation.write_progress)\ncompilation.mark_compiled('tick')",
         cache=tmp_path,
     )
     before = {path.name for path in tmp_path.rglob("*.nb*")}

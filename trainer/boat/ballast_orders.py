@@ -47,7 +47,7 @@ def order_ballast(boat: Boat, order: Order) -> Reply:
 
 
 def _lacking(boat: Boat, order: Order) -> str:
-    """Return what the order is about and the boat has not, or nothing."""
+    """Return the tank or compressor that an order needs and the boat lacks, or ""."""
     if order.name == "compressor" and not boat.vessel.compressor_rate:
         return "compressor"
     held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
@@ -118,7 +118,7 @@ def _move(boat: Boat, order: Order, sign: float) -> Reply:
     s[f"move_{order.word}"] = sign * order.value
     reply = f"{order.text}: {_waits_for(boat, order.word, sign) or 'under way'}"
     if order.word == "depth_control" and s.hover:
-        s.hover = 0.0
+        s.hover = 0.0  # hovering orders the same pump at every tick
         return f"{reply}, hovering off"
     return reply
 
@@ -158,7 +158,7 @@ def _hover(boat: Boat, order: Order) -> Reply:
     too_deep = None if order.word else limit_refusal(boat, "depth", depth)
     if refusal := too_deep or cannot_hover(boat, depth):
         return refusal
-    s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0
+    s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0  # the order ends what had given depth up
     s.ordered_depth = depth
     at = "this depth" if order.word else f"{depth:g} m"
     if not is_hovering(boat.records.state):
@@ -171,7 +171,7 @@ def _hover(boat: Boat, order: Order) -> Reply:
 
 
 def cannot_hover(boat: Boat, depth: float) -> Refused | None:
-    """Return why the depth-control pump cannot hold a depth [m] here, "" if it can."""
+    """Return why the depth-control pump cannot hold a depth [m] here, None if it can."""
     records = boat.records
     sure = SURE_PUMP_SHARE * float(boat.vessel.pump_rate[DEPTH_CONTROL_PUMP])
     wanted = wanted_pump(records.vessel, depth, records.state)
@@ -224,9 +224,6 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
 ORDERS: Final = frozenset(_DUTIES)
 
 
-# What the pumps have done
-
-
 @dataclass
 class PumpMonitor:
     """The orders to the pumps that are to be reported when they are done."""
@@ -242,7 +239,10 @@ class PumpMonitor:
         self.asked[pump] = self.left[pump] = float(boat.state.to_move[pump])
 
     def look(self, boat: Boat) -> list[tuple[str, str]]:
-        """Return whose orders are done, or end at a full or empty tank."""
+        """Return who gave each order that has ended, and how it ended.
+
+        It is done, or a tank is full or empty.
+        """
         news = []
         for pump, amount in list(self.asked.items()):
             now, before = float(boat.state.to_move[pump]), self.left[pump]
@@ -274,16 +274,16 @@ def _at_an_end(boat: Boat, tank: str) -> str:
 def put_out_of_trim(boat: Boat, heavy: float, forward: float) -> str:
     """Put the boat out of trim: ``heavy`` [kg], and ``forward`` [kg] moved from aft.
 
-    No tank shows it: the fillings at which weight and balance hold are others. Return why it cannot
-    be, "" when it is done.
+    No tank shows it, because the water stays: what moves are the fillings at which the weight and
+    balance of the file hold. Return why it cannot be, "" when it is done.
     """
     wanted = {"depth_control": heavy, "trim_forward": forward, "trim_aft": -forward}
     for name, more in wanted.items():
         place = TANKS.index(name)
-        right = float(boat.state.water[place]) - more
-        if more and not 0.0 <= right <= boat.vessel.capacity[place]:
+        trimmed_water = float(boat.state.water[place]) - more
+        if more and not 0.0 <= trimmed_water <= boat.vessel.capacity[place]:
             tank, held = name.replace("_", " "), boat.vessel.capacity[place] / 1000.0
-            return f"in trim the {tank} tank would hold {right / 1000.0:g} t of {held:g}"
-        boat.vessel.start[place] = right
+            return f"in trim the {tank} tank would hold {trimmed_water / 1000.0:g} t of {held:g}"
+        boat.vessel.start[place] = trimmed_water
     balance(boat.records.vessel, boat.records.state)
     return ""

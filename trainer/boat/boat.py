@@ -34,15 +34,15 @@ TICK_PLACE = STATE_PLACES["tick"]
 
 @functools.cache
 def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
-    """Return what takes the named places from plain numbers; ``t`` is the tick until it is told."""
+    """Return a getter of the named places of plain numbers; ``t`` gets the tick."""
     return itemgetter(*(TICK_PLACE if name == "t" else STATE_PLACES[name] for name in names))
 
 
 class Boat:
     """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back.
 
-    ``plain`` is the same as floats by their STATE_PLACES, which are read in a twentieth of the
-    time.
+    ``plain`` is a view of the same numbers by their STATE_PLACES, because reading one there takes a
+    twentieth of the time.
     """
 
     def __init__(self, file: VesselFile, method: Method) -> None:
@@ -164,7 +164,7 @@ class Boat:
         self._look_around()
 
     def _look_around(self) -> None:
-        """Find anew how a tick is taken."""
+        """Forget the cached tick, because the world may begin or cease to act."""
         self.__dict__.pop("tick", None)
 
     @functools.cached_property
@@ -173,7 +173,7 @@ class Boat:
         return self._in_its_world if self.world.acts else self.advance
 
     def meet_world(self) -> None:
-        """Take the world before the first tick, so that the first picture has it."""
+        """Write the world to the state before the first tick, for the first picture."""
         if not self.world.acts:
             return
         self.world.write(self.state)
@@ -182,7 +182,7 @@ class Boat:
         s.ydot = s.through_east + s.water_east + s.shear_east * s.z
 
     def go_over(self, advance: Callable[[], int]) -> None:
-        """Compute the ticks by other code from now on."""
+        """Compute the ticks by other code from now on: machine code, once that is ready."""
         self.advance = advance
         self._look_around()
 

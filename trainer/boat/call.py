@@ -99,7 +99,7 @@ def update_at(addresses: Addresses) -> int:
 def bind_update(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[[], int]:
     """Return ``update`` of these records, compiled, the chart of the ground sounded before it.
 
-    The caller keeps them, where they are.
+    The caller keeps the records, and does not move them, because only addresses are bound.
     """
     chart_address = (0, 0) if chart is None else (chart.ctypes.data, chart.size)
     addresses = np.array([*(record.ctypes.data for record in records), *chart_address])

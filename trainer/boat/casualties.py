@@ -243,13 +243,13 @@ def available_casualties(boat: Boat) -> list[tuple[str, str, str]]:
 
 
 def degrees(boat: Boat) -> list[Degree]:
-    """Return the usual degrees of the casualties that have any other degree."""
+    """Return the usual degrees of the casualties that can have another one."""
     found = (degree_of(boat, boat.casualties[name]) for name, _, _ in available_casualties(boat))
     return [degree for degree in found if degree]
 
 
 def degree_of(boat: Boat, casualty: Casualty) -> Degree | None:
-    """Return the usual degree of a casualty, None where it has no other."""
+    """Return the usual degree of a casualty, None where it can have no other."""
     if casualty.measure.sudden:
         return None
     size = size_of(boat, casualty.kind, _amount(boat, casualty, casualty.severity))
@@ -312,7 +312,7 @@ def _ticks(boat: Boat, seconds: float) -> float:
 
 
 def _whole(value: float) -> float:
-    """Return ``value``, or the whole number that rounding has kept it from."""
+    """Return ``value``, or the whole number where only rounding is between them."""
     nearest_whole = float(round(value))
     return nearest_whole if abs(value - nearest_whole) < 1e-9 * max(abs(value), 1.0) else value
 

@@ -33,11 +33,12 @@ def is_kept() -> bool:
 
 def is_tick_kept() -> bool:
     """Return whether the tick alone has been compiled: a boat at sea needs nothing else."""
+    # the tick is compiled first and the rest after it, so that the second mark speaks for both
     return mark_path("tick").exists() or is_kept()
 
 
 def mark_compiled(name: str = "complete", *folders: str) -> None:
-    """Note that everything that a run needs has been compiled; nothing where that cannot be."""
+    """Mark that all a run needs is compiled, where a file can be written."""
     with contextlib.suppress(OSError):
         mark_path(name, *folders).touch()
 
@@ -81,8 +82,8 @@ def announce_compiling(
 ) -> Iterator[None]:
     """Tell what is compiled in the block, where this machine has not kept it yet.
 
-    ``name`` is that of the mark that a block leaves which succeeds, for the kernels in folders of
-    the package; of the core, where none is named.
+    A block that succeeds leaves the mark ``name``. It speaks for the kernels in ``folders`` of the
+    package, or for those of the core where none is named.
     """
     if is_interpreted() or mark_path(name, *folders).exists():
         yield
@@ -97,7 +98,8 @@ def announce_compiling(
 def machine_code() -> Iterator[None]:
     """Import machine code inside the block, though the core is interpreted.
 
-    It has to lie on this machine: what calls kernels of the interpreter cannot be compiled.
+    The cache must have that code already, because code that calls kernels of the interpreter cannot
+    be compiled.
     """
     import numba  # noqa: PLC0415
 
@@ -113,8 +115,8 @@ def await_tick(
 ) -> bool:
     """Return whether the tick has been compiled, once another process has done it or failed.
 
-    It is waited for until that is ``given_up``. How far it is [%] is told as it grows. A process
-    that died is begun again; one that complained is not.
+    The wait ends when ``given_up`` is set. ``tell`` has the progress [%] as it grows. A process
+    that died is begun again; one that failed and said why is not (docs/timing.md).
     """
     restarts = 0
     furthest = -1
@@ -125,6 +127,7 @@ def await_tick(
             furthest = tick_progress()
             tell(furthest)
         with compilation_lock() as free:
+            # a process holds the lock until it ends: free, and no mark, means that it died
             died = free and not is_tick_kept()
         if died and (has_complained() or restarts == MAX_RESTARTS):
             return False
@@ -170,7 +173,7 @@ def interruptible() -> Iterator[None]:
     old_handler = signal.signal(signal.SIGINT, interrupt)
     try:
         yield
-    except Exception:
+    except Exception:  # after Ctrl-C, what the compiler has made of KeyboardInterrupt
         if not pressed:
             raise
     finally:
@@ -203,6 +206,7 @@ def mark_path(name: str, *folders: str) -> Path:
 
     facts = [numba.__version__, sys.version, binding.get_host_cpu_name()]
     facts += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
+    # numba asks a kernel's own file only; a mark speaks for all files (docs/architecture.md)
     for path in sources(*(folders or ("core",))):
         status = path.stat()
         facts.append(f"{path} {status.st_mtime_ns} {status.st_size}")

@@ -12,7 +12,7 @@ from trainer.boat.casualties import InstrumentReadings, instrument_readings
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.config.reference_crew import Helmsman, Planesman
 
-GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered
+GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered: mean_s of a rule is 600 at most
 RATE_PERIOD_S: Final = 2.0  # [s] over which a rate is seen on a gauge
 TIME_ROUNDING_S: Final = 1e-6  # [s] rounding of a sum of steps
 
@@ -31,7 +31,7 @@ class GaugeHistory:
             self.seen.popleft()
 
     def now(self) -> InstrumentReadings:
-        """Return what they show."""
+        """Return the readings of the last look."""
         return self.seen[-1][1]
 
     def mean(self, name: str, seconds: float) -> float:
@@ -70,7 +70,7 @@ class KnownOrder:
     since: float = 0.0  # [s] when it was seen
 
     def look(self, boat: Boat) -> None:
-        """Take an order that stands for long enough."""
+        """Take the order once it has stood for the answer time."""
         s, place = boat.state, CREW_AXES.index(self.axis)
         stamp = float(s.crew_order_tick[place])
         if stamp != self.stamp:
@@ -114,7 +114,7 @@ class PlanesHand:
         return [*self._stern(deeper, rate), *self._bow(deeper, rate)]
 
     def _bubble(self, deeper: float, rate: float) -> float:
-        """Return the angle [deg] to go for, bow up."""
+        """Return the pitch [deg] to aim at, bow up."""
         ways, ordered = self.ways, self.pitch.value
         if ordered is not None and abs(deeper) > ways.leave_m and ordered * deeper < 0.0:
             return math.degrees(ordered)

@@ -27,7 +27,7 @@ class CrewOrder(NamedTuple):
     unit: float = 1.0  # [m] in which a depth was said
 
     def __str__(self) -> str:
-        """Return it as the crew is told."""
+        """Return the order in the words in which the crew is told."""
         if self.axis == "course":
             side = {-1.0: "left to ", 1.0: "right to "}.get(self.side, "")
             return f"course {side}{round(math.degrees(self.value)) % 360:03d}"
@@ -103,7 +103,7 @@ def limit_refusal(boat: Boat, what: str, value: float) -> Refused | None:
 
 
 def _stand(boat: Boat, axis: str, value: float, unit: float = 1.0) -> str:
-    """Let an order stand; return it as the crew is told."""
+    """Write a standing order to the state; return it as the crew is told."""
     place = CREW_AXES.index(axis)
     boat.state.crew_order[place] = value
     boat.state.crew_order_tick[place] = boat.ticks + 1.0
@@ -127,7 +127,7 @@ def standing_order(boat: Boat, axis: str) -> CrewOrder | None:
 
 
 def _clear(boat: Boat, axis: str) -> Reply:
-    """Let one order, or all of them, stand no longer; what is left of them is nothing."""
+    """Clear one order, or all of them; their numbers in the state become 0."""
     had = [each for each in standing_orders(boat) if axis in (each.axis, "all")]
     for order in had:
         boat.state.crew_order_tick[CREW_AXES.index(order.axis)] = 0.0

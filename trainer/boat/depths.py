@@ -1,8 +1,8 @@
 """The effects of depth: the calm surface above the boat, test depth and collapse.
 
-Of the surface: Z_star and M_star by the vessel's tables, for programs that ask a vessel file. Of
-test depth and collapse: the depth that counts, what is called out, and when the hull is lost. At
-periscope depth the periscope watch calls what it sees, which is no gauge.
+Programs that work on a vessel file take Z_star and M_star of the surface from its tables. Aboard,
+depths near test depth and beyond it are called out, and the hull is lost at collapse depth. At
+periscope depth the periscope watch calls what it sees, and so goes by the true depth.
 """
 
 import math
@@ -56,7 +56,7 @@ class SurfaceForces:
 
 
 def require_covered(file: VesselFile, depth: float | None) -> None:
-    """Check that the programs can speak of a ``depth`` [m]; None is deep water.
+    """Check that the vessel file covers a ``depth`` [m]; None is deep water.
 
     ConfigError if the vessel file says nothing of the surface, or the hull is not covered there.
     """
@@ -170,7 +170,7 @@ def count_passed(test_depth: float, depth: float) -> int:
 
 
 def called_depth(test_depth: float, place: int) -> PassedDepth:
-    """Return the depth to call at a place, 0 the shallowest, and its words."""
+    """Return a depth to call and its words, by its place from 0, the shallowest."""
     if place == 0:
         depth = test_depth - FIRST_CALL_M
         return PassedDepth(depth, f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth")
@@ -183,7 +183,7 @@ def called_depth(test_depth: float, place: int) -> PassedDepth:
 
 @dataclass
 class DepthMonitor:
-    """How many of the depths to be called have been, and when test depth was."""
+    """The watch on depth: how many calls are made, and when test depth was passed."""
 
     passed: int = 0
     raised: bool = False  # the mast of the periscope

@@ -17,21 +17,20 @@ from trainer.core.ballast.tanks import NEGATIVE_TANK
 from trainer.core.kernel import Numbers, Record
 from trainer.units import KNOT
 
+# What holds where a vessel file says nothing; docs/envelope.md has where it comes from.
 TESTED_FLOW_DEG: Final = 12.0  # [deg]
-HANDOVER_DEG: Final = (35.0, 55.0)  # [deg]
-HULL_SHARE: Final = 0.5  # [-]
-ASTERN_EFFECT: Final = 0.6  # [-]
-STALL_ASTERN: Final = (18.0, 18.0, 18.0)  # [deg]
+HANDOVER_DEG: Final = (35.0, 55.0)  # [deg] of flow: estimates beyond any turn of BB2
+HULL_SHARE: Final = 0.5  # [-] of the lift: estimate
+ASTERN_EFFECT: Final = 0.6  # [-] of the lift ahead: estimate after Molland and Turnock
+STALL_ASTERN: Final = (18.0, 18.0, 18.0)  # [deg] likewise
 NO_STALL_DEG: Final = (90.0, 90.0, 90.0)  # [deg]
 EVEN_SHARES: Final = (1.0, 1.0, 1.0, 1.0, 1.0)
 SURFACE_DAMPING: Final = 0.03  # [-]
 CROSS_ARM: Final = 0.3  # [-] of the length
-WAVE_DRAG: Final = 1.8e-3  # [-] at a Froude number of 0.25
+WAVE_DRAG: Final = 1.8e-3  # [-] at this Froude number: estimate
 WAVE_DRAG_FROUDE: Final = 0.25
-TANKLESS_LIGHTNESS: Final = (
-    0.05  # [-] of the weight that a boat without tanks is taken to be lighter
-)
-HALVING_COUNT: Final = 60
+TANKLESS_LIGHTNESS: Final = 0.05  # [-] of the weight, by which a boat without tanks is lighter
+HALVING_COUNT: Final = 60  # more than a double has bits
 LEAST_INDUCED: Final = 0.25  # [-] a plane's drag over its lift slope, so that it cannot feed a boat
 # Torque of B4-70, P/D 1, in n^2, n u/D, (u/D)^2, for a K_Q(0) of 0.0638 (docs/envelope.md)
 KQ_OF_ROWS: Final = 0.0638
@@ -40,7 +39,7 @@ TORQUE_ASTERN: Final = (0.0591, -0.0143, -0.0502)
 
 
 def write_envelope(file: VesselFile, vessels: Record) -> None:
-    """Write the constants of the envelope to vessel records [member], which have the rest."""
+    """Write the constants of the envelope to vessel records [member] that are else complete."""
     said, length = file.envelope, file.hull.length
     low, high = said.handover_deg or HANDOVER_DEG
     vessels["tested"] = _tan_squared(_or(said.tested_deg, TESTED_FLOW_DEG))
@@ -73,7 +72,7 @@ def write_envelope(file: VesselFile, vessels: Record) -> None:
 
 
 def _or(value: float | None, otherwise: float) -> float:
-    """Return what the file says, or else another number."""
+    """Return a value of the file, or another number where the file has none."""
     return otherwise if value is None else value
 
 
@@ -140,7 +139,8 @@ def dissipative_forces(
 ) -> tuple[Numbers, NDArray[np.bool_]]:
     """Return forces by velocities [member, row, column] that never feed a boat, and where changed.
 
-    The symmetric part, scaled by ``lengths`` [m], loses its positive eigenvalues.
+    The symmetric part, scaled by ``lengths`` [m], loses its positive eigenvalues, because only
+    these feed energy to a motion.
     """
     scale = np.outer(lengths, lengths)
     scaled = forces / scale
@@ -222,6 +222,7 @@ def _write_engine(file: VesselFile, c: Record) -> None:
     engine = file.propulsion
     torque = engine.torque_limit_n_m
     if engine.shaft_power_w is not None:
+        # the torque that takes this power at the most revolutions ordered
         turns = engine.rps_per_mps * engine.max_ordered_speed_kn * KNOT
         torque = engine.shaft_power_w / (2.0 * math.pi * turns)
     if torque is None or engine.KQ is None or engine.propeller_diameter is None:
@@ -242,10 +243,7 @@ def lightness(c: Record) -> Numbers:
 
 
 def float_height(share: float) -> float:
-    """Return the height [-] in diameters of the part of a circle above the water.
-
-    It is given by its share.
-    """
+    """Return the height [diameters] of a part of a circle, by its share [-]."""
     low, high = 0.0, 0.5
     for _ in range(HALVING_COUNT):
         middle = 0.5 * (low + high)

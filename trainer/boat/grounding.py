@@ -8,19 +8,14 @@ from typing import Final, NamedTuple
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
 from trainer.config.bottom import Bottom, is_charted
-from trainer.core.bottom import SOUNDING_PLACES as STATIONS
+from trainer.core.bottom import SOUNDING_PLACES
 from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT
 
 BOTTOM_NAMES: Final = tuple(f"bottom[{row},{i}]" for row in range(3) for i in range(SOUNDING_COUNT))
-STATE_NAMES: Final = (
-    *BOTTOM_NAMES,
-    "bottom_load",
-    "aground",
-    "q",
-    "xdot",
-    "ydot",
-)  # beside those of conditions
+# beside those of conditions
+STATE_NAMES: Final = (*BOTTOM_NAMES, "bottom_load", "aground", "q", "xdot", "ydot")
+# As docs/world.md has it (Aground). The speeds, the pitch and the loads are estimates.
 AGROUND_TICKS: Final = 2.0  # [-] ticks in a row in which the ground carries the boat
 RECALL_AFLOAT_S: Final = 30.0  # [s] off the ground, after which touching it is news again
 HARD_SINK_SPEED: Final = 0.5  # [m/s] into the ground, from which grounding is hard
@@ -30,9 +25,8 @@ SETTLING_TIME_S: Final = 300.0  # [s] within which it then lies there
 MIN_GROUND_LOAD_T, MAX_GROUND_LOAD_T = 5.0, 30.0  # [t] that the ground then carries
 STOPPED_SCREW_SPEED: Final = 0.1  # [m/s] command speed of a screw that stands
 
-StateReader = Callable[
-    [str], float
-]  # a number of one moment's state [SI], by its name in the layout
+# a number of one moment's state [SI], by its name in the layout
+StateReader = Callable[[str], float]
 _PLACES: Final = {
     name: STATE_PLACES[name.partition("[")[0]]
     + (BOTTOM_NAMES.index(name) if name in BOTTOM_NAMES else 0)
@@ -54,7 +48,7 @@ class GroundTouch(NamedTuple):
 
     @property
     def faults(self) -> list[str]:
-        """Return what was wrong with it, for a boat that was to be laid down."""
+        """Return what was wrong with the touch, for a boat to be laid down."""
         fault_words = {
             f"way {self.way:.2f} m/s, {GENTLE_WAY:g} at most": self.way >= GENTLE_WAY,
             f"sinking {self.sink:.2f} m/s, {GENTLE_SINK:g} at most": self.sink >= GENTLE_SINK,
@@ -69,11 +63,11 @@ def clearance(boat: Boat) -> float:
 
 
 def touch_of(read: StateReader, length: float) -> GroundTouch:
-    """Return how a boat of that ``length`` [m] comes to the ground, a moment before."""
+    """Return how a boat of that ``length`` [m] moves, a moment before it touches."""
     pitch = read("theta")
     north, east = read("xdot"), read("ydot")
     closing = 0.0
-    for i, x in enumerate(STATIONS):
+    for i, x in enumerate(SOUNDING_PLACES):
         down = read("zdot") - x * length * math.cos(pitch) * read("q")
         slopes = read(f"bottom[1,{i}]"), read(f"bottom[2,{i}]")
         into = down - slopes[0] * north - slopes[1] * east
@@ -142,9 +136,10 @@ class GroundMonitor:
         return []
 
     def _afloat(self) -> None:
-        """Remember how the boat moves, and after a while off the ground let it be news again."""
+        """Remember the motion; after RECALL_AFLOAT_S the next touch is news again."""
         boat = self.boat
         plain = boat.plain
+        # in the first tick that carries load the ground has slowed the boat already
         self.touch = touch_of(lambda name: plain[_PLACES[name]], float(boat.vessel.ell))
         if self.down_since is None:
             return
@@ -168,7 +163,7 @@ class GroundMonitor:
 
     def _lying(self) -> list[GroundCall]:
         """Return whether a boat that was laid down lies as it should, once that can be said."""
-        self.off_since = None
+        self.off_since = None  # only time off the ground without a touch counts
         if self.laid or self.down_since is None:
             return []
         load, u_c = self._load(), self.boat.plain[STATE_PLACES["u_c"]]

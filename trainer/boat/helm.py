@@ -18,16 +18,14 @@ DEPTH_LAWS = {
     "report": (REPORT_LAW, "the report's law"),
     "literal": (REPORT_LITERAL, "the report's law as it is printed"),
 }
-SWING_RATE = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to meet
-MEETING_RUDDER = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
+MIN_SWING_RATE = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to meet
+MIN_MEETING_RUDDER = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
 SURFACE_NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
-# what the autopilot alone can do; a depth that no boat of this kind keeps is refused first
+# What the autopilot alone can do. "depth" is not here, because a depth too deep for the boat is
+# refused before the lack of an autopilot.
 AUTOPILOT_WORDS = frozenset({"course", "course-to", "course-by", "speed", "autopilot", "trim"})
-LEVER_SHARES = {
-    "stern": 0.6,
-    "bow": 1.0,
-}  # the share of one lever's angle that each pair of planes has
+LEVER_SHARES = {"stern": 0.6, "bow": 1.0}  # [-] of one lever's angle, for each pair of planes
 
 
 def obey_order(boat: Boat, order: Order) -> Reply:
@@ -68,7 +66,7 @@ def _surface(boat: Boat, order: Order) -> Reply:
         text, angle = f"rudder {_to_a_side(rudder)}", rudder
     if order.word == "full":
         angle = math.copysign(limit, angle)
-    if abs(angle) > limit + 1e-12:
+    if abs(angle) > limit + 1e-12:  # forgives the rounding of degrees
         return Refused(
             f"the limit of the {SURFACE_NAMES[order.name]} is {math.degrees(limit):g} degrees, "
             f"not {math.degrees(abs(angle)):g}"
@@ -78,14 +76,17 @@ def _surface(boat: Boat, order: Order) -> Reply:
 
 
 def _by_the_rudder(boat: Boat, order: Order) -> float | Refused:
-    """Return the rudder [rad] that an order means by the rudder now ordered, or by the swing."""
+    """Return the rudder [rad] that ease, shift or meet asks for, right positive.
+
+    The session's crew puts the rudder of ``meet`` amidships once the swing stops.
+    """
     s = boat.state
     angle = boat.toward["rudder"] * float(s.ordered_r if s.rudder_by_hand else s.delta_r)
     if order.word == "meet":
-        if abs(s.psidot) < SWING_RATE:
+        if abs(s.psidot) < MIN_SWING_RATE:
             return Refused("the boat does not swing: there is nothing to meet")
         most = float(boat.vessel.limit_r)
-        return -math.copysign(min(max(abs(angle), MEETING_RUDDER), most), float(s.psidot))
+        return -math.copysign(min(max(abs(angle), MIN_MEETING_RUDDER), most), float(s.psidot))
     if abs(angle) < 1e-9:
         return Refused(f"the rudder is amidships: nothing to {order.word}")
     if order.word == "shift":
@@ -129,7 +130,7 @@ def _planes(boat: Boat, order: Order) -> Reply:
 
 
 def _lever(boat: Boat, order: Order) -> Reply:
-    """Both pairs of planes by hand, by one lever. The boat's limits hold."""
+    """Both pairs of planes by hand, by one lever; each stops at its own limit."""
     carried = [surface for surface in LEVER_SHARES if boat.carries(surface)]
     if not carried:
         return Refused("this boat has no planes")
@@ -146,6 +147,7 @@ def _depth(boat: Boat, order: Order) -> Reply:
         return refusal
     if not boat.automatic:
         return _without_autopilot(boat)
+    # hovering, the pump has to hold the new depth, where waves may ask more than it gives
     if order.word != "auto" and boat.state.hover:
         refusal = ballast_orders.cannot_hover(boat, order.value)
         if refusal:
@@ -169,7 +171,7 @@ def _course(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the short way, with the rudder automatic."""
     s = boat.state
     _automatic(boat, "rudder")
-    if order.word == "steady":
+    if order.word == "steady":  # the course that the helmsman reads; a broken gyro deceives him
         s.ordered_psi = casualties.instrument_readings(boat).heading
     elif order.word != "auto":
         s.ordered_psi = s.psi + math.remainder(order.value - s.psi, math.tau)
@@ -180,6 +182,7 @@ def _course_to(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the way ordered, with the rudder automatic."""
     side, start = order.side, boat.state.psi
     _automatic(boat, "rudder")
+    # a whole turn more where the short way is to the other side than the one ordered
     change = math.remainder(abs(order.value) - start, math.tau)
     boat.state.ordered_psi = start + change + (side * math.tau if change * side < 0.0 else 0.0)
     return f"{order.text}: keeping course {_degrees(boat.state.ordered_psi)}"

@@ -20,10 +20,7 @@ Z, WAVE_PLACE, VALIDITY_PLACE = (
     STATE_PLACES["validity"],
 )
 SPEED_PLACE = STATE_PLACES["u"]
-NORTH_PLACE, EAST_PLACE = (
-    STATE_PLACES["through_north"],
-    STATE_PLACES["through_east"],
-)  # as waves see it
+NORTH_PLACE, EAST_PLACE = STATE_PLACES["through_north"], STATE_PLACES["through_east"]
 HEIGHT_PLACE, OMEGA_PLACE, DIRECTION_PLACE, COSINES_PLACE = (
     STATE_PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
 )
@@ -33,9 +30,7 @@ FULL_BALLAST_SHARE: Final = 0.95  # [-] of main ballast; with less aboard the bo
 RANGE_REENTRY_S: Final = 30.0  # [s] inside the equations' range before leaving it is news again
 RANGE_WORDS: Final = ("", "equations extrapolated", "outside the equations")
 FOLLOWING_SEA_TEXT: Final = "followed by a sea that the filter cannot follow"
-FOLLOWING_SPEED_RATIO: Final = (
-    0.15  # [-] speed with the waves over that of the peak's, from which it is told
-)
+FOLLOWING_SPEED_RATIO: Final = 0.15  # [-] speed with the waves over the peak wave's, to be told
 MAST_SPEED_TEXT: Final = "faster than the mast stands"
 WAVE_FELT_DEPTH: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
 RANGE_REASONS: Final = (
@@ -89,6 +84,7 @@ def following_speed_ratio(boat: Boat) -> float:
     plain = boat.plain
     if plain[HEIGHT_PLACE] == 0.0 or plain[COSINES_PLACE] == 1.0:
         return 0.0
+    # the speed through the water counts, because the waves run in the water
     omega, way, g = plain[OMEGA_PLACE], plain[DIRECTION_PLACE], float(boat.vessel.g)
     if plain[Z] * omega * omega > WAVE_FELT_DEPTH * g:
         return 0.0
@@ -169,7 +165,7 @@ class LimitMonitor:
         return news
 
     def _value(self, boat: Boat, key: str) -> float:
-        """Return what a limit is of, in its unit."""
+        """Return the quantity that a limit bounds, in the unit of the limit."""
         if key == "clearance_m":
             return clearance(boat)
         return self.encounters.nearest[1] if key == "cpa_m" else LIMIT_READERS[key](boat.state)
@@ -236,10 +232,7 @@ class LimitMonitor:
 
 
 def account_of(times: Mapping[str, Sequence[float]]) -> str:
-    """Return in words how often each has happened, and when first.
-
-    The times [s] of each are given.
-    """
+    """Return in words how often each event was and when first, by its times [s]."""
     return ", ".join(
         f"{what} {len(when)} time{'s' * (len(when) > 1)} (first at {when[0]:g} s)"
         for what, when in times.items()

@@ -100,13 +100,14 @@ def bring_to(boat: Boat, speed: float) -> bool:
 def head_waves(boat: Boat, omega: float, depth: float, speed: float) -> NDArray[np.complex128]:
     """Return the forces [N, N m] of regular waves from ahead, of amplitude 1 m.
 
-    They are the real part of this times exp(i A), A the wave's phase at the origin. ``speed``
+    At a wave phase A at the origin they are the real part of the result times exp(i A). ``speed``
     [m/s] is that at which the hull's lift feels the water's own motion: 0 leaves it out.
     """
     parts = []
     for elevation, quadrature in ((1.0, 0.0), (0.0, 1.0)):
         state, force = new_state(), np.zeros(6)
         s = state[0]
+        # 4 m: the filter's outputs are of variance 1, and a significant height is 4 deviations
         s.sea_1969, s.sea_height, s.sea_omega, s.sea_direction = 1.0, 4.0, omega, math.pi
         s.sea_elevation, s.sea_quadrature, s.z, s.u = elevation, quadrature, depth, speed
         wave_forces(boat.records.vessel, new_sea(), state, force)
@@ -134,6 +135,7 @@ def head_wave_response(
         scratch["external"][0] = part
         rates(vessel, compact, scheme, state, scratch)
         pushed += unit * (state["rates"][0] - still)[places]
+    # the frequency at which a boat under way meets waves from ahead, in deep water
     met = omega + omega * omega / float(boat.vessel.g) * float(boat.state.u)
     motion = np.linalg.solve(
         1j * met * np.eye(len(VERTICAL_MOTION)) - linear.part(*VERTICAL_MOTION), pushed

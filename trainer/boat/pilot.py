@@ -12,7 +12,7 @@ from trainer.core.autopilot.steering import ASTERN_SPEED
 from trainer.core.ballast.tanks import AUXILIARY_TANK, TRIM_AFT, TRIM_FORWARD
 from trainer.units import KNOT
 
-ENGINE_LACK_S: Final = 60.0  # [s] of the engine at its most before that is told
+MIN_LACK_TIME_S: Final = 60.0  # [s] without speed, or water to trim, before that is told
 GIVEN_UP_TEXTS: Final = {  # what is not kept, and why
     "emergency ascent": "emergency ascent: bow up, the after group held back; no depth is kept",
     "afloat": "afloat: no depth is kept until one is ordered",
@@ -82,7 +82,7 @@ class TailMonitor:
 
 @dataclass
 class PilotMonitor:
-    """The laws that are given up at present, each with the time of that."""
+    """The laws given up at present, and the times [s] at which laws were."""
 
     given_up: set[str] = field(default_factory=set)
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
@@ -130,8 +130,8 @@ class PilotMonitor:
     def _is_unusual(self, boat: Boat) -> bool:
         """Return whether anything could be given up."""
         plain = boat.plain
-        lost = plain[HOVER_LOST_PLACE] != 0.0 or plain[SPEED_SHORT_PLACE] > ENGINE_LACK_S
-        lost = lost or boat.time - self.trimmed > ENGINE_LACK_S
+        lost = plain[HOVER_LOST_PLACE] != 0.0 or plain[SPEED_SHORT_PLACE] > MIN_LACK_TIME_S
+        lost = lost or boat.time - self.trimmed > MIN_LACK_TIME_S
         return lost or plain[ASCENT_PLACE] != NO_ASCENT or plain[SPEED_PLACE] < ASTERN_SPEED
 
     def _left_undone(self, boat: Boat) -> set[str]:
@@ -148,9 +148,9 @@ class PilotMonitor:
             slow = plain[SPEED_PLACE] > -LEAST_ASTERN or "astern" in self.given_up  # told once
             if slow and (s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0):
                 undone.add("astern")
-        if plain[SPEED_SHORT_PLACE] > ENGINE_LACK_S:
+        if plain[SPEED_SHORT_PLACE] > MIN_LACK_TIME_S:
             undone.add("speed not reached")
-        if boat.time - self.trimmed > ENGINE_LACK_S:
+        if boat.time - self.trimmed > MIN_LACK_TIME_S:
             undone.add("trim short")
         if plain[HOVER_LOST_PLACE] != 0.0:
             undone.add("hover lost")

@@ -63,7 +63,7 @@ class ReferenceCrew:
     """The reference crew of one exercise aboard one boat, from this moment on."""
 
     def __init__(self, boat: Boat, crew: Crew, reaction: CrewReaction | None = None) -> None:
-        """Take the boat as it is: what the rules order by the clock before counts as ordered."""
+        """Take the boat as it is; what rules ordered by the clock before counts as given."""
         self.boat = boat
         self.crew = crew
         self.reaction = reaction or CrewReaction()
@@ -86,11 +86,10 @@ class ReferenceCrew:
         return orders
 
     def take_over(self, given: Mapping[int, float]) -> None:
-        """Count rules as carried out before this moment.
+        """Count rules as carried out before this moment, as by a crew that was aboard.
 
-        A rule whose cause is there now does not count.
-
-        ``given`` has when [s] each was, by its place: so it would stand had this crew been aboard.
+        ``given`` has the time [s] of each by its place. A rule whose cause is still there does not
+        count, so that this crew acts on it.
         """
         self.gauges.look()
         done = [False] * len(self.followed)
@@ -117,7 +116,7 @@ class ReferenceCrew:
             self._switch(each.rule.order)
 
     def _skip_past(self) -> None:
-        """Count as given what the clock, and orders to the crew, have had given by now."""
+        """Count as given each rule whose time, by clock or order to the crew, is past."""
         before = None
         for progress in self.followed:
             due = self._due_by_clock(progress, before)

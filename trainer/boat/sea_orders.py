@@ -1,4 +1,4 @@
-"""Orders about the sea, which come about over its ramp, and partial freezes."""
+"""Orders about the sea, which changes over a ramp, and partial freezes."""
 
 import math
 from dataclasses import replace

@@ -30,11 +30,10 @@ ROUNDING_GROWTH = 1e-9  # [-] growth per step that is only rounding
 # [-] A swing with less than this damping ratio is barely damped: any explicit method and any lag
 # may turn it, and a step is blamed only for growth of more than this, which doubles in 11 swings.
 BLAMED_GROWTH = 0.01
-MAX_STEP_EIGENVALUE = (
-    30.0  # [-] |h lambda| beyond which no explicit method of four cycles is stable
-)
+# [-] |h lambda| beyond which no explicit method of four cycles is stable
+MAX_STEP_EIGENVALUE = 30.0
 MIN_SEARCH_STEP_S, MAX_SEARCH_STEP_S = 1e-3, 128.0  # [s] steps looked at
-HALVING_COUNT = 20
+HALVING_COUNT = 20  # of the steps between which the largest stable one lies
 MAX_EXPONENT = 300.0  # [-] exponent beyond which growth is simply large
 
 
@@ -163,7 +162,7 @@ def tick_map(response: RateResponse, scheme: Record, h: float) -> Matrix:
 def allowed_rate(eigenvalue: complex) -> float:
     """Return the growth [1/s] that a step may show where the boat itself has ``eigenvalue``.
 
-    None if the boat damps it well; else twice the boat's own and BLAMED_GROWTH of the frequency.
+    It is 0 if the boat damps it well; else twice the boat's own and BLAMED_GROWTH of the frequency.
     """
     if eigenvalue.real < -max(BLAMED_GROWTH * abs(eigenvalue), NEUTRAL_TOLERANCE):
         return 0.0
@@ -173,8 +172,8 @@ def allowed_rate(eigenvalue: complex) -> float:
 def added_growth(response: RateResponse, tick: Matrix, h: float) -> tuple[float, complex]:
     """Return the largest spurious factor [-] per tick of ``h`` [s], and its root.
 
-    Left out for each mode the boat does not damp well is the root nearest to exp(h lambda), unless
-    it grows faster than is allowed.
+    For each mode that the boat does not damp well, the root nearest to exp(h lambda) does not
+    count, because it is the boat's own, unless it grows faster than is allowed.
     """
     roots = list(np.linalg.eigvals(tick))
     for eigenvalue in response.eigenvalues:
@@ -217,7 +216,7 @@ def inner_step(scheme: Record, h: float) -> float:
 
 
 def stable_at(flights: Iterable[RateResponse], scheme: Record, h: float) -> bool:
-    """Return whether ticks of ``h`` [s] make nothing grow but what grows by nature."""
+    """Return whether ticks of ``h`` [s] add no growth to that of the boat itself."""
     h = inner_step(scheme, h)
     return all(
         added_growth(flight, tick_map(flight, scheme, h), h)[0] <= 1.0 + ROUNDING_GROWTH

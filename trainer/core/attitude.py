@@ -2,7 +2,8 @@
 
 Within 15 deg of the vertical the rates of heel and heading have no bound. There the matrix of the
 attitude is turned by the body's own rates over the step (Rodrigues' formula), and the angles are
-read from it again. Pitch stays within 90 deg, heel within 180.
+read from it again. Pitch stays within 90 deg, heel within 180. The state has no quaternion, because
+it would change the bits of every run.
 """
 
 import math
@@ -12,7 +13,7 @@ from trainer.core.elementary import arctangent, cosine_and_sine
 from trainer.core.kernel import Record, part
 from trainer.core.state import PAST_CYCLES, PHI, PSI, THETA
 
-POLAR_PITCH: Final = 1.3089969389957472  # [rad] 75 deg
+POLAR_PITCH: Final = 1.3089969389957472  # [rad] 75 deg; Euler's rates divide by cos theta
 HALF_TURN: Final = 3.141592653589793
 FULL_TURN: Final = 6.283185307179586
 
@@ -34,7 +35,7 @@ def rotated(
     x, y, z = turn
     square = x * x + y * y + z * z
     size = math.sqrt(square)
-    if size < 1e-9:
+    if size < 1e-9:  # the limits: dividing so small a difference loses all its digits
         first, second = 1.0, 0.5
     else:
         cos_size, sin_size = cosine_and_sine(size)
@@ -74,13 +75,18 @@ def turned(
     x, y, z = rotated(-sin_th, cos_th * sin_phi, cos_th * cos_phi, turn)
     level = y * y + z * z
     pitch = arctangent(-x, math.sqrt(level))
+    # straight up or down, heel and heading are one angle: heel keeps its value
     heel = arctangent(y, z) if level >= 1e-18 else phi
     return heel, pitch, nearest_turn(arctangent(east, north), psi)
 
 
 @part
 def take_attitude(phi: float, theta: float, psi: float, state: Record) -> None:
-    """Put the boat into an attitude [rad], its past motion with the same jump."""
+    """Set heel, pitch and heading [rad]; move the past motion by the same jump.
+
+    A method that looks back would otherwise take the jump for motion: past the vertical heel and
+    heading turn by 180 deg at once.
+    """
     s = state[0]
     jump_phi, jump_theta, jump_psi = phi - s.phi, theta - s.theta, psi - s.psi
     s.phi, s.theta, s.psi = phi, theta, psi
@@ -107,7 +113,10 @@ def bring_within(state: Record) -> None:
 
 @part
 def forget_rates(state: Record) -> None:
-    """Begin the history of the attitude's rates anew, with the present ones."""
+    """Replace the past rates of the attitude by the present ones.
+
+    The boat has just left the vertical, where these rates had no bound: as at a start, errata D10.
+    """
     s = state[0]
     for i in range(3):
         for back in range(PAST_CYCLES):

@@ -30,7 +30,7 @@ from trainer.core.state import (
 )
 
 SOUNDING_PLACES: Final = (-0.45, -0.225, 0.0, 0.225, 0.45)  # [-] of the hull's length, aft first
-SOUNDING_REACH: Final = 0.45
+SOUNDING_REACH: Final = 0.45  # [-] of the hull's length, to the outermost place
 SPRING_FREQUENCY: Final = 0.5  # [rad/s] w
 SPRING_DAMPING: Final = 0.5  # [-] zeta
 SMOOTH_FRICTION_SPEED: Final = 0.1  # [m/s] below which friction is smooth
@@ -86,7 +86,7 @@ def push(
 ) -> Vector:
     """Return the force [N] of the ground on a place with a ``load`` [N].
 
-    It moves at ``v`` [m/s]. All are over ground, north, east and down.
+    The place moves at ``v`` [m/s]. All vectors are over ground: north, east and down.
     """
     mass = state[0].weight / vessel[0].g + vessel[0].m33
     rise = dot(v, n)
@@ -102,7 +102,7 @@ def push(
 
 @part
 def holding(vessel: Record, scheme: Record, state: Record) -> float:
-    """Return how far [m] above the ground it holds a hull that lay there."""
+    """Return up to which height [m] the ground holds a hull that lay there."""
     if scheme[0].breakout <= 0.0 or state[0].aground == 0.0:
         return 0.0
     mass = state[0].weight / vessel[0].g + vessel[0].m33
@@ -189,6 +189,7 @@ def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers)
     keel = keel_below(vessel)
     s.bottom_load, lies = 0.0, False
     least = clearance(state, keel)
+    # the cheap tests first, since near the ground its force costs a tenth of the tick
     if least <= SOUNDING_REACH * vessel[0].ell:
         least -= SOUNDING_REACH * vessel[0].ell * abs(sine(s.theta))
         holds = holding(vessel, scheme, state)

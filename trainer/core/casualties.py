@@ -21,6 +21,7 @@ from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
 from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, STATE, VALVES
 from trainer.core.surfaces import SURFACES
 
+# Of two faults on one surface or gauge only the one that is later in these lists acts.
 SURFACE_FAULTS: Final = ("slow", "follow-up-lost", "free", "hard-over", "stuck")
 SURFACE_SLOW, FOLLOW_UP_LOST, SURFACE_FREE, HARD_OVER, SURFACE_STUCK = 0, 1, 2, 3, 4
 GAUGES: Final = ("depth-gauge", "gyro", "log", "sounder")
@@ -30,7 +31,6 @@ GAUGE_NOISY, GAUGE_BIASED, GAUGE_STUCK = 0, 1, 2
 FREE_SLOT: Final = 0  # kind in a slot that holds none
 FIRST_SLOT, NO_SLOT = 0, -1  # of a casualty; those in use come first
 SOUNDER_RANGE: Final = 600.0  # [m] to the ground from which it hears an echo
-# Of two faults on one surface or gauge only the one that is later in these lists acts.
 
 FAULTS: Final = (  # in the order of the faults in the state, which begin at its "breach"
     *(f"leak-{name.replace('_', '-')}" for name in PUMPED_TANKS),
@@ -43,10 +43,7 @@ FAULTS: Final = (  # in the order of the faults in the state, which begin at its
 
 
 class CasualtyKind(NamedTuple):
-    """A kind of casualty [-]: its name, its equipment, its fault and its place.
-
-    The place is that in the state.
-    """
+    """A kind of casualty [-]: its name, equipment, fault, and place in the state."""
 
     name: str
     surface: int = -1  # of SURFACES
@@ -72,7 +69,7 @@ CASUALTY_TABLE: Final = (
     CasualtyKind("propulsion-stuck", holds=True),
     CasualtyKind("autopilot-failed"),
     *(CasualtyKind(name, place=place) for place, name in enumerate(FAULTS, _place("breach"))),
-    *(  # a vent stuck open is a vent shut with the sign turned
+    *(  # a vent stuck open is a vent shut with the sign turned: one place has both faults
         CasualtyKind(f"vent-{name}-open", place=place, sense=-1)
         for place, name in enumerate(VALVES, _place("vent_fault"))
     ),
@@ -135,9 +132,9 @@ def fault_of(surface: int, state: Record) -> int:
 
 @kernel
 def write_fault(kind: int, amount: float, state: Record) -> None:
-    """Write what tanks and air are to suffer by ``kind``.
+    """Write the amount of a fault of tanks or air to the state.
 
-    Other kinds are looked up.
+    Kinds of other equipment have no place, because that equipment looks its casualties up.
     """
     if KIND_PLACES[kind] >= 0:
         state[0].whole[KIND_PLACES[kind]] = KIND_SENSES[kind] * amount
@@ -160,9 +157,9 @@ def leave(slot: int, state: Record) -> None:
 
 @kernel
 def ramp(slot: int, state: Record) -> None:
-    """Bring a casualty one tick nearer to its end.
+    """Move the amount of a casualty by one tick towards its target, or towards zero.
 
-    It is not taken out of its slot.
+    The casualty stays in its slot; ``leave`` takes it out.
     """
     s = state[0]
     ticks = s.casualty_ticks[slot]
@@ -171,6 +168,7 @@ def ramp(slot: int, state: Record) -> None:
     elif ticks > 1.0:
         s.casualty_amount[slot] += (s.casualty_target[slot] - s.casualty_amount[slot]) / ticks
     elif ticks < -1.0:
+        # the ticks are negative while it is cleared: this takes its share off
         s.casualty_amount[slot] += s.casualty_amount[slot] / ticks
     if ticks > 0.0:
         s.casualty_ticks[slot] = ticks - 1.0
@@ -198,6 +196,7 @@ def advance_casualties(state: Record) -> None:
 def sounding(state: Record) -> float:
     """Return how far [m] the ground is below the origin, 0 without an echo."""
     s = state[0]
+    # the sounder is amidships; a first depth of 0 means that the exercise has no ground
     height = s.bottom[GROUND_DEPTH, SOUNDING_COUNT // 2] - s.z
     return height if s.bottom[GROUND_DEPTH, 0] != 0.0 and 0.0 < height <= SOUNDER_RANGE else 0.0
 
@@ -210,7 +209,7 @@ def gauge_reading(gauge: int, state: Record) -> float:
     if gauge == GYRO:
         value = s.psi
     elif gauge == LOG:
-        value = s.u
+        value = s.u  # through the water, as a log measures
     elif gauge == SOUNDER:
         value = sounding(state)
         if value == 0.0:
@@ -235,6 +234,7 @@ def reading(gauge: int, state: Record) -> float:
         if gauge == SOUNDER and value == 0.0:
             return value
         stream = SOUNDER_NOISE if gauge == SOUNDER else GAUGE_NOISE + gauge
+        # by seed and tick alone, so that a replay reads the same
         value += s.casualty_amount[slot] * gaussian(int(s.seed), stream, int(s.tick))
     return max(value, 0.0) if gauge == SOUNDER else value
 
@@ -250,8 +250,8 @@ def instruments(state: Record, scratch: Record) -> None:
 def onset(kind: int, state: Record) -> float:
     """Return the amount [SI] from which a casualty starts.
 
-    It is what the casualty holds or drives, as that stands now; for other kinds it is 0. A stuck
-    gauge holds its bias too.
+    What holds or drives something starts from the present value of that, every other kind from 0.
+    With a ramp, hard-over then goes from where the surface stands. A stuck gauge keeps its bias.
     """
     s = state[0]
     if KIND_SURFACES[kind] >= 0 and KIND_FAULTS[kind] >= HARD_OVER:
@@ -298,6 +298,7 @@ def end(kind: int, ticks: float, state: Record) -> int:
     slot = slot_of(kind, state)
     if slot < 0:
         return 0
+    # what holds has no part of an amount to clear, so that it lets go in one tick
     s.casualty_ticks[slot] = -1.0 if KIND_HOLDS[kind] else -max(ticks, 1.0)
     return 1
 

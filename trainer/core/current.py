@@ -44,7 +44,7 @@ def carry_along(state: Record) -> None:
 def north_and_east(towards: float) -> tuple[float, float]:
     """Return how far north and east a step [-] towards an angle [rad] leads.
 
-    The bits are the same always. It is for who writes the state from outside: a library's sine may
-    differ in its last place.
+    Code outside the core writes currents to the state by it, because the bits of a library's sine
+    may differ in the last place.
     """
     return cosine_and_sine(towards)

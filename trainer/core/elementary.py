@@ -1,5 +1,6 @@
 """Sine, cosine, arctangent, exponential and logarithm, the same bits with every library.
 
+A library's own versions differ in the last place, so that runs on two machines would differ too.
 Errors are at most 2 units in the last place for |angle| <= 1e5, |exponent| <= 700 and every
 positive argument of the logarithm (tested). Reduction after Cody & Waite: the period is subtracted
 in parts that multiply exactly.
@@ -12,7 +13,8 @@ import numpy as np
 
 from trainer.core.kernel import part
 
-# Taylor's coefficients, the highest power first; every divisor is a whole number below 2^53.
+# Taylor's coefficients, the highest power first; every divisor is a whole number below 2^53, so
+# that each coefficient is rounded once, and alike on every machine.
 SINE_COEFFICIENTS: Final = np.array(
     [(-1.0) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1)]
 )
@@ -88,6 +90,7 @@ def _quarter_turns(x: float) -> int:
 def _remainder(x: float, turns: int) -> float:
     """Return ``x`` [rad] less ``turns`` quarter turns."""
     k = _as_float(turns)
+    # pi/2 in parts of at most 32 bits and a rest: products are exact up to 2^21 quarter turns
     r = x - k * 1.5707963267341256
     return (r - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
 
@@ -97,7 +100,8 @@ def sine(x: float) -> float:
     """Return sin x [-], exactly odd."""
     size = abs(x)
     if not size < 1e9:
-        return x - x  # NaN where x is not finite, 0 where it is finite and absurd
+        # NaN where x is not finite, 0 where no run goes on (MAX_DISTANCE of ``update``)
+        return x - x
     turns = _quarter_turns(size)
     r = _remainder(size, turns)
     quadrant = turns & 3
@@ -149,7 +153,7 @@ def cosine_and_sine(x: float) -> tuple[float, float]:
 
 @part
 def exponential(x: float) -> float:
-    """Return e^x [-]; x beyond +-700 is taken as +-700."""
+    """Return e^x [-]; x beyond +-700 is taken as +-700, since e^710 overflows."""
     bounded = min(max(x, -700.0), 700.0)
     power = _nearest(bounded * 1.4426950408889634)
     k = _as_float(power)
@@ -224,6 +228,7 @@ def arctangent(y: float, x: float) -> float:
     if across <= along:
         angle = _arctangent_of_share(across / along)
     else:
+        # the second number is the part of pi/2, or pi, that one double does not hold
         angle = (1.5707963267948966 - _arctangent_of_share(along / across)) + 6.123233995736766e-17
     if x < 0.0:
         angle = (3.141592653589793 - angle) + 1.2246467991473532e-16

@@ -113,9 +113,9 @@ def validity(vessel: Record, state: Record) -> int:
 def substeps(vessel: Record, h: float, afloat: int, state: Record) -> int:
     """Return into how many parts a tick of ``h`` [s] is divided.
 
-    It is divided for the modes that are too fast for it. ``afloat`` is 1 where the water's surface
-    cuts the hull and the method feeds undamped modes. All modes are as fast as the boat: one that
-    a sea carries along faster than its propeller could needs shorter steps too.
+    A tick is divided where modes of the boat are too fast for it. ``afloat`` is 1 where the water's
+    surface cuts the hull and the method feeds undamped modes. Modes grow faster with the boat's
+    speed: so a sea that carries the boat faster than its propeller could asks for parts too.
     """
     c, s = vessel[0], state[0]
     phase = 0.0

@@ -57,9 +57,8 @@ else:
 def record_dtype(*fields: Field) -> np.dtype:
     """Return a structured dtype of float64 fields, in the order given.
 
-    A field is a name, a name with a shape, or a name with a list of names. Those in a list are
-    single numbers, and the first name is the block of them all. ``whole`` is the record as one
-    block.
+    A field is a name, a name with a shape, or a block's name with a list of names. Names in a list
+    are single numbers that share the block's place. ``whole`` is the record as one block.
     """
     names: list[str] = []
     formats: list[Any] = []

@@ -13,7 +13,7 @@ ADAMS, MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA, PREDICTOR_CORRECTOR = 0, 1,
 MULTISTEP_CODES: Final = (ADAMS, MULTISTEP)  # multistep methods; those of Adams need no past motion
 
 MAX_TRIGGERS: Final = 8  # at most, of one run
-MAX_CYCLES: Final = 4  # cycles a multistep method may use, the last one included
+MAX_CYCLES: Final = 4  # cycles a multistep method may use, the last one included; adams4 uses all
 MAX_STAGES: Final = 4  # at most, of a Runge-Kutta method
 
 SCHEME: Final = np.dtype(
@@ -66,7 +66,8 @@ class Multistep(NamedTuple):
 
 INTEGRATORS: Final[Mapping[str, Multistep]] = MappingProxyType(
     {
-        # [ASSES] III-B: Euler, 2nd-order Adams, and its third option with interval (-4, 0)
+        # [ASSES] III-B: Euler, 2nd-order Adams, and its third option with interval (-4, 0), of
+        # first order: "2nd order" there is the order of the difference equation (errata D5)
         "euler": Multistep((1.0,), (1.0,)),
         "adams2": Multistep((1.0,), (1.5, -0.5)),
         "best2": Multistep((1.0,), (0.75, 0.25)),
@@ -91,15 +92,15 @@ class PredictorCorrector(NamedTuple):
 def closed_of_three(a3: float) -> Multistep:
     """Return the closed formula of three positions and one rate.
 
-    It is of second order, with that a_3 [-]. The report's "C31"; errata D6. a_3 = 0 gives backward
-    differences of second order, 2/11 those of third.
+    The formula is the report's "C31" (errata D6), of second order with any ``a3`` [-]. 0 gives
+    backward differences of second order, 2/11 those of third.
     """
     return Multistep(((4 + 5 * a3) / 3, -(1 + 8 * a3) / 3, a3), ((2 - 2 * a3) / 3,))
 
 
 PARABOLA: Final = Multistep((3.0, -3.0, 1.0), ())  # the report's "O30": through three positions
 MILNE: Final = Multistep((0.0, 0.0, 0.0, 1.0), (8 / 3, -4 / 3, 8 / 3))
-TRAPEZOID: Final = Multistep((1.0,), (0.5, 0.5))  # [ASSES] III-B, errata D3: closed
+TRAPEZOID: Final = Multistep((1.0,), (0.5, 0.5))  # errata D3: closed, so it only corrects
 PAIRS: Final[Mapping[str, PredictorCorrector]] = MappingProxyType(
     {
         "heun": PredictorCorrector(INTEGRATORS["euler"], TRAPEZOID),
@@ -115,7 +116,8 @@ PAIRS: Final[Mapping[str, PredictorCorrector]] = MappingProxyType(
         "hamming4": PredictorCorrector(
             MILNE, Multistep((9 / 8, 0.0, -1 / 8), (3 / 8, 6 / 8, -3 / 8))
         ),
-        # [ASSES] Table 1 "O30 C31": errata D6 has a_3 from its interval of -0.82, not proved
+        # [ASSES] Table 1 "O30 C31": a_3 solves -(4/7)(1 + 2 a_3)/(1 - a_3) = -0.82, the interval in
+        # the table; the report does not give a_3, so it is not proved (errata D6)
         "o30c31": PredictorCorrector(PARABOLA, closed_of_three(0.1266)),
         "bdf2": PredictorCorrector(PARABOLA, closed_of_three(0.0)),
         "bdf3": PredictorCorrector(PARABOLA, closed_of_three(2 / 11)),
@@ -153,7 +155,10 @@ def new_scheme(h: float, equations: int, *, exact: bool, trig: int) -> Record:
 
 
 def equations_alone(scheme: Record) -> Record:
-    """Return a copy that asks for the equations of 1969 alone, in deep water."""
+    """Return a copy that asks for the equations of 1969 alone, in deep water.
+
+    Trim, linear models and the report's programs are of those equations.
+    """
     alone = scheme.copy()
     alone["envelope"] = 0
     return alone
@@ -202,7 +207,7 @@ def set_pair(scheme: Record, pair: PredictorCorrector) -> None:
         require_consistent(method, past)
     require_zero_stable(pair.closed)
     lengths = (len(pair.open.a), len(pair.open.b), len(pair.closed.a), len(pair.closed.b) - 1)
-    set_runge_kutta(scheme, CLASSICAL_STAGES)  # for the steps that have no past of their own
+    set_runge_kutta(scheme, CLASSICAL_STAGES)  # near the vertical, and for parts of a step
     scheme["method"], scheme["depth"] = PREDICTOR_CORRECTOR, max(lengths)
     scheme["a"], scheme["b"] = padded(pair.open.a, MAX_CYCLES), padded(pair.open.b, MAX_CYCLES)
     scheme["closed_a"] = padded(pair.closed.a, MAX_CYCLES)

@@ -81,8 +81,8 @@ def sound_plane(chart: Numbers, i: float, j: float, place: int, state: Record) -
 def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     """Write the ground under the places along the hull, as they lie now.
 
-    Where it is DISTANT_GROUND_M only one tick of SELDOM_MASK does: no boat makes more way than that
-    in between.
+    Ground more than DISTANT_GROUND_M below the boat is sounded in one tick of SELDOM_MASK + 1 only,
+    because no boat makes so much way in between.
     """
     s = state[0]
     distant = (

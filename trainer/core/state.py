@@ -3,9 +3,9 @@
 The state has everything that evolves, standing orders included, so that a snapshot, a replay, a
 backtrack and an ensemble are copies of it. All fields are float64.
 
-Nothing in the work space is read from one tick to the next, but what follows from the sea in force.
-That is computed when the sea changes and read at every tick. It is a pure function of the state and
-the step, made again whenever it does not fit, so that a snapshot need not hold it.
+A tick reads nothing that an earlier tick left in the work space, except what follows from the sea
+in force. That part is a pure function of the state and the step. It is computed whenever it does
+not fit them, so that a snapshot need not hold it.
 """
 
 from typing import Final

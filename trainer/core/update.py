@@ -33,8 +33,8 @@ Z: Final = MOTION.index("z")
 def cast_off(state: Record) -> None:
     """Move a boat that is held in place to where it would be.
 
-    This comes before a step. A boat that is elsewhere without being held, as after a release, takes
-    its past along.
+    This comes before a step. A boat that is no longer held, and not where it sailed, takes its past
+    places along, since a method that looks back would take the difference for motion.
     """
     s = state[0]
     for i in range(2):

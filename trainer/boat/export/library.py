@@ -110,7 +110,7 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
 
 @contextmanager
 def name_trouble() -> Iterator[None]:
-    """Tell trouble with the folder as the user's."""
+    """Raise ConfigError for an OSError in the block, with the file's name."""
     try:
         yield
     except OSError as error:

@@ -25,6 +25,7 @@ from trainer.core.vessel import COMPACT, VESSEL
 Kind = np.dtype | type  # of a parameter: the record at an address, or `float`
 TICK_RECORDS: Final[tuple[Kind, ...]] = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
 FREESTANDING_PATH: Final = Path(__file__).parent / "freestanding.ll"
+# numba returns whether a kernel raised, and its answer by address: where it raised the status is -1
 ENTRY_TEMPLATE: Final = """
 @scheme = internal constant [{size} x i8] c"{scheme}", align 8
 declare i32 @"{kernel}"(ptr, ptr, ptr, ptr, ptr, ptr, ptr)
@@ -93,9 +94,9 @@ def freestanding_module(
 ) -> Any:
     """Return the module of ``trainer_tick`` for one scheme, beside the constants.
 
-    ``function`` of the addresses of all records is what it does; ``tick`` does all of it.
-
-    Only they can be seen from outside; whatever else there is may be inlined or dropped.
+    ``trainer_tick`` does what ``function`` does with the addresses of all records; ``tick`` is the
+    whole tick. Only ``trainer_tick`` and the constants can be seen from outside, so that the
+    compiler may inline or drop all else.
     """
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()

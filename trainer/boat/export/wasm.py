@@ -143,9 +143,10 @@ define i32 @{name}({taken}) {{
 
 
 def settle_method(text: str, scheme: bytes) -> str:
-    """Return the text of the tick with what the method settles read from a constant.
+    """Return the text of the tick, which reads from a constant what the method settles.
 
-    Where numba writes another text nothing is settled: the module is larger, its bits are the same.
+    The compiler can then drop what the method does not use. Where numba writes another text nothing
+    is settled: the module is larger, and its results have the same bits.
     """
     match = re.search(r"^define[^\n]*core6update6update", text, re.MULTILINE)
     if not match:
@@ -162,7 +163,7 @@ def settle_method(text: str, scheme: bytes) -> str:
 
 
 def lower(scheme: str, target: str) -> None:
-    """Write the object of the module, for the scheme in a file, to another."""
+    """Write the object of the module for the scheme in file ``scheme`` to file ``target``."""
     binding.initialize_all_targets()
     binding.initialize_all_asmprinters()
     machine = binding.Target.from_triple(TARGET_TRIPLE).create_target_machine(
@@ -208,7 +209,7 @@ def _lowered(scheme: bytes, code: Path) -> None:
 
 
 def _plain_environment() -> dict[str, str]:
-    """Return the environment without what chooses how numba compiles, but for its cache."""
+    """Return the environment without settings of numba, except that of its cache."""
     environment = {
         name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")
     }

@@ -31,7 +31,7 @@ DrivenPlaces = tuple[int, ...]  # places in the state of what the equations acce
 
 
 class Units(NamedTuple):
-    """What terms are in units of, or are times."""
+    """The units of terms, and the two motions by which terms are multiplied."""
 
     length: float
     stiffness: float  # of roll

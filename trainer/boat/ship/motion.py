@@ -30,7 +30,8 @@ from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers, kernel
 from trainer.units import KNOT
 
-MIN_SHIP_SPEED: Final = 0.01  # [m/s] a ship that is slower, faster or turns faster is no ship
+# A state beyond these is no ship's: numbers run away, or the equations, which divide by speed, end.
+MIN_SHIP_SPEED: Final = 0.01  # [m/s]
 MAX_SHIP_SPEED: Final = 1000.0
 MAX_TURN_RATE: Final = 10.0  # [rad/s]
 MAX_ROLL: Final = 1.5  # [rad] of roll
@@ -38,7 +39,7 @@ STAGE_TIMES: Final = (0.0, 0.5, 0.5, 1.0)
 STAGE_WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
 STEP_SHARE: Final = 0.025  # [L/U] of a step
 ROLL_PHASE_STEP: Final = 0.5  # [rad] of roll's own period in a step
-STEADY_STEPS: Final = 60  # of Newton, to speed held straight
+MAX_NEWTON_STEPS: Final = 60  # to the sway, rudder and revolutions of straight motion
 NEWTON_TOLERANCE: Final = 1e-10
 NONE_FREE: Final = np.empty((0, 1), np.int64)
 
@@ -88,6 +89,7 @@ def set_derivative(driven: DrivenPlaces, x: Numbers, rates: Numbers, out: Number
     """Write dx/dt from the accelerations."""
     for e in range(len(driven)):
         out[driven[e]] = rates[e, VALUE]
+    # heading and roll (places 3 and 5) have their rates one place before
     for i in range(3, states_of(driven), 2):
         out[i] = x[i - 1]
 
@@ -98,8 +100,8 @@ def advance_state(
 ) -> bool:
     """Advance a state by ``h`` [s]; return whether it is still a ship.
 
-    It is by Runge and Kutta. The rudder goes to ``rudder`` [rad] meanwhile. ``c`` are the inputs
-    as they are, and become those at the end; the last two are the wind.
+    The step is one of Runge and Kutta, the rudder on its way to ``rudder`` [rad]. ``c`` are the
+    inputs at the beginning, and those at the end afterwards; the last two are the wind.
     """
     stage, rate, total = room.stage, room.rate, room.total
     before, states = c[RUDDER], states_of(system.driven)
@@ -184,6 +186,7 @@ class ShipMotion:
         x = before.copy()
         if not advance_state(self._system, x, c, rudder, h, self._room):
             return None
+        # the mean of both ends is enough, because nothing depends on place
         u, v, _, psi, *_ = (0.5 * (before + x)).tolist()
         north = now.north + h * (u * math.cos(psi) - v * math.sin(psi))
         east = now.east + h * (u * math.sin(psi) + v * math.cos(psi))
@@ -203,33 +206,36 @@ class ShipMotion:
         """
         axes = len(self._system.driven)
         scale = np.array([speed, 1.0, self.result.revolutions_per_s or 1.0, 1.0])[:axes]
-        speeds = np.zeros(axes)
-        speeds[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
+        unknowns = np.zeros(axes)
+        unknowns[2] = scale[2] * speed / (self.result.speed_kn * KNOT)
         still = [0.0] if axes == AXIS_COUNT else []
         levers = np.array([1.0, 1.0, self.length, self.length])[:axes]
         unit = levers * self.length / max(speed, 1e-9) ** 2
 
-        def left(z: Numbers) -> Numbers:
+        def residual(z: Numbers) -> Numbers:
             state = np.array([speed, z[0], 0.0, 0.0, *still, *z[3:]])
             return unit * self._rates(state, z[1], z[2])
 
-        for _ in range(STEADY_STEPS):
-            off = left(speeds)
+        for _ in range(MAX_NEWTON_STEPS):
+            off = residual(unknowns)
             if np.max(np.abs(off)) < NEWTON_TOLERANCE:
                 break
             aside = np.diag(1e-6 * scale)
             J = np.column_stack(
-                [(left(speeds + e) - left(speeds - e)) / (2.0 * e.sum()) for e in aside]
+                [(residual(unknowns + e) - residual(unknowns - e)) / (2.0 * e.sum()) for e in aside]
             )
             try:
                 move = np.linalg.solve(J, off)
             except np.linalg.LinAlgError:
                 break
-            speeds = speeds - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
-        good = np.max(np.abs(left(speeds))) < 1e3 * NEWTON_TOLERANCE and abs(speeds[1]) < self.limit
-        if not good or not np.isfinite(speeds).all():
+            unknowns = unknowns - move / max(1.0, float(np.max(np.abs(move) / (0.3 * scale))))
+        good = (
+            np.max(np.abs(residual(unknowns))) < 1e3 * NEWTON_TOLERANCE
+            and abs(unknowns[1]) < self.limit
+        )
+        if not good or not np.isfinite(unknowns).all():
             raise ConfigError(
                 f"{self.file.name}: nothing holds it straight at {speed / KNOT:.4g} kn; "
                 f"it was identified at {self.result.speed_kn:.4g} kn"
             )
-        return tuple(map(float, speeds))
+        return tuple(map(float, unknowns))

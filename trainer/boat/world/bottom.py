@@ -92,7 +92,7 @@ class Ground:
         return Refused(f"nobody orders the {order.name}")
 
     def forget(self) -> None:
-        """Be as the exercise has it, as it always is."""
+        """Do nothing: no order changes the ground."""
 
     def write(self, _state: Any) -> None:
         """Write nothing: the tick does."""

@@ -93,12 +93,12 @@ class Ship:
         return SHIP_TYPES[self.kind]
 
     def lies(self, now: Piece) -> bool:
-        """Return whether it lies still, and is to."""
+        """Return whether the ship lies still and is ordered to."""
         return now.speed == 0.0 and self.way.path[-1].speed in (None, 0.0)
 
 
 class ContactFleet:
-    """All ships from one order to the next. Never altered, so any thread may ask."""
+    """All ships from one order to the next. Any thread may read it, because nothing alters it."""
 
     def __init__(self, ships: Mapping[str, Ship], water: Water) -> None:
         """Hold ships by their names, in the water that carries those that drift."""
@@ -149,10 +149,10 @@ class ContactFleet:
 
 
 class Contacts:
-    """The part of the world that the ships near are."""
+    """The ships near, as a part of the world."""
 
     def __init__(self, boat: Any, ships: Sequence[Contact], encounters: Encounters) -> None:
-        """Have the ships of an exercise; ConfigError on a way that none can go."""
+        """Take the ships of an exercise; ConfigError on a way that no ship can go."""
         self.encounters = encounters
         self.step = float(boat.method.step)
         self.given = tuple(ships)
@@ -179,11 +179,11 @@ class Contacts:
         return self._first
 
     def at(self, tick: int) -> Situation:
-        """Return where they are at a tick, in the order of the fleet."""
+        """Return where the ships are at a tick, in the order of the fleet."""
         return self.fleet(tick).at(tick * self.step)
 
     def seen(self, tick: int) -> tuple[ContactState, ...]:
-        """Return every ship at a tick, to be looked at."""
+        """Return every ship at a tick, with what can be seen of it."""
         fleet = self.fleet(tick)
         places = fleet.at(tick * self.step)
         columns = *places[:2], *places.over_ground(), places.course, places.turning
@@ -216,7 +216,8 @@ class Contacts:
         time = tick * self.step
         if doing == "speed" and (why := _unable(ship, order.value, time)):
             return Refused(f"{ship.name}: {why}")
-        if doing == "move" and ship.drifts:  # the place is over the ground
+        # an ordered place is over the ground; the way of a ship that drifts is through the water
+        if doing == "move" and ship.drifts:
             gone = self.water(time)[0]
             numbers = tuple(at - by for at, by in zip(order.numbers, gone, strict=True))
             ships[ship.name] = change(ship, replace(order, numbers=numbers), time)
@@ -225,7 +226,7 @@ class Contacts:
         return self._change(tick, ships, f"{order.text}")
 
     def forget(self) -> None:
-        """Be as the exercise has it, without any order."""
+        """Forget all orders: the ships are those of the exercise."""
         self._fleets = ((0, self._first),)
 
     def write(self, state: Any) -> None:

@@ -106,9 +106,8 @@ class CurrentChange:
     line: Line
 
 
-CurrentHistory = tuple[
-    tuple[CurrentChange, ...], tuple[Mark, ...]
-]  # marks, and the changes that they know
+# the marks, after the changes that they know of
+CurrentHistory = tuple[tuple[CurrentChange, ...], tuple[Mark, ...]]
 
 
 @dataclass
@@ -135,7 +134,7 @@ class CurrentAround:
         return f"{order.text}: {current_text(*line[:2])}, within {self.ramp:g} s"
 
     def forget(self) -> None:
-        """Be as the exercise has it."""
+        """Forget all orders: the current is that of the exercise."""
         self.changes, self._carried = (), ((), START_MARKS)
 
     def write(self, state: Any) -> None:
@@ -143,7 +142,7 @@ class CurrentAround:
         state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
 
     def at(self, tick: float, depth: float) -> Line:
-        """Return the current of a tick, or between two, as a depth's line."""
+        """Return the current at a tick, or between two ticks, as a line over depth."""
         whole = bisect_left(self.changes, 1, key=lambda each: self._share(each, tick) < 1.0)
         line = self.changes[whole - 1].line if whole else STILL_WATER  # it hides what was before
         if not whole and self.flow:
@@ -160,9 +159,10 @@ class CurrentAround:
         return north + by_north * SHIP_DRIFT_DEPTH_M, east + by_east * SHIP_DRIFT_DEPTH_M
 
     def carried(self, time: float) -> tuple[float, float]:
-        """Return how far [m] that water has gone north and east since the start.
+        """Return how far [m] the water that carries ships has gone, north and east.
 
-        It follows from the orders and the time alone: whoever asks when gets the same bits.
+        The way is summed between fixed marks of time, so that its bits do not depend on when it is
+        asked for.
         """
         changes, marks = self._carried
         if marks[-1][0] < time:
@@ -189,7 +189,7 @@ class CurrentAround:
             yield here, north, east
 
     def _way(self, start: float, end: float) -> tuple[float, float]:
-        """Return how far [m] that water goes within a span, by Gauss and Legendre."""
+        """Return how far [m] the water goes from ``start`` to ``end``, by Gauss and Legendre."""
         long = end - start
         rates = [
             (weight, *self.floating(start + 0.5 * (1.0 + x) * long)) for x, weight in GAUSS_POINTS
@@ -207,7 +207,7 @@ class CurrentAround:
 def _between(old: Line, new: Line, share: float) -> Line:
     """Return what is ``share`` of the way from one line to another."""
     if share >= 1.0:
-        return new
+        return new  # exactly, without the rounding of a sum
     a, b, c, d = (here + share * (there - here) for here, there in zip(old, new, strict=True))
     return a, b, c, d
 

@@ -18,21 +18,13 @@ from trainer.config.contacts import Encounters
 from trainer.config.files import raise_problems
 from trainer.core.kernel import Numbers
 
-MIN_RELATIVE_SPEED: Final = (
-    0.1  # [m/s] of relative speed, below which there is no time of closest approach
-)
-ARC_DEVIATION_SHARE: Final = (
-    0.1  # [-] of the limit: where arcs leave straight lines by more, they are followed
-)
-ARC_TIMES_S: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead
-MIN_TURN_RATE: Final = math.radians(
-    0.1
-)  # [rad/s] of the boat, below which waves turn it to and fro
-MEAN_PERIOD_S: Final = 20.0  # [s] over which the boat's own course and turn are taken, for calls
+MIN_RELATIVE_SPEED: Final = 0.1  # [m/s] below which it is the range now, without a time
+ARC_DEVIATION_SHARE: Final = 0.1  # [-] of the limit: arcs that leave straight lines by more count
+ARC_TIMES_S: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead at which places on arcs are compared
+MIN_TURN_RATE: Final = math.radians(0.1)  # [rad/s] of the boat; below, waves yaw it
+MEAN_PERIOD_S: Final = 20.0  # [s] of the mean of the boat's course and turn, which waves swing
 RECALL_CLEAR_S: Final = 30.0  # [s] without an approach to be called, after which one is news again
-RECALL_CHANGE_SHARE: Final = (
-    0.2  # [-] of the limit: change of the closest approach that is called again
-)
+RECALL_CHANGE_SHARE: Final = 0.2  # [-] of the limit: change of closest approach called again
 
 
 class OwnMotion(NamedTuple):
@@ -46,8 +38,9 @@ class OwnMotion(NamedTuple):
 
     @classmethod
     def of(cls, state: Any) -> "OwnMotion":
-        """Return those of a state; a boat whose place is held stands still."""
+        """Return the motion in a state; a boat whose place is held stands still."""
         if state["held_position"]:
+            # without way there is no course over the ground: the heading stands for it
             return cls(float(state["x"]), float(state["y"]), float(state["psi"]), 0.0, 0.0)
         north, east = float(state["xdot"]), float(state["ydot"])
         speed, turning = math.hypot(north, east), float(state["psidot"])
@@ -121,7 +114,7 @@ def plot_ships(own: OwnMotion, there: Situation, limit: float) -> ShipPlot:
 
 
 def on_arcs(own: OwnMotion, there: Situation) -> tuple[Numbers, Numbers]:
-    """Return closest approach [m] and time to it [s] if all keep turning."""
+    """Return closest approach [m] and time to it [s], if boat and ships keep turning."""
     mine = _ahead(Situation(*(np.array([each]) for each in (*own, 0.0, 0.0))))
     theirs = _ahead(there)
     apart = np.hypot(theirs.north - mine.north, theirs.east - mine.east)
@@ -144,7 +137,7 @@ def passing_ranges(
 ) -> tuple[tuple[Ship, ...], Numbers]:
     """Return the ships and each one's least range [m] in the step to a tick.
 
-    The boat's places before and after it are given; both move on straight lines meanwhile.
+    ``before`` and ``now`` are the boat's places; both move on straight lines in the step.
     """
     fleet = contacts.fleet(tick - 1)
     start, end = fleet.at((tick - 1) * contacts.step), fleet.at(tick * contacts.step)
@@ -181,11 +174,11 @@ class EncounterMonitor:
 
     @property
     def rules(self) -> Encounters:
-        """Return what is made of ships that come near."""
+        """Return the exercise's rules about ships that come near."""
         return self.contacts.encounters if self.contacts else Encounters()
 
     def settle(self, boat: Any) -> None:
-        """Take the boat as it is, after a jump in time. Nothing is measured over it."""
+        """Take the boat as it is, after a jump in time. No range is measured over the jump."""
         self.struck, self.nearest = "", ("", math.inf)
         self._pose = Pose.of(boat.state) if self.contacts else None
         for memory in (self.closest, self.called, self.clear_since, self.touching, self._past):
@@ -218,6 +211,7 @@ class EncounterMonitor:
                 self.closest[ship.name] = apart, tick
             if apart < self.nearest[1]:
                 self.nearest = ship.name, apart
+        # a collision is news once, until the hulls part
         struck = self._struck(contacts, tick, before, now, ranges)
         news = [f"COLLISION with {name}, {_words(ships, name)}" for name in struck - self.touching]
         self.struck = min(struck - self.touching, default="")
@@ -274,7 +268,7 @@ class EncounterMonitor:
                 self.called.pop(name, None)
 
     def _own(self, boat: Any) -> OwnMotion:
-        """Return how the boat goes on the mean of late: waves swing it to and fro."""
+        """Return the boat's mean motion of the last MEAN_PERIOD_S, because waves swing it."""
         motion = OwnMotion.of(boat.state)._replace(turning=0.0)
         self._past.append(Pose.of(boat.state))
         count = round(MEAN_PERIOD_S / boat.method.step)
@@ -302,6 +296,7 @@ def _meets(
     (before, now), (start, end) = poses, places
     way = np.array(now[:3]) - np.array(before[:3])
     way[:2] -= end[:2] - start[:2]
+    # in steps of a share of the ship's beam, so that no ship is jumped over
     looks = hull.looks(float(np.linalg.norm(way)), ship.type)
     for share in ((i + 1) / looks for i in range(looks)):
         place = (start + share * (end - start)).tolist()

@@ -33,7 +33,7 @@ class Pose(NamedTuple):
 
     @classmethod
     def of(cls, state: Any) -> "Pose":
-        """Return that of a state."""
+        """Return the pose in a state."""
         return cls(*(float(state[name]) for name in ("x", "y", "z", "phi", "theta", "psi")))
 
     def towards(self, other: "Pose", share: float) -> "Pose":
@@ -84,11 +84,11 @@ class OwnHull:
         return bool((sum(each * each for each in beyond) <= self.radii * self.radii).any())
 
     def looks(self, way: float, ship: ShipType) -> int:
-        """Return how often to look on a relative way [m] to miss nothing."""
+        """Return how often to look on a relative way [m] to miss no ship."""
         return max(math.ceil(way / (STEP_BEAM_SHARE * ship.beam)), 1)
 
     def far(self, range_m: float, depth: float, ship: ShipType, way: float) -> bool:
-        """Return whether they cannot touch on a relative way [m] to this range and depth."""
+        """Return whether range, depth and relative way [m] leave no chance of a touch."""
         around = self.reach + 0.5 * math.hypot(ship.length, ship.beam) + way
         return range_m > around or depth - self.reach - way > ship.draught
 

@@ -66,5 +66,5 @@ class NomotoMotion:
 
 
 def _along(now: NomotoState, h: float, slopes: tuple[float, ...] | list[float]) -> NomotoState:
-    """Return a motion ``h`` [s] along its slopes."""
+    """Return a motion ``h`` [s] later along its rates of change."""
     return NomotoState(*(x + h * slope for x, slope in zip(now, slopes, strict=True)))

@@ -145,7 +145,7 @@ class Periscope:
 
     @property
     def fitted(self) -> Scope | None:
-        """Return what the vessel file says of it, None for a boat without one."""
+        """Return the vessel file's periscope, None for a boat without one."""
         return self._fitted
 
     @property
@@ -166,7 +166,10 @@ class Periscope:
             self._shown.append(range(begun, until))
 
     def exposed(self, tick: int, *, raised: bool) -> float:
-        """Return how long [s] the head has shown up to a tick. ``raised``: in this raise alone."""
+        """Return how long [s] the head has shown up to a tick.
+
+        ``raised`` counts only since the mast was raised last.
+        """
         since = self.raised_at(tick) if raised else 0
         ticks = (min(each.stop, tick + 1) - max(each.start, since) for each in self._shown)
         return sum(max(number, 0) for number in ticks) * self._step
@@ -177,7 +180,7 @@ class Periscope:
         return next((each.tick for each in self._stood if each.raised == number), 0)
 
     def forget(self) -> None:
-        """Be down, as at the start."""
+        """Forget all orders: the mast is down, as at the start."""
         self._stood = [Mast()]
 
     def at(self, tick: int) -> Mast:
@@ -192,7 +195,7 @@ class Periscope:
         return last._replace(tick=tick, out=min(max(out, 0.0), self._fitted.extension_m))
 
     def raised(self, mast: Mast) -> Mast:
-        """Return a mast as it would stand all out."""
+        """Return the mast as it stands once it is all out."""
         return mast._replace(out=self._fitted.extension_m if self._fitted else 0.0)
 
     def head(self, mast: Mast) -> tuple[float, float]:

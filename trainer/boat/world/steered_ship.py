@@ -32,7 +32,7 @@ class SteeredShip:
         try_out(self._straight(self.motion.result.speed_kn * KNOT), 0.0, self.motion.step)
 
     def begin(self, north: float, east: float, course: float, speed: float) -> SteeredState:
-        """Return the ship straight ahead. ConfigError if it cannot go so."""
+        """Return the ship straight ahead. ConfigError if it cannot hold that speed."""
         return _course(self._straight(speed))._replace(north=north, east=east, course=course)
 
     def after(self, now: SteeredState, ordered: float, speed: float, step: float) -> SteeredState:
@@ -50,13 +50,14 @@ class SteeredShip:
         return now
 
     def unfit(self, now: SteeredState, speed: float) -> str:
-        """Return why it cannot go at a speed [m/s], "" if it can."""
+        """Return why the ship cannot go at a speed [m/s], "" if it can."""
         if now.speed == 0.0 < speed:
             return "it has lost its way, and its equations do not tell how it gathers any"
         return ""
 
     def _held(self, speed: float) -> tuple[float, float]:
         """Return the rudder [rad] and revolutions [1/s] that hold a speed [m/s]."""
+        # nothing holds speed 0: the screw stops, the neutral rudder is that of the usual speed
         if speed == 0.0:
             return self._straight(self.motion.result.speed_kn * KNOT).rudder, 0.0
         held = self._straight(speed)
@@ -65,7 +66,7 @@ class SteeredShip:
     def _substep(
         self, now: SteeredState, ordered: float, neutral: float, turns: float, h: float
     ) -> SteeredState | None:
-        """Return how it goes ``h`` [s] later, None without way."""
+        """Return the ship ``h`` [s] later, None once it has lost its way."""
         lead = LAW_LEAD * self.motion.length / now.speed
         off = math.remainder(now.course - ordered, math.tau)
         most = abs(self.motion.result.revolutions_per_s) / ENGINE_RISE_S * h

@@ -167,7 +167,7 @@ def _endless(at: Callable[[str], float]) -> Waves:
 
 
 def _of_banks(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
-    """Return the outputs of both banks; those that the core has are its own."""
+    """Return the outputs of both banks; the four next to now are the core's own."""
     middle = int(at("sea_steps")) - 3
     peaked, seed = at("sea_peaked"), int(at("seed"))
     shares = math.sqrt(1.0 - peaked), math.sqrt(peaked)

@@ -17,7 +17,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 
 
 class WorldPart(Protocol):
-    """One part of the world. ``state`` is one state, as ``Boat.state`` is."""
+    """One part of the world. A ``state`` is one row, as ``Boat.state`` is."""
 
     @property
     def acts(self) -> bool:
@@ -26,11 +26,11 @@ class WorldPart(Protocol):
     def obey(self, order: Order, tick: int) -> Reply:
         """Take an order from a tick on; return what holds, or a refusal.
 
-        What it means follows from its words and the tick alone.
+        Its effect follows from its words and the tick alone, so that a replay has the same world.
         """
 
     def forget(self) -> None:
-        """Be as the exercise has it, without any order."""
+        """Forget all orders: the part is as the exercise has it."""
 
     def write(self, state: Any) -> None:
         """Write its numbers for the tick that comes."""
@@ -62,7 +62,7 @@ class World:
         return answer
 
     def settle(self, orders: Iterable[tuple[int, Order]]) -> None:
-        """Be as after these orders, each with its tick: time has jumped."""
+        """Obey these orders anew, each at its tick, because time has jumped."""
         for part in self.parts.values():
             part.forget()
         for tick, order in orders:

@@ -139,9 +139,9 @@ def lay_amidships(state: Record) -> None:
 
 @part
 def go_on_from(state: Record, surface: int, law: float) -> None:
-    """Make depth keeping by ``law`` [rad] follow a plane.
+    """Make the depth ``law`` [rad] of a plane follow the plane, against a jump.
 
-    After the ascent the angle that is left over is its trim.
+    Once the ascent is over, the integral takes the angle that is left, as the plane's trim.
     """
     s = state[0]
     stand_by(state, surface, law, False)  # noqa: FBT003 a fact

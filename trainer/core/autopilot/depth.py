@@ -43,6 +43,7 @@ from trainer.core.vessel import (
 from trainer.units import KNOT
 
 FAR_SHARE: Final = 0.5  # [-] share of the leash, and of the allowed depth rate
+# Both are estimates, like the whole law astern (docs/autopilot.md).
 LEAST_ASTERN: Final = 3.0 * KNOT  # [m/s] below it planes do not hold a boat going astern
 SURE_ASTERN: Final = 3.5 * KNOT  # [m/s] from there on they are used in full
 
@@ -54,6 +55,7 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
     ``first`` is the place where its gains begin.
     """
     s = state[0]
+    # in level flight zdot = -u theta: this pitch gives the rate of the reference
     pitch_wanted = -s.depth_reference_rate / max(s.u, MIN_DIVISOR_SPEED)
     return (
         gains[first + DEPTH_GAIN] * (s.depth_reference - s.z)
@@ -97,7 +99,10 @@ def depth_error(gains: Numbers, state: Record) -> float:
 
 @part
 def back(vessel: Record, gains: Numbers, state: Record, surface: int) -> None:
-    """Command a pair of planes of a boat that goes astern."""
+    """Command a pair of planes of a boat that goes astern.
+
+    From LEAST_ASTERN to SURE_ASTERN its angle grows from zero to the law's, without a jump.
+    """
     s = state[0]
     share = min(max((-s.u - LEAST_ASTERN) / (SURE_ASTERN - LEAST_ASTERN), 0.0), 1.0)
     angle = within(law_astern(state, gains, surface), 0.0, vessel[0].limit[surface])

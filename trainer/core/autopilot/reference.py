@@ -1,8 +1,8 @@
 """The reference of the autopilot: ordered depth and course, slewed to them.
 
 It moves as fast as the boat can follow, so that the errors stay small and the integrals do not wind
-up. It is never far from the boat. So a boat that was driven off returns at the rate that is
-allowed, and not with all hard over.
+up. The reference is never far from the boat, so that a boat that was driven off returns at the
+allowed rate, and not with all surfaces hard over.
 """
 
 import math
@@ -35,7 +35,8 @@ def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h
 def leash(gains: Numbers, slew: int) -> float:
     """Return how far [m or rad] a reference may be from the boat.
 
-    It is a share of how far the reference goes at its rate in the time that it needs to reach it.
+    It is LEASH_SHARE of rate^2/acceleration: the way at its full rate in the time that it takes to
+    reach that rate.
     """
     rate, acceleration = gains[slew + SLEW_RATE], gains[slew + SLEW_ACCELERATION]
     if acceleration > 0.0:

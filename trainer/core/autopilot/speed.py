@@ -46,8 +46,8 @@ def largest_trim(state: Record) -> float:
 def follow_trim(vessel: Record, h: float, state: Record) -> None:
     """Follow for ``h`` [s] what the boat shows of its trim.
 
-    That is nothing while the boat answers an order, or while the propeller does not turn as
-    commanded.
+    That is nothing while the boat turns or answers an order, or while the propeller does not turn
+    as commanded.
     """
     c = vessel[0]
     s = state[0]
@@ -69,7 +69,7 @@ def follow_trim(vessel: Record, h: float, state: Record) -> None:
 def learnt(vessel: Record, h: float, state: Record) -> float:
     """Return the speed trim [m/s] after ``h`` [s].
 
-    It rests where the engine has no more to give. The rate that moves it rests in turns.
+    The trim stays as it is where more of it would ask for more than the engine or the limit gives.
     """
     c = vessel[0]
     s = state[0]

@@ -127,14 +127,17 @@ def suction(g: float, omega: float, height: float, depth: float) -> tuple[float,
 
 @part
 def kept(row: int) -> float:
-    """Return the share [-] of a row that the strips' table keeps."""
+    """Return the share [-] that a row of the strips' table keeps.
+
+    Sums of waves too short for the strips fade to zero.
+    """
     t = max(row - LAST_TRUE, 0.0) / (STRIP_ROWS - LAST_TRUE)
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
 @part
 def are_summed(vessel: Record, scratch: Record) -> bool:
-    """Return whether the table is that of the boat's strips."""
+    """Return whether the table in the work space was summed over this boat's strips."""
     c, work = vessel[0], scratch[0]
     same = 0
     for i in range(4):
