@@ -31,7 +31,7 @@ from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped_path
 from trainer.config.score_rules import SCORE_MEASURES
 from trainer.config.vessel import load_vessel
-from trainer.debrief.charts import as_it_was_come_to
+from trainer.debrief.charts import unwrap_ordered_courses
 from trainer.debrief.data import DebriefData, debrief_figures, gather_debrief
 from trainer.debrief.measures import broach_rows
 from trainer.debrief.page import (
@@ -945,10 +945,10 @@ def test_an_ordered_course_is_drawn_without_a_jump_where_the_heading_passes_nort
     # 180 by the right, then 000 by the left while the boat is a little beyond 180, then by hand
     ordered = np.array([180.0, 180.0, 0.0, 0.0, 0.0, nan, nan])
     heading = np.array([0.0, 180.0, 180.4, 90.0, 1.0, -2.0, -5.0])
-    np.testing.assert_array_equal(as_it_was_come_to(ordered, heading), ordered)
+    np.testing.assert_array_equal(unwrap_ordered_courses(ordered, heading), ordered)
     # ordered 010 while the boat, gone round once to the right, counts 350 to 371
     ordered, heading = np.full(3, 10.0), np.array([350.0, 360.0, 371.0])
-    np.testing.assert_array_equal(as_it_was_come_to(ordered, heading), np.full(3, 370.0))
+    np.testing.assert_array_equal(unwrap_ordered_courses(ordered, heading), np.full(3, 370.0))
     # still 190 to go by the side that was ordered
     ordered, heading = np.full(2, 200.0), np.array([5.0, 10.0])
-    np.testing.assert_array_equal(as_it_was_come_to(ordered, heading), ordered)
+    np.testing.assert_array_equal(unwrap_ordered_courses(ordered, heading), ordered)

@@ -1,8 +1,9 @@
 """A boat in numbers for a page that flies it, and its recording.
 
-A page has records, orders, channels, casualties and seas of one boat. Of a recording the core
-predicts each state from the one before: kept is what orders wrote before a tick, and what was
-recorded otherwise than predicted, which is nothing for a whole recording of this version.
+A page has records, orders, channels, casualties and seas of one boat. The page
+computes a recording anew with the same core, so that the page's file need not hold every state. It
+holds what orders wrote before a tick, and the numbers that were recorded otherwise than the core
+predicts: there are none in a whole recording of this version.
 """
 
 import base64
@@ -98,7 +99,7 @@ def fittings(boat: Boat) -> dict[str, Any]:
 
 
 def casualty_numbers(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
-    """Return the numbers of a casualty; ``limit`` is of a surface hard over."""
+    """Return the numbers of a casualty. Key ``limit`` is a surface's angle hard over."""
     limits = [
         boat.toward[surface] * float(boat.vessel.limit[place])
         for place, surface in enumerate(SURFACES)
@@ -204,7 +205,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
 
 
 def refuse_world(recording: Recording, plan: Plan, name: str) -> None:
-    """Raise ConfigError if a world is around the boat: a page has none."""
+    """Raise ConfigError if a recording has a world, because a page has none."""
     around = [f"[{table}]" for table in (*plan.sea.world, *plan.world)]
     for branch in recording.branches():
         orders = recording.orders(branch.id, branch.after)
@@ -251,7 +252,7 @@ def fly_branch(
 
 
 def apply_orders(orders: deque[RecordedOrder], tick: int, boat: Boat, plan: Plan) -> StateWrites:
-    """Give the boat the orders of a tick; return what they have written."""
+    """Give the boat the orders of a tick. Return the state's places and values that they wrote."""
     was = boat.state.whole.copy()
     while orders and orders[0].tick <= tick:
         order = order_of(orders.popleft(), plan.schedule)

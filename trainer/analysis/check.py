@@ -55,7 +55,10 @@ class SteadyTurn:
 
 @dataclass(frozen=True)
 class TurnComparison:
-    """The same turn by both sets. Without either when it did not settle, ``problem`` saying why."""
+    """The same turn by both sets.
+
+    A turn that did not settle is None, and ``problem`` says why.
+    """
 
     rudder_deg: float
     speed_kn: float
@@ -125,7 +128,10 @@ def compare_turns(file: VesselFile) -> TurnComparison:
 
 
 def absent_coefficients(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
-    """Return by equation the coefficients not given; ``kept``: that the compact set would keep."""
+    """Return by equation the coefficients that the file does not give.
+
+    ``kept`` chooses those that the compact set keeps, or those that it drops.
+    """
     absent_keys: dict[str, list[str]] = {}
     for term in COEFFICIENTS:
         if term.key in file.absent and term.kept == kept:
@@ -208,14 +214,14 @@ def critical_speeds(file: VesselFile) -> dict[str, float | None]:
 
 @dataclass(frozen=True)
 class SurfaceCheck:
-    """The boat at its lightest at the surface, and the divisions of a step there."""
+    """The lightest boat at the surface, and how many parts a step has there."""
 
     period_s: dict[str, float]  # by mode
     parts: dict[float, int]  # by step [s], of a multistep method
 
 
 def afloat(file: VesselFile) -> SurfaceCheck:
-    """Return the modes of the boat afloat and the parts of the steps in question."""
+    """Return the modes of the boat afloat, and how many parts each step has."""
     boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
     modes = surface_modes(boat.records.vessel)
     steps = sorted({*STEPS_1969_S, file.run.step_s})

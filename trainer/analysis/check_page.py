@@ -16,7 +16,7 @@ TURN_LABELS = {
 
 
 def _coefficients(report: CheckReport) -> list[str]:
-    """Return what is absent and what makes the sides differ."""
+    """Return the absent coefficients, and the numbers that make port and starboard differ."""
     lines = ["", "COEFFICIENTS (absent ones count as zero)"]
     for title, groups in (
         ("absent, which the compact set would keep", report.absent_but_kept),
@@ -71,7 +71,7 @@ def _flight(flight: StraightFlight) -> Iterator[str]:
 
 
 def _modes(report: CheckReport) -> list[str]:
-    """Return the modes by speed, and what the boat does not damp."""
+    """Return the modes by speed, and which modes the boat does not damp."""
     lines = [
         "",
         "MODES (full set; the steps are those of the method's stability region)",

@@ -1,10 +1,9 @@
 """The commands ``trainer exercise new``, ``check_exercise`` and ``baseline``.
 
-A check flies the exercise with nobody aboard and with its reference crew, and tells what a run
-would refuse.
-
-What a baseline gives is kept beside the exercise, with digests of its text and of the core. The
-standard deviation over the seeds says how much of a mark is the sea's.
+A check flies the exercise with nobody aboard and with its reference crew, and prints what a run
+would refuse. A baseline is kept beside the exercise, with digests of its text and of the core,
+because it holds for these alone. Its standard deviation over the seeds says how much of a mark the
+sea makes.
 """
 
 import json
@@ -72,7 +71,7 @@ NAME_LINE: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 
 @dataclass(frozen=True)
 class FlownExercise:
-    """One exercise at one seed: what nobody aboard and the reference crew get."""
+    """One exercise at one seed, flown by nobody aboard and by the reference crew."""
 
     plan: Plan
     nobody_marks: Mapping[str, float]  # [%] p, by the name of the score
@@ -124,7 +123,7 @@ def fly_both(plan: Plan) -> FlownExercise:
 def study_exercise(name: str, count: int) -> ExerciseStudy:
     """Return an exercise flown at its own seed and others.
 
-    There are ``count`` where seeds matter.
+    There are ``count`` seeds where the exercise depends on the seed, else one.
     """
     own_run = replace(fly_at(name), flights={})
     seeds = [own_run.plan.seed]
@@ -136,7 +135,7 @@ def study_exercise(name: str, count: int) -> ExerciseStudy:
 
 
 def depends_on_seed(name: str, plan: Plan) -> bool:
-    """Return whether anything depends on the seed: a sea, or what it draws."""
+    """Return whether a flight depends on the seed: by a sea, or by drawn numbers."""
     return plan.sea.path.stem != "calm" or bool(load_exercise(name).drawn)
 
 
@@ -159,7 +158,7 @@ def baseline_of(found: ExerciseStudy) -> Baseline:
 
 
 def totals(cards: list[Scorecard]) -> Totals:
-    """Return the totals over seeds, the exercise's own first; void counts as nothing."""
+    """Return the totals over seeds, the exercise's own first; a void run counts as 0."""
     marks = [card.total or 0.0 for card in cards]
     verdict = cards[0].verdict
     return Totals(
@@ -172,7 +171,7 @@ def totals(cards: list[Scorecard]) -> Totals:
 
 
 def baseline_lines(found: ExerciseStudy) -> Iterator[str]:
-    """Yield the lines that tell a baseline."""
+    """Yield a baseline as lines of text."""
     baseline, own_run = baseline_of(found), found.own
     crew = {each.name: each.marks for each in own_run.crew.scores} if own_run.crew else {}
     width = max(len(name) for name in (*own_run.nobody_marks, "standard deviation"))
@@ -263,7 +262,7 @@ def check_exercise(name: str) -> list[str]:
 
 
 def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
-    """Yield what a run would refuse, and what makes the marks worth nothing."""
+    """Yield the orders that a run would refuse, and the reasons why marks would be worthless."""
     plan = checked.plan
     for each in checked.flights["nobody"].refused:
         entry = plan.schedule[each.place or 0]
@@ -318,7 +317,7 @@ def _lines(plan: Plan, boat: Boat, checked: FlownExercise | None) -> Iterator[tu
 
 
 def _marks(checked: FlownExercise) -> Iterator[tuple[str, str]]:
-    """Yield what nobody and the reference crew get."""
+    """Yield the marks of nobody aboard and of the reference crew."""
     plan = checked.plan
     for word, card in (("nobody", checked.nobody), ("crew", checked.crew)):
         if card is None:
@@ -350,7 +349,7 @@ def _kept(rule: ScoreRule) -> bool:
 
 
 def _notes(plan: Plan, boat: Boat) -> Iterator[str]:
-    """Yield what is not wrong, and may not be meant."""
+    """Yield warnings: what is allowed but may be a mistake."""
     end = plan.duration
     if not plan.scores:
         yield "nothing is scored: trainer debrief will give no marks"

@@ -1,10 +1,10 @@
 """The autopilot of any boat, designed from its linear model.
 
 Discrete linear-quadratic regulators with integral states, at speeds over the boat's range. Both
-pairs of planes together hold depth and pitch, so that each pair is used for what it can do at that
-speed: the bow planes take over below the stern planes' critical speed and are not misused above
-their own. What counts as a large error is scaled by the boat's limits, length and time of passing
-its length, so that one rule serves a submarine and a torpedo-sized vehicle.
+pairs of planes together hold depth and pitch, because each pair reverses at its own critical speed:
+the regulator then uses the bow planes below that of the stern planes, and spares them above their
+own. A large error is measured in the boat's limits, its length and the time in which it passes its
+length, so that one rule serves a submarine and a torpedo-sized vehicle.
 """
 
 import math
@@ -104,11 +104,11 @@ def with_integral(a: Matrix, b: Matrix) -> tuple[Matrix, Matrix]:
 
 
 def surface_reach(vessel: Record, speed: float) -> Matrix:
-    """Return the angles [rad] of rudder, stern planes and bow planes that count as much.
+    """Return the angles [rad] of rudder, stern planes and bow planes that cost 1.
 
-    Their limits, or how far they get while the boat runs SURFACE_SWING_RUN of its length: more
-    would be asked of them than they can follow, and a large disturbance would end in swinging from
-    stop to stop.
+    An angle is the surface's limit, or what it reaches while the boat runs SURFACE_SWING_RUN of its
+    length. The smaller one counts because a slow surface cannot follow a larger order: after a
+    large disturbance the boat would swing from stop to stop.
     """
     swing = SURFACE_SWING_RUN * vessel["surface_rate"][0] * vessel["ell"][0] / speed
     return np.asarray(np.minimum(vessel["limit"][0], swing))
@@ -155,7 +155,8 @@ def slew_limits(model: LinearModel, speed: float, vessel: Record) -> list[float]
 def relief_rate(model: LinearModel, speed: float, vessel: Record) -> tuple[float, float]:
     """Return the rate [1/s] at which the stern planes take the bow planes' angle.
 
-    In the ratio that leaves the depth rate alone, the faster the better the stern planes are at it.
+    Both move in the ratio that keeps the depth rate. The rate is higher where the stern planes have
+    more effect on depth.
     """
     stern, bow = depth_rates(model)
     weaker = abs(bow) * vessel["limit_b"][0]
@@ -192,7 +193,7 @@ def gains_at(model: LinearModel, speed: float, vessel: Record, h: float) -> list
 def close_loop(model: LinearModel, row: list[float], vessel: Record, h: float) -> Matrix:
     """Return the matrix of one tick of boat, surfaces and integrals under the gains ``row``.
 
-    As the trainer does it: a command acts a tick later, through the lag of the surfaces.
+    A command acts a tick later and through the surfaces' lag, because it does so in the trainer.
     """
     drift, force = discretise(
         model.part(*CONTROLLED_STATES), model.inputs(CONTROLLED_STATES, SURFACE_COLUMNS), h
@@ -220,7 +221,7 @@ def close_loop(model: LinearModel, row: list[float], vessel: Record, h: float) -
 
 
 def holds_boat(model: LinearModel, row: list[float], vessel: Record, h: float) -> bool:
-    """Return whether the gains hold the boat, with surfaces weaker and stronger than modelled."""
+    """Return whether the closed loop is stable with surfaces at each of EFFECT_MARGINS."""
     others = (LinearModel(model.A, margin * model.B) for margin in EFFECT_MARGINS)
     loops = (np.linalg.eigvals(close_loop(other, row, vessel, h)) for other in others)
     return not any(np.abs(roots).max() >= 1.0 + 1e-9 for roots in loops)

@@ -1,6 +1,6 @@
 """The readiness of a vessel file: its compact set, and what it lacks.
 
-Few flights of the guide are judged as ``trainer reduce --check`` judges all of them.
+It judges a few flights of the guide in the way in which ``trainer reduce --check`` judges all.
 """
 
 import textwrap
@@ -22,7 +22,7 @@ LINE_WIDTH: Final = 79
 
 @dataclass(frozen=True)
 class WorstNumber:
-    """The number of one flight that is furthest off. SI and radians."""
+    """The number of a flight with the largest difference from the full set. SI and radians."""
 
     leg: str
     quantity: str  # "" where nothing is judged
@@ -42,7 +42,7 @@ class MissingEntry:
 
 @dataclass(frozen=True)
 class Readiness:
-    """The end of ``trainer check``."""
+    """The readiness of a boat: the last part of what ``trainer check`` prints."""
 
     own_compact_set: bool
     compact: tuple[WorstNumber, ...]  # none without a compact set
@@ -72,7 +72,7 @@ def _compared(file: VesselFile) -> Iterator[WorstNumber]:
 
 
 def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> WorstNumber:
-    """Return the number of a flight that is furthest off."""
+    """Return the number of a flight with the largest difference from the full set."""
     if not judgements:
         return WorstNumber(leg.title, "it cannot start", "", None, None, MAX_DIFFERENCE)
     judged = (one for one in judgements if one.allowed or one.verdict == BEYOND_TOLERANCE)
@@ -150,7 +150,7 @@ def _compact_lines(found: Readiness) -> Iterator[str]:
 
 
 def _lack_lines(found: Readiness) -> Iterator[str]:
-    """Yield what is missing, each with what makes it."""
+    """Yield the missing entries as lines, each with the command that makes it."""
     yield ""
     if not found.lacks:
         yield "MISSING: nothing."

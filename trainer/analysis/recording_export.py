@@ -1,4 +1,4 @@
-"""A recording for other programs: tables, arrays and frames, Rerun's viewer, columns drawn."""
+"""A recording for other programs: tables, arrays, frames, Rerun's viewer, and plots."""
 
 import math
 from collections.abc import Mapping, Sequence

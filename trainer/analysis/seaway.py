@@ -1,7 +1,6 @@
 """A sea in numbers and pictures: height, period, energy by band, and its forces.
 
-As a page for a terminal, and as a plot: a series, its spectrum against the target, and the mean
-suction by depth.
+The plot has a series, its spectrum against the target, and the mean suction by depth.
 """
 
 import math
@@ -58,7 +57,7 @@ DEPTH_HEADS: Final = (
 
 @dataclass(frozen=True)
 class Seaway:
-    """How high, how long and from where, and how it is made."""
+    """The height, period and direction of a sea, and how it is computed."""
 
     name: str
     height_m: float  # significant
@@ -150,7 +149,7 @@ def describe_sea(file: SeaFile, settings: Numbers, g: float) -> Seaway:
 
 
 def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> DepthEffect:
-    """Return what the sea is to a boat at a depth [m]. The suction is Pierson-Moskowitz's."""
+    """Return the sea's effect on a boat at a depth [m]. The suction is Pierson-Moskowitz's."""
     added = 0.5 * vessel.fluid.rho * vessel.hull.length**3 * vessel.coefficients["Z_wdot"]
     g, mass = vessel.fluid.g, vessel.hull.buoyancy / vessel.fluid.g - added
     height, omega = float(settings[HEIGHT]), float(settings[OMEGA])
@@ -188,7 +187,7 @@ def band_energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Num
 
 
 def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[SpectrumBand, ...]:
-    """Return the bands; one beyond what the step can show has no energy."""
+    """Return the bands. A band above the frequencies that the step can show has no energy."""
     bands = []
     for begin in BAND_EDGES:
         inside = np.linspace(begin, begin + BAND_WIDTH, 201)

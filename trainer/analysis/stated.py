@@ -26,7 +26,7 @@ class StatedFigure:
 
     @property
     def difference(self) -> str:
-        """Return what is flown instead of what is stated."""
+        """Return in words how the flown figure differs from the stated one."""
         stated, row = self.stated, self.stated.row
         what = row.when if row.when is not None else f"{row.measure} {row.quantity}"
         by = "nobody aboard" if row.by == "nobody" else "the reference crew"
@@ -38,7 +38,7 @@ class StatedFigure:
 def fly_stated(
     plan: Plan, stated: tuple[StatedValue, ...], flights: Mapping[str, Rehearsal]
 ) -> list[StatedFigure]:
-    """Return stated figures flown. ``flights`` has those by nobody and the crew that are there."""
+    """Return stated figures flown. ``flights`` has flights by nobody and the crew made before."""
     flights = dict(flights)
     figures = []
     for entry in stated:
@@ -57,7 +57,7 @@ def fly_stated(
 
 
 def _measured(stated: StatedValue, trajectory: Trajectory) -> float | None:
-    """Return what the boat does, None if it never does."""
+    """Return the figure of the boat's flight, None if it never comes to one."""
     row, measured = stated.row, stated.measured
     names = [condition.quantity for condition in stated.conditions]
     names += [measured.name] if measured else []

@@ -13,7 +13,7 @@ def worker_pool(count: int) -> ProcessPoolExecutor:
 
 
 def _go_with() -> None:
-    """Leave interrupts to the process that started this one, and end when that is gone."""
+    """Ignore interrupts, which the starting process handles, and end when it is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:
@@ -21,6 +21,6 @@ def _go_with() -> None:
 
 
 def _follow(sentinel: int) -> None:
-    """Wait for the end of the process that started this one, then end, whatever is at work."""
+    """Wait for the end of the process that started this one, then end at once."""
     connection.wait([sentinel])
     os._exit(1)

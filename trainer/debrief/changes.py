@@ -1,4 +1,4 @@
-"""The instructor changes the marks of a run, each with a reason. The old ones stand.
+"""The instructor's changes of marks, each with a reason. The old marks stay beside them.
 
 Changes are kept beside the recording: drill.changes.toml beside drill.trainer. The recording
 itself stays as it was flown.
@@ -39,13 +39,13 @@ class Change:
     at: str = required(Text(40, "when it was made, UTC"))
 
     def __str__(self) -> str:
-        """Return it as the page tells it."""
+        """Return the change in the words of the page."""
         return f"{self.name}: {self.what} ({self.reason})"
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChangesHead:
-    """The beginning of the file."""
+    """The head of the file of changes."""
 
     schema: str = required(Choice((CHANGES_SCHEMA,), "form of the file"))
 
@@ -74,7 +74,7 @@ def read_changes(recording: Path) -> tuple[Change, ...]:
 
 
 def write_changes(recording: Path, changes: Sequence[Change]) -> None:
-    """Keep changes beside a recording, all at once; without any the file goes."""
+    """Write the changes beside a recording, whole or not at all. Without changes the file goes."""
     path = changes_path(recording)
     try:
         if changes:
@@ -99,7 +99,7 @@ def text_of(changes: Iterable[Change]) -> str:
 
 
 def change_of(text: str, branch: int, plan: Plan) -> Change:
-    """Return the change that a text orders; ConfigError saying what it should be."""
+    """Return the change in a text such as NAME: WHAT, REASON; ConfigError with that form."""
     names = names_of(plan)
     name, rest = _named(text, names)
     what, _, reason = (part.strip() for part in rest.partition(","))
@@ -116,7 +116,7 @@ def change_of(text: str, branch: int, plan: Plan) -> Change:
 
 
 def names_of(plan: Plan) -> tuple[str, ...]:
-    """Return what can be changed of an exercise; ConfigError if it has no marks."""
+    """Return the names that an instructor can change; ConfigError if there are no marks."""
     if not plan.scores:
         raise ConfigError(
             "--change: this run has no scoring rules, so there are no marks to change"
@@ -144,7 +144,7 @@ def _unknown(option: str, given: str, names: tuple[str, ...]) -> str:
 
 
 def _what(name: str, what: str, where: str) -> str:
-    """Return what is to be, as it is kept; ConfigError with what could be."""
+    """Return the new value as the file has it; ConfigError with the values allowed."""
     known = {OUTCOME_NAME: KNOWN_OUTCOMES, WIDTH_NAME: tuple(WIDTH_FACTORS)}.get(name)
     if known is not None:
         if what.lower() not in known:
@@ -165,7 +165,7 @@ def _what(name: str, what: str, where: str) -> str:
 
 
 def without_changes(changes: Sequence[Change], name: str, branch: int) -> tuple[Change, ...]:
-    """Return the changes less those of a name, or of all, in a branch. ConfigError if none is."""
+    """Return the changes without a name's, or without all, in a branch; ConfigError if none."""
     here = [each for each in changes if each.branch == branch]
     names = tuple(dict.fromkeys(each.name for each in here))
     if not names:
@@ -201,7 +201,7 @@ def changed_card(
 
 
 def with_outcome(card: Scorecard, outcome: str) -> Scorecard:
-    """Return a card with another outcome, and the most that this leaves."""
+    """Return a card with another outcome, its total capped as that outcome allows."""
     verdict = card.verdict
     if verdict is None:
         return card

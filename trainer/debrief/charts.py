@@ -1,4 +1,4 @@
-"""The drawings of a debrief against time: time line and charts. The reference run laid under."""
+"""The drawings of a debrief against time: time line and charts, with the reference run."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -70,7 +70,7 @@ CHART_NAMES: Final = (
 )
 ROW_HEIGHT_PX, TIMELINE_TOP_PX, TIMELINE_BOTTOM_PX = 20.0, 8.0, 24.0  # [px]
 LABEL_WIDTH_PX: Final = 24.0  # [px] that a label takes
-WASHED_TIME_S: Final = 10.0  # [s] under water, in which the periscope is still taken to show
+WASHED_TIME_S: Final = 10.0  # [s] a wave over the periscope this long does not end a showing
 
 
 def chart_of(quantity: str) -> str:
@@ -81,7 +81,7 @@ def chart_of(quantity: str) -> str:
 
 @dataclass(frozen=True)
 class RunBeside:
-    """A run laid under that of the page: its name, and its lines."""
+    """A run drawn under that of the page: its name, and its lines."""
 
     label: str
     trajectory: Trajectory
@@ -101,7 +101,7 @@ def runs_beside(debrief: DebriefData) -> tuple[RunBeside, ...]:
 
 
 def ground_of(debrief: DebriefData) -> ChartGround:
-    """Return time, casualties and marks as every chart shows them."""
+    """Return the common ground of all charts: time, casualties and marks."""
     seconds, step = debrief.trajectory.seconds, debrief.step
     last = float(seconds[-1])
     spans = tuple(
@@ -121,9 +121,9 @@ def ground_of(debrief: DebriefData) -> ChartGround:
 
 
 def charts_of(trajectory: Trajectory, beside: tuple[RunBeside, ...] = ()) -> Iterator[Chart]:
-    """Yield the charts with other runs laid under.
+    """Yield the charts, other runs drawn under this one.
 
-    Those of parts that the boat lacks are left out.
+    A chart of a part that the boat lacks is left out.
     """
     stern, bow, rudder = (partial(_surface, surface=name) for name in ("stern", "bow", "rudder"))
     for make in (_depth, _clearance, _pitch, stern, bow, _course, rudder, _speed, _air):
@@ -173,7 +173,7 @@ def _clearance(trajectory: Trajectory) -> Chart | None:
 def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: RowMask) -> Numbers:
     """Return the order [SI] to the crew, or else to the autopilot at work.
 
-    A run without orders to the crew has what the autopilot is told all through.
+    In a run without orders to the crew the autopilot's order counts all through.
     """
     crew, by_boat = trajectory.ordered(axis), trajectory.columns[place]
     if np.isnan(crew).all():
@@ -215,17 +215,18 @@ def _course(trajectory: Trajectory) -> Chart:
     by_hand = trajectory.columns["rudder_by_hand"] != 0.0
     ordered = told_to_all(trajectory, COURSE_QUANTITY, "ordered_psi", by_hand)
     lines = (
-        CurveLine("ordered", as_it_was_come_to(np.degrees(ordered), heading), ORDERED_STYLE),
+        CurveLine("ordered", unwrap_ordered_courses(np.degrees(ordered), heading), ORDERED_STYLE),
         CurveLine("actual", heading, ACTUAL_STYLE),
     )
     steps: dict[str, Any] = {"least": 10.0, "steps": ANGLE_STEPS_DEG, "number": _bearing}
     return Chart("course", "Heading", "deg", lines, **steps)
 
 
-def as_it_was_come_to(ordered: Numbers, heading: Numbers) -> Numbers:
-    """Return ordered courses [deg], each all through beside the heading that it ended with.
+def unwrap_ordered_courses(ordered: Numbers, heading: Numbers) -> Numbers:
+    """Return ordered courses [deg], each by whole turns near the heading at its end.
 
-    Both are counted on, not wrapped; a boat that has gone round is whole turns from its order.
+    The heading counts on past 360 degrees. After a full circle it would else be drawn a whole turn
+    away from an order that the boat has met.
     """
     same = (ordered[1:] == ordered[:-1]) | (np.isnan(ordered[1:]) & np.isnan(ordered[:-1]))
     ends = np.append(np.flatnonzero(~same), ordered.size - 1)
@@ -324,7 +325,7 @@ def _reference(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
 
 
 def _strokes(seconds: list[float], heading: str, ground: ChartGround) -> str:
-    """Return a row with a stroke for each moment of the run."""
+    """Return a row with a stroke for each of some times [s]."""
     style = "order" if heading == "crew" else "order-beside"
     places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
     drawn = "".join(rule(style, x, 4.0, x, ROW_HEIGHT_PX - 4.0) for x in places)
@@ -353,7 +354,7 @@ def _calls(debrief: DebriefData, ground: ChartGround) -> str:
 
 
 def _drawn(debrief: DebriefData, kind: str) -> tuple[RecordedEvent, ...]:
-    """Return the events of a kind that there is room for in a chart."""
+    """Return the first events of a kind, no more than a chart has room for."""
     return debrief.of_kind(kind)[:MAX_MARKS_DRAWN]
 
 
@@ -366,7 +367,7 @@ def _marks(debrief: DebriefData, ground: ChartGround) -> str:
 def _labelled(
     ticks: list[tuple[int, str]], heading: str, debrief: DebriefData, ground: ChartGround
 ) -> Iterator[str]:
-    """Yield as many rows as it takes for no label to lie on another."""
+    """Yield as many rows as the labels need so that none lies on another."""
     labels = sorted((ground.across.at(tick * debrief.step), name) for tick, name in ticks)
     heading = _heading(heading)
     while labels:

@@ -1,4 +1,4 @@
-"""All that a debrief tells, gathered from a recording, and its figures for programs."""
+"""The data of a debrief, gathered from a recording, and its figures for programs."""
 
 import sys
 from collections.abc import Iterator, Mapping
@@ -57,7 +57,7 @@ class CasualtyAnswer:
 
 @dataclass(frozen=True)
 class GiverCount:
-    """One that gave orders, and how many."""
+    """Somebody who gave orders, and how many."""
 
     giver: Giver
     orders: int
@@ -65,7 +65,7 @@ class GiverCount:
 
     @property
     def who(self) -> str:
-        """Return who it is, for people."""
+        """Return the giver's name as people read it."""
         return self.giver.words
 
 
@@ -125,7 +125,7 @@ class DebriefData:
 
     @property
     def final(self) -> Scorecard:
-        """Return the marks that count: those that the instructor has changed, if any."""
+        """Return the marks that count: the instructor's changed ones, if there are any."""
         return self.changed or self.card
 
     @property
@@ -140,7 +140,7 @@ class DebriefData:
 
     @property
     def costs(self) -> tuple[MarkCost, ...]:
-        """Return what cost most of the marks that count."""
+        """Return the causes that cost most of the marks that count."""
         return dearest_costs(self.final, self.compared.reference.card if self.compared else None)
 
     def of_kind(self, *kinds: str) -> tuple[RecordedEvent, ...]:
@@ -151,7 +151,7 @@ class DebriefData:
 def gather_debrief(
     recording: Recording, source: Path, number: int | None, width: str | None = None
 ) -> DebriefData:
-    """Return the dossier of a branch at a width. None: the latest branch, its own width.
+    """Return the data of a branch at a width. None: the latest branch, its own width.
 
     ConfigError if the header cannot be read or there is no such branch.
     """
@@ -214,9 +214,9 @@ def find_branch(branches: list[Branch], source: Path, number: int | None) -> Bra
 def compare_debrief(
     debrief: DebriefData, recording: Recording, seconds: float | None = None
 ) -> DebriefData:
-    """Return a dossier with the reference crew's run beside. As it was for an exercise without.
+    """Return a debrief with the reference crew's run beside it, if it has one.
 
-    With ``seconds`` the reference crew also takes over there. ConfigError if it cannot.
+    With ``seconds`` the reference crew also takes over at that time. ConfigError if it cannot.
     """
     plan, width = debrief.plan, debrief.width
     reference = fly_reference(plan, debrief.card, width)
@@ -254,7 +254,7 @@ def departure_at(
 
 
 def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
-    """Return how a run was wound back. "": it was not, or to its start alone."""
+    """Return how a run was wound back. "": it never was, or only to its start."""
     wound = (each for each in _ancestry(branches, branch) if each.tick > 0)
     return next(
         (
@@ -267,7 +267,7 @@ def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
 
 
 def _ancestry(branches: list[Branch], branch: Branch) -> Iterator[Branch]:
-    """Yield a branch and those that it came from."""
+    """Yield a branch, then each branch that it begins in."""
     by_number = {each.id: each for each in branches}
     here: Branch | None = branch
     while here is not None:
@@ -278,7 +278,8 @@ def _ancestry(branches: list[Branch], branch: Branch) -> Iterator[Branch]:
 def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[str, float]:
     """Return the marks of each rule with nobody aboard, by its name.
 
-    They are flown at the seed of the record, or by another core those that are kept.
+    They are flown at the seed of the record. If another core made the record they are those of the
+    baseline that is kept beside the exercise.
     """
     if not plan.judged_by_tasks:
         return {}
@@ -321,7 +322,7 @@ def events_of(
 
 
 def ticks_of(trajectory: Trajectory) -> TickCounts:
-    """Return what became of the ticks."""
+    """Return how many ticks were timed, with their duty cycle, work and lateness."""
     timed = ~np.isnan(trajectory.work)
     count = int(timed.sum())
     if not count:
@@ -340,7 +341,7 @@ def _spread(values: np.ndarray) -> tuple[float, float, float]:
 
 
 def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
-    """Return what the page tells in numbers; times in s, marks in per cent."""
+    """Return the figures of the page for programs; times in s, marks in per cent."""
     step = debrief.step
     return {
         "exercise": debrief.plan.title,
@@ -405,7 +406,7 @@ def _score(each: RuleScore, step: float) -> dict[str, Any]:
 
 
 def _casualty(each: CasualtyAnswer, step: float) -> dict[str, Any]:
-    """Return a casualty and what was done about it."""
+    """Return a casualty and the crew's answer to it."""
     return {
         "kind": each.episode.kind,
         "begun_s": each.episode.begun * step,
@@ -427,7 +428,7 @@ def deviation_of(debrief: DebriefData) -> float | None:
 
 
 def _compared(debrief: DebriefData) -> dict[str, Any]:
-    """Return the reference crew's run, and where this one went wrong beside it."""
+    """Return the reference crew's run, and where this run first departs from it."""
     comparison, step = debrief.compared, debrief.step
     if comparison is None:
         return {"reference": None, "went_wrong": None, "reference_from": None}
@@ -461,7 +462,7 @@ def _card(card: Scorecard, step: float) -> dict[str, Any]:
 
 
 def _read_back(each: ReadBack, step: float) -> dict[str, Any]:
-    """Return an order to the crew and what came of it."""
+    """Return an order to the crew with its repeat and its end."""
     return {
         "order": each.told,
         "axis": each.axis,

@@ -50,14 +50,14 @@ class Episode:
 
 @dataclass(frozen=True)
 class Deflection:
-    """The first surface to have moved during a casualty."""
+    """The first surface that moved during a casualty."""
 
     surface: str
     tick: int
 
 
 def casualty_episodes(trajectory: Trajectory) -> tuple[Episode, ...]:
-    """Return the casualties in the order in which they began. ConfigError if one is unheard of."""
+    """Return the casualties in the order in which they began; ConfigError for an unknown one."""
     slots = np.array([trajectory.columns[name] for name in CASUALTY_SLOTS])
     known = np.isin(slots, range(len(KINDS) + 1))
     if not known.all():
@@ -98,8 +98,8 @@ def _of_kind(
 def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
     """Return what the crew ordered and the boat accepted.
 
-    The crew is everybody but schedule and instructor; when nobody else has ordered anything the
-    instructor is alone on board, and is the crew.
+    The crew is everybody but schedule and instructor. If nobody else has ordered anything, the
+    instructor counts as the crew, because he is alone on board.
     """
     orders = [
         entry
@@ -147,7 +147,7 @@ def first_deflection(trajectory: Trajectory, episode: Episode) -> Deflection | N
 
 @dataclass(frozen=True)
 class ReadBack:
-    """One order to the crew, and what came of it."""
+    """One order to the crew, its repeats, and when it was carried out."""
 
     order: RecordedOrder
     axis: str
@@ -158,7 +158,7 @@ class ReadBack:
 
 
 def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
-    """Return a run's orders to the crew, with their repeats and their ends."""
+    """Return a run's orders to the crew, each with its repeats and its end."""
     read_back_list: list[ReadBack] = []
     for entry in trajectory.orders:
         order = parse(entry.text)
@@ -196,7 +196,7 @@ def _carried_out(found: list[ReadBack], trajectory: Trajectory) -> Iterator[Read
 
 
 def _kept_from(each: ReadBack, end: int, trajectory: Trajectory) -> int | None:
-    """Return the first tick from which an order is kept, None if it is not at the end."""
+    """Return the first tick from which an order is kept to its end, None if it is not."""
     rows = (trajectory.ticks > each.order.tick) & (trajectory.ticks <= end)
     if not rows.any():
         return None

@@ -21,16 +21,16 @@ from trainer.debrief.trajectory import (
 
 
 class Grounding(NamedTuple):
-    """One time that the ground carried the boat."""
+    """One touch of the ground, until the boat is afloat for a while."""
 
     row: int  # at which it was aground
     touch: GroundTouch
     hard: bool
-    at_fault: bool  # it was not meant, or not done well
+    at_fault: bool  # whether the boat was not meant to touch, or touched badly
 
 
 def groundings(trajectory: Trajectory) -> list[Grounding]:
-    """Return the groundings of a passage. Touching it again soon after is the same one."""
+    """Return the groundings of a passage. A second touch soon after counts as the same one."""
     bottom = ground_under(trajectory.boat)
     if bottom is None:
         return []

@@ -1,7 +1,8 @@
 """Recordings and their trainees: the list, a trainee's history, a name forgotten.
 
-What a recording came to is computed once and kept beside it: drill.marks.json beside
-drill.trainer. It may be removed at any time; names stand in the recordings alone.
+The result of a recording is computed once and kept beside it: drill.marks.json beside
+drill.trainer. That file may be removed at any time. It has no names, because names stand in the
+recordings alone.
 """
 
 import json
@@ -99,7 +100,7 @@ def recordings_in(places: Iterable[Path]) -> Iterator[Path]:
 
 
 def latest_recording() -> Path:
-    """Return the recording that was written last; ConfigError, saying what to do, without any."""
+    """Return the recording that was written last; ConfigError if there is none."""
     folder = recordings_folder()
     recording = next(recordings_in([folder] if folder.is_dir() else []), None)
     if recording is None:
@@ -110,7 +111,7 @@ def latest_recording() -> Path:
 
 
 def list_recording(path: Path) -> ListedRecording:
-    """Return a recording as it is listed; one that cannot be read says why."""
+    """Return a recording for the list. One that cannot be read has the reason instead."""
     try:
         with open_recording(path) as recording:
             header, excess = recording.header(), recording.excess()
@@ -126,7 +127,7 @@ def list_recording(path: Path) -> ListedRecording:
 
 
 def kept_result(path: Path) -> RecordedResult | None:
-    """Return the result kept beside a recording. None: it is of another state."""
+    """Return the result kept beside a recording; None if recording or program has changed."""
     try:
         marks = json.loads(marks_path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -141,7 +142,7 @@ def kept_result(path: Path) -> RecordedResult | None:
 
 
 def compute_result(path: Path) -> RecordedResult:
-    """Return what a recording came to, and keep it where that can be; ConfigError."""
+    """Return the result of a recording, and keep it if the folder allows; ConfigError."""
     with np.errstate(all="ignore"), open_whole_recording(path) as recording:
         came = came_of(gather_debrief(recording, path, None))
     if not path.with_name(f"{path.name}-wal").exists():  # else it is being written
@@ -154,7 +155,7 @@ def compute_result(path: Path) -> RecordedResult:
 
 
 def came_of(debrief: DebriefData) -> RecordedResult:
-    """Return what a run came to, as the instructor has changed it."""
+    """Return the result of a run, with the instructor's changes."""
     verdict = debrief.final.verdict
     return RecordedResult(
         exercise=debrief.plan.title,
@@ -168,7 +169,7 @@ def came_of(debrief: DebriefData) -> RecordedResult:
 
 
 def recording_stamp(path: Path) -> dict[str, Any]:
-    """Return the marks by which a changed recording, change file or program is noticed."""
+    """Return the stamp by which a changed recording, change file or program is noticed."""
     state = path.stat()
     try:
         changes = changes_path(path).stat().st_mtime_ns
@@ -184,7 +185,7 @@ def recording_stamp(path: Path) -> dict[str, Any]:
 
 
 def marks_path(recording: Path) -> Path:
-    """Return where it is kept what a recording came to: beside it."""
+    """Return the path of a recording's result, which is kept beside it."""
     return recording.with_name(f"{recording.stem}{MARKS_SUFFIX}")
 
 
@@ -192,7 +193,7 @@ def marks_path(recording: Path) -> Path:
 
 
 def fold_name(name: str) -> str:
-    """Return a name as names are compared."""
+    """Return a name in the form in which names are compared."""
     return " ".join(name.split()).casefold()
 
 
@@ -209,7 +210,7 @@ def of_trainee(found: Sequence[ListedRecording], name: str) -> list[ListedRecord
 
 
 def trainee_history(own: Iterable[ListedRecording]) -> list[AttemptHistory]:
-    """Return what a trainee has done, by exercise and width; recordings come newest first."""
+    """Return a trainee's attempts by exercise and width; recordings come newest first."""
     by_kind: dict[tuple[str, str], list[RecordedResult]] = {}
     for entry in own:
         if entry.came is not None:
@@ -230,7 +231,7 @@ def trainee_history(own: Iterable[ListedRecording]) -> list[AttemptHistory]:
 
 
 def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
-    """Remove a name everywhere, and yield what was done; ConfigError if no recording has it."""
+    """Remove a name everywhere, and yield each step; ConfigError if no recording has it."""
     names: set[str] = set()
     done, troubles = 0, []
     for path in recordings:
@@ -256,7 +257,7 @@ def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
 
 
 def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
-    """Remove a name from one recording and from what is beside it."""
+    """Remove a name from one recording and from the files beside it."""
     others = [each for each in trainees if fold_name(each) != fold_name(name)]
     without = _remover(name)
     remarks = erase_header(path, {TRAINEES_KEY: json.dumps(others) if others else None}, without)
@@ -270,7 +271,7 @@ def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
 
 
 def _remover(name: str) -> Callable[[str], str]:
-    """Return what takes a name out of a text; a number alone stays, it may be any."""
+    """Return a function that removes a name from a text. A bare number stays: it may be any."""
     if not re.search(r"[^\W\d_]", name):
         return lambda text: text
     words = r"\s+".join(re.escape(word) for word in name.split())
@@ -279,7 +280,7 @@ def _remover(name: str) -> Callable[[str], str]:
 
 
 def _pages(name: str, path: Path) -> Iterator[str]:
-    """Remove the debriefs beside a recording that show a name; yield which, and what may."""
+    """Remove the debriefs beside a recording that show a name; yield those, and doubtful ones."""
     shown = fold_name(str(escape(name)))
     for page in sorted(path.parent.glob(f"{_literal(path.stem)}*.html")):
         text = page.read_text(encoding="utf-8", errors="replace")
@@ -291,7 +292,7 @@ def _pages(name: str, path: Path) -> Iterator[str]:
 
 
 def _literal(stem: str) -> str:
-    """Return a name as a pattern of files that matches it alone."""
+    """Return a file pattern that matches this name alone."""
     return re.sub(r"([*?[])", r"[\1]", stem)
 
 
@@ -305,7 +306,7 @@ def found_in(places: Sequence[Path]) -> list[Path]:
 
 
 def print_list(places: Sequence[Path], *, as_json: bool) -> None:
-    """Print the recordings, each as soon as it is known; what takes long comes last."""
+    """Print the recordings, each as soon as it is known; slow ones come last."""
     paths = found_in(places)
     paths.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept_result(path) is None)
     if as_json:
@@ -320,7 +321,7 @@ def print_list(places: Sequence[Path], *, as_json: bool) -> None:
 
 
 def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
-    """Print what a trainee has done; ConfigError if there is nothing of that name."""
+    """Print a trainee's attempts; ConfigError if no recording has that name."""
     attempts = trainee_history(of_trainee(list(map(list_recording, found_in(places))), name))
     if as_json:
         figures = [asdict(each) | {"mean_of_last": each.mean} for each in attempts]
@@ -330,15 +331,15 @@ def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
 
 
 def print_forgotten(places: Sequence[Path], name: str) -> None:
-    """Remove a name and print where; ConfigError if it is nowhere, or cannot be removed."""
+    """Remove a name and print where it stood; ConfigError if nowhere, or not removable."""
     for line in forget_trainee(name, found_in(places)):
         click.echo(line)
 
 
 def list_lines(found: Iterable[ListedRecording], columns: int | None = None) -> Iterator[str]:
-    """Yield a line for each recording: when, what, who, and what it came to.
+    """Yield a line for each recording: time, exercise, trainees and result.
 
-    Exercise, names and file are shortened with an ellipsis to fit ``columns``; None: nothing is.
+    Exercise, names and file are shortened with an ellipsis to fit ``columns``, with None not.
     """
     width = None if columns is None else max(columns, MIN_LIST_WIDTH)
     for recording in found:

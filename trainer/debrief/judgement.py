@@ -1,9 +1,10 @@
-"""Marks of an exercise by hand: tasks less nobody aboard, keeping, the gate. Won, lost or neither.
+"""Marks of an exercise by hand, and whether it was won, lost or neither.
 
-With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
-answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
-total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken or the boat was laid down badly,
-25 where the exercise was lost, 0 where the boat was hard aground.
+A task with p marks earns t = 100 max(0, (p - b) / (100 - b)), where b are its marks with nobody
+aboard: only what the crew adds to those counts. An answer to a casualty earns its own t
+times the mean of the tasks. With T the mean of tasks and answers and K that of what was kept,
+total = T (0.7 + 0.3 K / 100). The total is at most 50 where a limit was broken or the boat was laid
+down badly, 25 where the exercise was lost, 0 where the boat was hard aground: docs/debrief.md.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -26,15 +27,15 @@ from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
 
-GATE_TIME_S: Final = 2.0  # [s] for which a limit is broken
+GATE_TIME_S: Final = 2.0  # [s] for which a limit must be broken before it costs marks
 GATE_CAP, LOST_CAP, HARD_CAP = 50.0, 25.0, 0.0  # [%] most that is left
 TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
-DONE_TASK_PERCENT: Final = 50.0  # [%] of a task that is carried out
+DONE_TASK_PERCENT: Final = 50.0  # [%] marks from which a task is carried out
 SETTLED_PERCENT: Final = 80.0  # [%] of the time
 KEEPING_SHARE: Final = 0.3  # of the total, by how the boat was kept
 WIDTH_FACTORS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
 FREEING_ORDERS: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
-MAX_NOBODY_PERCENT: Final = 50.0  # [%] a task worth having gives with nobody aboard
+MAX_NOBODY_PERCENT: Final = 50.0  # [%] with nobody aboard; a task that gives more does not count
 MAX_COSTS_TOLD: Final = 3  # sentences
 MIN_COST_PERCENT: Final = 0.5  # [%] of the marks that is worth one
 
@@ -62,14 +63,14 @@ def judge_run(
 def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") -> dict[str, float]:
     """Return the marks of each rule by name [%], with nothing taken off.
 
-    With nobody aboard they are all b.
+    Of a flight with nobody aboard they are the b of each rule.
     """
     scores = score_rules(trajectory, widen_rules(plan.scores, width)).scores
     return {each.name: each.marks or 0.0 for each in scores}
 
 
 def widen_rules(rules: tuple[ScoreRule, ...], width: str) -> tuple[ScoreRule, ...]:
-    """Return the rules at a width. Bands, and the way from full to zero, are so much wider."""
+    """Return the rules at a width. Bands, and the way from full to zero, grow by its factor."""
     factor = WIDTH_FACTORS[width]
     if factor == 1.0:
         return rules
@@ -85,7 +86,7 @@ def widen_rules(rules: tuple[ScoreRule, ...], width: str) -> tuple[ScoreRule, ..
 def _less_nobody(each: RuleScore, nobody: Mapping[str, float]) -> RuleScore:
     """Return a score with what it earned beyond nobody aboard.
 
-    Where nobody gets more than MAX_NOBODY_PERCENT, at this seed, there is nothing to be earned. A
+    A task of which nobody aboard gets more than MAX_NOBODY_PERCENT at this seed does not count. A
     task whose time the record does not reach has earned nothing.
     """
     if each.marks is None and each.attained.beyond_record:
@@ -100,7 +101,7 @@ def _less_nobody(each: RuleScore, nobody: Mapping[str, float]) -> RuleScore:
 
 
 def _answered(each: RuleScore, scores: tuple[RuleScore, ...]) -> RuleScore:
-    """Return an answer times the mean of the tasks: an order alone masters nothing."""
+    """Return an answer times the mean of the tasks, because an order alone masters nothing."""
     if each.rule.part != "answer" or each.earned is None:
         return each
     others = _mean((one.rule.weight, one.earned) for one in scores if one.rule.part == "task")
@@ -118,7 +119,10 @@ def _mean(weighted: Iterable[tuple[float, float | None]]) -> float | None:
 def _verdict(
     trajectory: Trajectory, plan: Plan, scores: tuple[RuleScore, ...], means: tuple[float, float]
 ) -> Verdict:
-    """Return how it ended, the worst first."""
+    """Return the outcome, by the worst thing that happened.
+
+    A free run comes before all, because it has no marks; a broken limit comes before undone tasks.
+    """
     tasks, keeping = means
     turned = _turned_over(trajectory)
     hard, aground = _aground(trajectory, plan)
@@ -142,7 +146,7 @@ def _verdict(
 
 
 def _free(trajectory: Trajectory) -> str:
-    """Return what made the run free of marks: something let be automatic, or broken by hand."""
+    """Return what made the run free of marks: an order ``allow``, or a casualty by hand."""
     for order in trajectory.orders:
         if order.accepted is False or order.giver.kind is GiverKind.SCHEDULE:
             continue
@@ -153,7 +157,7 @@ def _free(trajectory: Trajectory) -> str:
 
 
 def _carried_out(each: RuleScore) -> bool:
-    """Return whether a task was carried out; what does not count is not looked at."""
+    """Return whether a task was carried out; a task that does not count passes."""
     if each.earned is None or each.marks is None:
         return True
     if each.rule.score.measure == "reach":
@@ -201,7 +205,7 @@ def _laid_badly(trajectory: Trajectory, plan: Plan) -> str:
 
 
 def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
-    """Yield what lost the exercise, and when."""
+    """Yield the conditions that lost the exercise, and when."""
     for loss in losses:
         holds = np.ones(trajectory.ticks.size, bool)
         for condition in loss.conditions:
@@ -273,18 +277,18 @@ class MarkCost:
 
 
 def marks_given(each: RuleScore) -> float | None:
-    """Return what a score gave [%]: of a task less nobody aboard."""
+    """Return the marks [%] of a score; of a task those beyond nobody aboard."""
     return each.marks if each.earned is None else each.earned
 
 
 def dearest_costs(card: Scorecard, reference: Scorecard | None) -> tuple[MarkCost, ...]:
-    """Return what cost most, MAX_COSTS_TOLD of it at most."""
+    """Return the dearest causes, MAX_COSTS_TOLD at most."""
     dear_costs = [each for each in costs(card, reference) if each.marks >= MIN_COST_PERCENT]
     return tuple(sorted(dear_costs, key=lambda each: -each.marks)[:MAX_COSTS_TOLD])
 
 
 def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
-    """Yield all that cost marks: rules by their share in the total, and the gate."""
+    """Yield all causes that cost marks: rules by share in the total, and the gate."""
     best = {each.name: each for each in reference.scores} if reference else {}
     yield from _by_gate(card)
     for rule_score in card.scores:
@@ -296,7 +300,7 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
 
 
 def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
-    """Yield what a broken limit or a loss has cost beyond the tasks."""
+    """Yield the marks that a broken limit or a loss took beyond the tasks."""
     verdict = card.verdict
     if verdict is None:
         return

@@ -1,4 +1,4 @@
-"""Measures judge a passage, each by one number and its place in the record.
+"""Measures of a passage: each is one number and its place in the record.
 
 A measure is a function of the passage, of the rows that its rule looks at (one at least), and of
 the rule. Numbers are in the unit of the quantity where a rule names one.
@@ -38,7 +38,7 @@ SETTLING_WINDOW_S: Final = 120.0  # [s] of a window, in which the boat has to ha
 
 @dataclass(frozen=True)
 class Measurement:
-    """The value of a measure. Without one it says why."""
+    """The value of a measure, or the reason why there is none."""
 
     value: float | None
     tick: int | None  # where in the record
@@ -72,7 +72,10 @@ def time_to(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measureme
 
 
 def reach(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
-    """Return the time [s] until the quantity is in its band for good. It has been outside."""
+    """Return the time [s] until the quantity is in its band for good.
+
+    A quantity that began in its band has no such time.
+    """
     if _inside(trajectory, rows, rule)[0]:
         return Measurement(None, None, ALREADY_THERE)
     return time_to(trajectory, rows, rule)
@@ -170,7 +173,7 @@ def exposed_raise(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Mea
 def time_to_detect(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
     """Return the longest time [s] from a ship in sight to its mark.
 
-    It is longer by FALSE_MARK_PENALTY_S for each mark that meant no ship.
+    Each mark that meant no ship adds FALSE_MARK_PENALTY_S.
     """
     looked_at = set(trajectory.ticks[rows].tolist())
     look_out_report = look_out(trajectory)
@@ -240,7 +243,7 @@ def response(trajectory: Trajectory, _rows: RowMask, rule: ScoreRule) -> Measure
 
 
 def reserve_air(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
-    """Return the least share [%] left in the bank named, or else in all together."""
+    """Return the least share [%] of air left in the named bank, or in all."""
     vessel = trajectory.boat.vessel
     names = (rule.measured.name,) if rule.measured else tuple(f"bank_{name}" for name in BANKS)
     full = sum(float(vessel.bank_full[BANKS.index(name.removeprefix("bank_"))]) for name in names)

@@ -48,7 +48,7 @@ from trainer.report.svg import (
 from trainer.session.header import open_whole_recording, plan_of
 
 PAGE_BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
-BADGE_SEARCH_CHARS = 2000  # [characters] in which a page of ours says that it is
+BADGE_SEARCH_CHARS = 2000  # [characters] at the start of a file, among which PAGE_BADGE must stand
 MAX_TRACK_HEIGHT_PX: Final = 420.0  # [px] of the track
 TRACK_SIDE_PX, TRACK_ABOVE_PX, TRACK_BELOW_PX = 10.0, 26.0, 30.0  # [px] about it
 MIN_TRACK_WIDTH_M: Final = 400.0  # [m] across the shorter way
@@ -84,7 +84,7 @@ def render(debrief: DebriefData, boat: str = "") -> str:
 
 
 def _under(debrief: DebriefData) -> str:
-    """Return what is below the title: the boat, the day, how long, and which branch."""
+    """Return the line below the title: boat, day, length and branch."""
     parts = [
         debrief.plan.file.name,
         debrief.header.get("started", ""),
@@ -178,13 +178,13 @@ def debrief_file(
 
 
 def read_dossier(path: Path, branch: int | None, width: str | None = None) -> DebriefData:
-    """Return the dossier of a recording; ConfigError if it cannot be read."""
+    """Return the debrief of a recording; ConfigError if it cannot be read."""
     with open_whole_recording(path) as recording:
         return gather_debrief(recording, path, branch, width)
 
 
 def read_compared(path: Path, asked: DebriefRequest) -> DebriefData:
-    """Return the dossier of a recording beside the reference crew's run; ConfigError."""
+    """Return the debrief of a recording beside the reference crew's run; ConfigError."""
     with open_whole_recording(path) as recording:
         debrief = gather_debrief(recording, path, asked.branch, asked.width)
         return compare_debrief(debrief, recording, asked.reference_from)
@@ -198,7 +198,7 @@ def default_page_path(path: Path, branch: int | None) -> Path:
 def change_marks(
     path: Path, asked: DebriefRequest, texts: Sequence[str], back: Sequence[str]
 ) -> None:
-    """Keep changes of marks, having taken others back; ConfigError, nothing changed, on any."""
+    """Take some changes of marks back, then keep others. A ConfigError changes nothing."""
     if not (texts or back):
         return
     with open_whole_recording(path) as recording:
@@ -346,7 +346,7 @@ def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
 
 
 def _path(style: str, x: Numbers, y: Numbers) -> str:
-    """Return a line through places [px], about one point in so many as can be told apart."""
+    """Return a line through places [px], with no more points than can be told apart."""
     every = max(x.size // MAX_TRACK_POINTS, 1)
     rows = [*range(0, x.size, every), x.size - 1]
     points = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
@@ -354,7 +354,7 @@ def _path(style: str, x: Numbers, y: Numbers) -> str:
 
 
 def _rule_of(across: Axis) -> Iterator[str]:
-    """Yield a rule of a round length, with that length."""
+    """Yield a scale of a round length, labelled with that length."""
     pixels = (across.end - across.begin) / (across.high - across.low)  # [px/m]
     length = step_of(MAX_RULE_SHARE * CHART_WIDTH_PX / pixels, 1)
     length = length if length * pixels <= 2.0 * MAX_RULE_SHARE * CHART_WIDTH_PX else 0.5 * length

@@ -1,8 +1,9 @@
-"""The reference crew's run beside a recorded one: same exercise, same seed, its rules.
+"""The reference crew's run beside a recorded one, of the same exercise and seed.
 
-The band about it, of a task: what the quantity of the task was in the reference run, up to the time
-earlier and later that the task allows, and so far off as the task allows. A run leaves the band for
-good where it stays outside for LASTING_TIME_S, or to the end of what the task looks at.
+A task has a band about the reference run. At each moment it holds the values of the task's quantity
+in the reference run, as much earlier, later and further off as the task allows.
+A run leaves the band for good where it stays outside for LASTING_TIME_S,
+or to the end of the task's time: docs/debrief.md, "Where it went wrong".
 """
 
 import math
@@ -23,8 +24,8 @@ from trainer.debrief.trajectory import RowMask, Trajectory, row_stretches
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.session.plan import Plan
 
-MAX_REFERENCE_TICKS: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
-LASTING_TIME_S: Final = 20.0  # [s] outside
+MAX_REFERENCE_TICKS: Final = 400_000  # [ticks] flown while somebody waits for a debrief
+LASTING_TIME_S: Final = 20.0  # [s] outside the band, from which a run has left it for good
 TIME_LEEWAY_S: Final = 10.0  # [s] earlier or later at least
 DEAR_FAULT_SHARE: Final = 0.33  # [-] of the dearest fault, from which an earlier one is told
 TIME_MEASURES: Final = ("reach", "time-to")  # measures whose value is a time
@@ -43,7 +44,7 @@ LOST_TASK_PERCENT: Final = (
 
 @dataclass(frozen=True)
 class Reference:
-    """A run of the reference crew, and what it is worth."""
+    """A run of the reference crew, and its marks."""
 
     rehearsal: Rehearsal
     card: Scorecard
@@ -51,7 +52,7 @@ class Reference:
 
     @property
     def trajectory(self) -> Trajectory:
-        """Return what was flown."""
+        """Return the passage of the run."""
         return self.rehearsal.trajectory
 
 
@@ -66,7 +67,7 @@ class Fault:
 
 
 def can_fly(plan: Plan) -> bool:
-    """Return whether an exercise has an end that can be flown to while somebody waits."""
+    """Return whether a plan ends within MAX_REFERENCE_TICKS, because somebody waits."""
     return plan.duration is not None and last_tick(plan) <= MAX_REFERENCE_TICKS
 
 
@@ -125,7 +126,8 @@ def first_fault(
 ) -> Fault | None:
     """Return the first moment at which a dear task went wrong, None if none did.
 
-    A task costs much from DEAR_FAULT_SHARE of what the dearest of them cost.
+    A task is dear if it cost DEAR_FAULT_SHARE of what the dearest one cost: an early trifle would
+    else be named in place of the fault that mattered.
     """
     rules = widen_rules(plan.scores, width)
     faults = list(_faults(trajectory, rules, card, reference))
@@ -171,7 +173,7 @@ def _faults(
 def _late_answer(
     trajectory: Trajectory, rule: ScoreRule, mine: RuleScore, best: RuleScore
 ) -> Fault | None:
-    """Return the moment until which an answer earns all, if it had not come by then."""
+    """Return the moment until which an answer earns full marks, if it came later or never."""
     episode = first_spell(trajectory, rule.casualty)
     allowed = max(rule.score.full, best.attained.value or 0.0)
     value = mine.attained.value
@@ -220,9 +222,10 @@ def _departure(
 
 
 def band_of(rule: ScoreRule, best: RuleScore) -> tuple[float, float]:
-    """Return what a task allows: so early or late [s], and so far off.
+    """Return how early or late [s], and how far off, a task allows.
 
-    That is its band in the quantity's unit, and what full marks leave beyond the reference's.
+    How far off is the task's band in the quantity's unit. To either allowance comes what full marks
+    leave beyond the reference crew's value: in time, or of an extreme.
     """
     score, measured = rule.score, rule.measured
     assert measured  # noqa: S101 (asked for by who calls)
@@ -251,7 +254,7 @@ def window_extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) 
     """Return the least or greatest value of the rows up to ``most`` around each."""
     windows = np.pad(values, most, mode="edge")
     width, span = 2 * most + 1, 1
-    while 2 * span <= width:  # found: of so many rows from each one on
+    while 2 * span <= width:  # windows: the extreme of ``span`` rows from each one on
         windows = choose(windows[:-span], windows[span:])
         span *= 2
     rest = width - span
@@ -259,7 +262,7 @@ def window_extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) 
 
 
 def _within(value: Numbers, low: Numbers, high: Numbers, rule: ScoreRule) -> RowMask:
-    """Return where a value is within limits, of a course whichever way round it went."""
+    """Return where a value is within limits; a course may be whole turns away."""
     assert rule.measured  # noqa: S101
     round_about = math.tau / rule.measured.size
     turns = (-round_about, 0.0, round_about) if rule.measured.name == COURSE_QUANTITY else (0.0,)
@@ -269,7 +272,10 @@ def _within(value: Numbers, low: Numbers, high: Numbers, rule: ScoreRule) -> Row
 
 
 def _better(value: Numbers, low: Numbers, high: Numbers, rule: ScoreRule) -> RowMask:
-    """Return where a value is nearer to what is asked for than the band about the reference."""
+    """Return where a value is nearer to the target than the band about the reference.
+
+    A crew that does better than the reference crew has left the band, and did nothing wrong.
+    """
     assert rule.measured  # noqa: S101
     score = rule.score
     if score.target is not None and rule.measured.name != COURSE_QUANTITY:

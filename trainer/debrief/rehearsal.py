@@ -1,6 +1,6 @@
 """An exercise flown without a session: by nobody, or by its reference crew.
 
-From its start, or from a recorded moment that the reference crew takes over at.
+It is flown from its start, or from a recorded moment at which the reference crew takes over.
 """
 
 import math
@@ -113,7 +113,7 @@ def fly_rehearsal(
 
 
 def last_tick(plan: Plan) -> int:
-    """Return the tick at which a plan ends; it has to."""
+    """Return the tick at which a plan ends. The plan must have an end."""
     return round((plan.duration or 0.0) / plan.method.step)
 
 
@@ -143,7 +143,7 @@ class Journal:
         self.rules: dict[int, float] = {}  # [s] when each was last carried out
 
     def note(self, given: list[GivenOrder]) -> None:
-        """Note what the crew has ordered and marked."""
+        """Write down the orders and marks of the crew."""
         for crew_order in given:
             if crew_order.rule is not None:
                 self.rules[crew_order.rule] = self.boat.time

@@ -1,4 +1,4 @@
-"""Scoring: the rules of an exercise laid to a passage, each with its marks."""
+"""Scoring: the rules of an exercise applied to a passage, each with its marks."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ def formula_of(rule: ScoreRule) -> str:
 
 
 def _window(rule: ScoreRule) -> str:
-    """Return which moments are looked at, in words, '' for all."""
+    """Return in words the time that a rule looks at, '' for all of it."""
     score = rule.score
     parts = [
         "" if score.from_s is None else f"from {score.from_s:g} s",
@@ -89,7 +89,7 @@ def measure_rows() -> str:
 
 @dataclass(frozen=True)
 class RuleScore:
-    """How a rule was met."""
+    """A rule with its measured value and its marks."""
 
     rule: ScoreRule
     attained: Measurement
@@ -101,13 +101,13 @@ class RuleScore:
 
     @property
     def name(self) -> str:
-        """Return what is judged."""
+        """Return the name of the rule."""
         return self.rule.score.name
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How an exercise ended, and what the total is made of."""
+    """The outcome of an exercise, its reason, and the parts of the total."""
 
     outcome: str  # won, lost, not reached or free
     reason: str  # "" where it was won
@@ -129,7 +129,7 @@ class Scorecard:
 
 
 def score_rules(trajectory: Trajectory, rules: tuple[ScoreRule, ...]) -> Scorecard:
-    """Return how each rule was met, and the marks of all, each by its weight."""
+    """Return the score of each rule, and the mean of all by weight."""
     scores = []
     for rule in rules:
         attained = take_measure(trajectory, rule)
@@ -144,7 +144,7 @@ def score_rules(trajectory: Trajectory, rules: tuple[ScoreRule, ...]) -> Scoreca
 def looked_at(trajectory: Trajectory, rule: ScoreRule) -> RowMask | None:
     """Return the ticks that a rule looks at, whatever its conditions.
 
-    None: what they count from did not happen.
+    None: the casualty from which they count did not come.
     """
     begin, end = rule.score.from_s, rule.score.to_s
     if rule.since is not None:
@@ -157,7 +157,7 @@ def looked_at(trajectory: Trajectory, rule: ScoreRule) -> RowMask | None:
 
 
 def take_measure(trajectory: Trajectory, rule: ScoreRule) -> Measurement:
-    """Return what the measure of a rule has come to in a passage."""
+    """Return the measure of a rule in a passage."""
     if lacking := missing_quantities(trajectory.boat, rule):
         return Measurement(None, None, f"this boat has no {lacking[0]}", counts=False)
     rows = looked_at(trajectory, rule)
@@ -174,7 +174,7 @@ def take_measure(trajectory: Trajectory, rule: ScoreRule) -> Measurement:
 
 
 def marks_of(rule: ScoreRule, value: float | None) -> float:
-    """Return the marks [%] of a value: in proportion between full and none. No value, none."""
+    """Return the marks [%] of a value, in proportion between full and zero. No value, no marks."""
     if value is None:
         return 0.0
     share = (value - rule.score.zero) / (rule.score.full - rule.score.zero)

@@ -27,12 +27,12 @@ JOINED_KEY_GAP_S: Final = 1.0  # [s] from one press of a key to the next
 EVENT_PLACE: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
 VALUE_DIGITS: Final = 4  # digits of a value that count
 MIN_SHOWN_DEVIATION: Final = 0.5  # [%] of a deviation
-SURE_DEVIATIONS: Final = 2.8  # standard deviations between two runs
+SURE_DEVIATIONS: Final = 2.8  # between two runs: docs/debrief.md, "How sure a mark is"
 CREW_AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
 
 
 def format_value(value: float | None) -> str:
-    """Return a value as it is told, '-' for none."""
+    """Return a value as text, '-' for none."""
     return "-" if value is None else f"{value:.{VALUE_DIGITS}g}"
 
 
@@ -69,7 +69,7 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
 
 
 def _beside_marks(debrief: DebriefData) -> Iterator[str]:
-    """Yield what is to be known about the marks, a sentence or two each."""
+    """Yield the notes about the marks, a sentence or two each."""
     card = debrief.final
     if debrief.practice:
         yield f"Practice: this run was wound back ({debrief.practice})."
@@ -90,7 +90,7 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
 
 
 def by_hand(debrief: DebriefData) -> str:
-    """Return what the crew worked, and what was automatic."""
+    """Return in words which axes the crew worked, and which were automatic."""
     plan = debrief.plan
     automatic = [axis for axis in CREW_AXES if axis not in plan.hand]
     sentence = f"By hand: {', '.join(plan.hand)}; automatic: {', '.join(automatic) or 'nothing'}"
@@ -106,7 +106,7 @@ def said_card(card: Scorecard) -> str:
 
 
 def made_of(verdict: Verdict) -> str:
-    """Return what a total is made of, in words."""
+    """Return in words how the total came about."""
     words = (
         f"Tasks {verdict.tasks:.0f}, beyond what a boat with nobody aboard gets; "
         f"keeping {verdict.keeping:.0f}"
@@ -136,7 +136,7 @@ def moment(debrief: DebriefData) -> Markup:
 
 
 def _no_moment(debrief: DebriefData, found: ReferenceComparison) -> str:
-    """Return why no moment is told."""
+    """Return why the page names no moment."""
     if debrief.free:
         return "A free run is not compared."
     worse = tasks_behind(debrief.card, found.reference.card)
@@ -146,7 +146,7 @@ def _no_moment(debrief: DebriefData, found: ReferenceComparison) -> str:
 
 
 def cost(debrief: DebriefData) -> Markup:
-    """Return what cost most, and what the reference crew would have had."""
+    """Return the dearest causes, and the marks of the reference crew."""
     if debrief.free:
         return paragraph("A free run has no marks.")
     items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
@@ -161,7 +161,7 @@ def cost(debrief: DebriefData) -> Markup:
 
 
 def changes(debrief: DebriefData) -> Markup:
-    """Return what the instructor has changed, old and new beside each other."""
+    """Return the table of the instructor's changes, old and new beside each other."""
     rows = [
         (change.name, _before(debrief, change), change.what, change.reason, change.at)
         for change in debrief.changes
@@ -171,7 +171,7 @@ def changes(debrief: DebriefData) -> Markup:
 
 
 def _before(debrief: DebriefData, change: Change) -> str:
-    """Return what a changed thing was before."""
+    """Return the value that a change replaced."""
     card = debrief.card
     if change.name == OUTCOME_NAME:
         return card.verdict.outcome if card.verdict else "-"
@@ -182,7 +182,7 @@ def _before(debrief: DebriefData, change: Change) -> str:
 
 
 def legend(debrief: DebriefData) -> Markup:
-    """Return what the lines and shades of the charts mean."""
+    """Return the legend of the charts' lines and shades."""
     words = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
     if comparison := debrief.compared:
         words += " Grey dashes: the reference crew at the same seed."
@@ -277,7 +277,7 @@ def value_of(each: RuleScore) -> str:
 
 
 def casualties(debrief: DebriefData) -> Markup:
-    """Return the table of the casualties and of what was done about them."""
+    """Return the table of the casualties and of the crew's answers."""
     first = ("first order", "after", "first deflection", "after")
     headings = ("", "casualty", "began", "gone", *first)
     rows = (_casualty(debrief, i, each) for i, each in enumerate(debrief.casualties, start=1))
@@ -352,7 +352,7 @@ def marks(debrief: DebriefData) -> Markup:
 
 
 def by_whom(giver: Giver) -> str:
-    """Return who gives an order, as a reader is told it."""
+    """Return the giver of an order in the words of the page."""
     return "the exercise" if giver.kind is GiverKind.SCHEDULE else giver.words
 
 
@@ -363,7 +363,7 @@ def hands(debrief: DebriefData) -> Markup:
 
 
 def log(debrief: DebriefData) -> Markup:
-    """Return the table of orders and events, in the order in which they were."""
+    """Return the table of orders and events by time."""
     entries = sorted(_entries(debrief), key=lambda entry: entry[0])
     rows = ((format_moment(debrief, tick), *cells) for tick, *cells in entries[:MAX_TABLE_ROWS])
     shown = table(("moment", "who", "what", "answer"), rows, "log")
@@ -390,8 +390,8 @@ def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
 def pressed_together(orders: Iterable[RecordedOrder], step: float) -> list[list[RecordedOrder]]:
     """Return orders in groups of one kind and giver, a second apart at most.
 
-    A key that is held, or pressed again and again, gives many; a page has room for one line.
-    ``step`` is that of the run [s]. What was refused stands alone.
+    A key that is held, or pressed again and again, gives many orders, and the page has room for one
+    line. ``step`` [s] is that of the run. A refused order stands alone.
     """
     groups: list[list[RecordedOrder]] = []
     last_of: dict[tuple[str, str], list[RecordedOrder]] = {}  # the group that a key's next may join
@@ -428,7 +428,7 @@ def _more(count: int, elsewhere: str) -> Markup:
 
 
 def tick_ledger(debrief: DebriefData) -> Markup:
-    """Return what became of the ticks, and every trouble with them."""
+    """Return the section on ticks: how late, how many missed, and each trouble."""
     ticks = debrief.ticks
     if not ticks.work or not ticks.lateness or ticks.duty_cycle is None:
         return paragraph("No tick was timed.")

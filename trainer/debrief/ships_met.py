@@ -110,7 +110,7 @@ def meet_ships(trajectory: Trajectory) -> ShipEncounters:
 class Detection:
     """A ship, and when it was in sight and was marked.
 
-    It was in sight, or would have been of a mast that is up.
+    A ship that a raised mast would have shown counts too, because nobody looked.
     """
 
     name: str
@@ -121,14 +121,14 @@ class Detection:
 
 @dataclass(frozen=True)
 class LookOut:
-    """The ships of a look-out, and the ticks of marks that meant none."""
+    """The ships that a look-out saw or missed, and ticks of marks without a ship."""
 
     ships: tuple[Detection, ...] = ()
     false: tuple[int, ...] = ()
 
 
 def shown_rows(trajectory: Trajectory) -> tuple[RowMask, Numbers]:
-    """Return at which ticks the head was out of the water, and at which raise."""
+    """Return at which ticks the periscope's head was out, and in which raise."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return np.zeros(trajectory.ticks.size, bool), np.zeros(trajectory.ticks.size)
@@ -138,7 +138,7 @@ def shown_rows(trajectory: Trajectory) -> tuple[RowMask, Numbers]:
 
 
 def look_out(trajectory: Trajectory) -> LookOut:
-    """Return the ships in sight, or that could have been for MISSED_SIGHT_S, with marks."""
+    """Return the ships seen, and those missed for MISSED_SIGHT_S, with their marks."""
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return LookOut()
@@ -155,7 +155,7 @@ def look_out(trajectory: Trajectory) -> LookOut:
 
 
 def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
-    """Return the ships that a raised mast shows for long, with the tick at which that began."""
+    """Return the ships that a raised mast would have shown for MISSED_SIGHT_S, by first tick."""
     every = max(round(LOOK_PERIOD_S / trajectory.boat.method.step), 1)
     rows = list(range(0, trajectory.ticks.size, every))
     seen_ticks: dict[str, list[int]] = {}
@@ -171,7 +171,7 @@ def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
 def _sights(
     trajectory: Trajectory, scope: Periscope, rows: list[int], heights: Numbers, *, up: bool
 ) -> Iterator[tuple[int, str]]:
-    """Yield each row with the name of each ship in sight then. ``up``: of a mast all out."""
+    """Yield each row with the name of each ship in sight. ``up``: as if the mast were all out."""
     for row in rows:
         mast = scope.at(int(trajectory.ticks[row]))
         mast = scope.raised(mast) if up else mast
@@ -208,7 +208,7 @@ def _marks(
 def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
     """Yield tick and bearing [rad] of each ship that the crew has marked.
 
-    Marks are the periscope's; the instructor's count where nobody else has made any.
+    The marks are those of the periscope's station. If it made none, all other marks count.
     """
     said = [(each, BEARING_MARK.match(each.text)) for each in trajectory.marks]
     crew = [(mark, found) for mark, found in said if mark.role == LOOKOUT_ROLE]

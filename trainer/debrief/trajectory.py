@@ -1,4 +1,4 @@
-"""A passage is one branch of a recording with its past, as arrays by tick."""
+"""A passage: one branch of a recording with its past, as arrays by tick."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -82,7 +82,7 @@ class Trajectory:
         return self.ticks.astype(np.float64) * self.boat.method.step
 
     def has(self, quantity: str) -> bool:
-        """Return whether the boat has what the quantity is about."""
+        """Return whether the boat has the part that the quantity belongs to."""
         return has_quantity(self.boat, quantity)
 
     def series(self, quantity: str) -> Numbers:
@@ -100,7 +100,7 @@ class Trajectory:
     def off(self, what: MeasuredQuantity, target: float | None) -> Numbers:
         """Return how far a quantity is above its target, both in its unit.
 
-        None: what was ordered at each tick. A course goes the short way round.
+        With None the target is the order at each tick. A course goes the short way round.
         """
         aim = self.columns[ORDERED_QUANTITIES[what.name]] / what.size if target is None else target
         off = self.measured(what) - aim
@@ -110,7 +110,7 @@ class Trajectory:
         return (off + 0.5 * round_about) % round_about - 0.5 * round_about
 
     def ordered(self, axis: str) -> Numbers:
-        """Return what the crew was ordered on an axis [SI], NaN where nothing was."""
+        """Return the order to the crew on an axis [SI] at each tick, NaN without."""
         value, stamp = (self.columns[place] for place in CREW_ORDERS[axis])
         return np.where(stamp != 0.0, value, np.nan)
 
@@ -140,7 +140,7 @@ def row_stretches(rows: RowMask) -> Iterator[tuple[int, int]]:
 
 
 def heaviness(trajectory: Trajectory) -> Numbers:
-    """Return weight less buoyancy [kg], of a boat all under water."""
+    """Return weight less buoyancy [kg], as if the boat were all under water."""
     c = trajectory.boat.vessel
     depth, layers = trajectory.columns["z"], int(c.layers)
     change = -c.g * c.compressibility * (np.maximum(depth, 0.0) - c.reference_depth)
@@ -211,7 +211,7 @@ QUANTITY_FUNCTIONS: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
 
 
 def has_quantity(boat: Boat, quantity: str) -> bool:
-    """Return whether a boat has what a quantity is about."""
+    """Return whether a boat has the part that a quantity belongs to."""
     if quantity == "eye":
         return boat.file.scope is not None
     if quantity == "clearance":

@@ -1,6 +1,6 @@
 """Pages of HTML by Jinja2: every text that is put into one is escaped. A browser prints PDF.
 
-What is HTML already is ``Markup``: pieces made here, and charts made by ``svg``.
+Text of type ``Markup`` is HTML already and is not escaped: pieces made here, charts by ``svg``.
 """
 
 from collections.abc import Iterable, Sequence
@@ -25,7 +25,7 @@ class Cell(NamedTuple):
 
 @cache
 def _environment() -> Environment:
-    """Return where templates are found: all of them escape what they are given."""
+    """Return the templates' environment, which escapes every text."""
     return Environment(
         loader=FileSystemLoader(PAGE_FOLDER / "templates"),
         autoescape=True,
@@ -42,7 +42,7 @@ def fill_page(template: str, style: str, **parts: Any) -> str:
 
 
 def _piece(name: str, *given: Any, **more: Any) -> Markup:
-    """Return what a macro of the pieces makes."""
+    """Return the HTML of a macro of the template of pieces."""
     macros: Any = _environment().get_template("pieces.html").module
     return Markup(getattr(macros, name)(*given, **more))  # noqa: S704  it has been escaped there
 

@@ -62,7 +62,7 @@ def draw_panel(panel: Panel) -> Markup:
 
 
 def legend(curves: tuple[Curve, ...]) -> Markup:
-    """Return what the curves mean, as an HTML paragraph with samples."""
+    """Return the legend of the curves, as an HTML paragraph with samples."""
     key = Markup('<span class="key"><svg viewBox="0 0 36 8" aria-hidden="true">{}</svg>{}</span>')
     samples = Markup().join(
         key.format(Markup(sample), curve.label)  # noqa: S704  made here
@@ -99,7 +99,7 @@ def _axes(panel: Panel, xs: np.ndarray, ys: np.ndarray) -> tuple[Axis, Axis]:
 
 
 def _about(low: float, high: float, span: float) -> tuple[float, float]:
-    """Return the stretch of that span about the middle of another."""
+    """Return the stretch of length ``span`` about the middle of another stretch."""
     middle = 0.5 * (low + high)
     return middle - 0.5 * span, middle + 0.5 * span
 

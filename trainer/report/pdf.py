@@ -82,7 +82,7 @@ def print_pdf(html: Path, pdf: Path) -> None:
 
 
 def _print(browser: str, html: Path, pdf: Path) -> str:
-    """Let the browser print; return the last line of its complaints."""
+    """Print by the browser. Return the last line that it wrote to its error output."""
     confined = hasattr(os, "geteuid") and os.geteuid() != 0  # a browser's sandbox refuses root
     words = [
         browser,

@@ -159,7 +159,7 @@ def figure_of(panels: Sequence[Panel | BarGroup | Screen]) -> "Figure":
 
 
 def _draw_bars(panel: BarGroup, axes: "Axes") -> None:
-    """Draw bars across; what lies at the low and at the high end of a cause differs by hatching."""
+    """Draw bars across. Hatching tells a cause's low end from its high end."""
     for place, bar in enumerate(panel.bars):
         sides = zip(bar.ends, bar.told, CURVE_COLOURS[1:3], ("", "////"), strict=False)
         for end, end_text, colour, hatch in sides:

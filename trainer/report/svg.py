@@ -41,7 +41,7 @@ class Axis:
 
 
 def step_of(span: float, most: int, steps: tuple[float, ...] = ()) -> float:
-    """Return a round step, of ``steps`` if any. It goes into ``span`` at most ``most`` times."""
+    """Return a step that goes into ``span`` at most ``most`` times: of ``steps``, or round."""
     for step in steps:
         if span / step <= most:
             return step
@@ -100,7 +100,7 @@ class CurveLine:
 
 @dataclass(frozen=True)
 class Level:
-    """A limit, or another number to be seen against."""
+    """A limit, or another number that a chart has a line for."""
 
     label: str
     value: float
@@ -226,7 +226,7 @@ def text(style: str, x: float, y: float, words: str) -> str:
 
 
 def _upright(chart: Chart) -> Axis:
-    """Return the axis upwards: all lines, a little room, and the limits that are not far off."""
+    """Return the axis upwards: room for all lines, and for limits that are not far off."""
     values = np.concatenate([line.values[np.isfinite(line.values)] for line in chart.lines])
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     room = 0.4 * max(high - low, chart.least)

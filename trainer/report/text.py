@@ -29,7 +29,7 @@ def format_number(number: float | None, form: str = ".3f") -> str:
 
 
 def cut_text(text: str, width: int) -> str:
-    """Return ``text`` in ``width`` characters of ASCII. It is the end if not all fits."""
+    """Return ``text`` in ``width`` characters of ASCII; its end if not all of it fits."""
     text = ascii_text(text)
     return text if len(text) <= width else "..." + text[3 - width :]
 

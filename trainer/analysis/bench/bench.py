@@ -76,7 +76,7 @@ class BenchMachine:
 
 @dataclass(frozen=True)
 class PacedTicks:
-    """Ticks in real time, recorded, with a console attached; the waiting excluded."""
+    """Ticks in real time, recorded, with a console attached. Waiting for the clock is excluded."""
 
     step_s: float
     ticks: int
@@ -120,10 +120,9 @@ class BenchFigures:
 def bench_boat(file: VesselFile, seconds: int) -> BenchFigures:
     """Return the figures of a boat.
 
-    It takes twice ``seconds`` [s] of real time at each step of 1969.
-
-    For as long it is steered over TCP. ConfigError if the boat cannot fly straight, or loses its
-    numbers at such a step.
+    It takes twice ``seconds`` [s] of real time at each step of 1969, and then steers the boat over
+    TCP for ``seconds``. ConfigError if the boat cannot fly straight, or loses its numbers at such a
+    step.
     """
     ordered = ready_boat(file, BUSY_LOOP_METHODS[0], file.run.step_s)
     twice = (*DUTY_1969, *DUTY_1969, file.run.step_s / TIME_SPEED)  # recorded, and not
@@ -196,7 +195,7 @@ def run_paced(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Pace
 
 
 def samples_up(samples: int, permille: int) -> int:
-    """Return how many of so many samples are not below the percentile."""
+    """Return how many of ``samples`` lie at or above the percentile."""
     return samples - math.ceil(samples * permille / 1000) + 1
 
 

@@ -1,13 +1,9 @@
 """The time from helm to instrument.
 
-An order is typed at one serial line, its effect read at another.
-
-A session of its own process has a helmsman at a serial line, and sends the angle of the rudder by
-NMEA 0183 to another. He orders the rudder the other way at instants that are spread evenly over a
-tick; what is timed is from his first byte to the last of the sentence that shows the rudder on its
-way there.
-
-A terminal or serial line of the bench's own, with a program at its other end.
+A session in a process of its own has a helmsman at one serial line, and sends the rudder angle by
+NMEA 0183 to another. The helmsman orders the rudder to the other side at instants that are spread
+evenly over a tick, because an order waits for the next tick. The time runs from the first byte of
+the order to the last byte of the sentence that shows the rudder on its way.
 """
 
 import contextlib
@@ -45,7 +41,7 @@ MAX_BAR_LENGTH: Final = 40  # [characters] of its bars
 
 
 def begin_session(words: Sequence[str]) -> "subprocess.Popen[str]":
-    """Begin a session in a process of its own, whose words are kept."""
+    """Start a session in a process of its own, and keep what it prints."""
     return subprocess.Popen(  # noqa: S603  our own program
         [*TRAINER_COMMAND, "serve", "--verbose", *words],
         stdin=subprocess.DEVNULL,
@@ -57,7 +53,7 @@ def begin_session(words: Sequence[str]) -> "subprocess.Popen[str]":
 
 @dataclass
 class TerminalLine:
-    """Our end of a line, and the name of the other."""
+    """The bench's end of a serial line, and the name of the other end."""
 
     descriptor: int
     name: str
@@ -68,7 +64,7 @@ class TerminalLine:
         os.write(self.descriptor, f"{words}\r".encode("ascii"))
 
     def hear(self, until: float) -> bool:
-        """Take what comes by ``until`` [s] of the monotonic clock; return whether anything did."""
+        """Read until ``until`` [s] of the monotonic clock. Return whether anything came."""
         wait = max(until - time.monotonic(), 0.0)
         if not select.select([self.descriptor], [], [], wait)[0]:
             return False
@@ -78,7 +74,7 @@ class TerminalLine:
         return False
 
     def find(self, pattern: Pattern[bytes], until: float) -> Match[bytes] | None:
-        """Return the next match, and take it and what is before it. None if none comes in time."""
+        """Return the next match; drop it and all before it. None if none comes in time."""
         while True:
             match = pattern.search(self.said)
             if match:
@@ -90,7 +86,7 @@ class TerminalLine:
 
 @contextlib.contextmanager
 def line() -> Iterator[TerminalLine]:
-    """Yield a line whose other end a program can open; the system must have such."""
+    """Yield a line whose other end a program can open. The system must have pseudo-terminals."""
     import fcntl  # noqa: PLC0415  not everywhere
     import struct  # noqa: PLC0415
     import termios  # noqa: PLC0415
@@ -136,7 +132,7 @@ class InstrumentDelay:
 
 
 def time_helm(file: VesselFile, seconds: float) -> InstrumentDelay:
-    """Return the latency of so many orders a second for ``seconds``; ConfigError if none acts."""
+    """Return the latency of orders given for ``seconds`` [s]; ConfigError if none acts."""
     step = file.run.step_s
     with line() as helm, line() as instrument:
         words = ("serve", "--vessel", str(file.path), "--line", f"helm={helm.name}")
@@ -170,7 +166,7 @@ def time_helm(file: VesselFile, seconds: float) -> InstrumentDelay:
 def time_rudder_orders(
     helm: TerminalLine, instrument: TerminalLine, step: float, orders: int
 ) -> Iterator[int]:
-    """Order the rudder about so often. Yield how long [ns] each order took to be seen."""
+    """Order the rudder from side to side. Yield the time [ns] until each order is seen."""
     angle = next_rudder_angle(instrument, time.monotonic() + START_TIMEOUT_S)
     for number, (words, sense) in zip(range(orders), itertools.cycle(RUDDER_ORDERS), strict=False):
         pause = time.monotonic() + step * phase(number)

@@ -13,7 +13,10 @@ from trainer.session.time.timekeeping import Punctuality
 
 
 def run_idle_loop(seconds: float, step: float) -> Summary:
-    """Return what became of the ticks of an idle loop at every ``step`` [s]."""
+    """Return the account of an idle loop that ticks every ``step`` [s].
+
+    The loop has the session's own pacer and ledger, so that only the boat's work is missing.
+    """
     pacer = Pacer(MonotonicClock(), Ledger(step), 1.0, Policy.CATCH_UP)
     wake = threading.Event()
     pacer.run()
@@ -26,12 +29,12 @@ def run_idle_loop(seconds: float, step: float) -> Summary:
 
 @contextlib.contextmanager
 def busy_thread() -> Iterator[None]:
-    """Keep the interpreter busy by a thread of this process inside the block."""
+    """Run a thread inside the block that competes with the loop for the interpreter."""
     over = threading.Event()
 
     def work() -> None:
         while not over.is_set():
-            sum(range(1000))
+            sum(range(1000))  # short, so that the thread sees the end of the block at once
 
     thread = threading.Thread(target=work)
     thread.start()
@@ -43,7 +46,10 @@ def busy_thread() -> Iterator[None]:
 
 
 def main(seconds: str, step: str, *words: str) -> None:
-    """Print the lateness of a loop as JSON. ``realtime`` and ``busy`` may be among the words."""
+    """Print the lateness of a loop as JSON.
+
+    The word ``realtime`` asks the system for a real-time priority, ``busy`` for a busy thread.
+    """
     busy = busy_thread() if "busy" in words else contextlib.nullcontext()
     punctuality = Punctuality(realtime="realtime" in words)
     with busy:
@@ -53,6 +59,7 @@ def main(seconds: str, step: str, *words: str) -> None:
     print(
         json.dumps(
             {
+                # a system may refuse the priority: the page then says what was granted
                 "granted": punctuality.granted and punctuality.granted.line(),
                 **asdict(summary.lateness),
             }

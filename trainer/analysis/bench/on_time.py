@@ -59,7 +59,7 @@ def busy_processors(count: int) -> Iterator[None]:
 
 
 def sail_in_crowd(file: VesselFile, seconds: float) -> CrowdLateness:
-    """Return what became of the ticks of ``seconds`` [s]; ConfigError if the session failed."""
+    """Return the lateness of a session of ``seconds`` [s]; ConfigError if the session failed."""
     rerun = importlib.util.find_spec("rerun") is not None
     count = os.cpu_count() or 1
     with (
@@ -140,7 +140,7 @@ def count_missed(entry: str) -> int:
 
 @dataclass(frozen=True)
 class LoopLateness:
-    """How late the ticks of a loop began, and what the system had granted it."""
+    """How late the ticks of a loop began, and which priority the system granted."""
 
     granted: str
     lateness: Spread
@@ -177,7 +177,7 @@ def time_ticks(file: VesselFile, seconds: float, minutes: float) -> TickPunctual
 
 
 def measure_loop(seconds: float, *words: str) -> LoopLateness:
-    """Return what became of a loop in a process of its own."""
+    """Return the lateness of a loop in a process of its own."""
     command = [*METRONOME_COMMAND, str(seconds), str(LOOP_STEP_S), *words]
     ran = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
     said: dict[str, Any] = json.loads(ran.stdout)

@@ -55,24 +55,24 @@ class Latency:
 
 @dataclass
 class Callers:
-    """Those who come in at a port."""
+    """The connections that a port accepts."""
 
     hub: Server
     session: Session
     awaited: bool = True
 
     def newcomers(self) -> list[Station]:
-        """Return those that have come since the last call."""
+        """Return the connections that came since the last call."""
         log = self.session.event_log.log
         sending = self.session.sending
         return [Station(line, Access(), sending, log) for line in self.hub.newcomers()]
 
 
 def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Latency:
-    """Return what became of a helmsman's orders in ``seconds`` [s], the session well attended.
+    """Return the delays of a helmsman's orders in ``seconds`` [s], beside attended stations.
 
-    He is a thread of this process: what he costs is in the figures. ConfigError if the boat loses
-    its numbers.
+    The helmsman is a thread of this process, so that the figures contain its cost. ConfigError if
+    the boat loses its numbers.
     """
     period = boat.method.step / TIME_SPEED
     recording, replies = temporary(boat), Histogram()

@@ -18,7 +18,7 @@ from trainer.boat.assemble import Records
 from trainer.boat.export.targets import NATIVE_NAME, PROCESSOR_LEVELS, find_processor
 from trainer.config.files import ConfigError
 
-FLEET_MEMBERS: Final = 17  # a lane of each block and one more
+FLEET_MEMBERS: Final = 17  # a full block of LANE_COUNT boats, and one boat that begins the next
 
 
 CHILD_PROGRAM: Final = """
@@ -40,7 +40,8 @@ class SameBits:
 def in_a_fleet(records: Records, count: int) -> int:
     """Take ``count`` ticks as the last member of a fleet. Return 1 where any member is lost.
 
-    What members do that is not done side by side, such as a sea, is part of it.
+    A fleet flies a member alone where side by side cannot compute it, such as in a sea. The test
+    covers that too.
     """
     vessel, compact, scheme, state, _ = records
     fleet = Fleet(vessel, compact, scheme, np.repeat(state, FLEET_MEMBERS))
@@ -50,7 +51,7 @@ def in_a_fleet(records: Records, count: int) -> int:
 
 
 def in_another_process(environment: dict[str, str], last: int = HOUR_TICKS) -> str:
-    """Return the digest of the hour up to ``last``. Another Python has other settings of numba.
+    """Return the digest of the hour up to ``last``, computed with other numba settings.
 
     ConfigError if it fails.
     """
@@ -67,7 +68,7 @@ def in_another_process(environment: dict[str, str], last: int = HOUR_TICKS) -> s
 
 
 def levels_here() -> list[str]:
-    """Return the levels of processor that this one can stand in for."""
+    """Return the processor levels whose machine code this processor can run."""
     here = set(find_processor(NATIVE_NAME).needs)
     return [level for level, flags in PROCESSOR_LEVELS.items() if here.issuperset(flags)]
 

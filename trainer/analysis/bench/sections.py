@@ -34,7 +34,7 @@ class OmittedSection:
 
 
 def or_left_out(lacking: type[Exception], section: Section) -> Section:
-    """Return a part that is left out, and says why, where ``lacking`` is raised."""
+    """Return a section that becomes an ``OmittedSection`` where ``lacking`` is raised."""
 
     def measure(wanted: BenchRequest) -> Any:
         try:

@@ -49,7 +49,7 @@ class SessionTickCost:
 def session_of(
     boat: Boat, speed: float, recording: Recording | NoRecording, channels: tuple[str, ...]
 ) -> Iterator[Session]:
-    """Yield a session whose stations, one for each channel, are told to nobody."""
+    """Yield a session with one station for each channel, whose lines nobody reads."""
     keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
     publisher = Publisher(Roster(StateReader(boat, keeping.ledger.summary)))
     session = Session(

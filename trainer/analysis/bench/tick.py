@@ -45,7 +45,8 @@ class BatchCost:
 def time_batches(works: Sequence[Callable[[int], object]]) -> list[BatchCost]:
     """Return the cost of one repetition of each of ``works``. Each is called with a count.
 
-    Their batches take turns, so that a change of the machine's pace meets them all.
+    The batches of all works take turns, because the machine's pace may change and must then change
+    for all of them.
     """
     counts = [long_enough(work) for work in works]
     costs = [
@@ -59,9 +60,10 @@ def time_batches(works: Sequence[Callable[[int], object]]) -> list[BatchCost]:
 
 
 def long_enough(work: Callable[[int], object]) -> int:
-    """Return a number of repetitions that takes at least a batch's time, also undisturbed.
+    """Return a number of repetitions that takes at least a batch's time.
 
-    The best of three tells: neither the compiling of a first call nor an interruption counts.
+    The shortest of three times decides, because the first call may compile and another program may
+    interrupt: both only lengthen a time.
     """
     count = 1
     while min(time_repetitions(work, count) for _ in range(3)) < BATCH_NS:
@@ -91,7 +93,7 @@ class UpdateCost:
 
 @dataclass(frozen=True)
 class CasualtyTick:
-    """A tick in the compiled loop. It is in a calm, and with sea, tanks and six casualties."""
+    """A compiled tick: in a calm, and with sea, tanks and six casualties."""
 
     calm: BatchCost
     troubled: BatchCost
@@ -116,11 +118,15 @@ def in_a_loop(records: Records, count: int) -> int:
 
 
 def ready_boat(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
-    """Return a boat under way in trim. Its tick is compiled and the garbage out of the way."""
+    """Return a boat under way in trim, its tick compiled.
+
+    The garbage is collected and frozen, because a collection during a batch would count as ticks.
+    """
     equations, rates, integrator = way
     boat = Boat(file, Method(equations, rates, "exact", integrator, step))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     start = boat.snapshot()
+    # the first calls compile; their one tick of motion is then taken back
     boat.tick()
     height_showing(boat)
     boat.restore(start)
@@ -155,6 +161,8 @@ def time_troubled(file: VesselFile, way: tuple[str, str, str]) -> CasualtyTick:
     boats = [ready_boat(file, way, file.run.step_s) for _ in range(2)]
     troubled = boats[1]
     troubled.put_to_sea(load_sea(SEA_NAME))
+    # ``fitted`` is 1 where the boat has tanks: pumps then work all through, for the order to move
+    # trim water is larger than any tank
     troubled.state.hover = troubled.vessel.fitted
     troubled.state.move_trim = 1e9 * troubled.vessel.fitted
     for name in CASUALTY_KINDS:

@@ -107,7 +107,7 @@ class Effort:
 
 
 class NoBrowserError(ConfigError):
-    """The machine lacks what drives a browser, or the browser; the text says which."""
+    """The machine lacks a browser, or the library that drives it; the text says which."""
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ def able_browser() -> str:
 
 @dataclass
 class WebSession:
-    """A session in a process of its own, its recording, and where its pages are."""
+    """A session in its own process, its recording, and the address of its pages."""
 
     process: "subprocess.Popen[str]"
     recording: Path
@@ -185,7 +185,7 @@ class WebSession:
 
 @contextlib.contextmanager
 def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[WebSession]:
-    """Run a session while the block lasts; then it has its account. ConfigError if it fails."""
+    """Run a session inside the block; its account is there afterwards. ConfigError if it fails."""
     recording = folder / f"{name}.trainer"
     words += ("--vessel", str(file.path), "--record", str(recording))
     words += ("--listen", "none", "--socket", str(folder / f"{name}.sock"))
@@ -223,7 +223,7 @@ def ticks_of(session: WebSession, stations: int) -> WebTicks:
 def attending(url: str) -> Iterator[None]:
     """Keep stations attached at the pages' server inside the block.
 
-    Each reads all that it is sent.
+    Each station reads all that the server sends to it, because a page does.
     """
     with contextlib.ExitStack() as stack:
         readers = []
@@ -251,7 +251,7 @@ def open_page_line(url: str) -> Any:
 
 
 def watch_page(url: str, browser: str, effort: Effort) -> PageDelay:
-    """Return what somebody at the helm's page waits for."""
+    """Return how long somebody at the helm's page waits."""
     from playwright.sync_api import sync_playwright  # noqa: PLC0415  for development
 
     with sync_playwright() as driver, driver.chromium.launch(executable_path=browser) as opened:
@@ -280,13 +280,13 @@ def watch_page(url: str, browser: str, effort: Effort) -> PageDelay:
 
 
 def first_picture(page: "Page", url: str) -> float:
-    """Return how long [ms] it takes from an address to readings."""
+    """Return the time [ms] from opening the address to the first readings."""
     page.goto(url, wait_until="commit")
     return float(page.evaluate(FIRST_PICTURE))
 
 
 def value_at_share(ordered: list[float], share: float) -> float:
-    """Return the value that a ``share`` [-] of them do not exceed; 0 for none."""
+    """Return the value that a ``share`` [-] of values do not exceed; 0 without any."""
     return ordered[min(int(share * len(ordered)), len(ordered) - 1)] if ordered else 0.0
 
 

@@ -130,7 +130,7 @@ def check_hull(hull: Hull) -> Hull:
 
 
 def _hull_problems(hull: Hull) -> Iterator[str]:
-    """Yield that no boat is so slender, and what keeps the mass from being that of this hull."""
+    """Yield why no boat has this shape, and why this hull cannot have the mass."""
     length, place = hull.file.form.length, hull.file.place
     prime = hull.shape.volume / (0.5 * length**3)
     if prime < MASS_PRIME_RANGE[0]:
@@ -148,7 +148,7 @@ def _hull_problems(hull: Hull) -> Iterator[str]:
 
 
 def _part_problems(hull: Hull) -> Iterator[str]:
-    """Yield which panels lie inside the hull, and what keeps the propeller from driving it."""
+    """Yield which panels lie inside the hull, and why the propeller cannot drive the boat."""
     for i, surface in enumerate(hull.file.surfaces):
         place = hull.file.place.inside(f"surfaces[{i}]")
         panel = next(panels_of_surface(surface, hull.shape))
@@ -280,7 +280,7 @@ def _propulsion(made: Estimate) -> dict[str, Any]:
 
 
 def _envelope(made: Estimate) -> dict[str, Any]:
-    """Return what moves the boat beyond the range of its coefficients."""
+    """Return the table of forces beyond the range of the coefficients."""
     hull, s, c = made.hull, made.hull.shape, made.values
     drag = cross_flow_drag(hull) / s.ell**2
     tail = [panel for panel in hull.panels if panel.aft]
@@ -341,7 +341,7 @@ def _run(hull: Hull, step: float) -> dict[str, Any]:
 
 
 def _waves(made: Estimate) -> dict[str, Any]:
-    """Return the strips that waves push on, if the hull floats where its weight is."""
+    """Return the strips for wave forces, none where buoyancy lies off the weight."""
     hull, s = made.hull, made.hull.shape
     if abs(s.centroid - s.x_G) > 0.004 * s.ell:
         return {}
@@ -430,7 +430,7 @@ def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class WrittenBoat:
-    """A boat as it is written, and what there is to say about it."""
+    """The text of a vessel file, and the facts to print about the boat."""
 
     made: Estimate
     text: str

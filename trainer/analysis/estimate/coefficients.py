@@ -2,8 +2,8 @@
 
 [WF] Whicker and Fehlner, DTMB 933 (1958): lift slopes of low aspect ratio. [PNK] Pitts, Nielsen
 and Kaattari, NACA 1307 (1957): interference of wing and body. [DATCOM] section 4.2.1.1. [K] the
-ideal-fluid set of Kirchhoff. [HOERNER] Fluid-Dynamic Drag. What is called own is an arrangement of
-known parts, whose factors are fitted to captive and free-running models: ``constants.toml``.
+ideal-fluid set of Kirchhoff. [HOERNER] Fluid-Dynamic Drag. A formula marked "own" joins known parts
+in a new way; its factors are fitted to captive and free-running models: ``constants.toml``.
 """
 
 import math
@@ -57,7 +57,7 @@ UNFITTED_FACTORS: Final = {  # those not fitted, which a draw varies as well
 
 @dataclass(frozen=True)
 class Hull:
-    """A hull ready to be estimated: what does not depend on the constants."""
+    """The numbers of a hull that do not depend on the constants of the method."""
 
     file: HullFile
     shape: Shape
@@ -75,7 +75,7 @@ class Hull:
 
 
 def hull_of(file: HullFile) -> Hull:
-    """Return a hull ready to be estimated."""
+    """Return the numbers of a hull from which ``coefficients`` estimates."""
     shape = shape_of(file)
     panels = (panel for each in file.surfaces for panel in panels_of_surface(each, shape))
     return Hull(file, shape, tuple(panels))
@@ -371,7 +371,7 @@ class Strips:
     fins: list[tuple[float, float]]  # area times drag, and place
 
     def pushed(self, v: float, r: float) -> tuple[float, float]:
-        """Return force and moment [-] of a speed across and a turn."""
+        """Return force and moment [-] of drag at a speed across and a turn rate."""
         across = v + self.X * r
         load = -self.C * self.width * across * np.abs(across)
         force, moment = integral(load, self.along), integral(load * self.X, self.along)
@@ -459,7 +459,7 @@ def propulsion(hull: Hull, drag: float) -> CoefficientValues:
 
 
 def coefficients(hull: Hull, constants: FittedConstants) -> CoefficientValues:
-    """Return all 131 coefficients of a hull, those of no formula zero."""
+    """Return all 131 coefficients of a hull; one without a formula is zero."""
     factors = UNFITTED_FACTORS | dict(constants)
     drag = factors["resistance"] * resistance(hull)
     bare = bare_masses(hull, factors["added_mass"])

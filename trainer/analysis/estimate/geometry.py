@@ -242,21 +242,21 @@ class Panel:
 
     @property
     def arm(self) -> float:
-        """Return how far [m] the load's centre is out, seen in roll."""
+        """Return the lever arm [m] of the panel's load about the roll axis."""
         return self.root + self.span * self.load + self.axis_up * self.normal[0]
 
     @property
     def load(self) -> float:
-        """Return how far out [-] of the span the load's centre is."""
+        """Return the share [-] of the span at which the load's centre lies."""
         taper = self.chords[1] / self.chords[0]
         return (1.0 + 2.0 * taper) / (3.0 * (1.0 + taper))
 
     def place(self, of_chord: float) -> float:
-        """Return how far [m] ahead of the CG a share of the chord is."""
+        """Return how far [m] ahead of the CG a share of the chord lies."""
         return self.x_G - self.station(of_chord)
 
     def station(self, of_chord: float) -> float:
-        """Return that place [m] aft of the nose."""
+        """Return the distance [m] aft of the nose of the same point."""
         at = [le + of_chord * c for le, c in zip(self.leading, self.chords, strict=True)]
         return at[0] + self.load * (at[1] - at[0])
 

@@ -49,7 +49,7 @@ MASS_SLACK: Final = 0.02  # of the mass against the displaced
 
 @dataclass(frozen=True)
 class EstimateBand:
-    """One figure: its estimate, and where draws of it lie."""
+    """One figure: its estimate, and the bands of 68 % and 95 % of draws."""
 
     name: str
     unit: str
@@ -106,7 +106,7 @@ def turns_of(written: WrittenBoat, draws: int) -> int:
 def survey_boat(written: WrittenBoat, draws: int, heard: Callable[[int], object]) -> Survey:
     """Return what there is to say about a boat, with ``draws`` of its coefficients.
 
-    ``heard`` is told how many turns have been flown since it was told last.
+    ``heard`` is called with the number of turns flown since its last call.
     """
     file, hull = written.file, written.made.hull
     numbers = range(1, draws + 1)
@@ -184,7 +184,7 @@ def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
 
 
 def _band(name: str, unit: str, value: float | None, drawn: Sequence[float | None]) -> EstimateBand:
-    """Return a figure with the bands of draws of it."""
+    """Return a figure with the bands of its draws."""
     values = np.array([each for each in drawn if each is not None and math.isfinite(each)])
     bands: dict[str, tuple[float, float] | None] = dict.fromkeys(BAND_PERCENTILES)
     if len(values) > 1:
@@ -206,7 +206,7 @@ class HullInput:
 
 
 def inputs_of(file: HullFile) -> list[HullInput]:
-    """Return the numbers of a hull, those in use that the file leaves out too."""
+    """Return the numbers of a hull, with defaults for those that its file lacks."""
     hull = hull_of(file)
     used = {
         ("mass", "mass"): mass_of(hull),
@@ -362,7 +362,7 @@ def warnings(written: WrittenBoat, critical: Mapping[str, float | None]) -> Iter
 
 
 def _unit_warnings(file: HullFile) -> Iterator[str]:
-    """Yield what looks like another unit."""
+    """Yield the numbers whose size suggests another unit."""
     design, length = file.speed.design_kn, file.form.length
     froude = design * KNOT / math.sqrt(9.81 * length)
     if froude > 1.5:

@@ -1,8 +1,8 @@
 """How far each coefficient may be trusted, and draws of whole sets.
 
 A draw varies the constants of the method first, by the covariance of their fit, then each
-coefficient by the rest of its standard deviation. Drawn one by one the same deviations would make
-boats that nobody built: N_v, N_r and Y_v move together.
+coefficient by the rest of its standard deviation. The constants come first because they
+move coefficients together, such as N_v, N_r and Y_v: independent draws would make impossible boats.
 """
 
 import math
@@ -65,7 +65,7 @@ def fitted_constants() -> dict[str, float]:
 
 
 def range_warnings(hull: Hull) -> tuple[str, ...]:
-    """Return in what a hull is outside the range of the method, in words."""
+    """Return in words where a hull is outside the range of the method."""
     s = hull.shape
     ratios = {
         "L/D": s.length / s.diameter,
@@ -120,7 +120,7 @@ def coefficient_origins() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Estimate:
-    """The coefficients of a hull with all that draws of them need."""
+    """The coefficients of a hull, with the deviations from which sets are drawn."""
 
     hull: Hull
     mass: float  # [kg]
@@ -142,7 +142,7 @@ class Estimate:
 
     @cached_property
     def root(self) -> Numbers:
-        """Return the matrix that makes normal deviates those of the constants' logarithms."""
+        """Return the matrix from normal deviates to those of the constants' logarithms."""
         fit, whole = len(self.constants), np.zeros((len(self.names), len(self.names)))
         whole[:fit, :fit] = self.covariance
         for i, name in enumerate(self.names[fit:], start=fit):
@@ -151,7 +151,7 @@ class Estimate:
 
     @cached_property
     def by_constants(self) -> CoefficientValues:
-        """Return the deviation of each coefficient that the constants make [-]."""
+        """Return the part [-] of each coefficient's deviation that comes from the constants."""
         change = np.array(
             [list(self._changed(row).values()) for row in CONSTANT_NUDGE * np.eye(len(self.names))]
         )
@@ -209,7 +209,7 @@ class JointCoefficients:
 
     @cached_property
     def root(self) -> Numbers:
-        """Return the matrix that makes normal deviates those of the coefficients."""
+        """Return the matrix that turns normal deviates into deviations of the coefficients."""
         return root_of(self.covariance)
 
     def draw(self, number: int) -> CoefficientValues:
@@ -225,7 +225,7 @@ class JointCoefficients:
 
 
 def root_of(covariance: Numbers) -> Numbers:
-    """Return the symmetric root of a covariance; what is below nothing by rounding is nothing."""
+    """Return the symmetric root of a covariance; eigenvalues negative by rounding count as 0."""
     values, vectors = np.linalg.eigh(covariance)
     return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
 
@@ -271,7 +271,7 @@ def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
 
 
 def filed_joint(table: Mapping[str, Any], place: Place) -> JointCoefficients:
-    """Return what the file of a fitted ship says of its coefficients together.
+    """Return the fitted coefficients of a ship's file, with their covariance.
 
     ``table`` holds its tables. ConfigError if it has no covariance, or one that is damaged.
     """

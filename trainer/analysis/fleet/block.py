@@ -27,7 +27,7 @@ FIXED_STATE: Final = {"depth_law": float(OWN_LAW)}  # of the state
 
 @kernel
 def supports_scheme(scheme: Record) -> bool:
-    """Return whether the scheme computes boats as it is done here."""
+    """Return whether lanes can compute the scheme: compact, lagged, two-term Adams."""
     how = scheme[0]
     lagged_compact = how.equations == COMPACT_SET and how.exact == 0
     two_terms = how.method == ADAMS and how.depth == ADAMS_TERMS
@@ -36,7 +36,7 @@ def supports_scheme(scheme: Record) -> bool:
 
 @kernel
 def tanks_rest(vessel: Record, state: Record) -> bool:
-    """Return whether no water and no air can move."""
+    """Return whether no water and no air can move in the tanks."""
     c = vessel[0]
     s = state[0]
     if c.fitted == 0.0:
@@ -144,9 +144,9 @@ def new_block() -> Numbers:
 def bracket_gains(lane: int, out: Numbers) -> None:
     """Write the gains between which those of a lane are interpolated at its speed.
 
-    Without a schedule they are zeros. ``autopilot.scheduled_gains`` looks them up at every tick;
-    here they stay until the boat leaves the bracket, that is speeds above BRACKET_BELOW up to
-    BRACKET_TOP.
+    Without a schedule they are zeros. ``autopilot.scheduled_gains`` looks them up at every tick. A
+    lane keeps them until the boat leaves the bracket, which holds the speeds above BRACKET_BELOW up
+    to BRACKET_TOP.
     """
     u = state_in(out, lane)[0].u
     c = vessel_in(out, lane)[0]

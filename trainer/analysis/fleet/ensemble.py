@@ -1,10 +1,10 @@
 """Many boats in one call: every member of a fleet flown from start to end.
 
-A member is the boat of ``update`` and ends in its bits. What is alike in all members is given once:
-an array of one row or one record stands for all of them. Where the compiler is one on which the
+A member is the boat of ``update`` and ends in the same bits. An array of one row, or one record,
+stands for all members, where they are alike. Where the compiler is one on which the
 vector code was tested, members fly side by side; else they fly one after another, to the same bits.
-Only those whose trim is by hand (``trim_by_hand`` 1) fly side by side: pumps at work are not
-computed for many.
+Only members whose trim is by hand (``trim_by_hand`` 1) fly side by side, because lanes do not
+compute pumps at work.
 """
 
 from typing import NamedTuple

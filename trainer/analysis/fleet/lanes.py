@@ -215,7 +215,8 @@ def a_view(name: str, layout: np.dtype[Any], first: int, known: FixedFields) -> 
 def every_lane() -> Any:
     """Return the lanes of a block, to loop over.
 
-    A loop whose length is known at once would be unrolled before it could become vector code.
+    A call gives the length, because the compiler would unroll a loop whose length it knows at once,
+    before the loop could become vector code.
     """
     return range(LANE_COUNT)
 

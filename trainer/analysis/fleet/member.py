@@ -65,7 +65,7 @@ def write_track_row(out: FlightTrack, member: int, row: int, state: Record) -> N
 
 @kernel
 def clear_track_rows(out: FlightTrack, member: int, start: int, end: int) -> None:
-    """Write that from tick ``start`` to ``end`` there is nothing to tell."""
+    """Write NaN to the rows from tick ``start`` to ``end``."""
     for row in range(start // out.every + 1, end // out.every + 1):
         for i in range(out.places.size):
             out.rows[member, row, i] = np.nan

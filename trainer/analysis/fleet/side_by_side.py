@@ -1,7 +1,8 @@
 """Members of a fleet side by side, LANE_COUNT of them at a time.
 
-They fly from one order of theirs to the next. A member that is not ordinary, or strays, flies that
-stretch alone. So does one whose centres lie off the middle, or that has products of inertia.
+They fly in stretches, each from one order to the next. A member that lanes cannot compute, or that
+strays, flies that stretch alone. So does one whose centres lie off the middle, or that has products
+of inertia.
 """
 
 from typing import NamedTuple

@@ -1,8 +1,8 @@
 """A tick of boats side by side: one boat's kernels, for every lane.
 
-Only an ``ordinary`` boat moves here. One that comes up from the deep, or loses its numbers, strays:
-its lane goes on with numbers that mean nothing. The kernel that flies the block then flies that
-member again by ``update``, whose bits are otherwise those of a lane.
+Only a boat that ``supports_boat`` passes moves here. One that comes up from the deep, or loses its
+numbers, strays: its lane goes on with numbers that mean nothing. The kernel that flies the block
+then flies that member again by ``update``, whose bits are otherwise those of a lane.
 """
 
 from trainer.analysis.fleet.block import (
@@ -64,7 +64,7 @@ def _no_waves(
 
 @inlined
 def _in_a_calm(_state: Record, _surface: int, law: float) -> float:
-    """Return a law [rad] as it is."""
+    """Return a law [rad] unchanged, because there are no waves."""
     return law
 
 
@@ -110,7 +110,7 @@ def _sine(x: float) -> float:
 
 @inlined
 def _cosine(x: float) -> float:
-    """Return cos x [-], likewise."""
+    """Return cos x [-] by both series, for the same reason."""
     return _both(x)[0]
 
 

@@ -42,7 +42,7 @@ NAMED_LIBRARIES: Final = ("numpy", "numba")
 
 @dataclass(frozen=True)
 class LegSheet:
-    """One leg, judged."""
+    """One leg with the judgements of both reduced sets."""
 
     title: str
     manoeuvre: str
@@ -95,7 +95,7 @@ class Guide:
 
 @dataclass(frozen=True)
 class GuideContents:
-    """A guide, with the flights that it plots."""
+    """A guide, and the flights of its charts."""
 
     file: VesselFile
     guide: Guide

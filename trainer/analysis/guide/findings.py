@@ -1,10 +1,10 @@
 """The findings of the 1969 study, flown again on this boat; the step-size study first.
 
-Each finding is taken as it is in the model document; where it does not hold here, the figures of
-this hull say why.
+Each finding is worded as in the model document. Where it does not hold here, the figures of this
+hull say why.
 
-The manoeuvres of the step-size study have no events, which a step would delay, and controls act at
-once.
+The manoeuvres of the step-size study have no events, because a longer step would delay an event and
+that delay would count as an error. Controls act at once for the same reason.
 """
 
 from collections.abc import Iterator
@@ -97,7 +97,7 @@ def cases(file: VesselFile) -> dict[str, tuple[Manoeuvre, float]]:
 
 
 def standard_flight(file: VesselFile, manoeuvre: Manoeuvre, speed: float) -> Task:
-    """Return the flight that is taken as true."""
+    """Return the flight that others are compared with: the finest step."""
     fine = Method("full", "exact", "exact", "rk4", FINE_STEP_SHARE * file.run.step_s)
     return Task(manoeuvre, speed, fine, INSTANT_RIG)
 
@@ -105,7 +105,7 @@ def standard_flight(file: VesselFile, manoeuvre: Manoeuvre, speed: float) -> Tas
 def fly_schemes(
     file: VesselFile, manoeuvre: Manoeuvre, speed: float
 ) -> Iterator[tuple[tuple[str, str, str], float, Task]]:
-    """Yield scheme, step [s] and flight of all that is tried."""
+    """Yield every scheme and step [s] of the study, each with its flight."""
     for scheme in STUDIED_SCHEMES:
         for share in STEP_SHARES:
             step = share * file.run.step_s
@@ -144,8 +144,8 @@ def step_study(file: VesselFile, flown: FlightTable) -> tuple[StepRun, ...]:
 def worst_error(true: Flight, other: Flight | str) -> tuple[float | None, str]:
     """Return the worst error [%] of any column's extremes and end, and which; None: lost.
 
-    Of as much as the column changes. Phase is not judged: Adams answers to a step of a control as
-    if it had come half a cycle earlier.
+    The error is a share of the column's own change. Phase is not judged, because Adams answers a
+    step of a control as if it had come half a cycle earlier.
     """
     if isinstance(other, str) or other.lost:
         return None, ""
@@ -170,7 +170,7 @@ def _ends(flight: Flight, name: str) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding of 1969, and what this boat has to say to it."""
+    """One finding of 1969, and whether it holds for this boat."""
 
     title: str
     claim: str  # of 1969
@@ -181,7 +181,7 @@ class Finding:
 
 
 def _standard(file: VesselFile) -> Method:
-    """Return the method that is taken as true."""
+    """Return the reference method: the full set by Runge and Kutta, at the boat's own step."""
     return Method("full", "exact", "exact", "rk4", file.run.step_s)
 
 
@@ -368,7 +368,7 @@ def nonlinear_terms(file: VesselFile, flown: FlightTable) -> Finding:
 
 
 def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
-    """Yield what 1969 said about integrators and steps, in this boat's own steps."""
+    """Yield the findings of 1969 on integrators and steps, in this boat's own steps."""
     own_step = file.run.step_s
     euler, adams = _worst(steps, "Euler", 2.0 * own_step), _worst(steps, "Adams 2", own_step)
     yield Finding(

@@ -1,4 +1,4 @@
-"""The moves of a guide since an earlier one."""
+"""The changes of a guide since an earlier one."""
 
 import json
 import re
@@ -64,7 +64,7 @@ def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
 
 
 def leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]]:
-    """Yield every number and verdict of a guide with what it is called."""
+    """Yield every number and verdict of a guide with its name."""
     for sheet in guide["sheets"]:
         for equations, rows in sheet["judgements"].items():
             for row in rows:
@@ -107,7 +107,7 @@ def _same(before: float | str | None, after: float | str | None) -> bool:
 
 
 def _size(one: GuideMove) -> float:
-    """Return how much an entry counts: verdicts first, then by relative change."""
+    """Return the sort key of a change: verdicts first, then by relative change."""
     if isinstance(one.before, str) or isinstance(one.after, str):
         return float("inf")
     return abs(one.percent) if one.percent is not None else 1e9

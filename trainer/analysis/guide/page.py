@@ -52,8 +52,8 @@ COLUMN_NAMES: Final = {
     "delta_s": "stern planes",
     "delta_b": "bow planes",
 }
-MAX_MOVES_SHOWN = 300
-MIN_SHOWN_PERCENT = 0.05  # [%] shown
+MAX_MOVES_SHOWN = 300  # rows of the table of changes
+MIN_SHOWN_PERCENT = 0.05  # [%] a smaller effect is 0.0 in the one decimal that is shown
 CHAPTER_TITLES: Final = {
     "overview": "Overview",
     "findings": "What was found in 1969",
@@ -109,7 +109,7 @@ def overview(guide: Guide) -> Markup:
 
 
 def since_baseline(found: tuple[GuideMove, ...]) -> Markup:
-    """Return what moved since the baseline."""
+    """Return the chapter of numbers and verdicts that changed since the baseline."""
     if not found:
         return section("moved", "Since the baseline", paragraph("Nothing moved."))
     rows = [
@@ -127,7 +127,7 @@ def since_baseline(found: tuple[GuideMove, ...]) -> Markup:
 
 
 def findings(guide: Guide) -> Markup:
-    """Return what 1969 found, and what this hull says to it."""
+    """Return the chapter of the findings of 1969, each with its verdict on this hull."""
     parts = []
     for one in guide.findings:
         style = "good" if one.verdict == "holds" else "bad" if "not" in one.verdict else "soft"
@@ -144,8 +144,8 @@ def findings(guide: Guide) -> Markup:
 
 
 def drops(guide: Guide) -> Markup:
-    """Return what each dropped coefficient does."""
-    columns = list(guide.drops[-1].percent)
+    """Return the table of the effects of each dropped coefficient."""
+    columns = list(guide.drops[-1].percent)  # the last row is all of them together: always there
     heads = ("coefficient", "value", *(f"{name} [%]" for name in columns))
     rows = [
         (
@@ -181,6 +181,7 @@ def steps(guide: Guide) -> Markup:
             for run in guide.steps
             if (run.case, run.scheme, run.rates) == (case, scheme, rates)
         }
+        # a case has a row for each scheme; its name stands in the first of them alone
         cells: list[str | Cell] = ["" if case == last else case, f"{scheme}, {rates}"]
         last = case
         for size in sizes:
@@ -250,7 +251,7 @@ def _waves(one: WaveComparison) -> Markup:
 
 
 def _beside(ours: float | None, value: float | None) -> list[str]:
-    """Return a published value, the difference of ours to it, and that in percent."""
+    """Return a published value, our difference from it, and that difference in percent."""
     if value is None:
         return ["-", "", ""]
     if ours is None:
@@ -299,7 +300,10 @@ def manoeuvres(book: GuideContents) -> Iterator[Markup]:
 
 
 def _leg(book: GuideContents, leg: Leg, sheet: LegSheet) -> Markup:
-    """Return one manoeuvre: what was ordered, charts and numbers."""
+    """Return one manoeuvre: what was ordered, charts and numbers.
+
+    The first line of a manoeuvre's docstring is its description on the page.
+    """
     wanted = {each: book.flown[leg.task(book.file, each)] for each in SET_METHODS}
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
     parameters = format_parameters(sheet.parameters)
@@ -342,16 +346,13 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
     told_difference = ""
     if difference is not None and one.full:
         told_difference = f"{100.0 * difference / abs(one.full):+.1f} %"
-        if one.unit == "s":
+        if one.unit == "s":  # as the tolerance of zero crossings is given
             told_difference = f"{difference:+.1f} s"
     return [figure(one.other, one.unit), told_difference, _verdict(one.verdict)]
 
 
-# The page
-
-
 def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
-    """Return the page; ``moves`` is what moved since a baseline, None without one."""
+    """Return the page; ``moves`` are the changes since a baseline, None without one."""
     guide = book.guide
     names = dict(CHAPTER_TITLES)
     if moves is not None:
@@ -387,7 +388,7 @@ def _panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, 
         curves = []
         for label, flight in flights.items():
             factor, _ = page_unit(name)
-            if name == TRACK_TITLE:
+            if name == TRACK_TITLE:  # as on a chart: north (x) up, east (y) to the right
                 curves.append(Curve(label, flight.column("y"), flight.column("x")))
                 continue
             values = flight.change(name) if name == "z" else flight.column(name)

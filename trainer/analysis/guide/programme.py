@@ -26,7 +26,7 @@ from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
 OWN_RIG: Final = Rig()
-LONE_PROCESS_S: Final = 4.0  # [s]
+LONE_PROCESS_S: Final = 4.0  # [s] about as long as it takes to start other processes
 CHUNK_FLIGHTS: Final = 6  # flights handed to a process at once
 SET_METHODS: Final = {  # equation set: accelerations, integrator
     "full": ("exact", "rk4"),
@@ -49,7 +49,7 @@ SHALLOW_DEPTH_DIAMETERS: Final = (
 LOAD_SHARES: Final = (0.002, -0.002)  # [-] of the weight, out of balance
 EXECUTE_ANGLES_DEG: Final = (5.0, 20.0)  # [deg] of the overshoots
 RUDDER_ANGLES_DEG: Final = (15.0, 35.0)  # [deg] of the turns
-SPEED_GRID_KN: Final = 0.5  # [kn]
+SPEED_GRID_KN: Final = 0.5  # [kn] between the speeds among which the best damped is sought
 OFFSETS_1969, EXECUTES_1969 = (10.0, 20.0), (4.0, 8.0, 12.0, 16.0)  # [deg] of the overshoots
 RUDDERS_1969: Final = (15.0, 25.0, 35.0)  # [deg]
 RUDDER_PLACEHOLDER: Final = "rudder"  # stands for its angle until the boat's limit is known
@@ -57,7 +57,7 @@ RUDDER_PLACEHOLDER: Final = "rudder"  # stands for its angle until the boat's li
 
 @dataclass(frozen=True)
 class Task:
-    """One flight to be flown."""
+    """A flight to fly: manoeuvre, speed and method. It is the key of its flight."""
 
     manoeuvre: Manoeuvre
     speed: float  # [m/s]
@@ -105,8 +105,8 @@ def fly_task(path: Path, task: Task) -> Flight | str:
 def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]) -> FlightTable:
     """Return the flights of all ``tasks`` by the boat of a file. ``step`` is called after each.
 
-    Other processors are called in for what this one has not done in LONE_PROCESS_S, which is about
-    what starting them takes; they load the machine code that is there by then.
+    This process flies alone for LONE_PROCESS_S, because starting others takes about as long. Others
+    then fly the rest, and load the machine code that this one has compiled by then.
     """
     wanted = list(dict.fromkeys(tasks))
     flown_tasks: FlightTable = {}
@@ -181,9 +181,9 @@ def guide_legs(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
 def legs_of_1969(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
     """Return the programme that was flown for the report, as ``guide_legs`` has the guide's.
 
-    At five speeds: 40 overshoots by two angles until four pitches, 15 turns by three rudders,
-    meanders and trims; both accelerations, and a pulse of planes and rudder. Speeds are fifths of
-    the boat's top speed, where 1969 had 5 to 25 kn.
+    Five speeds each have overshoots by two angles until four pitches (40 in all), turns by three
+    rudders (15), meanders and trims. Both accelerations, and a pulse of planes and of rudder, are
+    flown once. Speeds are fifths of the boat's top speed, where 1969 had 5 to 25 kn.
     """
     boat = _boat_at(file, depth)
     bare_legs = _legs_of_1969(file)
@@ -199,7 +199,7 @@ def _boat_at(file: VesselFile, depth: float | None) -> Submarine:
 
 
 def _manned(boat: Submarine, wanted: Iterable[Leg]) -> tuple[Leg, ...]:
-    """Return the legs that the boat has the controls for, by angles that these go to."""
+    """Return the legs that the boat has controls for, each angle within the control's limit."""
     manned = [
         replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
         for leg in wanted

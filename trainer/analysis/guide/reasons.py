@@ -39,7 +39,11 @@ class DropEffect:
 
 
 def list_dropped(file: VesselFile) -> tuple[str, ...]:
-    """Return the coefficients of this boat that its modified set drops."""
+    """Return the coefficients of this boat that its modified set drops.
+
+    A term outside the set is dropped, and so is one whose factor is 0: ``trainer reduce`` drops a
+    term of 1969 so, because the kernel has a place for it in any case.
+    """
     extra_terms = file.compact.extra_terms
     factors = file.compensation["modified"]
     return tuple(
@@ -51,13 +55,16 @@ def list_dropped(file: VesselFile) -> tuple[str, ...]:
 
 
 def _task(file: VesselFile, name: str, zeroed: tuple[str, ...]) -> Task:
-    """Return the flight of one manoeuvre by the full set, at the boat's start speed."""
+    """Return the flight of one manoeuvre by the full set, at the boat's start speed.
+
+    The full set flies, because it alone has the terms that the others drop.
+    """
     method = Method("full", "exact", "exact", "rk4", file.run.step_s)
     return Task(find_manoeuvre(name), file.run.start_speed_kn * KNOT, method, zeroed=zeroed)
 
 
 def drop_tasks(file: VesselFile) -> Iterator[Task]:
-    """Yield the flights that tell what the dropped coefficients do."""
+    """Yield the flights without each dropped coefficient, and without all of them."""
     yield from tasks_without(file, list_dropped(file), JUDGED_MEASURES)
     for name in JUDGED_MEASURES:
         yield _task(file, name, list_dropped(file))
@@ -66,7 +73,7 @@ def drop_tasks(file: VesselFile) -> Iterator[Task]:
 def tasks_without(
     file: VesselFile, coefficients: Sequence[str], look: MeasureNames
 ) -> Iterator[Task]:
-    """Yield the flights with all coefficients, and without each of some."""
+    """Yield the flights with all coefficients, and without each of ``coefficients``."""
     for name in look:
         yield _task(file, name, ())
         for coefficient in coefficients:
@@ -74,7 +81,7 @@ def tasks_without(
 
 
 def _figures(look: MeasureNames, name: str, flight: Flight | str) -> dict[str, float | None]:
-    """Return the measures looked at, by manoeuvre and name."""
+    """Return the measures in ``look`` of one flight by name; none of a flight that failed."""
     if isinstance(flight, str):
         return {}
     values = {one.name: one.value for one in find_manoeuvre(name).measures(flight)}
@@ -90,7 +97,7 @@ def drop_study(file: VesselFile, flown: FlightTable) -> tuple[DropEffect, ...]:
 def drop_effects(
     file: VesselFile, flown: FlightTable, coefficients: Sequence[str], look: MeasureNames
 ) -> tuple[DropEffect, ...]:
-    """Return what each of some coefficients does, the largest effect first, small ones not."""
+    """Return the effects of single coefficients, the largest first; small ones are left out."""
     alone = [_drop(file, flown, (coefficient,), look) for coefficient in coefficients]
     alone = [drop for drop in alone if drop.worst >= MIN_EFFECT_PERCENT]
     return tuple(sorted(alone, key=lambda drop: -drop.worst))
@@ -99,7 +106,10 @@ def drop_effects(
 def _drop(
     file: VesselFile, flown: FlightTable, zeroed: tuple[str, ...], look: MeasureNames
 ) -> DropEffect:
-    """Return what putting coefficients to zero changes [%]."""
+    """Return what putting coefficients to zero changes [%].
+
+    A measure that one of the flights lacks has no percent, nor has one that is 0 in either.
+    """
     percent: dict[str, float | None] = {}
     for name in look:
         before = _figures(look, name, flown[_task(file, name, ())])

@@ -21,7 +21,7 @@ def verdicts_of(sheet: LegSheet) -> Iterator[tuple[str, str]]:
 
 
 def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
-    """Return the guide in short; ``moves`` is what moved since a baseline, None without one."""
+    """Return the guide in short; ``moves`` are the changes since a baseline, None without one."""
     heads = ("", "modified", "beyond", "basic", "beyond")
     lines = [ascii_text(f"QUALIFICATION TEST GUIDE: {guide.vessel}"), ""]
     rows = [(cut_text(sheet.title, 40), *chain(*verdicts_of(sheet))) for sheet in guide.sheets]
@@ -44,7 +44,7 @@ def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
 
 
 def _moves(moves: tuple[GuideMove, ...]) -> list[str]:
-    """Return what moved, the most first."""
+    """Return the changes as lines, the largest first."""
     if not moves:
         return ["Nothing moved since the baseline."]
     lines = [f"MOVED SINCE THE BASELINE: {len(moves)}"]

@@ -52,7 +52,7 @@ def passes_all(verdicts: Sequence[bool | None]) -> bool:
 def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement, ...]:
     """Return every measure and change of change of ``other`` against ``full``.
 
-    Where the full set itself is lost, beyond what its equations are good for, nothing is judged.
+    Nothing is judged where the full set itself is lost, because its equations do not hold there.
     """
     judgements = (*_pair_measures(manoeuvre, full, other), *_changes(manoeuvre, full, other))
     if not full.lost:
@@ -61,7 +61,7 @@ def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement,
 
 
 def _pair_measures(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
-    """Yield the measures; what only one flight has is beyond, unless it may be nothing."""
+    """Yield the measures. One that a flight lacks is beyond tolerance, unless 0 would be within."""
     if full.lost or other.lost:
         verdict = BEYOND_TOLERANCE if other.lost else NOT_JUDGED
         ends = float(full.t[-1]), float(other.t[-1])
@@ -76,7 +76,7 @@ def _pair_measures(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterato
 def judge_measure(one: Measure, other: Measure | None) -> Judgement:
     """Return a full set's measure judged by that of another flight. None: it has none.
 
-    A peak or an end that the other lacks counts as zero, which is within if so much is allowed.
+    A peak or an end that the other flight lacks counts as 0, and passes if the tolerance allows 0.
     """
     value = None if other is None else other.value
     if one.value is None or one.allowed is None:

@@ -27,7 +27,11 @@ WATCHED_LENGTHS: Final = 12.0  # [lengths run] that are watched once the planes 
 
 
 def readings(flight: Flight, begin: float, columns: dict[str, str]) -> list[Measure]:
-    """Return the change of columns at each sixth from ``begin`` [s], by name with unit."""
+    """Return the change of columns at each sixth from ``begin`` [s], by name with unit.
+
+    All readings of a column share the tolerance of its largest change, because one near zero would
+    else allow no difference at all.
+    """
     end = float(flight.t[-1])
     measures = []
     for name, unit in columns.items():
@@ -44,7 +48,7 @@ class LoadableVehicle(Protocol):
     """A vehicle that weight can be put on."""
 
     def load(self, share: float) -> None:
-        """Take a ``share_measure`` [-] of its weight on, or lose it."""
+        """Take on a ``share`` [-] of its weight, or lose it where that is negative."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class OutOfBalance(Manoeuvre):
             conn.vehicle.keep(quantity)
         yield from conn.hold(LEAD_TIME_S)
         speed = conn.value("u")
-        if isinstance(conn.vehicle, LoadableVehicle):
+        if isinstance(conn.vehicle, LoadableVehicle):  # a Nomoto ship has no weight
             conn.vehicle.load(self.share)
         conn.mark("weight")
         yield from conn.hold(self.run_lengths * conn.vehicle.length / speed)
@@ -95,6 +99,8 @@ class PlaneJam(Manoeuvre):
         yield from conn.hold(self.jammed_lengths * length / speed)
         conn.order("planes", -sign * surface_limit(conn.vehicle, "planes"))
         conn.mark("free")
+        # the other way and hard over brings the pitch back; where it does not in time the boat is
+        # not ordered back to depth, and has no time to level
         level = yield from conn.until(Watch("theta", 0.0, -sign), WATCHED_LENGTHS * length / speed)
         if not level:
             return

@@ -86,7 +86,7 @@ def find_manoeuvre(name: str) -> Manoeuvre:
 def manoeuvre_parameters(manoeuvre: Manoeuvre) -> ParameterValues:
     """Return a manoeuvre's parameters by the names of PARAMETERS, in [deg], [s] and [kn].
 
-    What is left to the vehicle, such as full ahead, is not among them.
+    A parameter that is left to the vehicle, such as full ahead, is not among them.
     """
     return {
         name: getattr(manoeuvre, field)
@@ -104,7 +104,7 @@ def format_parameters(given: Mapping[str, float | str]) -> str:
 
 
 def within_limits(manoeuvre: Manoeuvre, vehicle: Vehicle) -> Manoeuvre:
-    """Return the manoeuvre with an angle that the vehicle's control can go to."""
+    """Return the manoeuvre, its angle reduced to the limit of the vehicle's control."""
     angle = getattr(manoeuvre, "angle_deg", None)
     if angle is None or not manoeuvre.needs or manoeuvre.needs[0] not in vehicle.controls:
         return manoeuvre
@@ -132,7 +132,7 @@ def parameter_option(parameter: str, value: object = "") -> str:
 
 
 def _no_parameter(name: str, parameter: str, value: object) -> str:
-    """Return what a manoeuvre has instead of a parameter, and which manoeuvres have that."""
+    """Return the parameters that a manoeuvre has, and which manoeuvres have the one asked for."""
     manoeuvre = find_manoeuvre(name)
     words = {"direction": "rise or dive"}
     keys = (key for key, field in PARAMETERS.items() if hasattr(manoeuvre, field))
@@ -147,7 +147,7 @@ def _no_parameter(name: str, parameter: str, value: object) -> str:
 
 
 def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, float | str]) -> None:
-    """Check that the vehicle can do what is given; ConfigError if it cannot."""
+    """Check that the vehicle can fly these parameters; ConfigError if it cannot."""
     first = manoeuvre.needs[:1]
     for parameter, controls in (("angle", first), ("planes", ("planes",))):
         for control in controls:

@@ -1,12 +1,10 @@
 """A manoeuvre is flown from its start to its end, or until numbers are lost.
 
-Who has the conn: gives a vehicle the orders of a schedule, cycle by cycle, and marks events.
-
-A schedule is a generator: between two yields the vehicle moves by one cycle, with the controls as
-they are ordered before. Events are seen at the starts of cycles, as in the program CONTR: up to a
-cycle after they happen. Where one vehicle sees an event in one cycle and another in the next, that
-alone parts their ways; a vehicle flown beside another therefore takes the other's time of an event
-where its own is not more than a cycle away.
+A schedule is a generator that gives its orders to a ``Conn``: between two yields the vehicle moves
+by one cycle, with the controls as ordered before. Events are seen at the starts of cycles, as in
+the program CONTR: up to a cycle after they happen. Two vehicles may see one event a cycle apart,
+and that alone would part their ways. A vehicle flown beside another therefore takes the other's
+time of an event, unless its own is more than a cycle away.
 """
 
 import math
@@ -59,10 +57,13 @@ class Mark(NamedTuple):
 
 
 class Conn:
-    """A vehicle under orders."""
+    """The conn of a vehicle: it gives a schedule's orders, and marks events."""
 
     def __init__(self, vehicle: Vehicle, others: Sequence[float | None] = ()) -> None:
-        """Take the conn of a vehicle that has been started; ``others`` are another's events."""
+        """Take the conn of a vehicle that has been started.
+
+        ``others`` are the times [s] of events of the vehicle that this one is flown beside.
+        """
         self.vehicle = vehicle
         self.events: list[float | None] = []  # [s] of each that was waited for; None: never
         self._others = list(others)
@@ -75,13 +76,13 @@ class Conn:
         self.look()
 
     def look(self) -> None:
-        """Remember the columns as they stand."""
+        """Keep the columns at the start of this cycle as a row of the flight."""
         self.seen = self.vehicle.observe()
         self._rows.append(self.seen)
 
     @property
     def table(self) -> Numbers:
-        """Return all that was seen, a row for every cycle."""
+        """Return the columns of the whole flight, a row for every cycle."""
         self._close()
         return np.concatenate(self._blocks)
 
@@ -118,7 +119,7 @@ class Conn:
         yield from self.hold(time - self.time)
 
     def until(self, watch: Watch, most: float) -> Generator[None, None, bool]:
-        """Advance until what is watched passes, at most ``most`` [s]. Return whether it did."""
+        """Advance until the watched quantity passes, ``most`` [s] at most. Return whether so."""
         end = self.time + most - TIME_ROUNDING_S
         other = self._others.pop(0) if self._others else None
         passed = other is not None and (yield from self._beside(watch, other))
@@ -129,9 +130,10 @@ class Conn:
         return passed
 
     def _beside(self, watch: Watch, other: float) -> Generator[None, None, bool]:
-        """Let time pass to the ``other``'s event [s], or one's own if that comes too early.
+        """Let time pass to the ``other``'s event [s], or to this one's if that comes too early.
 
-        Return whether one's own is within a cycle of it, by the rate if it is still to come.
+        Return whether this vehicle's event is within a cycle of it. An event that is still to come
+        is foreseen by the rate of the last cycle.
         """
         cycle = self.vehicle.step
         yield from self._pass(other - 1.5 * cycle, watch)
@@ -158,7 +160,7 @@ class Conn:
         return watch.side * (value - watch.mark)
 
     def _pass(self, end: float, watch: Watch | None) -> CycleGenerator:
-        """Let time pass to ``end`` [s] or until what is watched passes."""
+        """Let time pass to ``end`` [s], or until the watched quantity passes."""
         if isinstance(self.vehicle, FastVehicle) and self.vehicle.swift:
             self._close()
             rows = self.vehicle.sail(end, watch)
@@ -213,8 +215,8 @@ class Flight:
     def counted_to(self, side: Side) -> "Flight":
         """Return the flight with what is positive to starboard positive to ``side``.
 
-        To port it is the flight that a mirror shows: of a boat that is alike on both sides, the
-        one to starboard.
+        A flight to port is mirrored: for a boat that is alike on both sides it becomes the flight
+        to starboard.
         """
         if side == STARBOARD:
             return self
@@ -231,13 +233,13 @@ class Flight:
 class Manoeuvre(ABC):
     """A schedule and its measures; the fields of each kind are its parameters.
 
-    What ``shows`` names is plotted over time, but "track" y over x; ``angle_deg`` is that of the
-    first control needed.
+    The columns in ``shows`` are plotted over time, but "track" is y over x; ``angle_deg`` is the
+    angle of the first control in ``needs``.
 
-    One that has a ``side`` goes there first, and what is measured counts to that side: of a boat
-    that is alike on both sides the figures are the same. One that has a ``direction`` goes up or
-    down first; pitch and depth keep their own signs, bow up and deeper. ConfigError for a side or
-    a direction that is none.
+    A manoeuvre with a ``side`` goes there first, and its measures are positive to that side, so
+    that a boat alike on both sides has the same figures either way. A manoeuvre with a
+    ``direction`` goes up or down first; pitch and depth keep their own signs, bow up and deeper.
+    ConfigError for an unknown side or direction.
     """
 
     needs: ClassVar[tuple[str, ...]] = ()  # controls of the vehicle
@@ -264,7 +266,7 @@ class Manoeuvre(ABC):
 
     @abstractmethod
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return what the flight is measured by."""
+        """Return the measures of the flight."""
 
 
 def fly_manoeuvre(

@@ -34,7 +34,7 @@ HELD_PANEL = "rates held"
 
 @dataclass(frozen=True)
 class ManoeuvreReport:
-    """All that ``trainer manoeuvre`` says; measures SI and radians."""
+    """The figures that ``trainer manoeuvre`` prints; measures SI and radians."""
 
     vessel: str
     manoeuvre: str
@@ -52,8 +52,8 @@ class ManoeuvreReport:
 class ManoeuvreOptions:
     """A user's wishes for a manoeuvre; None is the vehicle's own.
 
-    ``manoeuvre_parameters`` are by the names of PARAMETERS. From ``equations`` on it is of boats
-    alone.
+    ``manoeuvre_parameters`` are by the names of PARAMETERS. The fields from ``equations`` on are
+    for boats alone.
     """
 
     speed: float | None = None  # [kn]
@@ -89,8 +89,8 @@ def fly_vehicle(
 ) -> tuple[ManoeuvreReport, Flight]:
     """Return report and flight of the manoeuvre of that name by any vehicle.
 
-    It begins at ``usual`` [kn] unless ``options`` have another speed; ConfigError for one of what
-    starts from rest.
+    It begins at ``usual`` [kn] unless ``options`` have another speed. ConfigError for a speed of a
+    manoeuvre that starts from rest.
     """
     manoeuvre = adjust_manoeuvre(name, vehicle, options.parameters)
     if manoeuvre.from_rest and options.speed is not None:
@@ -131,7 +131,7 @@ def render(report: ManoeuvreReport) -> str:
 
 
 def _method_facts(report: ManoeuvreReport) -> list[str]:
-    """Return how a boat was computed and rigged, nothing of another vehicle."""
+    """Return how a boat was computed and rigged; nothing for another vehicle."""
     method, rig = report.method, report.rig
     if method is None or rig is None:
         return []

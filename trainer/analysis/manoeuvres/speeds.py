@@ -17,11 +17,11 @@ from trainer.analysis.manoeuvres.vehicle import (
 )
 from trainer.units import KNOT
 
-ENGINE_STEP_M_S: Final = 5.0 * KNOT  # [m/s] of 1969
-MIN_ENGINE_STEPS: Final = 3.0  # [-] the fewest that a step of its own choice makes
-STEP_ROUNDING: Final = 1e-9  # [-] rounding of a number of steps
+ENGINE_STEP_M_S: Final = 5.0 * KNOT  # [m/s] the steps of 1969
+MIN_ENGINE_STEPS: Final = 3.0  # [-] of a vehicle too slow for three steps of 1969
+STEP_ROUNDING: Final = 1e-9  # [-] a quotient this much above a whole number is that number
 READING_SHARES: Final = (0.1, 0.25, 0.5, 0.6, 0.8, 1.0)  # of the duration
-EXTRA_STOP_SHARE = 0.1  # [-] of the time to stop
+EXTRA_STOP_SHARE = 0.1  # [-] of the time to stop, flown on after it
 
 
 def ahead_speed(conn: Conn, knots: float | None) -> float:
@@ -51,6 +51,7 @@ class Acceleration(Manoeuvre):
             if self.step_kn is None
             else self.step_kn * KNOT
         )
+        # equal steps: the last order is then exactly the speed asked for
         steps = math.ceil(most / step - STEP_ROUNDING)
         for i in [*range(1, steps + 1), *range(steps - 1, -1, -1)]:
             conn.order("engine", most * i / steps)
@@ -58,7 +59,7 @@ class Acceleration(Manoeuvre):
             yield from conn.hold(self.each_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return the speed before each step."""
+        """Return the speed at the end of each step."""
         ends = [*(mark.t for mark in flight.marks[1:]), float(flight.t[-1])]
         top = float(flight.column("u").max())
         speeds = [flight.at(end, "u") for end in ends]
@@ -122,9 +123,8 @@ class CrashStop(Manoeuvre):
         conn.order("engine", conn.vehicle.controls["engine"].low)
         conn.mark("astern")
         yield from conn.until(Watch("u", 0.0, -1.0), self.duration_s)
-        yield from conn.hold(
-            EXTRA_STOP_SHARE * conn.time
-        )  # for a boat flown beside that stops later
+        # a boat flown beside this one may stop later: its stop must be within the flight
+        yield from conn.hold(EXTRA_STOP_SHARE * conn.time)
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return time, head reach, side reach and change of heading."""

@@ -22,13 +22,13 @@ from trainer.analysis.manoeuvres.vehicle import (
 RUDDER_PARTS: Final = (1.0, 2 / 3, 1 / 3, 1 / 6, 0.0, -1 / 6, -1 / 3, -2 / 3, -1.0)
 
 
-MIN_PART_LENGTHS: Final = 3.0  # [lengths run] of each part
+MIN_PART_LENGTHS: Final = 3.0  # [lengths run] of each part, before it can count as steady
 
 
-MAX_PART_LENGTHS: Final = 40.0
+MAX_PART_LENGTHS: Final = 40.0  # [lengths run] of a part that does not become steady
 
 
-LOOK_BACK_LENGTHS: Final = 2.0  # [lengths run]
+LOOK_BACK_LENGTHS: Final = 2.0  # [lengths run] over which a steady yaw rate hardly changes
 
 
 STEADY_RATE_CHANGE: Final = (
@@ -58,7 +58,11 @@ def swirl(conn: Conn) -> float:
 
 
 def settle_turn(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
-    """Advance until the turn is steady. Return whether it became steady."""
+    """Advance until the turn is steady. Return whether it became steady.
+
+    ``seen`` holds the largest yaw rate of the manoeuvre so far. It is a list of one number, because
+    it is updated here and goes on to the next turn.
+    """
     run, rates, runs = 0.0, [swirl(conn)], [0.0]
     while run < MAX_PART_LENGTHS:
         yield

@@ -176,7 +176,7 @@ class Submarine:
     def notices(self, columns: Mapping[str, Numbers]) -> tuple[str, ...]:
         """Return in words when a flight passed test depth and broke surface. It has columns (n,).
 
-        Waves are left out of the latter. Nothing without a depth of its own.
+        Waves do not count as breaking surface. A boat without a depth of its own has no notices.
         """
         if self._depth is None:
             return ()
@@ -207,9 +207,9 @@ class Submarine:
         self.boat.state.phi = heel
 
     def load(self, share: float) -> None:
-        """Take on or lose weight at the centre of gravity. It is a ``share`` [-] of the boat's own.
+        """Take on a ``share`` [-] of the boat's weight at its CG, or lose it.
 
-        Tanks and air are held as they are from then on.
+        Tanks and air are held from then on, else they would make up for the weight.
         """
         self.boat.state.weight *= 1.0 + share
         self.boat.state.held_tanks = 1.0
@@ -262,7 +262,7 @@ class Submarine:
 
     @property
     def swift(self) -> bool:
-        """Return whether the tick is all that moves the boat."""
+        """Return whether the tick alone moves the boat. Then many can run at once."""
         return self._kept_speed is None and not self._at_once
 
     def sail(self, end: float, watch: Watch | None) -> Numbers:
@@ -309,7 +309,7 @@ class Submarine:
     def _make_speed(self, wanted: float) -> None:
         """Let the autopilot's trim of speed bring the boat to a speed [m/s] in turns too.
 
-        By itself it learns that trim in straight flight alone, and a turn slows the boat down.
+        Otherwise the autopilot learns it in straight flight alone, and a turn slows the boat.
         """
         s, (low, high) = self.boat.state, self.controls["engine"]
         more = SPEED_RATE * (wanted - float(s.u)) - SPEED_GAIN * float(s.udot)

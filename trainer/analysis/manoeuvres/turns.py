@@ -1,4 +1,4 @@
-"""Turns: the rudder thrown over and held; pull-out, direct spiral and reverse spiral."""
+"""Turns: the rudder is thrown over and held. ``steadiness`` has pull-out and spirals."""
 
 import math
 from collections.abc import Iterator
@@ -89,8 +89,9 @@ class ClimbingTurn(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return circle, speed, roll, pitch and climb.
 
-        Of a boat that the turn presses down as the planes lift it little climb is left, the
-        difference of much: it may differ by ALLOWED_PERCENT of the fastest climb or sinking.
+        The turn may press the boat down while the planes lift it. The climb is then a small
+        difference of large rates, and may differ by ALLOWED_PERCENT of the fastest climb or
+        sinking.
         """
         flight = flight.counted_to(self.side)
         climbing = -np.diff(flight.column("z")) / np.diff(flight.t)
@@ -122,7 +123,7 @@ def circle(flight: Flight) -> list[Measure]:
 
 
 def _run_since(flight: Flight, name: str, begin: float, end: float | None) -> float | None:
-    """Return how far x or y has gone from ``begin`` to ``end`` [s]; None without an end."""
+    """Return the change of x or y from ``begin`` to ``end`` [s]; None without an end."""
     first, last = flight.at(begin, name), None if end is None else flight.at(end, name)
     return None if first is None or last is None else abs(last - first)
 
@@ -156,7 +157,7 @@ def steady(flight: Flight) -> list[Measure]:
 def heel(flight: Flight) -> list[Measure]:
     """Return the snap roll, which is the first extreme, the largest and the last heel.
 
-    The last one is judged if it is steady: a roll that still swings has none.
+    The last heel is judged if it is steady: a roll that still swings has no last heel.
     """
     if not flight.has("phi"):
         return []
@@ -180,8 +181,8 @@ def depth(flight: Flight) -> list[Measure]:
     """Return how far depth went either way, and where planes and rudder were.
 
     Depth may differ by ALLOWED_PERCENT of its change or by LEVEL_DEPTH_LENGTHS lengths, the stern
-    planes by ALLOWED_PERCENT of theirs or by LEVEL_PLANES_RAD: where depth is kept there is little
-    of either.
+    planes by ALLOWED_PERCENT of theirs or by LEVEL_PLANES_RAD. The fixed allowances are there
+    because depth and planes hardly change where depth is kept.
     """
     if not flight.has("z"):
         return []

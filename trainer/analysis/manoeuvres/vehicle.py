@@ -38,7 +38,7 @@ class Control(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """A quantity that is looked at until it passes its mark."""
+    """A quantity to watch until it passes its mark."""
 
     quantity: str  # a column, "size of theta" or "depth rate", which is without roll
     mark: float  # [rad] or [m/s]
@@ -107,10 +107,10 @@ class FastVehicle(Protocol):
 
     @property
     def swift(self) -> bool:
-        """Return whether it can as it is handled now."""
+        """Return whether it can take many cycles at once as it is handled now."""
 
     def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
-        """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
+        """Advance to ``end`` [s], or until the watch passes. Return a row for each cycle."""
 
     def sound(self) -> None:
         """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
@@ -161,9 +161,9 @@ def show_only(name: str, unit: str, value: float | None) -> Measure:
 
 
 def first_time(t: Numbers, values: Numbers, level: float) -> float | None:
-    """Return when ``values`` first pass ``level`` upwards or downwards, interpolated; None: never.
+    """Return the time when ``values`` first pass ``level``, interpolated; None: never.
 
-    Which way is told by the side on which they begin.
+    They pass upwards if they begin below the level, else downwards.
     """
     above = values >= level if values[0] < level else values <= level
     place = int(np.argmax(above))
@@ -183,7 +183,7 @@ def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:
 def peaks_of(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
     """Return (time, value) of each extreme in which ``values`` turn, in order.
 
-    A flat top counts once, at its beginning; what merely hesitates does not count.
+    A flat top counts once, at its beginning; a level stretch on the way does not count.
     """
     steps = np.diff(values)
     moving = np.flatnonzero(steps)

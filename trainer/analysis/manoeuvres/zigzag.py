@@ -120,8 +120,8 @@ class ZigZag(ThrowOver):
     def track(self, flight: Flight) -> list[Measure]:
         """Return the sideways track and the roll.
 
-        The first run to the side is judged; the largest of many also has in it the mean heading,
-        which the cycle of each execute takes its small part in.
+        The first run to the side is judged. The largest of many runs is not, because it contains
+        the mean heading, which depends on the cycle in which each execute was seen.
         """
         flight = flight.counted_to(self.side)
         aside = flight.change("y")

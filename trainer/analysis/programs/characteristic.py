@@ -9,13 +9,11 @@ R = z_B B - z_G W and lines of normal force and pitching moment, EC140's cubic h
     A1 = u0^2 Z_w M_q + (Z_wdot - m) R - u0^2 M_w (m + Z_q)
     A0 = u0 Z_w R
 
-Quasi-linear averages stand for the terms with |.|: a mean |w| adds Z_waw |w| to u0 Z_w, a mean |p|
-adds K_pap |p| to u0 K_p, and so on.
+A term with |.| has no linear part; quasi-linear averages stand for it: a mean |w| adds Z_waw |w| to
+u0 Z_w, a mean |p| adds K_pap |p| to u0 K_p, and so on.
 
 Near a calm surface (Tables 12 and 13) Z_star and M_star change with depth by the vessel's tables.
 Their slopes, with z' = w - u0 theta, make the cubic a quartic, and enter the depth loop.
-
-Polynomials and roots as a page for a terminal, and as a root locus over speed.
 """
 
 import math
@@ -153,7 +151,7 @@ def horizontal_system(
 
 
 def with_depth(free: LinearSystem, speed: float) -> LinearSystem:
-    """Return w, q, theta and z, which follows: z' = w - ``speed`` theta."""
+    """Return the system with depth as a fourth motion: z' = w - ``speed`` theta."""
     E, F = np.eye(4), np.zeros((4, 4))
     E[:3, :3], F[:3, :3] = free.E, free.F
     F[3] = [1.0, 0.0, -speed, 0.0]
@@ -185,7 +183,7 @@ def depth_loop(
     """Return w, q, theta, z under [ASSES]'s depth law. Each pair of planes has its own sign.
 
     DS = DB literally is 1 and 1; the bow planes that help are -1 where Z_db < 0 (errata G3).
-    Speed is frozen, but not the surge that a pitching z_G causes: it lightens the inertia.
+    Speed is frozen, but not the surge that pitching causes with z_G: this surge lowers the inertia.
     """
     c = dimensional_constants(file)
     free = with_depth(vertical_system(file, speed), speed)
@@ -263,7 +261,7 @@ class ModesReport:
 def motion_modes(linear: LinearSystem) -> Motion:
     """Return polynomial and roots, by motion and then fastest first.
 
-    Where depth is one of the motions all is pitch and depth: its roots have the name ``depth``.
+    Where depth is one of the motions, pitch and depth share all roots: their name is ``depth``.
     """
     if "z" not in linear.names:
         mode_list = modes(linear.nature, linear.names)
@@ -355,7 +353,7 @@ def _quasi_linear_or_none(report: ModesReport) -> list[str]:
 
 
 def surface_lines(depth: float | None, surface: Iterable[SurfaceForces]) -> list[str]:
-    """Return the table of what the calm surface adds, nothing in deep water."""
+    """Return the table of the calm surface's forces, no lines in deep water."""
     if depth is None:
         return []
     heads = (

@@ -6,10 +6,8 @@ its steady value, or, where it has neither, the end of the time looked at (120 s
 compared each at its own time: phase is not judged.
 
 A schedule sees an event, such as the pitch at which planes are reversed, at the start of a step.
-Two runs may see it a step apart, whatever their equations; what that alone may be worth is no
-failure. An estimate: as much as the variable changes in that time at its fastest.
-
-Two runs compared, as a page for a terminal and as a plot.
+Two runs may see it a step apart, whatever their equations. The difference that this alone can make
+is no failure. It is estimated: as much as the variable changes in that time at its fastest.
 """
 
 import math
@@ -26,8 +24,8 @@ from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, table, wrap
 
-COMPARISON_END_S: Final = 120.0  # [s]
-ALLOWED_PERCENT: Final = 5.0  # [%]
+COMPARISON_END_S: Final = 120.0  # [s] the time looked at, of [ASSES]
+ALLOWED_PERCENT: Final = 5.0  # [%] of [ASSES]
 STEADY_SHARE: Final = 0.1  # of the time: its last part tells whether a value is steady,
 STEADY_SPREAD: Final = 0.02  # [-] of D: which it is with no more change than this
 MINOR_CHANGE_RATIO: Final = (
@@ -123,7 +121,7 @@ def compare_runs(
 
 
 def _excuse(point: ReferencePoint, allowed: float, worth: float) -> ReferencePoint:
-    """Return a point that passes too if what is beyond is no more than an event is ``worth``."""
+    """Return a point that also passes if its excess is no more than an event is ``worth``."""
     if not point.judged:
         return point
     most = abs(point.change_full) * allowed / 100.0 + worth
@@ -134,8 +132,9 @@ def _excuse(point: ReferencePoint, allowed: float, worth: float) -> ReferencePoi
 def event_apart(full: Series, reduced: Series) -> float:
     """Return the time [s] between two runs at the first event that they see apart.
 
-    Events are the times at which a surface that is thrown over begins to move. 0 where there is no
-    such event, or it lies further apart than the longer of the steps: then the runs differ.
+    Events are the times at which a surface that is thrown over begins to move. The time is 0 where
+    there is no such event. It is 0 too where the event lies further apart than the longer of the
+    steps, because then the runs themselves differ.
     """
     step = max(float(np.median(np.diff(run.t))) for run in (full, reduced))
     gaps = [0.0]
@@ -153,7 +152,7 @@ def event_apart(full: Series, reduced: Series) -> float:
 def _throws(run: Series, name: str) -> list[tuple[float, float]]:
     """Return time [s] from the start, and sign, of each move that a surface begins.
 
-    None of a surface that hardly ever stands still: an autopilot moves it.
+    A surface that hardly ever stands still has none, because an autopilot moves it.
     """
     moves = np.diff(run.column(name))
     signs = np.where(abs(moves) < STILL_SURFACE_RAD, 0.0, np.sign(moves))

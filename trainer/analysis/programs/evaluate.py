@@ -44,7 +44,7 @@ def evaluate_lines(
 
 
 def evaluate_states(records: Records, lines: Iterable[str]) -> Iterator[str]:
-    """Yield the rates of each line's state. What a line does not give is as in the records."""
+    """Yield the rates of each line's state. A key that a line lacks is as in the records."""
     state = records.state
     at_rest = state.copy()
     for number, line in enumerate(lines, start=1):
@@ -54,7 +54,7 @@ def evaluate_states(records: Records, lines: Iterable[str]) -> Iterator[str]:
             values = _read(line)
         except ConfigError as wrong:
             raise ConfigError(*(f"line {number}: {text}" for text in wrong.problems)) from None
-        state[:] = at_rest
+        state[:] = at_rest  # a line must not depend on the lines before it
         for key, value in values.items():
             state[LAST_RATE_KEYS.get(key, key)] = value
         with np.errstate(all="ignore"):  # what overflows is reported below
@@ -72,12 +72,14 @@ def _read(line: str) -> dict[str, float]:
     short = ascii(line.strip())
     short = short if len(short) <= MAX_QUOTED_LETTERS else short[: MAX_QUOTED_LETTERS - 3] + "..."
     try:
+        # a list of pairs, because a dict would hide a key that is given twice
         pairs = json.loads(line, object_pairs_hook=list, parse_constant=_refuse)
     except ConfigError:
         raise
     except (ValueError, RecursionError) as error:
         reason = getattr(error, "msg", "nested too deeply, or a number too long")
         raise ConfigError(f"is not JSON ({reason}): {short}") from None
+    # an array is a list too, but not of pairs
     if not line.lstrip().startswith("{"):
         raise ConfigError(f"must be one JSON object with keys and numbers: {short}")
     keys = [key for key, _ in pairs]
@@ -94,7 +96,10 @@ def _read(line: str) -> dict[str, float]:
 
 
 def _refuse(name: str) -> NoReturn:
-    """Raise ConfigError for NaN and the infinities, which are not JSON."""
+    """Raise ConfigError for NaN and the infinities.
+
+    They are not JSON, but Python's reader takes them unless it is told to refuse.
+    """
     raise ConfigError(f"{name} is not a number that can be computed with")
 
 
@@ -102,9 +107,10 @@ def _number(key: str, value: object) -> float:
     """Return one number; ConfigError if its key, kind or size is wrong."""
     if key not in KNOWN_KEYS:
         raise ConfigError(f"no such key {quote(key)}{nearest(key, KNOWN_KEYS)}")
+    # to Python a bool is an int
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ConfigError(f"{key} = {quote(value)}: must be a number")
-    try:
+    try:  # an int of JSON may have any number of digits
         number = float(value)
     except OverflowError:
         number = math.inf

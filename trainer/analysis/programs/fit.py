@@ -5,8 +5,6 @@ one real mode and one pair in the vertical plane, two and one in the horizontal.
 those of the boat (EC140, EC200), or of the response itself by a matrix pencil where no boat is
 given; the starting amplitudes follow from them linearly (EC120, EC150, EC330). Then all numbers are
 adjusted together by Levenberg's and Marquardt's method.
-
-A fitted response as a page for a terminal and as a plot.
 """
 
 import math
@@ -138,7 +136,7 @@ def pencil_roots(t: Numbers, y: Numbers, order: int) -> list[complex]:
 
 
 def _shape(roots: Sequence[complex]) -> Numbers:
-    """Return the numbers that are adjusted: the real part of each root, of pairs the other too."""
+    """Return the adjusted numbers: each root's real part, and each pair's imaginary part."""
     parts = [[s.real] if s.imag == 0.0 else [s.real, s.imag] for s in roots]
     return np.concatenate(parts)
 
@@ -150,7 +148,7 @@ def _match_roots(numbers: Numbers, like: Sequence[complex]) -> list[complex]:
 
 
 class _Response:
-    """What is left of a response when the best amplitudes are taken for given roots."""
+    """The residual of a response, with the best amplitudes for given roots."""
 
     def __init__(self, t: Numbers, y: Numbers, like: Sequence[complex]) -> None:
         self.t, self.y, self.like = t, y, like
@@ -166,7 +164,7 @@ class _Response:
         return np.asarray(self.y - basis @ factors)
 
     def reach(self, numbers: Numbers) -> Numbers:
-        """Return by how much each number may change in a round [1/s]."""
+        """Return the largest change [1/s] of each number in a round."""
         slowest = 1.0 / (self.t[-1] - self.t[0])
         roots = _match_roots(numbers, self.like)
         sizes = [[max(abs(s), slowest)] * (1 if s.imag == 0.0 else 2) for s in roots]
@@ -183,7 +181,7 @@ class _Response:
 
 
 def _adjust(response: _Response, numbers: Numbers) -> tuple[Numbers, int]:
-    """Return the numbers of least squares and the rounds taken: all if it did not settle."""
+    """Return the numbers of least squares, and the rounds taken: MAX_FIT_ROUNDS if not settled."""
     residual, damping = response.left(numbers), 1e-3
     misfit = float(residual @ residual)
     for done in range(1, MAX_FIT_ROUNDS):
@@ -272,7 +270,8 @@ def response_in(
 ) -> tuple[Numbers, Numbers, float]:
     """Return times [s] and response over ``span`` [s], and what was subtracted from the column.
 
-    That is ``about``, by default the column's first value in the file: flight before the impulse.
+    The value ``about`` is subtracted. By default it is the column's first value in the file,
+    because the flight begins before the impulse.
     """
     values = series.column(column)
     level = float(values[0]) if about is None else about
@@ -321,7 +320,7 @@ def render(report: FitReport) -> str:
 
 
 def panels(report: FitReport, t: Numbers, y: Numbers) -> tuple[Panel, ...]:
-    """Return the response with its fit, and what is left."""
+    """Return the panels of the response with its fit, and of the residual."""
     model = response_of(report.fit.terms, t - t[0])
     label = f"{report.column} less {report.about:.4g}"
     curves = (Curve("response", t, y), Curve("fit", t, model))

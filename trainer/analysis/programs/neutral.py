@@ -133,7 +133,7 @@ def required_couple(side: SideEquation, t: float) -> float:
 
 
 def turning_points(side: SideEquation) -> list[float]:
-    """Return the t > 0 at which ``needed`` is stationary, in order.
+    """Return the t > 0 at which ``required_couple`` is stationary, in order.
 
     Roots of 2 square t^4 + slope t^3 + square t^2 - constant.
     """
@@ -212,7 +212,8 @@ def fold_speeds(file: VesselFile, plane: str) -> list[float]:
 def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[float]:
     """Return the speeds [m/s] at which two solutions meet at ``depth`` [m]; None: deep water.
 
-    The surface's share is that of the speed itself; a speed that does not settle is left out.
+    The surface's force depends on the speed that is sought, so that the search repeats. A speed
+    that does not settle is left out.
     """
     if depth is None:
         return fold_speeds(file, plane)
@@ -270,7 +271,7 @@ def level_flights(file: VesselFile, plane: str, speed: float) -> LevelFlights:
 
 
 def remarks(file: VesselFile) -> tuple[str, ...]:
-    """Return in which of its assumptions EC470 differs from the boat."""
+    """Return the assumptions of EC470 that do not hold for the boat."""
     hull = file.hull
     remark_list = []
     if hull.weight != hull.buoyancy:
@@ -366,7 +367,7 @@ def render(report: NeutralReport) -> str:
 
 
 def _steps(side: SideEquation, most: float) -> list[float]:
-    """Return the |w|/u at which a curve is drawn: even by themselves, and even in speed [kn]."""
+    """Return the |w|/u of a curve's points: evenly spaced ones, and ones even in speed [kn]."""
     steepest = math.tan(math.radians(DRAWN_PITCH_DEG))
     steps = {*np.geomspace(1e-5, steepest, CURVE_POINTS).tolist(), *turning_points(side)}
     for knots in np.linspace(0.0, most, CURVE_POINTS)[1:]:
@@ -399,7 +400,8 @@ def _points(
 ) -> list[tuple[float, float, float]]:
     """Return speed [kn], pitch [deg] and plane angle [deg] of all solutions at a ``depth`` [m].
 
-    The surface's share changes with speed, so that no curve is followed: it is dots over speed.
+    The surface's force changes with speed, so that the curve cannot be followed by its pitch: the
+    panel has dots over speed.
     """
     points = []
     for knots in np.linspace(0.0, most, CURVE_POINTS)[1:]:

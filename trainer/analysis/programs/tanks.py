@@ -1,10 +1,7 @@
 """Weight and balance over all fillings of the tanks: program EC430 [ASSES], erratum F6.
 
-A boat's own tanks in program EC430: its balance as filled, and all that fillings can make of it.
-
-A flooded compartment is one more tank. Surfaces of the water in a tank are not counted.
-
-Weight and balance of a boat's tanks as a page for a terminal, and as a trim polygon.
+The program has the balance of a boat's own tanks as they are filled, and the limits of all
+fillings. A flooded compartment is one more tank. Free surfaces in a tank are not counted.
 """
 
 import math
@@ -88,8 +85,8 @@ def limits(hull: Weight, tanks: Sequence[Weight]) -> TankLimits:
 def _extreme(hull: Weight, tanks: Sequence[Weight], axis: int, sign: int) -> float:
     """Return the centre [m] furthest towards ``sign`` along an axis.
 
-    Each tank is then full or empty: full if it lies beyond the centre of all the rest, so that
-    tanks are filled from the outermost inwards until one would draw the centre back.
+    At the extreme each tank is full or empty, and a full one lies beyond the centre of all others.
+    Tanks are therefore filled from the outermost inwards, until one would draw the centre back.
     """
     weight, moment = hull.weight, hull.weight * hull[axis]
     for tank in sorted(tanks, key=lambda tank: -sign * tank[axis]):
@@ -111,7 +108,7 @@ class Tank:
 
     @property
     def contents(self) -> Weight:
-        """Return what it holds now."""
+        """Return the weight of the present contents, and its place."""
         return self.full._replace(weight=self.fill * self.full.weight)
 
 
@@ -179,8 +176,8 @@ def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[
 
     They are in order and closed, (n, 2).
 
-    Each tank adds a line from empty to full; the outline of their sum has each line twice, in
-    the order of their steepness.
+    Each tank adds a line from empty to full. The outline of the sum of such lines has each line
+    twice, in the order of their steepness (a Minkowski sum).
     """
     hull = file.hull
     start = [fixed.weight - hull.buoyancy, fixed.weight * fixed.x - hull.cb[0] * hull.buoyancy]

@@ -2,8 +2,6 @@
 
 [ASSES] ZC300 with errata F5 and A28-A31: T = rho/2 L^2 (a u^2 + b u uc + c uc^2), the row of a, b
 and c by eta = uc/u; the acceleration as printed, T/m, and as flown, T/(m - rho/2 L^3 X_udot).
-
-Thrust over speed as a page for a terminal, and as a plot.
 """
 
 from collections.abc import Iterable, Sequence
@@ -60,7 +58,7 @@ class ThrustReport:
 
 
 def row_at(file: VesselFile, u: float, u_c: float) -> int:
-    """Return which thrust set holds, 1 the first, found without dividing (erratum A29).
+    """Return which thrust set holds, 1 the first, without dividing (erratum A29).
 
     At rest and going astern the sign of ``u_c`` decides; the two sets astern come last.
     """

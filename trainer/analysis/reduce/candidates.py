@@ -26,7 +26,11 @@ _worker_posts: dict[tuple[Path, str, tuple[Leg, ...]], tuple[Candidate, Yardstic
 
 
 def _differences(path: Path, equations: str, legs: tuple[Leg, ...], factors: Numbers) -> Numbers:
-    """Return the differences of a candidate from the full set, in whichever process."""
+    """Return the differences of a candidate from the full set.
+
+    Each process makes candidate and yardstick once and keeps them, because the yardstick flies all
+    legs by the full set.
+    """
     post = path, equations, legs
     if post not in _worker_posts:
         file = load_vessel(str(path))
@@ -37,26 +41,26 @@ def _differences(path: Path, equations: str, legs: tuple[Leg, ...], factors: Num
 
 
 class CandidatePool:
-    """As many candidates as there are processors."""
+    """Processes that each fly a candidate of the same boat."""
 
     def __init__(self, path: Path, equations: str, legs: tuple[Leg, ...], cores: int) -> None:
-        """Man the candidates of the boat in that file, to fly those legs."""
+        """Start ``cores`` processes for the boat in the file at ``path``, to fly ``legs``."""
         self.legs = legs
         self._fly = partial(_differences, path, equations, legs)
         self._cores = cores
         self._pool = worker_pool(cores) if cores > 1 else None
 
     def __enter__(self) -> Self:
-        """Return the crew."""
+        """Return the pool."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Send the crew home."""
+        """End the processes."""
         if self._pool:
             self._pool.shutdown(cancel_futures=True)
 
     def differences(self, several: Sequence[Numbers]) -> list[Numbers]:
-        """Return the differences of candidates, each by row, in order."""
+        """Return the differences of several candidates by row, in the order of the candidates."""
         if self._pool is None or len(several) == 1:
             return list(map(self._fly, several))
         chunk = max(1, min(CHUNK_FLIGHTS, len(several) // self._cores))

@@ -73,7 +73,7 @@ class Candidate:
         self.take([1.0] * len(self.terms))
 
     def take(self, factors: Iterable[float]) -> None:
-        """Fly by these factors from now on, by term."""
+        """Set the factors by term, for the flights to come."""
         prime = {
             name: self._file.coefficients[name] * float(factor)
             for name, factor in zip(self.terms, factors, strict=True)
@@ -95,7 +95,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class JudgedNumber:
-    """One number that is looked at."""
+    """One number of a leg in which sets are compared."""
 
     leg: str
     quantity: str
@@ -121,7 +121,7 @@ class Yardstick:
         return tuple(self._flights)
 
     def judged(self, candidate: Candidate) -> Iterator[tuple[Leg, tuple[Judgement, ...]]]:
-        """Yield leg and judgements, none of a leg that the candidate cannot start."""
+        """Yield each leg with its judgements: none if the candidate cannot start it."""
         for leg, full in self._flights.items():
             try:
                 other = candidate.fly(leg, full)
@@ -142,7 +142,7 @@ class Yardstick:
 
 
 def allowed_multiple(one: Judgement) -> float:
-    """Return a difference as a multiple of what is allowed [-]. What is lacking counts as zero."""
+    """Return a difference as a multiple of what is allowed [-]. A lacking number counts as 0."""
     if not one.allowed or one.full is None:
         return MAX_DIFFERENCE
     other = 0.0 if one.other is None else one.other

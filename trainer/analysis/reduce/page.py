@@ -1,4 +1,4 @@
-"""A reduction as text, and written into a vessel file."""
+"""A reduction as text for a terminal."""
 
 from collections.abc import Iterator, Sequence
 from typing import Final
@@ -10,7 +10,7 @@ from trainer.analysis.reduce.verdict import PART_TOLERANCES, LegVerdict
 from trainer.report.text import ascii_text, format_number, table, wrap
 
 SENSITIVITY_ROWS: Final = 40  # rows of the table of sensitivities
-SENSITIVITY_COLUMNS: Final = (  # of it; JSON has all
+SENSITIVITY_COLUMNS: Final = (  # columns of that table; JSON has all
     "turn: steady diameter",
     "turn: steady speed",
     "turn: largest roll",
@@ -18,7 +18,7 @@ SENSITIVITY_COLUMNS: Final = (  # of it; JSON has all
     "overshoot: depth change",
     "roll-decay: amplitude after cycle 1",
 )
-TERMS_PER_LINE: Final = 3  # terms a line
+TERMS_PER_LINE: Final = 3  # of the terms kept, each with its factor
 
 
 def render(found: Reduction) -> str:
@@ -32,6 +32,7 @@ def render(found: Reduction) -> str:
             f"A tick takes {found.cost.compact_ns:.0f} ns by the compact set, "
             f"{found.cost.full_ns:.0f} ns by the full one: {found.cost.ratio:.2f} of it"
         )
+    # a set of which nothing was judged is not called within tolerance
     judged = any(one.judged for one in found.checked)
     conclusion = "Within tolerance" if found.passed else "Out of tolerance"
     lines.append(f"{conclusion if judged else 'Nothing was judged'}.")
@@ -39,7 +40,8 @@ def render(found: Reduction) -> str:
 
 
 def sensitivity(drops: Sequence[DropEffect]) -> list[str]:
-    """Return the table of what each coefficient does by itself."""
+    """Return the table of the effects of each coefficient by itself."""
+    # each word of a head has a line of its own, so that columns stay narrow
     short = (name.replace("amplitude after ", "").replace(":", "") for name in SENSITIVITY_COLUMNS)
     heads = ["without", *(name.replace("-", " ").replace(" ", "\n") for name in short)]
     rows = [
@@ -86,7 +88,7 @@ def _terms(found: Reduction) -> Iterator[str]:
 
 
 def _verdict(checked: Sequence[LegVerdict]) -> Iterator[str]:
-    """Yield how the compact set does, part by part."""
+    """Yield the verdict on the compact set, part by part."""
     for part, percent in PART_TOLERANCES.items():
         of_part = [one for one in checked if one.part == part]
         judged = [one for one in of_part if one.judged]
@@ -99,6 +101,7 @@ def _verdict(checked: Sequence[LegVerdict]) -> Iterator[str]:
             "",
             "  ",
         )
+        # all that fail, else the one that comes closest to failing
         for one in failed or sorted(judged, key=lambda each: -each.worst)[:1]:
             yield from wrap(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")
         if unjudged := "; ".join(one.leg for one in of_part if not one.judged):

@@ -1,4 +1,4 @@
-"""The programme of a reduction: legs to fit to, to try, to judge by."""
+"""The programme of a reduction: legs to fit, prove and judge a set by."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -262,7 +262,7 @@ def _ways(
 
 
 def _leg(name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: VesselFile) -> Leg:
-    """Return a leg no longer than it takes this boat to show what it does."""
+    """Return a leg, its duration limited by lengths that this boat runs."""
     if speed and hasattr(manoeuvre, "duration_s"):
         lengths = TURN_LENGTHS if name == "turn" else USUAL_LENGTHS
         enough = lengths * file.hull.length / (speed * KNOT) + MIN_FLIGHT_S

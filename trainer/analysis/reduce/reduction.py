@@ -61,7 +61,7 @@ QUICK_ROUNDS: Final = 2  # of the same, of a quick search
 
 
 def checkpoint_of(result: Path) -> Path:
-    """Return where the search for that result is kept."""
+    """Return the path at which an unfinished search for that result is kept."""
     return result.with_name(result.name + PARTIAL_SUFFIX)
 
 
@@ -81,7 +81,7 @@ def save_standings(path: Path, file: VesselFile, standings: Mapping[str, SearchS
 
 
 def load_standings(path: Path, file: VesselFile) -> dict[str, SearchState]:
-    """Return the standings kept, none if there are none of this boat by this program."""
+    """Return the kept standings; none if they are of another boat or program."""
     try:
         table = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
         if table.pop("of") != fingerprint(file):
@@ -98,19 +98,19 @@ def load_standings(path: Path, file: VesselFile) -> dict[str, SearchState]:
 
 
 class SearchLog:
-    """How far the searches for one boat have come, by name. In a file, if there is one."""
+    """The states of the searches for one boat, by name. A file keeps them, if there is one."""
 
     def __init__(self, file: VesselFile, path: Path | None) -> None:
-        """Read what the file at ``path`` has of this boat."""
+        """Read this boat's searches from the file at ``path``."""
         self._file, self._path = file, path
         self._standings = load_standings(path, file) if path else {}
 
     def standing(self, name: str) -> SearchState | None:
-        """Return how far a search has come; None: it has not begun."""
+        """Return the state of a search; None if it has not begun."""
         return self._standings.get(name)
 
     def enter(self, name: str, standing: SearchState) -> None:
-        """Keep how far a search has come; ConfigError if the file cannot be written."""
+        """Keep the state of a search; ConfigError if the file cannot be written."""
         self._standings[name] = standing
         if self._path:
             save_standings(self._path, self._file, self._standings)
@@ -177,7 +177,7 @@ def report_reduction(
     needs: tuple[TermNeed, ...],
     sensitivity: tuple[DropEffect, ...],
 ) -> Reduction:
-    """Return all that is to be said about the boat's modified set with these factors."""
+    """Return the whole report on the boat's modified set with these factors."""
     candidate = Candidate(file, "modified")
     candidate.take([factors[name] for name in candidate.terms])
     checked = judge_legs(file, candidate)
@@ -210,13 +210,14 @@ def search(
     *,
     quick: bool = False,
 ) -> SearchResult:
-    """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
+    """Return the factors found; ``partial`` is the path that keeps an unfinished search.
 
-    A ``quick`` one keeps a term whose loss takes long to make up for.
+    A ``quick`` search keeps a term whose loss takes long to make up for.
 
-    If what is found is astray at the boat's top speed, another is searched for, fitted to flights
-    there too, on a firmer leash if that will do, each direction's own added mass kept. ``step`` is
-    called with the number of terms decided, of up to MAX_SEARCHES times those that there are.
+    The first search does not fly at the boat's top speed. If its set is astray there, a second
+    search fits flights at that speed too and keeps each direction's own added mass. It has a firmer
+    leash, if the flights can be met with one. ``step`` is called with the number of terms decided,
+    which may reach MAX_SEARCHES times the number of terms.
     """
     log, fast = SearchLog(file, partial), fastest_legs(file)
     aim = SearchAim(fit_legs(file), SLACKEST_LEASH, CONTROL_COEFFICIENTS, quick)

@@ -2,12 +2,13 @@
 
 A round takes the slopes of all differences by all factors and drops, with those, what costs least,
 the factors of the rest fitted anew each time; a term whose loss cannot be made up for is needed.
-Nothing in it is random, and a round depends on nothing but the standing it begins with: a search
-broken off and gone on with ends in the same bits.
+Nothing in it is random, and a round depends on its first state alone, so that a search that is
+broken off and continued ends in the same bits.
 
 Factors are fitted by Gauss and Newton: the sum of |difference|^p is brought down for growing p, by
-weights |difference|^(p - 2) on a linear least-squares problem; a leash pulls every factor towards
-1, so that a coefficient is what the hull's data say unless the flights ask otherwise.
+weights |difference|^(p - 2) on a linear least-squares problem; a leash, which is a penalty, pulls
+every factor towards 1, so that a coefficient is what the hull's data say unless the flights ask
+otherwise. docs/reduction.md tells the steps of a search, and what they found.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,10 +26,10 @@ from trainer.core.kernel import Numbers
 
 MIN_FACTOR, MAX_FACTOR = 0.5, 2.0  # [-] factors
 MIN_WEIGHTED_DIFFERENCE: Final = 0.2  # [-] smaller differences weigh as this
-COST_POWERS: Final = (2, 6)
+COST_POWERS: Final = (2, 6)  # of a step: the growing p above
 STEP_DAMPINGS: Final = (0.01, 0.3, 10.0, 300.0)
 MIN_COST_GAIN: Final = 0.995  # [-] of the cost: a step that brings less is the last
-COST_NORM: Final = 8
+COST_NORM: Final = 8  # the power of the norm by which points are compared
 
 FlyCandidates = Callable[[Sequence[Numbers]], list[Numbers]]
 FIT_LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
@@ -40,7 +41,7 @@ MAX_START_ROUNDS: Final = 4  # rounds that may bring the set with all terms into
 FIRST_BATCH_TERMS: Final = 8  # terms dropped at once, to begin with
 MAX_SLOPE_USES: Final = 6  # terms dropped, or found needed, by the same slopes
 FIT_STEPS: Final = 3  # of a fit by the same slopes
-SURE_NEED: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
+SURE_NEED: Final = 2.0  # [-] a need below this is doubtful: its term is tried once more at the end
 LAST_FIT_ROUNDS: Final = 3  # rounds of a last fit, when the terms are chosen
 HOPELESS_DIFFERENCE: Final = 4.0  # [-] a difference that new slopes will not mend
 FORESEEN_DIFFERENCE: Final = (
@@ -49,7 +50,7 @@ FORESEEN_DIFFERENCE: Final = (
 
 
 class SearchPoint(NamedTuple):
-    """Factors, and the differences that they lead to, both by place."""
+    """Factors by term, and the differences by row that flights with them have."""
 
     factors: Numbers
     differences: Numbers
@@ -67,12 +68,12 @@ class SearchPoint(NamedTuple):
 
     @property
     def cost(self) -> float:
-        """Return the differences as one number that the largest rule."""
+        """Return the differences as one number, in which the largest ones weigh most."""
         return float(np.sum(abs(self.differences) ** COST_NORM) ** (1.0 / COST_NORM))
 
 
 class Slopes(NamedTuple):
-    """How the differences change with the factors, and what holds these."""
+    """The slopes of the differences by the factors, and the leash on the factors."""
 
     table: Numbers  # (rows, all factors)
     free: list[int]  # places of the factors that may change
@@ -104,11 +105,13 @@ def descend_slopes(
 ) -> SearchPoint:
     """Return the best point of ``rounds`` steps by the same slopes.
 
-    If some are in the goal, the one of them that departs least from the hull's own coefficients.
+    Among points within the goal the best is the nearest to the hull's own coefficients. Without
+    such a point it is the one of the least cost.
     """
     for _ in range(rounds):
         if here.worst <= goal:
             break
+        # every power with every damping: the flights show which pair helps most
         tried = [
             take_step(slopes, here, power, damping)
             for power in COST_POWERS
@@ -126,7 +129,11 @@ def descend_slopes(
 
 
 def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Numbers:
-    """Return the factors with those ``gone`` at zero. The others make up for it."""
+    """Return the factors with those ``gone`` at zero. The others make up for it.
+
+    The quadratic cost at this point says how: its minimum under the constraint that the factors
+    gone are zero.
+    """
     places = slopes.free
     matrix, _ = normal_matrix(slopes, here.differences, 4)
     inverse = np.linalg.inv(matrix)
@@ -156,7 +163,7 @@ class TermNeed:
 
 @dataclass(frozen=True)
 class SearchState:
-    """How far a search has come; a round depends on this alone."""
+    """The state of a search; a round depends on this alone."""
 
     factors: tuple[float, ...]  # [-] by term, 0: dropped
     kept: tuple[int, ...]  # places of the terms
@@ -165,7 +172,7 @@ class SearchState:
     starts: int = 0  # rounds that the set with all terms has been fitted in
     limit: float = 0.0  # [-] 0: not begun to drop
     proof: float = 0.0
-    again: bool = False  # whether the doubtful have been asked about once more
+    again: bool = False  # whether doubtful terms have been tried a second time
     settled: int = 0  # rounds of the last fit
     leash: float = SLACKEST_LEASH  # [-] as in Slopes
 
@@ -190,7 +197,7 @@ class Search:
     def __init__(
         self, file: VesselFile, equations: str, crew: CandidatePool, aim: SearchAim
     ) -> None:
-        """Have all terms, as the full set has them."""
+        """Begin with all terms, each with the full set's coefficient."""
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
         self._crew, self._aim = crew, aim
@@ -199,11 +206,11 @@ class Search:
         self._rows = Yardstick(file, crew.legs).rows
 
     def begin(self) -> SearchState:
-        """Return the standing of a search that has not begun."""
+        """Return the state of a search that has not begun."""
         return self._begin(self._aim.leash)
 
     def _begin(self, leash: float) -> SearchState:
-        """Return the standing before anything is fitted or dropped."""
+        """Return the state before anything is fitted or dropped."""
         everything = tuple(range(len(self.terms)))
         standing = SearchState((1.0,) * len(self.terms), everything, leash=leash)
         return (
@@ -218,8 +225,9 @@ class Search:
         return [i for i in standing.kept if self.terms[i] not in decided]
 
     def round(self, standing: SearchState, step: Callable[[], None]) -> SearchState:
-        """Return the standing after one round; ``step`` is called after each term decided."""
+        """Return the state after one round; ``step`` is called after each term decided."""
         if standing.limit and not self.undecided(standing) and not standing.again:
+            # terms whose loss was nearly made up for are tried again: docs/reduction.md, step 6
             sure = tuple(need for need in standing.needed if need.worst >= SURE_NEED)
             return replace(standing, needed=sure, again=True)
         here = self._point(np.array(standing.factors))
@@ -231,7 +239,7 @@ class Search:
         return self._drop(standing, here, slopes, step)
 
     def _point(self, factors: Numbers) -> SearchPoint:
-        """Return factors with the differences they lead to."""
+        """Return factors with the differences of flights with them."""
         return SearchPoint(factors, self._crew.differences([factors])[0])
 
     def _free(self, kept: Sequence[int]) -> list[int]:
@@ -244,7 +252,7 @@ class Search:
         return Slopes(self._crew.slopes(here.factors, free, here.differences), free, leash)
 
     def _among(self, slopes: Slopes, kept: Sequence[int]) -> Slopes:
-        """Return the slopes for terms of which fewer are kept."""
+        """Return the same slopes with fewer factors free."""
         return slopes._replace(free=self._free(kept))
 
     def _fit(
@@ -263,9 +271,9 @@ class Search:
         return self._proven[1]
 
     def _start(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:
-        """Return the standing after a fit of the set with all terms.
+        """Return the state after a fit of the set with all terms.
 
-        Where a leash keeps it from the limit, a slacker one is begun with.
+        If the leash keeps the set from the limit, the search begins anew with a slacker one.
         """
         begun, here = here, self._fit(slopes, here, standing.kept, FIT_STOP_SHARE * FIT_LIMIT)
         proof = float(abs(self.proof(here.factors)).max())
@@ -282,7 +290,7 @@ class Search:
         return replace(tried, limit=max(FIT_LIMIT, here.worst), proof=max(PROOF_LIMIT, proof))
 
     def _settle(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:
-        """Return the standing after a fit as good as can be, if the guide's flights bear it."""
+        """Return the state after the best fit, unless the guide's flights become worse by it."""
         next_point = self._fit(slopes, here, standing.kept, 0.0)
         worse = abs(self.proof(next_point.factors)).max() > standing.proof
         if worse or next_point.cost >= here.cost:
@@ -293,7 +301,11 @@ class Search:
     def _drop(
         self, standing: SearchState, here: SearchPoint, slopes: Slopes, step: Callable[[], None]
     ) -> SearchState:
-        """Return the standing after what these slopes are good for."""
+        """Return the state after up to MAX_SLOPE_USES decisions by the same slopes.
+
+        New slopes cost a flight of every leg for each factor; old ones are less true with each
+        term that goes.
+        """
         decided = 0
         if self._aim.quick:
             standing = self._foresee(standing, here, slopes, step)
@@ -303,6 +315,7 @@ class Search:
                 break
             next_point, passed = self._try(standing, here, slopes, order)
             if passed is not None and len(order) > 1:
+                # one of several terms is needed: fewer at once show which
                 standing = replace(standing, batch=standing.batch // 2)
                 continue
             decided += len(order)
@@ -321,7 +334,7 @@ class Search:
     def _foresee(
         self, standing: SearchState, here: SearchPoint, slopes: Slopes, step: Callable[[], None]
     ) -> SearchState:
-        """Return the standing with the terms needed that slopes alone tell to be so."""
+        """Return the state with the terms marked as needed that slopes alone show to be."""
         among = self._among(slopes, standing.kept)
         for place in self.undecided(standing):
             change = without_terms(among, here, [place]) - here.factors
@@ -334,10 +347,10 @@ class Search:
         return standing
 
     def _tighten(self, standing: SearchState, there: SearchPoint) -> SearchState:
-        """Return the standing at a point with fewer terms, held to what that point keeps.
+        """Return the state at a point with fewer terms, with the limits that this point keeps.
 
-        What the set with all terms has beyond the limit may have been the doing of one that is
-        gone: accelerations of the last cycle that drive each other, say.
+        The set with all terms may be beyond the limit because of a term that is now gone, such as
+        one of two accelerations of the last cycle that drive each other. The limit then follows.
         """
         proof = float(abs(self.proof(there.factors)).max())
         return replace(
@@ -348,7 +361,7 @@ class Search:
         )
 
     def _order(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> list[int]:
-        """Return the places of what may be dropped, the cheapest first."""
+        """Return the places of the terms that may be dropped, the cheapest first."""
         among = self._among(slopes, standing.kept)
         cost = dict(zip(among.free, cost_rises(among, here), strict=True))
         return sorted(self.undecided(standing), key=lambda i: float(cost[i]))
@@ -356,7 +369,7 @@ class Search:
     def _try(
         self, standing: SearchState, here: SearchPoint, slopes: Slopes, gone: Sequence[int]
     ) -> tuple[SearchPoint, TermNeed | None]:
-        """Return the point without some terms, and why they are needed; None: they are not."""
+        """Return the point without the terms ``gone``, and their need; None if they can go."""
         kept_places = tuple(i for i in standing.kept if i not in gone)
         factors = without_terms(self._among(slopes, standing.kept), here, gone)
         point = self._point(factors)
@@ -374,7 +387,7 @@ class Search:
     def _need(
         self, standing: SearchState, there: SearchPoint, gone: Sequence[int]
     ) -> TermNeed | None:
-        """Return why terms are needed: what is off without them; None: nothing is."""
+        """Return the worst number without the terms ``gone``; None if all are within limits."""
         term = self.terms[gone[0]]
         if there.worst > standing.limit:
             row = self._rows[int(np.argmax(abs(there.differences)))]

@@ -109,7 +109,7 @@ class TickCost:
 def measure_cost(file: VesselFile) -> TickCost | None:
     """Return the cost of a tick, full set exact, compact lagged. None of a boat that cannot start.
 
-    Both by Adams, at the boat's own step and speed.
+    Both sets are integrated by Adams, at the boat's own step and speed.
     """
     try:
         full, compact = (

@@ -1,4 +1,4 @@
-"""A reduction is written into a vessel file. All else in its text stays."""
+"""A reduction is written into a vessel file. All other text of the file stays."""
 
 import re
 import textwrap
@@ -41,7 +41,7 @@ def _above_comments(text: str, place: int) -> int:
 
 
 def _without_ours(lines: Sequence[str]) -> Iterator[str]:
-    """Yield the lines that are not of a table of ours; comments of their own stay."""
+    """Yield the lines outside the reduction's tables; comments of other tables stay."""
     ours = False
     for line in lines:
         header = TABLE_HEADER.match(line)

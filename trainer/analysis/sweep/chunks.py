@@ -33,7 +33,7 @@ class ChunkStore:
         return self.folder / f"{place:06d}.parquet"
 
     def finished(self) -> set[int]:
-        """Return the chunks that are there."""
+        """Return the numbers of the chunks on disk."""
         return {place for place in range(self.chunks) if self.file(place).exists()}
 
     def keep(self, place: int, batch: Batch) -> None:
@@ -75,7 +75,7 @@ def writing_alone(out: Path) -> Iterator[None]:
 
 
 def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
-    """Return the folder of a job, new or as it was left. ConfigError if it is another's."""
+    """Return a job's folder, new or as it was left; ConfigError if another job's."""
     folder = folder_of(out)
     manifest = folder / MANIFEST_NAME
     try:
@@ -94,7 +94,7 @@ def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
 
 
 def result_of(job: Job, out: Path) -> Any:
-    """Return the result that is there already, None if none is. ConfigError if it is another's."""
+    """Return the job's finished result, None without one; ConfigError if it is another job's."""
     if not out.exists():
         return None
     try:

@@ -1,7 +1,7 @@
 """The numbers of each member, by the plan of a study.
 
-Every number is a pure function of the study's seed, the variable's name and the member. So a member
-alone has the same numbers, and a variable that is added leaves those of the others as they are.
+Every number is a pure function of the study's seed, the variable's name and the member, so that a
+member flown alone has the same numbers, and a new variable leaves those of the others unchanged.
 """
 
 import math
@@ -20,6 +20,8 @@ from trainer.core.elementary import logarithm
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.noise import uniform
 
+GRID_SAMPLE, LATIN_SAMPLE, MONTE_CARLO_SAMPLE = "grid", "latin-hypercube", "monte-carlo"
+SEED_LIMIT: Final = 2.0**49  # seeds are whole numbers below it, which an exercise may have too
 # M. Wichura, Algorithm AS 241, Appl. Statist. 37 (1988) 477: numerator
 # and denominator near the middle, in the tails, and far out in them, the highest power first
 MIDDLE_HALF_WIDTH, MIDDLE_SQUARED, TAIL_END = 0.425, 0.180625, 5.0
@@ -110,10 +112,6 @@ def fill_normals(shares: Numbers, out: Numbers) -> None:
         out[i] = normal_quantile(shares[i])
 
 
-GRID_SAMPLE, LATIN_SAMPLE, MONTE_CARLO_SAMPLE = "grid", "latin-hypercube", "monte-carlo"
-SEED_LIMIT: Final = 2.0**49  # seeds are whole numbers below it, which an exercise may have too
-
-
 def stream_number(purpose: str, name: str) -> int:
     """Return the number of a stream of random numbers."""
     return zlib.crc32(f"sweep {purpose} {name}".encode())
@@ -150,7 +148,7 @@ class Draws:
         return int(np.prod([len(row.values or ()) for row in self.rows], dtype=object))
 
     def seeds(self, first: int, count: int) -> NDArray[np.int64]:
-        """Return the seed of all that is random in each member's flight."""
+        """Return the seed of each member's flight. All that is random follows from it."""
         if self.sample.seeds == "one":
             return np.full(count, int(self.sample.seed), np.int64)
         drawn = uniforms(int(self.sample.seed), stream_number("seed", ""), first, count)
@@ -176,7 +174,7 @@ class Draws:
         return columns
 
     def middle(self) -> dict[str, Any]:
-        """Return the middle of each variable, of draws the estimate. A study is tried with it."""
+        """Return each variable's middle, of draws the estimate. A study is tried with it first."""
         half = np.array([0.5])
         return {
             row.name: 0

@@ -37,7 +37,7 @@ class Outing:
 
 
 def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
-    """Return what one member is to fly; ConfigError if that is none."""
+    """Return the plan of one member; ConfigError if its tables make no exercise."""
     tables, file = study.varied(drawn), study.file
     if file is None:
         raise ConfigError(f"{study.path.name}: has no boat")
@@ -120,11 +120,11 @@ class ExerciseSubject:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept of each member. ConfigError if the study asks for what is not."""
+        """Return the outputs of each member; ConfigError if the study asks for another."""
         return asked_of(self.study, self.trial.flight, [])
 
     def batch(self, first: int, count: int) -> Batch:
-        """Return what becomes of ``count`` members from ``first`` on."""
+        """Return the results of ``count`` members from ``first`` on."""
         return fly_each(self.study.draws, first, count, len(self.outputs), self._flown)
 
     def _flown(self, drawn: dict[str, Any], seed: int) -> list[float]:

@@ -1,6 +1,6 @@
 """The members of a study as one fleet, with records, starts and orders together.
 
-Each is the boat that ``Submarine`` would be, to the bit; a test holds it.
+Each member flies as ``Submarine`` would fly it, to the bit; a test compares them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,9 +36,12 @@ from trainer.core.state import STATE, new_scratch
 from trainer.core.terms import LENGTH_POWERS
 from trainer.core.vessel import COMPACT, VESSEL, compact_record, vessel_record
 
+SURFACE_SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
+DEPTH_SURFACES: Final = ("stern", "bow")  # that keep depth
+
 
 class ScriptLine(NamedTuple):
-    """One thing done, before the tick of that number."""
+    """One action of a manoeuvre, done before the tick of that number."""
 
     tick: int
     verb: str  # "order" or "keep"
@@ -47,7 +50,7 @@ class ScriptLine(NamedTuple):
 
 
 class Script(NamedTuple):
-    """All that is done in a manoeuvre, and how long it takes."""
+    """All actions of a manoeuvre, and its length."""
 
     lines: tuple[ScriptLine, ...]
     marks: tuple[Mark, ...]
@@ -55,7 +58,7 @@ class Script(NamedTuple):
 
 
 class Scribe:
-    """A vehicle that goes nowhere and writes down what it is told."""
+    """A vehicle that does not move, and writes down the orders that it gets."""
 
     name = "scribe"
     length = 1.0
@@ -74,7 +77,7 @@ class Scribe:
         self.tick = 0
 
     def incline(self, heel: float) -> None:
-        """Raise KeyError: heel [rad] is no order, and not written down."""
+        """Raise KeyError, because a fleet has no order that heels a boat."""
         raise KeyError(heel)
 
     def order(self, control: str, value: float) -> None:
@@ -98,7 +101,7 @@ class Scribe:
 def script_of(
     manoeuvre: Manoeuvre, step: float, controls: tuple[tuple[str, Control], ...]
 ) -> Script | None:
-    """Return what is done when; None where that depends on how the vehicle moves."""
+    """Return a manoeuvre's script; None if its orders depend on how the vehicle moves."""
     scribe = Scribe(step, dict(controls))
     conn: Any = Conn(scribe)
     try:
@@ -152,10 +155,6 @@ def start_fleet(
             s.sea[i] = calm[i]
         order_sea(vessel, scheme[0].h, 0.0, calm, scratch, state)
         s.depth_law = how.law
-
-
-SURFACE_SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
-DEPTH_SURFACES: Final = ("stern", "bow")  # what keeps depth
 
 
 class VesselBatch(NamedTuple):
@@ -217,7 +216,7 @@ def by_files(files: Sequence[VesselFile], method: Method) -> VesselBatch:
 
 
 def carries_surface(made: VesselBatch, surface: str) -> NDArray[np.bool_]:
-    """Return which members have a surface that does something."""
+    """Return which members have a surface that has an effect."""
     letter = {"rudder": "r", "stern": "s", "bow": "b"}[surface]
     return np.asarray((made.toward[surface] != 0.0) & (made.vessels[f"limit_{letter}"] > 0.0))
 
@@ -227,7 +226,7 @@ def start_members(
 ) -> tuple[Fleet, NDArray[np.bool_]]:
     """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each.
 
-    With it goes which members can fly straight and have the controls.
+    Return also which members can fly straight and have the controls.
     """
     count = made.vessels.size
     made.vessels["torque_limit"] = 0.0  # as a manoeuvre holds its revolutions
@@ -253,7 +252,7 @@ def start_members(
 
 
 def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -> Schedule:
-    """Return the orders of scripts alike but for their numbers. What is kept is kept at once."""
+    """Return the orders of scripts that differ in numbers alone. ``keep`` acts at the start."""
     neutral = {
         name: states[f"delta_{letter}"].copy() for name, (_, letter) in CONTROL_SURFACES.items()
     }

@@ -1,4 +1,4 @@
-"""The job for whoever flies members: a study with its batches, outputs and files."""
+"""A job: a study with outputs and files, for the processes that fly it."""
 
 import hashlib
 import json
@@ -71,7 +71,7 @@ def of_column(name: str, flight: Flight) -> Measure | None:
 
 
 def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tuple[Output, ...]:
-    """Return what a study keeps of each member. ConfigError if it asks for what is not."""
+    """Return the outputs that a study keeps of each member; ConfigError for an unknown one."""
     known, ways = {one.name: one for one in measures}, ", ".join(COLUMN_READINGS)
     names, file = study.heading.measures, study.path.name
     if names is None and not known:
@@ -91,7 +91,7 @@ def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tup
 
 
 def read_off(outputs: Sequence[Output], flight: Flight, measures: Sequence[Measure]) -> list[float]:
-    """Return the numbers kept of a flight, NaN for what it never came to."""
+    """Return the outputs of a flight, NaN for one that the flight never came to."""
     known = {one.name: one for one in measures}
     values = []
     for output in outputs:
@@ -112,7 +112,7 @@ class Batch:
     troubles: tuple[str | None, ...]  # why there is nothing of a member
 
     def told(self, place: int, names: Sequence[str]) -> dict[str, Any]:
-        """Return all about one member by the result's columns. None for what it never came to."""
+        """Return one member by the result's columns. None: an output that it never came to."""
         numbers = [None if np.isnan(x) else float(x) for x in self.outputs[place]]
         return {
             "member": int(self.members[place]),
@@ -128,7 +128,7 @@ class Subject(Protocol):
 
     @property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept of each member."""
+        """Return the outputs of each member."""
         ...
 
     @property
@@ -137,7 +137,7 @@ class Subject(Protocol):
         ...
 
     def batch(self, first: int, count: int) -> Batch:
-        """Return what becomes of ``count`` members from ``first`` on."""
+        """Return the results of ``count`` members from ``first`` on."""
         ...
 
 
@@ -157,7 +157,7 @@ def fly_each(
     fly: Callable[[dict[str, Any], int], Sequence[float]],
     done: Mapping[int, Sequence[float]] = MappingProxyType({}),
 ) -> Batch:
-    """Return members flown one by one, but for those that are ``done``.
+    """Return the results of members flown one by one, except those that are ``done``.
 
     ``fly`` takes a member's numbers and seed, and returns ``width`` numbers; its ConfigError says
     why there are none.
@@ -186,7 +186,7 @@ class Job:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """Return what the members' bits follow from, for a manifest, wherever the study lies."""
+        """Return the facts that determine the members' bits, for a manifest; no place on disk."""
         return {
             "study": Path(self.name).stem,
             "members": self.members,
@@ -197,7 +197,7 @@ class Job:
 
     @cached_property
     def digest(self) -> str:
-        """Return a short hash of all of that."""
+        """Return a short hash of the facts."""
         text = json.dumps(self.facts, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -220,7 +220,7 @@ class OpenJob:
         return -(-self.members // self.subject.chunk)
 
     def chunk(self, place: int) -> Batch:
-        """Return what becomes of the members of one chunk."""
+        """Return the results of one chunk's members."""
         first = place * self.subject.chunk
         return self.subject.batch(first, min(self.subject.chunk, self.members - first))
 
@@ -239,7 +239,7 @@ def as_seen_from(study: str, texts: Mapping[str, str]) -> dict[str, str]:
 def job_of(name: str, members: int | None, make: Callable[[Study], Subject]) -> Job:
     """Return the job of the study of that name or path. ConfigError if it cannot be flown.
 
-    ``make`` makes its members ready; it is sent to whoever flies them by its name.
+    ``make`` makes its members ready. It goes to other processes by its name.
     """
     with remembering() as texts:
         _open(name, members, make)
@@ -266,7 +266,7 @@ def open_job(job: Job) -> OpenJob:
 
 
 def fly_chunk(job: Job, place: int) -> Batch:
-    """Return what becomes of one chunk's members, by no files but the job's."""
+    """Return the results of one chunk's members, from the files in the job alone."""
     ready = open_job(job)
     with reading_recorded(dict(job.texts)):
         return ready.chunk(place)

@@ -36,6 +36,16 @@ from trainer.units import KNOT
 if TYPE_CHECKING:
     from trainer.core.kernel import Numbers
 
+FLEET_CHUNK_MEMBERS, SINGLE_CHUNK_MEMBERS = 512, 16  # members of a chunk
+PLACED_COLUMNS: Final = BOAT_COLUMNS[1:]  # all but the time
+MAX_FLIGHTS_HELD: Final = 128  # members whose flights are in memory at once
+# plausible only within the hull: these go through the whole check of a vessel file
+CHECKED_COEFFICIENTS: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
+FIELD_LIMITS: Final = {
+    "coefficients": COEFFICIENT_QUANTITY.limits,
+    "compensation": FACTOR_QUANTITY.limits,
+}
+
 
 @dataclass(frozen=True)
 class MemberCase:
@@ -98,17 +108,6 @@ def fly_case(case: MemberCase) -> tuple[Manoeuvre, Flight]:
     )
 
 
-FLEET_CHUNK_MEMBERS, SINGLE_CHUNK_MEMBERS = 512, 16  # members of a chunk
-PLACED_COLUMNS: Final = BOAT_COLUMNS[1:]  # all but the time
-MAX_FLIGHTS_HELD: Final = 128  # members whose flights are in memory at once
-# plausible only within the hull: these go through the whole check of a vessel file
-CHECKED_COEFFICIENTS: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
-FIELD_LIMITS: Final = {
-    "coefficients": COEFFICIENT_QUANTITY.limits,
-    "compensation": FACTOR_QUANTITY.limits,
-}
-
-
 class ManoeuvreSubject:
     """The members of a study that fly a manoeuvre."""
 
@@ -121,7 +120,7 @@ class ManoeuvreSubject:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept of each member. ConfigError if the study asks for what is not."""
+        """Return the outputs of each member; ConfigError if the study asks for another."""
         return asked_of(self.study, self.flight, self.trial.measures(self.flight))
 
     @cached_property
@@ -140,7 +139,7 @@ class ManoeuvreSubject:
         return script_of(manoeuvre, self.middle.method.step, tuple(self.boat.controls.items()))
 
     def batch(self, first: int, count: int) -> Batch:
-        """Return what becomes of ``count`` members from ``first`` on."""
+        """Return the results of ``count`` members from ``first`` on."""
         done: dict[int, list[float]] = {}
         if self.together:
             drawn = self.study.draws.drawn(first, count)
@@ -168,8 +167,8 @@ class ManoeuvreSubject:
     def _cases(self, drawn: dict[str, Any], count: int) -> dict[int, tuple[MemberCase, Manoeuvre]]:
         """Return case and manoeuvre of the members for which there can be any.
 
-        Where nothing but coefficients varies the case is the middle one's, and says nothing of
-        them.
+        Where nothing but coefficients varies, all cases are the middle one: the coefficients of the
+        members are not in them.
         """
         if self._by_coefficients:
             good = np.ones(count, bool)
@@ -191,7 +190,7 @@ class ManoeuvreSubject:
 
     @cached_property
     def _by_coefficients(self) -> bool:
-        """Return whether nothing but coefficients varies, and none that has to fit the hull."""
+        """Return whether nothing but coefficients varies, and none of CHECKED_COEFFICIENTS."""
         keys = [variable.steps for variable in self.study.variables]
         named = (steps for steps in keys if len(steps) > 1 and steps[0] == "vessel")
         good = [

@@ -21,6 +21,8 @@ END_SHARE: Final = 0.1  # of the members: what counts as a variable's low and hi
 MIN_SPREAD_MEMBERS: Final = 2  # members that a spread can be told of
 MAX_TROUBLES_SHOWN: Final = 5  # different troubles
 MAX_CURVES: Final = 12  # of a panel over a grid
+SPREAD_HEADS: Final = ("", "unit", "mean", "std dev", "5 %", "50 %", "95 %", "members")
+SHOWN_PERCENTILES: Final = (5.0, 50.0, 95.0)  # [%] on the page and as marks of the plot
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class SweepReport:
-    """All that ``trainer sweep`` prints of a result."""
+    """The figures of a result that ``trainer sweep`` prints."""
 
     study: str
     file: str
@@ -72,7 +74,7 @@ def numbers_of(table: Any, name: str) -> Numbers:
 
 
 def report_of(opened: OpenJob, table: Any, file: str) -> SweepReport:
-    """Return what a result says."""
+    """Return the report of a result."""
     study = opened.study
     troubles = Counter(text for text in table.column(TROUBLE_COLUMN).to_pylist() if text)
     most = sorted(troubles.items(), key=lambda item: (-item[1], item[0]))[:MAX_TROUBLES_SHOWN]
@@ -108,7 +110,7 @@ def spread_of(name: str, unit: str, values: Numbers) -> Spread:
 
 
 def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect, ...]:
-    """Return what each variable does to a measure, the widest first."""
+    """Return the effect of each variable on a measure, the widest first."""
     present = ~np.isnan(values)
     if present.sum() < MIN_SPREAD_MEMBERS:
         return ()
@@ -117,7 +119,7 @@ def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect,
 
 
 def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
-    """Return the means of ``values`` at the ends of a variable, or of its words with the extremes.
+    """Return the mean ``values`` at both ends of a variable, or by its extreme words.
 
     An end is the tenth of members where the variable is lowest, or highest.
     """
@@ -130,10 +132,6 @@ def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
     means = {str(word): float(values[of == word].mean()) for word in np.unique(of)}
     least, most = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
     return Effect(name, least, most, means[least], means[most])
-
-
-SPREAD_HEADS: Final = ("", "unit", "mean", "std dev", "5 %", "50 %", "95 %", "members")
-SHOWN_PERCENTILES: Final = (5.0, 50.0, 95.0)  # [%] on the page and as marks of the plot
 
 
 def on_page(unit: str) -> tuple[float, str]:
@@ -170,7 +168,7 @@ def render(report: SweepReport) -> str:
 
 
 def _effects(report: SweepReport, spread: Spread) -> list[str]:
-    """Return what moves a measure most, as lines."""
+    """Return the variables with the widest effects, as lines."""
     effects = report.effects[spread.name]
     if not effects:
         return []
@@ -194,7 +192,7 @@ def _format(number: float | str) -> str:
 
 
 def coverage(report: SweepReport) -> list[str]:
-    """Return how often intervals held the truth, as lines; none where nothing is identified."""
+    """Return as lines how often intervals held the truth; none without identification."""
     known = {spread.name: spread for spread in report.spreads}
     names = [name for name in known if COVERED_COLUMN.format(name) in known]
     if not names:
@@ -226,7 +224,7 @@ def member_page(study: str, member: int, told: dict[str, Any], outputs: tuple[Ou
 
 
 def panels(report: SweepReport, result: Any, measure: str | None) -> tuple[Panel | BarGroup, ...]:
-    """Return how one measure is spread, what moves it most, and over a grid how."""
+    """Return the panels of one measure: its spread, the widest effects, curves over a grid."""
     known = {spread.name: spread for spread in report.spreads}
     if measure is not None and measure not in known:
         raise ConfigError(

@@ -39,7 +39,7 @@ def schema_of(opened: OpenJob) -> Any:
 
 
 def table_of(batch: Batch, schema: Any) -> Any:
-    """Return a batch as a table; what a member never came to is null."""
+    """Return a batch as a table. An output that a member never came to is null."""
     import pyarrow as pa  # noqa: PLC0415
 
     columns = [
@@ -85,6 +85,6 @@ def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
 
 
 def facts_of(table: Any) -> dict[str, Any]:
-    """Return the facts that a result follows from. There are none if it is of no study."""
+    """Return the facts that determine a result; none if the file is no study's result."""
     facts: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS_KEY, b"{}"))
     return facts

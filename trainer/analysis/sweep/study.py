@@ -1,8 +1,9 @@
 """A study from its file: the common part, the differences, the outputs.
 
-A key of what is varied is a path: words with dots between, ``vessel.fluid.rho``, and places in
-lists in brackets, ``exercise.orders[2].at_s``. The vessel's coefficients stand there all of them,
-by name, and of its compensation the factors of all that the compact set keeps.
+The key of a varied number is a path: words with dots between, ``vessel.fluid.rho``, and places in
+lists in brackets, ``exercise.orders[2].at_s``. All of the vessel's coefficients can be named, also
+those that its file leaves out, and the compensation's factors of all terms that the compact set
+keeps.
 """
 
 import re
@@ -59,58 +60,6 @@ PathStep = str | int
 KEY_WORD: Final = re.compile(r"([A-Za-z0-9_-]+)((?:\[\d{1,4}\])*)")
 BLANK_MARK: Final = "{}"  # in a text: where the number goes
 TEXT_DECIMALS: Final = 9  # of a number in a text
-
-
-def steps_of(key: str) -> tuple[PathStep, ...]:
-    """Return the words and places of a key; ConfigError if it is none."""
-    steps: list[PathStep] = []
-    for part in key.split("."):
-        match = KEY_WORD.fullmatch(part)
-        if match is None:
-            raise ConfigError(f"{part!r} is no word of a key")
-        steps.append(match[1])
-        steps += [int(place) for place in re.findall(r"\d+", match[2])]
-    return tuple(steps)
-
-
-def value_at(tables: Any, steps: tuple[PathStep, ...]) -> Any:
-    """Return what stands there, None if nothing does; ConfigError naming the nearest table."""
-    here = tables
-    for depth, step in enumerate(steps):
-        last = depth == len(steps) - 1
-        if isinstance(here, Mapping) and isinstance(step, str):
-            if step not in here and not last:
-                raise ConfigError(f"there is no table {step!r}{nearest(step, here)}")
-            here = here.get(step)
-        elif isinstance(here, list) and isinstance(step, int) and step < len(here):
-            here = here[step]
-        else:
-            kind = "it is a table" if isinstance(here, Mapping) else "it is no table and no list"
-            if isinstance(here, list):
-                kind = f"it is a list of {len(here)}, counted from 0"
-            raise ConfigError(f"{step!r} has no place there: {kind}")
-    return here
-
-
-def change_value(tables: Any, steps: tuple[PathStep, ...], value: Any) -> Any:
-    """Return the tables with another value there, or in the blank of a text.
-
-    Those given stay as they are.
-    """
-    if not steps:
-        if not isinstance(tables, str) or BLANK_MARK not in tables:
-            return value
-        if not isinstance(value, str):
-            value = f"{value:.{TEXT_DECIMALS}f}".rstrip("0").rstrip(".")
-        return tables.replace(BLANK_MARK, value)
-    step, rest = steps[0], steps[1:]
-    if isinstance(step, int):
-        return [
-            change_value(item, rest, value) if i == step else item for i, item in enumerate(tables)
-        ]
-    return {**tables, step: change_value(tables.get(step), rest, value)}
-
-
 MANOEUVRE_STUDY, EXERCISE_STUDY, IDENTIFICATION_STUDY = "manoeuvre", "exercise", "identification"
 STUDY_KINDS: Final = (MANOEUVRE_STUDY, EXERCISE_STUDY, IDENTIFICATION_STUDY)
 STUDY_TABLES: Final = ("method", *STUDY_KINDS, "parameters", "sample", "vary")
@@ -134,9 +83,59 @@ DrawTables = Callable[
 ]  # puts a draw of that number into a vessel's tables
 
 
+def steps_of(key: str) -> tuple[PathStep, ...]:
+    """Return the words and places of a key; ConfigError if it is none."""
+    steps: list[PathStep] = []
+    for part in key.split("."):
+        match = KEY_WORD.fullmatch(part)
+        if match is None:
+            raise ConfigError(f"{part!r} is no word of a key")
+        steps.append(match[1])
+        steps += [int(place) for place in re.findall(r"\d+", match[2])]
+    return tuple(steps)
+
+
+def value_at(tables: Any, steps: tuple[PathStep, ...]) -> Any:
+    """Return the value at a path, None without one; ConfigError naming the nearest table."""
+    here = tables
+    for depth, step in enumerate(steps):
+        last = depth == len(steps) - 1
+        if isinstance(here, Mapping) and isinstance(step, str):
+            if step not in here and not last:
+                raise ConfigError(f"there is no table {step!r}{nearest(step, here)}")
+            here = here.get(step)
+        elif isinstance(here, list) and isinstance(step, int) and step < len(here):
+            here = here[step]
+        else:
+            kind = "it is a table" if isinstance(here, Mapping) else "it is no table and no list"
+            if isinstance(here, list):
+                kind = f"it is a list of {len(here)}, counted from 0"
+            raise ConfigError(f"{step!r} has no place there: {kind}")
+    return here
+
+
+def change_value(tables: Any, steps: tuple[PathStep, ...], value: Any) -> Any:
+    """Return tables with another value at a path, or in a text's blank.
+
+    The tables given do not change.
+    """
+    if not steps:
+        if not isinstance(tables, str) or BLANK_MARK not in tables:
+            return value
+        if not isinstance(value, str):
+            value = f"{value:.{TEXT_DECIMALS}f}".rstrip("0").rstrip(".")
+        return tables.replace(BLANK_MARK, value)
+    step, rest = steps[0], steps[1:]
+    if isinstance(step, int):
+        return [
+            change_value(item, rest, value) if i == step else item for i, item in enumerate(tables)
+        ]
+    return {**tables, step: change_value(tables.get(step), rest, value)}
+
+
 @dataclass(frozen=True)
 class Variable:
-    """One number that differs: where it stands, and what the files have there."""
+    """One varied number: its path, and the value that the files have there."""
 
     row: VaryRow
     steps: tuple[PathStep, ...]
@@ -144,13 +143,13 @@ class Variable:
     draw: DrawTables | None = None  # where the value is the number of a draw
 
     def value(self, drawn: Any) -> Any:
-        """Return what takes the place."""
+        """Return the value to put at the path."""
         return drawn if self.base is None else self.base * drawn
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Everything a study says."""
+    """The content of a study's file, read and checked."""
 
     path: Path
     heading: StudyHeading

@@ -1,6 +1,6 @@
 """A study is carried out by this process, others, or those of a Dask cluster.
 
-What is missing is flown, each chunk is kept, and one result is joined.
+The missing chunks are flown, each chunk is kept, and all are joined to one result.
 """
 
 from collections.abc import Callable, Iterator
@@ -107,7 +107,7 @@ def carry_out(job: Job, crew: ChunkCrew, out: Path, progress: ProgressCall) -> A
 def _fly_missing(
     job: Job, ready: OpenJob, crew: ChunkCrew, out: Path, progress: ProgressCall
 ) -> Any:
-    """Return the result of a study whose chunks are in part there; ConfigError if it cannot be."""
+    """Return the result of a study, flying the chunks that are missing; ConfigError."""
     schema = schema_of(ready)
     parts = take_up(job, schema, ready.chunks, out)
     done = parts.finished()
