@@ -1,6 +1,6 @@
 """The reference crew of an exercise: its rules ``[[crew]]``, and how its hands steer.
 
-A rule says when, and what is ordered then. What the crew sees is what its gauges show.
+A rule has a condition and an order. The crew sees only what its gauges show.
 """
 
 from collections.abc import Mapping

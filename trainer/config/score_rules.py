@@ -327,7 +327,7 @@ def _read_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> 
 
 
 def _unfit(score: ScoreRow, place: Place) -> list[str]:
-    """Return which keys the measure has no use for, and which it lacks."""
+    """Return problems of keys that the measure has no use for, or lacks."""
     measure = SCORE_MEASURES[score.measure]
     timed = () if score.measure in TIMELESS_MEASURES else WINDOW_KEYS
     taken = (*measure.needs, *measure.may, *timed)
@@ -344,7 +344,7 @@ def _unfit(score: ScoreRow, place: Place) -> list[str]:
 
 
 def _check_target(rule: ScoreRule, place: Place) -> list[str]:
-    """Return what is wrong with the quantity, or with the lack of its target."""
+    """Return problems of the quantity, or of a target that it lacks."""
     measure, measured, score = SCORE_MEASURES[rule.score.measure], rule.measured, rule.score
     if measured is None:
         return []

@@ -2,7 +2,7 @@
 
 Two boats of one shape behave alike where gravity and water are the same: lengths as L, times and
 speeds as the root of L, masses as L^3. The unit of a key tells its power of L; ``LAW_EXCEPTIONS``
-names the keys that another law holds for, and why. What has no unit stays.
+names the keys with another law, and why. A number without a unit stays as it is.
 """
 
 import re
@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 
 from trainer.config.schema import Kind, NamedNumbers, Quantities, Quantity, Rows, Table, kinds_of
 
-SCALED_DIGITS: Final = 7  # of a scaled number
+SCALED_DIGITS: Final = 7  # [digits] of a scaled number
 LENGTH_POWERS: Final = {  # of the length, by unit
     **dict.fromkeys(("-", "rad", "deg", "degC"), 0.0),
     **dict.fromkeys(("m", "cm", "mm"), 1.0),

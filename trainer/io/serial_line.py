@@ -1,7 +1,7 @@
-"""A serial line at any pyserial URL. It comes back by itself after it was unplugged.
+"""A serial line at any pyserial URL. It opens again by itself after it was unplugged.
 
-`read` belongs to an Inbox, `write` to an Outbox: both may wait, and do so only in those threads.
-The reading thread also mends the line; while it is down, output is dropped and counted.
+Only an Inbox calls `read` and only an Outbox calls `write`, because both may wait. The reading
+thread also opens the line again; while it is down, output is dropped and counted.
 """
 
 import contextlib
@@ -156,7 +156,7 @@ def devices() -> list[str]:
 
 
 def nearest(given: str, names: list[str]) -> str:
-    """Return advice: the nearest name, or all there are."""
+    """Return advice: the nearest name of a device, or the names of all."""
     near = difflib.get_close_matches(given, names, n=1)
     if near:
         return f"; did you mean {near[0]}?"

@@ -1,7 +1,7 @@
 """The pages are made once at the start from templates and catalogues of words.
 
-Catalogues hold plain text alone: no contexts, no plurals. So their reader is shorter than a
-dependency.
+Catalogues hold plain text, without contexts and plurals. So a short reader here does the work of a
+library.
 """
 
 import ast
@@ -177,9 +177,10 @@ def name_of(form: Form) -> str:
 
 
 def lessons() -> list[dict[str, Any]]:
-    """Return the exercises in the course's order, as anybody may know them.
+    """Return the exercises in the course's order, without the names of their files.
 
-    The names of their files tell what breaks: the instructor's line tells those, by ``next``.
+    A file name tells what will break, and trainees read this page. The instructor's line tells the
+    names, by the order ``next``.
     """
     return [
         {"title": exercise.title, "briefing": " ".join(exercise.briefing.split())}
