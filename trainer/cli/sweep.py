@@ -66,7 +66,7 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
 
 
 def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
-    """Return the result as a table of pyarrow, with a progress bar on a terminal."""
+    """Fly the members and return a table of pyarrow; show progress on a terminal."""
     from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.sweep.job import open_job
     from trainer.analysis.sweep.sweep import (

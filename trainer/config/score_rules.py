@@ -33,17 +33,17 @@ ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # places of the state that hol
     "speed": "ordered_speed",
 }
 AIR_BANKS: Final = ("bank_main", "bank_emergency")
-TIMELESS_MEASURES: Final = ("response",)  # look at the whole record
+TIMELESS_MEASURES: Final = ("response",)  # they take the whole record, without a window
 WINDOW_KEYS: Final = ("since", "from_s", "to_s", "when")
 VALUE_LIMITS: Final = within(-1e9, 1e9)
-# orders of the instructor, and words, which answer no casualty
+# These answer no casualty: the instructor gives them, or they are only words.
 INSTRUCTOR_ORDERS: Final = (
     frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"}) | CREW_TALK
 )
 MARK_PARTS: Final = ("task", "answer", "keeping")
 ANSWER_ORDERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTOR_ORDERS))
-VALUE_MEASURES: Final = ("final", "largest")  # without a target
-# what a rule may say for some measures only
+VALUE_MEASURES: Final = ("final", "largest")  # of the quantity itself, if there is no target
+# Keys that only some measures take.
 OPTIONAL_KEYS: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW_KEYS)
 
 

@@ -46,7 +46,7 @@ TOKEN_PATTERN = re.compile(
 CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
 MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
 PRINTABLE_PATTERN = re.compile(r"[\t -~]*")
-SAID_IN_TWO = (
+SPLIT_WORDS = (
     (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
     (re.compile(r"\bdiving\s+officer\b", re.IGNORECASE), "diving"),
 )
@@ -160,7 +160,7 @@ def parse(line: str) -> Order | BadOrder | None:
         if plan := PLAN_PATTERN.fullmatch(said):
             return planned_order(plan)
         words = said
-        for pattern, whole in SAID_IN_TWO:  # one in the table
+        for pattern, whole in SPLIT_WORDS:  # one in the table
             words = pattern.sub(whole, words)
         tokens = tokenise(hide_token(words))
         return with_token(understood_order(tokens), find_token(words)) if tokens else None
