@@ -171,7 +171,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
 
-    VESSEL_NAME is a name, a vessel file, or the file of a ship that was identified.
+    VESSEL is a name, a vessel file, or the file of a ship that was identified.
 
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
@@ -268,7 +268,7 @@ def guide(vessel: str, **options: Any) -> None:
     \b
     Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
 
-    VESSEL_NAME is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the
+    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the
     modified set is out of tolerance; trainer reduce finds one that is not.
     """
     from trainer.analysis.guide import moves, page, summary

@@ -204,7 +204,7 @@ sequence_options = combine_options(
 def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
 
-    VESSEL_NAME is a name or the path of a vessel file, or the file of a ship that is not linear.
+    VESSEL is a name or the path of a vessel file, or the file of a ship that is not linear.
     Such a ship sails a zig-zag, a binary sequence, or both; these, and several speeds, are tried
     one by one and together in the same time.
 
@@ -255,7 +255,7 @@ def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float |
 def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     """Show gains, lever arms, and the spiral of a boat or a Nomoto ship.
 
-    VESSEL_NAME is a name, or the path of a vessel file or a Nomoto file.
+    VESSEL is a name, or the path of a vessel file or a Nomoto file.
 
     \b
     Example:  trainer steering bb2 --speed 5 --speed 10
@@ -286,7 +286,7 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  # noqa: FBT001
     """Lanes to position to sway velocity (DECCON).
 
-    ANY_FILE is a Decca study: the chain, the antenna, and the CSV_FILE file of lanes and heading.
+    FILE is a Decca study: the chain, the antenna, and the CSV file of lanes and heading.
 
     \b
     Example:  trainer decca run.toml --csv sway.csv --plot track.png
@@ -339,10 +339,10 @@ def identify(
 ) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
-    ANY_FILE is a study (.toml), a recording, or a CSV_FILE file as `trainer run --csv` writes it.
+    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
     Further records are of the same ship, and are fitted together with the first. `trainer identify
-    new RECORD_FILE` writes a study of any CSV_FILE file. The models linear, mavmm, abkowitz and mmg
-    are of ships that are not linear, and read CSV_FILE files.
+    new RECORD` writes a study of any CSV file. The models linear, mavmm, abkowitz and mmg
+    are of ships that are not linear, and read CSV files.
 
     \b
     Example:  trainer identify --example

@@ -10,7 +10,7 @@ from trainer.cli.answers import AHEAD_SPEED_TYPE, SPEED_TYPE, Number, outputs, s
 from trainer.cli.options import CSV_FILE, VESSEL_NAME, combine_options
 
 COMMAND_SPEED_TYPE: Final = Number(-60.0, 60.0)
-MEAN_VELOCITY_TYPE: Final = Number(0.0, 50.0)
+MEAN_MOTION_TYPE: Final = Number(0.0, 50.0)
 SPEEDS_OPTION: Final = click.option(
     "--speed",
     "speeds",
@@ -29,7 +29,7 @@ mean_options = combine_options(  # which average motions into the linear coeffic
     *(
         click.option(
             f"--mean-{name}",
-            type=MEAN_VELOCITY_TYPE,
+            type=MEAN_MOTION_TYPE,
             default=0.0,
             show_default=True,
             help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
@@ -61,7 +61,7 @@ mean_options = combine_options(  # which average motions into the linear coeffic
 def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -> None:
     """Percent change of change of two runs (ZC590, ZC691).
 
-    Both are CSV_FILE files, as `trainer run --csv` writes them: FULL is taken as true, OTHER is
+    Both are CSV files, as `trainer run --csv` writes them: FULL is taken as true, OTHER is
     judged.
 
     \b

@@ -63,7 +63,7 @@ STATION_ROLES = (
 def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
-    EXERCISE_NAME is the name of a shipped exercise (`trainer exercises` lists them) or the path of
+    EXERCISE is the name of a shipped exercise (`trainer exercises` lists them) or the path of
     a file. Options given here overrule the file.
 
     \b

@@ -36,7 +36,7 @@ from trainer.cli.types import File
 def sweep(study: str, member: int | None, **options: Any) -> None:
     """Fly a study: one boat many times, with some of its numbers varied.
 
-    STUDY_NAME is the name of a shipped study or the path of a file. The result has a row for each
+    STUDY is the name of a shipped study or the path of a file. The result has a row for each
     member. What is finished is kept: after an interruption the same command goes on.
 
     \b

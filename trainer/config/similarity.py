@@ -108,7 +108,7 @@ def law_of(table: str, key: str, kind: Kind) -> Law:
 
 
 def _quantity(kind: Kind) -> Quantity | None:
-    """Return what the numbers of a kind are, None of words."""
+    """Return the quantity of the numbers of a kind, None for words."""
     if isinstance(kind, Quantities | NamedNumbers):
         return kind.each
     return kind if isinstance(kind, Quantity) else None
@@ -147,7 +147,7 @@ def _multiplied(value: Any, by: float) -> Any:
 
 
 def formula(power: float) -> str:
-    """Return in words how a key follows the length. ``as it is`` stands for no power."""
+    """Return the law of a power as text; "as it is" for 0."""
     if power == 0.0:
         return "as it is"
     return "L" if power == 1.0 else f"L^{power:g}"

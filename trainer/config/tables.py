@@ -133,6 +133,7 @@ class CsvTable:
         try:
             number = float(text)
         except ValueError:
+            # Infinity is beyond MAX_NUMBER, so that a text that is no number is refused below.
             number = math.nan if text.casefold() in EMPTY_CELLS else math.inf
         if abs(number) > MAX_NUMBER:
             remedy = ": write it without a sign between thousands" if "," in text else ""
@@ -187,7 +188,8 @@ class CsvTable:
                 raise self.wrong(row, place, "must be a time by ISO 8601, as the first is")
             moments.append(moment)
         since = np.array([(moment - moments[0]).total_seconds() for moment in moments])
-        if ":" in self.cells[0][place][:3]:  # no date: midnight comes
+        # Times without dates begin like 23: or 9:, and go back by a day at midnight.
+        if ":" in self.cells[0][place][:3]:
             since = np.unwrap(since, period=DAY_S)
         return since
 

@@ -105,10 +105,14 @@ class LineDecoder:
 
 
 class TelnetFilter:
-    """Drop telnet commands from a stream. A line end always ends one, so noise cannot jam it."""
+    """Drop telnet commands from a stream.
+
+    A line end always ends a command, so that noise on a line cannot swallow all that follows.
+    """
 
     def __init__(self) -> None:
-        # Not a method of this object: it would refer to itself, and outlive its line for a while.
+        # A function of the class. A bound method would refer to this object, and the cycle would
+        # keep it in memory until the garbage collector runs.
         self._state: Step = TelnetFilter._text
 
     def feed(self, data: bytes) -> bytes:

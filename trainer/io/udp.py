@@ -15,7 +15,7 @@ class Datagrams:
     room: Final = True
 
     def __init__(self, host: str, port: int) -> None:
-        """Find the host, once; LinkError if there is none or the port is none."""
+        """Look the host up once; LinkError if there is no such host or port."""
         self.dropped = 0
         self.trouble = ""  # of the last datagram
         if not 0 < port <= MAX_PORT:

@@ -25,9 +25,9 @@ from trainer.io.orders.table import FORMS, Form, heading_word
 LOCALE_FOLDER: Final = Path(__file__).parent / "locale"
 CATALOGUE_KEYWORDS: Final = ("msgid", "msgstr")
 CATALOGUE_LINE: Final = re.compile(r'(?:(\w+(?:\[\d+\])?)\s+)?("(?:[^"\\]|\\.)*")')
-VALUE_HOLE: Final = re.compile(r"\{\d\}")  # where a value stands
+VALUE_HOLE: Final = re.compile(r"\{\d\}")  # the place of a value in a text
 
-Catalogue = dict[str, str]  # what is said, by the English words
+Catalogue = dict[str, str]  # translated texts, by the English ones
 WEB_FOLDER: Final = Path(__file__).parent
 ASSETS_FOLDER: Final = WEB_FOLDER / "assets"
 LEAD_GROUP, CREW_GROUP, WATCH_GROUP = "Lead", "Crew", "Watch"
@@ -144,7 +144,7 @@ PAGES: Final = (
 
 @cache
 def _environment() -> Environment:
-    """Return where templates are found: all of them escape what they are given."""
+    """Return the environment of the templates, which escapes every value."""
     environment = Environment(
         loader=FileSystemLoader(WEB_FOLDER / "templates"),
         autoescape=True,
@@ -159,7 +159,7 @@ def _environment() -> Environment:
 def order_words(taken: Container[str] | None = None) -> dict[str, Any]:
     """Return the wordings of orders and what their numbers are, for their completion.
 
-    ``taken`` has the names of those that are taken; without it all are.
+    ``taken`` has the names of the orders that the page takes; without it they are all orders.
     """
     wanted = [
         form for form in FORMS if not form.refusal and (taken is None or name_of(form) in taken)

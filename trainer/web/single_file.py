@@ -24,10 +24,10 @@ EXPORT_KEYWORD: Final = re.compile(
 EXPORTED_NAME: Final = re.compile(
     r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE
 )
-# what a page in a file has in another one's place
+# A page in a file has no server to link to. So its link is to the boat in its own worker.
 REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER_SCRIPT: Final = "js/tab/worker.js"
-# orders that such a page takes, beside those that only write numbers
+# Orders that such a page takes, beside the boat's own rows, which only write numbers.
 # fmt: off
 TAB_ORDERS: Final = frozenset(
     (
@@ -48,7 +48,7 @@ class UnknownPageError(Exception):
 
 
 def collect_modules(entry: str, seen: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the sources of a module and of what it imports, that first."""
+    """Return the sources of a module and its imports, which stand first."""
     sources = {} if seen is None else seen
     source = (ASSETS_FOLDER / REPLACED_SCRIPTS.get(entry, entry)).read_text(encoding="utf-8")
     for _, path in IMPORT_STATEMENT.findall(source):

@@ -148,7 +148,7 @@ def _guard(connection: sqlite3.Connection) -> sqlite3.Connection:
     """Return a connection to a file that may be made to do harm, with SQLite's limits set."""
     for limit, most in SQLITE_LIMITS:
         connection.setlimit(limit, most)
-    # Python looks for a signal there: SQLite's own work hears none
+    # Python looks for signals in this call. Otherwise Ctrl-C would wait for a long query.
     connection.set_progress_handler(lambda: None, SIGNAL_STEPS)
     connection.executescript(GUARD_STATEMENTS)
     return connection
@@ -156,7 +156,7 @@ def _guard(connection: sqlite3.Connection) -> sqlite3.Connection:
 
 def temporary(header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
     """Return a recording for this process alone, which is deleted when it is closed."""
-    connection = sqlite3.connect("", isolation_level=None)
+    connection = sqlite3.connect("", isolation_level=None)  # "": SQLite's own temporary file
     connection.execute("PRAGMA journal_mode = MEMORY")
     connection.execute("PRAGMA synchronous = OFF")
     _fill(connection, header, state)

@@ -140,7 +140,7 @@ class ExcessRows:
     """A kind of rows of which there are too many. Only the first of them are read."""
 
     what: str
-    of: int  # those that there are, MAX_ROWS_COUNTED of even more
+    of: int  # rows in the file; the count stops at MAX_ROWS_COUNTED
     first: int  # those that are read
 
     def __str__(self) -> str:
@@ -166,7 +166,8 @@ class Past:
         self._connection = connection
         self._name = name
         (version,) = connection.execute("PRAGMA user_version").fetchone()
-        now = int(version) == FILE_FORMAT  # or words alone
+        # An older file lacks these columns; ``format_1`` tells the facts from its words.
+        now = int(version) == FILE_FORMAT
         self._branch_columns = BRANCH_COLUMNS + (", cause" if now else "")
         self._order_columns = ORDER_COLUMNS + (CREW_COLUMNS if now else "")
         self._event_columns = EVENT_COLUMNS + (", role" if now else "")
@@ -209,7 +210,7 @@ class Past:
         here = self._find(branch)
         while here and here.parent is not None and tick < here.tick:
             here = self._find(here.parent)
-        if here is None:  # it could not be written
+        if here is None:  # the branch could not be written while the file was out of reach
             return None
         if tick == here.tick:
             return Moment(here.id, tick, here.state, here.after, here.place)
