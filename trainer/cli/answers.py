@@ -1,4 +1,4 @@
-"""How the engineer's programs answer: a page, JSON, a plot."""
+"""The answers of the engineer's programs: a page, JSON or a plot."""
 
 import math
 import sys
@@ -25,7 +25,10 @@ outputs = combine_options(  # how the answer is shown
 
 
 class Number(click.FloatRange):
-    """A number within limits; "nan", which passes any comparison, is none."""
+    """A number within limits, and not "nan".
+
+    click's own limits let "nan" pass, because no comparison with it is true.
+    """
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number."""
@@ -35,12 +38,12 @@ class Number(click.FloatRange):
         return number
 
 
-AHEAD_SPEED_KN: Final = Number(0.0, 60.0, min_open=True)  # [kn]
-SPEED_RANGE_KN: Final = Number(0.0, 60.0)  # [kn] rest included
+AHEAD_SPEED_TYPE: Final = Number(0.0, 60.0, min_open=True)  # [kn] ahead
+SPEED_TYPE: Final = Number(0.0, 60.0)  # [kn] rest included
 
 
 def json_of(value: Any) -> str:
-    """Return a value as JSON; an infinite number, or none, is null."""
+    """Return a value as JSON; an infinite number, or nan, is null."""
     from trainer.config.files import json_text
 
     return json_text(value, indent=1)
@@ -63,12 +66,12 @@ def show_report(
 
 
 def print_note(text: str) -> None:
-    """Print a line beside the answer."""
+    """Print a line on stderr, so that it is no part of the answer."""
     click.echo(text, err=True)
 
 
 def show_step(step: int, cost: float) -> None:
-    """Show how far a fit is, on a terminal."""
+    """Show the step and cost of a fit in one line, on a terminal only."""
     if sys.stderr.isatty():
         click.echo(f"\rstep {step}, -log L {cost:.4f}  ", nl=False, err=True)
 
@@ -87,7 +90,7 @@ def write_text(path: Path, text: str, option: str = "") -> None:
 
 @contextmanager
 def show_progress(length: int, label: str) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on a terminal, on stderr; give what moves it on."""
+    """Show a progress bar on stderr, if a terminal; yield what moves it."""
     hidden = not sys.stderr.isatty()
     with click.progressbar(length=length, label=label, file=sys.stderr, hidden=hidden) as shown:
         yield shown.update

@@ -1,6 +1,7 @@
 """The boat of the Python face: a session without a clock, run by calls.
 
-It is planned, made ready, ordered and ticked by what a headless run is, and has the same bits.
+A headless run and this boat share the code that plans, makes ready, orders and ticks. So the bits
+are the same.
 """
 
 import contextlib
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
     from trainer.io.recording.recording import Recording
     from trainer.session.stations.station import News
 
-ORDER_GIVER: Final = station("instructor", "python")  # of the orders, for the record
+ORDER_GIVER: Final = station("instructor", "python")  # who gives the orders, in the journal
 INITIAL_KEYS: Final = {"speed": "speed_kn", "depth": "depth_m", "course": "course_deg"}
 ROW_WIDTH: Final = len(MOTION_COLUMNS)
 
@@ -129,7 +130,7 @@ class Boat:
         self._session = self._begin(chosen)
 
     def _begin(self, chosen: RunOptions) -> Session:
-        """Return the session that is run by calls."""
+        """Return a session without consoles, stations and pages, which calls run."""
         boat, plan = self._boat, self._plan
         time = Timekeeping.at(MonotonicClock(), boat.method.step, math.inf, Policy(chosen.overrun))
         session = Session(
@@ -252,7 +253,7 @@ class Boat:
         ]
 
     def _journal(self) -> list[RecordedOrder]:
-        """Return the orders of the present branch; those at the end once the boat is closed."""
+        """Return the orders of the present branch. A closed boat has those of its end."""
         if self._closing is not None:
             return self._closing
         with refusing_damage():
@@ -302,7 +303,7 @@ class Boat:
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
-        """Keep the boat for one call. ConfigError while another thread's is under way."""
+        """Hold the boat for one call; ConfigError while another thread holds it."""
         if not self._lock.acquire(blocking=False):
             raise ConfigError(
                 "another thread is at this boat: one call at a time; give each thread its own boat"
@@ -343,11 +344,11 @@ class _TickRows:
             self._numbers.extend(values)
 
     def cut(self, tick: int) -> None:
-        """Forget what is later than a tick."""
+        """Drop the rows after a tick."""
         del self._numbers[(tick + 1) * ROW_WIDTH :]
 
     def columns(self) -> dict[str, Numbers]:
-        """Return a copy, by name."""
+        """Return copies of the columns, by name."""
         table = np.array(self._numbers).reshape(-1, ROW_WIDTH)
         return {name: table[:, place].copy() for place, name in enumerate(MOTION_COLUMNS)}
 
@@ -365,7 +366,7 @@ def _options_of(given: Mapping[str, Any]) -> RunOptions:
 
 
 def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
-    """Return the plan with the speed, depth and course given; ConfigError if one cannot be."""
+    """Return the plan with the speed, depth and course given; ConfigError if one is wrong."""
     kinds = {item.name: kind_of(item) for item in fields(StartState)}
     start_values: dict[str, Any] = {
         INITIAL_KEYS[name]: kinds[INITIAL_KEYS[name]].read(name, _number(value), Place("Boat", ""))
@@ -377,7 +378,7 @@ def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
 
 
 def _number(value: Any) -> Any:
-    """Return a number of numpy's as Python's own; whatever else it is, as it is."""
+    """Return a number of numpy as Python's own; any other value as it is."""
     with contextlib.suppress(AttributeError):
         return value.item()
     return value

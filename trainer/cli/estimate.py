@@ -71,7 +71,7 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
 
 
 def _write_skeleton(file: Path | None) -> None:
-    """Write a hull to be changed; ConfigError if the file is there."""
+    """Write a hull file with comments for the user to change; ConfigError if it is there."""
     from trainer.config.files import as_typed, read_text, shipped_path, write_once
 
     if file is None:
@@ -81,20 +81,22 @@ def _write_skeleton(file: Path | None) -> None:
 
 
 def _write_study(path: Path, boat: Path | None, rudder: float) -> None:
-    """Write a study of the turn that draws the boat's coefficients."""
+    """Write a study that draws the boat's coefficients and flies a turn with each draw."""
     from os.path import relpath
 
     from trainer.analysis.estimate.boat_file import study_text
 
-    seen = relpath(boat or "", path.parent)
-    write_text(path, study_text(seen, rudder))
+    # A study names its boat as seen from the study's own folder.
+    boat_name = relpath(boat or "", path.parent)
+    write_text(path, study_text(boat_name, rudder))
 
 
 def _reduce(boat: Path | None) -> None:
-    """Find the compact set of the boat written, and write it into its file."""
+    """Find the compact set of the boat in a file, and add it to the file."""
     from trainer.cli.vessel import reduce
 
     if boat is not None:
-        sys.stdout.flush()
+        sys.stdout.flush()  # the estimate appears before the minutes that the search takes
+        # A bare name would be that of a shipped boat.
         path = f"./{boat}" if boat.parent == Path() else str(boat)
         reduce.main([path, "--write", "--quick"], standalone_mode=False)

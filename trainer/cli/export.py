@@ -1,4 +1,4 @@
-"""The command that makes machine code for other programs."""
+"""The commands that write a boat for other programs, and as one page."""
 
 import sys
 from dataclasses import asdict, replace
@@ -21,6 +21,7 @@ from trainer.cli.options import (
 )
 from trainer.session.options import RunOptions
 
+# Names of LLVM for processors; the first, the default, runs on the most machines.
 CPU_TARGETS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
 
 boat_options = combine_options(
@@ -78,6 +79,7 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
     exported = write_core(boat_at_start(run_options(options)), directory, cpu)
     missing = ""
+    # The object file is useful by itself. So it stays, even if no C compiler links the library.
     try:
         add_library(directory)
     except NoCompilerError as error:
@@ -136,7 +138,7 @@ def page_text(boat: Any, recording: Path | None, station: str) -> str:
 
 
 def boat_at_start(options: RunOptions) -> Any:
-    """Return the boat of the command line's ``options`` at its start; ConfigError if it cannot."""
+    """Return the boat of these options at its start; ConfigError if there is none."""
     from trainer.boat.boat import Boat
     from trainer.config.files import ConfigError
     from trainer.config.sea import load_sea

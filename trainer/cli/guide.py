@@ -11,7 +11,7 @@ import click
 
 from trainer.cli import ships
 from trainer.cli.answers import (
-    AHEAD_SPEED_KN,
+    AHEAD_SPEED_TYPE,
     Number,
     json_of,
     outputs,
@@ -58,10 +58,10 @@ MANOEUVRE_NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load
     "roll-decay", "out-of-balance", "plane-jam", "rudder-jam",
 )
 # fmt: on
-ANGLE_DEG: Final = Number(0.0, 90.0)
-DURATION_S: Final = Number(1.0, 1e5)
+ANGLE_TYPE: Final = Number(0.0, 90.0)
+DURATION_TYPE: Final = Number(1.0, 1e5)
 PARAMETER_OPTIONS: Final = combine_options(
-    click.option("--angle", type=ANGLE_DEG, help="Of the control, in degrees."),
+    click.option("--angle", type=ANGLE_TYPE, help="Of the control, in degrees."),
     click.option(
         "--side",
         type=click.Choice(("starboard", "port")),
@@ -74,25 +74,25 @@ PARAMETER_OPTIONS: Final = combine_options(
         flag_value="dive",
         help="Planes to dive, or first. [default: rise; of trim, dive]",
     ),
-    click.option("--planes", type=ANGLE_DEG, help="Of a climbing turn, in degrees."),
+    click.option("--planes", type=ANGLE_TYPE, help="Of a climbing turn, in degrees."),
     click.option("--execute", type=Number(0.0, 180.0), help="Mark, in degrees."),
-    click.option("--duration", type=DURATION_S, help="In seconds."),
+    click.option("--duration", type=DURATION_TYPE, help="In seconds."),
     click.option(
         "--step-speed",
         type=Number(0.1, 60.0),
         metavar="KN",
         help="At most, of each step of an acceleration. [default: 5, or a third of the last]",
     ),
-    click.option("--step-time", type=DURATION_S, help="In seconds, of each step."),
+    click.option("--step-time", type=DURATION_TYPE, help="In seconds, of each step."),
     click.option(
         "--ahead-speed",
-        type=AHEAD_SPEED_KN,
+        type=AHEAD_SPEED_TYPE,
         metavar="KN",
         help="The last that an acceleration orders. [default: full ahead]",
     ),
     click.option(
         "--ahead-time",
-        type=DURATION_S,
+        type=DURATION_TYPE,
         help="In seconds, until an utmost acceleration stops. [default: half the duration]",
     ),
 )
@@ -137,7 +137,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     callback=print_list,
     help="Print the manoeuvres and their parameters, and leave.",
 )
-@click.option("--speed", type=AHEAD_SPEED_KN, metavar="KN", help="[default: the boat's]")
+@click.option("--speed", type=AHEAD_SPEED_TYPE, metavar="KN", help="[default: the boat's]")
 @PARAMETER_OPTIONS
 @INITIAL_OPTIONS
 @click.option("--equations", type=click.Choice(EQUATION_SETS), default="full", show_default=True)
@@ -171,7 +171,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
 
-    VESSEL_NAME is a name, a vessel file, or the file of a ship that was identified.
+    VESSEL is a name, a vessel file, or the file of a ship that was identified.
 
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
@@ -268,7 +268,7 @@ def guide(vessel: str, **options: Any) -> None:
     \b
     Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
 
-    VESSEL_NAME is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the
+    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the
     modified set is out of tolerance; trainer reduce finds one that is not.
     """
     from trainer.analysis.guide import moves, page, summary

@@ -8,7 +8,7 @@ import click
 
 from trainer.cli import ships
 from trainer.cli.answers import (
-    AHEAD_SPEED_KN,
+    AHEAD_SPEED_TYPE,
     Number,
     outputs,
     print_note,
@@ -58,7 +58,7 @@ model_options = combine_options(
     ),
     click.option("--vessel", type=VESSEL_NAME, help=VESSEL_HELP),
     click.option("--length", type=POSITIVE_NUMBER, help="Of the ship, metres."),
-    click.option("--at", "knots", type=AHEAD_SPEED_KN, help="Speed, knots."),
+    click.option("--at", "knots", type=AHEAD_SPEED_TYPE, help="Speed, knots."),
     click.option(
         "--output",
         "channels",
@@ -128,7 +128,7 @@ class ApproachSpeed(click.ParamType[tuple[float, float]]):
         if isinstance(value, tuple):
             return value
         speed, _, held = str(value).partition("/")
-        return AHEAD_SPEED_KN.convert(speed, param, ctx), AHEAD_SPEED_KN.convert(
+        return AHEAD_SPEED_TYPE.convert(speed, param, ctx), AHEAD_SPEED_TYPE.convert(
             held or speed, param, ctx
         )
 
@@ -204,7 +204,7 @@ sequence_options = combine_options(
 def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
 
-    VESSEL_NAME is a name or the path of a vessel file, or the file of a ship that is not linear.
+    VESSEL is a name or the path of a vessel file, or the file of a ship that is not linear.
     Such a ship sails a zig-zag, a binary sequence, or both; these, and several speeds, are tried
     one by one and together in the same time.
 
@@ -238,7 +238,7 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
 
 def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float | None:
-    """Return the speed [kn] of a boat's experiment; UsageError for what is for ships."""
+    """Return the speed [kn] of a boat's experiment; UsageError for options of ships."""
     if len(speeds) > 1 or any(speed != held for speed, held in speeds):
         raise click.UsageError(f"--speed: {vessel} is a boat: give one speed, without a stroke")
     if "prior_strength" in options_given():
@@ -249,13 +249,13 @@ def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float |
 @click.command()
 @click.argument("vessel", type=VESSEL_NAME)
 @click.option(
-    "--speed", "speeds", type=AHEAD_SPEED_KN, multiple=True, metavar="KN", help="May be repeated."
+    "--speed", "speeds", type=AHEAD_SPEED_TYPE, multiple=True, metavar="KN", help="May be repeated."
 )
 @outputs
 def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     """Show gains, lever arms, and the spiral of a boat or a Nomoto ship.
 
-    VESSEL_NAME is a name, or the path of a vessel file or a Nomoto file.
+    VESSEL is a name, or the path of a vessel file or a Nomoto file.
 
     \b
     Example:  trainer steering bb2 --speed 5 --speed 10
@@ -286,7 +286,7 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  # noqa: FBT001
     """Lanes to position to sway velocity (DECCON).
 
-    ANY_FILE is a Decca study: the chain, the antenna, and the CSV_FILE file of lanes and heading.
+    FILE is a Decca study: the chain, the antenna, and the CSV file of lanes and heading.
 
     \b
     Example:  trainer decca run.toml --csv sway.csv --plot track.png
@@ -339,10 +339,10 @@ def identify(
 ) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
-    ANY_FILE is a study (.toml), a recording, or a CSV_FILE file as `trainer run --csv` writes it.
+    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
     Further records are of the same ship, and are fitted together with the first. `trainer identify
-    new RECORD_FILE` writes a study of any CSV_FILE file. The models linear, mavmm, abkowitz and mmg
-    are of ships that are not linear, and read CSV_FILE files.
+    new RECORD` writes a study of any CSV file. The models linear, mavmm, abkowitz and mmg
+    are of ships that are not linear, and read CSV files.
 
     \b
     Example:  trainer identify --example
@@ -378,7 +378,7 @@ def identify(
 @click.argument("record", type=File(".csv", ".trainer"))
 @click.option("-o", "--output", type=TOML_FILE, metavar="FILE", help="[default: beside]")
 @click.option("--length", type=POSITIVE_NUMBER, help="Of the ship, metres.")
-@click.option("--at", "knots", type=AHEAD_SPEED_KN, help="Speed, knots.")
+@click.option("--at", "knots", type=AHEAD_SPEED_TYPE, help="Speed, knots.")
 @click.option("--ship", type=TOML_FILE, metavar="FILE", help="A ship's file instead.")
 def new(
     record: Path,
@@ -440,7 +440,7 @@ def _example(files: tuple[Path, ...], folder: str) -> Path:
 
 
 def _data(study: "Study", options: dict[str, Any]) -> int:
-    """Show a record alone; return the exit code."""
+    """Show a record without a fit; return the exit code."""
     from trainer.identify.pages import record as page
 
     report, screens = page.carry_out(study)
@@ -463,7 +463,7 @@ def _armax(study: "Study", options: dict[str, Any]) -> int:
 
 
 def fit_ship(study: "Study", asked: "IdentifyOptions") -> "Identification":
-    """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
+    """Return a fitted ship model and its report; ConfigError if it cannot be fitted."""
     from trainer.boat import compilation
     from trainer.identify.pages.results import carry_out
 

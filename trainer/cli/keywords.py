@@ -20,10 +20,10 @@ def parse_options(
     keywords: Mapping[str, Any],
     known: Collection[str],
 ) -> Iterator[dict[str, Any]]:
-    """Yield a command's options, as if it had been typed, inside the block.
+    """Yield a command's options inside the block, as if they had been typed.
 
-    ``known`` are the keywords that there are; None is as if not given. ConfigError with the
-    command's own words if something is wrong.
+    ``known`` are all keywords. One with None counts as not given. It is a block, because a command
+    reads more from click's context. ConfigError with the command's own words if something is wrong.
     """
     for name in keywords:
         if name not in known:
@@ -32,6 +32,7 @@ def parse_options(
     words = [word for name, value in keywords.items() for word in _words(command, name, value)]
     texts = [str(each) for each in arguments]
     try:
+        # After "--" a path that begins with a dash is no option.
         with command.make_context(command.name, [*words, "--", *texts]) as context:
             yield dict(context.params)
     except click.UsageError as wrong:
@@ -39,14 +40,14 @@ def parse_options(
 
 
 def _words(command: click.Command, name: str, value: object) -> list[str]:
-    """Return what is typed for a keyword; nothing for None, and for a flag that is not set."""
+    """Return the words typed for a keyword: none for None and for a flag not set."""
     options = [each for each in command.params if isinstance(each, click.Option)]
     named = [each for each in options if name in _names(each)]
     if not named or value is None:
         return []
     option = named[0]
     if option.is_flag:
-        # the flag that is typed for a value; nothing for False. ConfigError if none is
+        # Several flags may set one option, each to a value of its own.
         flags: dict[object, list[str]] = {each.flag_value: [each.opts[0]] for each in named}
         if named[0].is_bool_flag:
             flags = {False: [], True: [named[0].opts[0]]}
@@ -59,6 +60,6 @@ def _words(command: click.Command, name: str, value: object) -> list[str]:
 
 
 def _names(option: click.Option) -> set[str]:
-    """Return the keywords that an option goes by: its own name, and those that are typed."""
+    """Return the keywords of an option: its name in Python, and the names typed."""
     typed = {each.lstrip("-").replace("-", "_") for each in option.opts}
     return {option.name or "", *typed}

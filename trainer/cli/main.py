@@ -112,20 +112,24 @@ for title, commands in COMMAND_SECTIONS.items():
 
 
 def keep_standard_streams() -> None:
-    """Put the null device where one is closed. Else the next file opened would take its number."""
+    """Open the null device for each closed standard stream.
+
+    Otherwise the next file that is opened would take its number, and get its output.
+    """
+    # The system gives the lowest free number: 0, 1 and 2 are the standard streams.
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
         pass
     os.close(descriptor)
 
 
 def show_any_name() -> None:
-    """Make stdout show any file name, by codes where it is not UTF-8."""
+    """Make stdout show any file name, with codes for what it cannot encode."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def leave_with(code: int, *lines: str) -> NoReturn:
-    """Say why on stderr and leave with that exit code."""
+    """Print lines on stderr, and end with an exit code."""
     from trainer.io.lines import plain
 
     for line in lines:
@@ -134,7 +138,7 @@ def leave_with(code: int, *lines: str) -> NoReturn:
 
 
 def memory_limit() -> str:
-    """Return what memory this process may have, and what gives more; "" without limit."""
+    """Return the limit of memory and how to raise it, "" without a limit."""
     try:
         import resource
     except ImportError:
@@ -146,7 +150,7 @@ def memory_limit() -> str:
 
 
 def cause_of(lost: OSError) -> str:
-    """Return why an OSError came: its file, if any, and the system's words."""
+    """Return the cause of an OSError: its file, if any, and the system's words."""
     name = "" if lost.filename is None else f"{lost.filename}: "
     if lost.strerror:
         return f"{name}{lost.strerror}"
@@ -163,9 +167,9 @@ def main() -> None:
 
 
 def run_command(command: click.Command, name: str) -> NoReturn:
-    """Run a command. A user's mistake is told on stderr, exit code 2."""
+    """Run a command. A user's mistake is a line on stderr and exit code 2."""
     show_any_name()
-    limit = memory_limit()  # asked for while there is memory
+    limit = memory_limit()  # now, because it needs memory itself
     try:
         sys.exit(command(prog_name=name, standalone_mode=False))
     except ConfigError as wrong:
@@ -177,12 +181,12 @@ def run_command(command: click.Command, name: str) -> NoReturn:
     except click.Abort:
         leave_with(130, "interrupted")
     except OSError as lost:  # the disk behind the output is full; click handles a closed pipe
-        leave_with(
-            1, f"{cause_of(lost)}{'' if lost.strerror else limit}"
-        )  # a library was not loaded
+        # Without the system's words a library was not loaded, most likely for lack of memory.
+        leave_with(1, f"{cause_of(lost)}{'' if lost.strerror else limit}")
     except (MemoryError, ImportError, SystemError) as lack:
         if not (limit or isinstance(lack, MemoryError)):
-            raise  # a fault of the program's own, told whole
+            raise  # a fault of this program: its developers need the whole trace
         cause = str(lack) if isinstance(lack, ImportError) else "out of memory"
-        click.echo(f"trainer: {cause}{limit}", err=True)  # `fail` imports
+        # Not by ``leave_with``, which imports a module, and that takes memory.
+        click.echo(f"trainer: {cause}{limit}", err=True)
         sys.exit(1)

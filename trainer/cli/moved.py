@@ -1,10 +1,11 @@
-"""Commands that have gone, and what to type now: for one release."""
+"""Commands that were removed, and what to type now. The list stays for one release."""
 
 from collections.abc import Sequence
 from typing import Final
 
 BENCH_COMPARISONS: Final = ("--against-c", "--side-by-side", "--footprint", "--peers", "--identify")
-# a command, and its option that has gone or "" for the whole; what to type now
+# By the command and its removed option, "" for the whole command: what to type now. An option comes
+# before its whole command, because the first match is taken.
 MOVED_COMMANDS: Final = {
     ("soak", "--faults"): "from a checkout, python -m tests.faults",
     ("soak", "--damaged"): "from a checkout, python -m tests.faults --damaged",
@@ -21,7 +22,7 @@ MOVED_COMMANDS: Final = {
 
 
 def name_successor(words: Sequence[str]) -> str:
-    """Return what to type instead of a command that has gone. "" for any other."""
+    """Return what to type instead of a removed command, "" for any other."""
     options = {word.partition("=")[0] for word in words[1:]}
     for (command, option), now in MOVED_COMMANDS.items():
         if words[:1] == [command] and (not option or option in options):

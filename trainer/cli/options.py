@@ -64,7 +64,7 @@ def sea_option(text: str, default: str | None = None) -> Decorator:
 
 
 def seed_option(text: str) -> Decorator:
-    """Return the option of what random numbers begin with."""
+    """Return the option of the seed of random numbers."""
     seeds = click.IntRange(0, 2**53 - 1)
     return click.option("--seed", type=seeds, default=1, show_default=True, help=text)
 
@@ -338,7 +338,7 @@ def options_given() -> frozenset[str]:
 
 
 def record_of(kind: type[Record], options: Mapping[str, Any], **further: Any) -> Record:
-    """Return a record of options by their names, and of what is said ``further``."""
+    """Return a record filled from options of the same names, and from ``further``."""
     known_options = {name: options[name] for name in signature(kind).parameters if name in options}
     return kind(**known_options, **further)
 

@@ -6,15 +6,15 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import AHEAD_SPEED_KN, SPEED_RANGE_KN, Number, outputs, show_report
+from trainer.cli.answers import AHEAD_SPEED_TYPE, SPEED_TYPE, Number, outputs, show_report
 from trainer.cli.options import CSV_FILE, VESSEL_NAME, combine_options
 
-COMMAND_SPEED_KN: Final = Number(-60.0, 60.0)
-MEAN_VALUE: Final = Number(0.0, 50.0)
+COMMAND_SPEED_TYPE: Final = Number(-60.0, 60.0)
+MEAN_MOTION_TYPE: Final = Number(0.0, 50.0)
 SPEEDS_OPTION: Final = click.option(
     "--speed",
     "speeds",
-    type=AHEAD_SPEED_KN,
+    type=AHEAD_SPEED_TYPE,
     multiple=True,
     metavar="KN",
     help="Speed in knots, may be repeated. [default: about six over the boat's range]",
@@ -29,7 +29,7 @@ mean_options = combine_options(  # which average motions into the linear coeffic
     *(
         click.option(
             f"--mean-{name}",
-            type=MEAN_VALUE,
+            type=MEAN_MOTION_TYPE,
             default=0.0,
             show_default=True,
             help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
@@ -61,7 +61,7 @@ mean_options = combine_options(  # which average motions into the linear coeffic
 def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -> None:
     """Percent change of change of two runs (ZC590, ZC691).
 
-    Both are CSV_FILE files, as `trainer run --csv` writes them: FULL is taken as true, OTHER is
+    Both are CSV files, as `trainer run --csv` writes them: FULL is taken as true, OTHER is
     judged.
 
     \b
@@ -93,7 +93,7 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 @click.option(
     "--vessel", type=VESSEL_NAME, metavar="VESSEL", help="Start from this boat's roots ..."
 )
-@click.option("--speed", type=AHEAD_SPEED_KN, metavar="KN", help="... at this speed.")
+@click.option("--speed", type=AHEAD_SPEED_TYPE, metavar="KN", help="... at this speed.")
 @click.option(
     "--plane",
     type=click.Choice(("vertical", "horizontal")),
@@ -190,7 +190,7 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
 @click.option(
     "--speed",
     "speeds",
-    type=SPEED_RANGE_KN,
+    type=SPEED_TYPE,
     multiple=True,
     metavar="KN",
     help="Speed in knots, 0 at rest, may be repeated. [default: rest, and about six speeds]",
@@ -198,7 +198,7 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
 @click.option(
     "--command",
     "commands",
-    type=COMMAND_SPEED_KN,
+    type=COMMAND_SPEED_TYPE,
     multiple=True,
     metavar="KN",
     help="Command speed in knots, astern negative, may be repeated. [default: the bells]",

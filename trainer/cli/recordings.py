@@ -72,7 +72,7 @@ def export(
               trainer export drill.trainer --rrd drill.rrd && rerun drill.rrd
               trainer export drill.trainer --plot drill.svg --column z --column delta_s,delta_b
 
-    Of a run's CSV_FILE file, as `trainer run --csv` writes it, --plot draws the columns as well.
+    Of a run's CSV file, as `trainer run --csv` writes it, --plot draws the columns as well.
     """
     from trainer.analysis.recording_export import draw_run, export_file
 
@@ -118,7 +118,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
               trainer debrief drill.trainer --fly
               trainer debrief drill.trainer --change "Time to 100 m: weight 0, the gauge was wrong"
 
-    The page is one HTML_FILE file that needs nothing else. What is changed is kept beside the
+    The page is one HTML file that needs nothing else. What is changed is kept beside the
     recording, and both marks are shown.
     """
     from trainer.debrief.history import latest_recording

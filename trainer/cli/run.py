@@ -63,7 +63,7 @@ STATION_ROLES = (
 def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
-    EXERCISE_NAME is the name of a shipped exercise (`trainer exercises` lists them) or the path of
+    EXERCISE is the name of a shipped exercise (`trainer exercises` lists them) or the path of
     a file. Options given here overrule the file.
 
     \b
@@ -87,7 +87,7 @@ def run(*, teletype: bool, **options: Any) -> None:
 
 
 def with_pages(asked: RunOptions) -> RunOptions:
-    """Return the options of a session with pages, if it has any, checked; ConfigError."""
+    """Return a session's options, checked for its pages if it has any; ConfigError."""
     option = "--web" if asked.browse else "--web HOST:PORT"
     if not (asked.browse or asked.web):
         if asked.cert or asked.key:
@@ -107,7 +107,7 @@ def with_pages(asked: RunOptions) -> RunOptions:
 
 
 def refuse_other_screens(asked: RunOptions) -> None:
-    """Raise ConfigError where a run with pages is to have another console."""
+    """Raise ConfigError if a run with pages is to have another console too."""
     if asked.headless:
         raise ConfigError(
             "--web and --headless exclude each other; trainer serve --web "
@@ -121,9 +121,9 @@ def refuse_other_screens(asked: RunOptions) -> None:
 def set_out(
     asked: RunOptions, begin: Begin, choose: Callable[[RunOptions], RunOptions], *, teletype: bool
 ) -> NoReturn:
-    """Begin a session on a screen of its own, beside one, or without.
+    """Begin a session with a console of its own, for another's console, or without.
 
-    ``choose`` settles what is asked for by a command without any option.
+    ``choose`` lets the user choose an exercise, if the command has no option.
     """
     from trainer.console.terminal import asked_beside, has_terminal
 
@@ -137,7 +137,7 @@ def set_out(
 
 
 def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
-    """Show the console of a session of one's own; return the exit code."""
+    """Begin a session and show its console here; return the exit code."""
     from trainer.console import own_session
 
     def serve_at(where: str) -> NoReturn:
@@ -154,7 +154,7 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
 
 
 def choose(asked: RunOptions) -> RunOptions:
-    """Return the options with the exercise chosen at the terminal. Leave if none is."""
+    """Return the options with an exercise chosen at the terminal. End without a choice."""
     from trainer.config.course import course
     from trainer.console.exercise_choice import choose_exercise
 
@@ -183,7 +183,10 @@ def take_to_sea(options: RunOptions) -> NoReturn:
 
 
 def debriefing() -> "DebriefSource":
-    """Return who judges a recording and writes its debrief, when a session asks for it."""
+    """Return the functions that judge a recording and write its debrief.
+
+    A session calls them. It gets them from here, because its layer must not import the debrief.
+    """
     import numpy as np
 
     from trainer.session.exercise import DebriefSource, Judgement

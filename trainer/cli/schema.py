@@ -1,4 +1,4 @@
-"""The command that gives editors what a file may say."""
+"""The command that prints JSON Schemas of files, for editors."""
 
 import json
 from importlib import import_module

@@ -21,13 +21,8 @@ LINEAR_FIT_OPTIONS: Final = (  # options that these models do not know
     "simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject",
 )
 # fmt: on
-BOAT_RECORD_OPTIONS: Final = (  # options of experiments that ships do not know
-    "depth",
-    "periods",
-    "by",
-    "sea",
-    "write",
-)
+# Options of experiments that ships do not know.
+BOAT_TRIAL_OPTIONS: Final = ("depth", "periods", "by", "sea", "write")
 SEQUENCE_OPTIONS: Final = ("bits", "hold", "seed")  # options that need an amplitude
 
 
@@ -39,7 +34,7 @@ def path_of(vessel: str) -> Path:
 
 
 def is_ship(vessel: str) -> bool:
-    """Return whether a vessel is the file of a ship that is not linear."""
+    """Return whether a name or path is that of a ship that is not linear."""
     from trainer.config.ship import is_ship as is_ships_file
 
     path = path_of(vessel)
@@ -49,9 +44,10 @@ def is_ship(vessel: str) -> bool:
 def design_trials(path: Path, options: dict[str, Any]) -> None:
     """Design trials of a ship and show what they would tell."""
     typed_options = options_given()
-    unknown = [f"--{option}" for option in BOAT_RECORD_OPTIONS if option in typed_options]
+    unknown = [f"--{option}" for option in BOAT_TRIAL_OPTIONS if option in typed_options]
     if unknown:
         raise click.UsageError(f"{', '.join(unknown)}: not with a ship, {path.name}")
+    # Only a boat's experiment has a default amplitude: a ship may sail a zig-zag alone.
     if "amplitude" not in typed_options:
         options = {**options, "amplitude": None}
         if lone := [f"--{option}" for option in SEQUENCE_OPTIONS if option in typed_options]:
@@ -74,7 +70,7 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
 
 
 def sensors_asked(options: dict[str, Any]) -> "Sensors":
-    """Return the instruments of an experiment's options."""
+    """Return the errors of the instruments, from an experiment's options."""
     from trainer.config.sensors import Sensors
 
     return Sensors(

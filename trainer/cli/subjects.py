@@ -1,4 +1,4 @@
-"""The members of any study are made ready to fly."""
+"""The subject of a study: what makes its members and flies them."""
 
 from collections.abc import Callable, Mapping
 from typing import Final
@@ -23,7 +23,7 @@ SUBJECT_MAKERS: Final[Mapping[str, Callable[[Study], Subject]]] = {
 
 
 def subject_of(study: Study) -> Subject:
-    """Return what every member is; ConfigError if its middle member cannot be."""
+    """Return the subject of a study; ConfigError if its middle member cannot fly."""
     if study.kind == MANOEUVRE_STUDY and study.file is None:
         return SailingSubject(study)
     return SUBJECT_MAKERS[study.kind](study)

@@ -36,7 +36,7 @@ from trainer.cli.types import File
 def sweep(study: str, member: int | None, **options: Any) -> None:
     """Fly a study: one boat many times, with some of its numbers varied.
 
-    STUDY_NAME is the name of a shipped study or the path of a file. The result has a row for each
+    STUDY is the name of a shipped study or the path of a file. The result has a row for each
     member. What is finished is kept: after an interruption the same command goes on.
 
     \b
@@ -66,7 +66,7 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
 
 
 def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
-    """Return the result as a table of pyarrow, with a progress bar on a terminal."""
+    """Fly the members and return a table of pyarrow; show progress on a terminal."""
     from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.sweep.job import open_job
     from trainer.analysis.sweep.sweep import (

@@ -1,4 +1,4 @@
-"""How the command line reads and completes what is typed: commands, names, files, times."""
+"""Types of the command line: they read and complete commands, names, files and times."""
 
 import difflib
 import math
@@ -42,13 +42,13 @@ class Commands(click.Group):
                 )
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Return what is left of the arguments once the group's own options are taken."""
+        """Return the arguments after the group's own options. None at all mean --help."""
         return super().parse_args(ctx, args or ["--help"])
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command; UsageError naming the nearest if there is none of that name."""
+        """Return the command; UsageError with the nearest name if there is none."""
         name = args[0]
         unknown = self.get_command(ctx, name) is None and not name.startswith("-")
         if unknown and not ctx.resilient_parsing:
@@ -78,14 +78,14 @@ class ParentCommand(click.Command):
     def make_context(
         self, info_name: str | None, args: list[str], *given: Any, **more: Any
     ) -> click.Context:
-        """Return the context of what is typed: this command's, or that of one below it."""
+        """Return the context of this command, or of the one below it that is typed."""
         if args and args[0] in self.commands:
             below = self.commands[args[0]]
             return below.make_context(f"{info_name} {args[0]}", args[1:], *given, **more)
         return super().make_context(info_name, args, *given, **more)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Return what the command typed does."""
+        """Run the command that was typed: this one, or the one below it."""
         return super().invoke(ctx) if ctx.command is self else ctx.command.invoke(ctx)
 
 
@@ -176,7 +176,7 @@ class Choice(click.Choice[str]):
     """One of some words. It answers a mistyped one with the nearest."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
-        """Return what is wrong with a word, the words that there are, and the nearest."""
+        """Return the message about a wrong word: the right words, and the nearest."""
         from trainer.config.files import nearest
 
         message = super().get_invalid_choice_message(value, ctx).removesuffix(".")
@@ -204,9 +204,8 @@ def complete_files(
 ) -> list[CompletionItem]:
     """Return the files with those endings, and the folders, for a half-typed word.
 
-    No ending: any file.
-
-    The shell itself completes folders where nothing else fits (``alone``), and names with spaces.
+    Without an ending any file fits. The shell itself completes names that it has to quote, and
+    folders if nothing else fits (``alone``).
     """
     if not endings:
         return [CompletionItem(incomplete, type="file")]
@@ -230,7 +229,7 @@ def _entries(folder: str) -> list[str]:
 
 
 def _shown(name: str, typed: str) -> bool:
-    """Return whether a name is offered: a hidden one only when its dot is typed."""
+    """Return whether to offer a name. A hidden one needs its dot typed."""
     return typed.startswith(".") or not name.startswith(".")
 
 

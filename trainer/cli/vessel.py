@@ -154,7 +154,7 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
     \b
     Example:  trainer sea sea-state-5 --plot sea.svg
 
-    SEA_NAME is calm, sea-state-1 to sea-state-6, or a file. The suction is that of a
+    SEA is calm, sea-state-1 to sea-state-6, or a file. The suction is that of a
     Pierson-Moskowitz sea on a boat held still.
     """
     from trainer.analysis import seaway
@@ -187,7 +187,7 @@ def reduce(vessel: str, **options: Any) -> None:
     Example:  trainer reduce bb2 --check
               trainer reduce ./boat.toml -o boat-compact.toml
 
-    VESSEL_NAME is bb2, sdv-mk9, remus100, or the path of a vessel file. With -o or --write an
+    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. With -o or --write an
     interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is
     out of tolerance.
     """

@@ -27,7 +27,8 @@ PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries
 )
 @certificate_options
 @click.option("--open/--no-open", "opens", default=True, help="Open them in a browser here.")
-@click.option("--owner", type=int, hidden=True)  # see page_server
+# A session that begins the pages itself passes them the number of its listening socket.
+@click.option("--owner", type=int, hidden=True)
 def web(
     *,
     url: str | None,

@@ -24,7 +24,7 @@ from trainer.core.ballast.tanks import (
     PUMPED_TANKS,
 )
 
-MIN_TRIM_SHARE: Final = 1e-4  # [-] of the displaced volume that a trim tank is to hold
+MIN_TRIM_SHARE: Final = 1e-4  # [-] of the displaced volume, the least for automatic trim
 
 
 def _centre() -> Any:
@@ -117,7 +117,7 @@ class Pumps:
 
 @dataclass(frozen=True, kw_only=True)
 class HoverControl:
-    """How the depth-control tank keeps depth by itself."""
+    """The law by which the depth-control tank keeps depth by itself."""
 
     frequency_rad_s: float = required(Quantity("rad/s", within(1e-4, 1), "natural frequency"))
     depth_rate_m_s: float = required(
@@ -127,7 +127,7 @@ class HoverControl:
 
 @dataclass(frozen=True, kw_only=True)
 class HullBuoyancy:
-    """How the hull's buoyancy changes with depth; all of it may be zero."""
+    """The change of the hull's buoyancy with depth; all numbers may be 0."""
 
     compressibility_kg_m: float = required(
         Quantity("kg/m", within(0, 1e5), "buoyancy lost with depth")
@@ -170,7 +170,7 @@ class Ballast:
 
 
 def ballast_problems(ballast: Ballast) -> list[str]:
-    """Return what does not fit among checked tables."""
+    """Return what does not fit among tables that are right one by one."""
     problems = []
     for key in ("blown", "pumped", "compartments", "banks"):
         names = [row.name for row in getattr(ballast, key)]

@@ -1,7 +1,7 @@
 """The baseline beside an exercise: its marks with nobody aboard, and with the reference crew.
 
-``trainer exercise baseline`` flies and writes it; the debrief of a recording whose core is not
-today's takes the marks with nobody aboard from it.
+``trainer exercise baseline`` flies and writes it. A debrief takes the marks with nobody aboard from
+it if the recording was made with another core (docs/debrief.md).
 """
 
 import hashlib

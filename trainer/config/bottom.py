@@ -27,7 +27,7 @@ from trainer.io.chart import Chart
 FRICTION_BY_KIND: Final = {"mud": 0.3, "sand": 0.4, "rock": 0.6}  # [-] project's own estimates
 GROUNDING_ACTIONS: Final = ("free", "freeze", "end")
 LAND_DEPTH_M: Final = -10.0  # [m] depth where a grid has no value: a coast that nothing sails over
-START_RADIUS_M: Final = 2000.0  # [m] of the start, within which a grid must have values
+START_RADIUS_M: Final = 2000.0  # [m] of the start, within which no land may lie (docs/world.md)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +106,7 @@ def read_bottom(value: object, place: Place, path: Path) -> Bottom:
 
 
 def _misfits(table: BottomTable, place: Place) -> list[str]:
-    """Return which keys do not go with each other."""
+    """Return what is wrong with keys that do not go together."""
     problems = []
     if (table.depth_m is None) == (table.grid is None):
         problems.append(place.problem("give depth_m, or grid with values"))
@@ -129,7 +129,7 @@ def _misfits(table: BottomTable, place: Place) -> list[str]:
 
 
 def _plane(table: BottomTable) -> Grid:
-    """Return a plane, as a grid whose cell is a metre at the origin."""
+    """Return a plane as a grid of one cell of a metre, which fixes depth and slopes."""
     depth = (table.depth_m or 0.0) + table.tide_m
     slope = (table.slope_percent or 0.0) / 100.0
     fall = math.radians(table.deepens_deg or 0.0)
@@ -155,7 +155,10 @@ def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
 
 
 def land_near(bottom: Bottom, north: float, east: float) -> float:
-    """Return how near [m] a place the grid has no value. Infinity: none within START_RADIUS_M."""
+    """Return the distance [m] to the nearest land, infinity beyond START_RADIUS_M.
+
+    Land is where the grid has no value.
+    """
     if bottom.known is None:
         return math.inf
     grid = bottom.known
@@ -166,7 +169,7 @@ def land_near(bottom: Bottom, north: float, east: float) -> float:
 
 
 def is_charted(bottom: Bottom, north: float, east: float) -> bool:
-    """Return whether a place is on the grid; a plane has no end."""
+    """Return whether a place is on the grid. A plane has no end, so every place is."""
     if bottom.known is None:
         return True
     grid = bottom.known
@@ -176,10 +179,11 @@ def is_charted(bottom: Bottom, north: float, east: float) -> bool:
 
 
 def depths_at(bottom: Bottom, north: Numbers, east: Numbers) -> Numbers:
-    """Return the depths [m] at places [m], beyond a grid's end those of its edge."""
+    """Return the depths [m] at places [m]. Beyond a grid's edge they are as at the edge."""
     grid = bottom.depth
     i, j = (north - grid.south) / grid.cell[0], (east - grid.west) / grid.cell[1]
     if bottom.known is None:
+        # Computed beyond its one cell, since a plane has no edge to keep to.
         (here, right), (up, _) = grid.values.tolist()
         plane: Numbers = here + i * (up - here) + j * (right - here)
         return plane

@@ -1,8 +1,7 @@
-"""Tables of casualties: what can break, how badly, how fast. The shipped one and the user's own.
+"""Tables of casualties: what can break, how badly and how fast.
 
-What an entry of a user's table leaves out comes from the shipped entry of the same kind.
-
-What the severity of each kind of casualty is, and within which limits.
+One table is shipped, and users write their own. An entry of a user's table is completed by the
+shipped entry of its kind. The meaning and limits of a severity depend on the kind.
 """
 
 import math
@@ -43,7 +42,7 @@ from trainer.core.surfaces import SURFACES
 from trainer.units import KNOT
 
 SHARE_LIMITS: Final = above(0, 1)
-SWITCH_LIMITS: Final = within(1, 1)  # there or not, at once
+SWITCH_LIMITS: Final = within(1, 1)  # of a casualty that is only on or off
 SIDE_LIMITS: Final = within(-1, 1)
 FACTOR_LIMITS: Final = above(0, 10)
 SIGNED_FACTOR_LIMITS: Final = within(-10, 10)
@@ -77,12 +76,12 @@ class SeverityMeasure:
 
     @property
     def sudden(self) -> bool:
-        """Return whether it is there or not, so that it has neither degrees nor ramps."""
+        """Return whether the casualty is only on or off, without degrees and ramps."""
         return self.limits == SWITCH_LIMITS
 
 
 def _measures() -> dict[str, SeverityMeasure]:
-    """Return the measure of each kind."""
+    """Return the severity measure of each kind of casualty."""
     stuck = SeverityMeasure(SWITCH_LIMITS, "none: held as it stood")
     taken = SeverityMeasure(SHARE_LIMITS, "share of the rate lost")
     measures = {
@@ -215,7 +214,7 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
 
 @cache
 def _standard(text: str, path: Path) -> Mapping[str, Casualty]:
-    """Return the casualties of the shipped table; an exercise after the other asks for them."""
+    """Return the casualties of the shipped table, cached for the next exercise."""
     return parse_casualties(text, path, {})
 
 
@@ -283,7 +282,7 @@ def read_casualty(
 
 
 def _filler(given: Mapping[str, Any], standard: Mapping[str, Casualty]) -> dict[str, Any]:
-    """Return what the standard entry of the same kind says, in the table's units."""
+    """Return the values of the standard entry of the same kind, in the table's units."""
     kind = given.get("kind")
     usual = standard.get(kind) if isinstance(kind, str) else None
     if usual is None:

@@ -1,4 +1,7 @@
-"""Conditions on the state are read from text. Examples are ``depth > 100`` and ``speed_kn < 4``."""
+"""The quantities of the state that a condition may name, and their units.
+
+``derived`` reads conditions such as ``depth > 100`` and ``speed_kn < 4``.
+"""
 
 import math
 from collections.abc import Mapping

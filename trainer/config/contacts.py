@@ -1,6 +1,7 @@
-"""The ships of an exercise, ``[[contact]]``, what is made of them, ``[contacts]``, and their types.
+"""The ships of an exercise (``[[contact]]``), their types, and the rules for encounters.
 
-The types are ships as such traffic has them: sizes of one usual ship of each kind, no ship by name.
+A type has the sizes of one usual ship of its kind, and is no particular ship. The table
+``[contacts]`` has the rules.
 """
 
 import math
@@ -44,14 +45,11 @@ MAX_CONTACTS: Final = 200  # contacts of an exercise
 MAX_CONTACT_RANGE_M: Final = 200_000.0  # [m] from the origin
 CONTACT_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,15}")  # as an order names it
 MMSI_RANGE: Final = 100_000_000, 999_999_999  # of nine digits
-RESERVED_NAMES: Final = ("add",)  # what an order says in a name's place
+RESERVED_NAMES: Final = ("add",)  # "contact add" is an order, so no contact may have the name
 SHIP_ACCELERATION_M_S2: Final = 0.02  # [m/s^2] of every ship: an estimate
-MIN_TIME_CONSTANT_S: Final = (
-    0.1  # [s] time constant of a ship that can be followed from tick to tick
-)
-TURN_RADIUS_LENGTHS: Final = (
-    2.5  # [lengths] radius of a turn: half of IMO's largest tactical diameter
-)
+MIN_TIME_CONSTANT_S: Final = 0.1  # [s] of a ship: a faster one changes too much in a tick
+# [lengths] radius of a turn: half of IMO's largest tactical diameter
+TURN_RADIUS_LENGTHS: Final = 2.5
 CONTACT_STATUSES: Final = ("under way", "at anchor", "fishing", "trawling", "sailing", "adrift")
 GROUND_SPEED: Final = Quantity("kn", within(0, 60), "over the ground, or one for each leg; else 0")
 
@@ -186,7 +184,7 @@ class ContactRow:
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """One ship, checked by itself. ``place`` tells where it stands."""
+    """One ship, checked by itself. ``place`` is where the file has it, for messages."""
 
     row: ContactRow
     place: Place
@@ -219,7 +217,7 @@ class Contact:
 
     @property
     def status(self) -> str:
-        """Return what it is doing at the start."""
+        """Return the status of the ship at the start, such as "at anchor"."""
         if self.row.status:
             return self.row.status
         if len(self.row.points) > 1 or any(self.speeds):
@@ -270,7 +268,7 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
 
 
 def read_encounters(value: object, place: Place, path: Path) -> Encounters:
-    """Return what is made of ships that come near; ConfigError with all that is wrong."""
+    """Return the rules for ships that come near; ConfigError with all that is wrong."""
     del path
     return read_record(Encounters, value, place, ("note",))
 
@@ -294,7 +292,7 @@ def _ship(row: ContactRow, path: Path) -> ShipFile:
 
 
 def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
-    """Return the identified ship of a contact; ConfigError if its file is of none to be steered."""
+    """Return the identified ship of a contact; ConfigError if it cannot be steered."""
     nomoto_path = Path(relative_name(path, str(row.nomoto)))
     if is_ship(nomoto_path):
         raise ConfigError(
@@ -341,7 +339,7 @@ def _faults(contact: Contact) -> list[str]:
 
 
 def _misplaced(contact: Contact) -> list[str]:
-    """Return which keys do not go with the number of way points, or with each other."""
+    """Return problems of keys that do not go with the way points, or with each other."""
     row, place = contact.row, contact.place
     problems = []
     if row.course_deg is not None and len(row.points) > 1:
@@ -358,7 +356,7 @@ def _misplaced(contact: Contact) -> list[str]:
 
 
 def _without_way(contact: Contact) -> list[str]:
-    """Return which keys do not go with a ship that is not linear."""
+    """Return problems of keys that do not go with a ship that is not linear."""
     row, place = contact.row, contact.place
     problems = []
     if row.nomoto is not None:
@@ -371,7 +369,7 @@ def _without_way(contact: Contact) -> list[str]:
 
 
 def _twice(found: list[Contact]) -> list[str]:
-    """Return which names and numbers two ships have."""
+    """Return problems of names and numbers that two ships share."""
     problems = []
     for key in ("name", "mmsi"):
         values = [(getattr(each.row, key), each.place) for each in found]

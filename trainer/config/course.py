@@ -23,7 +23,7 @@ class Lesson(NamedTuple):
 def course() -> list[Lesson]:
     """Return every shipped exercise; ConfigError if a file cannot be read.
 
-    The files are read as they are: what checks them would load the core.
+    The files are not checked, because the checks load the core, which takes long.
     """
     return sorted(lesson(name) for name in shipped_names("exercises"))
 

@@ -1,4 +1,4 @@
-"""Quantities that no place of the state holds."""
+"""Conditions of an exercise, on quantities of the state and on others made from it."""
 
 import re
 from collections.abc import Mapping
@@ -46,7 +46,7 @@ class Condition:
 
     quantity: str
     sense: float  # 1 above, -1 below the threshold
-    strict: bool
+    strict: bool  # the threshold itself does not count
     threshold: float
     text: str
     place: Place
@@ -118,6 +118,7 @@ def _split(words: str, text: str, place: Place, known: Mapping[str, Quantity]) -
     if name_and_unit is not None:
         return name_and_unit
     words = words.lower()
+    # The longest name first, and one word of unit: depth_rate_kn is of depth_rate, not of depth.
     for name in sorted(known, key=len, reverse=True):
         if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
             return name, words.removeprefix(f"{name}_")  # a wrong unit
@@ -153,7 +154,7 @@ class Loss:
 
 
 def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
-    """Return what loses the exercise; ConfigError with all that is no condition."""
+    """Return the conditions that lose the exercise; ConfigError with all faults."""
     problems: list[str] = []
     losses = []
     for text in texts:
@@ -162,6 +163,8 @@ def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
         try:
             conditions = compile_conditions(words, place)
         except ConfigError as wrong:
+            # The message about the list "lost" already quotes the condition, so only its reason
+            # is taken over.
             reason = str(wrong).partition("condition ")[2].partition(": ")[2]
             problems.append(place.wrong("lost", text, reason))
         else:

@@ -1,4 +1,7 @@
-"""An exercise from its file, checked at load. What it leaves out is as in a run without one."""
+"""Exercise files, checked when they are loaded.
+
+What a file leaves out is as in a run without an exercise.
+"""
 
 # long: one file format, with its tables and their readers
 import hashlib
@@ -51,7 +54,8 @@ from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import MAX_TIME_S, ScheduledOrder
 from trainer.io.orders.table import UNSCHEDULED_WORDS
 
-# what a crew works by hand, and the orders that give it to the autopilot, or to the trim's keeper
+# What a crew works by hand, and the orders that hand it over to the autopilot or to automatic trim.
+# ``allowed`` names those that an exercise permits all the same.
 AUTOMATIC_ORDERS_BY_AXIS: Final[Mapping[str, tuple[str, ...]]] = {
     "rudder": ("course", "course-by", "course-to", "rudder auto", "autopilot on"),
     "planes": ("depth", "periscope", "planes auto", "stern auto", "bow auto", "autopilot on"),
@@ -226,7 +230,7 @@ class ConditionalCasualty:
 
 @dataclass(frozen=True, kw_only=True)
 class RandomCasualty:
-    """A casualty whose coming the seed decides: its time, or whether it comes at all."""
+    """A casualty of chance: the seed decides its time, or whether it comes."""
 
     row: CasualtyRow
     number: int  # in the file, from 0
@@ -245,14 +249,14 @@ class Exercise:
     armed: tuple[ConditionalCasualty, ...]
     limits: ExerciseLimits
     scores: tuple[ScoreRule, ...]
-    drawn: tuple[RandomCasualty, ...]
+    drawn: tuple[RandomCasualty, ...]  # of chance, drawn by the seed
     lost: tuple[Loss, ...]
     crew: Crew
     world: WorldTables
     stated: tuple[StatedValue, ...]
 
     def schedule_of(self, seed: int) -> list[ScheduledOrder]:
-        """Return the orders and casualties of a seed's run at set times, in order."""
+        """Return the orders and timed casualties of a seed's run, in order of time."""
         timed = [*self.schedule]
         for casualty in _chosen(self.drawn, seed):
             timed += _timed_casualty(_settled(casualty, seed), casualty.number)
@@ -260,15 +264,16 @@ class Exercise:
 
 
 def _chosen(drawn: tuple[RandomCasualty, ...], seed: int) -> list[RandomCasualty]:
-    """Return which casualties come: of each group one."""
+    """Return the casualties that come by a seed: one of each group ``one_of``."""
     groups: dict[str, list[RandomCasualty]] = {}
     for casualty in drawn:
+        # A casualty without a group is one alone; no group's name can begin with a blank.
         groups.setdefault(casualty.row.one_of or f" {casualty.number}", []).append(casualty)
     return [group[int(_share(seed, name) * len(group))] for name, group in groups.items()]
 
 
 def _settled(drawn: RandomCasualty, seed: int) -> CasualtyRow:
-    """Return the casualty with its times as the seed has them, in whole seconds."""
+    """Return the casualty with its times by this seed, in whole seconds."""
     row = drawn.row
     if row.at_s is None:
         return row
@@ -280,7 +285,10 @@ def _settled(drawn: RandomCasualty, seed: int) -> CasualtyRow:
 
 
 def _share(seed: int, what: str) -> float:
-    """Return a number from 0 to 1, below it, by a seed and a name; no sea depends on it."""
+    """Return a number in [0, 1) by a seed and a name.
+
+    It is a hash of the two. So the number of one name changes no other's, and no sea depends on it.
+    """
     digest = hashlib.sha256(f"{seed}/{what}".encode()).digest()
     return int.from_bytes(digest[:6], "big") / 2.0**48
 
@@ -359,13 +367,13 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
 
 
 def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
-    """Return the texts of a list, whatever else is wrong in the file."""
+    """Return the texts of a list, even of a file that is wrong elsewhere."""
     value = table.get(key)
     return tuple(each for each in value if isinstance(each, str)) if isinstance(value, list) else ()
 
 
 def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
-    """Return which scheduled orders to the crew are for an axis that nobody mans."""
+    """Return problems of scheduled orders to the crew for an axis that nobody mans."""
     order_names = (*_texts(table, "hand"), *_texts(table, "allowed"))
     problems = []
     rows = table.get("orders", [])
@@ -384,7 +392,7 @@ def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
 
 
 def _without_win(rules: tuple[ScoreRule, ...], place: Place) -> list[str]:
-    """Return that an exercise has scores, and nothing that wins it."""
+    """Return a problem if an exercise has scores, but none that wins it."""
     if not rules or any(rule.part == "task" for rule in rules):
         return []
     return [place.problem('[[scores]] have no part = "task": nothing wins this exercise')]
@@ -399,7 +407,7 @@ def _sea(value: object, path: Path) -> SeaFile:
 
 
 def _orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrder]:
-    """Return the orders and their times; ConfigError with all that are none."""
+    """Return the orders and their times; ConfigError with all that are not orders."""
     problems: list[str] = []
     orders = []
     rows: object = table.get("orders", [])
@@ -425,7 +433,7 @@ def _read_order(text: str, place: Place) -> Order:
 def _casualties(
     table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
 ) -> tuple[list[ScheduledOrder], tuple[ConditionalCasualty, ...], tuple[RandomCasualty, ...]]:
-    """Return what breaks at set times, what waits for a condition, and what the seed decides.
+    """Return casualties at set times, those that wait for a condition, those of chance.
 
     ConfigError with all that is wrong.
     """
@@ -462,7 +470,7 @@ def _entry_named(known: Mapping[str, Casualty], name: str, place: Place) -> Casu
 
 
 def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty]) -> Casualty:
-    """Return the casualty as severe and sudden as the row says; ConfigError on what is wrong."""
+    """Return the casualty with the row's severity and ramp; ConfigError on what is wrong."""
     entry = _entry_named(known, row.name, place)
     entry = replace(
         entry,

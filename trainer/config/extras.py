@@ -1,4 +1,4 @@
-"""Libraries that the plain install lacks: which extra brings each, told in one line."""
+"""Libraries that the plain install lacks, and the extra that brings each."""
 
 from importlib.util import find_spec
 from typing import Final

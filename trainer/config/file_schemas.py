@@ -1,6 +1,7 @@
 """JSON Schemas of the files that users write, made of the readers' own records.
 
-Editors complete and underline by them. What fits together among keys the readers alone know.
+Editors complete keys and underline faults by them. Whether keys fit together is checked only by
+the readers.
 """
 
 from dataclasses import fields
@@ -54,6 +55,7 @@ def compensation_schema() -> dict[str, Any]:
 
 def vessel_schema() -> dict[str, Any]:
     """Return the JSON Schema of a vessel file."""
+    # Keys that the defaults file has are not necessary in a user's file.
     supplied, _ = vessel.with_defaults({})
     heads = {"schema": vessel.VESSEL_SCHEMA, **vessel.HEADING_FIELDS}
     keys = {name: describe_kind(kind) for name, kind in heads.items()}
@@ -123,7 +125,10 @@ def exercise_schema() -> dict[str, Any]:
 
 
 def casualties_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a table of casualties. The standard one gives all but the kind."""
+    """Return the JSON Schema of a table of casualties.
+
+    Only ``kind`` is necessary, because the standard table supplies the other keys.
+    """
     supplied = [item.name for item in fields(casualties.CasualtyEntry) if item.name != "kind"]
     entry = record_schema(casualties.CasualtyEntry, ("note",), supplied)
     entries = {

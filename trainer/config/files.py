@@ -2,8 +2,9 @@
 
 A message is one line: file, table, key, value, and what is wrong with it.
 
-What is read can be remembered, and read again later when the files have changed or gone: by a key,
-which is ``configs/...`` for a shipped file wherever it lies, and for others the path given.
+A recording keeps the texts of the files that were read, because a replay needs them when the files
+have changed or gone. Their key is ``configs/...`` for a shipped file, wherever it lies, and the
+path given for others.
 """
 
 import json
@@ -119,7 +120,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 @contextmanager
 def remembering() -> Iterator[dict[str, str]]:
-    """Yield the texts by their keys, as this thread reads them inside the block."""
+    """Yield a table of the texts, by key, that this thread reads inside the block."""
     texts: dict[str, str] = {}
     before = _remembered.set(texts)
     try:
@@ -130,7 +131,7 @@ def remembering() -> Iterator[dict[str, str]]:
 
 @contextmanager
 def reading_recorded(texts: Mapping[str, str]) -> Iterator[None]:
-    """Read ``texts`` inside the block, as remembered, in this thread. It reads no file on disk."""
+    """Read from ``texts`` instead of files inside the block, in this thread only."""
     before = _recorded.set(texts)
     try:
         yield
@@ -148,7 +149,7 @@ def key_of(path: Path) -> str:
 
 
 def path_of(key: str) -> Path:
-    """Return where the file of that key is on this machine, if it is."""
+    """Return the path of that key's file on this machine, if it is there."""
     return _shipped_folder("") / key.removeprefix(SHIPPED_PREFIX) if is_shipped(key) else Path(key)
 
 
@@ -168,9 +169,9 @@ def shipped_names(kind: str) -> tuple[str, ...]:
 
 
 def shipped_tables(kind: str, beginning: str = "") -> dict[str, dict[str, Any]]:
-    """Return the shipped files of ``kind`` by name, as they are written; ConfigError.
+    """Return the shipped files of ``kind`` by name, unchecked; ConfigError.
 
-    Only names with that beginning. What checks a file would load the core; this does not.
+    Only names with that beginning. The files are not checked, because the checks load the core.
     """
     return {
         name: parse_toml(read_text(path), path.name)
@@ -234,7 +235,7 @@ def read_text(path: Path) -> str:
 
 
 def read_kept(path: Path, read: Callable[[Path], str]) -> str:
-    """Return the text that ``read`` makes of a file, remembered, or the recorded one."""
+    """Return the text that ``read`` makes of a file, or the recorded text. Remember it."""
     key, texts = key_of(path), _recorded.get()
     if texts is None:
         text = read(path)

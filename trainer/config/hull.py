@@ -1,4 +1,4 @@
-"""A hull as its drawing has it: what ``trainer estimate`` makes a boat of.
+"""A hull by its drawing, from which ``trainer estimate`` makes a boat.
 
 Lengths are in metres, masses in kg, angles in degrees, speeds in knots. x is counted aft from the
 nose, heights up from the hull's axis.
@@ -42,9 +42,8 @@ LENGTH_LIMITS_M: Final = within(0.3, 400.0)  # [m]
 END_SHARE: Final = 0.03  # [-] of the length: a first or last station within it is at the end
 POINTED_END_SHARE: Final = 0.2  # [-] of the greatest breadth: an end that is wider is blunt
 MAX_TRAILING_EDGE: Final = 1.1  # [-] of the length: as far aft may a trailing edge lie
-MIN_NORMAL_SHARE: Final = (
-    0.1  # [-] least share of a panel's normal in the plane that it is to serve
-)
+# [-] least share of a panel's normal in the plane that it is to serve
+MIN_NORMAL_SHARE: Final = 0.1
 STERN_CONTROL, RUDDER_CONTROL, BOW_CONTROL, X_CONTROL = "stern", "rudder", "bow", "x"
 CONTROL_KINDS: Final = ("none", STERN_CONTROL, RUDDER_CONTROL, BOW_CONTROL, X_CONTROL)
 BOAT_NAME: Final = Text(200, "of the boat")

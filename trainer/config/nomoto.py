@@ -22,7 +22,7 @@ TIME_LIMITS_S: Final = within(-1e6, 1e6)
 
 @dataclass(frozen=True, kw_only=True)
 class NomotoFile:
-    """A Nomoto ship with a bend, and sway alike.
+    """A Nomoto ship with a nonlinear term in its yaw, and with sway.
 
     T1 T2 r'' + (T1 + T2) r' + r - kappa K |r| r = K (delta + T3 delta').
 
@@ -55,7 +55,10 @@ class NomotoFile:
 
     @property
     def bend(self) -> tuple[float, float, float]:
-        """Return the factors of r [-], |r| r [s] and r^3 [s^2] in K H(r)."""
+        """Return the factors of r [-], |r| r [s] and r^3 [s^2] in K H(r).
+
+        Without H1 they are those of r - kappa K |r| r.
+        """
         K = self.K_per_s
         if self.H1_s is None:
             return 1.0, -(self.kappa_s2 or 0.0) * K, 0.0
@@ -65,7 +68,7 @@ class NomotoFile:
 def load_nomoto(path: Path) -> NomotoFile:
     """Return the ship in a file; ConfigError with all that is wrong.
 
-    ``source`` and ``deviations`` tell where the numbers are from and are not read.
+    ``source`` and ``deviations`` are for people, and are not read.
     """
     table = parse_toml(read_text(path), path.name)
     place = Place(path.name, "")

@@ -1,6 +1,7 @@
-"""Whether the numbers of a vessel file fit together. Each function returns texts, none if well.
+"""Checks whether the numbers of a vessel file fit together.
 
-The limits are wide: they catch feet, pounds and misplaced points, not poor boats.
+Each function returns its problems as texts. The limits are wide, because they are to catch feet,
+pounds and misplaced points, not poor boats.
 """
 
 import math
@@ -24,17 +25,13 @@ from trainer.config.vessel_records import (
 FEET_PER_METRE = 3.2808
 POUNDS_PER_KILOGRAM = 2.2046
 POUNDS_FORCE_PER_NEWTON = 0.22481
-MASS_PRIME_RANGE = (
-    0.003,
-    0.3,
-)  # m' = mass/(rho/2 L^3) [-]; known submarines and AUVs: 0.013 to 0.08
+# m' = mass/(rho/2 L^3) [-]; known submarines and AUVs: 0.013 to 0.08
+MASS_PRIME_RANGE = (0.003, 0.3)
 ROLL_GYRADIUS_RANGE = (0.01, 0.5)  # sqrt(Ix/mass)/L [-]; known boats: 0.04 to 0.12
-PITCH_GYRADIUS_RANGE = (
-    0.1,
-    0.5,
-)  # of pitch and yaw [-]; known boats: 0.24 to 0.30; 0.5: all mass at the ends
-WEIGHT_SLACK = 0.05
-INERTIA_SLACK = 0.05
+# of pitch and yaw [-]; known boats: 0.24 to 0.30; 0.5: all mass at the ends
+PITCH_GYRADIUS_RANGE = (0.1, 0.5)
+WEIGHT_SLACK = 0.05  # [-] relative
+INERTIA_SLACK = 0.05  # [-] relative
 STATED_SLACK = 0.01  # of a number given twice, once for the reader
 STRIP_SLACK = 0.01  # of the strips' mass
 STRIP_CENTRE = 0.005  # [-] of the length, of their centre
@@ -51,7 +48,7 @@ RESTORING_GAINS: Final = {
 
 def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
     """Return what is implausible about size, mass and centres in this water."""
-    # which depths are shallower than one that they must not be
+    # Each depth is compared with the one before it in the order of ``_depths``.
     problems = []
     for (key, least), (other, depth) in pairwise(_depths(hull).items()):
         collapse = other == "collapse_depth_m"
@@ -117,7 +114,7 @@ def _weight_hint(ratio: float, g: float) -> str:
 
 
 def _inertia_problems(hull: Hull) -> list[str]:
-    """Return what no body of this mass and length can have for inertia."""
+    """Return the inertias that no body of this mass and length can have."""
     problems = []
     inertias = {"Ix": hull.Ix, "Iy": hull.Iy, "Iz": hull.Iz}
     for name, inertia in inertias.items():
@@ -128,6 +125,7 @@ def _inertia_problems(hull: Hull) -> list[str]:
                 f"{name} = {inertia:g} kg m2: sqrt({name}/mass)/L is {gyradius:.3g}, "
                 f"must be {low:g} to {high:g}",
             )
+        # The triangle inequality of moments of inertia: no body exceeds it.
         others = sum(inertias.values()) - inertia
         if inertia > others * (1 + INERTIA_SLACK):
             problems.append(
@@ -150,7 +148,7 @@ def added_mass_problems(
     hull: Hull,
     fluid: Fluid,
 ) -> list[str]:
-    """Return the accelerations whose own virtual mass or inertia is not positive."""
+    """Return the accelerations whose virtual mass or inertia would not be positive."""
     mass = hull.mass / (0.5 * fluid.rho * hull.length**3)
     per_inertia = 1 / (0.5 * fluid.rho * hull.length**5)
     mass_limits = {
@@ -190,7 +188,7 @@ def propulsion_problems(propulsion: Propulsion) -> list[str]:
 
 
 def engine_problems(propulsion: Propulsion) -> list[str]:
-    """Return what an engine's limit lacks, or has twice."""
+    """Return the keys that an engine's limit lacks, or has twice."""
     torque, power = propulsion.torque_limit_n_m, propulsion.shaft_power_w
     if torque is not None and power is not None:
         return [
@@ -241,7 +239,7 @@ def run_problems(run: RunDefaults, hull: Hull) -> list[str]:
 
 
 def _wrong_signs(autopilot: Autopilot, coefficients: Mapping[str, float]) -> list[str]:
-    """Return which gains would drive the boat away from what is ordered."""
+    """Return the gains that would drive the boat away from what is ordered."""
     problems = []
     for name, (coefficient, sign) in RESTORING_GAINS.items():
         effect = coefficients[coefficient]
@@ -257,7 +255,7 @@ def _wrong_signs(autopilot: Autopilot, coefficients: Mapping[str, float]) -> lis
 
 
 def autopilot_problems(autopilot: Autopilot, coefficients: Mapping[str, float]) -> list[str]:
-    """Return which gain lists do not fit the list of speeds, or the boat's surfaces."""
+    """Return the gain lists that do not fit the speeds or the boat's surfaces."""
     speeds = autopilot.speed_kn
     problems = [
         f"{name} = {list(values)}: has {len(values)} entries, speed_kn has {len(speeds)}"
@@ -270,7 +268,7 @@ def autopilot_problems(autopilot: Autopilot, coefficients: Mapping[str, float]) 
 
 
 def free_surface_problems(table: FreeSurface) -> list[str]:
-    """Return which rows do not fit the depths, or do not end with nothing."""
+    """Return the rows that do not fit the depths, or do not end with 0."""
     depths, speeds = list(table.depth_m), [row.speed_kn for row in table.rows]
     lists = [
         (f"rows[{i}]: {name}", list(getattr(row, name)))
@@ -300,7 +298,7 @@ def _centre(places: Sequence[float], masses: Sequence[float]) -> float:
 
 
 def wave_strip_problems(table: WaveStrips, hull: Hull, fluid: Fluid) -> list[str]:
-    """Return what keeps the strips from being this hull."""
+    """Return what is wrong with strips that are not those of this hull."""
     problems = []
     places, masses = list(table.x_m), table.displaced_kg
     if any(ahead <= behind for ahead, behind in pairwise(places)):
@@ -327,7 +325,7 @@ def wave_strip_problems(table: WaveStrips, hull: Hull, fluid: Fluid) -> list[str
 def wave_strip_remarks(
     table: WaveStrips, coefficients: Mapping[str, float], hull: Hull, fluid: Fluid
 ) -> list[str]:
-    """Return which added masses of the strips do not agree with the coefficients."""
+    """Return the added masses of strips that do not agree with the coefficients."""
     k3 = 0.5 * fluid.rho * hull.length**3
     remarks = []
     for name, mass, moment, sign in (
@@ -350,7 +348,7 @@ def wave_strip_remarks(
 
 
 def stated_remarks(hull: Hull, fluid: Fluid) -> list[str]:
-    """Return which numbers, given beside those that a run uses, do not agree with them."""
+    """Return the numbers for the reader that differ from those a run uses."""
     k3, k5 = (0.5 * fluid.rho * hull.length**power for power in (3, 5))
     expected = {
         "displaced_volume": ("buoyancy/(rho g)", hull.buoyancy / (fluid.rho * fluid.g), " m3"),

@@ -9,7 +9,7 @@ from trainer.config.vessel_records import ThrustSet
 ASTERN_BOLLARD: Final = -0.77  # [-] thrust turning astern over that ahead, B4-70 (docs/envelope.md)
 DRAG_ASTERN: Final = 1.2  # [-] axial drag astern over that ahead, estimate
 MIN_ETA: Final = -100.0  # [-] eta
-JOINT_TOLERANCE: Final = 1e-9  # [-] relative
+JOINT_TOLERANCE: Final = 1e-9  # [-] relative; numbers as typed are to be the same
 
 
 class ThrustRows(NamedTuple):
@@ -20,13 +20,15 @@ class ThrustRows(NamedTuple):
 
 
 def thrust_of(rows: Sequence[ThrustSet], drag_astern: float) -> ThrustRows:
-    """Return the rows by the way of the boat, with what the file leaves out."""
+    """Return the rows going ahead and astern; estimates fill those that the file leaves out."""
     ahead = sorted((row for row in rows if row.going != "astern"), key=lambda row: -row.eta_min)
     astern = sorted((row for row in rows if row.going == "astern"), key=lambda row: -row.eta_min)
+    # A row with eta below 0: the boat goes ahead while the propeller turns astern.
     if ahead[-1].eta_min >= 0.0 and len(ahead) < 3:
         bollard = ASTERN_BOLLARD * ahead[0].c
         ahead.append(ThrustSet(eta_min=MIN_ETA, a=ahead[-1].a, b=0.0, c=bollard))
     if not astern:
+        # c is that of the row ahead with the same turning, so that the rows join at u = 0.
         drag = drag_astern * abs(_row_at_rest(ahead).a)
         astern = [
             ThrustSet(eta_min=0.0, a=drag, b=0.0, c=ahead[-1].c, going="astern"),

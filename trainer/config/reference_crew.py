@@ -1,6 +1,6 @@
 """The reference crew of an exercise: its rules ``[[crew]]``, and how its hands steer.
 
-A rule says when, and what is ordered then. What the crew sees is what its gauges show.
+A rule has a condition and an order. The crew sees only what its gauges show.
 """
 
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ from trainer.io.orders.schedule import MAX_TIME_S
 
 MARK_ORDER: Final = "mark"  # of a ship that is seen
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
-UNSEEN_QUANTITIES: Final = ("heavy", "speed_over_ground")  # quantities that no gauge has
+UNSEEN_QUANTITIES: Final = ("heavy", "speed_over_ground")  # no gauge shows them
 CREW_HANDS: Final = ("planesman", "helmsman")
 HAND_SWITCHES: Final = {
     f"{hand} {word}": (hand, word) for hand in CREW_HANDS for word in ("on", "off")

@@ -288,7 +288,10 @@ class NamedNumbers:
 
 @cache
 def _record_of(key: str, kind: NamedNumbers) -> type[Any]:
-    """Return a record of the numbers of such a table; to make one takes as long as a file."""
+    """Return the class of records with these names.
+
+    It is cached, because to make a class takes as long as to read a file.
+    """
     return make_dataclass(
         key,
         [(name, float, field(metadata={"kind": kind.each})) for name in kind.names],
@@ -367,13 +370,13 @@ def with_default(value: Any, kind: Kind) -> Any:
 
 
 def kind_of(item: Field[Any]) -> Kind:
-    """Return what a field made by ``required`` or ``optional`` holds."""
+    """Return the kind of a field that ``required`` or ``optional`` made."""
     kind: Kind = item.metadata["kind"]
     return kind
 
 
 def kinds_of(record: type[Any]) -> dict[str, Kind]:
-    """Return what each key of a record holds, by its name, in the record's order."""
+    """Return the kind of each key of a record, by name, in the record's order."""
     return {item.name: kind_of(item) for item in fields(record)}
 
 
@@ -421,7 +424,7 @@ def file_schema(
 
 
 def find_infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
-    """Return where an unread value holds a number that is none: nan or infinite."""
+    """Return where a value for the reader holds nan or an infinite number."""
     if isinstance(value, float) and not math.isfinite(value):
         return [place.wrong(key, value, "must be finite")]
     inner: Iterable[tuple[str, object]] = ()

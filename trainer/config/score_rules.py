@@ -33,17 +33,17 @@ ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # places of the state that hol
     "speed": "ordered_speed",
 }
 AIR_BANKS: Final = ("bank_main", "bank_emergency")
-TIMELESS_MEASURES: Final = ("response",)  # look at the whole record
+TIMELESS_MEASURES: Final = ("response",)  # they take the whole record, without a window
 WINDOW_KEYS: Final = ("since", "from_s", "to_s", "when")
 VALUE_LIMITS: Final = within(-1e9, 1e9)
-# orders of the instructor, and words, which answer no casualty
+# These answer no casualty: the instructor gives them, or they are only words.
 INSTRUCTOR_ORDERS: Final = (
     frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"}) | CREW_TALK
 )
 MARK_PARTS: Final = ("task", "answer", "keeping")
 ANSWER_ORDERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTOR_ORDERS))
-VALUE_MEASURES: Final = ("final", "largest")  # without a target
-# what a rule may say for some measures only
+VALUE_MEASURES: Final = ("final", "largest")  # of the quantity itself, if there is no target
+# Keys that only some measures take.
 OPTIONAL_KEYS: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW_KEYS)
 
 
@@ -327,7 +327,7 @@ def _read_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> 
 
 
 def _unfit(score: ScoreRow, place: Place) -> list[str]:
-    """Return which keys the measure has no use for, and which it lacks."""
+    """Return problems of keys that the measure has no use for, or lacks."""
     measure = SCORE_MEASURES[score.measure]
     timed = () if score.measure in TIMELESS_MEASURES else WINDOW_KEYS
     taken = (*measure.needs, *measure.may, *timed)
@@ -344,7 +344,7 @@ def _unfit(score: ScoreRow, place: Place) -> list[str]:
 
 
 def _check_target(rule: ScoreRule, place: Place) -> list[str]:
-    """Return what is wrong with the quantity, or with the lack of its target."""
+    """Return problems of the quantity, or of a target that it lacks."""
     measure, measured, score = SCORE_MEASURES[rule.score.measure], rule.measured, rule.score
     if measured is None:
         return []

@@ -1,6 +1,6 @@
-"""A sea from its file: name or path to a checked, complete, immutable record.
+"""Sea files: a name or path becomes a checked, complete, immutable record.
 
-What a file leaves out comes from the shipped sea-defaults file; nothing is defaulted in code.
+What a file leaves out comes from the shipped sea-defaults file; no default stands in code.
 """
 
 import math
@@ -59,7 +59,10 @@ ON_OFF: Final = ("off", "on")
 
 @dataclass(frozen=True, kw_only=True)
 class Sea:
-    """How high, how long, from where, and how it is made. One of the first three keys is given."""
+    """Height, period and direction of a sea, and how its waves are made.
+
+    Exactly one of the first three keys is given.
+    """
 
     sea_state: float | None = optional(
         Quantity("-", within(0, 8), "degree of the sea by WMO code 3700; 0: calm")
@@ -157,7 +160,7 @@ def sea_defaults() -> Mapping[str, Any]:
 
 
 def _problems(sea: Sea) -> list[str]:
-    """Return what does not fit together."""
+    """Return problems of keys that do not fit together."""
     given_keys = [name for name in HEIGHT_KEYS if getattr(sea, name) is not None]
     if len(given_keys) != 1:
         have = f"has {', '.join(given_keys)}" if given_keys else "has none of them"
@@ -178,6 +181,7 @@ def _problems(sea: Sea) -> list[str]:
             'generator = "filter-1969": makes no jonswap spectrum; set generator = "filter"'
         )
     if sea.period_s is not None and not problems:
+        # 9.81, because a sea is read without a boat, whose file has the gravity.
         problems += _steep(significant_height(sea, 9.81), sea.period_s)
     return problems
 
@@ -202,7 +206,10 @@ def significant_height(sea: Sea, g: float) -> float:
 
 
 def peak_frequency(sea: Sea, g: float) -> float:
-    """Return the frequency of the peak [rad/s]. A calm has that of a knot's lowest swell."""
+    """Return the frequency of the peak [rad/s].
+
+    A calm has that of one knot of wind, because no height would give an infinite one.
+    """
     if sea.period_s is not None:
         return 2.0 * math.pi / sea.period_s
     height = significant_height(sea, g)
@@ -233,7 +240,7 @@ def sea_settings(file: SeaFile, g: float) -> Numbers:
 def step_problem(wanted: Numbers, step: float) -> str:
     """Return why a step [s] is too long for a sea, '' if it fits. The sea is by ``sea_settings``.
 
-    Only the wave filter folds what lies above Nyquist into its bands.
+    Only the wave filter has this limit, because it folds frequencies above Nyquist into its bands.
     """
     turn = wanted[OMEGA] * step
     if wanted[HEIGHT] == 0.0 or wanted[COSINES] + wanted[OLD] > 0.0 or turn <= STEEPEST_TURN:

@@ -2,7 +2,7 @@
 
 Two boats of one shape behave alike where gravity and water are the same: lengths as L, times and
 speeds as the root of L, masses as L^3. The unit of a key tells its power of L; ``LAW_EXCEPTIONS``
-names the keys that another law holds for, and why. What has no unit stays.
+names the keys with another law, and why. A number without a unit stays as it is.
 """
 
 import re
@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 
 from trainer.config.schema import Kind, NamedNumbers, Quantities, Quantity, Rows, Table, kinds_of
 
-SCALED_DIGITS: Final = 7  # of a scaled number
+SCALED_DIGITS: Final = 7  # [digits] of a scaled number
 LENGTH_POWERS: Final = {  # of the length, by unit
     **dict.fromkeys(("-", "rad", "deg", "degC"), 0.0),
     **dict.fromkeys(("m", "cm", "mm"), 1.0),
@@ -108,7 +108,7 @@ def law_of(table: str, key: str, kind: Kind) -> Law:
 
 
 def _quantity(kind: Kind) -> Quantity | None:
-    """Return what the numbers of a kind are, None of words."""
+    """Return the quantity of the numbers of a kind, None for words."""
     if isinstance(kind, Quantities | NamedNumbers):
         return kind.each
     return kind if isinstance(kind, Quantity) else None
@@ -147,7 +147,7 @@ def _multiplied(value: Any, by: float) -> Any:
 
 
 def formula(power: float) -> str:
-    """Return in words how a key follows the length. ``as it is`` stands for no power."""
+    """Return the law of a power as text; "as it is" for 0."""
     if power == 0.0:
         return "as it is"
     return "L" if power == 1.0 else f"L^{power:g}"

@@ -1,6 +1,6 @@
-"""The sound rows of an array of tables, though others in it are wrong.
+"""The sound rows of an array of tables, even if other rows are wrong.
 
-One mistake hides no other: all that is wrong in the array is told at once.
+So one mistake hides no other, and a user sees all faults of the array at once.
 """
 
 from collections.abc import Callable, Iterator, Mapping

@@ -1,6 +1,6 @@
 """Soundings on a grid, from ESRI ASCII or GeoTIFF, kept as a text.
 
-A recording holds that text, so that a replay needs neither the file nor what reads it.
+A recording holds that text, so that a replay needs neither the file nor its reader.
 """
 
 import base64
@@ -37,19 +37,11 @@ DEFAULT_NODATA_VALUE: Final = -9999.0  # at a sample without a value, where the 
 HEADER_LINE: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
 SOUNDINGS_PREFIX: Final = "soundings/1 "  # what the text of a grid begins with
 SCALE_TAG, TIE_POINT_TAG, GEO_KEYS_TAG, NODATA_TAG = 33550, 33922, 34735, 42113  # tags
-RASTER_TYPE_KEY, GEOGRAPHIC_KEY, PROJECTED_KEY, LINEAR_UNIT_KEY = (
-    1025,
-    2048,
-    3072,
-    3076,
-)  # keys of the tag GEO_KEYS_TAG
+# Keys of the tag GEO_KEYS_TAG.
+RASTER_TYPE_KEY, GEOGRAPHIC_KEY, PROJECTED_KEY, LINEAR_UNIT_KEY = 1025, 2048, 3072, 3076
 PIXEL_IS_POINT, WGS84_CODE, USER_DEFINED_CODE, METRE_CODE = 2, 4326, 32767, 9001
-UNREAD_COMPRESSIONS: Final = {
-    5: "LZW",
-    6: "old JPEG",
-    7: "JPEG",
-    34887: "LERC",
-}  # that tifffile alone reads not
+# Compressions that tifffile does not read without another library.
+UNREAD_COMPRESSIONS: Final = {5: "LZW", 6: "old JPEG", 7: "JPEG", 34887: "LERC"}
 CONVERT_COMMAND: Final = "gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
 WARP_COMMAND: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
 LATTICE_KNOTS: Final = 33  # of the lattice on which the chart is computed, each way
@@ -74,7 +66,7 @@ def read_grid(path: Path) -> Grid:
 
 
 def read_as_kept(path: Path, kept: str) -> str:
-    """Return a file's text of today in the form of what was kept of it. ConfigError."""
+    """Return the text of a file now, in the form that a recording kept. ConfigError."""
     return read_kept(path, _as_text) if kept.startswith(SOUNDINGS_PREFIX) else read_text(path)
 
 
@@ -180,7 +172,7 @@ def _low(said: Mapping[str, str], axis: str, cell: float, path: Path) -> float:
 
 
 def _samples(text: str, count: int, path: Path) -> Numbers:
-    """Return the samples of a grid; ConfigError if one is no number, or they are not so many."""
+    """Return the samples of a grid; ConfigError if one is wrong, or their number is."""
     words = text.split()
     if len(words) != count:
         raise ConfigError(f"{path}: has {len(words)} samples; NROWS times NCOLS is {count}")
@@ -290,7 +282,7 @@ def _keys(directory: Any) -> Iterator[tuple[int, int]]:
 
 
 def _refuse_elsewhere(keys: Mapping[int, int], path: Path) -> None:
-    """Raise ConfigError for a grid that is neither of plain metres nor of degrees of WGS 84."""
+    """Raise ConfigError unless a grid is in plain metres or in degrees of WGS 84."""
     projected, geographic = keys.get(PROJECTED_KEY), keys.get(GEOGRAPHIC_KEY, WGS84_CODE)
     if projected not in (None, USER_DEFINED_CODE):
         raise ConfigError(
@@ -313,8 +305,8 @@ def on_the_plane(grid: Grid, position: Position) -> Grid:
     """Return a grid of degrees sampled on the exercise's plane.
 
     Its cells are as long as those of degrees are from row to row. ``position`` is the chart's: from
-    north and east [m] to latitude and longitude [deg]. It is computed on a lattice, and is linear
-    between its knots: off by 0.1 m where they are 3 km apart.
+    north and east [m] to latitude and longitude [deg]. It is computed only on a lattice, and is
+    linear between the knots: off by 0.1 m where they are 3 km apart.
     """
     rows, columns = grid.values.shape
     (south, north), (west, east) = _extent(grid, position)

@@ -1,4 +1,4 @@
-"""The figures that an exercise's texts state, ``[[stated]]``: each says how it is flown.
+"""The figures in an exercise's texts, and how each is flown: ``[[stated]]``.
 
 A briefing that says "on the wall after 7 minutes" is right only if the boat is there then. A row
 stands beside the text, and the check flies it.
@@ -30,12 +30,8 @@ from trainer.io.orders.table import BOAT_ORDERS
 FLYER_KINDS: Final = ("nobody", "crew")
 STATED_MEASURES: Final = ("value", "lowest", "highest")
 DEFAULT_TOLERANCE: Final = 0.02  # of the stated value
-JUDGED_KINDS: Final = (
-    "time",
-    "length",
-    "speed",
-    "turn",
-)  # kinds of figure that are fields or flown
+# Kinds of figure that a row can state, by a field or by a flight.
+JUDGED_KINDS: Final = ("time", "length", "speed", "turn")
 ROUNDING_TOLERANCE: Final = 1e-3  # of a figure, where one unit is turned into another
 
 # Units of texts: the kind of a quantity, and the size [SI].
@@ -114,7 +110,7 @@ def figures_of(text: str) -> Iterator[TextFigure]:
             yield TextFigure(match[0], seconds, "time", 1.0)
         elif match["number"]:
             yield TextFigure(match[0], float(match["number"]), kind, size)
-        elif kind:  # a word alone is no figure
+        elif kind:  # a word without a unit, such as "one", is no figure
             yield TextFigure(match[0], NUMBER_WORDS[match["word"].lower()], kind, size)
         if match["second"]:
             yield TextFigure(match[0], float(match["second"]), kind, size)
@@ -237,7 +233,7 @@ def _read_row(row: StatedRow, page: str, place: Place) -> StatedValue:
 
 
 def _unlike(stated: StatedValue) -> str:
-    """Return how the words of a row differ from its numbers, "" if they do not."""
+    """Return a problem if the words of a row differ from its numbers, "" if not."""
     figures = [*figures_of(stated.row.says)]
     kind, size = TEXT_UNITS.get(stated.unit, ("", 1.0))
     if not any(figure.is_of(stated.target, kind, size) for figure in figures):
@@ -249,7 +245,7 @@ def _unlike(stated: StatedValue) -> str:
 
 
 def _lacking(row: StatedRow, place: Place) -> Iterator[str]:
-    """Yield what a row lacks, and what does not go together in it."""
+    """Yield the keys that a row lacks, and those that do not go together."""
     if (row.when is None) == (row.quantity is None):
         yield place.problem("give one of when, quantity")
     elif row.when is not None and row.at_s is None:

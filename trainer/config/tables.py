@@ -1,4 +1,4 @@
-"""Tables from CSV texts: separator, decimal sign, units and times as programs write them."""
+"""CSV files as other programs write them: separators, decimal signs, units, times."""
 
 import csv
 import io
@@ -19,21 +19,16 @@ from trainer.config.files import ConfigError, nearest, quote
 
 Numbers = NDArray[np.float64]
 EMPTY_CELLS: Final = ("", "nan", "na", "null", "-")
-COLUMN_SEPARATORS: Final = {
-    "\t": "tabs",
-    ";": '";"',
-    ",": '","',
-}  # those that numbers cannot have first
+# Separators that no number has come first: of two that fit equally, the first is taken.
+COLUMN_SEPARATORS: Final = {"\t": "tabs", ";": '";"', ",": '","'}
 HEADINGS_EXAMPLE: Final = "such as t, rudder, heading"
 SEPARATOR_ROWS: Final = 40  # [rows] that tell the separator
 MAX_NUMBER: Final = 1e15  # of a number; what is beyond it is none that was measured
 DAY_S: Final = 86400.0  # [s]
 EVEN_STEP_TOLERANCE: Final = 1e-3  # [-] of an interval: what differs less is at one interval
 MIN_CLOCK_ROWS: Final = 20  # rows, to judge a clock
-MIN_REPEATS: Final = 3  # times and
-MIN_REPEATED_SHARE: Final = (
-    0.02  # of the times that must be repeated before a clock counts as rounded
-)
+MIN_REPEATS: Final = 3  # [times] that must repeat before a clock counts as rounded
+MIN_REPEATED_SHARE: Final = 0.02  # [-] of all times, likewise
 CLOCK_SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 DECIMAL_COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
 DECIMAL_POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
@@ -95,7 +90,7 @@ class CsvTable:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Return the headings, without a unit in brackets where the rest is but once there."""
+        """Return the headings without units in brackets, if they still differ without them."""
         bare = [_parted(head)[0] for head in self.heads]
         return tuple(
             short if bare.count(short) == 1 else head
@@ -138,6 +133,7 @@ class CsvTable:
         try:
             number = float(text)
         except ValueError:
+            # Infinity is beyond MAX_NUMBER, so that a text that is no number is refused below.
             number = math.nan if text.casefold() in EMPTY_CELLS else math.inf
         if abs(number) > MAX_NUMBER:
             remedy = ": write it without a sign between thousands" if "," in text else ""
@@ -174,7 +170,7 @@ class CsvTable:
 
     @property
     def repeats(self) -> NDArray[np.bool_]:
-        """Return of each row whether it says what the one before it says."""
+        """Return for each row whether it repeats the one before it."""
         same = [row == before for before, row in pairwise(self.cells)]
         return np.array([False, *same])
 
@@ -192,7 +188,8 @@ class CsvTable:
                 raise self.wrong(row, place, "must be a time by ISO 8601, as the first is")
             moments.append(moment)
         since = np.array([(moment - moments[0]).total_seconds() for moment in moments])
-        if ":" in self.cells[0][place][:3]:  # no date: midnight comes
+        # Times without dates begin like 23: or 9:, and go back by a day at midnight.
+        if ":" in self.cells[0][place][:3]:
             since = np.unwrap(since, period=DAY_S)
         return since
 
@@ -233,7 +230,7 @@ def read_table(path: Path) -> CsvTable:
 
 
 def _decoded(path: Path) -> tuple[str, list[str]]:
-    """Return the text of a file, and which code it is in if that is not UTF-8. ConfigError."""
+    """Return the text of a file, and its encoding if that is not UTF-8. ConfigError."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -248,7 +245,7 @@ def _decoded(path: Path) -> tuple[str, list[str]]:
 
 
 def _separator(text: str) -> str:
-    """Return what separates columns: what gives most rows as many fields as the heading."""
+    """Return the separator that gives most rows as many fields as the heading."""
 
     def agreeing(separator: str) -> int:
         try:
@@ -304,7 +301,7 @@ def _parted(head: str) -> tuple[str, str]:
 
 
 def _units(heads: Sequence[str], rows: Rows, told: list[str]) -> tuple[str, ...]:
-    """Return the units by column, those of a row under the heading, which is taken off."""
+    """Return the units by column. Take off a row of units under the heading."""
     units = [_parted(head)[1] for head in heads]
     if any(units):
         told.append("units of the heading")
@@ -370,10 +367,11 @@ def _first_like(pattern: re.Pattern[str], rows: Rows) -> tuple[int, int, str] | 
 
 
 def rebuild_times(t: Numbers, same: NDArray[np.bool_]) -> tuple[Numbers, str]:
-    """Return even times [s] where a clock was rounded, and that in words.
+    """Return even times [s] in place of those of a rounded clock, and a remark.
 
-    Other times come back as they are. Each is off by no more than half of what was printed.
-    ``same`` has the rows that say what the row before them says.
+    Other times come back as they are, with "". An even time differs from the clock by about half of
+    its last printed step at most. ``same`` marks the rows that repeat the one before them: a time
+    that repeats in such rows only is a repeated record, not a rounded clock.
     """
     steps = np.diff(t)
     rises = len(t) >= MIN_CLOCK_ROWS and bool(np.isfinite(t).all() and (steps >= 0.0).all())
@@ -394,7 +392,11 @@ def rebuild_times(t: Numbers, same: NDArray[np.bool_]) -> tuple[Numbers, str]:
 
 
 def _resolutions(t: Numbers, *, repeats: bool) -> Iterator[Numbers]:
-    """Yield what a clock may have been rounded to at each row: a step, or so many digits."""
+    """Yield the steps that a clock may be rounded to at each row.
+
+    First it is one step for all rows, then a number of digits, as a program prints floats: a step
+    that grows with the time.
+    """
     steps = np.diff(t)
     digits = [np.format_float_scientific(x, unique=True, trim="-") for x in np.round(t, 9)]
     places = [len(text.partition("e")[0].replace(".", "").lstrip("-")) for text in digits]

@@ -1,6 +1,6 @@
-"""A boat from its file: name or path to a checked, complete, immutable record.
+"""Vessel files: a name or path becomes a checked, complete, immutable record.
 
-What a file leaves out comes from the shipped defaults file; nothing is defaulted in code.
+What a file leaves out comes from the shipped defaults file; no default stands in code.
 """
 
 from collections.abc import Mapping
@@ -154,7 +154,7 @@ class VesselFile:
 
     @property
     def has_compact_set(self) -> bool:
-        """Return whether the file says how its hull's compact set is made up."""
+        """Return whether the file defines a compact set of its own."""
         lacking = {*self.defaulted}
         return not ({"compact", "compact.extra_terms"} & lacking) or not (
             {"compensation", "compensation.modified"} & lacking
@@ -178,20 +178,21 @@ def load_vessel(name_or_path: str) -> VesselFile:
 def parse_vessel(text: str, path: Path) -> VesselFile:
     """Return the vessel written in ``text``, which came from ``path``; ConfigError if it is wrong.
 
-    All wrong values are told at once; misfits among them once each value by itself is right.
+    The error lists all wrong values. Values that do not fit together are looked for only when each
+    one is right by itself.
     """
     return read_vessel(parse_toml(text, path.name), text, path)
 
 
 def with_defaults(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """Return the tables of a vessel with what they lack, and the names of that."""
+    """Return a vessel's tables completed by the defaults, and the names of those keys."""
     defaults = shipped_path("", "defaults")
     return _fill_defaults(table, _defaults(read_text(defaults), defaults.name), "")
 
 
 @cache
 def _defaults(text: str, file: str) -> Mapping[str, Any]:
-    """Return the tables of the defaults file, which nobody changes."""
+    """Return the tables of the defaults file. Callers share them and must not change them."""
     return parse_toml(text, file)
 
 
@@ -260,7 +261,7 @@ def _fill_defaults(
     defaults: Mapping[str, Any],
     inside: str,
 ) -> tuple[dict[str, Any], list[str]]:
-    """Return ``given`` with what it lacks from ``defaults``, and the names of that."""
+    """Return ``given`` completed by ``defaults``, and the names of the keys added."""
     table = dict(given)
     names = []
     for key, default in defaults.items():
@@ -298,7 +299,7 @@ def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 
 def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
-    """Return what is wrong at the top level; ConfigError at once if the file is of another form."""
+    """Return the faults at the top level; ConfigError at once if it is another kind of file."""
     if "schema" in table:
         VESSEL_SCHEMA.read("schema", table["schema"], place)
     problems: list[str] = []
@@ -343,12 +344,12 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
 
 
 def _placed(found: Mapping[str, list[str]], place: Place) -> list[str]:
-    """Return texts about tables with file and table."""
+    """Return problems with file and table in front."""
     return [place.inside(name).problem(text) for name, texts in found.items() for text in texts]
 
 
 def documentary_keys() -> dict[str, tuple[str, ...]]:
-    """Return by table the keys that neither a run nor a message depends on."""
+    """Return by table the keys that are for the reader only."""
     keys = dict(DOCUMENTARY_KEYS)
     for table, record in VESSEL_RECORDS.items():
         for item in fields(record):

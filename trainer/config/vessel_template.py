@@ -112,8 +112,8 @@ def _line(text: str, note: str) -> Iterator[str]:
 def scaled_vessel(given: Mapping[str, Any], factor: float) -> dict[str, Any]:
     """Return the tables of a boat ``factor`` times as long [-], by Froude's law.
 
-    What the reader alone looks at is left out: it is about the source. A boat starts no deeper
-    than may be ordered.
+    Keys for the reader are left out, because they describe the source. The start is no deeper than
+    the deepest order.
     """
     table: dict[str, Any] = {
         key: value

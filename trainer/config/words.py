@@ -6,9 +6,6 @@ EQUATION_SETS: Final = ("full", "modified", "basic", "longitudinal")
 TRIGONOMETRY_KINDS: Final = ("exact", "report")
 
 
-# The words by which an identification is asked for: models and channels.
-
-
 SHIP_FILE_SCHEMA: Final = "ship/1"  # form of the file of a ship that is not linear
 LINEAR_MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 OUTPUT_CHANNELS: Final = (

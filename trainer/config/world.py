@@ -21,7 +21,7 @@ from trainer.config.current import current_schema, read_current
 from trainer.config.files import Place, collecting, raise_problems
 from trainer.config.schema import record_schema
 
-# by the name of the table: from what it holds, its place, and the exercise's path to a record
+# By the name of the table: a function of its content, its place and the exercise's path.
 WORLD_READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
     "bottom": read_bottom,
     "contact": read_contacts,
@@ -35,17 +35,15 @@ WORLD_SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "current": current_schema,
     "bottom": lambda: record_schema(BottomTable, ("note",)),
 }
-WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {
-    **CONTACT_RECORDS,
-    "bottom": BottomTable,
-}  # for their keys
-MIN_WATER_DRAUGHTS: Final = 1.2  # [-] of its draught that a ship's way needs under it
+# The records whose keys docs/exercises.md lists.
+WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {**CONTACT_RECORDS, "bottom": BottomTable}
+MIN_WATER_DRAUGHTS: Final = 1.2  # [-] depth on a ship's way over its draught (docs/world.md)
 SOUNDING_SPACING_M: Final = 20.0  # [m] between the places of a way that are sounded
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 
 
 def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
-    """Return what an exercise's tables say of the world; ConfigError with all that is wrong."""
+    """Return the world's tables of an exercise; ConfigError with all that is wrong."""
     problems: list[str] = []
     tables = {}
     for name, read in WORLD_READERS.items():
@@ -61,7 +59,10 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
 
 
 def _aground(bottom: Bottom, ship: Contact) -> str:
-    """Return where a ship's way has too little water, "" if nowhere."""
+    """Return a problem at the first place with too little water for a ship, "" without.
+
+    Places beyond the chart are not judged, because their depth is only that of its edge.
+    """
     least = MIN_WATER_DRAUGHTS * ship.type.draught
     for north, east in _places(ship):
         depth = float(depths_at(bottom, np.array([north]), np.array([east]))[0])

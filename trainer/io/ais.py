@@ -4,7 +4,9 @@
     payload   = characters of six bits each, the most significant bit first
     fill      = the bits, 0 to 5, that fill up the last character
 
-Numbers are two's complement where they have a sign. What is not available has a value of its own.
+Numbers are two's complement where they have a sign. A value that is not available is sent as a
+number that the standard reserves for it. A field is a value and its size in bits, in the
+standard's order. ITU-R M.1371-5, annex 8, has the tables of the messages.
 """
 
 import math
@@ -13,13 +15,13 @@ from typing import Final, NamedTuple
 
 from trainer.io.orders.sentences import checksum
 
-CHARACTER_BITS: Final = 6  # of a character
+CHARACTER_BITS: Final = 6  # [bits]
 AIS_CHANNELS: Final = "AB"
 MAX_PAYLOAD_LETTERS: Final = 60  # [characters] of the payload of one sentence
 POSITION_A, STATIC_A, POSITION_B, STATIC_B = 1, 5, 18, 24
-MAX_AIS_SPEED: Final = 1022  # [0.1 kn] that and above
-TURN_FACTOR: Final = 4.733  # of the root of the rate [deg/min]
-MAX_AIS_TURN: Final = 126  # the greatest rate of turn
+MAX_AIS_SPEED: Final = 1022  # [0.1 kn] this speed or above; 1023 is "not available"
+TURN_FACTOR: Final = 4.733  # times the root of the rate [deg/min], by the standard
+MAX_AIS_TURN: Final = 126  # stands for 708 deg/min or more
 STATUS_CODES: Final = {  # navigational status by what a ship does
     "under way": 0,
     "at anchor": 1,
@@ -164,7 +166,7 @@ def static_b(ship: ShipParticulars) -> tuple[list[Field], list[Field]]:
 
 
 def rate_of_turn(degrees_a_minute: float) -> int:
-    """Return a rate of turn as it is sent: its root, with its sign."""
+    """Return a rate of turn in the standard's code: a root with its sign."""
     size: int = min(round(TURN_FACTOR * math.sqrt(abs(degrees_a_minute))), MAX_AIS_TURN)
     return -size if degrees_a_minute < 0.0 else size
 

@@ -1,4 +1,4 @@
-"""A user's file is replaced at once and whole, or stays as it was."""
+"""Writing a user's file: it is replaced whole, or stays as it was."""
 
 import contextlib
 import os
@@ -10,10 +10,10 @@ from pathlib import Path
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield where to write a file. It has the name ``path`` once the block has ended well.
+    """Yield where to write; at the block's good end it becomes ``path``.
 
-    What is no file, such as a pipe, or lies where no other can be made, is written as it is. A
-    link stays one: its file is replaced.
+    A pipe or device is written directly, and so is a file in a folder where no new file can be
+    made. A symbolic link stays; the file that it points to is replaced.
     """
     goal = path.resolve()
     alone = path.is_file() and not os.access(goal.parent, os.W_OK)
@@ -25,6 +25,7 @@ def replacing(path: Path) -> Iterator[Path]:
         yield made
         if goal.exists():
             shutil.copymode(goal, made)
+        # On the disk first: else lost power could leave the new name with no content.
         with made.open("rb") as file:
             os.fsync(file.fileno())
         made.replace(goal)

@@ -1,10 +1,10 @@
 """The boat's place on the Earth. Its plane lies on WGS 84 at an origin.
 
-Its north and east are distances on a plane. The points are put on the ellipsoid at their distance
-and bearing from the origin, along the geodesic. Seen from there all is exact; across that line the
-plane is too wide by the square of distance over radius, by six: 1 in 24 000 at 100 km. North on the
-plane is north at the origin; east of it the meridians lean by the difference of longitude times the
-sine of the latitude.
+A point's north and east are distances on a plane. It is put on the ellipsoid at its distance and
+bearing from the origin, along the geodesic. So distance and bearing from the origin are exact.
+Across that line the plane is too wide by one sixth of (distance/radius)^2: 1 in 24 000 at 100 km.
+North on the plane is north at the origin; east of it the meridians lean by the difference of
+longitude times the sine of the latitude.
 """
 
 import math
@@ -40,7 +40,7 @@ DEFAULT_CHART: Final = Chart(25.0, -45.0)  # mid-Atlantic: deep, and far from an
 
 
 def chart_at(text: str) -> Chart:
-    """Return the chart with its origin at ``LAT,LON`` [deg]; ValueError saying what to say."""
+    """Return the chart with its origin at ``LAT,LON`` [deg]; ValueError with the right form."""
     parts = [DEGREES_PATTERN.fullmatch(part) for part in text.split(",")]
     if len(parts) != 2 or None in parts:
         raise ValueError("say LAT,LON in degrees, south and west negative, such as 25.5,-45")

@@ -1,4 +1,4 @@
-"""The client's end of a session: a line by TCP_PATTERN, local socket or serial port."""
+"""The client's end of a session: a line by TCP, local socket or serial port."""
 
 import contextlib
 import errno
@@ -47,7 +47,7 @@ def reach(url: str) -> socket.socket:
 
 
 def check(url: str) -> None:
-    """Check that a session at a socket could be at `url`; LinkError. It need not be there."""
+    """Check that `url` can be that of a socket, even without a session there; LinkError."""
     address = TCP_PATTERN.fullmatch(url)
     if address and not 0 < int(address[3]) <= MAX_PORT:
         raise LinkError(f"{url}: a port is 1 to {MAX_PORT}")
@@ -71,25 +71,25 @@ def connect_socket(url: str) -> socket.socket | None:
 
 
 def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:
-    """Return an open serial line as a line. Those that come have `longest` characters at most."""
+    """Return an open serial port as a line; lines in have `longest` characters at most."""
     return JoinedLine(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
 
 
 def reach_tcp(url: str, host: str, port: int) -> socket.socket:
-    """Return a socket connected to a TCP_PATTERN port."""
+    """Return a socket connected to a TCP port; LinkError."""
     if not 0 < port <= MAX_PORT:
         raise LinkError(f"{url}: a port is 1 to {MAX_PORT}")
     try:
         end = socket.create_connection((host, port), timeout=ANSWER_TIMEOUT_S)
     except (OSError, UnicodeError) as error:
         raise LinkError(f"{url}: {why_not(error)}") from error
-    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # an order goes out at once
     end.settimeout(None)
     return end
 
 
 def reach_local(path: Path) -> socket.socket:
-    """Return a socket connected to the one at `path`."""
+    """Return a socket connected to the local one at `path`; LinkError."""
     if not hasattr(socket, "AF_UNIX"):
         raise LinkError(f"{path}: this system has no local sockets; say tcp://HOST:PORT")
     end = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -108,7 +108,10 @@ def reach_local(path: Path) -> socket.socket:
 
 
 def refuse_another(end: socket.socket, path: Path) -> None:
-    """Raise LinkError if another user's program listens. It gets no token and no order."""
+    """Raise LinkError if another user's program listens there.
+
+    It could have taken the path first, and must get no token and no order.
+    """
     if not hasattr(os, "geteuid"):
         return
     owners = {path.stat().st_uid}
@@ -133,7 +136,7 @@ def why_not(error: Exception) -> str:
 
 
 class Wire:
-    """A connected socket for an inbox and an outbox. Either of them may wait."""
+    """A connected socket, which an inbox reads and an outbox writes, both waiting."""
 
     unsent = 0  # a write that fails ends the outbox, which counts
 

@@ -1,7 +1,8 @@
-"""One client at a socket. Its lines are bounded both ways and never waited for.
+"""One client of a session, at a socket. Nobody waits for its lines.
 
-Any thread may take, send and close; the rest belongs to the thread of the hub, which asks what the
-connection waits for and calls it when the socket is ready.
+Both queues have a limit, because a client may be slow, or send without end. Any thread may take,
+send and close. All else is called by the server's thread alone (``server``), which waits for many
+sockets at once and calls a connection when its socket is ready.
 """
 
 import math
@@ -18,7 +19,8 @@ from trainer.io.machine import machine_of
 
 CHUNK_BYTES = 4096  # [bytes]  read at once
 MAX_WAITING_LINES = 256  # [lines]  waiting to be taken; beyond it the socket is not read
-# Waiting to be sent; beyond it lines are dropped. All that is kept of what has happened goes in.
+# Waiting to be sent; beyond it lines are dropped. A newcomer is sent all kept events at once, which
+# the limit holds.
 MAX_OUTGOING_LINES = 2048  # [lines]
 MAX_OUTGOING_BYTES = 262_144  # [bytes]
 MAX_READ_RATE = 65536.0  # [bytes/s]  read at most, so that a flood costs the boat's thread nothing
@@ -36,7 +38,7 @@ READ_EVENT, WRITE_EVENT = selectors.EVENT_READ, selectors.EVENT_WRITE
 
 
 def carried_for(host: str) -> str:
-    """Return the line that says for which machine others are carried; see PROXY_PATTERN."""
+    """Return the line that names the machine whose lines follow; see PROXY_PATTERN."""
     family = "TCP6" if ":" in host else "TCP4"
     return f"PROXY {family} {host.partition('%')[0]} 127.0.0.1 0 0"
 
@@ -44,7 +46,8 @@ def carried_for(host: str) -> str:
 class Connection:
     """One client; a line of trainer.io.line.
 
-    Half a line at the end of the input is forgotten: the client may have died within an order.
+    Half a line at the end of the input is not obeyed, because the client may have died within an
+    order.
     """
 
     def __init__(
@@ -67,7 +70,7 @@ class Connection:
         self._heard: deque[str | OverlongLine] = deque()
         self._said: deque[bytes] = deque()
         self._said_bytes = 0
-        self._asks = False  # something was taken, and nothing said since
+        self._asks = False  # a line was taken, and no answer was sent since
         self._over = False  # no more input
         self._gone = False  # no more output either
         self._leave_at = math.inf  # [s]  when it is closed, all sent or not
@@ -81,19 +84,20 @@ class Connection:
 
     @property
     def leaving(self) -> bool:
-        """Return whether it has been closed. Data may still be on its way."""
+        """Return whether ``close`` was called. Lines may still be on their way."""
         return self._leave_at < math.inf
 
     @property
     def stranger(self) -> bool:
-        """Return whether it came from anywhere, and has not said who it is."""
+        """Return whether it came by TCP and has not yet said who it is."""
         return not (self.known or self.local)
 
     @property
     def worth(self) -> tuple[bool, bool]:
-        """Return how much its place is worth among strangers; False counts less than True.
+        """Return the rank of a stranger; the lowest gives way when places are full.
 
-        Who has hung up needs none, and who has guessed wrong less than who may be about to say it.
+        A client that has hung up ranks lowest, because it needs no place. One that has given a
+        wrong token ranks below one that has not tried yet.
         """
         return not self._over, not self.guessed
 
@@ -105,11 +109,11 @@ class Connection:
         )
 
     def introduce(self) -> None:
-        """Note that it has been said who it is."""
+        """Note that the client has said who it is."""
         self.known = True
 
     def grant(self, seconds: float) -> None:
-        """Give it seconds more to say who is here: it has guessed wrong."""
+        """Give the client some seconds more, because its token was wrong."""
         self.introduce_by += seconds
         self.guessed = True
 
@@ -126,8 +130,8 @@ class Connection:
     def send(self, line: str) -> None:
         """Queue one line, or drop and count it when the client is slow or gone.
 
-        The first after something was taken is most likely the answer, and does not wait for the
-        hub, which has all others to write to.
+        The first line after one was taken is most likely its answer. It goes out at once, because
+        the server's thread may be busy with other clients.
         """
         data = line_bytes(line) + b"\r\n"
         with self._lock:
@@ -155,20 +159,20 @@ class Connection:
             self._heard.clear()
         self._stir()
 
-    # What follows is the hub's.
+    # The server's thread alone calls what follows.
 
     def wants(self, now: float) -> int:
-        """Return what the socket is waited for at `now` [s]: READ_EVENT, WRITE_EVENT, both or 0."""
+        """Return the events to wait for at `now` [s]: READ_EVENT, WRITE_EVENT, both or 0."""
         reads = not self._over and len(self._heard) < MAX_WAITING_LINES and now >= self._rested
         return READ_EVENT * reads | WRITE_EVENT * bool(self._said)
 
     def due(self, now: float) -> float:
-        """Return when [s] to ask again though nothing has happened, infinity for never."""
+        """Return when [s] to look again without any event, infinity for never."""
         silent = math.inf if self.known or self.leaving else self.introduce_by
         return min(self._leave_at, silent, self._rested if now < self._rested else math.inf)
 
     def overdue(self, now: float) -> bool:
-        """Return whether it ought to have said who it is by now."""
+        """Return whether the time to say who it is has run out."""
         return now >= self.introduce_by and not (self.known or self.leaving)
 
     def finished(self, now: float) -> bool:
@@ -184,7 +188,7 @@ class Connection:
         return self._over
 
     def serve(self, ready: int) -> None:
-        """Read and write what can be without waiting."""
+        """Read and write as much as is possible without waiting."""
         try:
             if ready & READ_EVENT:
                 self._read()
@@ -206,15 +210,15 @@ class Connection:
 
     @property
     def _rested(self) -> float:
-        """Return when [s] it is read again at the earliest."""
+        """Return when [s] it may be read again, by MAX_READ_RATE."""
         return self._read_until - BURST_BYTES / MAX_READ_RATE
 
     def _send_now(self, data: bytes) -> int:
-        """Return how much goes out without waiting. The lock is held, and nothing is queued."""
+        """Return how many bytes went out at once. The caller holds the lock; the queue is empty."""
         try:
             return self._end.send(data)
         except OSError:
-            return 0  # the hub finds out why
+            return 0  # the server's thread meets the same error, and ends the connection
 
     def _read(self) -> None:
         data = self._end.recv(CHUNK_BYTES)
@@ -235,7 +239,7 @@ class Connection:
             self._arrived.set()
 
     def _learn_machine(self, lines: list[str | OverlongLine]) -> list[str | OverlongLine]:
-        """Return lines without the one that says for which machine they are carried."""
+        """Return lines without a first one that names their machine, which is noted."""
         first = lines[0]
         carried = PROXY_PATTERN.fullmatch(first) if isinstance(first, str) else None
         self.machine = machine_of(carried[1]) if carried else OWN_MACHINE

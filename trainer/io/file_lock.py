@@ -1,6 +1,6 @@
 """A file that one process at a time holds.
 
-The system lets go of it when the process ends, however that comes: a lock is never left behind.
+The system releases the lock when the process ends, even if it is killed. So no lock is left behind.
 """
 
 import contextlib
@@ -18,14 +18,14 @@ NAMING_POLL_S: Final = 0.01  # [s]
 def holding(path: Path) -> Iterator[int]:
     """Hold a file inside the block. Yield 0, or the number of the other process that holds it.
 
-    The file is made, and stays. Where the system has no such locks everybody is let in. OSError if
-    it cannot be written.
+    The file is made, and stays. Where the system has no such locks every process gets 0. OSError
+    if it cannot be written.
     """
     with path.open("a+", encoding="ascii") as file:
         if not _take(file):
             yield _holder(file)
             return
-        file.truncate(0)
+        file.truncate(0)  # the number of an earlier holder, which no longer has the lock
         file.write(str(os.getpid()))
         file.flush()
         yield 0

@@ -1,7 +1,6 @@
 """A line carries text in and out at any port. It never holds up the caller.
 
-Lines out and in without ever holding up the caller: one thread behind each port.
-
+Threads behind each port do the waiting, because the session's tick cannot wait for a terminal.
 A port is a `write` of bytes, or a `read` that waits for bytes: b"" when none have come for a while,
 None at the end of the input. What a port raises (OSError; ValueError once it is closed) ends it.
 """
@@ -17,13 +16,13 @@ from trainer.io.lines import LineDecoder, OverlongLine, line_bytes
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
 
 CHUNK_BYTES = 4096  # [bytes]
-MIN_CLOSE_WAIT_S = (
-    0.2  # [s]  for an inbox to notice that its port was closed, whatever the outbox took
-)
+# [s]  An inbox gets this long to notice that its port was closed, even if the outbox used up all
+# of the patience.
+MIN_CLOSE_WAIT_S = 0.2
 
 
 class Sender(Protocol):
-    """Somewhere that lines go."""
+    """A place to send lines to."""
 
     @property
     def dropped(self) -> int:
@@ -45,12 +44,12 @@ class Sender(Protocol):
         ...
 
     def close(self, patience: float) -> None:
-        """Get out what was sent, for at most `patience` [s], and end."""
+        """Write out what was sent, for at most `patience` [s], and end."""
         ...
 
 
 class Outbox:
-    """Write lines from a thread. When the port is slow lines are dropped, never waited for."""
+    """Write lines from a thread. When the port is slow, lines are dropped."""
 
     def __init__(
         self, write: Callable[[bytes], object], capacity: int = 256, line_end: bytes = b"\r\n"
@@ -106,7 +105,7 @@ class Outbox:
 
 
 class DirectSender:
-    """Write lines at once in the caller's thread: for runs that keep no time."""
+    """Write lines at once in the caller's thread, for runs without a clock."""
 
     room: Final = True
 
@@ -199,7 +198,8 @@ class Inbox:
 def reader(descriptor: int) -> Callable[[], bytes | None]:
     """Return a `read` of a file descriptor, such as that of standard input.
 
-    It goes below Python's buffered files, whose locks a thread left waiting would hold at exit.
+    It does not use Python's buffered files, because a thread that still waits at exit would hold
+    their locks.
     """
 
     def read() -> bytes | None:
@@ -242,7 +242,7 @@ class Port(Protocol):
 
     @property
     def unsent(self) -> int:
-        """Return how many lines it was given to write and did not get out whole."""
+        """Return how many lines it was given and could not write whole."""
         ...
 
     def close(self) -> None:
@@ -257,7 +257,7 @@ class Port(Protocol):
 class JoinedLine:
     """A line made of an optional inbox, and somewhere to send.
 
-    A terminal has no port to close: its inbox is left waiting for a key that nobody will press.
+    A terminal has no port to close. So its inbox still waits for a key when the program ends.
     """
 
     def __init__(
@@ -297,8 +297,9 @@ class JoinedLine:
         self._sender.send(line)
 
     def close(self, patience: float) -> None:
-        """Get out what was sent, for at most `patience` [s], and end the line."""
+        """Write out what was sent, for at most `patience` [s], and end the line."""
         end = time.monotonic() + patience
+        # What was sent goes out before the port closes, since a closed port loses it.
         self._sender.close(patience)
         if self._port:
             self._port.close()

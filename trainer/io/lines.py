@@ -1,8 +1,8 @@
 """Bytes from a keyboard, a serial panel, a pipe or a telnet client become lines.
 
 A line ends at CR, LF or CRLF. Backspace and DEL take back a character, Ctrl-U the line so far.
-Telnet's own commands are dropped. Memory stays flat whatever comes: a line that does not end is
-given up once, and the next line end begins afresh.
+Telnet's own commands are dropped. Memory has a limit: a line that is too long is dropped once, up
+to the next line end.
 """
 
 import re
@@ -32,7 +32,7 @@ class OverlongLine:
 def plain(text: str) -> str:
     r"""Return text with every character that a terminal would obey made visible.
 
-    Such as \x1b for an escape: what comes from elsewhere moves no cursor and hides no words.
+    An escape becomes \x1b, so that a text from another machine moves no cursor and hides no words.
     """
     if text.isprintable():
         return text
@@ -43,7 +43,7 @@ def plain(text: str) -> str:
 
 
 def line_bytes(line: str) -> bytes:
-    """Return a line as it goes out, without its end: plain ASCII."""
+    """Return a line as plain ASCII bytes, without its end."""
     return plain(line).encode("ascii", errors="replace")
 
 
@@ -105,10 +105,14 @@ class LineDecoder:
 
 
 class TelnetFilter:
-    """Drop telnet commands from a stream. A line end always ends one, so noise cannot jam it."""
+    """Drop telnet commands from a stream.
+
+    A line end always ends a command, so that noise on a line cannot swallow all that follows.
+    """
 
     def __init__(self) -> None:
-        # Not a method of this object: it would refer to itself, and outlive its line for a while.
+        # A function of the class. A bound method would refer to this object, and the cycle would
+        # keep it in memory until the garbage collector runs.
         self._state: Step = TelnetFilter._text
 
     def feed(self, data: bytes) -> bytes:

@@ -1,17 +1,18 @@
-"""The machine of an address, under which its connections and its guesses are counted."""
+"""The machine of a network address. Limits count connections and wrong tokens by machine."""
 
 import ipaddress
 from typing import Final
 
 THIS_MACHINE: Final = "127.0.0.1"  # whatever address its programs come from
-SITE_BITS: Final = 64  # of an IPv6 address: one site has all that begin so
+SITE_BITS: Final = 64  # [bits] of an IPv6 address; one site has all addresses that share them
 
 
 def machine_of(peer: str, own: str = "") -> str:
-    """Return what the connections of a machine are counted under.
+    """Return the name under which a machine's connections are counted.
 
-    ``own`` is the address at which it has come in, if that is known. A far machine may choose any
-    address of its site; one of this server's own site is a neighbour, and counts alone.
+    ``own`` is this machine's address of that connection, if it is known. A far site counts as one
+    machine, because its machines may choose any address there. On this server's own site each
+    address counts alone, because the trainees' machines are there.
     """
     address, here = address_of(peer), address_of(own)
     if address is None:
@@ -25,7 +26,7 @@ def machine_of(peer: str, own: str = "") -> str:
 
 
 def address_of(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    """Return an address, an IPv4 one where IPv6 carries it; None for no address."""
+    """Return an IP address, as IPv4 where IPv6 carries one; None for none."""
     try:
         address = ipaddress.ip_address(text.partition("%")[0])
     except ValueError:

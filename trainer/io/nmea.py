@@ -4,7 +4,7 @@
     address   = talker, two letters, and formatter, three; or "P" and a maker's letters
     checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"
 
-An empty field is one that has no value at present. What stands in the fields is others' affair.
+An empty field has no value at present. Other modules know what the fields mean.
 """
 
 import re
@@ -31,7 +31,7 @@ class NmeaSentence:
 
 @dataclass(frozen=True)
 class DamagedSentence:
-    """A line that begins like a sentence and is none."""
+    """A line that begins like a sentence and is damaged."""
 
     reason: str
 

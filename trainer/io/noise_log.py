@@ -1,18 +1,18 @@
-"""Logs that those who make the noise cannot flood."""
+"""Logs with a limit, so that nobody can flood them with entries."""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-MAX_ENTRIES: Final = 20  # entries
+MAX_ENTRIES: Final = 20  # [entries] written of a period, or of a crowd before it rests
 ENTRY_PERIOD_S: Final = 10.0  # [s]
-ENTRY_RETURN_S: Final = 60.0  # until one more of a crowd's entries is written, of MAX_ENTRIES
-MAX_SUM_PAUSE_S: Final = 600.0  # between two sums of a crowd that does not rest
+ENTRY_RETURN_S: Final = 60.0  # [s] after which a crowd may write one entry more
+MAX_SUM_PAUSE_S: Final = 600.0  # [s] between two sums, if the crowd does not rest
 
 
 class NoiseLog:
-    """Pass entries on as long as they are few."""
+    """A log that passes on the first entries of each period and counts the others."""
 
     def __init__(self, log: Callable[[str, str], None], clock: Callable[[], float]) -> None:
         """Pass on to ``log``; ``clock`` gives the time [s]."""
@@ -32,21 +32,21 @@ class NoiseLog:
         self._held[kind] = self._held.get(kind, 0) + 1
 
     def settle(self) -> None:
-        """Begin afresh if the while is over, with the number of what was held back."""
+        """If a period is over, begin the next, and tell what was held back."""
         if self._clock() - self._since >= ENTRY_PERIOD_S:
             self.close()
             self._since = self._clock()
             self._passed = 0
 
     def close(self) -> None:
-        """Tell the number of what was held back."""
+        """Tell how many entries were held back."""
         for kind, count in self._held.items():
             self._log(kind, sum_up(count))
         self._held.clear()
 
 
 def sum_up(count: int) -> str:
-    """Return what stands for entries that are not written."""
+    """Return the line that stands for entries that are not written."""
     return f"{count} more of the same, not written one by one"
 
 
@@ -76,10 +76,10 @@ class Tally:
 
 
 class CrowdLog:
-    """Pass on a crowd's first entries, and the number of all others ever more seldom.
+    """A log of a crowd: its first entries, then sums of the others.
 
-    Who is in the crowd makes no difference: a crowd of a thousand, each of whom says one word and
-    goes, writes no more than one who says a thousand words.
+    The sums come more and more seldom. The log does not look at who makes an entry, because a
+    thousand clients with one entry each would flood it as one client with a thousand does.
     """
 
     def __init__(self, log: Callable[[str, str], None], clock: Callable[[], float]) -> None:
@@ -106,7 +106,7 @@ class CrowdLog:
         self._tell_sums(self._clock())
 
     def close(self) -> None:
-        """Tell the number of all that was held back."""
+        """Tell how many entries were held back in all."""
         self._tell_sums(math.inf)
 
     def _tell_sums(self, until: float) -> None:

@@ -1,4 +1,4 @@
-"""Where a session is found and its recording kept, unless told otherwise. How it says so."""
+"""The default places of a session's socket, its address and its recordings."""
 
 import os
 import re
@@ -41,7 +41,7 @@ def nearest_session() -> str:
 
 
 def address_path() -> Path:
-    """Return the file that stands in for the local socket where the system has none."""
+    """Return the file with a session's address, for systems without local sockets."""
     return socket_path().with_suffix(".address")
 
 
@@ -64,9 +64,9 @@ def left_address() -> tuple[str, str]:
 
 
 def recordings_folder() -> Path:
-    """Return where recordings are kept unless told otherwise: as the system has it.
+    """Return the default folder of recordings, by the system's custom.
 
-    Where ``XDG_STATE_HOME`` says, or an earlier version kept them, they stay.
+    A folder that ``XDG_STATE_HOME`` names comes first, then one that an earlier version made.
     """
     named = os.environ.get("XDG_STATE_HOME")
     earlier = Path(named or Path.home() / ".local" / "state") / _FOLDER_NAME  # of all systems, once
@@ -76,9 +76,9 @@ def recordings_folder() -> Path:
 
 
 def recording_paths(name: str) -> Iterator[Path]:
-    """Yield files for a new recording of ``name``. Each is for when the earlier ones are taken.
+    """Yield files for a new recording of ``name``; make their folder.
 
-    Their folder is made.
+    Each is for use when the earlier ones are taken.
     """
     folder = recordings_folder()
     folder.mkdir(parents=True, exist_ok=True)

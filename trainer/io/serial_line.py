@@ -1,7 +1,7 @@
-"""A serial line at any pyserial URL. It comes back by itself after it was unplugged.
+"""A serial line at any pyserial URL. It opens again by itself after it was unplugged.
 
-`read` belongs to an Inbox, `write` to an Outbox: both may wait, and do so only in those threads.
-The reading thread also mends the line; while it is down, output is dropped and counted.
+Only an Inbox calls `read` and only an Outbox calls `write`, because both may wait. The reading
+thread also opens the line again; while it is down, output is dropped and counted.
 """
 
 import contextlib
@@ -27,12 +27,8 @@ MAX_BAUD_RATE = 4_000_000  # [baud]
 
 URL_SCHEMES = ("socket", "rfc2217", "loop", "hwgrep", "spy", "alt", "cp2110")
 NETWORK_SCHEMES = ("socket", "rfc2217")
-OPEN_ERRORS = (
-    OSError,
-    ValueError,
-    TypeError,
-    LookupError,
-)  # all of them seen from pyserial on open
+# pyserial has raised each of these on open.
+OPEN_ERRORS = (OSError, ValueError, TypeError, LookupError)
 SYSTEM_TEXT_PATTERN = re.compile(r"(?:Errno -?\d+\] |\(\d+, ')([^:']+)")
 
 
@@ -69,7 +65,8 @@ class SerialLine:
             return b""
         try:
             data = bytearray(port.read(1))
-            # Asking for more than is there would wait for it; a socket counts only to one.
+            # To ask for more than is there would wait for it. A socket of pyserial tells 1 at most,
+            # hence the loop.
             while len(data) < CHUNK_BYTES and (waiting := port.in_waiting):
                 data += port.read(waiting)
         except OSError:  # what pyserial raises is one
@@ -109,7 +106,7 @@ class SerialLine:
 
 
 def open_port(url: str, baud: int) -> "serial.Serial":
-    """Return the port opened; raises LinkError saying why not and what is nearest."""
+    """Return the opened port; raises LinkError with the reason and the nearest name."""
     import serial  # noqa: PLC0415  only runs with a serial line pay for it
 
     scheme, separator, _ = url.partition("://")
@@ -156,7 +153,7 @@ def devices() -> list[str]:
 
 
 def nearest(given: str, names: list[str]) -> str:
-    """Return advice: the nearest name, or all there are."""
+    """Return advice: the nearest name of a device, or the names of all."""
     near = difflib.get_close_matches(given, names, n=1)
     if near:
         return f"; did you mean {near[0]}?"

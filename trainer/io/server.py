@@ -1,9 +1,8 @@
-"""All sockets of a session in one thread, which waits for none of them.
+"""One thread serves all sockets of a session: those that listen and those connected.
 
-A client that does not read loses its own lines, one that sends too much is read slowly, one that
-vanishes is noticed by the system's keepalive; none of them delays another.
-
-Sockets that listen, at a TCP port or at a path of this machine.
+It waits for no single client. A client that does not read loses its own lines, one that sends too
+much is read slowly, and the system's keepalive notices one that vanishes; none delays another.
+Listening sockets stand at a TCP port or at a path of this machine.
 """
 
 import contextlib
@@ -32,8 +31,8 @@ MAX_PORT = 65535
 MAX_CONNECTIONS = 32  # connections
 RESERVED_CONNECTIONS = 8  # more, for lines of this machine and user
 MAX_STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
-MAX_REFUSED_LINES = 8  # more that are being told so; beyond it they are cut off
-REFUSAL_TIMEOUT_S = 1.0  # [s]  for those
+MAX_REFUSED_LINES = 8  # clients being told that there is no place; others are cut off at once
+REFUSAL_TIMEOUT_S = 1.0  # [s]  for a refused client to take the reason
 FULL_PAUSE_S = 1.0  # [s]  without new connections after the system had no room for one
 CLOSE_GRACE_S = 1.0  # [s]  beyond the patience, for the thread to end
 NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
@@ -83,7 +82,7 @@ def system_message(error: Exception) -> str:
 
 @dataclass(frozen=True)
 class LocalSocket:
-    """A socket that listens at a path, and which file there is its own."""
+    """A socket that listens at a path, and the identity of its file there."""
 
     socket: socket.socket
     path: Path
@@ -92,7 +91,8 @@ class LocalSocket:
     def close(self) -> None:
         """Stop listening, and take the file away unless another has replaced it.
 
-        The file goes first: who finds a dead one replaces it, and may be given its number.
+        The file goes first. Otherwise a new session could find the socket dead, replace its file,
+        get the same file number from the system, and lose its own file here.
         """
         with contextlib.suppress(OSError):
             if identity(self.path) == self.file:
@@ -119,7 +119,7 @@ def listen_here(path: Path) -> LocalSocket:
 def private_folder(folder: Path) -> None:
     """Make a folder of this user's own; LinkError if what is there could be another's.
 
-    In a folder shared by all, whoever comes first owns the name, and a link leads elsewhere.
+    In a folder shared by all users, another user may have made the name first, or a link of it.
     """
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -129,9 +129,9 @@ def private_folder(folder: Path) -> None:
 
 
 def refuse_shared(folder: Path) -> None:
-    """Raise LinkError unless a folder is this user's or the system's.
+    """Raise LinkError unless a folder is this user's alone.
 
-    The same holds for who could replace it.
+    Its parent must belong to this user or the system, because its owner could replace the folder.
     """
     if not hasattr(os, "geteuid"):
         return
@@ -189,7 +189,7 @@ def why_not_here(error: OSError) -> str:
 
 
 def identity(path: Path) -> tuple[int, int]:
-    """Return which file is at `path`."""
+    """Return device and number of the file at `path`, which no other file has."""
     status = os.lstat(path)
     return status.st_dev, status.st_ino
 
@@ -198,22 +198,23 @@ class Server:
     """The sockets of a session: those that listen and those connected."""
 
     def __init__(self, wake: threading.Event, introduction: float = math.inf) -> None:
-        """Let newcomers be silent for at most ``introduction`` [s] until it is known who they are.
+        """Close newcomers that do not say within ``introduction`` [s] who they are.
 
-        ``wake`` is set at every newcomer, and whenever a connection has news.
+        ``wake`` is set at every newcomer, and whenever a connection has lines or ends.
         """
         self._wake = wake
         self._introduction = introduction
         self._selector = selectors.DefaultSelector()
+        # ``select`` waits for sockets alone, so other threads wake it by a byte from bell to ear.
         self._bell, self._ear = socket.socketpair()
         for end in (self._bell, self._ear):
             end.settimeout(0.0)
         self._rung = False
-        self._doors: deque[tuple[socket.socket, socket.socket | LocalSocket]] = deque()
+        self._listeners: deque[tuple[socket.socket, socket.socket | LocalSocket]] = deque()
         self._connections: list[Connection] = []
         self._newcomers: deque[Connection] = deque()
         self._count = 0  # of local connections ever, for their names
-        self._deaf_until = 0.0  # [s]
+        self._paused_until = 0.0  # [s]
         self._leave_at = math.inf  # [s]
         self._thread = threading.Thread(target=self._run, name="hub", daemon=True)
         self._thread.start()
@@ -241,11 +242,11 @@ class Server:
 
     def _open(self, access: socket.socket, listener: socket.socket | LocalSocket) -> None:
         access.settimeout(0.0)
-        self._doors.append((access, listener))
+        self._listeners.append((access, listener))
         self._stir()
 
     def _stir(self) -> None:
-        """Make the thread look again at what there is to do; from any thread."""
+        """Wake the thread to look at all sockets again. Any thread may call this."""
         if not self._rung:
             self._rung = True
             with contextlib.suppress(OSError):  # closed: nothing is left to do
@@ -255,12 +256,12 @@ class Server:
         self._selector.register(self._ear, READ_EVENT, self._hear_bell)
         while self._connections or math.isinf(self._leave_at):
             now = time.monotonic()
-            self._tend_doors(now)
+            self._tend_listeners(now)
             self._tend_connections(now)
             for key, ready in self._selector.select(self._pause(now)):
                 key.data(ready)
-        while self._doors:
-            self._doors.popleft()[1].close()
+        while self._listeners:
+            self._listeners.popleft()[1].close()
         self._selector.close()
         self._bell.close()
         self._ear.close()
@@ -269,9 +270,9 @@ class Server:
         self._ear.recv(CHUNK_BYTES)
         self._rung = False
 
-    def _tend_doors(self, now: float) -> None:
-        opened = now >= self._deaf_until and math.isinf(self._leave_at)
-        for access, _ in tuple(self._doors):  # another thread may open one
+    def _tend_listeners(self, now: float) -> None:
+        opened = now >= self._paused_until and math.isinf(self._leave_at)
+        for access, _ in tuple(self._listeners):  # another thread may open one
             self._watch(access, READ_EVENT * opened, functools.partial(self._admit, access))
 
     def _tend_connections(self, now: float) -> None:
@@ -301,18 +302,18 @@ class Server:
             self._selector.modify(end, events, call)
 
     def _pause(self, now: float) -> float | None:
-        """Return how long [s] nothing needs to be done unless something happens, None for ever."""
+        """Return how long [s] to wait for events at most, None without end."""
         due = [connection.due(now) for connection in self._connections]
-        due += [self._deaf_until] if self._deaf_until > now else []
+        due += [self._paused_until] if self._paused_until > now else []
         earliest = min(due, default=math.inf)
         return max(earliest - now, 0.0) if earliest < math.inf else None
 
     def _admit(self, access: socket.socket, _ready: int) -> None:
         try:
             end, address = access.accept()
-        except OSError as error:  # gone again, or the system has no room for it
+        except OSError as error:  # the client is gone again, or the system has no descriptor left
             if error.errno in NO_ROOM:
-                self._deaf_until = time.monotonic() + FULL_PAUSE_S
+                self._paused_until = time.monotonic() + FULL_PAUSE_S
             return
         local = end.family not in (socket.AF_INET, socket.AF_INET6)
         room = MAX_CONNECTIONS + RESERVED_CONNECTIONS * local
@@ -336,9 +337,9 @@ class Server:
         self._wake.set()
 
     def _make_room(self) -> None:
-        """Let a stranger go if there are too many, the oldest of those worth least.
+        """Close one stranger if there are too many: the oldest of those that rank lowest.
 
-        Places are kept for those known.
+        So strangers never take the places of stations that have said who they are.
         """
         strangers = [each for each in self._connections if each.stranger and not each.leaving]
         if len(strangers) >= MAX_STRANGERS:

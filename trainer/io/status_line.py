@@ -37,7 +37,7 @@ def header() -> str:
 def state_line(view: StatusView) -> str:
     """Return the state in 79 columns. F: frozen; *: a surface steered by hand.
 
-    L, R are left, right; D, R dive, rise. What is too wide for its column is its sign and ###.
+    L, R are left, right; D, R dive, rise. A number too wide for its column is its sign and ###.
     """
     depth_order, course_order = view.ordered_depth_m, view.ordered_course_deg
     return (

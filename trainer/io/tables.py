@@ -2,9 +2,8 @@
 
 Three files: the states at the path given, orders and events beside it, as in `out.csv`,
 `out.orders.csv`, `out.events.csv`. States and orders are those of one branch and the ancestry that
-led to it; events are those of all branches. What a state means is told by its `Layout`.
-
-The state of each tick as a row of a CSV file: SI and radians, every digit that counts.
+led to it; events are those of all branches. A `Layout` tells what the bytes of a state mean,
+because this package does not know the boat. All numbers are in SI and radians, with every digit.
 """
 
 import csv
@@ -17,9 +16,10 @@ from typing import Any, Final, Protocol
 from trainer.io.atomic_write import replacing
 from trainer.io.recording.recording import RecordedEvent, Recording, RecordingError
 
-BATCH_ROWS: Final = 5000  # of a Parquet file written at once
+BATCH_ROWS: Final = 5000  # [rows] of a Parquet file written at once
 
-FORMULA_SIGNS: Final = ("=", "+", "-", "@", "\t", "\r")  # how they begin
+# How a formula of a spreadsheet begins.
+FORMULA_SIGNS: Final = ("=", "+", "-", "@", "\t", "\r")
 
 Cell = int | float | str | bool | None
 
@@ -56,7 +56,7 @@ MOTION_COLUMNS: Final = (
 
 @dataclass(frozen=True)
 class Layout:
-    """How a state is read."""
+    """How the bytes of a state become numbers."""
 
     columns: tuple[str, ...]
     numbers: Callable[[bytes], Sequence[float]]  # one for each column
@@ -181,7 +181,10 @@ def _write_csv(table: Table, path: Path) -> None:
 
 
 def _inert(cell: Cell) -> Cell:
-    """Return a cell that no spreadsheet takes for a formula: an apostrophe is put before it."""
+    """Return a cell with an apostrophe before what a spreadsheet would take for a formula.
+
+    A text of the crew could run one there. Numbers with a sign stay as they are.
+    """
     if not (isinstance(cell, str) and cell.startswith(FORMULA_SIGNS)):
         return cell
     try:
@@ -209,7 +212,7 @@ def _write_parquet(table: Table, path: Path) -> None:
 
 
 class ColumnSink(Protocol):
-    """Where each tick's columns go."""
+    """A place that takes the columns of each tick."""
 
     trouble: str
 
@@ -219,13 +222,14 @@ class ColumnSink(Protocol):
 
 
 class CsvFile:
-    """Rows on their way to a file; trouble with the disk is kept, not raised."""
+    """A CSV file of ticks. It keeps trouble with the disk as a text, so that the run goes on."""
 
     def __init__(self, path: Path, batch: int = 1) -> None:
         """Open ``path``, to be written ``batch`` rows at once; OSError if it cannot be."""
         self.path = path
         self.trouble = ""  # why no more are written
         self._batch = batch
+        # Unbuffered, because ``flush`` must know how many rows are whole when the disk is full.
         self._file = path.open("wb", buffering=0)
         self._lines = [",".join(MOTION_COLUMNS) + "\n"]
         self._written = 0  # lines on disk, the heading among them
@@ -261,7 +265,7 @@ class CsvFile:
 
 
 class NoFile:
-    """Keeps nothing: a run needs no ``if``."""
+    """A place that drops all columns, so that a run needs no ``if``."""
 
     trouble = ""
 

@@ -1,4 +1,4 @@
-"""Lines as UDP datagrams, one each, to a host or to all of a network. Nobody has to be there."""
+"""Lines as UDP datagrams, to one host or a whole network. No receiver is needed."""
 
 import socket
 from typing import Final
@@ -10,12 +10,12 @@ MAX_PORT: Final = 65535
 
 
 class Datagrams:
-    """Somewhere that lines go, of trainer.io.line; sending never waits."""
+    """A Sender of trainer.io.line, a datagram for each line. It never waits."""
 
     room: Final = True
 
     def __init__(self, host: str, port: int) -> None:
-        """Find the host, once; LinkError if there is none or the port is none."""
+        """Look the host up once; LinkError if there is no such host or port."""
         self.dropped = 0
         self.trouble = ""  # of the last datagram
         if not 0 < port <= MAX_PORT:
@@ -31,7 +31,7 @@ class Datagrams:
         self._end.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
 
     def send(self, line: str) -> None:
-        """Send one line with its end, or count it when it cannot go."""
+        """Send one line with its end, or count it as dropped."""
         try:
             self._end.sendto(line_bytes(line) + b"\r\n", self._to)
         except OSError as error:
@@ -41,5 +41,5 @@ class Datagrams:
             self.trouble = ""
 
     def close(self, _patience: float) -> None:
-        """Close the socket; what was sent is on its way. Once is enough."""
+        """Close the socket. What was sent is on its way; a second call does nothing."""
         self._end.close()

@@ -1,4 +1,4 @@
-"""The address of the pages: as it is typed, told, drawn for a camera, opened."""
+"""The address of the pages: as text, as a QR code, in a browser."""
 
 import contextlib
 import io
@@ -13,10 +13,9 @@ import segno
 
 from trainer.web.gate import LOOPBACK_HOSTS, WILDCARD_HOSTS
 
-UNSENT_ADDRESS: Final = (
-    "192.0.2.1",
-    9,
-)  # an address for documents (RFC 5737): nothing is sent there
+# An address for documents (RFC 5737). A UDP socket connected to it sends nothing; the system only
+# chooses the own address from which it would.
+UNSENT_ADDRESS: Final = ("192.0.2.1", 9)
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ def reachable_address() -> str:
 
 
 def announce_address(address: Address) -> str:
-    """Return an address as the terminal shows it; beyond this machine, for a camera too."""
+    """Return the text for the terminal, with a QR code if other machines may come."""
     text = f"pages at {address.url}"
     if address.here:
         return text
@@ -72,7 +71,10 @@ def open_page(address: Address) -> str:
 
 
 def in_terminal(browser: webbrowser.BaseBrowser) -> bool:
-    """Return whether a browser would take the terminal, though nobody has chosen it."""
+    """Return whether a browser would run in the terminal, where the console is.
+
+    One that the user has named in BROWSER is taken as wanted.
+    """
     if os.environ.get("BROWSER"):
         return False
     waits = isinstance(browser, webbrowser.GenericBrowser)

@@ -1,4 +1,4 @@
-"""The connections of the pages' server: so many of each machine, none that stays silent.
+"""The limits of the pages' server: how many connections, how long silent.
 
 A connection takes its place when it is accepted, before TLS and before its first byte, and holds
 it until its socket is closed. It has 10 s to send a whole request, and 10 s after each answer to
@@ -25,6 +25,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from trainer.io.machine import THIS_MACHINE, machine_of
 from trainer.web.gate import SECURITY_HEADERS, Refusals
 
+# docs/threat-model.md says what these limits are against.
 MAX_CONNECTIONS: Final = 500
 MAX_CONNECTIONS_HERE: Final = 100  # of those; no other machine can take them
 MAX_CONNECTIONS_OF_MACHINE: Final = 32  # of another one: a browser opens six, and a line a page
@@ -42,7 +43,7 @@ DESCRIPTORS_OF_CONNECTION: Final = 2  # itself, and its file or its line to the 
 
 @dataclass(frozen=True)
 class ConnectionRoom:
-    """The places for connections: of this machine, of all others, of each other one."""
+    """The numbers of places: for this machine, for all others, for any one of them."""
 
     here: int = MAX_CONNECTIONS_HERE
     elsewhere: int = MAX_CONNECTIONS - MAX_CONNECTIONS_HERE
@@ -59,7 +60,7 @@ class ConnectionRoom:
 
 
 def allowed_descriptors() -> int:
-    """Return how many files this process may have open, once it has asked for enough."""
+    """Raise this process's limit of open files, and return it."""
     if os.name != "posix":
         return DESCRIPTORS_WANTED
     import resource  # noqa: PLC0415  not everywhere
@@ -74,12 +75,12 @@ def allowed_descriptors() -> int:
 
 
 class CountedSocket(socket.socket):
-    """A socket that says when it is closed, whoever closes it."""
+    """A socket that calls ``on_close`` when it is closed, by whichever library."""
 
     on_close: Callable[[], None] | None = None
 
     def close(self) -> None:
-        """Close it, and say so once."""
+        """Close the socket, and call ``on_close`` the first time."""
         super().close()
         call, self.on_close = self.on_close, None
         if call is not None:
@@ -87,10 +88,10 @@ class CountedSocket(socket.socket):
 
 
 class Visit:
-    """One connection: whose it is, and until when it has to say something."""
+    """One connection: its machine, and its deadline for a request."""
 
     def __init__(self, machine: str, silent: dict["Visit", None]) -> None:
-        """``silent`` holds those that are waited for, the one that is for longest first."""
+        """``silent`` has the connections that owe a request, the longest silent first."""
         self.machine = machine
         self.end: Callable[[], object] = lambda: None
         self.is_closing: Callable[[], bool] = lambda: False
@@ -99,14 +100,14 @@ class Visit:
         self._over = False
 
     def await_request(self) -> None:
-        """Wait for a whole request, for so long and no longer."""
+        """Wait for a whole request, for REQUEST_TIMEOUT_S at most."""
         if not self._over:
             self._silent[self] = None
             self.set_deadline(REQUEST_TIMEOUT_S)
 
     @contextlib.contextmanager
     def answering(self) -> Iterator[None]:
-        """Answer a request inside the block, not for ever; then wait for the next."""
+        """Answer a request inside the block, in ANSWER_TIMEOUT_S; then wait for the next."""
         self._silent.pop(self, None)
         self.set_deadline(ANSWER_TIMEOUT_S)
         try:
@@ -125,11 +126,11 @@ class Visit:
             self.await_request()
 
     def set_deadline(self, timeout_s: float) -> None:
-        """Cut it off in ``timeout_s`` [s], unless something else is set by then."""
+        """Cut the connection off in ``timeout_s`` [s]. A later call replaces this one."""
         self._call_later(timeout_s, self.cut_off)
 
     def _watch_line(self) -> None:
-        """Cut off a line that is closed, if its far end does not take what is still to be sent."""
+        """Cut off a closed line whose browser does not take the rest in time."""
         call = self.cut_off if self.is_closing() else self._watch_line
         self._call_later(REQUEST_TIMEOUT_S, call)
 
@@ -140,12 +141,12 @@ class Visit:
             self._deadline = asyncio.get_running_loop().call_later(delay_s, call)
 
     def cut_off(self) -> None:
-        """End the connection, whatever it is about to say."""
+        """End the connection at once."""
         self.finish()
         self.end()
 
     def finish(self) -> None:
-        """Wait for nothing more."""
+        """Stop waiting, because the connection has ended."""
         self._over = True
         self._silent.pop(self, None)
         if self._deadline is not None:
@@ -153,13 +154,13 @@ class Visit:
 
 
 class WholeRequests:
-    """Passes on requests that have come whole, and keeps the time of each connection."""
+    """Passes on whole requests, and sets the deadline of each connection."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on once its body is there too, a page's line at once."""
+        """Pass on a request when its body has come, a page's line at once."""
         visit: Visit = scope["state"]["visit"]
         if scope["type"] == "websocket":
             with visit.carrying_line():
@@ -171,7 +172,7 @@ class WholeRequests:
 
 
 async def whole_body(receive: Receive) -> list[Message]:
-    """Return the parts of a request's body, as far as anybody would read it."""
+    """Return the parts of a request's body, up to just over MAX_BODY_BYTES."""
     parts: list[Message] = []
     size = 0
     while size <= MAX_BODY_BYTES:
@@ -184,7 +185,7 @@ async def whole_body(receive: Receive) -> list[Message]:
 
 
 def replay_parts(parts: list[Message], receive: Receive) -> Receive:
-    """Return what yields parts that have come already, and then those to come."""
+    """Return a ``receive`` that gives these parts first, then those still to come."""
     waiting = iter(parts)
 
     async def receive_next() -> Message:
@@ -196,18 +197,22 @@ def replay_parts(parts: list[Message], receive: Receive) -> Receive:
 
 
 class Farewell(asyncio.Protocol):
-    """Tells a newcomer without a place why, once it asks for something."""
+    """The answer to a newcomer without a place, once it sends its request."""
 
     def __init__(self, why: str) -> None:
         self._answer = turned_away(why)
         self._transport: asyncio.Transport | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Keep the way back."""
+        """Keep the transport for the answer."""
         self._transport = cast("asyncio.Transport", transport)
 
     def data_received(self, _data: bytes) -> None:
-        """Answer the first words; those after them are read, or the answer would be lost."""
+        """Answer the first bytes.
+
+        Later bytes are read and dropped, because closing over unread input would cut off the
+        answer.
+        """
         transport, self._transport = self._transport, None
         if transport is None:
             return
@@ -262,7 +267,8 @@ class Admission:
                 self._refusals.note(f"no room for a connection: {error.strerror}")
                 if not give_way(self._silent):
                     await asyncio.sleep(ACCEPT_PAUSE_S)
-            await asyncio.sleep(0)  # sock_accept does not wait where somebody is at the door
+            # Others get their turn: ``sock_accept`` does not yield while connections are waiting.
+            await asyncio.sleep(0)
 
     def _welcome(
         self,
@@ -271,7 +277,7 @@ class Admission:
         protocols: Protocols,
         context: ssl.SSLContext | None,
     ) -> None:
-        """Give a connection its place, or tell it why there is none."""
+        """Give a connection its place, or send the reason why there is none."""
         end.settimeout(0.0)
         visit = Visit(machine_of(peer[0], end.getsockname()[0]), self._silent)
         if why := self._refusal(visit.machine):
@@ -284,7 +290,10 @@ class Admission:
         self._start(visit, end, partial(protocols, visit), context)
 
     def _refusal(self, machine: str) -> str:
-        """Return why there is no place for one more, "" if there is or somebody gives way."""
+        """Return why there is no place for one more, "" if there is one.
+
+        A silent connection of the same kind is cut off for it.
+        """
         count, here = self.machines[machine], self.machines[THIS_MACHINE]
         elsewhere = self.machines.total() - here
         same = [visit for visit in self._silent if visit.machine == machine]
@@ -299,14 +308,14 @@ class Admission:
         return f"no room: {elsewhere} connections of other machines are open" * full
 
     def _leave(self, visit: Visit) -> None:
-        """Take a place back."""
+        """Take back the place of a connection that has closed."""
         visit.finish()
         self.machines[visit.machine] -= 1
         if not self.machines[visit.machine]:
             del self.machines[visit.machine]
 
     def _part(self, end: CountedSocket, why: str, context: ssl.SSLContext | None) -> None:
-        """Tell a newcomer why there is no place, unless too many are being told."""
+        """Send a newcomer the reason, unless MAX_FAREWELLS are being sent it."""
         if self._farewells >= MAX_FAREWELLS:
             end.close()
             return
@@ -327,9 +336,9 @@ class Admission:
         protocol: Callable[[], asyncio.Protocol],
         context: ssl.SSLContext | None,
     ) -> None:
-        """Let a connection speak, from its first byte on."""
+        """Begin to read a connection, and to do TLS with it."""
         starting = asyncio.create_task(connect_socket(visit, end, protocol, context))
-        visit.end = starting.cancel
+        visit.end = starting.cancel  # until the handshake is over there is no transport to abort
         self._starting.add(starting)
         starting.add_done_callback(self._starting.discard)
 
@@ -344,14 +353,14 @@ async def connect_socket(
     loop = asyncio.get_running_loop()
     try:
         transport, _ = await loop.connect_accepted_socket(protocol, end, ssl=context)
-    except (OSError, asyncio.CancelledError):  # it speaks no TLS, is gone, or has taken too long
+    except (OSError, asyncio.CancelledError):  # no TLS, gone, or cut off by its deadline
         end.close()
     else:
         visit.end, visit.is_closing = transport.abort, transport.is_closing
 
 
 def give_way(silent: Iterable[Visit]) -> bool:
-    """Cut off the one that has been silent for longest; return whether there is one."""
+    """Cut off the connection that has been silent for longest; return whether there is one."""
     first = next(iter(silent), None)
     if first is not None:
         first.cut_off()

@@ -1,8 +1,8 @@
 """A page's line to the session: each text frame is a line, both ways.
 
-The session knows nothing of browsers: each page is a station there, with a line of its own, and
-roles, tokens, orders a second and lost lines are its business. Here only what could never be an
-order is stopped.
+The session knows nothing of browsers: each page is a station there, with a line of its own. So the
+session judges roles, tokens, the rate of orders and lost lines. The bridge stops only what could
+never be an order.
 """
 
 import asyncio
@@ -30,8 +30,8 @@ from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
 from trainer.io.serial_line import LinkError
 from trainer.web.gate import Refusals
 
+DEBRIEF_FACT: Final = ",debrief,"  # only a sentence with it is parsed, which spares the others
 # Why a page's line is closed; a page says what to do about each.
-DEBRIEF_FACT: Final = ",debrief,"  # in a sentence: read it
 NO_SESSION_CODE: Final = 4001
 OLDER_PAGE_CODE: Final = 4002
 REFUSED_CODE: Final = 4003
@@ -50,17 +50,20 @@ Reach = Callable[[], socket]  # raises LinkError
 
 @dataclass
 class DebriefShelf:
-    """The debriefs that a session has told an instructor's page, under keys that nobody guesses."""
+    """The debriefs that an instructor's page may show, by random keys.
+
+    A key stands for a token, because whoever has the address reads the page.
+    """
 
     files: dict[str, Path] = field(default_factory=dict)
 
-    def keep(self, told: str) -> str:
-        """Keep a file that was told; return its address, "" without one.
+    def keep(self, name: str) -> str:
+        """Keep the file of a debrief; return its address, "" without a file.
 
-        What is not plain ASCII in its path has come as question marks.
+        A ``?`` in its path matches any character, because sentences hold no others than ASCII.
         """
-        root = Path(told).anchor
-        pattern = escape(told.removeprefix(root)).replace("[?]", "?")
+        root = Path(name).anchor
+        pattern = escape(name.removeprefix(root)).replace("[?]", "?")
         matches = [*Path(root).glob(pattern)] if root and pattern else []
         if len(matches) != 1 or matches[0].resolve().suffix != ".html":
             return ""
@@ -84,7 +87,7 @@ class RefusedError(Exception):
 
 
 class Allowance:
-    """The frames, or bytes, that a page may still send: so many a second."""
+    """The number of frames, or bytes, that a page may still send now."""
 
     def __init__(self, rate: float, most: float) -> None:
         """Allow ``rate`` a second, and ``most`` at once."""
@@ -102,11 +105,11 @@ class Allowance:
 
 @dataclass
 class Bridge:
-    """The lines of all pages: how the session is reached, what is refused."""
+    """The bridge between the pages of all browsers and the session."""
 
     reach: Reach
     refusals: Refusals
-    machines: Counter[str] = field(default_factory=Counter)  # lines at once of each other one
+    machines: Counter[str] = field(default_factory=Counter)  # open lines by other machine
     shelf: DebriefShelf = field(default_factory=DebriefShelf)
 
     async def carry(self, page: WebSocket, words: Mapping[str, str]) -> None:
@@ -176,9 +179,10 @@ class Bridge:
     async def _down(
         self, reader: asyncio.StreamReader, page: WebSocket, shelf: DebriefShelf | None
     ) -> None:
-        """Carry the session's lines to the page; a page that does not read is not waited for.
+        """Carry the session's lines to the page.
 
-        What it does not take waits in the socket, and then the session counts what it loses.
+        Lines that a slow page does not take fill the session's socket. Then the session drops and
+        counts them, and waits for nobody.
         """
         try:
             while line := await reader.readline():
@@ -228,7 +232,7 @@ def check_frame(message: Mapping[str, object], allowance: Allowance) -> str:
 
 
 def machine_at(page: WebSocket) -> str:
-    """Return what the lines of a page's machine are counted under."""
+    """Return the name under which a page's machine is counted; see ``machine_of``."""
     return machine_of(page.client.host, page.scope["server"][0]) if page.client else ""
 
 
@@ -239,7 +243,7 @@ def is_here(end: socket) -> bool:
 
 
 def debrief_fact(line: str, shelf: DebriefShelf) -> str:
-    """Return the fact of where the debrief of a line is, "" for none."""
+    """Return the fact with the page of a line's debrief, "" for none."""
     fact = sentences.parse_sentence(line)
     if fact is None or fact.kind != "TRF" or fact.fields[2] != "debrief":
         return ""
@@ -249,7 +253,7 @@ def debrief_fact(line: str, shelf: DebriefShelf) -> str:
 
 
 def with_word(line: str, words: Mapping[str, str]) -> str:
-    """Return a line, with the token that is kept where it takes a role without."""
+    """Return a line; an order to take a role gets the browser's token."""
     heard = sentences.parse_line(line) if "role" in line else None
     if heard is None or not heard.machine:
         return line
@@ -263,4 +267,4 @@ def with_word(line: str, words: Mapping[str, str]) -> str:
 async def close_page(page: WebSocket, code: int, why: str) -> None:
     """Close a page's line, if it is still open."""
     with contextlib.suppress(RuntimeError, WebSocketDisconnect, OSError):
-        await page.close(code, why[:120])
+        await page.close(code, why[:120])  # RFC 6455 allows 123 bytes

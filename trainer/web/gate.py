@@ -1,7 +1,8 @@
-"""The gate before the pages: who may ask, by which name, from which page.
+"""The gate before the pages refuses foreign names and foreign pages.
 
-A page of somebody else's can make a browser ask here: its origin is another, and it is refused. A
-name that somebody else makes point here (DNS rebinding) is none of ours, and refused as well.
+A page of another server can make a browser send requests here. The gate refuses them, because they
+carry that page's origin. Another's name can be made to point here (DNS rebinding). Such requests
+are refused too, because their Host header is none of this server's names.
 """
 
 import asyncio
@@ -76,7 +77,7 @@ def hostname(given: str) -> str:
 
 
 def is_address(name: str) -> bool:
-    """Return whether a name is an address in numbers, which nobody can make point elsewhere."""
+    """Return whether a name is an IP address, which no DNS server can redirect."""
     try:
         ipaddress.ip_address(name)
     except ValueError:
@@ -85,7 +86,7 @@ def is_address(name: str) -> bool:
 
 
 class Refusals:
-    """Counts what is refused, and tells of it in few lines, however much it is."""
+    """The count of refused requests, and a log of them that nobody can flood."""
 
     def __init__(self, tell: Tell) -> None:
         self.count = 0
@@ -93,19 +94,19 @@ class Refusals:
         self._due = False
 
     def add(self, client: tuple[str, int] | None, why: str) -> None:
-        """Count a refusal, and tell of it unless there are too many."""
+        """Count a refusal, and log it."""
         self.count += 1
         self.note(f"{client[0] if client else 'somebody'}: {why}")
 
     def note(self, text: str) -> None:
-        """Tell something in one line, unless there is too much of it."""
+        """Log a line, unless too many have come; see ``NoiseLog``."""
         self._log.log("refused", plain(text))
         if not self._due:
             self._due = True
             asyncio.get_running_loop().call_later(ENTRY_PERIOD_S, self._settle)
 
     def close(self) -> None:
-        """Tell how many have not been told one by one."""
+        """Log how many lines were held back."""
         self._log.close()
 
     def _settle(self) -> None:
@@ -114,11 +115,11 @@ class Refusals:
 
 
 class Gate:
-    """Stands before the pages: refuses what has no business here, guards the rest."""
+    """The gate: it refuses foreign requests, and adds headers to all answers."""
 
-    def __init__(self, app: ASGIApp, door: ServerNames, refusals: Refusals) -> None:
+    def __init__(self, app: ASGIApp, names: ServerNames, refusals: Refusals) -> None:
         self._app = app
-        self._door = door
+        self._names = names
         self._refusals = refusals
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -140,7 +141,7 @@ class Gate:
         """Return why a request is refused, "" if it is not."""
         headers = Headers(scope=scope)
         host, origin = headers.get("host", ""), headers.get("origin", "")
-        if not self._door.admits(host):
+        if not self._names.admits(host):
             name = host[:80] or "a server without a name"
             return f"this is not {name}: use the address that the server has told"
         if not origin and scope["type"] == "http" and scope["method"] in SAFE_METHODS:
@@ -152,7 +153,7 @@ class Gate:
 
 
 class StyleHashes(HTMLParser):
-    """The hashes of what a page has of styles within: their elements and their attributes."""
+    """The hashes of a page's styles: its style elements and its style attributes."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -177,13 +178,16 @@ class StyleHashes(HTMLParser):
 
 
 def hash_of(text: str) -> str:
-    """Return the hash by which a policy allows a text."""
+    """Return the hash of a text, in the form of a Content-Security-Policy."""
     digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
     return f"'sha256-{digest}'"
 
 
 def policy_of(html: str) -> str:
-    """Return the policy of a debrief: a browser shows it in its own styles."""
+    """Return the policy of a debrief, which allows its own styles and no script.
+
+    A script in the file, which anybody may have changed, must not act as a page of this server.
+    """
     styles = StyleHashes()
     styles.feed(html)
     allowed = " ".join(["'unsafe-hashes'", *sorted(styles.hashes)])

@@ -24,11 +24,9 @@ from trainer.web.bridge import Reach
 from trainer.web.server import Certificate, serve_at_socket
 
 TOKEN_TIMEOUT_S: Final = 5.0  # [s] for a session to say whether it asks for a token
-CERTIFICATE_DATE_ERRORS: Final = (
-    9,
-    10,
-)  # X509_V_ERR_CERT_NOT_YET_VALID, X509_V_ERR_CERT_HAS_EXPIRED
-HANDSHAKE_ROUNDS: Final = 5  # in memory; three are needed
+# X509_V_ERR_CERT_NOT_YET_VALID, X509_V_ERR_CERT_HAS_EXPIRED of OpenSSL
+CERTIFICATE_DATE_ERRORS: Final = (9, 10)
+HANDSHAKE_ROUNDS: Final = 5  # in memory; three are needed, and a limit ends the loop
 
 
 class OpenError(LinkError):
@@ -40,7 +38,7 @@ def serve_pages(
 ) -> None:
     """Serve the pages of the session at ``url``, None for this machine's; ConfigError.
 
-    It need not be there yet, and when it ends, the next one there is served.
+    The pages wait for a session that is not there yet. When it ends, they serve the next one there.
     """
     refuse_other_lines(url)
     host, port = address_of(where)
@@ -66,8 +64,8 @@ def serve_owner(
 ) -> None:
     """Serve the pages of the session that has begun this program, and end with it.
 
-    ``owner`` is the number of the socket that it has opened, negative where none can be inherited.
-    Whether others may come without a token it has looked at itself.
+    ``owner`` is the number of the socket that the session has opened, negative where none can be
+    inherited. The session itself has checked whether other machines need a token.
     """
     threading.Thread(target=end_with_owner, name="owner", daemon=True).start()
     host, port = address_of(where)
@@ -110,7 +108,7 @@ def open_pages(address: Address) -> None:
 
 
 def refuse_other_lines(url: str | None) -> None:
-    """Raise ConfigError for what is no socket: thirty pages cannot share a serial line."""
+    """Raise ConfigError for a serial line, because many pages cannot share one."""
     try:
         if url is not None:
             client.check(url)
@@ -119,10 +117,10 @@ def refuse_other_lines(url: str | None) -> None:
 
 
 def find_session(url: str | None, where: str, *, beyond: bool) -> Reach:
-    """Return what reaches the session that is there now.
+    """Return a function that connects to the session that is there now.
 
-    Pages ``beyond`` this machine reach it only if it asks for a token, each time anew: another
-    session may be there by then.
+    For pages ``beyond`` this machine it first checks that the session asks for a token. It checks
+    at every call, because another session may be there by then.
     """
 
     def reach() -> socket.socket:
@@ -153,20 +151,21 @@ def listen_for_browsers(host: str, port: int) -> socket.socket:
 
 
 def end_with_owner() -> None:
-    """Wait for the end of the standard input, which its owner holds open, then end."""
+    """End this program when its owner, which holds its standard input open, has gone."""
     while os.read(0, 1):
         pass
     signal.raise_signal(signal.SIGTERM)
 
 
 def send_no_pulse() -> None:
-    """Give no sign of life, where nobody listens for it."""
+    """Do nothing, because no owner waits for a sign of life."""
 
 
 def pulse_for_owner() -> Callable[[], None]:
-    """Return what writes a byte for the owner, by the standard output that it reads.
+    """Return a function that writes a byte to the standard output, which the owner reads.
 
-    A browser that is begun here must not inherit that, and has none.
+    Then the standard output is the null device, because a browser that is started here would
+    inherit it and could write to the owner.
     """
     pipe = os.dup(1)
     with Path(os.devnull).open("wb") as nowhere:
@@ -195,7 +194,7 @@ def certificate_of(cert: Path | None, key: Path | None) -> Certificate | None:
         except OSError as error:
             raise ConfigError(f"{option} {path}: {error.strerror}") from None
     try:
-        # a key behind a password would be asked for, by a program that nobody looks at
+        # without this OpenSSL would ask for a password at a terminal that nobody may look at
         server = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         server.load_cert_chain(cert, key, password=lambda: b"")
     except (OSError, ValueError):
@@ -209,9 +208,9 @@ def certificate_of(cert: Path | None, key: Path | None) -> Certificate | None:
 
 
 def out_of_date(server: ssl.SSLContext, cert: Path) -> str:
-    """Return that a certificate has expired or is not valid yet, "" within its time.
+    """Return that a certificate has expired or is not valid yet, "" if valid.
 
-    A client that trusts the certificate itself finds out, by a handshake in memory.
+    A handshake in memory finds out, by a client that trusts this certificate itself.
     """
     trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     trusting.check_hostname = False  # its name is the browser's business
@@ -228,7 +227,7 @@ def out_of_date(server: ssl.SSLContext, cert: Path) -> str:
                 continue
             except ssl.SSLCertVerificationError as error:
                 return error.verify_message if error.verify_code in CERTIFICATE_DATE_ERRORS else ""
-            except ssl.SSLError:  # what else is wrong with it a browser says
+            except ssl.SSLError:  # a browser will tell all other faults
                 return ""
     return ""
 
@@ -238,6 +237,7 @@ def asks_token(url: str) -> bool:
     arrived = threading.Event()
     line = client.dial(url, arrived)
     try:
+        # A session with a token refuses even this harmless question of a stranger.
         line.send(sentences.order_sentence("who", "1"))
         return answer_of(line, arrived) == "no"
     finally:

@@ -1,7 +1,7 @@
 """The pages are made once at the start from templates and catalogues of words.
 
-Catalogues hold plain text alone: no contexts, no plurals. So their reader is shorter than a
-dependency.
+Catalogues hold plain text, without contexts and plurals. So a short reader here does the work of a
+library.
 """
 
 import ast
@@ -25,9 +25,9 @@ from trainer.io.orders.table import FORMS, Form, heading_word
 LOCALE_FOLDER: Final = Path(__file__).parent / "locale"
 CATALOGUE_KEYWORDS: Final = ("msgid", "msgstr")
 CATALOGUE_LINE: Final = re.compile(r'(?:(\w+(?:\[\d+\])?)\s+)?("(?:[^"\\]|\\.)*")')
-VALUE_HOLE: Final = re.compile(r"\{\d\}")  # where a value stands
+VALUE_HOLE: Final = re.compile(r"\{\d\}")  # the place of a value in a text
 
-Catalogue = dict[str, str]  # what is said, by the English words
+Catalogue = dict[str, str]  # translated texts, by the English ones
 WEB_FOLDER: Final = Path(__file__).parent
 ASSETS_FOLDER: Final = WEB_FOLDER / "assets"
 LEAD_GROUP, CREW_GROUP, WATCH_GROUP = "Lead", "Crew", "Watch"
@@ -144,7 +144,7 @@ PAGES: Final = (
 
 @cache
 def _environment() -> Environment:
-    """Return where templates are found: all of them escape what they are given."""
+    """Return the environment of the templates, which escapes every value."""
     environment = Environment(
         loader=FileSystemLoader(WEB_FOLDER / "templates"),
         autoescape=True,
@@ -159,7 +159,7 @@ def _environment() -> Environment:
 def order_words(taken: Container[str] | None = None) -> dict[str, Any]:
     """Return the wordings of orders and what their numbers are, for their completion.
 
-    ``taken`` has the names of those that are taken; without it all are.
+    ``taken`` has the names of the orders that the page takes; without it they are all orders.
     """
     wanted = [
         form for form in FORMS if not form.refusal and (taken is None or name_of(form) in taken)
@@ -177,9 +177,10 @@ def name_of(form: Form) -> str:
 
 
 def lessons() -> list[dict[str, Any]]:
-    """Return the exercises in the course's order, as anybody may know them.
+    """Return the exercises in the course's order, without the names of their files.
 
-    The names of their files tell what breaks: the instructor's line tells those, by ``next``.
+    A file name tells what will break, and trainees read this page. The instructor's line tells the
+    names, by the order ``next``.
     """
     return [
         {"title": exercise.title, "briefing": " ".join(exercise.briefing.split())}

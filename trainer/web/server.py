@@ -36,11 +36,10 @@ from trainer.web.bridge import OLDER_PAGE_CODE, Allowance, Bridge, Reach
 from trainer.web.gate import Gate, Refusals, ServerNames, policy_of
 from trainer.web.pages import ASSETS_FOLDER, MISSING_PAGE, PAGES, Page, render
 
-# how the cookie of a role's token begins
+# How the name of the cookie of a role's token begins.
 TOKEN_COOKIE_PREFIX: Final = "word-"  # noqa: S105
-MAX_TOKEN_LETTERS: Final = MAX_LINE_LETTERS - len(
-    order_sentence("role instructor ", "999999")
-)  # [characters]
+# [characters]  An order with the longest role and tag must still fit a line.
+MAX_TOKEN_LETTERS: Final = MAX_LINE_LETTERS - len(order_sentence("role instructor ", "999999"))
 ROLE_TOKEN_FORM: Final = re.compile(
     rf"(?P<role>[a-z]+) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})"
 )
@@ -61,14 +60,14 @@ class Certificate:
 
 
 class ComplaintHandler(logging.Handler):
-    """Tells what the server's library complains of, as long as it is little."""
+    """A log handler for errors of the server's library, which nobody can flood."""
 
     def __init__(self, refusals: Refusals) -> None:
         super().__init__(logging.ERROR)
         self._refusals = refusals
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Tell the first line, and which exception it was."""
+        """Log the first line of a message, and its exception."""
         what = record.exc_info[1] if record.exc_info else ""
         self._refusals.note(f"{record.getMessage().splitlines()[0]} {what!r}".rstrip(" '"))
 
@@ -116,7 +115,7 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
 
 
 def answer_page(page: Page) -> Callable[[Request], Awaitable[Response]]:
-    """Return what answers with a page, which is made once."""
+    """Return a function that answers with a page. The page is made once."""
     made = render(page)
 
     async def show(_request: Request) -> Response:
@@ -144,7 +143,7 @@ async def keep_word(request: Request) -> Response:
 
 
 async def body_of(request: Request) -> str:
-    """Return what a request brings, "" if it is too long to be a word."""
+    """Return the body of a request, "" if it is too long to be a token."""
     body = b""
     try:
         async for part in request.stream():
@@ -163,9 +162,9 @@ def words_of(cookies: dict[str, str]) -> dict[str, str]:
 
 
 class MeasuredLine(asyncio.Protocol):
-    """A line of a page, which has so many bytes a second.
+    """The line of a page, with a limit of bytes a second.
 
-    Empty frames and pings count as well.
+    Empty frames and pings count as well, because the server works for them too.
     """
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -186,16 +185,16 @@ class MeasuredLine(asyncio.Protocol):
 
 
 def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicorn.Config:
-    """Return how the pages are served."""
+    """Return the settings of the server's library."""
     return uvicorn.Config(
         app,
         log_config=None,
         access_log=False,
         lifespan="off",
-        proxy_headers=False,  # whoever is here might say that he is somebody else
+        proxy_headers=False,  # such a header could name another machine, and limits count machines
         ws=type("Line", (MeasuredLine, cast("type", AutoWebSocketsProtocol)), {}),
         ws_max_size=MAX_FRAME_BYTES,
-        ws_ping_interval=10.0,  # a page that does not answer, asleep or gone, is let go
+        ws_ping_interval=10.0,  # a page that is asleep or gone does not answer, and is closed
         ws_ping_timeout=20.0,
         ws_per_message_deflate=False,  # lines are short, and thirty pages are many
         server_header=False,
@@ -222,7 +221,7 @@ class PageServer(uvicorn.Server):
         self._duties: list[asyncio.Task[None]] = []
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to take connections, and to tell that it does well."""
+        """Begin to take connections, and to send the pulse."""
         await super().startup(sockets=sockets or [])
         accept = self._admission.accept(self._listener, self._protocol, self.config.ssl)
         self._duties = [asyncio.create_task(accept), asyncio.create_task(self._beat())]
@@ -236,19 +235,19 @@ class PageServer(uvicorn.Server):
         await super().shutdown(sockets)
 
     def _protocol(self, visit: Visit) -> asyncio.Protocol:
-        """Return what speaks HTTP with one connection."""
+        """Return the HTTP protocol of one connection."""
         speaker: Callable[..., asyncio.Protocol] = self.config.http_protocol_class
         state = {"visit": visit}  # of each request by this connection
         return speaker(config=self.config, server_state=self.server_state, app_state=state)
 
     async def _beat(self) -> None:
-        """Tell for ever that this loop goes round."""
+        """Send the pulse for ever, as a sign that this loop still runs."""
         while True:
             self._pulse()
             await asyncio.sleep(PULSE_PERIOD_S)
 
     def _end(self, duty: asyncio.Task[None]) -> None:
-        """End the server where it could not go on; it will be begun again."""
+        """End the server after a fault; a session that owns it starts it again."""
         if not duty.cancelled() and (error := duty.exception()):
             logging.getLogger("uvicorn.error").error("the server ends", exc_info=error)
             self.should_exit = True

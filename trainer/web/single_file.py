@@ -24,10 +24,10 @@ EXPORT_KEYWORD: Final = re.compile(
 EXPORTED_NAME: Final = re.compile(
     r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE
 )
-# what a page in a file has in another one's place
+# A page in a file has no server to link to. So its link is to the boat in its own worker.
 REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER_SCRIPT: Final = "js/tab/worker.js"
-# orders that such a page takes, beside those that only write numbers
+# Orders that such a page takes, beside the boat's own rows, which only write numbers.
 # fmt: off
 TAB_ORDERS: Final = frozenset(
     (
@@ -48,7 +48,7 @@ class UnknownPageError(Exception):
 
 
 def collect_modules(entry: str, seen: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the sources of a module and of what it imports, that first."""
+    """Return the sources of a module and its imports, which stand first."""
     sources = {} if seen is None else seen
     source = (ASSETS_FOLDER / REPLACED_SCRIPTS.get(entry, entry)).read_text(encoding="utf-8")
     for _, path in IMPORT_STATEMENT.findall(source):
@@ -71,7 +71,7 @@ def resolve_module(module: str, path: str) -> str:
 
 
 def bundle(entry: str) -> str:
-    """Return one script that does what a module does with all that it imports.
+    """Return one script of a module and all that it imports.
 
     Each module is a function of its own, whose exports are in a table by its path.
     """
@@ -89,7 +89,7 @@ def bundle(entry: str) -> str:
 
 
 def replace_import(module: str, found: re.Match[str]) -> str:
-    """Return what stands for an import: the same names from the table."""
+    """Return the statement that replaces an import: the same names from the table."""
     if not found[1]:
         return ""
     names = re.sub(r"(\w+) as (\w+)", r"\1: \2", found[1])
@@ -97,12 +97,12 @@ def replace_import(module: str, found: re.Match[str]) -> str:
 
 
 def close_text(text: str) -> str:
-    """Return a script's text so that nothing in it ends the element around it."""
+    """Return a script's text in which no character ends the element around it."""
     return re.sub(r"<(?=/script|!--|script)", r"\\x3c", text, flags=re.IGNORECASE)
 
 
 def pack_data(data: bytes) -> str:
-    """Return bytes deflated and in base64, the same at every time."""
+    """Return bytes deflated and in base64; the same bytes give the same text."""
     return base64.b64encode(zlib.compress(data, 9)).decode("ascii")
 
 

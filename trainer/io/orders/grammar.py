@@ -3,15 +3,11 @@
     line      = [ words ] [ "#" comment ]
     words     = an order of trainer.io.orders.table, any word of it cut short if no doubt arises
 
-A line knows words and units, not the boat: whether it can be obeyed is decided elsewhere. How a
-program frames the words is that of trainer.io.orders.sentences.
+The grammar knows words and units, not the boat: the session decides whether an order can be
+obeyed. How a program frames the words stands in trainer.io.orders.sentences.
 
-The token that a line may give with a role, kept out of all that is told or logged.
-
-It is found by its place in the line, before anything is understood, so that no answer repeats it
-where the words before it are misspelt.
-
-What an order is answered: what now holds, or why nothing changed.
+A line may give a secret token with a role. No answer and no log repeats it. It is found by its
+place in the line, before the words are understood, because those before it may be misspelt.
 """
 
 import difflib
@@ -43,13 +39,14 @@ HIDDEN_TOKEN = "***"  # noqa: S105
 ROLE_BEGINNINGS = "|".join(sorted({said[:2] for said, _ in spellings(WORD_SETS["ROLE"])}))
 TOKEN_PATTERN = re.compile(
     r"((?:^|,|^\s*(?:in|at|when)\b.*\s)\s*"  # a planned one is refused, and hidden all the same
+    # The word role cut short or misspelt counts too: "ro... WORD TOKEN", or "r... ROLE TOKEN".
     rf"r(?:o\S*\s+\S+|\S*\s+(?:{ROLE_BEGINNINGS})\S*)\s+)(\S.*?)\s*$",
     re.IGNORECASE,
 )
 CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
 MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
 PRINTABLE_PATTERN = re.compile(r"[\t -~]*")
-SAID_IN_TWO = (
+SPLIT_WORDS = (
     (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
     (re.compile(r"\bdiving\s+officer\b", re.IGNORECASE), "diving"),
 )
@@ -87,7 +84,7 @@ class Order:
     there is none; `word` is the keyword the order turns on, "" when the value says it all; `text`
     is the full wording, which reads back as the same order; `numbers` are all that were
     given, in SI and unsigned, and `subject` is the name given. A token given with a role is the
-    `subject` too, and never in `text`. `crew` is what a phrase means from who orders the crew,
+    `subject` too, and never in `text`. `crew` is what a phrase means when it is given to the crew,
     where that is another order. `side` is -1 for left or dive, 1 for right or rise, 0 for neither;
     `unit` is that of the last number.
     """
@@ -115,7 +112,7 @@ class BadOrder:
 
 
 class TokenReading(NamedTuple):
-    """One token as one reading takes it."""
+    """The meaning of one token in one reading of the line."""
 
     spelling: str
     word: str
@@ -163,7 +160,7 @@ def parse(line: str) -> Order | BadOrder | None:
         if plan := PLAN_PATTERN.fullmatch(said):
             return planned_order(plan)
         words = said
-        for pattern, whole in SAID_IN_TWO:  # one in the table
+        for pattern, whole in SPLIT_WORDS:  # one in the table
             words = pattern.sub(whole, words)
         tokens = tokenise(hide_token(words))
         return with_token(understood_order(tokens), find_token(words)) if tokens else None
@@ -202,7 +199,7 @@ def planned_order(said: re.Match[str]) -> Order:
 
 
 def understood_order(tokens: list[str]) -> Order:
-    """Return the order of the tokens, which may be a phrase; refuses what is neither."""
+    """Return the order of the tokens, or of the phrase they are. Refuses what is neither."""
     try:
         return order(read_form(tokens))
     except RefusedError as refused:
@@ -215,7 +212,7 @@ def understood_order(tokens: list[str]) -> Order:
 
 
 def to_the_crew(said: Order) -> Order:
-    """Return what an order means from who orders the crew."""
+    """Return what an order means when it is given to the crew."""
     order = parse(said.crew) if said.crew else said
     return order if isinstance(order, Order) else said
 
@@ -280,7 +277,7 @@ def read_form(tokens: list[str]) -> PartialReading:
 
 
 def in_full(alive: list[PartialReading], i: int, token: str) -> list[PartialReading]:
-    """Return the readings without those that lengthen a word typed in full."""
+    """Return the readings, without those that take a whole word for a shortened one."""
     words = [reading for reading in alive if isinstance(reading.places[i], Word)]
     if not any(reading.said[i].spelling == token for reading in words):
         return alive
@@ -292,7 +289,7 @@ def in_full(alive: list[PartialReading], i: int, token: str) -> list[PartialRead
 
 
 def list_alternatives(readings: list[PartialReading], i: int) -> list[Place]:
-    """Return what may stand at `i`; what would be refused only where nothing else may."""
+    """Return the places at `i`. Wrong forms count only where no right one fits."""
     good = [reading for reading in readings if not reading.form.refusal]
     return [reading.places[i] for reading in good or readings]
 
@@ -325,7 +322,7 @@ def refuse_doubt(tokens: list[str], alive: list[PartialReading]) -> None:
 def nearest_word(token: str, known: Iterable[str]) -> str:
     """Return the known word that was mistyped, "" if none is near.
 
-    Few mistype how a word begins: another beginning asks for more that is the same.
+    A word with another first letter must be more alike, because few mistype the first letter.
     """
     whole = difflib.get_close_matches(token, sorted(known), n=1, cutoff=0.8)
     begun = [word for word in sorted(known) if word[0] == token[0]]
@@ -334,7 +331,7 @@ def nearest_word(token: str, known: Iterable[str]) -> str:
 
 
 def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
-    """Return why token `i` fits none of the places, with the nearest word that would."""
+    """Return why token `i` fits none of the places, and the nearest word that fits."""
     token, before = tokens[i], " ".join(tokens[:i])
     if not places:
         return f'"{token}" is too much after "{before}"'

@@ -1,12 +1,10 @@
-"""The phrases of a control room, as orders of the grammar.
+"""The table of a control room's phrases, and the orders that they mean.
 
-It is one table. Others may lie beside it.
-
-A phrase is looked for only where a line is no order of ``table``. Who works a control gives it the
-``order``; who orders the crew (instructor, diving officer, schedule) gives the ``crew`` order where
-there is one. A pattern is a row of items: ``a|b`` one of these words, ``[a]`` may be left out,
-CAPITALS stand for SLOT_PATTERNS. Numbers may be words: ``zero four five``, ``one eighty``, ``two
-hundred``.
+A phrase is looked for only where a line is no order of ``table``. It means the ``order`` when a
+station works its own control. It means the ``crew`` order, where there is one, when the instructor,
+the diving officer or a schedule orders the crew. A pattern is a row of items: ``a|b`` one of these
+words, ``[a]`` may be left out, CAPITALS stand for SLOT_PATTERNS. Numbers may be words: ``zero four
+five``, ``one eighty``, ``two hundred``.
 """
 
 import difflib
@@ -180,7 +178,7 @@ PHRASES: Final = (
 
 
 def pattern(row: str) -> re.Pattern[str]:
-    """Return the expression of a row of items, each with the blank after it."""
+    """Return the regular expression of a row of items, each with the blank after it."""
     pieces = []
     for item in row.split():
         plain = item.strip("[]")
@@ -204,7 +202,7 @@ def first_words(row: str) -> set[str]:
 
 
 def spoken_as(expression: str) -> list[str]:
-    """Return the first words of what an expression matches; ANY_DIGIT for a number."""
+    """Return the first words that an expression may match; ANY_DIGIT for a number."""
     inner = re.sub(r"^\(\?(?:P<\w+>|:)|\)", "", expression)
     if "\\d" in inner:
         return [ANY_DIGIT]
@@ -255,13 +253,13 @@ def plain_text(tokens: list[str]) -> str:
 
 
 def parts_of(word: str) -> list[str]:
-    """Return the words of a number with dashes, such as forty-five. Any other word as it is."""
+    """Return the parts of a number with dashes, such as forty-five, or the word itself."""
     parts = word.split("-")
     return parts if all(part in NUMBER_WORDS for part in parts) else [word]
 
 
 def numerals(words: list[str]) -> list[str]:
-    """Return the words with numbers in digits. They are said digit by digit or as a whole."""
+    """Return the words with numbers in digits, said digit by digit or as a whole."""
     numbers: list[str] = []
     digits, rest = "", list(words)
     while rest:
@@ -312,5 +310,5 @@ def phrase_table() -> list[tuple[str, str, str]]:
 
 
 def as_tokens(example: str) -> list[str]:
-    """Return the words of an example as a line's are read."""
+    """Return an example as the tokens that a line would have."""
     return re.sub(r"\b(one|two) third", r"\1-third", example.lower()).split()

@@ -10,14 +10,14 @@ PLACE_LIMITS_M = -200_000.0, 200_000.0  # [m] from the origin
 
 
 class RefusedError(Exception):
-    """A line that is no order; its text says why. Does not leave trainer.io.orders.grammar."""
+    """A line that is no order; its text says why. ``grammar`` turns it into a BadOrder."""
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: its written form, its spellings, its size in SI. An understood one is written ""."""
+    """A unit: its written form, its spellings, its size in SI."""
 
-    text: str
+    text: str  # "" for a unit that answers leave out, such as degrees
     names: tuple[str, ...]
     factor: float
 
@@ -98,8 +98,10 @@ def quantity(number: Number, digits: str, unit: Unit) -> tuple[float, str]:
     if not number.low * size <= value <= number.high * size:
         wording = f"{digits} {unit.text}".rstrip()
         raise RefusedError(f"{wording}: {number.says} is {number.limits}")
+    # Decimal keeps the digits as typed, without zeros at the end; + 0 makes -0 a plain 0.
     plain = f"{Decimal(digits).normalize() + 0:f}"
     if number is NUMBER_KINDS["COURSE"]:
+        # 360 is read back as 000, as helmsmen say it in three digits.
         plain = "0" if plain == "360" else plain
         whole, point, rest = plain.partition(".")
         return float(plain) * unit.factor, f"{whole:0>3}{point}{rest}"

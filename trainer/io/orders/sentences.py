@@ -10,9 +10,9 @@
     checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"
 
 An answer is any number of "say" lines and then one "ok" or "no". `text` is always last and may hold
-commas. Facts are for programs, since texts may be reworded: FACTS has them. Kinds of line that a
-program does not know are to be ignored. People type the words alone (``grammar``). Neither side is
-answered in kind when its line is damaged: its tag cannot be trusted either.
+commas. Facts (FACTS) are for programs, because texts may be reworded. A program must ignore lines
+of a kind that it does not know. People type the words alone (``grammar``). A damaged line gets no
+framed answer, because its tag may be damaged too.
 """
 
 import functools
@@ -83,7 +83,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
 
 @dataclass(frozen=True)
 class Message:
-    """The content of a line. The answer goes back framed if it came so, with its tag."""
+    """The content of a line. A framed one gets a framed answer with its tag."""
 
     order: Order | BadOrder
     machine: bool = False
@@ -111,7 +111,7 @@ def parse_line(line: str) -> Message | None:
 
 
 def hear_machine(line: str) -> Message:
-    """Return what a program's line holds."""
+    """Return the content of a program's line."""
 
     def bad(reason: str, tag: str = "") -> Message:
         return Message(BadOrder(printable(line), reason), machine=True, tag=tag)
@@ -134,7 +134,7 @@ def hear_machine(line: str) -> Message:
 
 
 def open_frame(line: str) -> tuple[str, str]:
-    """Return what a sentence frames and "", or "" and why it is none."""
+    """Return the content of a sentence and "", or "" and why it is damaged."""
     match = FRAME_PATTERN.fullmatch(line)
     if not match:
         return "", "a program's line ends in * and the two digits of its checksum"
@@ -172,7 +172,7 @@ def order_sentence(words: str, tag: str = "") -> str:
 
 
 def answer(tag: str, *, accepted: bool, text: str) -> str:
-    """Return the last line of an answer. It says whether it was done, and what holds or why not."""
+    """Return the last line of an answer: done, or why not."""
     return frame("TRA", tag, f"{'ok' if accepted else 'no'},{safe(text)}")
 
 
@@ -193,7 +193,7 @@ def state(channel: str, tick: int, seconds: float, values: Iterable[str]) -> str
 
 
 def event(tick: int, seconds: float, kind: str, text: str) -> str:
-    """Return something that happened at a tick [-], a time [s]."""
+    """Return the sentence of an event at a tick [-], a time [s]."""
     return frame("TRE", "", f"{tick},{seconds:.3f},{safe_field(kind)},{safe(text)}")
 
 
@@ -214,10 +214,10 @@ def checksum(body: str) -> int:
 
 
 def safe(text: str) -> str:
-    """Return `text` without what would end a sentence or is not plain ASCII."""
+    """Return `text` in plain ASCII, without the characters that frame a sentence."""
     return UNSAFE_PATTERN.sub("?", text)
 
 
 def safe_field(text: str) -> str:
-    """Return what `safe` returns of text that others follow: its commas are semicolons."""
+    """Return `text` for a field before the last: as `safe`, with semicolons for commas."""
     return safe(text).replace(",", ";")

@@ -97,14 +97,14 @@ class UnitWord:
 
 @dataclass(frozen=True)
 class Name:
-    """A place for a name that the grammar does not know, such as a casualty's."""
+    """A place for a name that only the session knows, such as a casualty's."""
 
     says: str
 
 
 @dataclass(frozen=True)
 class Secret:
-    """A place for a word that is taken as typed and never told again."""
+    """A place for a secret word, which is taken as typed and never shown."""
 
 
 Place = Word | Number | UnitWord | Name | Secret
@@ -112,7 +112,7 @@ Place = Word | Number | UnitWord | Name | Secret
 
 @dataclass(frozen=True)
 class Form:
-    """One wording of an order. A refusal answers a tempting wrong one with the right one."""
+    """One wording of an order. A wrong but likely one has the right one as its refusal."""
 
     pattern: str
     says: str = ""

@@ -8,7 +8,7 @@ from trainer.io.recording.queries import Branch, Moment, RecordedEvent, Recorded
 
 
 class NoRecording:
-    """A recording that drops all it is given. There is nothing to go back to but memory."""
+    """A recording that drops all it is given. A run can go back only to moments in memory."""
 
     wake: Callable[[], object]  # never called
 
@@ -47,7 +47,7 @@ class NoRecording:
         """Drop it."""
 
     def fork(self, _moment: Moment, _why: str) -> int:
-        """Return the number of the branch that begins."""
+        """Return the number of the branch that begins; drop its moment."""
         self.branch += 1
         return self.branch
 
@@ -66,7 +66,7 @@ class NoRecording:
         return iter(())
 
     def last_tick(self, _branch: int) -> int:
-        """Return the start."""
+        """Return the tick of the start, since no later one is recorded."""
         return 0
 
     def state_at(self, _branch: int, _tick: int) -> bytes | None:
@@ -90,7 +90,7 @@ class NoRecording:
 
 
 class OrderMemory(NoRecording):
-    """All orders of the present branch, in memory; the rest is dropped."""
+    """A recording in memory: only the orders of the present branch."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -116,7 +116,7 @@ class OrderMemory(NoRecording):
             )
 
     def fork(self, moment: Moment, why: str) -> int:
-        """Forget the orders after a moment; return the number of the branch that begins."""
+        """Forget the orders after a moment; return the number of the new branch."""
         self._orders = [each for each in self._orders if each.id <= moment.after]
         return super().fork(moment, why)
 

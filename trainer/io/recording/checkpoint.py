@@ -1,8 +1,8 @@
-"""The thread of a recording commits what waits, and brings home what is written ahead.
+"""The thread of a recording commits waiting rows, and moves the log into the database.
 
-A checkpoint waits for the disk (fsync); in the thread that ticks it would make ticks late. But what
-is written without a pause, by a run that keeps no time, is never all brought home by another thread
-and would be written ahead without end: such a writer has to wait now and then.
+Such a move (SQLite's checkpoint) waits for the disk; in the thread that ticks it would make ticks
+late. But a run without a clock writes without a pause, and no other thread can catch up with it:
+the log would grow without end. So that writer waits now and then (``relieve``).
 """
 
 import contextlib
@@ -16,20 +16,19 @@ from typing import Final
 from trainer.io.recording.durability import Syncer
 from trainer.io.recording.file import TOUCH_STATEMENT, connect
 
-MIN_CHECKPOINT_BYTES: Final = 4_000_000  # [bytes] written ahead
-LOOK_PERIOD_S: Final = 0.8  # [s] between looks at how much that is, and at what waits
+MIN_CHECKPOINT_BYTES: Final = 4_000_000  # [bytes] in the log before a checkpoint is worthwhile
+LOOK_PERIOD_S: Final = 0.8  # [s] between looks at the log and at waiting rows
 FINAL_TIMEOUT_S: Final = 20.0  # [s] for a checkpoint under way at the end
-MAX_AHEAD_BYTES: Final = (
-    64_000_000  # [bytes] written ahead before the writer waits: hours, where time is kept
-)
+# [bytes] in the log before the writer waits. A run in real time needs hours to write as much.
+MAX_AHEAD_BYTES: Final = 64_000_000
 
 CHECKPOINT_STATEMENT: Final = "PRAGMA wal_checkpoint(PASSIVE)"
 
 
 class Checkpointer:
-    """A thread that moves what is written ahead into the database once it is worthwhile."""
+    """A thread that moves the write-ahead log into the database once it is long."""
 
-    disk: Syncer  # the thread that has it on the disk before that
+    disk: Syncer  # its thread brings the log onto the disk before that
 
     def __init__(self, path: Path) -> None:
         self.disk = Syncer(path)
@@ -37,7 +36,7 @@ class Checkpointer:
         self._written_ahead = path.with_name(path.name + "-wal")
         self._file = _identity(path)
         self._bound = MAX_AHEAD_BYTES  # [bytes] written ahead at which the writer waits
-        self._bringing = threading.Lock()  # two at a time SQLite refuses
+        self._bringing = threading.Lock()  # SQLite refuses two checkpoints at a time
         self._closing = threading.Event()
         self._thread = threading.Thread(name="checkpoints")
 
@@ -49,7 +48,7 @@ class Checkpointer:
         self.disk.start()
 
     def close(self) -> None:
-        """End the thread after its checkpoint; one whose disk hangs is left to itself."""
+        """End the thread after its checkpoint; wait at most FINAL_TIMEOUT_S for it."""
         self._closing.set()
         if self._thread.ident:
             self._thread.join(FINAL_TIMEOUT_S)
@@ -57,17 +56,17 @@ class Checkpointer:
 
     @property
     def gone(self) -> bool:
-        """Return whether the file is not found any more where it was begun."""
+        """Return whether the file was removed, or another stands in its place."""
         return _identity(self._path) != self._file
 
     def relieve(self, writing: sqlite3.Connection) -> None:
-        """Bring all home with the writer's own connection between commits, if it is too much.
+        """Checkpoint by the writer's own connection, between commits, if the log is too long.
 
-        What the thread is bringing home is waited for, or it would grow by all that is written in
-        the meantime. What a reader still looks at has to stay ahead; it is tried again after as
-        much again.
+        It waits for a checkpoint under way, because the log would grow meanwhile. Pages that a
+        reader still looks at must stay in the log. Then the next try comes after MAX_AHEAD_BYTES
+        more.
         """
-        with contextlib.suppress(OSError, sqlite3.Error):  # it is all there, if not at home
+        with contextlib.suppress(OSError, sqlite3.Error):  # nothing is lost: it stays in the log
             ahead = self._written_ahead.stat().st_size
             if ahead < self._bound:
                 return
@@ -77,7 +76,7 @@ class Checkpointer:
 
     def _run(self, tend: Callable[[], None]) -> None:
         connection = None
-        with contextlib.suppress(sqlite3.Error):  # else it is all brought home at the end
+        with contextlib.suppress(sqlite3.Error):  # else closing the file moves all of it
             connection = connect(self._path, "mode=rw")
             connection.execute("PRAGMA journal_size_limit = 0")
         while not self._closing.wait(LOOK_PERIOD_S):

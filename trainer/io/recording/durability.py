@@ -1,10 +1,8 @@
-"""A thread of its own brings onto the disk what is committed.
-
-Lost power takes it no more then.
+"""A thread brings committed pages onto the disk, where they outlive lost power.
 
 SQLite's commit hands its pages to the operating system: they outlive the program, not the machine.
-The system is asked to put them on the disk (fsync) where nobody waits for it, soon after something
-that was promised. A disk may take as long as it likes: it is told that it is behind.
+The thread asks the system to put them on the disk (fsync) soon after a commit that was promised to
+last. Nobody else waits, however long the disk takes; ``behind`` says that it takes too long.
 """
 
 import math
@@ -23,10 +21,11 @@ NEVER_DUE: Final = math.inf  # [s] when nothing is due
 
 
 class Syncer:
-    """A thread that asks the disk in time for the pages of a write-ahead log.
+    """A thread that syncs the write-ahead log of a recording in time.
 
-    It opens that file itself, which carries no locks of SQLite's (the database does: to close it
-    would give them up), and keeps it open: it needs no descriptor when there are none left.
+    It opens that log itself. This is safe because SQLite locks the database, not the log; closing
+    a second descriptor of the database would give SQLite's locks up. The log stays open, because
+    later there may be no descriptors left.
     """
 
     def __init__(self, path: Path) -> None:
@@ -48,21 +47,21 @@ class Syncer:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread; one whose disk hangs is left to itself."""
+        """End the thread; do not wait longer than CLOSE_TIMEOUT_S for a disk that hangs."""
         self._closing.set()
         if self._thread.ident:
             self._thread.join(CLOSE_TIMEOUT_S)
 
     @property
     def behind(self) -> bool:
-        """Return whether something due is not on the disk, or was late of late."""
+        """Return whether a commit is late on the disk, or one was within QUIET_S."""
         now = time.monotonic()
         return self.failure is not None or now < self._quiet or now > min(self._due, self._asked)
 
     def expect(self, seconds: float) -> None:
         """Expect a commit to be on the disk within so many seconds.
 
-        The disk is asked after half of them: what else comes until then goes with it.
+        The disk is asked after half of them, so that later commits share the same sync.
         """
         now = time.monotonic()
         with self._lock:
@@ -70,7 +69,7 @@ class Syncer:
             self._due = min(self._due, now + seconds)
 
     def forgive(self, failure: OSError | None) -> None:
-        """Take note that what was refused is on the disk: it was brought home."""
+        """Forget a failed sync, because a checkpoint has written its pages since."""
         if self.failure is failure:  # else there was another one meanwhile
             self.failure = None
 
@@ -84,8 +83,8 @@ class Syncer:
     def _sync(self) -> None:
         """Ask the disk for all that is committed, and wait for it.
 
-        What it has refused once it may have dropped, and yet grant the next time: then only a
-        checkpoint tells, which writes it all again.
+        After a failed fsync the system may have dropped the pages, and yet report the next fsync
+        as good. So a failure stands until a checkpoint has written all pages again.
         """
         with self._lock:
             self._asked, self._begin, self._due = self._due, NEVER_DUE, NEVER_DUE
@@ -99,12 +98,12 @@ class Syncer:
         self._asked = NEVER_DUE
 
     def _opens(self) -> bool:
-        """Return whether the file is open; where it cannot be, it is tried again before long."""
+        """Return whether the log is open; if it cannot be, try again after RETRY_S."""
         if self._descriptor >= 0:
             return True
         try:
             self._descriptor = _open(self._written_ahead)
-        except FileNotFoundError:  # somebody has made it one without: then SQLite waits itself
+        except FileNotFoundError:  # another program has left WAL mode: then SQLite syncs itself
             return False
         except OSError as error:
             self.failure = error
@@ -115,5 +114,5 @@ class Syncer:
 
 
 def _open(path: Path) -> int:
-    """Return a descriptor by which a file can be brought onto the disk."""
+    """Return a descriptor of a file for fsync, which a child process does not inherit."""
     return os.open(path, os.O_RDWR | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0))

@@ -1,7 +1,7 @@
-"""What a recording holds for programs, beside its words for people.
+"""The facts of a recording that programs decide on, beside its words for people.
 
-It is who gave an order, what an order meant to the crew, and why a branch was begun. The words may
-be put otherwise, or in another language: nothing is decided by them.
+They are who gave an order, what it meant to the crew, and why a branch was begun. No program reads
+the words, because they may be reworded or translated.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 
 class GiverKind(Enum):
-    """What gives an order. The value stands in recordings."""
+    """The kinds of order givers. The values stand in recordings."""
 
     STATION = "station"
     SCHEDULE = "schedule"  # of the exercise
@@ -22,7 +22,7 @@ class GiverKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Giver:
-    """Who gives an order."""
+    """The giver of an order."""
 
     kind: GiverKind
     role: str  # of the station; else a name of its own
@@ -34,7 +34,7 @@ class Giver:
 
 
 class CrewNews(Enum):
-    """What an order said to the crew, or of it. The value stands in recordings."""
+    """The news of an order for the crew, or of it. The values stand in recordings."""
 
     NOTHING = ""
     ORDERED = "ordered"
@@ -43,14 +43,14 @@ class CrewNews(Enum):
 
 
 class CrewFact(NamedTuple):
-    """What an order said to the crew, and of which order to it."""
+    """The news of an order for the crew, and the crew order concerned."""
 
     news: CrewNews = CrewNews.NOTHING
     order: str = ""  # as the crew is told it
 
 
 class BranchCause(Enum):
-    """Why a branch was begun. The value stands in recordings."""
+    """The causes of a new branch. The values stand in recordings."""
 
     START = "start"
     JUMP = "jump"  # somebody wound back, or took over
@@ -64,15 +64,15 @@ REFERENCE_GIVER = Giver(GiverKind.REFERENCE, "reference crew", "reference crew")
 
 
 def station(role: str, line: str) -> Giver:
-    """Return who gives an order at a line."""
+    """Return the giver of an order that came by a line."""
     return Giver(GiverKind.STATION, role, f"{role} at {line}")
 
 
 def plan_of(role: str, number: int) -> Giver:
-    """Return who gives an order that was planned by somebody of a role."""
+    """Return the giver of a planned order, with the role of the planner."""
     return Giver(GiverKind.PLAN, role, f"{role} at plan {number}", number)
 
 
 def meeting(role: str) -> Giver:
-    """Return who has the rudder amidships once the swing is met."""
+    """Return the giver of the order amidships that ends an order to meet the swing."""
     return Giver(GiverKind.MEETING, role, f"{role} meeting her")

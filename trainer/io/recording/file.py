@@ -1,9 +1,8 @@
-"""The file of a recording is an SQLite database.
+"""The file of a recording is an SQLite database. One program writes it, and any may read it.
 
-One program writes it, any reads it, it is made whole.
-
-A recording that is being written is in WAL mode: readers see what is committed and hold nobody up,
-and what a killed program had committed is there for the next one.
+It appears under its name only when it is whole. While it is written it is in WAL mode, because then
+readers see what is committed without holding up the writer, and the commits of a killed program
+stay for the next one.
 """
 
 import contextlib
@@ -63,9 +62,11 @@ CREATE TABLE snapshots (
 COMMIT;
 """
 FORMAT_SCHEMAS: Final = {1: SCHEMA.replace(CHANGED_TABLES, format_1.TABLES_1), FILE_FORMAT: SCHEMA}
-TOUCH_STATEMENT: Final = f"PRAGMA user_version = {FILE_FORMAT}"  # the least that is a write
+# A write that changes nothing: it shows whether the file can be written.
+TOUCH_STATEMENT: Final = f"PRAGMA user_version = {FILE_FORMAT}"
 
-# A file may be anybody's: what SQLite may do for it, and how much. Names and numbers of SQLite's.
+# A file may come from anybody, and be made to do harm. These bound what SQLite does for it
+# (docs/threat-model.md). Names and numbers are SQLite's.
 GUARD_STATEMENTS: Final = """
 PRAGMA trusted_schema = OFF;
 PRAGMA cell_size_check = ON;
@@ -80,7 +81,7 @@ SQLITE_LIMITS: Final = (
     (sqlite3.SQLITE_LIMIT_ATTACHED, 0),
     (sqlite3.SQLITE_LIMIT_TRIGGER_DEPTH, 0),
 )
-SIGNAL_STEPS: Final = 100_000  # of SQLite's machine until signals are heard again
+SIGNAL_STEPS: Final = 100_000  # of SQLite's machine between looks for signals, such as Ctrl-C
 
 REMARK_QUERIES: Final = {  # texts that people have written, by the question that finds them
     "events": (
@@ -99,18 +100,18 @@ ANSWER_QUERY: Final = (
 
 
 class RecordingError(Exception):
-    """A recording that cannot be made, opened or read. Says which, what, and what to do."""
+    """A recording that cannot be made, opened or read. The text says why and what to do."""
 
 
 class TakenError(RecordingError):
-    """A recording that cannot be made since there is something of its name."""
+    """A recording that cannot be made, because its name is taken."""
 
 
 @contextlib.contextmanager
 def understanding(name: object) -> Iterator[None]:
     """Raise RecordingError where SQLite cannot make sense of a file.
 
-    Other errors pass: they are the fault of what is around the file, or ours.
+    Other errors pass, because they come from the disk, the system or this program.
     """
     try:
         yield
@@ -137,25 +138,25 @@ def wall_time() -> str:
 
 
 def connect(path: Path, options: str) -> sqlite3.Connection:
-    """Return a connection without transactions of its own making; `options` as in an SQLite URI."""
+    """Return a connection that begins no transaction by itself; `options` of an SQLite URI."""
     name = f"{path.absolute().as_uri()}?{options}"
     threads = {"check_same_thread": False}  # who writes has a lock
     return _guard(sqlite3.connect(name, BUSY_TIMEOUT_S, isolation_level=None, uri=True, **threads))
 
 
 def _guard(connection: sqlite3.Connection) -> sqlite3.Connection:
-    """Return a connection to what may be anybody's file, with bounds to what SQLite does for it."""
+    """Return a connection to a file that may be made to do harm, with SQLite's limits set."""
     for limit, most in SQLITE_LIMITS:
         connection.setlimit(limit, most)
-    # Python looks for a signal there: SQLite's own work hears none
+    # Python looks for signals in this call. Otherwise Ctrl-C would wait for a long query.
     connection.set_progress_handler(lambda: None, SIGNAL_STEPS)
     connection.executescript(GUARD_STATEMENTS)
     return connection
 
 
 def temporary(header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
-    """Return a recording that nobody else sees and that is gone when closed."""
-    connection = sqlite3.connect("", isolation_level=None)
+    """Return a recording for this process alone, which is deleted when it is closed."""
+    connection = sqlite3.connect("", isolation_level=None)  # "": SQLite's own temporary file
     connection.execute("PRAGMA journal_mode = MEMORY")
     connection.execute("PRAGMA synchronous = OFF")
     _fill(connection, header, state)
@@ -165,7 +166,7 @@ def temporary(header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
 def create(path: Path, header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
     """Make a recording and return it for writing; RecordingError if the name is taken.
 
-    It is made under another name in the same folder: whoever finds it finds it whole.
+    It is made under another name in the same folder, so that nobody finds it half made.
     """
     if os.path.lexists(path):
         raise TakenError(f"{path} exists already; name another file, or remove it")
@@ -203,10 +204,10 @@ def reopen(path: Path) -> sqlite3.Connection:
 
 
 def open_for_reading(path: Path) -> sqlite3.Connection:
-    """Return a recording for reading, whoever may be writing it.
+    """Return a recording for reading, even while another program writes it.
 
-    One that lies where nothing can be written is read as it lies, or from a private copy if a
-    program that was killed left part of it in a file of its own beside it.
+    Where nothing can be written, SQLite cannot read the write-ahead log of a killed program. Then
+    a private copy is read; without such a log the file itself is read.
     """
     _find(path)
     try:
@@ -249,7 +250,7 @@ def _write_whole(path: Path, header: Mapping[str, str], state: bytes) -> None:
 
 
 def _give_name(made: Path, path: Path) -> None:
-    """Let a finished file have its name, unless that has been taken meanwhile."""
+    """Give a finished file its name, unless another program has taken it meanwhile."""
     try:
         os.link(made, path)
     except FileExistsError:
@@ -261,7 +262,7 @@ def _give_name(made: Path, path: Path) -> None:
 def _find(path: Path) -> None:
     """Raise RecordingError unless there is a file, without opening it.
 
-    To close a database that was opened past SQLite would give up SQLite's own locks on it.
+    To open and close the file here would give up SQLite's own locks on it (POSIX locks).
     """
     try:
         size = path.stat().st_size
@@ -299,14 +300,14 @@ def _recognise(connection: sqlite3.Connection, path: Path) -> int:
 
 
 def _schema(connection: sqlite3.Connection) -> frozenset[tuple[str, str, str, str | None]]:
-    """Return what a database is made of: its tables and indices, and whatever else is in it."""
+    """Return all objects of a database: tables, indices, and any others."""
     rows = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_schema")
     return frozenset((str(kind), str(name), str(of), sql) for kind, name, of, sql in rows)
 
 
 @cache
 def _own_schema(version: int) -> frozenset[tuple[str, str, str, str | None]]:
-    """Return what a recording of a format is made of."""
+    """Return the objects that a recording of a format has."""
     with contextlib.closing(sqlite3.connect(":memory:", isolation_level=None)) as empty:
         empty.executescript(FORMAT_SCHEMAS[version])
         return _schema(empty)
@@ -325,8 +326,8 @@ def _readable(connection: sqlite3.Connection, path: Path) -> sqlite3.Connection:
 def _claim(connection: sqlite3.Connection, path: Path, version: int) -> None:
     """Make sure that nobody else has the file open.
 
-    Every connection holds a shared lock on it while it lives, even if its program is busy with
-    other things: only the sole one can get the exclusive lock, which then is made a shared one.
+    Every connection holds a shared lock for as long as it is open, even an idle one. So only the
+    sole connection can get the exclusive lock, which it then changes to a shared one.
     """
     touch = f"PRAGMA user_version = {version}"
     try:

@@ -1,7 +1,7 @@
-"""Recordings of format 1, where givers, causes and repeats stand in English words alone.
+"""Recordings of format 1, which tell givers, causes and repeats in English words alone.
 
-Here alone are those words understood. A file that is gone on with is brought to the format of
-today; one that is looked at is left as it is.
+Only this module reads those words. To go on with such a recording its file is changed to today's
+format; to read one, its file stays as it is.
 """
 
 import itertools
@@ -56,7 +56,7 @@ Row = tuple[Any, ...]
 
 
 def giver_of(who: str) -> Giver:
-    """Return who gave an order, from how the journal names him."""
+    """Return the giver of an order, from the name in the journal."""
     if who in NAMED_GIVERS:
         return NAMED_GIVERS[who]
     if planned := PLANNED_PATTERN.fullmatch(who):
@@ -67,7 +67,7 @@ def giver_of(who: str) -> Giver:
 
 
 def crew_fact_of(text: str, answer: str, *, accepted: bool | None) -> CrewFact:
-    """Return what an order meant to the crew, from its words and its answer."""
+    """Return the crew fact of an order, from its words and its answer."""
     name = text.partition(" ")[0]
     if accepted is False:
         return NO_CREW_FACT
@@ -90,7 +90,7 @@ def crew_fact_of(text: str, answer: str, *, accepted: bool | None) -> CrewFact:
 
 
 def cause_of(parent: int | None, why: str) -> BranchCause:
-    """Return the cause of a branch, from why it was begun."""
+    """Return the cause of a branch, from the words that say why it was begun."""
     if parent is None:
         return BranchCause.START
     return BranchCause.GAP if why.startswith(LOST_PREFIX) else BranchCause.JUMP
@@ -99,7 +99,7 @@ def cause_of(parent: int | None, why: str) -> BranchCause:
 def upgrade(connection: sqlite3.Connection, schema: str) -> None:
     """Bring a file to the format of today, whose tables ``schema`` makes, all or nothing.
 
-    Tables are made anew: a column that is added later would not stand where a new file has it.
+    It makes the tables anew, because an added column would stand last, not where new files have it.
     """
     script = f"""
     BEGIN IMMEDIATE;
@@ -125,7 +125,7 @@ def upgrade(connection: sqlite3.Connection, schema: str) -> None:
 
 
 def _copy(connection: sqlite3.Connection, table: str, added: Callable[[Row], Row]) -> None:
-    """Copy a table with what stands in its words added."""
+    """Copy a table, and add the columns that its words tell."""
     whole = (row + added(row) for row in connection.execute(f"SELECT * FROM {table}_1 ORDER BY id"))  # noqa: S608 our own
     first = next(whole, None)
     if first is None:

@@ -1,9 +1,9 @@
 """A recording answers questions of the past, through the branches that led to a moment.
 
-Tick numbers go back when a run is wound back; what is flown from there is a new branch, and its
-past is its parent's up to the moment where it began. State k of a branch is what stood at the end
-of tick k, before the orders given at tick k; only the state that a branch begins with may include
-orders of its own tick.
+When a run is wound back its tick number goes back too. From there a new branch is flown; its past
+is that of its parent up to the moment where it began. State k of a branch stands at the end of
+tick k, before the orders given at tick k. Only the first state of a branch may include orders of
+its own tick, because a run may go back to a moment after them.
 """
 
 import sqlite3
@@ -41,7 +41,7 @@ EVENT_COLUMNS: Final = "branch, tick, kind, who, text, wall"
 
 
 class ColumnKind(NamedTuple):
-    """The type of a column in an answer: a bounded number, text or blob."""
+    """The type of a column in an answer: a number within limits, text or bytes."""
 
     kind: type
     least: int
@@ -49,7 +49,7 @@ class ColumnKind(NamedTuple):
     perhaps: bool = False  # it may be missing
 
     def holds(self, value: object) -> bool:
-        """Return whether a value is such a one."""
+        """Return whether a value is of this type."""
         if value is None:
             return self.perhaps
         if not isinstance(value, self.kind):
@@ -79,7 +79,7 @@ COLUMN_KINDS: Final[Mapping[str, ColumnKind]] = {
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """All that there is to go back to."""
+    """A moment of a run, with all that is needed to go back to it."""
 
     branch: int
     tick: int
@@ -104,7 +104,7 @@ class RecordedOrder:
 
     @property
     def who(self) -> str:
-        """Return who gave it, for people."""
+        """Return the name of the giver, as people read it."""
         return self.giver.words
 
 
@@ -124,7 +124,7 @@ class Branch:
 
 @dataclass(frozen=True)
 class RecordedEvent:
-    """Something that happened, beside orders and states."""
+    """An event of a run, beside orders and states."""
 
     branch: int
     tick: int
@@ -137,10 +137,10 @@ class RecordedEvent:
 
 @dataclass(frozen=True)
 class ExcessRows:
-    """Rows of a kind that are too many: the first are read."""
+    """A kind of rows of which there are too many. Only the first of them are read."""
 
     what: str
-    of: int  # those that there are, MAX_ROWS_COUNTED of even more
+    of: int  # rows in the file; the count stops at MAX_ROWS_COUNTED
     first: int  # those that are read
 
     def __str__(self) -> str:
@@ -166,13 +166,14 @@ class Past:
         self._connection = connection
         self._name = name
         (version,) = connection.execute("PRAGMA user_version").fetchone()
-        now = int(version) == FILE_FORMAT  # or words alone
+        # An older file lacks these columns; ``format_1`` tells the facts from its words.
+        now = int(version) == FILE_FORMAT
         self._branch_columns = BRANCH_COLUMNS + (", cause" if now else "")
         self._order_columns = ORDER_COLUMNS + (CREW_COLUMNS if now else "")
         self._event_columns = EVENT_COLUMNS + (", role" if now else "")
 
     def header(self) -> dict[str, str]:
-        """Return what was written when the recording was made."""
+        """Return the header, which was written when the recording was made."""
         return dict(self._all("SELECT key, value FROM header"))
 
     def branches(self) -> list[Branch]:
@@ -198,7 +199,7 @@ class Past:
         return max(self._branch(branch).tick, -1 if tick is None else int(tick))
 
     def owner(self, branch: int, tick: int, after: int) -> int:
-        """Return which branch of the ancestry a moment belongs to."""
+        """Return the branch that recorded a moment: the given one or an ancestor."""
         here = self._branch(branch)
         while here.parent is not None and (tick, after) < (here.tick, here.after):
             here = self._branch(here.parent)
@@ -209,7 +210,7 @@ class Past:
         here = self._find(branch)
         while here and here.parent is not None and tick < here.tick:
             here = self._find(here.parent)
-        if here is None:  # it could not be written
+        if here is None:  # the branch could not be written while the file was out of reach
             return None
         if tick == here.tick:
             return Moment(here.id, tick, here.state, here.after, here.place)
@@ -247,7 +248,7 @@ class Past:
     def snapshots_seen_from(self, branch: int) -> list[tuple[str, Moment]]:
         """Return the named moments, the latest of each name.
 
-        What was kept in the past of the branch goes before what was kept elsewhere.
+        Where both the branch's own past and another branch have a name, the past wins.
         """
         query = "SELECT name, branch, tick, state, after, place FROM snapshots ORDER BY id"
         snapshots = [(str(name), Moment(*fields)) for name, *fields in self._all(query)]
@@ -285,7 +286,7 @@ class Past:
             yield self._next(row, branch, tick, row[0])
 
     def events(self) -> Iterator[RecordedEvent]:
-        """Yield what was noted, in order."""
+        """Yield the events in order."""
         query = f"SELECT {self._event_columns} FROM events ORDER BY id"  # noqa: S608 our own
         for row in self._rows(query):
             branch, tick, kind, who, text, wall, *roles = row
@@ -293,11 +294,11 @@ class Past:
             yield RecordedEvent(branch, tick, kind, who, text, wall, role)
 
     def first_events(self) -> Iterator[RecordedEvent]:
-        """Yield what was noted, in order, as far as a file is read."""
+        """Yield the events in order, as many as are read of one file."""
         return islice(self.events(), MAX_EVENTS_READ)
 
     def excess(self) -> tuple[ExcessRows, ...]:
-        """Return of what there is more than is read of a file."""
+        """Return the kinds of rows that have more than are read of one file."""
         limits = {"branches": MAX_BRANCHES_READ, "events": MAX_EVENTS_READ}
         return tuple(
             ExcessRows(table, count, most)
@@ -308,7 +309,7 @@ class Past:
     def refuse_branches(self) -> None:
         """Raise RecordingError if there are more branches than are read of a file.
 
-        Unlike events they cannot be cut: the last rests on all that it came from.
+        They cannot be cut as events can, because the last branch needs all its ancestors.
         """
         for excess in self.excess():
             if excess.what == "branches":
@@ -328,7 +329,7 @@ class Past:
         yield from self._rows(query, branch)
 
     def _ancestry(self, branch: int) -> Iterator[tuple[int, tuple[int, int]]]:
-        """Yield a branch and its forebears, each with the (tick, order) where the next began."""
+        """Yield a branch and its ancestors, each with the (tick, order) where the next began."""
         here, end = self._find(branch), (NO_END, NO_END)
         while here:
             yield here.id, end
@@ -349,7 +350,7 @@ class Past:
         return self._begun(row) if row else None
 
     def _begun(self, row: Row) -> Branch:
-        """Return a branch; RecordingError if it begins in itself or a later one."""
+        """Return a branch; RecordingError if its parent is itself or a later branch."""
         number, parent, tick, after, place, why, state, *causes = row
         read = (self._value_of(BranchCause, value) for value in causes)
         cause = next(read, None) or format_1.cause_of(parent, why)
@@ -363,7 +364,7 @@ class Past:
         return next(self._rows(question, *values), ())
 
     def _all(self, question: str, *values: int) -> list[Row]:
-        """Return all rows of an answer; RecordingError if they are too much to be held at once."""
+        """Return all rows of an answer; RecordingError if they take too much memory."""
         rows, held = [], 0
         for row in self._rows(question, *values):
             held += ROW_BYTES + sum(len(value) for value in row if isinstance(value, str | bytes))
@@ -406,7 +407,7 @@ class Past:
         return RecordingError(f"{self._name} is damaged: {why}")
 
     def _as_journalled(self, row: Row) -> RecordedOrder:
-        """Return an order; RecordingError if it is given by what gives none."""
+        """Return an order; RecordingError if its giver is of no known kind."""
         number, branch, tick, who, text, place, accepted, answer, *facts = row
         known = None if accepted is None else bool(accepted)
         if facts:
@@ -419,7 +420,7 @@ class Past:
         return RecordedOrder(number, branch, tick, giver, text, place, known, answer, crew)
 
     def _value_of(self, kind: type[E], value: str) -> E:
-        """Return a fact by its value; RecordingError if there is none such."""
+        """Return the fact of a stored value; RecordingError if there is none."""
         try:
             return kind(value)
         except ValueError:

@@ -1,15 +1,16 @@
-"""A recording is one file of a run. It has its orders before they act, its states and its events.
+"""A recording is one file of a run: its orders, states and events.
 
-It knows bytes, text and numbers; what they mean is its caller's affair. Orders, snapshots and
-forks are committed when the call returns; the rest is gathered, and a thread commits it within a
-second. A process that is killed loses nothing that is committed. One whose machine loses power
-loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and no tick older than
-FLOWN_WITHIN_S: a thread waits for the disk, never the caller. A disk that takes longer is `behind`.
+It stores bytes, text and numbers; only its caller knows what they mean. An order is written before
+it acts. Orders, snapshots and forks are committed when the call returns; the rest is gathered, and
+a thread commits it within a second. A process that is killed loses nothing that is committed. One
+whose machine loses power loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and no
+tick older than FLOWN_WITHIN_S: a thread waits for the disk, never the caller. `behind` says if it
+takes longer.
 
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
-recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. What is beyond is lost
-and counted, and the recording goes on in a new branch, whose start lies beyond the end of its
-parent.
+recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. Beyond that all of it is
+lost and counted. The recording then goes on in a new branch that begins after the end of its
+parent, because the ticks between the two are lost.
 """
 
 import contextlib
@@ -46,15 +47,16 @@ __all__ = [
 ]
 
 BATCH_ROWS: Final = 256  # [rows] of a kind gathered at most
-CALLER_WAIT_S: Final = 0.2  # [s] that the caller waits for another program, or for the thread
-WRITE_TIMEOUT_S: Final = 2.0  # [s] where it writes faster than the thread, and at the end
+CALLER_WAIT_S: Final = 0.2  # [s] that the caller waits for a lock, of a program or the thread
+WRITE_TIMEOUT_S: Final = 2.0  # [s] the same, if the caller outruns the thread, and at the end
 RETRY_PERIOD_S: Final = 2.0  # [s] between tries to reach it
 MAX_WAITING_BYTES: Final = 64_000_000  # [bytes] that wait at most while it is out of reach
 ROW_BYTES: Final = 200  # [bytes] of a row beside what is in it
 POLL_PERIOD_S: Final = 0.002  # [s] between looks at a recording that another program has locked
 
 SAFE_WITHIN_S: Final = 1.0  # in which orders, marks and snapshots are safe from lost power
-FLOWN_WITHIN_S: Final = 10.0  # in which all else is: most can be flown again from the orders
+# All else is safe in this time, which may be longer: states can be flown again from the orders.
+FLOWN_WITHIN_S: Final = 10.0
 
 Row = tuple[int | str | bytes | None, ...]
 
@@ -89,7 +91,7 @@ STATEMENTS: Final = (
     TIMING_INSERT,
     EVENT_INSERT,
     SNAPSHOT_INSERT,
-)  # in this order
+)  # written in this order: a row may refer to one of an earlier kind
 PROMISED_STATEMENTS: Final = (
     BRANCH_INSERT,
     ORDER_INSERT,
@@ -106,14 +108,14 @@ COUNTED_STATEMENTS: Final = {
 
 
 class Recording(Past):
-    """A recording being written, or looked at; for one thread, beside its own.
+    """A recording being written or read. One thread may use it, beside its own thread.
 
-    What waits is written before a question is answered, so that it is seen.
+    It writes waiting rows before it answers a question, so that the answer has them too.
     """
 
     trouble: str  # why nothing is written at present; "" while all is well
     branch: int  # the present one
-    reachable: bool  # it can be gone on with after a gap, in a branch from a moment on
+    reachable: bool  # after a gap: ``go_on`` can begin a new branch
     absences: int  # how often it was out of reach
     wake: Callable[[], object]  # called by the thread where there is something to tell
 
@@ -126,8 +128,8 @@ class Recording(Past):
     ) -> None:
         """Take an open file; `create`, `reopen` and `look` open them.
 
-        With a thread of its own the file is open twice: SQLite's binding waits for a connection
-        that is in use, and holds up all threads meanwhile, also the one that it waits for.
+        With a thread of its own the file is open twice, because Python's SQLite waits for a
+        connection in use without letting other threads run, even the one that uses it.
         """
         self.trouble = ""
         self.reachable = False
@@ -216,7 +218,7 @@ class Recording(Past):
         self._put(ANSWER_UPDATE, (answer, int(accepted), crew.news.value, crew.order, order))
 
     def state(self, tick: int, state: bytes) -> None:
-        """Take what stands at the end of a tick. Of a tick taken already the first stands."""
+        """Take the state at the end of a tick. A second state of the same tick is ignored."""
         self._tick = tick
         if self.trouble:
             self._put(STATE_INSERT, (self.branch, tick, state))
@@ -231,7 +233,7 @@ class Recording(Past):
             self._timings.append((self.branch, tick, lateness, work))
 
     def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
-        """Take something that happened; it is given the time of day. ``role`` is who's."""
+        """Take an event, with the time of day now. ``role`` is that of ``who``."""
         self._put(EVENT_INSERT, (self.branch, tick, kind, who, role, text, wall_time()))
 
     def snapshot(self, name: str, moment: Moment) -> None:
@@ -250,7 +252,7 @@ class Recording(Past):
         return self.branch
 
     def go_on(self, moment: Moment) -> None:
-        """Go on after a gap, at a moment, in a new branch. It tells what is missing."""
+        """Go on after a gap in a new branch from a moment. Its cause tells what is missing."""
         parent = self.last_branch()
         last = self.last_tick(parent)
         self._gap = self.reachable = False
@@ -269,7 +271,7 @@ class Recording(Past):
 
     @property
     def behind(self) -> str:
-        """Return why lost power would take the last orders, "" if it would not."""
+        """Return why lost power would still take the last orders, "" if not."""
         if not (self._checkpointer and self._checkpointer.disk.behind):
             return ""
         failure = self._checkpointer.disk.failure
@@ -277,16 +279,16 @@ class Recording(Past):
 
     @property
     def missing(self) -> str:
-        """Return what has not been recorded and never will be, "" for nothing."""
+        """Return in words what was lost for good, "" for nothing."""
         return _counts(self._missing) if any(self._missing.values()) else ""
 
     def flush(self, patience: float = CALLER_WAIT_S) -> None:
-        """Write what waits, all or nothing; what cannot be written is told in `trouble`."""
+        """Write waiting rows, all or none. If that fails, `trouble` says why."""
         if not self.trouble and any(self._waiting.values()):
             self._write(patience)
 
     def close(self) -> None:
-        """Write what waits, bring all of it into the one file, and close."""
+        """Write waiting rows, move the log into the one file, and close it."""
         if self._checkpointer:
             self._checkpointer.close()
         self.flush(WRITE_TIMEOUT_S)
@@ -327,7 +329,7 @@ class Recording(Past):
         return super()._rows(question, *values)
 
     def _put(self, statement: str, row: Row) -> None:
-        """Let a row wait; out of reach only as long as there is room."""
+        """Queue a row. Out of reach, drop all rows once they take too much memory."""
         if self._gap:
             self._count_lost(statement, 1)
             return
@@ -343,7 +345,7 @@ class Recording(Past):
             self.flush(WRITE_TIMEOUT_S)
 
     def _drop(self) -> None:
-        """Give up what waits, and count it."""
+        """Drop all waiting rows, and count them as lost."""
         with self._shortening:
             self._gap = True
             for statement, rows in self._waiting.items():
@@ -356,14 +358,14 @@ class Recording(Past):
                 counts[statement] += number
 
     def _write(self, patience: float) -> None:
-        """Write what waits, or go without; nobody is waited for longer than `patience` [s]."""
+        """Write waiting rows. Give up after `patience` [s], out of reach from then on."""
         if self._writing_it.acquire(timeout=patience):
             self._commit_or_lose(patience)
         else:
             self._lose("its disk does not answer")
 
     def _commit_or_lose(self, patience: float) -> None:
-        """Write what waits, by whoever holds the connection, and release it."""
+        """Write waiting rows and release the connection, which the caller has acquired."""
         try:
             self._commit(patience)
         except sqlite3.Error as error:
@@ -373,7 +375,7 @@ class Recording(Past):
             self._writing_it.release()
 
     def _commit(self, patience: float) -> None:
-        """Write what waits in one transaction; sqlite3.Error if it cannot be, and all waits on."""
+        """Write waiting rows in one transaction; on sqlite3.Error all of them wait on."""
         tick = self._tick
         # a row may rest on one of a kind before its own, which is therefore counted after it
         counts = {each: len(self._waiting[each]) for each in reversed(STATEMENTS)}
@@ -402,15 +404,16 @@ class Recording(Past):
             self._checkpointer.relieve(self._writer)
 
     def _has_promised(self, counts: Mapping[str, int]) -> bool:
-        """Return whether something of what was written may not be lost with the power.
+        """Return whether the rows written have an order, mark, snapshot or fork among them.
 
-        That the disk is behind is none of it: else a slow one would be told of without end.
+        The event that tells of a slow disk is not among them. It would be late on that disk too,
+        and cause the next such event without end.
         """
         marks = (row[2] == MARK_KIND for row in self._waiting[EVENT_INSERT][: counts[EVENT_INSERT]])
         return any(counts[each] for each in PROMISED_STATEMENTS) or any(marks)
 
     def _tend(self) -> None:
-        """Commit what waits, or try to reach the recording again; in the thread of its own."""
+        """Commit waiting rows, or try to reach the recording again. Its own thread calls this."""
         waits = any(self._waiting.values()) and not self.trouble
         if waits and self._writing_it.acquire(blocking=False):  # else it is being written
             self._commit_or_lose(CALLER_WAIT_S)
@@ -419,10 +422,10 @@ class Recording(Past):
             self._reach()
         if self._plight != (plight := (self.trouble, self.reachable, self.behind)):
             self._plight = plight
-            self.wake()  # it may be frozen, and nothing else said
+            self.wake()  # a frozen session would not look by itself
 
     def _reach(self) -> None:
-        """Try to write again; after a gap only whether it could be."""
+        """Try to write again, unless the file is gone or its connection in use."""
         self._tried = time.monotonic()
         if self._checkpointer and self._checkpointer.gone:
             return
@@ -436,7 +439,7 @@ class Recording(Past):
             self._writing_it.release()
 
     def _try(self) -> None:
-        """Write what waits, after a gap the least that is a write; sqlite3.Error."""
+        """Write waiting rows, or after a gap TOUCH_STATEMENT as a test; sqlite3.Error."""
         if self._gap:
             _begin(self._writer, 0.0)
             self._writer.execute(TOUCH_STATEMENT)
@@ -450,7 +453,7 @@ class Recording(Past):
                 self.trouble = ""
 
     def _owner(self, moment: Moment) -> int:
-        """Return the branch that a moment is of: a replay may stand before its branch's start."""
+        """Return the branch of a moment. A replay may stand before the start of its branch."""
         if self.trouble:
             return moment.branch
         return self.owner(moment.branch, moment.tick, moment.after)
