@@ -55,7 +55,7 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
 
 
 def one_line(session: Session, kept: str) -> str:
-    """Return how long the boat flew, whether on time, and the command that shows the recording."""
+    """Return how long the boat flew, whether on time, and how to see the recording."""
     ledger = session.time.ledger.summary()
     late = ledger.overruns + ledger.caught_up + ledger.skipped
     troubles = [f"{late} late"] if late else []

@@ -1,4 +1,4 @@
-"""The stations of a session: each is admitted, told about the run, heard, and let go."""
+"""The stations of a session: each is admitted, briefed, heard, and let go."""
 
 import threading
 from collections.abc import Callable

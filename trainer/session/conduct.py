@@ -179,7 +179,7 @@ class Conduct:
         return f"{attached} attached: {within}"
 
     def not_for(self, role: Role) -> str:
-        """Return why a role may not begin the run of a crew again, "" if it may."""
+        """Return why a role may not begin a crew's run again, "" if it may."""
         return "" if self.visitors else not_for_visitors(role)
 
     def go_on(self, order: Order) -> None:
@@ -190,7 +190,7 @@ class Conduct:
             self.log.tell("station", f"not ready: {', '.join(late)}")
 
     def settle(self) -> None:
-        """Forget the end of the exercise, its halt and the ground after a jump in time."""
+        """Forget the exercise's end, halt and groundings after a jump in time."""
         self.ending.begin_again()
         self.halted = ""
         self.ground.settle()
@@ -199,7 +199,7 @@ class Conduct:
             self.ready.clear()
 
     def outcome_for(self, role: Role) -> list[Fact]:
-        """Return the facts of the end for a newcomer, with the marks if its role may see them."""
+        """Return the facts of the end for a newcomer, with the marks its role may see."""
         ending = self.ending
         if not ending.over:
             return []

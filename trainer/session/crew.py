@@ -140,7 +140,7 @@ class CrewTalk:
     # What is said
 
     def obey(self, order: Order, role: str) -> Reply:
-        """Write an order to the crew into the boat's state, or check a repeat; answer it."""
+        """Write an order to the crew into the boat's state, or answer a repeat."""
         if order.name == "order":
             return obey_order(self.boat, order)
         if order.name == "belay":
@@ -310,7 +310,7 @@ class CrewTalk:
         return messages
 
     def wrong_way(self, order: Order, role: str) -> list[CrewMessage]:
-        """Return the message that an order by hand goes the wrong way, none where it does not.
+        """Return the message that an order by hand goes the wrong way, or none.
 
         Only the first one within ``REPEAT_TIMEOUT_S`` is judged, because later ones may rightly
         go the other way, to stop the swing.
@@ -412,7 +412,7 @@ class CrewTalk:
         return [(key, value) for key, value in values.items() if value]
 
     def in_hand(self, order: Order) -> str:
-        """Return why an order is refused because its axis is worked by hand, "" if it is not.
+        """Return why work by hand forbids an automatic order, "" if it does not.
 
         An order to the planes is refused while the depth guard holds them.
         """
@@ -467,7 +467,7 @@ def said_order(words: str) -> Order | None:
 
 
 def is_repeated(words: str, spoken: CrewOrder) -> bool:
-    """Return whether words repeat an order, as it was given or as the crew heard it.
+    """Return whether words repeat an order as it was given or announced.
 
     A number without a unit is in the unit of the order. A side may be left out, but not be wrong.
     """

@@ -140,7 +140,7 @@ def visitor_gate(order: Order, station: Station | None, session: Parts) -> str:
 
 
 def lost_gate(order: Order, _station: Station | None, session: Parts) -> str:
-    """Return how the boat was lost, because it can go on from an earlier moment only."""
+    """Return how the boat was lost. It can go on from an earlier moment only."""
     failure = session.control.failure if order.name in ("run", "step") else ""
     return f"this boat cannot go on: {failure}; backtrack or reset" if failure else ""
 
@@ -270,7 +270,7 @@ class Dispatch:
             self.session.event_log.tell(*telling[:2], by, telling.fact, telling.saying)
 
     def obey_watch(self) -> None:
-        """Carry out the order that is due after this tick: a swing met, or the depth guard's."""
+        """Carry out the order that the watch gives after this tick: a swing met, or the guard's."""
         if due := self.session.crew.due_by_hand():
             answer = self.carry_out(due.order, due.giver)
             self.session.event_log.tell("order", f"{due.why}: {answer}")

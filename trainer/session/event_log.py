@@ -118,7 +118,7 @@ class EventLog:
             self._note(each)
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
-        """Mark alerts as seen, one by its number or all that ``by`` hears of; tell the others."""
+        """Mark one alert as seen, or all that ``by`` hears of. Tell the others."""
         known = {n: news for n, news in self.alerts.items() if hears_kind(by.role, news.kind)}
         wanted = list(known) if order.word == "all" else [int(order.value)]
         if not set(wanted) <= set(known) or not wanted:

@@ -1,4 +1,4 @@
-"""The header of a recording: how its run was made, and what differs from that today.
+"""The header of a recording: how its run was made, and what differs today.
 
 A header holds these texts: ``plan``, the form of the header; ``trainer``, ``core``,
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
@@ -127,7 +127,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
 
 
 def names_of(given: Iterable[str]) -> list[str]:
-    """Return names of trainees as the header keeps them, each once; ConfigError on a bad one."""
+    """Return names of trainees as the header has them, each once; ConfigError."""
     names = [" ".join(name.split()) for name in given]
     for name in names:
         if not name or not name.isprintable() or len(name) > MAX_NAME_LETTERS:

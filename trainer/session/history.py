@@ -162,7 +162,7 @@ class History:
         return dict(self.recording.snapshots())
 
     def before(self, seconds: float) -> Moment | Refused:
-        """Return the moment so long [s] ago, the start if the run is not that old.
+        """Return the moment so long [s] ago, at the earliest the start.
 
         Where the recording cannot be read, it is the automatic moment in memory before that time.
         """

@@ -1,4 +1,4 @@
-"""The names of the numbers of a state record, today and in recordings of other versions."""
+"""The names of a state's numbers, today and in recordings of other versions."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -81,7 +81,7 @@ def state_difference(recorded: bytes, flown: bytes) -> StateDifference | None:
 
 
 def changes(file: str, now: str, was: str) -> list[str]:
-    """Return a text for each changed line of a file, with the file's name and the line's number."""
+    """Return a text for each changed line, with its number and the file's name."""
     lines = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
     more = len(lines) - MAX_TOLD_LINES
     return [*lines[:MAX_TOLD_LINES], f"{file}: and {more} more lines"] if more > 0 else lines

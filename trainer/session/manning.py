@@ -83,7 +83,7 @@ def workers(axis: str) -> list[str]:
 def unheard(
     order: Order, hand: Collection[str], allowed: Collection[str], roles: Collection[str]
 ) -> str:
-    """Return how to carry out an order to the crew that nobody hears, "" if somebody does.
+    """Return how to carry out an order that nobody hears, "" if somebody does.
 
     ``roles`` are the attended ones, ``hand`` the axes that are worked by hand, ``allowed`` the
     automatic orders that are allowed nevertheless.

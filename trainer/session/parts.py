@@ -1,4 +1,4 @@
-"""The parts of a session, and the steps that they all take when time has jumped."""
+"""The parts of a session, and how all of them follow a jump in time."""
 
 import threading
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ class Monitors:
 
 @dataclass
 class Parts:
-    """The objects of one run that obey orders, keep the past, tell news and show states."""
+    """The objects of one run that obey, remember, tell and show."""
 
     boat: Boat
     time: Timekeeping
@@ -78,7 +78,7 @@ class Parts:
         self.history.flown.judge_hull(self.conduct)
 
     def end_replay(self, outcome: str) -> None:
-        """Freeze time where a replay has come to its end, from which the run can go on."""
+        """Freeze time where a replay has come to its end. The run can go on from there."""
         self.event_log.tell("moment", outcome)
         self.standing.arrive()
         self.conduct.judge_hull()

@@ -93,7 +93,7 @@ class Plan:
 
     @property
     def note(self) -> str:
-        """Return the notice that the full set is flown for want of a compact one, "" if not."""
+        """Return the notice that the boat has no compact set, "" where it needs none."""
         if self.file.has_compact_set or self.method.equations != "full":
             return ""
         return (

@@ -1,4 +1,4 @@
-"""The replay of a recording: its orders at their ticks, its states compared bit by bit."""
+"""The replay of a recording by its orders, comparing states bit by bit."""
 
 import math
 from collections import deque

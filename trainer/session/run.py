@@ -1,4 +1,4 @@
-"""A run from its plan to its summary: its parts are made, joined, started and closed."""
+"""A run from its plan to its summary: parts made, joined, started and closed."""
 
 import contextlib
 import math
@@ -369,7 +369,7 @@ def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publis
 
 
 def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
-    """Return the CSV file with a row for each tick; ConfigError if it cannot be written."""
+    """Return the CSV file with a row for each tick. ConfigError if it cannot be written."""
     if path is None:
         return NoFile()
     try:

@@ -28,7 +28,7 @@ class StandRecord:
     _by_order: dict[int, Stand] = field(default_factory=lambda: {0: EMPTY_STAND}, repr=False)
 
     def keep(self) -> None:
-        """Keep what stands after the last order. Most orders change nothing, and share one entry."""
+        """Keep what stands after the last order. Most orders change nothing and share one entry."""
         now = self.crew.talk, self.agenda.plans
         if now != self._latest:
             self._latest = now
@@ -41,7 +41,7 @@ class StandRecord:
         self.agenda.take(plans)
 
     def arrive(self) -> None:
-        """Put back the plans at the end of a replay, which has said its words again already."""
+        """Put back the plans at the end of a replay, which has said its words itself."""
         self.agenda.take(self._present()[1])
 
     def _present(self) -> Stand:
@@ -50,7 +50,7 @@ class StandRecord:
         return self._by_order.get(self.history.after, EMPTY_STAND)
 
     def _read(self) -> None:
-        """Understand the journal's orders again, from the first to the last that the state includes."""
+        """Understand the journal's orders again, up to the last that the state includes."""
         crew, agenda = CrewTalk(self.crew.boat), Agenda(self.agenda.boat)
         for entry in self.history.said():
             order = parse(entry.text)

@@ -45,7 +45,7 @@ def set_garbage_aside() -> None:
 
 
 def try_out(boat: Boat) -> None:
-    """Take a tick and a casualty on a throw-away state, so that all code has run once."""
+    """Take a tick and a casualty on a throw-away state, to run all code once."""
     before = boat.snapshot()
     boat.state.u = 1.0
     boat.trimmed(1.0)
