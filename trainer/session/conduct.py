@@ -199,7 +199,7 @@ class Conduct:
             self.ready.clear()
 
     def outcome_for(self, role: Role) -> list[Fact]:
-        """Return the facts of the end for a newcomer, with the marks its role may see."""
+        """Return the facts of the end for a newcomer, with marks its role may see."""
         ending = self.ending
         if not ending.over:
             return []

@@ -270,7 +270,7 @@ class Dispatch:
             self.session.event_log.tell(*telling[:2], by, telling.fact, telling.saying)
 
     def obey_watch(self) -> None:
-        """Carry out the order that the watch gives after this tick: a swing met, or the guard's."""
+        """Carry out the order that the watch gives after this tick, the guard included."""
         if due := self.session.crew.due_by_hand():
             answer = self.carry_out(due.order, due.giver)
             self.session.event_log.tell("order", f"{due.why}: {answer}")

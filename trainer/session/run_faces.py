@@ -1,8 +1,8 @@
 """A live run and a replayed one: two objects with one face.
 
 At every tick the session asks its run which orders are due, and hands it the new state. Nothing
-else asks whether it is a replay. A live run records the state. A replayed one takes its orders from the
-recording and compares the states, because a replay that leaves its recording has to say so.
+else asks whether it is a replay. A live run records the state. A replayed one takes its orders from
+the recording and compares the states, because a replay that leaves its recording has to say so.
 """
 
 import math

@@ -41,7 +41,7 @@ class StandRecord:
         self.agenda.take(plans)
 
     def arrive(self) -> None:
-        """Put back the plans at the end of a replay, which has said its words itself."""
+        """Put back the plans after a replay. The replay has said its words itself."""
         self.agenda.take(self._present()[1])
 
     def _present(self) -> Stand:

@@ -64,7 +64,7 @@ def as_json() -> list[dict[str, Any]]:
 
 
 def sample(file: VesselFile) -> list[str]:
-    """Return the set of a boat in trim at its start. It is noon on the first day of 2026."""
+    """Return the set of a boat in trim at its start, at a fixed time."""
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", file.run.step_s))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     reader = StateReader(boat, Ledger(boat.method.step).summary)

@@ -411,7 +411,7 @@ class Station:
 
 
 def role_powers(role: Role) -> list[str]:
-    """Return lines of at most 79 columns that say what a role may order and see."""
+    """Return what a role may order and see, in lines of at most 79 columns."""
     own_orders = (
         "everything"
         if role is INSTRUCTOR_ROLE

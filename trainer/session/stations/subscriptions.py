@@ -90,7 +90,7 @@ class Roster:
             self._subscriptions = [s for s in self._subscriptions if s is not subscription]
 
     def serve(self, picture: Picture, now: float) -> float:
-        """Send the picture to each subscription that is due; return the time [s] to the next."""
+        """Send the picture to all that are due; return the time [s] to the next."""
         frame: Frame | None = None
         soonest = math.inf
         for subscription in self._subscriptions:
@@ -277,7 +277,7 @@ class Subscriptions:
 
 
 def rate_of(channel: str, wished: float) -> float:
-    """Return the largest rate [Hz] of a channel that an order asks for; 0: every tick."""
+    """Return the rate [Hz] at which an order subscribes; 0: every tick."""
     fastest = CHANNELS[channel].fastest if channel in CHANNELS else math.inf
     return wished if math.isinf(fastest) else min(wished or fastest, fastest)
 
