@@ -72,7 +72,7 @@ class CrewOrders:
         self.rings += 1
 
     def go_back(self) -> None:
-        """Forget the waiting orders after a jump in time. The session sends those of the moment again."""
+        """Forget the waiting orders after a jump in time. The session sends them again."""
         self.waiting.clear()
         self.wrong = ""
 

@@ -162,7 +162,7 @@ class Trace:
         self.samples = [whole[seconds] for seconds in self.times]
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
-        """Return a quantity at ``columns`` times over the last ``span`` [s], None before the first."""
+        """Return a quantity at times over the last ``span`` [s], None before the first."""
         if not self.times:
             return [None] * columns
         end, values = self.times[-1], []

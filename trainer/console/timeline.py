@@ -1,4 +1,4 @@
-"""The dialog of the time line, in which the user returns to a moment or replays from it."""
+"""The dialog of the time line, which returns to a moment or replays from it."""
 
 from dataclasses import dataclass
 from typing import Final

@@ -231,7 +231,7 @@ def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], V
 
 
 def crew_since(axis: str) -> Field:
-    """Return a reader of the time [s] of an order to the crew."""
+    """Return the field of how long [s] an order to the crew has stood."""
     place = CREW_AXES.index(axis)
 
     def since(frame: Frame) -> float:
@@ -242,7 +242,7 @@ def crew_since(axis: str) -> Field:
 
 
 def crew_error(axis: str, unit: str, ordered: Field, gauge: Field) -> Field:
-    """Return a reader of what is still to go to an order, by the gauge."""
+    """Return the field of what is still to go to an order, by the gauge."""
 
     def to_go(frame: Frame) -> float:
         wanted, shown = ordered.read(frame), gauge.read(frame)
