@@ -82,7 +82,7 @@ class Journal:
     def add(self, seconds: float | None, kind: str, text: str) -> None:
         """Enter something, and show the end of the journal.
 
-        Several presses of one control are one entry, the last, so that they do not fill the screen.
+        Several presses of one control are one entry, that of the last.
         """
         new = JournalEntry(seconds, kind, text)
         if self.entries and follows(self.entries[-1], new):

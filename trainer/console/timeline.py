@@ -10,7 +10,7 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, fit, line
 
 KEY_STEPS_S: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
-SHOWN_MOMENTS: Final = 8  # the latest moments, which the list has room for
+SHOWN_MOMENTS: Final = 8  # the latest moments, in the list
 TIMELINE_ROW: Final = 3  # the row of the time line
 NEAR_MOMENT_S: Final = 0.26  # [s] from a moment within which a place counts as that moment
 MOMENT_SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}

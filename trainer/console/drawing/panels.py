@@ -98,7 +98,7 @@ def foot(keys: Sequence[tuple[str, str]], width: int, rows: int) -> Lines:
 
 
 def key_rows(keys: Sequence[tuple[str, str]], width: int, rows: int) -> list[list[tuple[str, str]]]:
-    """Return the keys by rows. Without room the last but one go: the last one leaves."""
+    """Return the keys by rows. Where room is short, the last key stays and those before it go."""
     shown = list(keys)
     while len(flowed(shown, width)) > max(rows, 1) and len(shown) > 1:
         del shown[-2]

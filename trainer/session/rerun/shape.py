@@ -134,7 +134,7 @@ def hull_mesh(size: Size) -> Mesh:
 
 
 def sail_mesh(size: Size, sail: Sail) -> Mesh:
-    """Return the sail. Its foot is inside the hull, so that no gap is seen."""
+    """Return the sail. Its foot is inside the hull."""
     return _foil(sail.chord, sail.breadth, size.axis - sail.top, sail.x, (0.0, 0.0, sail.top))
 
 

@@ -70,7 +70,7 @@ FREE_GUESSES: Final = 3  # wrong tokens of a machine that are answered at once
 FIRST_WAIT_S: Final = 1.0  # of the answer to the next one; each one after it waits twice as long
 MAX_WAIT_S: Final = 30.0  # [s] these three: docs/threat-model.md
 FORGET_AFTER_S: Final = 600.0  # without a wrong token of that machine
-MAX_MACHINES: Final = 1000  # machines remembered, the latest, so that guesses fill no memory
+MAX_MACHINES: Final = 1000  # machines remembered, the latest
 
 
 @dataclass(frozen=True)
