@@ -18,7 +18,12 @@ from trainer.config.vessel import load_vessel
 from trainer.io.chart import DEFAULT_CHART
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea.sentences import InstrumentSet, choose_instruments
-from trainer.session.nmea.transponders import RADIO_RANGE_M, Transponders, antenna, report_interval
+from trainer.session.nmea.transponders import (
+    RADIO_RANGE_FACTOR,
+    Transponders,
+    antenna,
+    report_interval,
+)
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
@@ -177,7 +182,7 @@ def test_with_a_periscope_what_is_heard_is_heard_by_its_head(
 
 def test_a_ship_is_heard_as_far_as_both_antennas_let_it_be(sail: Callable[..., Sailed]) -> None:
     height = antenna(sail(17.5).frame())
-    reach = RADIO_RANGE_M * (math.sqrt(height) + math.sqrt(40.0))
+    reach = RADIO_RANGE_FACTOR * (math.sqrt(height) + math.sqrt(40.0))
     for beyond, heard in ((-50.0, True), (50.0, False)):
         one = f"""[[contact]]
 name = "far"

@@ -49,7 +49,7 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, Pane, fit, line
 from trainer.console.timeline import TimelineView
 
-FORGET_TIME_S: Final = 1.5  # [s] after which what the boat shows counts again
+FORGET_TIME_S: Final = 1.5  # [s] after a key, when a new one begins from what the boat shows again
 SURFACE_CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 SURFACE_WORDS: Final = {
     "rudder": ("rudder left", "rudder right"),
@@ -63,11 +63,11 @@ PUMP_ORDERS: Final = {  # to the sea or aft, and the other way
     "trim": ("pump trim aft", "pump trim forward"),
 }
 MAX_KEY_ROWS: Final = 3  # [rows] of keys at most
-REFRESH_RATE_HZ: Final = 10.0  # [Hz] of looking
+REFRESH_RATE_HZ: Final = 10.0  # [Hz] of drawing what has changed
 FIRST_POLL_S: Final = 0.004  # [s] between looks for the first figures
 FUNCTION_KEY_PATTERN: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
 CHART_SPANS_S: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
-TIME_SPEEDS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
+TIME_SPEEDS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of the keys
 ROLE_PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 shows help"}
 DEFAULT_PROMPT: Final = "keys move your controls; Enter to type an order"
 DIALOG_SUBJECTS: Final[Mapping[str, Callable[[SessionModel], DialogSubject]]] = {
@@ -77,13 +77,17 @@ DIALOG_SUBJECTS: Final[Mapping[str, Callable[[SessionModel], DialogSubject]]] = 
     "sea": sea_choice,
     "moments": lambda model: TimelineView(model, replays=False),
     "plan": PlanView,
-    "emergency": lambda _sight: blow_question(),
+    "emergency": lambda _model: blow_question(),
 }
 
 
 @dataclass
 class Levers:
-    """The last order to each surface [deg], and its time."""
+    """The last orders by keys to surfaces [deg] and pumps [t], and their times.
+
+    A key adds to the last order and not to what the boat shows, because several presses come before
+    the boat has answered the first.
+    """
 
     asked: dict[str, tuple[float, float]] = field(default_factory=dict)
     refused: int = 0
@@ -93,7 +97,9 @@ class Levers:
         shown = model.picture.number(SURFACE_CHANNELS[surface], f"ordered_{surface}")
         if shown is None:
             return ""
-        if model.refused != self.refused:  # beyond its limit, most likely
+        if (
+            model.refused != self.refused
+        ):  # most likely beyond its limit: the keys begin again from what the boat shows
             self.refused = model.refused
             self.asked.clear()
         most = model.ranges.get(surface, math.inf)
@@ -111,13 +117,13 @@ class Levers:
         return f"{PUMP_ORDERS[tank][wanted > 0]} {abs(wanted):g}"
 
     def _last(self, what: str, shown: float, now: float) -> float:
-        """Return what was last asked, or after a while what the boat shows."""
+        """Return the last value that keys ordered, or after a while what the boat shows."""
         value, when = self.asked.get(what, (shown, -math.inf))
         return value if now - when < FORGET_TIME_S else shown
 
 
 class Console(App[str], inherit_bindings=False):
-    """One station's screen. It ends with "" or with what is to be told on the terminal."""
+    """The screen of one station. It ends with a message for the terminal, "" for none."""
 
     CSS_PATH = "console.tcss"
     TITLE = "trainer"
@@ -138,7 +144,7 @@ class Console(App[str], inherit_bindings=False):
     BINDINGS: ClassVar[list[BindingType]] = []
 
     def __init__(self, model: SessionModel, *, own: bool = False) -> None:
-        """Show ``sight``; a session that is the console's ``own`` ends with it."""
+        """Show ``model``. A session that is the console's ``own`` ends with it."""
         super().__init__()
         self.model = model
         self.own = own
@@ -155,7 +161,7 @@ class Console(App[str], inherit_bindings=False):
         self._foot = footer(model.role)
 
     def get_default_screen(self) -> Screen[None]:
-        """Return a screen that is styled for the role from the beginning."""
+        """Return a screen that has the role's style from its first drawing."""
         return Screen(id="_default", classes=self.model.role)
 
     def compose(self) -> ComposeResult:
@@ -177,7 +183,7 @@ class Console(App[str], inherit_bindings=False):
         yield Pane(partial(foot, self._foot), "foot", click=self._press)
 
     async def on_mount(self) -> None:
-        """Begin to look; take what has been typed ahead on the instructor's line."""
+        """Start the timers, and take keys that came before the instructor's line was there."""
         self.model.hear()  # what has come by now is in the first drawing
         self._mounted = True
         self._expecting = self.set_interval(FIRST_POLL_S, self._expect)
@@ -187,7 +193,7 @@ class Console(App[str], inherit_bindings=False):
             await super().on_event(event)
 
     async def on_event(self, event: events.Event) -> None:
-        """Take a control's key at once: what follows a colon is typed, however fast it comes."""
+        """Act on a control's key at once, so that keys right after a colon count as typed."""
         if isinstance(event, events.Key) and not self._mounted and self.model.instructs:
             self._early.append(event)
             return
@@ -199,9 +205,9 @@ class Console(App[str], inherit_bindings=False):
         await super().on_event(event)
 
     def on_key(self, event: events.Key) -> None:
-        """Do what a key does, unless a dialog or a half-typed order takes it.
+        """Act on a key, unless a dialog or a half-typed order takes it.
 
-        An instructor's line is always open.
+        An instructor's line is always open, so that only its function keys act.
         """
         if len(self.screen_stack) > 1:
             return
@@ -228,7 +234,7 @@ class Console(App[str], inherit_bindings=False):
             self._look()
 
     def act(self, act: KeyAction) -> None:
-        """Carry out what a key does."""
+        """Carry out the action of a key."""
         words = self._ordered(act)
         self._give(act, words)
         match act:
@@ -256,14 +262,14 @@ class Console(App[str], inherit_bindings=False):
         self._look()
 
     def _give(self, act: KeyAction, words: str) -> None:
-        """Send what a key orders, or tell why a control's key does nothing."""
+        """Send the order of a key, or show why a control's key does nothing."""
         if words:
             self.model.order(words)
         elif isinstance(act, MoveAction | PumpAction):
             self.model.journal.add(None, "refused", idle_reason(act, self.model))
 
     def _ordered(self, act: KeyAction) -> str:
-        """Return the order that a key gives by itself, "" for none."""
+        """Return the order of a key, "" for a key that gives none."""
         picture, words = self.model.picture, ""
         match act:
             case OrderAction(given):
@@ -283,13 +289,13 @@ class Console(App[str], inherit_bindings=False):
         return words
 
     def _repeat(self) -> str:
-        """Return the order that repeats a new order to the crew, "" when there is none."""
+        """Return ``aye`` if this role has a new order to repeat, else ""."""
         return "aye" if self.model.crew.to_repeat(self.model.role) else ""
 
     # the mouse
 
     def _press(self, column: int, row: int) -> None:
-        """Do what the key does that is drawn there; of a pair each has its own half."""
+        """Act on the key that is drawn at a place. Each key of a pair has its own half."""
         pane = self.screen_stack[0].query_one("#foot", Pane)
         label, drawn = key_at(self._foot, pane.size.width, pane.size.height, (column, row))
         other, pair, _ = drawn.partition(":")
@@ -300,7 +306,7 @@ class Console(App[str], inherit_bindings=False):
                 return
 
     def _travel(self, column: int, _row: int) -> None:
-        """Look at a place on the line of time."""
+        """Open the dialog of the time line at the place of a click."""
         if self.model.instructs:
             width = self.screen_stack[0].query_one("#line", Pane).size.width
             back = self.model.picture.seconds - time_at(self.model, width, column)
@@ -312,19 +318,19 @@ class Console(App[str], inherit_bindings=False):
     # looking
 
     def on_resize(self, event: events.Resize) -> None:
-        """Give the keys the rows that they need."""
+        """Give the footer the rows that its keys need."""
         rows = len(flowed(self._foot, event.size.width))
         self.screen_stack[0].query_one("#foot").styles.height = min(rows, MAX_KEY_ROWS)
 
     def _expect(self) -> None:
-        """Show the first figures as soon as they come."""
+        """Show the first values as soon as they come."""
         self.model.hear()
         if self.model.picture.changes:
             self._expecting.stop()
             self._look()
 
     def _look(self) -> None:
-        """Take what has come, and have drawn anew what has changed."""
+        """Take what the session has sent, and draw what has changed."""
         model = self.model
         model.hear()
         if not self.screen_stack:  # it is being closed
@@ -345,7 +351,7 @@ class Console(App[str], inherit_bindings=False):
                 pane.look()
 
     def _announce(self) -> None:
-        """Ring for what is new, and show a long answer in a window."""
+        """Ring the bell for news, and open windows for the end, the marks and long answers."""
         due, self._rung = self.model.bells > self._rung, self.model.bells
         if due and not self._silent:
             self.bell()
@@ -360,13 +366,13 @@ class Console(App[str], inherit_bindings=False):
             self._open(answer(*self.model.answers.pop(0)))
 
     def _ordered_since(self, before: CrewOrder | None) -> bool:
-        """Return whether a new order has come that a window would hide."""
+        """Return whether an order has come since that a window would hide."""
         new = self.model.crew.to_repeat(self.model.role)
         return not self.model.instructs and new is not None and new != before
 
     @property
     def _at_controls(self) -> bool:
-        """Return whether keys are those of controls: no order is typed, no dialog is open."""
+        """Return whether keys move controls, because no order is typed and no dialog open."""
         free = len(self.screen_stack) == 1 and self.focused is None
         return self._mounted and not self.model.instructs and free
 
@@ -390,7 +396,7 @@ class Console(App[str], inherit_bindings=False):
         return strip(place, self.model, CHART_SPANS_S[self.span], width, height)
 
     def _line(self, width: int, height: int) -> Lines:
-        """Return what may be typed next, or the line of time."""
+        """Return the hint on what may be typed next, or the line of time."""
         try:
             typed = self.screen_stack[0].query_one(Entry).value
         except NoMatches:
@@ -400,7 +406,7 @@ class Console(App[str], inherit_bindings=False):
         return time_line(self.model, width, height)
 
     def _quick(self) -> frozenset[str]:
-        """Return the keys that are no letters while nothing has been typed."""
+        """Return the keys that act, and type nothing, while the line is empty."""
         if not self.model.instructs:
             return frozenset()
         return frozenset(name for name in self._keys if len(name) > 1)
@@ -411,7 +417,7 @@ class Console(App[str], inherit_bindings=False):
         self.push_screen(Dialog(subject, past), self._finish)
 
     def _finish(self, done: DialogOutcome | None) -> None:
-        """Send what a dialog has ended with."""
+        """Send the orders of a dialog that has ended."""
         if done is None:
             return
         for words in done.orders:

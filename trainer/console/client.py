@@ -1,9 +1,8 @@
-"""The line to a session stays open.
+"""The line to a session, which is dialled again when it is lost.
 
-It is dialled again when lost, role and subscriptions are sent again.
-
-A thread of its own does it. What comes is kept, at most so much of it, until the screen takes it:
-a screen that is held up loses the oldest and holds up nobody.
+Role and subscriptions are then sent again. A thread of its own does all this. It keeps what comes
+until the screen takes it, up to MAX_KEPT_ITEMS, so that a screen that is held up loses the oldest
+and holds up nobody.
 """
 
 import itertools
@@ -24,8 +23,8 @@ from trainer.io.serial_line import LinkError
 FIRST_REDIAL_S: Final = (
     0.25  # [s] until a lost line is dialled again, twice as long each time after
 )
-MAX_WAIT_S: Final = 4.0  # [s]
-MAX_KEPT_ITEMS: Final = 2000  # of what has come and nobody has taken
+MAX_WAIT_S: Final = 4.0  # [s] between two dials
+MAX_KEPT_ITEMS: Final = 2000  # items that have come and that the screen has not taken
 BATCH_LINES: Final = 200  # [lines]
 ROLE_TAG: Final = "1"  # tags of what the client says of itself
 WISH_TAG: Final = "2"
@@ -49,7 +48,7 @@ class LineLoss:
 
 @dataclass(frozen=True)
 class RoleRefusal:
-    """The session does not take the role, and will not."""
+    """The session refuses the role for good."""
 
     why: str
 
@@ -79,10 +78,10 @@ class Client:
         *,
         reach: Reach = dial,
     ) -> None:
-        """Keep a line to ``url()``; ``role`` is said with its token, ``wishes`` are channels.
+        """Keep a line to ``url()`` for ``role``, with its token and its channels in ``wishes``.
 
-        A wish is a channel and how often it is wanted, such as ``at 10 hz``. ``url`` may wait for
-        the session, and raise NeverBegunError.
+        A wish is a channel and its rate, such as ``at 10 hz``. ``url`` may wait for the session,
+        and raise NeverBegunError.
         """
         self._url = url
         self._role = role

@@ -3,14 +3,14 @@
 from dataclasses import dataclass, field
 from typing import ClassVar, Final, NamedTuple
 
-# whose an order is, by its axis; what is told in words is everybody's
+# the roles that repeat an order, by its axis; one in words is for the whole crew
 AXIS_ROLES: Final = {
     "course": ("helm", "pilot"),
     "speed": ("helm", "pilot"),
     "depth": ("planes", "pilot", "diving"),
     "pitch": ("planes", "pilot", "diving"),
 }
-TELL_WORD: Final = "tell"  # how an order in words begins
+TELL_WORD: Final = "tell"  # the first word of an order in words, which stands for its axis
 CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")
 
 
@@ -38,7 +38,7 @@ class CrewOrders:
         return next(iter(self.waiting.values()), None)
 
     def take(self, seconds: float, what: str, subject: str) -> None:
-        """Take a fact of FACTS."""
+        """Take a fact about orders to the crew, one of ``FACTS``."""
         if what == "crew-order":
             self.give(seconds, subject)
         elif what == "wrong-repeat":
@@ -47,9 +47,9 @@ class CrewOrders:
             self.settle(subject)
 
     def give(self, seconds: float, subject: str) -> None:
-        """Take an order to the crew. It replaces an earlier one on the same axis.
+        """Take an order to the crew, which replaces an earlier one on its axis.
 
-        One that is told again, since nobody has repeated it, keeps its time.
+        An order that the session sends again, because nobody has repeated it, keeps its time.
         """
         axis, _, words = subject.partition(" ")
         says = words if axis == TELL_WORD else subject
@@ -61,18 +61,18 @@ class CrewOrders:
         self.rings += 1
 
     def settle(self, subject: str) -> None:
-        """Take the repeat of an order in the order's words, or its end."""
+        """Remove an order that was repeated or belayed."""
         self.waiting.pop(subject.partition(" ")[0], None)
         self.wrong = ""
 
     def mishear(self, subject: str) -> None:
-        """Take a repeat that was another than the order."""
+        """Note a wrong repeat, and ring."""
         said, _, order = subject.partition("; ")
         self.wrong = f"{said}; ordered {order}"
         self.rings += 1
 
     def go_back(self) -> None:
-        """Forget what waits, after a jump in time. What waited at that moment is told again."""
+        """Forget the waiting orders after a jump in time. The session sends them again."""
         self.waiting.clear()
         self.wrong = ""
 

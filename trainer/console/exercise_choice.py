@@ -21,7 +21,7 @@ NO_TITLE: Final = "No title has these letters. Backspace deletes the last letter
 class ExerciseChoice(Choice):
     """The list of exercises by their titles, with the briefing of the chosen one.
 
-    The name of a file tells what is to go wrong: it is not shown.
+    File names are not shown, because they tell what will go wrong.
     """
 
     def draw(self, width: int, height: int) -> Lines:

@@ -1,4 +1,4 @@
-"""The orders, the answers and the news by time, and the strip charts' samples."""
+"""The journal of orders, answers and news, and the samples of the strip charts."""
 
 import bisect
 import math
@@ -12,8 +12,8 @@ from typing import Final, NamedTuple
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.sentences import Sentence
 
-MAX_ENTRIES: Final = 1000
-MERGE_TIME_S: Final = 5.0  # [s]
+MAX_ENTRIES: Final = 1000  # the latest
+MERGE_TIME_S: Final = 5.0  # [s] of the boat's time, within which presses of a control are one entry
 FIGURE_PATTERN: Final = re.compile(r" [\d.]+")  # what differs between presses
 # by kind: the sign before the text, and the ink
 KIND_SIGNS: Final = {
@@ -55,7 +55,7 @@ class TimelineMoment(NamedTuple):
 
 
 def plan_of(subject: str) -> list[TimelineMoment]:
-    """Return an order that is ahead; none where its time is not known."""
+    """Return a planned order for the time line, none where its time is not known."""
     _, when, text = (*subject.split(",", 2), "", "")[:3]
     try:
         seconds = float(when)
@@ -66,7 +66,7 @@ def plan_of(subject: str) -> list[TimelineMoment]:
 
 
 def entry_of(event: Sentence) -> JournalEntry:
-    """Return something that happened as the log has it."""
+    """Return an event as an entry of the journal."""
     _, seconds, kind, text = event.fields
     return JournalEntry(float(seconds), kind, text)
 
@@ -80,7 +80,10 @@ class Journal:
     back: int = 0  # lines
 
     def add(self, seconds: float | None, kind: str, text: str) -> None:
-        """Enter something; the screen shows it, of presses of one control the last."""
+        """Enter something, and show the end of the journal.
+
+        Several presses of one control are one entry, that of the last.
+        """
         new = JournalEntry(seconds, kind, text)
         if self.entries and follows(self.entries[-1], new):
             self.entries.pop()
@@ -89,7 +92,7 @@ class Journal:
         self.back = 0
 
     def recall(self, entries: Sequence[JournalEntry]) -> None:
-        """Lay what happened earlier before what is there, without what is there already."""
+        """Put earlier entries before the present ones, without those that are there already."""
         known = set(self.entries)
         missed = [entry for entry in entries if entry not in known]
         self.entries.extendleft(reversed(missed[-(MAX_ENTRIES - len(self.entries)) :]))
@@ -102,7 +105,7 @@ class Journal:
 
 
 def follows(last: JournalEntry, new: JournalEntry) -> bool:
-    """Return whether a station moves on the control that it moved a moment before."""
+    """Return whether an order moves the control that the last order moved a moment ago."""
     if last.kind != "order" or new.kind != "order" or last.seconds is None or new.seconds is None:
         return False
     alike = FIGURE_PATTERN.split(last.text)[0] == FIGURE_PATTERN.split(new.text)[0] != new.text
@@ -141,16 +144,17 @@ class Trace:
     samples: list[Sequence[Sample]] = field(default_factory=list)
 
     def add(self, seconds: float, samples: Sequence[Sample]) -> None:
-        """Add what there is at a time. What was later is forgotten: time has gone back."""
+        """Add the samples of a time. Later ones are dropped, because time has gone back."""
         place = bisect.bisect_left(self.times, seconds)
         del self.times[place:], self.samples[place:]
         self.times.append(seconds)
         self.samples.append(tuple(samples))
+        # a quarter more may gather, so that the lists are not cut at every tick
         if len(self.times) > MAX_TRACE_TICKS + MAX_TRACE_TICKS // 4:
             del self.times[:-MAX_TRACE_TICKS], self.samples[:-MAX_TRACE_TICKS]
 
     def recall(self, rows: Sequence[tuple[float, Sequence[Sample]]]) -> None:
-        """Lay samples of earlier times among those there are, which stay."""
+        """Put samples of earlier times among the present ones, which stay."""
         traced = dict(zip(self.times, self.samples, strict=True))
         latest = self.times[-1] if self.times else math.inf
         whole = {seconds: samples for seconds, samples in rows if seconds < latest} | traced
@@ -158,10 +162,7 @@ class Trace:
         self.samples = [whole[seconds] for seconds in self.times]
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
-        """Return a quantity at so many times over the last ``span`` [s].
-
-        It is None before the first.
-        """
+        """Return a quantity at times over the last ``span`` [s], None before the first."""
         if not self.times:
             return [None] * columns
         end, values = self.times[-1], []

@@ -158,6 +158,6 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
 
 
 def wishes(post: Layout) -> dict[str, str]:
-    """Return how often each channel is wanted. The one that charts are drawn at comes last."""
+    """Return the wished rate of each channel. The channel that the charts follow is last."""
     often = {"motion": SMOOTH_RATE, "gauges": SMOOTH_RATE, "ledger": SELDOM_RATE}
     return {channel: often.get(channel, OFTEN_RATE) for channel in post.channels}

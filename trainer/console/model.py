@@ -1,4 +1,4 @@
-"""The model of a session on a screen: its values, its news, its questions."""
+"""A screen's model of its session: values, news, and orders on their way."""
 
 import contextlib
 import math
@@ -27,7 +27,7 @@ WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by th
 
 
 def marks_in_words(fields: str) -> str:
-    """Return outcome and total in words, as who was there has heard them."""
+    """Return outcome and total in words, as the session announced them."""
     outcome, _, total = fields.partition(",")
     with contextlib.suppress(ValueError):
         total = f"{float(total):.0f} marks of 100"
@@ -35,13 +35,13 @@ def marks_in_words(fields: str) -> str:
 
 
 def gives_crew(words: str) -> bool:
-    """Return whether words are an order to the crew."""
+    """Return whether words give an order to the crew."""
     order = parse(words)
     return isinstance(order, Order) and order.name in ("order", "tell")
 
 
 class Quantity(NamedTuple):
-    """The contents of a chart: a name, a unit, the fields of actual and order."""
+    """A quantity of a chart: name, unit, and the fields of value and order."""
 
     name: str
     unit: str
@@ -53,7 +53,7 @@ class Quantity(NamedTuple):
 
 
 class CasualtyOffer(NamedTuple):
-    """A casualty on offer: its usual order, and its meaning."""
+    """A casualty that can be ordered: its usual order, and its meaning."""
 
     name: str
     degree: str
@@ -61,7 +61,7 @@ class CasualtyOffer(NamedTuple):
 
 
 class Talk(Protocol):
-    """Who carries words to the session, and brings what it says."""
+    """The line to the session, as the model needs it."""
 
     def order(self, words: str) -> str:
         """Send an order; return its tag, "" when there is no line."""
@@ -74,7 +74,7 @@ class Talk(Protocol):
 
 @dataclass
 class SentOrder:
-    """An order on its way; ``quiet`` ones are the screen's own."""
+    """An order without an answer yet. ``quiet`` ones are the screen's own."""
 
     words: str
     quiet: bool
@@ -83,7 +83,7 @@ class SentOrder:
 
 @dataclass
 class SessionModel:
-    """The session as one station sees it."""
+    """The session as the screen of one station knows it."""
 
     talk: Talk
     role: str
@@ -142,7 +142,7 @@ class SessionModel:
 
     @property
     def follows(self) -> bool:
-        """Return whether there is no line because the next exercise is being made ready."""
+        """Return whether the line is missing because the next exercise is being made ready."""
         return not self.joined and self.clock() < self._awaited
 
     @property
@@ -160,7 +160,7 @@ class SessionModel:
 
     @property
     def bells(self) -> int:
-        """Return how often the bell has been due: limits, orders to the crew, casualties."""
+        """Return how often the bell was due, for alerts and orders to the crew."""
         return self.rings + self.crew.rings
 
     @property
@@ -172,7 +172,7 @@ class SessionModel:
             return None
 
     def order(self, words: str) -> None:
-        """Send an order and show it. Before there was ever a line it waits for one."""
+        """Send an order and show it. It waits where no line has been there yet."""
         if self.greeted or self.trouble or self.barred:
             self._send(words, quiet=False)
         else:
@@ -184,7 +184,7 @@ class SessionModel:
         return self._send(words, quiet=True)
 
     def hear(self) -> None:
-        """Take what has come."""
+        """Take what the session has sent since the last call."""
         for item in self.talk.take():
             if isinstance(item, Sentence):
                 self._read(item)
@@ -257,7 +257,7 @@ class SessionModel:
             self._sample()
 
     def _sample(self) -> None:
-        """Add the present to the charts."""
+        """Add the present values to the charts."""
         reading = self.picture.reading(self.gauges)
         if reading.seconds < self._over_at:  # it is flown again, or another is
             self._go_on()
@@ -270,14 +270,14 @@ class SessionModel:
         self.furthest = max(self.furthest, reading.seconds)
 
     def _catch_up(self, seconds: float) -> None:
-        """Ask for what a screen that comes late, or returns, has not seen."""
+        """Ask for the past that a late or returning screen has not seen."""
         missed, self._caught_up = not self._caught_up, True
         seen = self.trace.times[-1] if self.trace.times else 0.0
         if missed and seconds - seen > LATE_TIME_S:
             self.past.ask(self._charted(), self.ask)
 
     def _charted(self) -> set[str]:
-        """Return the channels that the charts are drawn from."""
+        """Return the channels from which the charts are drawn."""
         channels = {self.gauges}
         for quantity in self.charts:
             channels |= {quantity.actual[0], *([quantity.ordered[0]] if quantity.ordered else [])}
@@ -285,7 +285,7 @@ class SessionModel:
         return channels & set(self.picture.names)  # those that this role is shown
 
     def _recall(self, channel: str) -> None:
-        """Lay the past of what has come to its end before the present."""
+        """Put a past that has come whole before the present."""
         past = self.past
         if channel == EVENTS_CHANNEL:
             entries = [entry_of(each) for each in past.events if each.kind == "TRE"]
@@ -298,7 +298,7 @@ class SessionModel:
             self._recall_track(rows)
 
     def _sampled(self, seconds: float) -> list[Sample]:
-        """Return what the charts would have shown at a time [s]."""
+        """Return the samples of the charts at a past time [s]."""
         number, samples = self.past.number, []
         for quantity in self.charts:
             ordered = number("orders", quantity.crew, seconds) if quantity.crew else None
@@ -314,7 +314,7 @@ class SessionModel:
         self._track.extendleft(reversed(earlier[-(MAX_TRACK_PLACES - len(self._track)) :]))
 
     def _remember_past(self, sentence: Sentence) -> None:
-        """Keep on the time line what happened before this screen came."""
+        """Put marks and casualties from before this screen came on the time line."""
         if sentence.kind != "TRF":
             return
         _, time_text, what, subject = sentence.fields
@@ -326,14 +326,14 @@ class SessionModel:
         self.marks += [moment] if moment not in self.marks else []
 
     def ordered(self, drawn: Quantity) -> float | None:
-        """Return what is ordered, the crew if anybody, else the autopilot."""
+        """Return the order to the crew for a quantity, else the autopilot's."""
         value = self.picture.number("orders", drawn.crew) if drawn.crew else None
         if value is None and drawn.ordered:
             return self.picture.number(*drawn.ordered)
         return value
 
     def _follow(self, reading: ChannelReading) -> None:
-        """Add the boat's place to its track; what was later is forgotten: time has gone back."""
+        """Add the boat's place to its track. Later places are dropped: time has gone back."""
         north, east = reading.number("north"), reading.number("east")
         if north is None or east is None:
             return
@@ -343,7 +343,7 @@ class SessionModel:
             self._track.append((reading.seconds, north, east))
 
     def _note(self, sentence: Sentence) -> None:
-        """Take a fact: what has happened, or what there is, in fields."""
+        """Take a fact, which tells an event or an entry of a list in fields."""
         _, time_text, what, subject = sentence.fields
         seconds = float(time_text)
         if what in ("over", "next"):
@@ -387,14 +387,14 @@ class SessionModel:
             self.plans += plan_of(subject)
 
     def _order_crew(self, seconds: float, what: str, subject: str) -> None:
-        """Take an order to the crew, or its repeat; who has given one does not repeat it."""
+        """Take an order to the crew, or its repeat. The giver of an order does not repeat it."""
         self.crew.take(seconds, what, subject)
         if what == "crew-order" and self._own:
             self._own -= 1
             self.crew.settle(subject)
 
     def _brief(self, seconds: float, what: str, subject: str) -> None:
-        """Keep what the exercise asks for, how it ended, and the marks once they are told."""
+        """Keep the briefing of the exercise, its end, and the marks."""
         key, equals, value = subject.partition("=")
         if what == "exercise-over":
             if self.outcome:
@@ -418,7 +418,7 @@ class SessionModel:
                 self.exercise[key] = value
 
     def _forget_exercise(self) -> None:
-        """Keep nothing of an exercise but its file's name, which is told first."""
+        """Forget an exercise but its file's name, which comes before the other facts."""
         name = self.exercise.get("name")
         self.exercise.clear()
         self.marks.clear()
@@ -463,7 +463,7 @@ class SessionModel:
             self.journal.add(None, "answer" if kind == "ok" else "refused", text)
 
     def _remember(self, seconds: float, words: str) -> None:
-        """Keep on the time line what is worth going back to."""
+        """Put an event to which one may want to return on the time line."""
         name = name_of(words)
         if name == "snapshot" and self.instructs:
             self.ask("snapshots")
@@ -472,6 +472,6 @@ class SessionModel:
             self.rings += 1
 
     def _go_on(self) -> None:
-        """Forget how an exercise ended: it is flown again, or another is."""
+        """Forget the end of an exercise, because it or another one is flown now."""
         self.outcome, self._over_at = "", 0.0
         self.marks_told.clear()

@@ -1,10 +1,8 @@
 """A session of one's own, and its console: `trainer run` on a terminal.
 
-The session, which takes longest to start, is begun before anything of the screen is imported.
-
-A process forked from this one: out of reach of the terminal's keys, its words kept for us.
-
-It begins with all that is imported here, and so a tenth of a second sooner than a new one would.
+The session takes longest to start, so it begins before anything of the screen is imported. It is a
+process forked from this one, because that has all imports already and starts a tenth of a second
+sooner than a new one. The terminal's keys do not reach it, and its output is kept for the console.
 """
 
 import gc
@@ -37,7 +35,7 @@ FIRST_WORDS: Final = (
 
 
 class Process(ABC):
-    """A session's process, its words kept for us."""
+    """The process of a session, whose output is kept for the console."""
 
     @abstractmethod
     def written(self, stream: str) -> str:
@@ -60,7 +58,7 @@ class Process(ABC):
 
 
 class Program(Process):
-    """A program of our own beside this one, where no process can be forked."""
+    """A process started as a new program, where the system cannot fork."""
 
     def __init__(self, words: Sequence[str], environment: Mapping[str, str]) -> None:
         """Start ``trainer`` with these words."""
@@ -94,12 +92,12 @@ class Program(Process):
 
 
 class Child(Process):
-    """A process of our own at some work."""
+    """A process forked from this one."""
 
     def __init__(self, work: Callable[[], NoReturn]) -> None:
-        """Begin; in the child this does not return: ``work`` leaves by SystemExit, as programs do.
+        """Fork, and do ``work`` in the child, which ends by SystemExit and does not return.
 
-        To be called before there are threads.
+        It is called before there are threads, because a fork copies only the thread that calls it.
         """
         self._out, self._err = tempfile.TemporaryFile(), tempfile.TemporaryFile()  # noqa: SIM115
         self._code: int | None = None
@@ -112,7 +110,7 @@ class Child(Process):
             work()
 
     def written(self, stream: str) -> str:
-        """Return what it has written. The place of what is written next stays."""
+        """Return all output so far, without moving the place at which the child writes."""
         descriptor = (self._out if stream == "out" else self._err).fileno()
         size = os.fstat(descriptor).st_size
         return os.pread(descriptor, size, 0).decode("utf-8", errors="replace")
@@ -132,7 +130,7 @@ class Child(Process):
             os.kill(self._process, signal.SIGTERM)
 
     def _leave_home(self) -> None:
-        """Let go of the terminal."""
+        """Leave the terminal, so that its keys do not reach this process."""
         os.setsid()
         nothing = os.open(os.devnull, os.O_RDWR)
         for ours, theirs in enumerate((nothing, self._out.fileno(), self._err.fileno())):
@@ -209,7 +207,7 @@ class OwnSession:
     passed: int = 0  # lines that have been passed on
 
     def await_word(self, *words: str) -> bool:
-        """Pass on what the session says until a line begins so; return whether one did."""
+        """Print the session's lines until one begins with a word; return whether one did."""
         while self.session.ended() is None:
             if any(text.startswith(words) for text in self.pass_on()):
                 return True
@@ -217,7 +215,7 @@ class OwnSession:
         return False
 
     def address(self, where: str) -> str:
-        """Return ``where`` the session listens, once it does; NeverBegunError if it has ended."""
+        """Return ``where`` once the session listens there; NeverBegunError if it has ended."""
         while not (listening_at := self._listens(where)):
             if self.session.ended() is not None:
                 from trainer.console.client import NeverBegunError  # noqa: PLC0415  long imported
@@ -235,7 +233,7 @@ class OwnSession:
         return ""
 
     def pass_on(self) -> list[str]:
-        """Pass on what the session complains of; return all that it has said there."""
+        """Print the session's new errors; return all its errors."""
         said = self.session.written("err").splitlines()
         for text in said[self.passed :]:
             if not text.startswith(FIRST_WORDS):

@@ -1,9 +1,8 @@
-"""A drawing on the screen. A part that has not changed is not drawn again.
+"""Panes of the screen, and the lines in inks that are drawn on them.
 
-What a screen is drawn with: lines of text in inks, and the colours that the inks stand for.
-
-Every drawing is a function to lines. An ink is a name; what is said by an ink is said by a word or
-a sign as well, so that a screen without colour lacks nothing.
+Every drawing is a function that returns lines. A pane draws again only what has changed. An ink is
+a name for two colours. What an ink says, a word or a sign says too, so that a screen without colour
+lacks nothing.
 """
 
 import re
@@ -90,14 +89,14 @@ def cut(drawn: Line, width: int) -> Line:
 
 
 def cut_number(drawn: Line, width: int) -> int:
-    """Return where a number begins that a cut would go through, else the cut's column."""
+    """Return the first column of a number that a cut would split, else the cut's."""
     text = "".join(part for part, _ in drawn)
     through = (each for each in NUMBER_PATTERN.finditer(text) if each.start() < width < each.end())
     return next((each.start() for each in through), width)
 
 
 def first_fitting(width: int, *choices: Line) -> Line:
-    """Return the first line that ``width`` columns hold whole, the last one where none is."""
+    """Return the first line that fits ``width`` columns whole, else the last one."""
     return next((each for each in choices if length(each) <= width), choices[-1])
 
 
@@ -138,7 +137,7 @@ BARE_STYLE: Final = Style(color=INKS["plain"].colour, bgcolor=GROUND_COLOUR)
 
 
 class Pane(Widget):
-    """A function to lines, shown."""
+    """A part of the screen that shows what its function draws."""
 
     DEFAULT_CSS = "Pane { height: 1; width: 1fr; }"
     ALLOW_SELECT = False
@@ -153,7 +152,7 @@ class Pane(Widget):
         click: Click | None = None,
         wheel: Wheel | None = None,
     ) -> None:
-        """Show what ``draw`` makes; one that is ``moving`` changes between ticks too."""
+        """Show what ``draw`` returns. A ``moving`` pane changes between ticks too."""
         super().__init__(id=place)
         self.moving = moving
         self._draw = draw
@@ -162,7 +161,7 @@ class Pane(Widget):
         self._drawn_for = self.size
 
     def look(self) -> None:
-        """Draw, and have shown what has changed."""
+        """Draw, and refresh the lines that have changed."""
         width, height = self.size
         if not (width and height and self.display):
             return
@@ -206,7 +205,7 @@ class Pane(Widget):
         return Strip(segments(fit(self.lines[y], width)), width)
 
     def _drawn(self) -> Lines:
-        """Draw for the size that there is; return the lines."""
+        """Draw for the present size; return the lines."""
         self._drawn_for = self.size
         self.lines = self._draw(*self.size)[: self.size.height]
         return self.lines

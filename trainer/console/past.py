@@ -14,7 +14,7 @@ HISTORY_ORDER: Final = "history {}"
 
 
 LATE_TIME_S: Final = (
-    15.0  # [s] of the boat's time that a screen may have missed and need not ask for
+    15.0  # [s] of the boat's time; a screen that missed less does not ask for its past
 )
 
 
@@ -23,7 +23,7 @@ Rows = dict[str, dict[float, ChannelReading]]  # by channel and time [s]
 
 @dataclass
 class PastAnswers:
-    """The rows and events that have come of what was asked for."""
+    """The rows and events that have come in answer to the screen's questions."""
 
     wanted: set[str] = field(default_factory=set)  # channels that have not come to their end
     rows: Rows = field(default_factory=dict)
@@ -40,7 +40,7 @@ class PastAnswers:
             send(HISTORY_ORDER.format(channel))
 
     def mark(self, subject: str) -> str:
-        """Take where the past of a channel begins and ends. Return a channel that has ended."""
+        """Take a mark where the past of a channel begins or ends. Return a channel that ended."""
         which, _, channel = subject.partition(",")
         if which == "begin":
             self._open.add(channel)

@@ -1,7 +1,7 @@
 """The latest values of the channels, and their past before this screen came.
 
-A channel with rates is carried on from its tick, no further than the next one. One without is moved
-from its last reading but one to its last, so that it shows the boat one tick late.
+A value with a rate is extrapolated from its tick, no further than the next one. A value without is
+interpolated from the last reading but one to the last, and so shows the boat one tick late.
 """
 
 import math
@@ -34,7 +34,7 @@ class ChannelReading:
     values: dict[str, str]
 
     def number(self, name: str) -> float | None:
-        """Return a value as a number. None: it cannot be a boat's."""
+        """Return a value as a number, None for a text or an absurd number."""
         try:
             value = float(self.values.get(name, ""))
         except ValueError:
@@ -67,7 +67,7 @@ class ChannelReadings:
         return channel
 
     def forget(self) -> None:
-        """Take nothing that has come as present: the line is lost."""
+        """Forget all readings, because the line is lost and they are old."""
         self.before.clear()
         self.changes += 1
 
@@ -100,7 +100,7 @@ class ChannelReadings:
 
     @property
     def pace(self) -> float:
-        """Return how many times faster than the clock time runs. 0: as fast as it can."""
+        """Return the speed of time over the clock's. 0: as fast as it can."""
         return self.number("time", "speed") or 0.0
 
     def smooth(self, channel: str, name: str, now: float) -> float | None:

@@ -1,4 +1,4 @@
-"""Whether a screen can be shown, asked before what draws it is loaded."""
+"""The test whether a terminal can show a screen, made before the screen's library loads."""
 
 import os
 import sys
@@ -13,7 +13,7 @@ ASCII_ONLY: Final = ("C", "POSIX")  # the locales that promise no more
 
 
 def has_terminal() -> bool:
-    """Return whether there is somebody to show a screen to; a closed stream is nobody."""
+    """Return whether input and output are a terminal. A closed stream is none."""
     streams = (sys.stdin, sys.stdout)
     if not all(stream and stream.isatty() for stream in streams):
         return False
@@ -23,7 +23,7 @@ def has_terminal() -> bool:
 def draws(environment: Mapping[str, str], encoding: str) -> bool:
     """Return whether a terminal moves its cursor and has more than ASCII. Else lines are plain.
 
-    An interpreter that is asked for plain C by LC_ALL speaks UTF-8 all the same: its user does not.
+    LC_ALL is looked at apart, because Python writes UTF-8 even where it asks for plain C.
     """
     if environment.get("TERM", "") in DUMB_TERMINALS:
         return False

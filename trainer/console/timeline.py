@@ -1,7 +1,4 @@
-"""Going back in time.
-
-The user chooses a place on the time line, and returns or replays from there.
-"""
+"""The dialog of the time line, which returns to a moment or replays from it."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -13,15 +10,15 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, fit, line
 
 KEY_STEPS_S: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
-SHOWN_MOMENTS: Final = 8  # moments shown
+SHOWN_MOMENTS: Final = 8  # the latest moments, in the list
 TIMELINE_ROW: Final = 3  # the row of the time line
-NEAR_MOMENT_S: Final = 0.26  # [s] within which a place is that of a moment kept
+NEAR_MOMENT_S: Final = 0.26  # [s] from a moment within which a place counts as that moment
 MOMENT_SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
 
 
 @dataclass
 class TimelineView:
-    """How far back is looked [s], and what Enter does there."""
+    """A place on the time line [s] before now, and whether Enter replays from there."""
 
     model: SessionModel
     replays: bool
@@ -30,7 +27,7 @@ class TimelineView:
 
     @property
     def there(self) -> float:
-        """Return the time [s] that is looked at."""
+        """Return the time [s] of the chosen place."""
         return max(self.model.picture.seconds - self.lapse, 0.0)
 
     @property
@@ -40,7 +37,7 @@ class TimelineView:
         return snapshots[-1].text if snapshots else ""
 
     def order(self, *, replay: bool) -> str:
-        """Return the order that goes there."""
+        """Return the order that goes to the chosen place."""
         if replay:
             return f"replay {max(self.lapse, 0.5):g} s"
         if self.there <= 0.0:
@@ -65,7 +62,7 @@ class TimelineView:
         return None
 
     def click(self, column: int, row: int, width: int) -> DialogOutcome | None:
-        """Look at the place of a click, on the time line or in the list."""
+        """Choose the place of a click, on the time line or in the list."""
         shown = moments(self.model)[-SHOWN_MOMENTS:]
         if row in (TIMELINE_ROW, TIMELINE_ROW + 1):
             self.lapse = self.model.picture.seconds - time_at(self.model, width, column)
@@ -75,7 +72,7 @@ class TimelineView:
         return None
 
     def _jump(self, *, earlier: bool) -> None:
-        """Go to the moment kept before or after the one that is looked at."""
+        """Choose the next moment that is earlier or later than the chosen place."""
         times = sorted({0.0, *(kept.seconds for kept in moments(self.model))})
         side = [
             t

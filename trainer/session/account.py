@@ -55,7 +55,7 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
 
 
 def one_line(session: Session, kept: str) -> str:
-    """Return how long was flown, whether on time, and how the recording is looked at."""
+    """Return how long the boat flew, whether on time, and how to see the recording."""
     ledger = session.time.ledger.summary()
     late = ledger.overruns + ledger.caught_up + ledger.skipped
     troubles = [f"{late} late"] if late else []
@@ -67,7 +67,7 @@ def one_line(session: Session, kept: str) -> str:
 
 
 def details(session: Session, wall: float, kept: str) -> list[str]:
-    """Return what an engineer asks of a run of ``wall`` [s]: load, lateness, recording."""
+    """Return the lines for an engineer about a run of ``wall`` [s]: load, lateness, recording."""
     summary, since = session.time.ledger.summary(), session.conduct.compiled_from
     lines = [summary_text(session.boat, summary, wall, since)]
     if granted := session.time.punctuality.granted:
@@ -107,7 +107,8 @@ def describe_missing(recording: Recording | NoRecording) -> str:
 def summary_text(boat: Boat, ledger: Summary, wall: float, compiled_from: int = 0) -> str:
     """Return the one-screen account of a run that took ``wall`` [s].
 
-    ``compiled_from`` is the tick from which machine code computed it, 0 where all was one.
+    ``compiled_from`` is the first tick that machine code computed after interpreted ones. It is 0
+    where the whole run was computed in one way.
     """
     s = boat.state
     step = boat.method.step

@@ -1,8 +1,9 @@
 """The agenda: the orders ahead, the exercise's own and those of an instructor.
 
-An exercise's own come by its schedule and by the conditions that the core watches. Those planned
-while the session runs are in the journal, as is each that came: after a jump in time they are made
-again from there. The instructor alone is told of any.
+The exercise's own orders come by its schedule, and by conditions that the core watches. Instructors
+plan theirs in the session. The journal has each plan and each planned order that was given,
+because a jump in time takes the plans back too. The session tells the plans to instructors alone,
+because a plan gives away what the crew will meet.
 """
 
 import math
@@ -23,13 +24,13 @@ from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
 
 PLAN_WORDS: Final = frozenset({"plan", "cancel"})  # journalled, though they move nothing
-MAX_PLANS: Final = 40  # planned at once, and told at once
+MAX_PLANS: Final = 40  # plans that may wait at once, and entries of the list that programs get
 WHEN_PLACE: Final = Place("when", "")
 SPENT_TRIGGERS: Final = STATE_PLACES["triggers_spent"]
 
 
 class ComingOrder(NamedTuple):
-    """An order that is to come: its time [s] or condition, and its number."""
+    """An order that will be given: its time [s] or condition, and its number."""
 
     when: float | str
     text: str
@@ -37,7 +38,7 @@ class ComingOrder(NamedTuple):
 
     @property
     def fact(self) -> Fact:
-        """Return it as programs are told it."""
+        """Return the fact that tells this order to programs."""
         when = f"{self.when:.3f}" if isinstance(self.when, float) else self.when
         return Fact("planned", f"{self.number or ''},{when},{self.text}")
 
@@ -62,14 +63,15 @@ class PlannedOrder:
 
     @property
     def ahead(self) -> ComingOrder:
-        """Return it as it is told."""
+        """Return the planned order as the list of orders ahead has it."""
         when = self.condition.text if self.condition else self.seconds
         return ComingOrder(when, self.order.text, self.number)
 
     def is_due(self, boat: Boat) -> bool:
-        """Return whether it acts on the tick that comes."""
+        """Return whether the order acts on the next tick."""
         if self.condition:
             return is_met(self.condition, boat)
+        # a time on a tick, such as 30 s of 0.1 s, is that tick whatever rounding makes of it
         return math.ceil(self.seconds / boat.method.step - 1e-9) <= boat.ticks
 
 
@@ -92,7 +94,7 @@ class Agenda:
     _told: tuple[object, ...] = ()  # what was so when the instructors were last told
 
     def obey(self, order: Order) -> Reply:
-        """Plan an order, or take one away; return what now holds."""
+        """Plan an order, or cancel one; return the answer."""
         if order.name == "cancel":
             numbers = ", ".join(map(str, self.planned)) or "none"
             gone = self._drop(order)
@@ -113,12 +115,12 @@ class Agenda:
         return Plans(tuple(self.planned.values()), self._last)
 
     def take(self, plans: Plans) -> None:
-        """Take the plans that stood at another moment: time has jumped."""
+        """Put back the plans that stood at the moment to which time has jumped."""
         self.planned = {each.number: each for each in plans.planned}
         self._last = plans.last
 
     def note(self, order: Order, giver: Giver, seconds: float) -> None:
-        """Take what an order of the journal meant for the plans."""
+        """Change the plans as an order of the journal did when it was given."""
         if giver.kind is GiverKind.PLAN:
             self.planned.pop(giver.plan, None)
         elif order.name == "cancel":
@@ -129,14 +131,14 @@ class Agenda:
                 self._take(made)
 
     def due(self) -> list[PlannedOrder]:
-        """Take out those that act on the tick that comes, by their times."""
+        """Remove and return the plans that act on the next tick, the earliest first."""
         due_orders = [each for each in self.planned.values() if each.is_due(self.boat)]
         for each in due_orders:
             del self.planned[each.number]
         return sorted(due_orders, key=lambda each: (each.seconds, each.number))
 
     def ahead(self, place: int) -> list[ComingOrder]:
-        """Return what is to come, timed first; ``place`` is that of the schedule's next entry."""
+        """Return the orders ahead, timed ones first; ``place`` is the schedule's next entry."""
         scheduled = [
             ComingOrder(entry.seconds, entry.order.text) for entry in self.schedule[place:]
         ]
@@ -146,7 +148,7 @@ class Agenda:
         return [*sorted(timed, key=lambda each: each.when), *(e for e in coming if e not in timed)]
 
     def facts(self, place: int) -> list[Fact]:
-        """Return the whole list as programs are told it, its length first."""
+        """Return the facts that tell the orders ahead to programs, their number first."""
         coming = self.ahead(place)
         return [Fact("plans", str(len(coming))), *(each.fact for each in coming[:MAX_PLANS])]
 
@@ -155,13 +157,13 @@ class Agenda:
         return [str(each) for each in self.ahead(place)] or ["nothing is planned"]
 
     def has_changed(self, place: int) -> bool:
-        """Return whether something has come or gone since this was last asked."""
+        """Return whether an order was added or has gone since the last call."""
         before = self._told
         self._told = place, self.boat.plain[SPENT_TRIGGERS], *self.planned
         return self._told != before
 
     def _waiting(self) -> list[ConditionalCasualty]:
-        """Return the casualties whose conditions have not come true yet, or may once more."""
+        """Return the casualties that may still begin by their conditions."""
         spent = int(self.boat.plain[SPENT_TRIGGERS])
         return [
             trigger
@@ -170,7 +172,7 @@ class Agenda:
         ]
 
     def _made(self, order: Order, now: float) -> PlannedOrder | Refused:
-        """Return what an order plans at a time [s]."""
+        """Return the plan that an order makes at a time [s]."""
         inner = parse(order.subject)
         if not isinstance(inner, Order):
             return Refused(f"{order.subject}: no order of this version")
@@ -203,7 +205,7 @@ class Agenda:
 
 
 def ahead_of(armed: ConditionalCasualty) -> ComingOrder:
-    """Return a casualty that waits for a condition; a time is told as one."""
+    """Return a casualty that waits for a condition. A condition on time is told as a time."""
     condition, casualty = armed.condition, armed.casualty
     timed = condition.quantity == "time" and condition.sense > 0.0
     again = ", again each time" if armed.rule == "again" else ""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 class Alarm:
-    """Wakes whoever waits, once, at the earliest of the times asked for."""
+    """One call of ``wake``, at the earliest of the times that were set."""
 
     def __init__(self, wake: Callable[[], object]) -> None:
         self._wake = wake
@@ -15,9 +15,9 @@ class Alarm:
         self._due = 0.0  # [s] on the machine's clock
 
     def set(self, after: float) -> None:
-        """Wake after a time [s], infinity for never, unless that is done before then anyway.
+        """Wake after a time [s], infinity for never, unless an earlier call is set already.
 
-        Whoever wakes asks again, because an earlier time replaces a later one.
+        An earlier time replaces a later one. Who is woken therefore sets the later one again.
         """
         now = time.monotonic()
         if now < self._due <= now + after or math.isinf(after):

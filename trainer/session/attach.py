@@ -21,7 +21,7 @@ FLUSH_TIMEOUT_S: Final = 2.0  # [s] for what is still to be said at the end
 
 
 def attach_to(url: str | None, role: str, token: str | None) -> int:
-    """Be a teletype of that role until the session or the user ends it. Return the exit code."""
+    """Attach a teletype of a role until session or user ends it. Return the exit code."""
     wake = threading.Event()
     address = paths.left_address()  # where the system has no local sockets
     token = token or (address[1] if url in (None, address[0]) else None)
@@ -44,7 +44,7 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
 
 
 def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> bool:
-    """Carry lines both ways until the session closes. Return whether it has said that it would.
+    """Carry lines both ways until the session closes. Return whether the session announced that.
 
     Ctrl-C, and the end of an input that nobody types, leave the session.
     """
@@ -74,7 +74,7 @@ def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) ->
 
 
 def in_words(said: str, sentence: Sentence | None) -> str:
-    """Return what a line of the session says to people."""
+    """Return a line of the session in words for people."""
     if sentence is None or sentence.kind not in {"TRA", "TRE"}:
         return said
     text = sentence.fields[-1]

@@ -1,4 +1,4 @@
-"""The stations of a session: how they come, are told, are heard, and go."""
+"""The stations of a session: each is admitted, briefed, heard, and let go."""
 
 import threading
 from collections.abc import Callable
@@ -28,7 +28,7 @@ CLOSE_TIMEOUT_S: Final = 0.5  # for a line to get out what it was sent before it
 
 @dataclass(frozen=True)
 class Introduction:
-    """What newcomers are told of a run: lines for people, the exercise for programs."""
+    """The first texts about a run for a newcomer: lines for people, facts for programs."""
 
     instructor: tuple[str, ...] = ()
     crew: tuple[str, ...] = ()  # and everybody else
@@ -54,7 +54,7 @@ class Attendance:
         self._alarm = Alarm(self.wake.set)
 
     def greet(self, station: Station) -> None:
-        """Tell whoever comes what this is."""
+        """Send a station its briefing, and some orders that it may give."""
         for line in (*self._briefed(station), hint(station.role, self.crew.hand)):
             station.line.send(line)
 
@@ -66,7 +66,7 @@ class Attendance:
         return LongAnswer((*self._briefed(station), *facts))
 
     def listen(self) -> None:
-        """Admit newcomers, take what the stations say, and see out who has left."""
+        """Admit newcomers, hear the stations, and drop those that have left."""
         self.log.strangers.settle()
         self.conduct.tend()
         self._admit_newcomers()
@@ -85,7 +85,7 @@ class Attendance:
 
     @property
     def silent(self) -> bool:
-        """Return whether nobody is there, or may come, who could say anything."""
+        """Return whether no station is attached, and none can come."""
         ended = all(station.line.ended for station in self.log.stations)
         return ended and not self.reception.awaited
 
@@ -98,7 +98,7 @@ class Attendance:
         self._entered(station, before)
 
     def _admit_newcomers(self) -> None:
-        """Let those be stations who have come since the last call."""
+        """Make stations of the lines that have come since the last call."""
         for station in self.reception.newcomers():
             if (
                 station.role is not STRANGER_ROLE
@@ -108,7 +108,7 @@ class Attendance:
             self.log.strangers.log("station", f"{station.line.name} has come")
 
     def _entered(self, station: Station, before: tuple[Role, bool]) -> tuple[Role, bool]:
-        """Greet or introduce a newcomer; return its role, and whether it has said so."""
+        """Greet or introduce a newcomer; return its role, and whether the line has chosen it."""
         if before[0] is STRANGER_ROLE and station.role is not STRANGER_ROLE:
             self.greet(station)
         if station.settled and not before[1]:  # an observer's role is the same as before
@@ -128,18 +128,18 @@ class Attendance:
         self.log.note_alerts(station)
 
     def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
-        """Return what there is to tell of the exercise by now, as keys and values."""
+        """Return the facts of the exercise at this moment, as keys and values."""
         role, seconds = station.role, self.history.boat.time
         facts = self.introduction.exercise.facts(role, seconds)
         return [*facts, *self.crew.conditions(role.name)]
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
-        """Return what a station is told of the exercise."""
+        """Return the briefing of the exercise for a station."""
         introduction = self.introduction
         return introduction.instructor if station.role is INSTRUCTOR_ROLE else introduction.crew
 
     def _see_out(self, station: Station) -> None:
-        """Let a line go: it is closed by a thread of its own, since that may wait."""
+        """Close a line in a thread of its own, because closing may wait for its far end."""
         if not station.visits:
             return  # a line that the run was begun with is there to its end
         station.leave()

@@ -11,7 +11,7 @@ from trainer.session.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Fact, Request, Station
 
-ANSWER_TIMEOUT_S: Final = 10.0  # for whoever has command to keep it
+ANSWER_TIMEOUT_S: Final = 10.0  # [s] for the holder to keep command, as docs/instructor.md says
 
 
 @dataclass
@@ -47,7 +47,7 @@ class Command:
         return f"{self.holder.line.name} has command: take command asks for it"
 
     def ask(self, asked: Request) -> Reply:
-        """Ask whoever has command for it; who does not answer in time has lost it."""
+        """Ask the holder for command. A holder who does not answer in time loses it."""
         station = asked.station
         self._settle(station)
         if self.holder is None or self.holder is station:
@@ -64,7 +64,7 @@ class Command:
         return f"{holder} is asked; without an answer {within} you have command"
 
     def give(self, asked: Request) -> Reply:
-        """Give command to who asked for it, else to another instructor."""
+        """Give command to the instructor who asked for it, else to another one."""
         taker = self.asker
         if taker is None:
             others = [each for each in self._instructors() if each is not asked.station]
@@ -75,7 +75,7 @@ class Command:
         return f"{taker.line.name} has command"
 
     def keep(self, asked: Request) -> Reply:
-        """Keep command, which somebody asks for."""
+        """Refuse command to the instructor who asks for it."""
         asker, self.asker = self.asker, None
         if asker is None:
             return Refused("nobody has asked for command")
@@ -89,7 +89,7 @@ class Command:
         return [each for each in instructors if not each.line.ended and not each.leaving]
 
     def _settle(self, station: Station) -> None:
-        """Give command to who came first of the instructors, if nobody has it."""
+        """Give command to the instructor who came first, if nobody has it."""
         instructors = self._instructors()
         if self.holder not in instructors:
             self.holder = next(iter(instructors), station)

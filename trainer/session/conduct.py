@@ -1,6 +1,6 @@
 """The conduct of a session: command, readiness, the end of an exercise, and the next.
 
-An instructor without command watches and marks, and after the end of an exercise time stands still.
+An instructor without command only watches and marks. When an exercise ends, time stands still.
 """
 
 import time
@@ -32,18 +32,18 @@ from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, Role,
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Station
 
 ResultT = TypeVar("ResultT")
-QUIT_AGAIN_WITHIN_S: Final = 10.0  # for `quit` to be said again
+QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too
 NOT_CREW: Final = (
     INSTRUCTOR_ROLE.name,
     STRANGER_ROLE.name,
     "observer",
     "visitor",
-)  # nobody asks: ready?
+)  # roles that are not counted when the crew is asked whether it is ready
 
 
 @dataclass
 class Conduct:
-    """How one session is conducted."""
+    """The rules of one session: who commands, who is ready, how its exercise ends."""
 
     control: Control
     log: EventLog
@@ -77,7 +77,7 @@ class Conduct:
 
     @property
     def duties(self) -> Mapping[str, Duty]:
-        """Return who obeys and answers the orders about the conduct of the session."""
+        """Return the functions that answer the orders about the conduct of the session."""
         return {
             "end": self._end,
             "release-marks": self._release,
@@ -92,7 +92,7 @@ class Conduct:
         }
 
     def tend(self) -> None:
-        """Take what is done, tell trouble, and see whose command it is; between orders."""
+        """Tell trouble, take the results of background tasks, and pass command on if due."""
         self.log.tell_trouble()
         self.work.settle()
         self.command.tend()
@@ -100,7 +100,7 @@ class Conduct:
     # The end of the exercise
 
     def look(self) -> None:
-        """End the exercise if this tick does; after it."""
+        """End the exercise if the tick that was just computed ends it."""
         self.begun = self.control.boat.ticks > 0
         lost, ending = self.control.failure, self.ending
         if lost and ending.watched and not ending.over:
@@ -110,7 +110,7 @@ class Conduct:
             self._stop()
 
     def judge_hull(self) -> None:
-        """Tell of the ground and the hull, and do what the exercise has them do."""
+        """Announce grounding or collapse, and freeze or end as the exercise says."""
         for call in self.tell_ground():
             if call.aground:
                 self.halt(call.text, call.how)
@@ -124,19 +124,19 @@ class Conduct:
             self.tell_depth(control.failure, fact, Rank.EMERGENCY)
 
     def tell_ground(self) -> list[GroundCall]:
-        """Tell of the ground; return what was told."""
+        """Announce contact with the ground; return the calls."""
         calls = list(self.ground.look()) if self.ground.bottom else []
         for call in calls:
             self.tell_depth(call.text)
         return calls
 
     def collide(self, met: EncounterMonitor) -> None:
-        """Do what the exercise has a collision do."""
+        """Freeze or end after a collision, as the exercise says."""
         if met.struck:
             self.halt(f"collision with {met.struck}", met.rules.collision)
 
     def halt(self, why: str, how: str) -> None:
-        """Freeze time, or end the exercise as lost, by ``how``; another word does nothing."""
+        """Freeze time, or end the exercise as lost, as ``how`` says; another word does nothing."""
         if how == "end" and not self.ending.over:
             self.ending.end("lost", f"lost at {self.control.boat.time:g} s", why)
             self._stop()
@@ -148,14 +148,14 @@ class Conduct:
             self.show()
 
     def tell_depth(self, words: str, fact: Fact | None = None, rank: Rank | None = None) -> None:
-        """Tell what the depth has come to, with its tick, and how urgent it is."""
+        """Announce a depth that was reached, with its tick and its rank."""
         boat = self.control.boat
         self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact, rank)
 
     # The gates, for which see ``dispatch``
 
     def past_its_end(self, order: Order, role: Role, *, after_end: bool) -> str:
-        """Return that the exercise is over, "" before, or for what is obeyed then."""
+        """Return why the end of the exercise bars an order, "" if it does not."""
         if not self.ending.over:
             return ""
         if order.name == "again" and order.subject == PRESENT_MOMENT:
@@ -165,7 +165,10 @@ class Conduct:
         return OVER_TEXT if role is INSTRUCTOR_ROLE else f"{EXERCISE_OVER}: the instructor goes on"
 
     def unconfirmed(self, station: Station) -> str:
-        """Return how many others ``quit`` would end, "" where it was said twice."""
+        """Return why ``quit`` has to be said again, "" where it need not be.
+
+        It ends the session for all, so it has to be said twice where others are attached.
+        """
         others = sum(1 for each in self._others(station))
         who, when = self._quitting
         if not others or (who is station and self.clock() - when <= QUIT_AGAIN_WITHIN_S):
@@ -180,14 +183,14 @@ class Conduct:
         return "" if self.visitors else not_for_visitors(role)
 
     def go_on(self, order: Order) -> None:
-        """Take it that time is let go on; tell who is not ready for it."""
+        """Note that time goes on; announce who of the crew is not ready."""
         self.halted = ""
         late = [each.who for each in self._crew() if each not in self.ready]
         if late and not self.begun and order.name == "run":
             self.log.tell("station", f"not ready: {', '.join(late)}")
 
     def settle(self) -> None:
-        """Take the moment as it is after a jump in time. Nothing of the end is news."""
+        """Forget the exercise's end, halt and groundings after a jump in time."""
         self.ending.begin_again()
         self.halted = ""
         self.ground.settle()
@@ -196,7 +199,7 @@ class Conduct:
             self.ready.clear()
 
     def outcome_for(self, role: Role) -> list[Fact]:
-        """Return what whoever comes is told of the end, with the role's marks."""
+        """Return the facts of the end for a newcomer, with marks its role may see."""
         ending = self.ending
         if not ending.over:
             return []
@@ -211,7 +214,7 @@ class Conduct:
         return facts
 
     def desert(self) -> None:
-        """Tell that nobody is left to say run, unless the exercise is over."""
+        """Announce that nobody is left to say run, unless the exercise is over."""
         if self.ending.over:
             return
         cause = f" by {self.halted}" if self.halted else ""
@@ -220,7 +223,7 @@ class Conduct:
         self.log.tell("time", self.deserted)
 
     def go_over(self, tick: Callable[[], int]) -> None:
-        """Compute the ticks by machine code from now on, at the speed asked for."""
+        """Compute the ticks by machine code from now on, at the ordered speed of time."""
         boat = self.control.boat
         boat.go_over(tick)
         self.compiled_from = boat.ticks + 1
@@ -230,7 +233,7 @@ class Conduct:
         self.show()
 
     def final_marks(self) -> Judgement | None:
-        """Return the marks of the branch that was flown last; once its recording is closed."""
+        """Return the marks of the branch that was flown last. Its recording has to be closed."""
         judged = self.debriefing and self.kept and self.scored and self.control.boat.ticks
         if self.ending.marks or not (judged and self.debriefing and self.kept):
             return self.ending.marks
@@ -240,7 +243,7 @@ class Conduct:
             return None
 
     def _stop(self) -> None:
-        """Let time stand still at all stations, and have the exercise judged."""
+        """Freeze time, announce the end, and begin judging in a thread."""
         self.control.time.pacer.freeze()
         self.control.steps = 0
         ending = self.ending
@@ -264,11 +267,11 @@ class Conduct:
 
     def _begin_judging(self, judge: Callable[[Path, int], Judgement], kept: Path) -> None:
         recording = self.control.history.recording
-        recording.flush()
+        recording.flush()  # the judge reads the file by a connection of its own
         branch, ending = recording.branch, self.ending.over
 
         def judged(marks: Judgement) -> None:
-            if self.ending.over == ending:
+            if self.ending.over == ending:  # else time has gone back, and the marks are of no use
                 self._judged(marks)
 
         self._begin("marks", lambda: judge(kept, branch), judged)
@@ -276,7 +279,7 @@ class Conduct:
     def _begin(
         self, what: str, make: Callable[[], ResultT], take: Callable[[ResultT], None]
     ) -> None:
-        """Make something beside the session, and take it, or tell why there is none."""
+        """Make something in a thread and take it, or announce why there is none."""
 
         def task() -> Callable[[], None]:
             try:
@@ -385,7 +388,7 @@ class Conduct:
         return LongAnswer([each.account() for each in stations])
 
     def _aboard(self, station: Station, asker: Station) -> str:
-        """Return what a program is told of a station that is here."""
+        """Return the fields that tell a program about an attached station."""
         marks = {
             "you": station is asker,
             "command": station.role is INSTRUCTOR_ROLE and not self.command.elsewhere(station),
@@ -406,7 +409,7 @@ class Conduct:
         return f"ready{awaited}"
 
     def _awaited(self) -> str:
-        """Return who is not ready yet, and what is worked by hand and has nobody at it."""
+        """Return who is not ready yet; if all are, the axes that have nobody to work them."""
         late = [station.who for station in self._crew() if station not in self.ready]
         if late:
             return f"; not ready: {', '.join(late)}"
@@ -414,10 +417,10 @@ class Conduct:
         return f"; nobody mans the {' and the '.join(unmanned)}" if unmanned else "; everybody is"
 
     def _crew(self) -> list[Station]:
-        """Return the stations that may be ready."""
+        """Return the stations of the crew, which are asked whether they are ready."""
         return [each for each in self.log.stations if each.role.name not in NOT_CREW]
 
     def _others(self, station: Station) -> list[Station]:
-        """Return the others that came and said who they are."""
+        """Return the other stations that came by themselves and said who they are."""
         visitors = [each for each in self.log.stations if each.visits and each.settled]
         return [each for each in visitors if each is not station and not each.line.ended]

@@ -18,7 +18,7 @@ Duty = Callable[[Order, str], Reply]  # takes who orders it
 
 @dataclass
 class Control:
-    """The parts under the instructor's control, beside the boat."""
+    """Time and the past of one run, as the instructor's orders change them."""
 
     boat: Boat
     time: Timekeeping
@@ -30,7 +30,7 @@ class Control:
     failure: str = ""  # where the numbers were lost
 
     def obey(self, order: Order, who: str) -> Reply:
-        """Carry out an order; return what now holds, or why it was refused."""
+        """Carry out an order; return the answer, or why it is refused."""
         duties: dict[str, Duty] = {
             "freeze": self._freeze,
             "run": self._run,
@@ -88,7 +88,7 @@ class Control:
         return self._go_back(self.history.before(order.value), f"{order.text}, by {who}")
 
     def _go_back(self, moment: Moment | Refused, why: str) -> Reply:
-        """Go back to a moment, frozen: a new branch begins."""
+        """Go back to a moment, frozen. A new branch begins; the answer names the old one."""
         if isinstance(moment, Refused):
             return moment
         left_time, abandoned = self.boat.time, self.history.recording.branch
@@ -97,7 +97,7 @@ class Control:
         return f"{way}, branch {abandoned} returns to where you were"
 
     def go_to(self, moment: Moment, why: str) -> None:
-        """Go to a moment, frozen: a new branch begins there."""
+        """Go to a moment, frozen. A new branch begins there."""
         self.history.go_to(moment, why)
         self._begin_again()
         self.time.pacer.freeze()
@@ -118,7 +118,7 @@ class Control:
         return Refused(f"no snapshot {order.subject}; again from {names}, or from so long ago")
 
     def _restart(self, _order: Order, who: str) -> Reply:
-        """Begin from the start, and let time go on: what a visitor may do with it."""
+        """Begin from the start, and let time run, because a visitor may not say run."""
         start = self.history.start()
         if isinstance(start, Refused):
             return start
@@ -127,7 +127,7 @@ class Control:
         return f"from the start, running; {self._branch}"
 
     def _return(self, order: Order, who: str) -> Reply:
-        """Go to the end of a branch that was left, what was ordered there included."""
+        """Go to the end of a branch that was left, the orders after its last tick included."""
         end = self.history.end_of(int(order.value))
         if isinstance(end, Refused):
             return end

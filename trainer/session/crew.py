@@ -1,8 +1,8 @@
 """The words between those who order the crew, the crew, and the instructor.
 
-An order to the crew stands in the boat's state; that it is new, repeated or repeated wrong is known
-here, from what was said. All of it is in the journal, and is made again from there after a jump in
-time. Nothing here moves the boat.
+The boat's state holds the orders to the crew that stand. This module knows whether each was
+repeated, and whether rightly. The journal holds all that was said, because a jump in time makes
+the talk again from there. Nothing here moves the boat: orders of the watch go the usual road.
 """
 
 import math
@@ -39,7 +39,7 @@ REACHED_MARGINS: Final = {
     "course": math.radians(5.0),
     "depth": 1.0,
     "pitch": math.radians(1.0),
-}  # to go
+}  # [rad], [m]: closer than this an order is carried out, and either side is right
 PLANE_AXES: Final = ("stern", "bow", "lever")
 WORKED_AXES: Final = {"course": ("rudder",), "depth": PLANE_AXES, "pitch": PLANE_AXES}
 STEERING_WORDS: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
@@ -49,7 +49,7 @@ CREW_WORDS: Final = frozenset({"order", "tell", "aye", "belay", "allow", "report
 
 
 class CrewMessage(NamedTuple):
-    """Something to be told: its kind, words for people, and a fact for programs."""
+    """A message about the crew: its kind, words for people, a fact for programs."""
 
     kind: str
     text: str
@@ -58,7 +58,7 @@ class CrewMessage(NamedTuple):
 
 
 class StationOrder(NamedTuple):
-    """An order that a station gives: what is said before its answer, and who."""
+    """An order that somebody on watch gives: the reason, who gives it, the order."""
 
     why: str
     giver: Giver
@@ -85,7 +85,7 @@ class CrewOrder:
 
 
 class Talk(NamedTuple):
-    """The orders and words on board that stand at one moment."""
+    """The orders, words and freed axes that stand on board at one moment."""
 
     spoken: tuple[CrewOrder, ...] = ()  # the newest last
     freed: frozenset[str] = frozenset()
@@ -101,7 +101,7 @@ class Repeat(NamedTuple):
 
 @dataclass
 class CrewTalk:
-    """The orders and reports on board, as they stand now."""
+    """The orders to the crew that stand now, and the repeats and reports about them."""
 
     boat: Boat
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
@@ -121,7 +121,7 @@ class CrewTalk:
         return spoken.given.subject if spoken else ""
 
     def standing(self, role: str) -> list[CrewMessage]:
-        """Return what a program of that role is told of the orders that stand."""
+        """Return the messages that tell a program of that role the orders that stand."""
         messages = []
         for spoken in self._spoken.values():
             messages.append(CrewMessage("crew", "", Fact("crew-order", spoken.told)))
@@ -130,7 +130,7 @@ class CrewTalk:
         return messages
 
     def unrepeated(self, role: str) -> list[tuple[int, Fact]]:
-        """Return the orders that wait for a role's repeat or another's, with their ticks."""
+        """Return the orders of others that nobody has repeated yet, with their ticks."""
         own_role = "" if role == INSTRUCTOR_ROLE.name else role
         waiting = (
             each for each in self._spoken.values() if not each.repeated and each.by != own_role
@@ -140,7 +140,7 @@ class CrewTalk:
     # What is said
 
     def obey(self, order: Order, role: str) -> Reply:
-        """Carry out what is said, as far as the boat has to do with it. Return the answer."""
+        """Write an order to the crew into the boat's state, or answer a repeat."""
         if order.name == "order":
             return obey_order(self.boat, order)
         if order.name == "belay":
@@ -154,7 +154,11 @@ class CrewTalk:
         return self._allow(order.word) if order.name == "allow" else self._aye(order, role)
 
     def meant(self, order: Order) -> Order:
-        """Return what ``belay`` means: the boat knows what stands, and not which was the newest."""
+        """Return the order that ``belay`` stands for.
+
+        Without an axis it is the newest order's. Only this talk knows which that is, because the
+        boat's state has no sequence.
+        """
         if order.name != "belay":
             return order
         axis = order.word or next(reversed(self._spoken), "all")
@@ -162,7 +166,7 @@ class CrewTalk:
         return clear if isinstance(clear, Order) else order
 
     def fact_of(self, order: Order, role: str) -> CrewFact:
-        """Return what an order just obeyed says to the crew, or of it."""
+        """Return the crew fact of an order that was just obeyed."""
         if order.name == "aye":
             repeat = self._find(order.subject, role)
             if isinstance(repeat, Refused):
@@ -172,7 +176,7 @@ class CrewTalk:
         return ordered_fact(self.boat, order)
 
     def note(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[CrewMessage]:
-        """Note what was said, with its fact; return what there is to tell."""
+        """Note an order or repeat with its fact; return the messages that follow."""
         role = giver.role
         if (
             order.name in WATER_WORDS and giver != SCHEDULE_GIVER
@@ -187,7 +191,7 @@ class CrewTalk:
             return self._ordered(order, role, tick, fact.order)
         if order.name in ("order", "tell") and not order.word.startswith("clear"):
             return []  # its answer was never written
-        notes: dict[str, Callable[[], list[CrewMessage]]] = {
+        notes: dict[str, Callable[[], list[CrewMessage]]] = {  # by order word
             "aye": lambda: self._repeated(order, role),
             "allow": lambda: self._freed(order.word),
             "report": lambda: report_text(order, role),
@@ -196,11 +200,11 @@ class CrewTalk:
 
     @property
     def talk(self) -> Talk:
-        """Return what stands of the words on board."""
+        """Return a copy of the talk as it stands now."""
         return Talk(tuple(self._spoken.values()), frozenset(self.freed), self.meeting)
 
     def take(self, talk: Talk, tick: int) -> None:
-        """Take what stood at another moment, at a tick: time has jumped."""
+        """Put back the talk of another moment, at its tick, because time has jumped."""
         self.freed, self.meeting = set(talk.freed), talk.meeting
         self._spoken = {
             spoken.axis: replace(spoken, reminded=self._late_at(spoken) <= tick)
@@ -212,7 +216,7 @@ class CrewTalk:
     # Orders and repeats
 
     def _ordered(self, order: Order, role: str, tick: int, ordered: str) -> list[CrewMessage]:
-        """Note an order: on its axis the older one stands no longer."""
+        """Note an order, which replaces the older one on its axis."""
         axis = WORDS_AXIS if order.name == "tell" else axis_of(order)
         order_text = order.text if axis == WORDS_AXIS else ordered
         self._spoken.pop(axis, None)
@@ -244,7 +248,7 @@ class CrewTalk:
         return f"WRONG REPEAT: {order.subject}; ordered is {spoken.spoken.says}"
 
     def _repeated(self, order: Order, role: str) -> list[CrewMessage]:
-        """Note a repeat: right, the order is new no longer; wrong, it is counted."""
+        """Mark an order as repeated, or report that the repeat was wrong."""
         match = self._find(order.subject, role)
         if isinstance(match, Refused):
             return []
@@ -259,7 +263,7 @@ class CrewTalk:
         return [CrewMessage("crew", text, Fact("wrong-repeat", words))]
 
     def _find(self, words: str, role: str) -> Repeat | Refused:
-        """Return the order that is repeated, the newest without words.
+        """Return the order that words repeat, the newest where there are no words.
 
         An instructor who is alone on board repeats what the schedule has ordered.
         """
@@ -284,10 +288,10 @@ class CrewTalk:
     # What is missing or wrong
 
     def missing(self, tick: int, attends: Callable[[str], bool]) -> list[CrewMessage]:
-        """Return what there is to tell after a tick.
+        """Return the messages that are due after a tick.
 
-        Orders that nobody has repeated in time, each once, what comes in hand, and what the pumps
-        have done. ``attends`` tells whether somebody with that role is there.
+        They are the orders that nobody has repeated in time, each once; the axes that the crew
+        takes in hand; and what pumps have done. ``attends`` says whether a role is attended.
         """
         messages = []
         for spoken in [*self._spoken.values()]:
@@ -306,10 +310,10 @@ class CrewTalk:
         return messages
 
     def wrong_way(self, order: Order, role: str) -> list[CrewMessage]:
-        """Return whether an order by hand goes to the wrong side of the crew's order.
+        """Return the message that an order by hand goes the wrong way, or none.
 
-        The first within ``REPEAT_TIMEOUT_S`` of the order counts: later ones may well meet the
-        swing.
+        Only the first one within ``REPEAT_TIMEOUT_S`` is judged, because later ones may rightly
+        go the other way, to stop the swing.
         """
         for axis, surfaces in WORKED_AXES.items():
             spoken = self._spoken.get(axis)
@@ -324,7 +328,7 @@ class CrewTalk:
         return []
 
     def _to_go(self, axis: str) -> float:
-        """Return which way an order is to be carried out: right or rise positive, 0 in doubt."""
+        """Return what is still to go [rad, m], right or rise positive; 0 if in doubt."""
         standing = standing_order(self.boat, axis)
         if standing is None:
             return 0.0
@@ -339,7 +343,7 @@ class CrewTalk:
         return to_go if abs(to_go) > REACHED_MARGINS[axis] else 0.0
 
     def _moved(self, order: Order, role: str) -> list[CrewMessage]:
-        """Note that a surface was worked, and whether a swing is being met."""
+        """Note that a surface was moved, and whether the helm now meets a swing."""
         for axis, surfaces in WORKED_AXES.items():
             if axis in self._spoken and order.name in surfaces:
                 self._spoken[axis] = replace(self._spoken[axis], begun=True)
@@ -348,7 +352,7 @@ class CrewTalk:
         return []
 
     def due_by_hand(self) -> StationOrder | None:
-        """Return what is to be ordered after this tick by who watches for it."""
+        """Return the order that is due after this tick: rudder amidships, or the guard's."""
         if self.meeting and self._swing_met():
             return StationOrder(f"{self.meeting}: swing met", self.meeting, RUDDER_AMIDSHIPS)
         order = self.guard.order(self.boat)
@@ -364,20 +368,20 @@ class CrewTalk:
 
     @property
     def _guarded(self) -> bool:
-        """Return whether the guard may take the planes: not where they may be automatic."""
+        """Return whether the guard may take the planes: only where they must be worked by hand."""
         return "planes" in self.worked
 
     def _late_at(self, spoken: CrewOrder) -> float:
-        """Return the tick at which a missing repeat is told."""
+        """Return the tick at which a missing repeat is reported."""
         return spoken.tick + math.ceil(REPEAT_TIMEOUT_S / self.boat.method.step - 1e-9)
 
     @property
     def _taken_at(self) -> float:
-        """Return the tick at which the crew takes what it works, 0 for the start."""
+        """Return the tick at which the crew takes its axes in hand, 0 for the start."""
         return math.ceil(self.hand_from / self.boat.method.step - 1e-9) if self.hand else 0
 
     def _look_ahead(self, tick: int | None = None) -> None:
-        """Find the next tick at which there is something to tell."""
+        """Set ``due``, the next tick at which ``missing`` has a message."""
         now = self.boat.ticks if tick is None else tick
         waiting = (each for each in self._spoken.values() if not (each.repeated or each.reminded))
         ticks = [*map(self._late_at, waiting), *([self._taken_at] if self._taken_at > now else [])]
@@ -388,7 +392,7 @@ class CrewTalk:
 
     @property
     def in_force(self) -> frozenset[str]:
-        """Return the axes that are worked by hand by now."""
+        """Return the axes that the exercise has had worked by hand since ``hand_from``."""
         return self.hand if self.boat.time >= self.hand_from else frozenset()
 
     @property
@@ -397,7 +401,7 @@ class CrewTalk:
         return self.in_force - self.freed
 
     def conditions(self, role: str) -> list[tuple[str, str]]:
-        """Return what programs are told of who steers what, as keys and values."""
+        """Return the keys and values that tell programs which axes are worked by hand."""
         later = self.hand_from > 0.0 and role == INSTRUCTOR_ROLE.name
         values = {
             "hand-from": f"{self.hand_from:g}" if later else "",
@@ -408,9 +412,9 @@ class CrewTalk:
         return [(key, value) for key, value in values.items() if value]
 
     def in_hand(self, order: Order) -> str:
-        """Return why an automatic order is refused: the exercise has it worked by hand. "" if not.
+        """Return why work by hand forbids an automatic order, "" if it does not.
 
-        One to the planes is refused while the guard has them; what moves nothing by itself never.
+        An order to the planes is refused while the depth guard holds them.
         """
         planes = order.name in (*PLANE_AXES, "planes")
         if planes and self._guarded and self.guard.holds(self.boat):
@@ -419,7 +423,7 @@ class CrewTalk:
         return f"{taken.why}, or the instructor says allow {taken.axis}" if taken else ""
 
     def _allow(self, axis: str) -> Reply:
-        """Answer the order to let an axis be automatic."""
+        """Answer the order that allows an axis to be automatic."""
         says, _ = BY_HAND[axis]
         if axis not in self.hand:
             return Refused(f"{says} not in hand in this exercise: nothing is to be allowed")
@@ -438,13 +442,13 @@ class CrewTalk:
 
 
 def report_text(order: Order, role: str) -> list[CrewMessage]:
-    """Return what is told of a report."""
+    """Return the message of a report."""
     words = f"{role}: {order.subject}"
     return [CrewMessage("crew", f"{role} reports: {order.subject}", Fact("report", words))]
 
 
 def pump_text(by: str, done: str) -> CrewMessage:
-    """Return what is told of a pump's work, of the instructor's own to nobody else."""
+    """Return the message of a pump's work. Only the instructor hears of his own."""
     fact = Fact("report", f"{by}: {done}")
     if by == INSTRUCTOR_ROLE.name:
         return CrewMessage("exercise", done, fact)
@@ -452,7 +456,7 @@ def pump_text(by: str, done: str) -> CrewMessage:
 
 
 def said_order(words: str) -> Order | None:
-    """Return the order to the crew that words are, without "order" before them or with."""
+    """Return the order to the crew that words give, with or without "order" before them."""
     plain = re.sub(r"\bto\b", " ", words)
     for text in (plain if plain.startswith("order ") else f"order {plain}", words):
         parsed = parse(text)
@@ -463,9 +467,9 @@ def said_order(words: str) -> Order | None:
 
 
 def is_repeated(words: str, spoken: CrewOrder) -> bool:
-    """Return whether words repeat an order: as it was given, or as it was told.
+    """Return whether words repeat an order as it was given or announced.
 
-    A number without its unit is in the unit of the order. A side may be left out, not mistaken.
+    A number without a unit is in the unit of the order. A side may be left out, but not be wrong.
     """
     if spoken.axis == WORDS_AXIS:
         return plain_words(words) == plain_words(spoken.given.subject)
@@ -479,7 +483,7 @@ def is_repeated(words: str, spoken: CrewOrder) -> bool:
 
 
 def means_the_same(said: Order, told: Order) -> bool:
-    """Return whether two orders to the crew are one. A side may be left out."""
+    """Return whether two orders to the crew mean the same. A side may be left out."""
     off = said.value - told.value
     if axis_of(said) != "course":
         return said.word == told.word and abs(off) < 1e-9
@@ -488,5 +492,5 @@ def means_the_same(said: Order, told: Order) -> bool:
 
 
 def plain_words(words: str) -> list[str]:
-    """Return words without capitals and marks."""
+    """Return words in small letters, without punctuation."""
     return re.findall(r"[a-z0-9.]+", words.lower())

@@ -52,7 +52,7 @@ Gate = Callable[[Order, Station | None, Parts], str]
 
 
 class Obeyer(Enum):
-    """Who obeys an order. The value is how documents say it."""
+    """Who obeys an order. The value is the name in the documents."""
 
     LINE = "the line"
     BOAT = "the boat"
@@ -77,12 +77,12 @@ class Rule(NamedTuple):
 
     @property
     def journalled(self) -> bool:
-        """Return whether it is written into the journal before it acts."""
+        """Return whether the order is written into the journal before it acts."""
         return self.obeyer in (Obeyer.BOAT, Obeyer.CREW, Obeyer.PLANS)
 
     @property
     def passed_on(self) -> bool:
-        """Return whether the others are told of it with its answer; the rest tells itself."""
+        """Return whether others hear the order with its answer. The rest send news of their own."""
         return self.journalled or self.obeyer in (Obeyer.TIME, Obeyer.PAST, Obeyer.RECORD)
 
 
@@ -120,14 +120,17 @@ ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in RULE_GROUPS f
 
 
 def command_gate(order: Order, station: Station | None, session: Parts) -> str:
-    """Return who else has command: an instructor without it watches, asks and marks."""
+    """Return that another instructor has command.
+
+    Without it an instructor watches, asks and marks.
+    """
     if station is None or station.role is not INSTRUCTOR_ROLE or ORDERS[order.name].watching:
         return ""
     return session.conduct.command.elsewhere(station)
 
 
 def quit_gate(order: Order, station: Station | None, session: Parts) -> str:
-    """Return that others are there: a session is ended for them by saying so twice."""
+    """Return that others are attached, for whom ``quit`` ends the session only when said twice."""
     return session.conduct.unconfirmed(station) if station and order.name == "quit" else ""
 
 
@@ -137,24 +140,24 @@ def visitor_gate(order: Order, station: Station | None, session: Parts) -> str:
 
 
 def lost_gate(order: Order, _station: Station | None, session: Parts) -> str:
-    """Return where the boat's numbers were lost: it goes on from an earlier moment only."""
+    """Return how the boat was lost. It can go on from an earlier moment only."""
     failure = session.control.failure if order.name in ("run", "step") else ""
     return f"this boat cannot go on: {failure}; backtrack or reset" if failure else ""
 
 
 def end_gate(order: Order, station: Station | None, session: Parts) -> str:
-    """Return that the exercise is over: time stands still, and the boat obeys nobody."""
+    """Return that the exercise is over, after which the boat obeys nobody."""
     role = station.role if station else INSTRUCTOR_ROLE
     return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
 
 
 def hand_gate(order: Order, _station: Station | None, session: Parts) -> str:
-    """Return that what an order makes automatic is to be worked by hand."""
+    """Return that the axis which an order makes automatic has to be worked by hand."""
     return session.crew.in_hand(order)
 
 
 def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
-    """Return that a replay is running: what moves the boat there was ordered then."""
+    """Return that a replay is running, in which only recorded orders move the boat."""
     return "" if ORDERS[order.name].in_replay else session.history.flown.barred
 
 
@@ -206,17 +209,17 @@ class Dispatch:
             station.answer(asked, reply)
 
     def give(self, order: Order, giver: Giver) -> Reply:
-        """Carry out an order of no station; return what now holds, or why not."""
+        """Carry out an order that comes from no station; return the answer."""
         crew_order = self.session.crew.meant(order)
         return refusal(crew_order, None, self.session) or self._carried_out(crew_order, giver)
 
     def carry_out(
         self, order: Order, giver: Giver, place: int | None = None, speaker: Station | None = None
     ) -> Reply:
-        """Journal an order where it is to be, and have it obeyed; return the answer.
+        """Journal an order if its rule says so, and have it obeyed; return the answer.
 
-        ``place`` is that of the schedule. ``speaker`` is the station that hears its answer, and not
-        what all are told.
+        ``place`` is its place in the schedule, None if it is from elsewhere. ``speaker`` gave the
+        order and gets the answer, and therefore not the news that all others get.
         """
         session, rule = self.session, ORDERS[order.name]
         recorded = rule.journalled or place is not None or giver.kind is GiverKind.PLAN
@@ -240,9 +243,9 @@ class Dispatch:
     def obey(
         self, order: Order, giver: Giver, speaker: Station | None = None
     ) -> tuple[Reply, CrewFact]:
-        """Have the boat, the crew or the plans obey; tell the crew of it.
+        """Have the boat, the crew or the plans obey, and send the crew its messages.
 
-        Return the answer, and what the order said to the crew.
+        Return the answer, and the crew fact of the order.
         """
         session, role, fact = self.session, giver.role, NO_CREW_FACT
         obeyer = ORDERS[order.name].obeyer
@@ -261,25 +264,25 @@ class Dispatch:
         return answer, fact
 
     def say(self, tellings: Sequence[CrewMessage], speaker: Station | None = None) -> None:
-        """Tell what was said. Who has said it has an answer in place of the text."""
+        """Send messages of the crew. The speaker gets no text, because it has the answer."""
         for telling in tellings:
             by = speaker if telling.kind == CREW_KIND else None
             self.session.event_log.tell(*telling[:2], by, telling.fact, telling.saying)
 
     def obey_watch(self) -> None:
-        """Carry out what this tick calls for from those on watch, the guard among them."""
+        """Carry out the order that the watch gives after this tick, the guard included."""
         if due := self.session.crew.due_by_hand():
             answer = self.carry_out(due.order, due.giver)
             self.session.event_log.tell("order", f"{due.why}: {answer}")
 
     def end_replay(self, outcome: str) -> None:
-        """Let time stand still where a replay has arrived."""
+        """Freeze time where a replay has come to its end."""
         self.session.end_replay(outcome)
 
     # What is due
 
     def obey_schedule(self) -> None:
-        """Carry out what the schedule has up to the tick that comes."""
+        """Carry out the scheduled orders that act on the next tick or before it."""
         session = self.session
         for place, entry in session.history.flown.due_of_schedule(session.agenda.schedule):
             answer = self.carry_out(entry.order, SCHEDULE_GIVER, place)
@@ -288,14 +291,14 @@ class Dispatch:
                 self.refused.append(reason)
 
     def obey_plans(self) -> None:
-        """Carry out the instructors' plans that are due at this tick."""
+        """Carry out the instructors' plans that act on the next tick."""
         for plan in self.session.agenda.due():
             answer = self.give(plan.order, plan_of(INSTRUCTOR_ROLE.name, plan.number))
             self._tell_due(plan.ahead.moment, plan.order, answer)
             self.tell_plans()
 
     def obey_again(self) -> None:
-        """Have what was given at this tick obeyed again, as a replay has it."""
+        """Obey the recorded orders of this tick again, in a replay."""
         session = self.session
         for order, giver in session.history.flown.recorded(session.agenda.schedule):
             if order.name in BOAT_ORDERS | CREW_TALK:
@@ -303,7 +306,7 @@ class Dispatch:
             session.agenda.note(order, giver, session.boat.time)
 
     def tell_plans(self, station: Station | None = None) -> None:
-        """Tell an instructor what is ahead; without one all of them, where it has changed."""
+        """Send an instructor the orders ahead; without a station all of them, if changed."""
         session, place = self.session, self.session.history.place
         if station is None and not session.agenda.has_changed(place):
             return
@@ -312,9 +315,9 @@ class Dispatch:
                 session.event_log.note(listener, session.agenda.facts(place))
 
     def _carried_out(self, order: Order, giver: Giver, speaker: Station | None = None) -> Reply:
-        """Carry out an order that no gate has refused, after what was due before."""
+        """Carry out an order that no gate refused, after the scheduled orders that are due."""
         try:
-            if order.name in BOAT_ORDERS:
+            if order.name in BOAT_ORDERS:  # 3 of the road above
                 self.obey_schedule()
             if order.name in ("run", "step"):
                 self.session.conduct.go_on(order)
@@ -323,7 +326,7 @@ class Dispatch:
             return Refused(str(error))
 
     def _unheard(self, order: Order, station: Station, answer: Reply) -> list[str]:
-        """Return what follows an answer where nobody is there to carry the order out."""
+        """Return the lines after an answer that say how to carry out an order nobody hears."""
         crew, log = self.session.crew, self.session.event_log
         if isinstance(answer, Refused):
             return []
@@ -331,10 +334,10 @@ class Dispatch:
         return list(filter(None, [unheard(order, crew.worked, crew.allowed, manned)]))
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
-        """Tell the others of an order and its answer, and programs what waits after a jump."""
+        """Tell the others of an order and its answer; after a jump also the orders that wait."""
         session, rule = self.session, ORDERS[order.name]
         accepted = not isinstance(answer, Refused)
-        if not (rule.obeyer is Obeyer.CREW and accepted):  # that has been told
+        if not (rule.obeyer is Obeyer.CREW and accepted):  # ``say`` has announced those
             what = "back" if rule.jumps else "order"
             session.event_log.pass_on(order, answer, station, NEWS_KINDS.get(rule.obeyer), what)
         if rule.jumps and accepted:
@@ -343,7 +346,7 @@ class Dispatch:
         session.event_log.tell_trouble()
 
     def _tell_due(self, when: str, order: Order, answer: Reply) -> str:
-        """Tell how an order that was due was answered; what was said to the crew, has been told."""
+        """Announce the answer to an order that was due, unless ``say`` has announced the order."""
         wrong = f"{order.text}: refused: {answer.reason}" if isinstance(answer, Refused) else ""
         text = f"{when}: {wrong or answer}"
         if wrong or ORDERS[order.name].obeyer is not Obeyer.CREW:

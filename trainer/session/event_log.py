@@ -1,6 +1,6 @@
 """The events of a session.
 
-They are recorded, told to whom they concern, and kept for latecomers.
+Each is recorded, sent to the stations whose roles hear of it, and kept for latecomers.
 """
 
 import contextlib
@@ -20,20 +20,20 @@ from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, hears_kind
 from trainer.session.stations.station import Fact, News, Saying, Station
 
 MAX_KEPT_EVENTS: Final = 500  # of what has happened, for who comes late
-MARK: Final = "mark"  # the kind of a remark
+MARK: Final = "mark"  # the kind of a remark that somebody makes by the order ``mark``
 CREW_KIND: Final = "crew"  # the kind of what is said to the crew and by it
 SPOKEN_FACTS: Final = (
     "wrong-way",
     "exercise",
     "report",
-)  # facts of what was said that are of another kind
+)  # facts of the crew's talk whose news is of another kind than CREW_KIND
 MAX_OPEN_ALERTS: Final = 100  # alerts at most that wait to be seen
 UNSAFE_TEXT: Final = "should the power go, the last orders would be lost; they act and are recorded"
 SAFE_TEXT: Final = "what was ordered is safe should the power go"
 
 
 class Rank(Enum):
-    """How urgent an alert is. The value is how programs are told."""
+    """How urgent an alert is. The value is the word that programs get."""
 
     EMERGENCY = "emergency"
     ALARM = "alarm"
@@ -44,7 +44,7 @@ KIND_RANKS: Final = {"depth": Rank.ALARM, "watch": Rank.ALARM, "pilot": Rank.WAR
 
 
 class CallCounter(Protocol):
-    """A monitor that counts its calls: the times [s] of each."""
+    """A monitor that keeps the times [s] of each of its calls."""
 
     times: dict[str, list[float]]
 
@@ -79,9 +79,9 @@ class EventLog:
         fact: Fact | None = None,
         saying: Saying | None = None,
     ) -> None:
-        """Record what has happened, and tell whose role hears of such things but ``by``.
+        """Record an event, and send it to all whose role hears of it but ``by``.
 
-        ``by`` has its answer; it is told the fact all the same.
+        ``by`` gets only the fact, because it has the answer to its order.
         """
         boat = self.history.boat
         # a remark is anybody's words: who hears it hears whose
@@ -100,9 +100,9 @@ class EventLog:
     def alert(
         self, kind: str, text: str, fact: Fact | None = None, rank: Rank | None = None
     ) -> None:
-        """Tell something that calls for eyes, with a number by which it is acknowledged.
+        """Send news that somebody has to see, with a number by which it is acknowledged.
 
-        Its rank is that of its kind, unless it is told.
+        Its rank is that of its kind, unless ``rank`` is given.
         """
         self._alert += 1
         news = News(self.history.tick, self.history.boat.time, kind, text, fact)
@@ -118,7 +118,7 @@ class EventLog:
             self._note(each)
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
-        """Take alerts as seen, one by its number or all that ``by`` was told. Tell the others."""
+        """Mark one alert as seen, or all that ``by`` hears of. Tell the others."""
         known = {n: news for n, news in self.alerts.items() if hears_kind(by.role, news.kind)}
         wanted = list(known) if order.word == "all" else [int(order.value)]
         if not set(wanted) <= set(known) or not wanted:
@@ -131,7 +131,7 @@ class EventLog:
         return f"seen: {', '.join(map(str, wanted))}"
 
     def settle(self, counting: Sequence[CallCounter]) -> None:
-        """Forget the alerts and counts that have not come yet, after a jump in time."""
+        """Forget alerts and counts later than the moment to which time has jumped."""
         tick = self.history.tick
         self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= tick}
         left_branch, self._branch = self._branch, self.history.recording.branch
@@ -151,35 +151,36 @@ class EventLog:
         return 0
 
     def recall(self, waiting: Callable[[str], Iterable[tuple[int, Fact]]]) -> None:
-        """Tell programs, after a jump in time, what waits for each role, with its tick."""
+        """Send programs the orders that wait for each role, because time has jumped."""
         step = self.history.boat.method.step
         for station in self.stations:
             for tick, fact in waiting(station.role.name):
                 station.note(News(tick, tick * step, CREW_KIND, "", fact))
 
     def note_alerts(self, station: Station) -> None:
-        """Tell a program the alerts that nobody has seen yet."""
+        """Send a program the alerts that nobody has acknowledged yet."""
         for number, news in self.alerts.items():
             if hears_kind(station.role, news.kind):
                 for each in self._numbered(number, news):
                     station.note(each)
 
     def _numbered(self, number: int, news: News) -> tuple[News, News]:
-        """Return the news of an alert's rank and number, for programs."""
+        """Return two news for programs: an alert's rank, and its number with its text."""
         rank = Fact("alert-rank", f"{number},{self.ranks[number].value}")
         alert = Fact("alert", f"{number},{news.kind},{news.text}")
         return news._replace(fact=rank), news._replace(fact=alert)
 
     def _note(self, news: News) -> None:
-        """Tell programs a fact beside what they were told."""
+        """Send programs one more fact about news that they have."""
         for station in self.stations:
             if hears_kind(station.role, news.kind):
                 station.note(news)
 
     def _spread(self, news: News, by: Station | None) -> None:
-        """Keep news, and tell all but ``by``, who has the fact alone.
+        """Keep news for latecomers, and send it to all; ``by`` gets only the fact.
 
-        Of an order to the crew it learns that it has given it: it is not to repeat it.
+        The giver of an order to the crew also gets the fact ``own-order``, because it must not
+        repeat its own order.
         """
         self.news.append(news)
         for station in self.stations:
@@ -195,7 +196,8 @@ class EventLog:
     ) -> None:
         """Tell the others of an order and its answer.
 
-        Of one that was obeyed: as news of that kind (None: by whose it was), by a fact ``what``.
+        News of an obeyed order is of that ``kind``; None: ``exercise`` if it is an instructor's,
+        else ``order``. Its fact is ``what``. A refusal has no fact.
         """
         kinds = "exercise" if station.role is INSTRUCTOR_ROLE else "order"
         refused = isinstance(answer, Refused)
@@ -211,12 +213,12 @@ class EventLog:
         return any(station.role.name == role for station in self.stations)
 
     def signature(self, station: Station) -> str:
-        """Return by whom a thing is said: its role, of several instructors their line too."""
+        """Return the role of a speaker; its line too where there are several instructors."""
         several = sum(1 for each in self.stations if each.role is INSTRUCTOR_ROLE) > 1
         return station.who if several and station.role is INSTRUCTOR_ROLE else station.role.name
 
     def note(self, station: Station, facts: Iterable[Fact]) -> None:
-        """Tell a station facts of now, if it is a program."""
+        """Send a station facts of the present tick, if it is a program."""
         for fact in facts:
             station.note(News(self.history.tick, self.history.boat.time, "exercise", "", fact))
 
@@ -225,13 +227,13 @@ class EventLog:
         return frozenset(other.role.name for other in self.stations if other is not station)
 
     def as_kept(self, answer: Reply) -> Reply:
-        """Return an answer with a word on it if what it answers is not recorded."""
+        """Return an answer, with a note if its order could not be recorded."""
         if self.history.recording.trouble and not isinstance(answer, Refused):
             return f"{answer} (not recorded)"
         return answer
 
     def tell_trouble(self) -> None:
-        """Tell once that the recording is in trouble, and once that it is not."""
+        """Announce once that recording fails, and once that it works again."""
         self._tell_behind()
         recording = self.history.recording
         if recording.trouble == self.unrecorded:
@@ -243,7 +245,10 @@ class EventLog:
         self.tell("trouble", text)
 
     def _tell_behind(self) -> None:
-        """Tell once that lost power would take what was ordered, and once that it would not."""
+        """Announce once that the disk is behind, and once that it has caught up.
+
+        While it is behind, a loss of power would lose the last orders.
+        """
         why = self.history.recording.behind
         if bool(why) is self.unsafe:
             return
@@ -256,13 +261,13 @@ class EventLog:
         self.tell("trouble", text)
 
     def log(self, kind: str, text: str) -> None:
-        """Tell what the station that is listened to has to say of itself."""
+        """Announce what the station that is being heard logs about its own line."""
         if self.heard and not self.heard.settled:
             self.strangers.log(kind, text)
         else:
             self.tell(kind, text, self.heard)
 
     def lately(self, role: Role, count: int) -> list[str]:
-        """Return the last of what ``role`` hears of."""
+        """Return the last ``count`` events that ``role`` hears of, in words."""
         heard = [news for news in self.news if hears_kind(role, news.kind)]
         return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]

@@ -1,9 +1,8 @@
 """The end of an exercise: its moment, its outcome, and the marks.
 
-The instructor gets the marks first.
-
-At the end time stands still at all stations and the session lives on. What judges a recording and
-writes its debrief is handed in: functions of the command line's, called in threads of their own.
+The instructor gets the marks first. At the end time stands still at all stations, and the session
+lives on. The functions that judge a recording and write its debrief come from the command line,
+because this package may not import ``debrief``. Threads of their own call them.
 """
 
 import math
@@ -48,12 +47,12 @@ class Judgement:
 
     @property
     def fields(self) -> str:
-        """Return outcome and total as programs are told them."""
+        """Return the fields of outcome and total for programs."""
         return f"{self.outcome},{'' if self.total is None else f'{self.total:.1f}'}"
 
     @property
     def reason_fields(self) -> list[str]:
-        """Return each reason with its time [s] as programs are told it."""
+        """Return the fields of each reason for programs, its time [s] first."""
         times = ("" if time is None else f"{time:g}" for time in self.times)
         pairs = zip_longest(times, self.reasons, fillvalue="")
         return [",".join(pair) for pair in pairs]
@@ -61,9 +60,10 @@ class Judgement:
 
 @dataclass(frozen=True)
 class DebriefSource:
-    """Who judges a branch of a recording, and who writes its debrief. RuntimeError tells why not.
+    """Two functions: one judges a branch of a recording, one writes its debrief.
 
-    Both take as long as they need: they are called in threads of their own.
+    They raise RuntimeError with the reason if they cannot. Threads of their own call them, because
+    both may take long.
     """
 
     judge: Callable[[Path, int], Judgement]
@@ -72,7 +72,7 @@ class DebriefSource:
 
 @dataclass
 class LossMonitor:
-    """The watch on losing conditions. A condition loses when it holds for so long."""
+    """The monitor of one losing condition, which loses when it has held long enough."""
 
     loss: Loss
     ticks: int  # for which they have to hold
@@ -80,25 +80,25 @@ class LossMonitor:
 
     @classmethod
     def of(cls, loss: Loss, boat: Boat) -> "LossMonitor":
-        """Return the watch for a loss over a boat."""
+        """Return the monitor of a losing condition for a boat."""
         return cls(loss, max(math.ceil(loss.seconds / boat.method.step - 1e-9), 0))
 
     def look(self, boat: Boat) -> bool:
-        """Return whether the exercise is lost by it after this tick."""
+        """Return whether the condition has lost the exercise after this tick."""
         holds = all(is_met(each, boat) for each in self.loss.conditions)
         self.held = self.held + 1 if holds else 0
         return self.held > self.ticks
 
 
 def is_met(condition: Condition, boat: Boat) -> bool:
-    """Return whether a condition holds now; never where the boat lacks what it is about."""
+    """Return whether a condition holds now; False if the boat lacks its quantity."""
     value = quantity_of(boat, condition.quantity)
     beyond = condition.sense * (value - condition.threshold)
     return beyond > 0.0 if condition.strict else beyond >= 0.0
 
 
 def quantity_of(boat: Boat, name: str) -> float:
-    """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
+    """Return the true value of a condition's quantity [SI]. NaN if the boat lacks it."""
     if name == "showing":
         return -math.inf if is_deep(boat) else height_showing(boat)
     if measure := {"eye": eye_height, "clearance": clearance}.get(name):
@@ -136,7 +136,7 @@ class ExerciseEnd:
 
     @property
     def watched(self) -> bool:
-        """Return whether there is anything by which it ends by itself."""
+        """Return whether the exercise can end by itself, by its time or by a loss."""
         return bool(self.lost) or self.last_tick < math.inf
 
     def look(self, boat: Boat) -> bool:
@@ -161,7 +161,7 @@ class ExerciseEnd:
         self.marks, self.released = None, False
 
     def _lost(self, boat: Boat) -> str:
-        """Return by what it is lost now, "" if it is not."""
+        """Return the condition that loses the exercise now, "" for none."""
         lost = [each.loss.text for each in self.lost if each.look(boat)]  # all of them count
         heel, pitch = CAPSIZE_ANGLES_RAD
         turned = abs(boat.plain[PHI_PLACE]) > heel or abs(boat.plain[THETA_PLACE]) > pitch
@@ -170,7 +170,7 @@ class ExerciseEnd:
 
 @dataclass
 class BackgroundTask:
-    """A task beside the session, and what the session does with its result."""
+    """Tasks in threads, and the calls that the session's thread makes with their results."""
 
     wake: Callable[[], object]  # has the session's thread call ``settle``
     done: deque[Callable[[], None]] = field(default_factory=deque)
@@ -178,7 +178,7 @@ class BackgroundTask:
     threads: list[threading.Thread] = field(default_factory=list)
 
     def begin(self, name: str, task: Callable[[], Callable[[], None]]) -> None:
-        """Do ``task`` in a thread; what it returns is called by the session's."""
+        """Do ``task`` in a thread. The session's thread then calls what it returns."""
 
         def run() -> None:
             self.post(task())
@@ -188,17 +188,17 @@ class BackgroundTask:
         thread.start()
 
     def post(self, call: Callable[[], None]) -> None:
-        """Leave a call to the session's thread; any thread may."""
+        """Hand a call to the session's thread. Any thread may do so."""
         self.done.append(call)
         self.wake()
 
     def settle(self) -> None:
-        """Call what the tasks done by now have returned; for the session's thread."""
+        """Make the calls of the tasks that are done. Only the session's thread does so."""
         while self.done:
             self.done.popleft()()
 
     def finish(self) -> None:
-        """Wait for what is being done, and take it. What waits for others waits no more."""
+        """Tell tasks that wait to give up, wait for the rest, and make their calls."""
         self.closing.set()
         end = time.monotonic() + CLOSE_TIMEOUT_S
         for thread in self.threads:
@@ -215,7 +215,7 @@ class NextExercises:
 
 
 def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:
-    """Return what says why an exercise cannot be loaded, "" when it can."""
+    """Return a function that says why an exercise cannot be loaded, "" if it can."""
 
     def problem(name: str) -> str:
         try:

@@ -1,10 +1,10 @@
 """The first start of a version: at once and interpreted, while another process compiles.
 
-Compiling takes a minute of a processor, a tick by the interpreter some milliseconds, with the same
-bits. A run in real time therefore begins without machine code. A process beside it compiles first
-the tick alone, to which the run then goes over, and after it all that the next start needs. A run
-that wants ticks faster than the interpreter makes them is compiled for first. It is all decided
-before a kernel is imported.
+Compiling takes a minute of a processor. The interpreter computes a tick in some milliseconds, with
+the same bits. A run in real time therefore begins without machine code. A process beside it first
+compiles the tick alone, because the run goes over to that; then all that the next start needs. A
+run that wants ticks faster than the interpreter makes them waits for the compiler. All this is
+decided before a kernel is imported.
 """
 
 import math
@@ -22,8 +22,10 @@ from trainer.config.files import ConfigError, is_path, parse_toml, read_text, sh
 from trainer.core.cache import cache_folder, cache_lasts
 from trainer.session.options import RunOptions
 
-EVALUATION_TIME_S: Final = 0.02  # [s] of the clock for an evaluation of the rates: ten of them
-TICK_EVALUATIONS: Final = {  # in a tick; one with other methods
+# [s] of the clock for an evaluation of the rates, on the safe side: docs/timing.md measures
+# 2 to 5 ms for a whole tick
+EVALUATION_TIME_S: Final = 0.02
+TICK_EVALUATIONS: Final = {  # evaluations of the rates in a tick, one with other integrators
     **dict.fromkeys(("heun", "abm2", "abm3", "abm4", "hamming4", "o30c31", "bdf2", "bdf3"), 2.0),
     "rk2": 2.0,
     "rk3": 3.0,
@@ -38,7 +40,7 @@ NEARLY_READY: Final = "First start: the last parts are still being prepared. You
 
 
 def prepare_core(options: RunOptions) -> str:
-    """Settle how the core of a run runs. Return what its user is to be told, "" for nothing."""
+    """Choose machine code or the interpreter for a run. Return the notice for its user."""
     if os.name != "posix" or compilation.is_settled() or compilation.is_interpreted():
         return ""
     if compilation.is_kept() or is_hurried(options) or complaints():
@@ -58,7 +60,7 @@ def prepare_core(options: RunOptions) -> str:
 def is_hurried(options: RunOptions) -> bool:
     """Return whether ticks are to come faster than the interpreter surely makes them."""
     exercise = load_table("exercises", options.exercise)
-    said = {"step": "step_s", "vessel": "vessel", "integrator": "integrator"}
+    said = {"step": "step_s", "vessel": "vessel", "integrator": "integrator"}  # option: file's key
     chosen = {
         name: getattr(options, name)
         if name in options.given
@@ -75,7 +77,7 @@ def is_hurried(options: RunOptions) -> bool:
 def load_table(kind: str, name: Any) -> Mapping[str, Any]:
     """Return the tables of a shipped file or a user's. {}: it cannot be read.
 
-    What is wrong with it is told by who reads it in earnest.
+    No error is raised here, because the plan reads the file again and says what is wrong.
     """
     if name is None:
         return {}
@@ -87,7 +89,7 @@ def load_table(kind: str, name: Any) -> Mapping[str, Any]:
 
 
 def complaints() -> bool:
-    """Return whether compiling beside a run has failed. Then it is done where its user sees why."""
+    """Return whether compiling beside a run has failed. The next run then compiles in sight."""
     with compilation.compilation_lock() as free:
         return free is not None and compilation.has_complained()
 
@@ -95,8 +97,8 @@ def complaints() -> bool:
 def compile_beside() -> None:
     """Start a process that fills the cache, unless there is one. It ends by itself.
 
-    It may outlive this one. It inherits the lock, so that there is never a second one. It compiles
-    the trainer that runs, not one whose sources lie in the present folder.
+    It may outlive this process. It inherits the lock, so that there is never a second one. It
+    compiles the trainer that runs, not one whose sources lie in the present folder.
     """
     ours = str(Path(trainer.__file__).parents[1])
     search_path = os.pathsep.join(filter(None, (ours, os.environ.get("PYTHONPATH"))))

@@ -1,6 +1,6 @@
-"""The header of a recording says how its run was made. It is read back and compared with today's.
+"""The header of a recording: how its run was made, and what differs today.
 
-What a header holds, a text each: ``plan``, the form of the header; ``trainer``, ``core``,
+A header holds these texts: ``plan``, the form of the header; ``trainer``, ``core``,
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
 ``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
 key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
@@ -82,14 +82,14 @@ HEADER_PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
 
 @contextmanager
 def open_recording(path: Path) -> Iterator[Recording]:
-    """Yield a recording to be looked at inside the block; ConfigError where it cannot be."""
+    """Yield a recording to be read inside the block; ConfigError if it cannot be opened."""
     with refusing_damage(), closing(Recording.look(path)) as recording:
         yield recording
 
 
 @contextmanager
 def open_whole_recording(path: Path) -> Iterator[Recording]:
-    """Yield a recording whose branches are few enough to be read as a whole; ConfigError."""
+    """Yield a recording inside the block; ConfigError if it has too many branches to read."""
     with open_recording(path) as recording:
         recording.refuse_branches()
         yield recording
@@ -127,7 +127,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
 
 
 def names_of(given: Iterable[str]) -> list[str]:
-    """Return names of trainees as they are kept, each once; ConfigError if one is none."""
+    """Return names of trainees as the header has them, each once; ConfigError."""
     names = [" ".join(name.split()) for name in given]
     for name in names:
         if not name or not name.isprintable() or len(name) > MAX_NAME_LETTERS:
@@ -148,7 +148,7 @@ def trainees_of(header: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES) -> Plan:
-    """Return the plan of the run, from what was recorded alone.
+    """Return the plan of the run, from the texts of the recording alone.
 
     ``otherwise`` has options to be taken instead of the recorded; a vessel among them is read from
     its file of today. ConfigError if the header is of another form, or this version cannot read
@@ -185,7 +185,7 @@ def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES) -> list[str]:
-    """Return what would be computed from now and was not then, a line each. None: the same bits."""
+    """Return a line for each difference that may change bits. No line: the same bits."""
     texts: list[str] = []
     for part in (_other_program(header), _other_texts(header), _other_plan(header, otherwise)):
         with collecting(texts):
@@ -195,7 +195,7 @@ def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHA
 
 
 def notes(header: Mapping[str, str]) -> list[str]:
-    """Return what else is not as it was, and should make no difference."""
+    """Return a line for each other difference, which should change no bit."""
     return [
         f"{name} {now}, recorded {header.get(name, 'none')}"
         for name, now in _surroundings().items()
@@ -205,7 +205,7 @@ def notes(header: Mapping[str, str]) -> list[str]:
 
 @cache
 def _surroundings() -> Mapping[str, str]:
-    """Return what a run is computed by, beside the trainer."""
+    """Return the versions and the machine that compute a run, beside the trainer's own."""
     libraries = {name: metadata.version(name) for name in USED_LIBRARIES}
     machine = f"{platform.machine()} {platform.system()}"
     return {"python": platform.python_version(), **libraries, "machine": machine}
@@ -226,7 +226,7 @@ def _part(header: Mapping[str, str], name: str) -> Any:
 
 
 def _check_options(recorded: Mapping[str, Any]) -> None:
-    """Check that they are all there and of their kind; ConfigError naming the first that is not."""
+    """Raise ConfigError naming the first option that is missing or of the wrong type."""
     for name, kind in {**PLAN_OPTIONS, "given": list}.items():
         if name not in recorded:
             raise ConfigError(f"recording: its header has no option {name}")
@@ -243,7 +243,7 @@ def _check_options(recorded: Mapping[str, Any]) -> None:
 
 
 def _other_program(header: Mapping[str, str]) -> Iterator[str]:
-    """Yield what computes boats otherwise than then."""
+    """Yield a line for each program or machine that is another than then."""
     if header.get("trainer") != __version__:
         yield f"trainer {__version__}, recorded {header.get('trainer', 'none')}"
     if not same_core(header.get("core")):
@@ -268,7 +268,7 @@ def _few(names: list[str]) -> str:
 
 
 def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
-    """Yield what today's files say otherwise, or that they are gone."""
+    """Yield a line for each file whose text has changed since, or that is gone."""
     for key, was in _part(header, "texts").items():
         if key in ABANDONED_FILES or key.endswith(BASELINE_SUFFIX):
             continue
@@ -282,7 +282,7 @@ def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
 
 
 def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iterator[str]:
-    """Yield in what the plan wanted is not the one recorded."""
+    """Yield a line for each setting in which the wanted plan is not the recorded one."""
     plan = plan_of(header, otherwise)
     now = {**asdict(plan.method), "seed": plan.seed}
     was = {**asdict(method_of(header)), "seed": _part(header, "seed")}
@@ -296,5 +296,5 @@ def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iter
 
 
 def _format_part(name: str, value: object) -> str:
-    """Return a part of the method as it is told, a step with its unit."""
+    """Return a part of the method in words, a step with its unit."""
     return f"{value:g} s" if name == "step" else str(value)

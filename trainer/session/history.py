@@ -1,9 +1,9 @@
 """The past of a run: orders in the journal, moments, and going back to one.
 
-A moment is everything that there is to go back to: the whole state, the orders it includes, and
-what of the exercise's schedule is done. From a moment gone back to a new branch of the recording
-begins; the old one stays. A replay flies the old branch again and begins a new one only where
-somebody takes over.
+A moment is all that is needed to go back: the whole state, the last order that it includes, and the
+next entry of the exercise's schedule. Who goes back to a moment begins a new branch of the
+recording there, and the old branch stays. A replay flies the old branch again. It begins a new one
+only where somebody takes over.
 """
 
 import math
@@ -35,12 +35,12 @@ from trainer.session.world_orders import WorldOrder, to_world, world_orders
 
 FIRST_BRANCH: Final = 1  # the branch that begins with the run
 MOMENT_PERIOD_S: Final = 10.0  # [s] between moments kept in memory beside the recording
-MAX_KEPT_MOMENTS: Final = 360  # of them: one hour
+MAX_KEPT_MOMENTS: Final = 360  # one hour of them, as docs/recordings.md says
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """One branch, as an instructor chooses among them."""
+    """One branch, as the list has it from which an instructor chooses."""
 
     number: int
     parent: int | None
@@ -57,7 +57,7 @@ class Stretch:
 
     @property
     def fields(self) -> str:
-        """Return it as programs are told it; the reason last, since it may hold commas."""
+        """Return its fields for programs; the reason is last, because it may hold commas."""
         return f"{self.number},{self.parent or ''},{self.begun:.3f},{self.last:.3f},{self.why}"
 
 
@@ -104,16 +104,16 @@ class History:
         return number
 
     def answered(self, number: int, answer: Reply, crew: CrewFact = NO_CREW_FACT) -> None:
-        """Journal what became of an order, and what it said to the crew."""
+        """Journal the answer to an order, and the crew fact of it."""
         refused = isinstance(answer, Refused)
         text = answer.reason if isinstance(answer, Refused) else answer
         self.recording.answered(number, text, not refused, crew)
         latest = self._to_world.get(number)
-        if refused and latest and latest.number == number:
+        if refused and latest and latest.number == number:  # it has not changed the world
             self._to_world[number] = latest.before
 
     def include(self, entry: RecordedOrder) -> None:
-        """Take it that the present state includes an order of the journal."""
+        """Note that the present state includes an order of the journal."""
         self.after = entry.id
         if entry.place is not None:
             self.place = entry.place + 1
@@ -162,9 +162,9 @@ class History:
         return dict(self.recording.snapshots())
 
     def before(self, seconds: float) -> Moment | Refused:
-        """Return the moment so long [s] ago, the start if that is later.
+        """Return the moment so long [s] ago, at the earliest the start.
 
-        Where the recording cannot reach it, the automatic one before it.
+        Where the recording cannot be read, it is the automatic moment in memory before that time.
         """
         ticks = math.ceil(seconds / self.boat.method.step - 1e-9)
         wanted = max(self.tick - ticks, 0)
@@ -174,11 +174,11 @@ class History:
         return self.automatic.before(wanted) or Refused("no moment so long ago is kept")
 
     def start(self) -> Moment | Refused:
-        """Return the initial conditions, whatever was ordered in a freeze there."""
+        """Return the initial conditions, before any order that was given in a freeze there."""
         return self.recording.moment(FIRST_BRANCH, 0) or self.before(self.boat.time)
 
     def branches(self) -> list[Stretch]:
-        """Return all that has been flown, oldest first; the present one reaches up to now."""
+        """Return all branches, oldest first. The present one reaches up to now."""
         present, step = self.recording.branch, self.boat.method.step
 
         return [
@@ -194,7 +194,7 @@ class History:
         ]
 
     def noted(self) -> list[RecordedEvent]:
-        """Return what was noted on the present branch and on what led to it."""
+        """Return the events of the present branch and of those that led to it."""
         begun = {each.id: each for each in self.recording.branches()}
         ends: dict[int, float] = {}
         here, end = begun.get(self.recording.branch), math.inf
@@ -213,7 +213,10 @@ class History:
         return moment or Refused(f"the end of branch {branch} is not recorded")
 
     def return_to(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
-        """Go to the end of a branch, give again what was ordered there, and fork."""
+        """Go to the end of a branch, give its last orders again, and fork.
+
+        Orders after the last recorded tick are in no recorded state, so they are given again.
+        """
         orders = self.recording.orders(end.branch, end.after)  # before anything is changed
         self._restore(end)
         for entry in orders:
@@ -233,7 +236,7 @@ class History:
         self.automatic.forget_after(self.tick)
 
     def show_again(self, moment: Moment) -> int:
-        """Go back to a moment, to fly on from there as it was recorded. Return the orders."""
+        """Go back to a moment and begin a replay there. Return the number of its orders."""
         end = self.flown.end()
         orders = self.recording.orders(self.recording.branch, moment.after)
         again = [each for each in orders if each.id <= end.after]
@@ -256,14 +259,14 @@ class History:
         return [each for each in orders if each.id <= self.after]
 
     def arrive(self, difference: str) -> str:
-        """End a replay that has arrived where it led to; return what became of it."""
+        """End a replay that has reached its last moment; return its outcome in words."""
         self.flown = LiveRun(self)
         result = difference or "the same to the last bit"
         return f"replay over at {self.boat.time:g} s: {result}; run goes on from here"
 
     def _restore(self, moment: Moment) -> None:
-        """Take a moment whole; RecordingError with nothing changed."""
-        latest = self._world_order(moment.branch, moment.after)
+        """Restore a whole moment. RecordingError leaves everything as it was."""
+        latest = self._world_order(moment.branch, moment.after)  # may fail: before any change
         self.boat.restore(np.frombuffer(moment.state, STATE))
         self.boat.world.settle(world_orders(latest))
         self.after, self.place = moment.after, moment.place

@@ -1,4 +1,4 @@
-"""Which number of a state record is what, today and in recordings of other versions."""
+"""The names of a state's numbers, today and in recordings of other versions."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -47,7 +47,7 @@ LAYOUT: Final = _layout()
 
 
 def numbers_of(state: bytes, layout: Sequence[str]) -> NDArray[np.float64]:
-    """Return the numbers of a recorded state; ConfigError if it is not of that layout."""
+    """Return the numbers of a recorded state; ConfigError if ``layout`` does not fit it."""
     if len(state) != 8 * len(layout):
         raise ConfigError(f"a state of {len(state)} bytes, not of {8 * len(layout)}: damaged")
     return np.frombuffer(state, dtype=np.float64)
@@ -56,7 +56,7 @@ def numbers_of(state: bytes, layout: Sequence[str]) -> NDArray[np.float64]:
 def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
     """Return the state that ``layout`` describes as a record of this version.
 
-    Numbers that it lacks are as in ``standing``. ConfigError if it is not of that layout.
+    Numbers that it lacks come from ``standing``. ConfigError if ``layout`` does not fit it.
     """
     numbers = numbers_of(state, layout)
     places = {name: i for i, name in enumerate(LAYOUT)}
@@ -70,7 +70,7 @@ def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
 
 
 def state_difference(recorded: bytes, flown: bytes) -> StateDifference | None:
-    """Return how two states of this version differ, bit by bit. None if they do not."""
+    """Return the first number whose bits differ in two states of this version. None: all equal."""
     bits = [np.frombuffer(state, dtype=np.uint64) for state in (recorded, flown)]
     places = np.flatnonzero(bits[0] != bits[1])
     if not places.size:
@@ -81,7 +81,7 @@ def state_difference(recorded: bytes, flown: bytes) -> StateDifference | None:
 
 
 def changes(file: str, now: str, was: str) -> list[str]:
-    """Return a line for each changed one, with the file's name and its number."""
+    """Return a text for each changed line, with its number and the file's name."""
     lines = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
     more = len(lines) - MAX_TOLD_LINES
     return [*lines[:MAX_TOLD_LINES], f"{file}: and {more} more lines"] if more > 0 else lines
@@ -104,7 +104,7 @@ def _changes(now: list[str], was: list[str]) -> Iterator[str]:
 
 
 def _describe_change(new: str, old: str) -> str:
-    """Return how one line differs from what it was."""
+    """Return in words how one line differs from the recorded one."""
     if new.split() == old.split():
         return "differs in blanks only"
     ends = new.rpartition("#"), old.rpartition("#")
@@ -117,6 +117,6 @@ def _describe_change(new: str, old: str) -> str:
 
 
 def _short(text: str) -> str:
-    """Return a line in printable ASCII and not longer than is readable."""
+    """Return a line in printable ASCII, cut to a readable length."""
     plain = text.strip().encode("unicode_escape").decode("ascii") or "an empty line"
     return plain if len(plain) <= MAX_SHOWN_LETTERS else plain[: MAX_SHOWN_LETTERS - 3] + "..."

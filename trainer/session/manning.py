@@ -25,19 +25,21 @@ BY_HAND: Final = {
     "speed": ("the engine is", "bell ahead standard"),
     "ballast": ("the ballast is", "pump depth-control 1"),
 }
-TURN_PATTERN: Final = re.compile("^course (left|right)")  # `to` a course, where `by` is not meant
-STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}  # else itself
+# the crew's `course left 90` is a course to come to; the autopilot's needs the word `to`
+TURN_PATTERN: Final = re.compile("^course (left|right)")
+# the axis in hand that carries out an order on another axis; others are carried out by themselves
+STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}
 
 
 class HandAxis(NamedTuple):
-    """An axis that is worked by hand, and why it is not the autopilot's."""
+    """An axis that is worked by hand, and why the autopilot may not have it."""
 
     axis: str
     why: str
 
 
 def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> HandAxis | None:
-    """Return the axis of an automatic order that is worked by hand, None without."""
+    """Return the axis worked by hand that an order would make automatic, None for none."""
     names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
     taken = [axis for axis in automatic_axes(order) if axis in hand]
     if names.intersection(allowed) or not taken:
@@ -81,10 +83,10 @@ def workers(axis: str) -> list[str]:
 def unheard(
     order: Order, hand: Collection[str], allowed: Collection[str], roles: Collection[str]
 ) -> str:
-    """Return how an unheard order is carried out, "" where somebody hears it.
+    """Return how to carry out an order that nobody hears, "" if somebody does.
 
-    ``roles`` are those that are attended, ``hand`` the axes that are worked by hand, ``allowed``
-    what is automatic nevertheless.
+    ``roles`` are the attended ones, ``hand`` the axes that are worked by hand, ``allowed`` the
+    automatic orders that are allowed nevertheless.
     """
     if order.name not in ("order", "tell") or order.word.startswith("clear"):
         return ""

@@ -1,11 +1,11 @@
-"""The latest moments of a branch, in memory that is taken once, at the start."""
+"""The latest moments of a branch, in memory that is allocated once, at the start."""
 
 import struct
 from typing import Final
 
 from trainer.io.recording.recording import Moment
 
-FILL_BYTE: Final = b"\xff"  # written everywhere at first, so that the memory is really there
+FILL_BYTE: Final = b"\xff"  # not zero, because a system gives zeroed memory only when it is used
 
 
 class Moments:
@@ -20,11 +20,11 @@ class Moments:
         self._count = 0
 
     def __len__(self) -> int:
-        """Return how many are kept."""
+        """Return how many moments are kept."""
         return self._count
 
     def append(self, moment: Moment) -> None:
-        """Keep a moment, later than all that are kept."""
+        """Keep a moment, which has to be later than all that are kept."""
         numbers = moment.branch, moment.tick, moment.after, moment.place
         self._row.pack_into(self._rows, self._place(self._count), *numbers, moment.state)
         if self._count < self._most:
@@ -34,19 +34,19 @@ class Moments:
 
     def before(self, tick: int) -> Moment | None:
         """Return the last moment at a tick or before it, None if none is kept."""
-        for back in range(self._count - 1, -1, -1):
+        for back in range(self._count - 1, -1, -1):  # the wanted moment is mostly a late one
             moment = self._at(back)
             if moment.tick <= tick:
                 return moment
         return None
 
     def since(self, tick: int) -> list[tuple[int, bytes]]:
-        """Return tick and state of those at a tick or after it, oldest first."""
+        """Return tick and state of the moments at a tick or after it, oldest first."""
         every = (self._at(index) for index in range(self._count))
         return [(moment.tick, moment.state) for moment in every if moment.tick >= tick]
 
     def forget_after(self, tick: int) -> None:
-        """Drop those that are later than a tick."""
+        """Drop the moments after a tick."""
         while self._count and self._at(self._count - 1).tick > tick:
             self._count -= 1
 

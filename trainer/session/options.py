@@ -6,7 +6,7 @@ from pathlib import Path
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """The options of ``trainer run``, ``serve`` and ``resume``; docs say what each means.
+    """The options of ``trainer run``, ``serve`` and ``resume``; their help explains each.
 
     ``given`` names those that the user gave: they overrule what an exercise sets.
     """

@@ -1,4 +1,4 @@
-"""The pages' server: a program that is begun again when it dies or hangs."""
+"""The server of the pages, a process that is restarted when it dies or hangs."""
 
 import contextlib
 import os
@@ -21,24 +21,21 @@ from trainer.session.stations.roles import read_tokens, refuse_open_door
 FIRST_RESTART_S: Final = (
     0.25  # [s] until a dead server is begun again, twice as long each time after
 )
-MAX_WAIT_S: Final = 8.0  # [s]
+MAX_WAIT_S: Final = 8.0  # [s] between two restarts
 STEADY_TIME_S: Final = 30.0  # [s] after which a server has done well, and waits are short again
-CLOSE_TIMEOUT_S: Final = 3.0  # for it to end
-SILENCE_TIMEOUT_S: Final = 10  # a process without a sign of life for so long hangs
-START_TIMEOUT_S: Final = 120  # until the first one: a slow machine imports for long
-WRONG_INPUT: Final = 2  # an exit code: again would be no better
+CLOSE_TIMEOUT_S: Final = 3.0  # [s] for the process to end by itself
+SILENCE_TIMEOUT_S: Final = 10  # [s] without a sign of life, after which a process hangs
+START_TIMEOUT_S: Final = 120  # [s] until the first sign of life: a slow machine imports for long
+WRONG_INPUT: Final = 2  # the exit code of wrong options, which a restart cannot mend
 INHERITS_SOCKETS: Final = os.name == "posix"  # else a process cannot be given a socket
 EXAMPLE_ADDRESS: Final = f"{paths.DEFAULT_HOST}:{paths.PAGES_PORT}"
 
 
 class ServerProcess:
-    """A process that serves the pages, and gives signs of life.
-
-    They are bytes on its standard output.
-    """
+    """A process that serves the pages, and writes bytes as signs of life."""
 
     def __init__(self, words: Sequence[str], inherited: tuple[int, ...]) -> None:
-        """Begin it; OSError where the system has no room for it."""
+        """Start the process; OSError where the system has no room for it."""
         self._process = subprocess.Popen(  # noqa: S603  our own program
             [sys.executable, "-P", "-m", "trainer", *words],
             stdin=subprocess.PIPE,  # it ends with this session, however that ends
@@ -52,10 +49,10 @@ class ServerProcess:
         threading.Thread(target=self._hear, name="pages-alive", daemon=True).start()
 
     def hangs(self) -> bool:
-        """Wait until it hangs or has ended; return which.
+        """Wait until the process hangs or has ended; return whether it hangs.
 
-        Silence is counted in seconds in which this session was awake: what has stopped both, such
-        as a machine that was suspended, is no fault of the process.
+        Only seconds in which this session was awake count as silence, because a suspended machine,
+        which stops both, is no fault of the process.
         """
         silent_s, limit_s = 0, START_TIMEOUT_S
         while not self._ended.is_set():
@@ -74,9 +71,9 @@ class ServerProcess:
             self._process.terminate()
 
     def end(self, timeout_s: float) -> int:
-        """Return its exit code, once it has ended or the time is over.
+        """Return the exit code, after the process has ended by itself or by force.
 
-        It is ended by force if it has not ended by itself within ``timeout_s`` [s].
+        It is killed if it has not ended within ``timeout_s`` [s].
         """
         if not self._ended.wait(timeout_s):
             self._process.kill()
@@ -85,7 +82,7 @@ class ServerProcess:
         return self._process.wait()  # without a limit, which would sleep in steps
 
     def _hear(self) -> None:
-        """Note each sign of life, until there can be no more."""
+        """Note the time of each sign of life, until the process closes its output."""
         with cast("IO[bytes]", self._process.stdout) as pipe:
             while pipe.read(1):
                 self._news.set()
@@ -95,12 +92,10 @@ class ServerProcess:
 
 @dataclass
 class PageServer:
-    """A process that serves the pages, kept alive by a thread.
+    """The server of the pages, whose process a thread keeps alive.
 
-    It serves one exercise after another.
-
-    The socket for browsers is opened here and stays open. Who comes while the process is begun
-    again waits a moment, and finds the same address.
+    It serves one exercise after another. The socket for browsers is opened here and stays open,
+    because a browser that comes during a restart then waits a moment at the same address.
     """
 
     host: str  # as it was asked for
@@ -115,7 +110,7 @@ class PageServer:
     _closing: threading.Event = field(default_factory=threading.Event)
 
     def attend(self, url: str, tell: Callable[[str], None]) -> None:
-        """Serve the session at ``url``. ``tell`` is called by another thread, with a trouble."""
+        """Serve the session at ``url``. Another thread calls ``tell`` with each trouble."""
         before, self._url, self._tell = self._url, url, tell
         if self._thread is None:
             if not INHERITS_SOCKETS:
@@ -127,7 +122,7 @@ class PageServer:
             self._process.ask_to_end()  # and it is begun again, for this one
 
     def close(self) -> None:
-        """End the process, and whatever it has not sent by then; free the address."""
+        """End the process, whatever it still has to send, and free the address."""
         with self._lock:
             self._closing.set()
         if self._process is not None:
@@ -138,7 +133,7 @@ class PageServer:
         self.listener.close()
 
     def _begin(self, *, opens: bool) -> None:
-        """Begin a process, unless the session ends; tell where the system has no room for it."""
+        """Start a process, unless the session ends; announce it if the system has no room."""
         inherited = (self.listener.fileno(),) if INHERITS_SOCKETS else ()
         self._process = None
         try:
@@ -160,7 +155,7 @@ class PageServer:
         return words
 
     def _keep(self) -> None:
-        """Begin the process again whenever it has died or hangs."""
+        """Start the process again whenever it has died or hangs."""
         wait = FIRST_RESTART_S
         while True:
             begun = time.monotonic()
@@ -176,7 +171,7 @@ class PageServer:
             self._begin(opens=False)
 
     def _await_trouble(self) -> str | None:
-        """Return what has happened to the process once it is gone, None if again is no better."""
+        """Return how the process ended, None if a restart would end likewise."""
         if self._process is None:
             return "the pages' server is tried again"
         hangs = self._process.hangs()
@@ -207,9 +202,9 @@ def serving_pages(options: RunOptions) -> Iterator[PageServer | None]:
 
 
 def listen_for_browsers(option: str, host: str, port: int, *, insists: bool) -> socket.socket:
-    """Return a socket that listens for browsers; ConfigError.
+    """Return a socket that listens for browsers; ConfigError if the named port is taken.
 
-    Unless it insists on a port that is taken, it is any that is free.
+    If the default port is taken, it listens at any free one.
     """
     if not insists:
         with contextlib.suppress(LinkError):

@@ -1,4 +1,4 @@
-"""The parts of a session, and what all of them do when time has jumped."""
+"""The parts of a session, and how all of them follow a jump in time."""
 
 import threading
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ from trainer.session.time.timekeeping import Timekeeping
 
 @dataclass
 class Monitors:
-    """Those who call out what a tick means."""
+    """The monitors that announce what a tick means: limits, depths, the autopilot."""
 
     limits: LimitMonitor
     depths: DepthMonitor
@@ -41,7 +41,7 @@ class Monitors:
 
 @dataclass
 class Parts:
-    """What obeys, keeps, tells and shows in one run."""
+    """The objects of one run that obey, remember, tell and show."""
 
     boat: Boat
     time: Timekeeping
@@ -68,7 +68,7 @@ class Parts:
         self.shown.show()
 
     def arrive(self) -> None:
-        """Take the moment as it is after a jump in time; nothing is news."""
+        """Reset all parts to the moment to which time has jumped, and announce nothing."""
         counting = self.monitors.limits, self.monitors.depths, self.monitors.pilot
         for monitor in counting:
             monitor.settle(self.boat)
@@ -78,7 +78,7 @@ class Parts:
         self.history.flown.judge_hull(self.conduct)
 
     def end_replay(self, outcome: str) -> None:
-        """Let time stand still where a replay has arrived; what follows goes on from there."""
+        """Freeze time where a replay has come to its end. The run can go on from there."""
         self.event_log.tell("moment", outcome)
         self.standing.arrive()
         self.conduct.judge_hull()

@@ -36,8 +36,8 @@ from trainer.io.orders.table import UNSCHEDULED_WORDS
 from trainer.session.options import RunOptions
 from trainer.units import KNOT
 
-STEP_LIMITS = 0.001, 2.0  # [s]
-# what an exercise may set, by the option that overrules it
+STEP_LIMITS = 0.001, 2.0  # [s] of steps that are accepted
+# the key of an exercise's heading, by the option that overrules it
 OVERRULED_SETTINGS: Final = {
     "vessel": "vessel",
     "equations": "equations",
@@ -47,7 +47,7 @@ OVERRULED_SETTINGS: Final = {
     "seed": "seed",
     "duration": "duration_s",
 }
-HAND_AXES: Final = {  # what puts an axis in hand, as it stands
+HAND_AXES: Final = {  # the orders that put an axis in hand; surfaces and water stay as they are
     "rudder": ("rudder manual",),
     "planes": ("planes manual",),
     "ballast": ("trim manual", "hover off"),
@@ -56,7 +56,7 @@ HAND_AXES: Final = {  # what puts an axis in hand, as it stands
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Everything that is settled before a run."""
+    """All settings of a run, decided before it starts."""
 
     file: VesselFile
     method: Method
@@ -85,12 +85,15 @@ class Plan:
 
     @property
     def judged_by_tasks(self) -> bool:
-        """Return whether the marks are those of tasks, less nobody aboard; else a plain mean."""
+        """Return whether the marks are those of tasks, else a plain mean (docs/debrief.md).
+
+        From a task's marks those are taken off that a boat with nobody aboard gets.
+        """
         return bool(self.hand or self.lost or any(rule.score.part for rule in self.scores))
 
     @property
     def note(self) -> str:
-        """Return what is to be said of how the boat is computed, "" for nothing."""
+        """Return the notice that the boat has no compact set, "" where it needs none."""
         if self.file.has_compact_set or self.method.equations != "full":
             return ""
         return (
@@ -100,7 +103,7 @@ class Plan:
 
     @property
     def around(self) -> WorldTables:
-        """Return the tables of the world around the boat, the exercise's before the sea's."""
+        """Return the tables of the world. The exercise's overrule those of the sea's file."""
         return {**self.sea.world, **self.world}
 
     def alone(self) -> "Plan":
@@ -109,7 +112,7 @@ class Plan:
 
     @property
     def hides(self) -> bool:
-        """Return whether something is to break that the crew is not to know before."""
+        """Return whether the plan has casualties, which the crew must not know before."""
         return bool(self.armed) or any(each.order.name == "casualty" for each in self.schedule)
 
     def start(self, boat: Boat) -> None:
@@ -182,13 +185,13 @@ def plan_run(options: RunOptions) -> Plan:
 
 
 def into_hand(exercise: Exercise, file: VesselFile) -> list[ScheduledOrder]:
-    """Return the orders that put the crew's controls in hand. The boat has an autopilot."""
+    """Return the orders that put the crew's controls in hand, none without an autopilot."""
     heading = exercise.heading
     if file.autopilot is None or not heading.hand:
         return []
     speed = exercise.initial.speed_kn
     speed = file.run.start_speed_kn if speed is None else speed
-    words = {**HAND_AXES, "speed": (f"turns {speed:g}",)}
+    words = {**HAND_AXES, "speed": (f"turns {speed:g}",)}  # turns for the speed of the start
     orders = [parse(text) for axis in heading.hand for text in words[axis]]
     at = heading.hand_from_s or 0.0
     return [ScheduledOrder(at, order, 0) for order in orders if isinstance(order, Order)]
@@ -215,7 +218,7 @@ def exercise_options(exercise: Exercise, given: frozenset[str]) -> dict[str, Any
 
 
 def choose_method(file: VesselFile, options: RunOptions) -> Method:
-    """Return how the boat is to be computed; ConfigError on a step that is none."""
+    """Return equations, integrator and step of the boat; ConfigError on a bad step."""
     step = file.run.step_s if options.step is None else options.step
     low, high = STEP_LIMITS
     if not low <= step <= high:

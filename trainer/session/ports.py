@@ -35,14 +35,14 @@ PORT_TIMEOUT_S: Final = 0.5  # [s] for ports at the end, and for a pipe at the s
 
 @dataclass
 class Lobby:
-    """Where lines come in by themselves: the sockets of a hub."""
+    """The reception of lines that come by themselves, at the sockets of a server."""
 
     hub: Server
     admit: Callable[[Connection], Station]
     awaited: bool  # a run that nobody attends to goes on for whoever may come
 
     def newcomers(self) -> list[Station]:
-        """Return those that have come since the last call."""
+        """Return the stations that have come since the last call."""
         return [self.admit(line) for line in self.hub.newcomers()]
 
 
@@ -129,13 +129,13 @@ class Ports:
         return Lobby(hub, admit, awaited)
 
     def nearest(self) -> str:
-        """Return where pages reach this session; ConfigError if it listens nowhere."""
+        """Return the address at which pages reach this session; ConfigError if there is none."""
         if not self.addresses:
             raise ConfigError("--web: pages come in at a socket: leave out --socket none")
         return self.addresses[0]
 
     def news_printer(self) -> Callable[[News], None]:
-        """Return what prints all that happens at the terminal, which is never waited for."""
+        """Return a function that prints news at the terminal, and never waits for it."""
         out = Outbox(writer(1), line_end=b"\n")
         self.stack.callback(out.close, PORT_TIMEOUT_S)
         return lambda news: out.send(f"{clock(news.seconds)}  {news.kind:9} {news.text}")
@@ -158,7 +158,7 @@ class Ports:
 
 
 def address_or_none(option: str | None) -> str | None:
-    """Return an address or path, None for none."""
+    """Return an address or path, None for the word ``none``."""
     return None if option in (None, "none") else option
 
 
@@ -172,7 +172,7 @@ def refusing(option: str) -> Iterator[None]:
 
 
 def listen_here(hub: Server, path: Path) -> None:
-    """Listen at a local socket, and say so."""
+    """Listen at a local socket, and print its path."""
     hub.listen_here(path)
     click.echo(f"{paths.LISTENING_TEXT} {path}", err=True)
 

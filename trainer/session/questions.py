@@ -1,4 +1,4 @@
-"""What a session is asked, and answers without changing anything."""
+"""The questions to a session, whose answers change nothing of the run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from trainer.session.stations.station import Duty, Fact, LongAnswer, News, Reque
 
 @dataclass
 class Questions:
-    """The questions to one session, and its record of what is seen and marked."""
+    """The answers to questions, and the orders that note a mark or a seen alert."""
 
     history: History
     log: EventLog
@@ -24,7 +24,7 @@ class Questions:
 
     @property
     def duties(self) -> Mapping[str, Duty]:
-        """Return who answers which question."""
+        """Return the functions that answer the questions, by order word."""
         return {
             "status": lambda asked: LongAnswer(self.shown.status(asked.station)),
             "log": lambda asked: LongAnswer(
@@ -67,7 +67,7 @@ class Questions:
         return f"snapshots: {', '.join(names) or 'none by name'}; backtrack reaches any tick"
 
     def _mark(self, asked: Request) -> Reply:
-        """Mark this moment; it is in the file before it is answered."""
+        """Mark this moment. The mark is in the file before the answer goes out."""
         remark = asked.order.subject
         self.log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
         self.history.recording.flush()

@@ -1,7 +1,4 @@
-"""A recording is flown again to the same bits.
-
-Its orders are given at their ticks, its states compared bit by bit.
-"""
+"""The replay of a recording by its orders, comparing states bit by bit."""
 
 import math
 from collections import deque
@@ -39,7 +36,7 @@ from trainer.session.world_orders import WorldOrders, worlds_begun
 
 @dataclass(frozen=True)
 class Divergence:
-    """Where a flight first left its recording."""
+    """The first difference between a flight and its recording."""
 
     tick: int  # of the recording
     unlike: StateDifference
@@ -63,7 +60,7 @@ class ReplayFlight:
 
     @property
     def same(self) -> bool:
-        """Return whether everything was as recorded."""
+        """Return whether all states and answers were as recorded."""
         return not (self.unequal or self.answers or self.trouble)
 
 
@@ -82,11 +79,11 @@ class Course:
 def replay_anyway(
     recording: Recording, otherwise: Mapping[str, Any] = NO_CHANGES
 ) -> list[ReplayFlight]:
-    """Fly every branch again by this version, from the recorded texts, whatever differs today.
+    """Fly every branch again by this version, from the recorded texts.
 
-    What does, and whether the bits can be the same at all, is told by ``log_book.differences``.
-    ``otherwise`` has options, such as a step or a vessel, to be taken instead of the recorded:
-    then each branch is flown from the plan's start, with all the orders of its past.
+    ``header.differences`` tells what differs today, and whether the bits can be the same at all.
+    ``otherwise`` has options, such as a step or a vessel, that replace the recorded ones: then
+    each branch is flown from the plan's start, with all the orders of its past.
     """
     header = recording.header()
     plan = plan_of(header, otherwise)
@@ -103,7 +100,7 @@ def replay_anyway(
 
 
 def _fly(recording: Recording, flight: ReplayFlight, course: Course) -> None:
-    """Fly a branch to its end; ConfigError where it cannot be flown further."""
+    """Fly a branch to its end; ConfigError if it cannot be flown so far."""
     branch, boat = flight.branch, course.boat
     course.plan.start(boat)  # also what no state holds: the triggers armed
     if branch.parent is None:
@@ -177,7 +174,7 @@ def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_js
 
 
 def as_row(flight: ReplayFlight) -> dict[str, Any]:
-    """Return a flight as JSON has it."""
+    """Return the fields of a flight for JSON."""
     parting = flight.parting and asdict(flight.parting)
     return {
         "branch": flight.branch.id,

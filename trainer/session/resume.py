@@ -1,4 +1,4 @@
-"""A recorded run goes on: the boat is brought to its last order."""
+"""A recorded run goes on, after the boat is brought to its last order."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -65,7 +65,7 @@ def resume_boat(
 
 
 def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
-    """Raise ConfigError with what differs from the recording, unless it is to be done anyway."""
+    """Raise ConfigError naming what differs from the recording, unless the user insists."""
     if found and not anyway:
         raise ConfigError(
             *(f"{path.name}: {each}" for each in found),
@@ -74,7 +74,7 @@ def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
 
 
 def count_exposure(recording: Recording, boat: Boat, layout: tuple[str, ...]) -> None:
-    """Count again for how long the periscope has shown, by the states before this."""
+    """Count again how long the periscope has shown, from the recorded states."""
     scope = periscope_of(boat)
     if scope is None or not scope.acts:
         return
@@ -89,7 +89,8 @@ def count_exposure(recording: Recording, boat: Boat, layout: tuple[str, ...]) ->
 def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ...]) -> History:
     """Return the history of a boat brought to where its recording ends.
 
-    The last recorded state, then every order journalled since at its tick: no order is lost.
+    It restores the last recorded state. Then it gives every order journalled since at its tick, so
+    that no order is lost.
     """
     plan.start(boat)  # also what no state holds: the triggers armed
     latest = recording.latest()

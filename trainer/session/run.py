@@ -1,4 +1,4 @@
-"""A run from its plan to its summary. It joins everything, starts it, and sums it up."""
+"""A run from its plan to its summary: parts made, joined, started and closed."""
 
 import contextlib
 import math
@@ -73,7 +73,7 @@ class RunResult(NamedTuple):
 
 @dataclass(frozen=True)
 class PreparedRun:
-    """The decisions before the ports open."""
+    """The plan, boat and recording of a run, made before the ports open."""
 
     plan: Plan
     boat: Boat
@@ -95,9 +95,9 @@ class LastingParts:
 def run_boat(
     options: RunOptions, clock: Clock | None = None, debriefing: DebriefSource | None = None
 ) -> int:
-    """Run as the command line's ``options`` say, by the machine's clock; return the exit code.
+    """Run by the machine's clock as ``options`` say; return the exit code.
 
-    Where the instructor has ordered another exercise next, that is begun, frozen, in its turn.
+    If the instructor orders a next exercise, it begins, frozen, when this one has ended.
     """
     begun = LastingParts(clock or MonotonicClock(), debriefing)
     with serving_pages(options) as begun.pages:
@@ -148,7 +148,7 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
 
 
 def refuse_automatic(plan: Plan, path: Path | None) -> None:
-    """Raise ConfigError if orders from a file give the autopilot what the crew works."""
+    """Raise ConfigError if orders from a file give the autopilot an axis of the crew."""
     own_ids = {*map(id, plan.own_schedule)}
     added = [each for each in plan.schedule if id(each) not in own_ids]
     problems = [
@@ -162,7 +162,7 @@ def refuse_automatic(plan: Plan, path: Path | None) -> None:
 
 
 def discard_recording(kept: Path | None) -> None:
-    """Remove a recording of nothing."""
+    """Remove a recording that holds nothing."""
     for ending in ("", "-wal", "-shm", "-journal"):
         if kept is not None:
             kept.with_name(kept.name + ending).unlink(missing_ok=True)
@@ -186,7 +186,7 @@ def ready_boat(plan: Plan, options: RunOptions) -> Boat:
 def create_recording(
     paths: Sequence[Path], header: Mapping[str, str], state: bytes
 ) -> tuple[Path | None, Recording]:
-    """Make the first recording whose name nobody takes before. A passing one if there is no name.
+    """Make a recording under the first free name, a temporary one without names.
 
     ConfigError if it cannot be made.
     """
@@ -201,7 +201,7 @@ def create_recording(
 
 
 def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
-    """Return the recording's path. The default is for runs with somebody to train."""
+    """Return paths for the recording. Only runs with somebody to train have a default."""
     if options.no_record:
         return ()
     if options.record is not None:
@@ -288,13 +288,13 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
 
 
 def crew_talk(plan: Plan, boat: Boat) -> CrewTalk:
-    """Return the words on board: none yet, and what the exercise has worked by hand."""
+    """Return the crew's talk before any word, with the axes that are worked by hand."""
     hand, allowed = frozenset(plan.hand), frozenset(plan.allowed)
     return CrewTalk(boat, hand, plan.hand_from, allowed, plan.guard)
 
 
 def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> None:
-    """Settle how a session is conducted: its exercise's end, its judge, and what follows."""
+    """Set the exercise's end, its judge and the next exercises in a session's conduct."""
     plan, conduct = prepared.plan, session.conduct
     conduct.debriefing, conduct.following = prepared.begun.debriefing, prepared.following
     conduct.scored = bool(plan.scores)
@@ -309,7 +309,7 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
 
 
 def await_code(session: Session) -> None:
-    """Go over to machine code once it is there, between two ticks. Tell how far it is."""
+    """Go over to machine code between two ticks, once it is there; announce the progress."""
     work, log = session.conduct.work, session.event_log
 
     def tell(percent: int) -> None:
@@ -351,7 +351,7 @@ def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:
 def open_door(
     ports: Ports, session: Session, options: RunOptions, pages: PageServer | None
 ) -> None:
-    """Open the sockets for those who come, and greet those who are there."""
+    """Open the sockets for newcomers, and greet the stations that are attached already."""
     session.attendance.reception = ports.lobby(options) or NoReception()
     if options.browse:
         session.event_log.hearers.append(ports.news_printer())
@@ -363,13 +363,13 @@ def open_door(
 
 
 def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publisher | PromptSender:
-    """Return what sends to the stations: at once where no time is kept."""
+    """Return the sender to the stations, which sends at once where no time is kept."""
     roster = Roster(StateReader(boat, time.ledger.summary))
     return PromptSender(roster) if keeps_no_time(options) else Publisher(roster)
 
 
 def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
-    """Return the file of each tick's columns; ConfigError if it cannot be written."""
+    """Return the CSV file with a row for each tick. ConfigError if it cannot be written."""
     if path is None:
         return NoFile()
     try:
@@ -379,7 +379,7 @@ def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
 
 
 def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
-    """Return what there is to say of the exercise."""
+    """Return the briefing of the exercise."""
     return Briefing(
         name=Path(options.exercise).stem if options.exercise else "",
         title=plan.title,
@@ -395,7 +395,7 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
 
 
 def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
-    """Return what whoever comes is told: the boat, where it is, and a note."""
+    """Return the lines for newcomers: the boat, where it is, and a note."""
     s = boat.state
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (
@@ -429,7 +429,7 @@ def progress_bar(last_tick: float) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def end_on_interrupt(session: Session) -> Iterator[None]:
-    """End the run after the tick at hand, by Ctrl-C or a request to terminate."""
+    """End the run after the present tick, on Ctrl-C or a request to terminate."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,8 +1,8 @@
 """A live run and a replayed one: two objects with one face.
 
-The session asks its run at every tick what is due, and gives it what came of it. Nothing else asks
-whether it is a replay. A live run records; a replayed one takes its orders from the recording, and
-compares the states, because a replay that leaves its recording is to say so.
+At every tick the session asks its run which orders are due, and hands it the new state. Nothing
+else asks whether it is a replay. A live run records the state. A replayed one takes its orders from
+the recording and compares the states, because a replay that leaves its recording has to say so.
 """
 
 import math
@@ -20,30 +20,30 @@ from trainer.io.recording.recording import Moment, RecordedOrder, Recording, Rec
 
 
 class Judge(Protocol):
-    """Who judges a tick."""
+    """The judge of a tick, as a run needs it."""
 
     def collide(self, met: EncounterMonitor) -> None:
-        """Do what the exercise has a collision do."""
+        """Freeze or end after a collision, as the exercise says."""
         ...
 
     def tell_ground(self) -> object:
-        """Tell of the ground."""
+        """Announce contact with the ground."""
         ...
 
     def judge_hull(self) -> None:
-        """Tell of the ground and the hull, and do what the exercise has them do."""
+        """Announce grounding or collapse, and freeze or end as the exercise says."""
         ...
 
     def look(self) -> None:
-        """End the exercise if this tick does."""
+        """End the exercise if this tick ends it."""
         ...
 
 
 class Orders(Protocol):
-    """Who carries out what is due."""
+    """The orders that may be due at a tick, as a run needs them."""
 
     def obey_schedule(self) -> None:
-        """Carry out what the exercise has ordered."""
+        """Carry out the exercise's scheduled orders."""
         ...
 
     def obey_plans(self) -> None:
@@ -51,35 +51,35 @@ class Orders(Protocol):
         ...
 
     def obey_again(self) -> None:
-        """Have recorded orders obeyed again."""
+        """Obey recorded orders again."""
         ...
 
     def obey_watch(self) -> None:
-        """Carry out what those on watch order."""
+        """Carry out the orders of those on watch."""
         ...
 
     def end_replay(self, outcome: str) -> None:
-        """Let time stand still where a replay has arrived."""
+        """Freeze time where a replay has come to its end."""
         ...
 
 
 class Talk(Protocol):
-    """Where the words on board are recorded."""
+    """The record of the words on board."""
 
     def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
-        """Take something that happened."""
+        """Record an event."""
         ...
 
 
 class NoTalkRecord:
-    """Records nothing: what a replay says again is in the recording."""
+    """A record that keeps nothing, because the recording has the words of a replay already."""
 
     def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
-        """Drop it."""
+        """Drop an event."""
 
 
 class RunHistory(Protocol):
-    """The history of a run, as far as the run writes it."""
+    """The history of a run, as far as the run needs it."""
 
     boat: Boat
     recording: Recording | NoRecording
@@ -105,12 +105,12 @@ class RunHistory(Protocol):
         ...
 
     def arrive(self, difference: str) -> str:
-        """End a replay that has arrived; return what became of it."""
+        """End a replay that has reached its last moment; return its outcome in words."""
         ...
 
 
 class LiveRun:
-    """A run as it is flown for the first time. All of it is recorded."""
+    """A run that is flown for the first time, and recorded whole."""
 
     barred = ""  # why nobody may order the boat
     replaying = False  # as it is shown
@@ -135,11 +135,11 @@ class LiveRun:
             yield history.place, entry
 
     def recorded(self, _schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
-        """Yield no order: all are given now."""
+        """Yield no order, because a live run's orders are not recorded ones."""
         return iter(())
 
     def obey_due(self, orders: Orders) -> bool:
-        """Have the orders obeyed that act on the next tick. No run ends by that."""
+        """Obey the orders that act on the next tick. Return False: a live run does not end so."""
         orders.obey_schedule()
         orders.obey_plans()
         return False
@@ -153,25 +153,25 @@ class LiveRun:
         self._history.recording.timing(tick, lateness, work)
 
     def keep_row(self, write: Callable[[], None]) -> None:
-        """Have the tick's row written."""
+        """Write the tick's row into the file of columns."""
         write()
 
     def judge(self, judge: Judge, encounters: EncounterMonitor) -> None:
-        """Have this tick judged: collisions, the ground, the hull, the exercise's end."""
+        """Judge this tick: collisions, the ground, the hull, the exercise's end."""
         judge.collide(encounters)
         self.judge_hull(judge)
         judge.look()
 
     def judge_hull(self, judge: Judge) -> None:
-        """Have the ground and the hull judged."""
+        """Judge the ground and the hull."""
         judge.judge_hull()
 
     def watch(self, orders: Orders) -> None:
-        """Have those on watch order what this tick calls for."""
+        """Carry out the orders of those on watch after this tick."""
         orders.obey_watch()
 
     def last_tick(self, branch: int) -> int:
-        """Return the last tick of a branch; that of the present one is now."""
+        """Return the last tick of a branch, of the present one the present tick."""
         recording = self._history.recording
         flown = recording.last_tick(branch)
         return max(flown, self._history.tick) if branch == recording.branch else flown
@@ -195,13 +195,13 @@ class ReplayedRun:
         self.different = ""  # where it first left its recording
 
     def has_orders(self, _schedule: Sequence[ScheduledOrder]) -> bool:
-        """Return that there may be orders, or its end."""
+        """Return True, because recorded orders or the end of the replay may be due."""
         return True
 
     def due_of_schedule(
         self, _schedule: Sequence[ScheduledOrder]
     ) -> Iterator[tuple[int, ScheduledOrder]]:
-        """Yield nothing: what the schedule ordered is among the recorded orders."""
+        """Yield nothing, because the recorded orders include those of the schedule."""
         return iter(())
 
     def recorded(self, schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
@@ -215,7 +215,7 @@ class ReplayedRun:
                 yield order, entry.giver
 
     def obey_due(self, orders: Orders) -> bool:
-        """Have the recorded orders of this tick obeyed; return whether the replay ends here."""
+        """Obey the recorded orders of this tick; return whether the replay ends here."""
         orders.obey_again()
         if self._history.tick < self._end.tick or self._orders:
             return False
@@ -229,7 +229,7 @@ class ReplayedRun:
         return self.different or ("" if same else "it did not end in the state that it led to")
 
     def keep(self, tick: int, state: bytes) -> None:
-        """Compare the state after a tick with the one that is recorded."""
+        """Compare the state after a tick with the recorded one."""
         if self.different:
             return
         history = self._history
@@ -243,13 +243,13 @@ class ReplayedRun:
             self.different = f"the replay left its recording at tick {tick}"
 
     def keep_timing(self, tick: int, lateness: int, work: int) -> None:
-        """Keep the timing as it was recorded."""
+        """Record no timing, because the recording has that of the live run."""
 
     def keep_row(self, write: Callable[[], None]) -> None:
-        """Write no row: there is one of this tick."""
+        """Write no row, because the live run has written one for this tick."""
 
     def judge(self, judge: Judge, _encounters: EncounterMonitor) -> None:
-        """Tell of the ground; the replay goes to its end anyway."""
+        """Announce contact with the ground. Nothing ends a replay before its end."""
         self.judge_hull(judge)
 
     def judge_hull(self, judge: Judge) -> None:
@@ -257,14 +257,14 @@ class ReplayedRun:
         judge.tell_ground()
 
     def watch(self, orders: Orders) -> None:
-        """Leave the watch's orders to the recording, which has them."""
+        """Do nothing, because the recording has the watch's orders."""
 
     def last_tick(self, branch: int) -> int:
-        """Return the last tick of a branch that is recorded."""
+        """Return the last recorded tick of a branch."""
         return self._history.recording.last_tick(branch)
 
     def end(self) -> Moment:
-        """Return the moment that this replay leads to, and one from here likewise."""
+        """Return the moment at which this replay ends, and also one that begins within it."""
         return self._end
 
 
@@ -274,7 +274,7 @@ Run = LiveRun | ReplayedRun
 def order_of(entry: RecordedOrder, schedule: Sequence[ScheduledOrder]) -> Order | None:
     """Return the order that was journalled, None if this version does not understand it.
 
-    That of a schedule is taken from there: a casualty's has more to it than its words.
+    A scheduled order comes from the schedule, because a casualty there has more than its words.
     """
     if entry.place is not None and 0 <= entry.place < len(schedule):
         return schedule[entry.place].order

@@ -84,11 +84,11 @@ class Session(Parts):
         self.wake.set()
 
     def give(self, order: Order, giver: Giver) -> Reply:
-        """Carry out an order of no station; return what now holds, or why not."""
+        """Carry out an order that comes from no station; return the answer."""
         return self.dispatch.give(order, giver)
 
     def tick(self) -> None:
-        """Carry out the orders that are due, and unless they stop time take a tick."""
+        """Carry out the orders that are due; take a tick unless they stop time."""
         if self._stopped_by_orders():
             return
         pacer = self.time.pacer
@@ -119,12 +119,12 @@ class Session(Parts):
         return self.control.ended or self.boat.plain[TICK_PLACE] >= self.last_tick
 
     def _hear(self, asked: Request) -> None:
-        """Answer what a station says, and take the steps that it orders."""
+        """Answer a station's order or question, and take the steps that it orders."""
         self.dispatch.hear(asked)
         self._take_steps()
 
     def _take_steps(self) -> None:
-        """Take the steps that were ordered while time is frozen, and listen between long ones."""
+        """Take the ordered single steps in a freeze. Stop to listen when they take long."""
         until = self.time.clock.now() + STEPPING_PERIOD_NS
         while self.control.steps and self.time.frozen and not self._over:
             if self.time.clock.now() > until:
@@ -134,7 +134,7 @@ class Session(Parts):
             self.tick()
 
     def _deserted(self) -> bool:
-        """Return whether nobody can let time, which stands still, go on."""
+        """Return whether time is frozen, and nobody is left who could order it to run."""
         if self.attendance.reception.awaited:
             return False
         silent = self.attendance.silent
@@ -151,7 +151,7 @@ class Session(Parts):
         return ended or self.control.ended or (self.time.frozen and not was_frozen)
 
     def _after_tick(self, tick: int) -> None:
-        """Keep the state, show it, and call out what it means."""
+        """Record the state, show it, and announce what it means."""
         state = self.history.ticked(tick)
         flown = self.history.flown
         self.event_log.tell_trouble()
@@ -172,7 +172,7 @@ class Session(Parts):
             self.event_log.tell("trouble", self.sending.troubles.popleft())
 
     def _tell_late(self, events: tuple[PacerEvent, ...]) -> None:
-        """Tell of a tick that was late, and show the speed if it had to fall."""
+        """Announce a late tick, and show the speed of time if it had to fall."""
         speed = self.time.speed
         for kind, text in self.time.judge(events):
             self.event_log.tell(kind, text)
@@ -180,7 +180,7 @@ class Session(Parts):
             self.shown.show()
 
     def _write_row(self) -> None:
-        """Hand the state to the columns' file; tell at once when it is in trouble."""
+        """Hand the state to the file of columns; announce at once if that fails."""
         if not self.rows.columns:
             return
         recorder = self.rows.recorder

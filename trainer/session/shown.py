@@ -15,7 +15,7 @@ from trainer.session.time.timekeeping import Timekeeping
 
 @dataclass
 class ScreenOutput:
-    """What is sent to the screens of one session."""
+    """The output to the screens of one session."""
 
     history: History
     time: Timekeeping
@@ -34,15 +34,15 @@ class ScreenOutput:
         self.sending.offer(now.tick, now.state, self._pace)
 
     def show_tick(self, tick: int, state: bytes) -> None:
-        """Show a state; time runs as it did."""
+        """Show the state after a tick. How time runs has not changed."""
         self.sending.offer(tick, state, self._pace)
 
     def take_words(self) -> None:
-        """Take the last words to the crew, which are shown with the next state."""
+        """Note the last words to the crew, which the next state shows."""
         self._pace = self._pace._replace(told=self.crew.told)
 
     def status(self, station: Station) -> list[str]:
-        """Return all about the boat that a station may know."""
+        """Return all lines about the boat that a station may know."""
         if station.role is INSTRUCTOR_ROLE:
             return status_lines(self.history.boat, self.time.ledger.summary())
         picture = Picture(self.history.tick, self.history.now().state, self._pace)

@@ -1,8 +1,8 @@
 """The words, repeats and plans that stand on board after each order of the journal.
 
-A jump in time takes it as it stood after the last order of the moment. An order's number tells all
-the orders before it, on whatever branch. So nothing is read from the journal, or understood anew,
-but what was given to another process.
+A jump in time puts back what stood after the last order of its moment. The number of an order is
+enough to find that, because it also says which orders came before, on any branch. The journal is
+read, and its orders are understood anew, only where another process gave them.
 """
 
 from dataclasses import dataclass, field
@@ -28,20 +28,20 @@ class StandRecord:
     _by_order: dict[int, Stand] = field(default_factory=lambda: {0: EMPTY_STAND}, repr=False)
 
     def keep(self) -> None:
-        """Keep what stands after the last order. Most change nothing, and share what is kept."""
+        """Keep what stands after the last order. Most orders change nothing and share one entry."""
         now = self.crew.talk, self.agenda.plans
         if now != self._latest:
             self._latest = now
         self._by_order[self.history.after] = self._latest
 
     def go_back(self) -> None:
-        """Take what stood after the last order that the present state includes."""
+        """Put back what stood after the last order that the present state includes."""
         talk, plans = self._present()
         self.crew.take(talk, self.history.tick)
         self.agenda.take(plans)
 
     def arrive(self) -> None:
-        """Take the plans as they stand where a replay ends. Its words were said again."""
+        """Put back the plans after a replay. The replay has said its words itself."""
         self.agenda.take(self._present()[1])
 
     def _present(self) -> Stand:
@@ -50,7 +50,7 @@ class StandRecord:
         return self._by_order.get(self.history.after, EMPTY_STAND)
 
     def _read(self) -> None:
-        """Hear the journal's orders again, from the first to those of the present state."""
+        """Understand the journal's orders again, up to the last that the state includes."""
         crew, agenda = CrewTalk(self.crew.boat), Agenda(self.agenda.boat)
         for entry in self.history.said():
             order = parse(entry.text)

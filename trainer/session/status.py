@@ -74,7 +74,7 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
 
 
 def casualty_lines(boat: Boat) -> list[str]:
-    """Return what a station's instruments show, and the casualties there are."""
+    """Return what the crew's instruments show, and the casualties."""
     shown = casualties.instrument_readings(boat)
     instruments = (
         f"instruments: depth {shown.depth:.1f} m, "
@@ -111,7 +111,7 @@ def current_lines(frame: Frame, boat: Boat) -> list[str]:
 
 
 def ballast_lines(boat: Boat) -> list[str]:
-    """Return what is aboard as water and air."""
+    """Return the water and air that are aboard."""
     s, c = boat.state, boat.vessel
     tonnes = dict(zip(TANKS, s.water / 1000.0, strict=True))
     with np.errstate(all="ignore"):  # a bank or a tank that the boat lacks

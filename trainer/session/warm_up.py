@@ -1,4 +1,4 @@
-"""A boat is made ready for sea. It is compiled before the clock starts, at a stable step."""
+"""The preparation of a boat before the clock starts: compiled, and of a stable step."""
 
 import contextlib
 import gc
@@ -31,13 +31,13 @@ REST_NICENESS: Final = 10
 
 
 def warm_boat(boat: Boat) -> None:
-    """Try the boat out, compiling it if need be: nothing compiles once the clock runs."""
+    """Compile and try the boat, because nothing may compile once the clock runs."""
     with compilation.announce_compiling(BOAT_TEXT, partial(click.echo, err=True)):
         try_out(boat)
 
 
 def set_garbage_aside() -> None:
-    """Leave what is there out of later collections; for a process that is one run."""
+    """Leave all present objects out of later collections, in a process that is one run."""
     if gc.isenabled():  # else this process has just begun, and has no garbage to speak of
         gc.collect()
     gc.freeze()  # a full collection with numba loaded takes 0.1 s
@@ -45,7 +45,7 @@ def set_garbage_aside() -> None:
 
 
 def try_out(boat: Boat) -> None:
-    """Take a tick and a casualty on a throw-away state. All that a run needs is done once."""
+    """Take a tick and a casualty on a throw-away state, to run all code once."""
     before = boat.snapshot()
     boat.state.u = 1.0
     boat.trimmed(1.0)
@@ -63,7 +63,7 @@ def try_out(boat: Boat) -> None:
 
 
 def refuse_unstable(boat: Boat) -> None:
-    """Raise ConfigError if the step makes the boat unstable, naming the largest that does not."""
+    """Raise ConfigError if the step makes the boat unstable, naming the largest stable one."""
     from trainer.boat import stability  # noqa: PLC0415
 
     low, high = boat.file.run.speed_range_kn
@@ -81,9 +81,9 @@ def refuse_unstable(boat: Boat) -> None:
 
 
 def precompile(lock: int | None = None) -> None:
-    """Compile what a run needs, unless another process does so or has done so.
+    """Compile all that a run needs, unless another process does so or has done so.
 
-    ``lock`` is the one that allows it, where whoever started this process has taken it.
+    ``lock`` allows it, where the process that started this one has taken the lock already.
     """
     with contextlib.ExitStack() as stack:
         if lock is None:
@@ -93,7 +93,7 @@ def precompile(lock: int | None = None) -> None:
 
 
 def compile_in_stages() -> None:
-    """Compile the tick alone, to which runs at sea go over, and then the rest."""
+    """Compile the tick first, because runs at sea wait for it, and then the rest."""
     limit_work(TICK_NICENESS)
     if not compilation.is_tick_kept():
         from trainer.boat.first_tick import compile_tick  # noqa: PLC0415  an interpreted run must not
@@ -111,7 +111,7 @@ def compile_in_stages() -> None:
 
 
 def limit_work(niceness: int) -> None:
-    """Be nicer by that much, and end after so much processor time, if possible."""
+    """Lower the priority of this process, and limit its processor time, if possible."""
     if os.name == "posix":
         import resource  # noqa: PLC0415  not everywhere
 

@@ -1,4 +1,4 @@
-"""The orders to the world that stand at a moment: current, ships near, ground."""
+"""The orders to the world that hold at a moment: current, ships near, ground."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -38,9 +38,9 @@ def to_world(entry: RecordedOrder, before: WorldOrder | None) -> WorldOrder | No
 
 
 def worlds_begun(recording: Recording) -> dict[int, WorldOrders]:
-    """Return the orders to the world that stand where each branch begins.
+    """Return the orders to the world that hold where each branch begins.
 
-    It goes once through all branches, because each of a long chain rests on all before it.
+    It goes through all branches once, because each of a long chain needs all before it.
     """
     begun: dict[int, WorldOrders] = {}
     flown: dict[int | None, WorldOrder | None] = {None: None}  # to the end of each branch

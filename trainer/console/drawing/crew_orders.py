@@ -11,8 +11,8 @@ from trainer.units import FOOT
 ORDERS_CHANNEL: Final = "orders"
 TENTHS_BELOW: Final = 3.0  # [m], [deg] to go, below which tenths count
 REACHED_MARGIN: Final = 0.5  # [deg, m] closer than this is there
-FEET_REACHED: Final = 1.5  # [ft]
-KNOTS_REACHED: Final = 0.15  # [kn]
+REACHED_MARGIN_FT: Final = 1.5  # [ft]
+REACHED_MARGIN_KN: Final = 0.15  # [kn]
 SETTLED_DEPTH_M: Final = 3.0  # [m] closer than this the ordered angle has come off
 PITCH_ORDER_TIME_S: Final = 10.0  # [s] after an order for depth, in which an angle belongs to it
 REPEAT_HINT: Final = "Enter repeats it"
@@ -66,7 +66,7 @@ def depth_order(model: SessionModel) -> tuple[str, str]:
     unit, size = ("ft", FOOT) if in_feet(model) else ("m", 1.0)
     feet = unit == "ft"
     text = f"{round(ordered / size)} ft" if feet else f"{short_number(ordered)} m"
-    reached = FEET_REACHED if feet else REACHED_MARGIN
+    reached = REACHED_MARGIN_FT if feet else REACHED_MARGIN
     if error is None or abs(error / size) < reached:
         return _both(text, "" if error is None else ", at depth")
     way = "deeper" if error > 0.0 else "higher"
@@ -79,15 +79,15 @@ def speed_order(model: SessionModel) -> tuple[str, str]:
     if ordered is None:
         return "", ""
     text = f"{short_number(ordered)} kn"
-    if error is None or abs(error) < KNOTS_REACHED:
+    if error is None or abs(error) < REACHED_MARGIN_KN:
         return _both(text, "" if error is None else ", at speed")
     return _both(text, f", {abs(error):.1f} {'faster' if error > 0.0 else 'slower'}")
 
 
 def has_come_off(model: SessionModel) -> bool:
-    """Return whether the boat is at the depth that the ordered angle led to.
+    """Return whether the boat has reached the depth to which the ordered angle led.
 
-    An angle that is ordered later than that, by PITCH_ORDER_TIME_S, is an order of its own.
+    An angle ordered more than PITCH_ORDER_TIME_S after the depth is an order of its own.
     """
     number = model.picture.number
     ordered, error = _pair(model, "depth")
@@ -100,7 +100,7 @@ def has_come_off(model: SessionModel) -> bool:
 
 
 def pitch_order(model: SessionModel) -> tuple[str, str]:
-    """Return the ordered pitch with its error. At the depth ordered with it nothing is to go."""
+    """Return the ordered pitch with its error, which is none once its depth is reached."""
     ordered, error = _pair(model, "pitch")
     if ordered is None:
         return "", ""
@@ -172,7 +172,7 @@ def order_line(model: SessionModel, width: int) -> Line:
 
 
 def told_words(model: SessionModel) -> str:
-    """Return the last order in words. A channel has no commas, the fact of it has."""
+    """Return the last order in words, with the commas that only its fact has."""
     words = model.picture.word(ORDERS_CHANNEL, "told")
     return model.crew.told if len(model.crew.told) == len(words) else words
 

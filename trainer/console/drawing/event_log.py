@@ -6,7 +6,7 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 MIN_TIMELINE_COLUMNS = 24  # [columns] of a time line
-SHIP_NAME = 9  # [columns]
+SHIP_NAME_COLUMNS = 9
 SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
 SHIPS_HEADING = " ship      brg  range crs kn   cpa  sec"
 
@@ -53,7 +53,7 @@ def end_of(model: SessionModel) -> float:
 
 
 def moments(model: SessionModel) -> list[TimelineMoment]:
-    """Return what is on the time line, oldest first."""
+    """Return the snapshots, marks and casualties on the time line, oldest first."""
     return sorted([*model.snapshots, *model.marks], key=lambda kept: kept.seconds)
 
 
@@ -73,7 +73,7 @@ def scale(model: SessionModel, now: float, end: float, room: int) -> tuple[Run, 
 
 
 def ledger(model: SessionModel, width: int, height: int) -> Lines:
-    """Return what became of the ticks."""
+    """Return the ledger of the ticks in five lines."""
     picture = model.picture
 
     def told(name: str, decimals: int = 0) -> str:
@@ -98,7 +98,7 @@ def row(label: str, text: str) -> Line:
 
 
 def suffering(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the casualties: kind, how much now, and how long it still comes or goes."""
+    """Return the casualties: kind, present degree, and seconds until it is there or gone."""
     picture = model.picture
     lines = [fit(line((" casualties", "heading")), width, "heading")]
     for name in picture.rows("casualties", "casualty_"):
@@ -137,14 +137,14 @@ def ships(model: SessionModel, width: int) -> Lines:
 
 
 def ship_row(model: SessionModel, name: str) -> Line:
-    """Return one ship; what is past has no time."""
+    """Return the line of one ship. A closest approach in the past has no time."""
     picture = model.picture
     values = {part: picture.number("contacts", f"{name}_{part}") for part in SHIP_PARTS}
     until = values["tcpa"]
     when = "past" if until is not None and until < 0.0 else number(until, 0)
     return line(
         (" ", "value"),
-        *fit(line((picture.word("contacts", name), "value")), SHIP_NAME),
+        *fit(line((picture.word("contacts", name), "value")), SHIP_NAME_COLUMNS),
         f" {course(values['bearing']):>3} {number(values['range'], 0):>6}"
         f" {course(values['course']):>3} {number(values['speed'], 0):>2}"
         f" {number(values['cpa'], 0):>5} {when:>4}",

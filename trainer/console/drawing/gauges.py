@@ -22,8 +22,8 @@ TANK_LABELS = (
     ("dc", ("depth_control",)),
 )
 STATE_COLUMNS = 56  # [columns] of the state
-SHALLOW_DEPTH_M = 15.0  # [m] over the sail from which it is told
-GAUGE_ERROR_MARGIN = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
+SHALLOW_DEPTH_M = 15.0  # [m] of water over the sail, from which on up it is shown
+GAUGE_ERROR_MARGIN = 0.5  # [m, deg, kn] of error above which a gauge is shown as wrong
 
 
 def state(model: SessionModel, width: int, _height: int) -> Lines:
@@ -41,7 +41,7 @@ def state(model: SessionModel, width: int, _height: int) -> Lines:
 
 
 def interpolate(model: SessionModel, name: str) -> float | None:
-    """Return a value of the gauges' channel where it is now."""
+    """Return a value of the gauges' channel, smoothed between ticks."""
     return model.picture.smooth(model.gauges, name, model.clock())
 
 
@@ -52,7 +52,7 @@ def pair(label: str, actual: str, ordered: str, unit: str) -> Line:
 
 
 def false(model: SessionModel, name: str) -> str:
-    """Return what a gauge shows, "" where that is the truth."""
+    """Return the reading of a gauge that is wrong, "" for one that is right."""
     shown, true = model.picture.number("gauges", name), model.picture.number("motion", name)
     if shown is None or true is None:
         return ""
@@ -62,7 +62,7 @@ def false(model: SessionModel, name: str) -> str:
 
 
 def reading(model: SessionModel, name: str, channel: str, unit: str) -> Line:
-    """Return a value and its order. The crew's gauge stands in the order's place, if false."""
+    """Return a true value and its order. A wrong gauge takes the order's place."""
     actual = interpolate(model, name)
     if name == "heading":
         ordered = course(model.picture.number(channel, "ordered_course"))
@@ -98,7 +98,7 @@ def plane(model: SessionModel, name: str, channel: str) -> Line:
 
 
 def engine(model: SessionModel, room: int) -> Line:
-    """Return bell, or that speed is kept, and revolutions, whose numbers outlast the labels."""
+    """Return bell or mode, and revolutions. Where room is short labels go, numbers stay."""
     picture = model.picture
     rung = bell(picture.word("engine", "bell"))
     mode_text = "auto" if picture.word("engine", "speed_mode") == "auto" else "turns"
@@ -122,7 +122,7 @@ def weight(model: SessionModel) -> Line:
 
 
 def tanks(model: SessionModel, room: int) -> Line:
-    """Return how full the tanks are [%]; where all are full, their label gives way."""
+    """Return how full the tanks are [%]. Where room is short the label goes."""
     if model.picture.number("tanks", "auxiliary") is None:
         return line(
             (" tanks  ", "dim"), no_value_reason(model.picture, "tanks", "this boat has none")
@@ -157,7 +157,7 @@ def air(model: SessionModel) -> Line:
 
 
 def sea(model: SessionModel) -> Line:
-    """Return the sea, and the one it is becoming."""
+    """Return the sea, and the ordered sea if it is another."""
     now, then = swell(model, ""), swell(model, "ordered_")
     order_text = "" if now == then else f" > {then}"
     carried = over_ground(model)

@@ -19,13 +19,13 @@ from trainer.console.model import MAKING_READY, SessionModel
 from trainer.console.pane import Line, Lines, beside, fit, length, line
 
 LARGE_NUMBER_ROWS: Final = 9  # [rows] with room for large numbers
-LARGE_GAUGE_ROWS: Final = 7
+LARGE_GAUGE_ROWS: Final = 7  # the same for the repeaters, which have fewer lines below
 KEY_GAP_COLUMNS: Final = 1  # [columns] between keys
-SILENCE_TIMEOUT_S: Final = 2.0  # [s] of a session that runs, after which it is called out
+SILENCE_TIMEOUT_S: Final = 2.0  # [s] without values of a running session, beside two ticks
 
 
 def top(model: SessionModel, width: int, _height: int) -> Lines:
-    """Return the first line, or what is wrong with the line to the session."""
+    """Return the screen's first line, or the trouble of the line to the session."""
     wrong = trouble(model)
     if wrong:
         return [fit(line((f" {wrong} ", "alarm")), width, "alarm")]
@@ -98,7 +98,7 @@ def foot(keys: Sequence[tuple[str, str]], width: int, rows: int) -> Lines:
 
 
 def key_rows(keys: Sequence[tuple[str, str]], width: int, rows: int) -> list[list[tuple[str, str]]]:
-    """Return the keys row by row. Where there is no room the last but one go first."""
+    """Return the keys by rows. Where room is short, the last key stays and those before it go."""
     shown = list(keys)
     while len(flowed(shown, width)) > max(rows, 1) and len(shown) > 1:
         del shown[-2]
@@ -106,7 +106,7 @@ def key_rows(keys: Sequence[tuple[str, str]], width: int, rows: int) -> list[lis
 
 
 def flowed(keys: Sequence[tuple[str, str]], width: int) -> list[list[tuple[str, str]]]:
-    """Return keys in rows of at most ``width`` columns, however many rows it takes."""
+    """Return keys in as many rows of at most ``width`` columns as it takes."""
     key_rows: list[list[tuple[str, str]]] = [[]]
     used = 1
     for key in keys:

@@ -1,1 +1,1 @@
-"""NMEA 0183, out and in."""
+"""NMEA 0183: sentences to instruments, and orders from controllers."""

@@ -1,4 +1,4 @@
-"""Sentences of NMEA 0183 that order. A heading controller, a wheel or a telegraph sends them.
+"""Orders by NMEA 0183, as a heading controller, a wheel or a telegraph sends them.
 
     HTC  heading/track control command: rudder in steering modes R and M, heading in H and S
     HSC  heading steering command: a true heading
@@ -6,12 +6,12 @@
     ETL  engine telegraph, an order (O)
     PRC  propulsion remote control: revolutions a minute (R)
 
-They become the words of the same orders typed at a station. Fields as IEC 61162-1 has them.
+They become the words that a helmsman would type. Fields are those of IEC 61162-1. Other sentences
+are counted and ignored.
 
-Lines of NMEA 0183 as a station has them: sentences that order become words, others are counted.
-
-What a station is answered and told is not sent: instruments would not understand it. The sets of
-sentences go to the line underneath, by a subscription.
+``NmeaLine`` and ``ReaderLine`` are lines of such sentences for a station. They send no answers and
+no news, because instruments would not understand them. Sets of sentences go to the line underneath,
+by a subscription.
 """
 
 import re
@@ -44,6 +44,7 @@ TELEGRAPH_BELLS: Final[Mapping[str, str]] = {
     "14": "astern full",
     "15": "astern full",  # crash
 }
+# the position sent for a bell; of the two of one astern bell it is the one that is not an extreme
 BELL_POSITIONS: Final = {
     **{bell: position for position, bell in TELEGRAPH_BELLS.items()},
     "astern full": "14",
@@ -51,16 +52,18 @@ BELL_POSITIONS: Final = {
 }
 
 NUMBER_PATTERN: Final = re.compile(r"[+-]?[0-9]{1,6}(?:\.[0-9]*)?", re.ASCII)
-STEERING_SUBJECT, ENGINE_SUBJECT = "steering", "engine"
-REPEAT_PERIOD_S: Final = 10.0  # [s] after which the same command, sent all the time, is given anew
-MAX_TOLD_KINDS: Final = 16  # of sentences ignored: the others are only counted
-OWN_FORMATTERS: Final = frozenset({"ROR", "ETL"})  # sent here too: an echo of them is no order
-Log = Callable[[str, str], None]  # takes a kind of trainer.session.stations.roles.KINDS and a text
+STEERING_CONTROL, ENGINE_CONTROL = "steering", "engine"
+# [s] after which a command that a controller repeats all the time is given again: it then takes the
+# rudder back from a station that took it meanwhile (docs/nmea.md)
+REPEAT_PERIOD_S: Final = 10.0
+MAX_TOLD_KINDS: Final = 16  # kinds of ignored sentences that are announced; others are only counted
+OWN_FORMATTERS: Final = frozenset({"ROR", "ETL"})  # the trainer sends these too: no echo may order
+Log = Callable[[str, str], None]  # takes a kind of stations.roles.EVENT_KINDS and a text
 
 
 @dataclass(frozen=True)
 class Command:
-    """An order in words, and its subject. A later one for the same subject replaces it."""
+    """An order in words, and the control that it is for. A later one replaces it."""
 
     control: str
     words: str
@@ -68,7 +71,7 @@ class Command:
 
 @dataclass(frozen=True)
 class UnusableSentence:
-    """Why a sentence orders nothing; the same words for the same fault."""
+    """Why a sentence orders nothing. The same fault has the same words, to be told once."""
 
     reason: str
 
@@ -77,7 +80,7 @@ Meaning = Command | UnusableSentence
 
 
 def meaning(sentence: NmeaSentence) -> Meaning | None:
-    """Return the order of a sentence, or its error. None: its kind never orders."""
+    """Return the order of a sentence, or its error. None: this kind never orders."""
     reader = SENTENCE_READERS.get(sentence.formatter)
     if reader is None or sentence.talker == "P":
         return None
@@ -99,7 +102,7 @@ def heading_control(fields: tuple[str, ...]) -> Meaning:
         sides = {"L": "left", "R": "right"}
         if side not in sides or not NUMBER_PATTERN.fullmatch(angle):
             return UnusableSentence("HTC of the rudder without its angle and L or R")
-        return Command(STEERING_SUBJECT, f"rudder {sides[side]} {angle}")
+        return Command(STEERING_CONTROL, f"rudder {sides[side]} {angle}")
     if mode in ("H", "S"):
         return heading("HTC", fields[9], fields[12])
     return UnusableSentence("HTC in a mode other than R, M (rudder) and H, S (heading)")
@@ -120,7 +123,7 @@ def heading(formatter: str, degrees: str, reference: str) -> Meaning:
         return UnusableSentence(
             f"{formatter} by magnetic north: only true headings (T) are steered"
         )
-    return Command(STEERING_SUBJECT, f"course {degrees}")
+    return Command(STEERING_CONTROL, f"course {degrees}")
 
 
 def rudder(fields: tuple[str, ...]) -> Meaning:
@@ -129,7 +132,7 @@ def rudder(fields: tuple[str, ...]) -> Meaning:
     if status != "A" or not NUMBER_PATTERN.fullmatch(angle):
         return UnusableSentence("ROR without a valid starboard or single rudder order")
     side = "left" if angle.startswith("-") else "right"
-    return Command(STEERING_SUBJECT, f"rudder {side} {angle.lstrip('+-')}")
+    return Command(STEERING_CONTROL, f"rudder {side} {angle.lstrip('+-')}")
 
 
 def telegraph(fields: tuple[str, ...]) -> Meaning:
@@ -138,7 +141,7 @@ def telegraph(fields: tuple[str, ...]) -> Meaning:
         return UnusableSentence("ETL that is no order (O)")
     if fields[2] not in TELEGRAPH_BELLS:
         return UnusableSentence("ETL of no position of the telegraph, 00 to 05 and 11 to 15")
-    return Command(ENGINE_SUBJECT, f"bell {TELEGRAPH_BELLS[fields[2]]}")
+    return Command(ENGINE_CONTROL, f"bell {TELEGRAPH_BELLS[fields[2]]}")
 
 
 def propulsion(fields: tuple[str, ...]) -> Meaning:
@@ -146,7 +149,7 @@ def propulsion(fields: tuple[str, ...]) -> Meaning:
     turns, how = fields[2:4]
     if how != "R" or not NUMBER_PATTERN.fullmatch(turns):
         return UnusableSentence("PRC without revolutions a minute (R)")
-    return Command(ENGINE_SUBJECT, f"rpm {turns}")
+    return Command(ENGINE_CONTROL, f"rpm {turns}")
 
 
 # By formatter: the least number of fields, and who reads them.
@@ -169,7 +172,7 @@ class NmeaLine:
         log: Log,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Hear ``line``; ``wake`` is set when it has more to take than was asked for."""
+        """Hear ``line``. ``wake`` is set when more lines may wait than were taken."""
         self.name = line.name
         self.ignored = 0  # sentences that are no order
         self._line = line
@@ -207,14 +210,14 @@ class NmeaLine:
         return [heard for line in lines if (heard := self._hear(line)) is not None]
 
     def send(self, line: str) -> None:
-        """Drop what is for people."""
+        """Drop a line for people."""
 
     def close(self, patience: float) -> None:
         """Get out what was sent, for at most `patience` [s], and end the line."""
         self._line.close(patience)
 
     def _hear(self, line: str | OverlongLine) -> str | OverlongLine | None:
-        """Return the words of an order, a line that is damaged as it is, or None."""
+        """Return the words of an order, a damaged line unchanged, or None for others."""
         if isinstance(line, OverlongLine):
             return line
         heard = nmea.parse_sentence(line)
@@ -233,7 +236,7 @@ class NmeaLine:
         return None
 
     def _give(self, command: Command) -> str | None:
-        """Return the words of a command, None while it is the one given last."""
+        """Return the words of a command, None while it only repeats the last one."""
         now = self._clock()
         words, given_at = self._given.get(command.control, ("", now))
         if words == command.words and now - given_at < REPEAT_PERIOD_S:
@@ -242,7 +245,7 @@ class NmeaLine:
         return command.words
 
     def _ignore(self, what: str) -> None:
-        """Count a sentence; tell of the first of its kind."""
+        """Count an ignored sentence, and announce the first of its kind."""
         self.ignored += 1
         if what not in self._told and len(self._told) < MAX_TOLD_KINDS:
             self._told.add(what)
@@ -250,7 +253,7 @@ class NmeaLine:
 
 
 class ReaderLine:
-    """All clients of a port, as one line. Each is sent everything, any may order.
+    """All clients of a port as one line. Each gets every sentence, and any may order.
 
     ``take`` is for one thread, ``send`` for any.
     """
@@ -292,7 +295,7 @@ class ReaderLine:
     def _see_who_is_there(self) -> None:
         """Let newcomers read; forget those whose connection has failed.
 
-        One that has only ended its own side still reads, as a program without a keyboard does.
+        A client that has only ended its own side is kept, because it still reads.
         """
         for newcomer in self._hub.newcomers():
             self._readers = (*self._readers, newcomer)

@@ -1,8 +1,8 @@
 """Outlets of NMEA 0183, as the command line asks: serial, UDP, TCP, a file.
 
-Each is a subscription, so that no tick waits for it, and a station, so that it is listed with what
-it has ordered and lost. Orders are taken on serial lines and at ports of this machine alone, as the
-helm's: the sentences have no room for a token.
+Each is a subscription, so that no tick waits for it, and a station, so that ``who`` lists it with
+its orders and losses. Orders are taken as the helm's, on serial lines and at ports of this machine
+alone, because the sentences have no room for a token.
 """
 
 import contextlib
@@ -45,9 +45,9 @@ from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Picture
 
-DEFAULT_PORT: Final = 10110  # the customary one
+DEFAULT_PORT: Final = 10110  # registered for NMEA 0183
 MAX_SILENCE_S: Final = 1.0  # [s] at most: displays blank what they do not hear of
-BITS_PER_BYTE: Final = 10  # of a byte on a serial line
+BITS_PER_BYTE: Final = 10  # on a serial line, with a start bit and a stop bit
 SENTENCE_CHOICES: Final = (*SENTENCE_NAMES, AIS)  # of --nmea-sentences
 MAX_WAITING_AIS: Final = 100  # AIS sentences that may wait for a line, beside the sets
 MIN_WAITING_SETS: Final = 2  # sets that may wait for a serial line; more, if a second has more
@@ -56,7 +56,7 @@ ADDRESS_PATTERN: Final = re.compile(r"(?:\[([^\]]+)\]|([^:\[\]]*))(?::([0-9]{1,5
 
 
 class SteadySubscription(Subscription):
-    """A subscription that is sent to all the time, also while time is frozen."""
+    """A subscription that is served in a freeze too, because displays blank what falls silent."""
 
     def wait(self, picture: Picture, now: float) -> float:
         """Return the time [s] until the picture may be sent, seen before or not."""
@@ -70,7 +70,7 @@ class SteadySubscription(Subscription):
 
 @dataclass(frozen=True)
 class Outlets:
-    """The content of every outlet: instruments, rate, and the boat's place and time of start."""
+    """The content of every outlet: instruments, rate, and the place and time of the start."""
 
     instruments: tuple[Instrument, ...]
     rate: float  # [Hz]
@@ -81,7 +81,7 @@ class Outlets:
 
     @property
     def backlog(self) -> int:
-        """Return how many sentences may wait for a line. An older one is of no use."""
+        """Return how many sentences may wait for a line. Older ones are of no use."""
         heard = MAX_WAITING_AIS if self.ais else 0
         return max(MIN_WAITING_SETS, math.ceil(self.rate)) * len(self.instruments) + heard
 

@@ -18,7 +18,7 @@ from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
-SAMPLE_TIME: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # of the sample
+SAMPLE_TIME: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # fixed, so that docs/nmea.md stays
 
 
 def markdown() -> str:
@@ -64,9 +64,9 @@ def as_json() -> list[dict[str, Any]]:
 
 
 def sample(file: VesselFile) -> list[str]:
-    """Return the set of a boat in trim at its start. It is noon on the first day of 2026."""
+    """Return the set of a boat in trim at its start, at a fixed time."""
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", file.run.step_s))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
-    lookout = StateReader(boat, Ledger(boat.method.step).summary)
-    frame = lookout.frame(Picture(0, boat.records.state.tobytes(), Pace()))
+    reader = StateReader(boat, Ledger(boat.method.step).summary)
+    frame = reader.frame(Picture(0, boat.records.state.tobytes(), Pace()))
     return InstrumentSet(choose_instruments(USUAL_NAMES), DEFAULT_CHART, SAMPLE_TIME).lines(frame)

@@ -1,8 +1,8 @@
 """The fields of NMEA 0183 sentences at one tick, as text in their units.
 
-Depth, heading and speed through the water are read off the gauges, as wrong as these are. Position,
-track and speed over the ground are the navigation system's, which has no casualty; nor have rate
-of turn, attitude, surfaces and turns.
+Depth, heading and speed through the water are read off the gauges, and are as wrong as these are.
+Position, track and speed over the ground are the navigation system's. That has no casualty, nor
+have rate of turn, attitude, surfaces and turns: they are true.
 """
 
 import math
@@ -74,7 +74,7 @@ def depth_shown(frame: Frame) -> float:
 def sounding(frame: Frame, unit: float = 1.0) -> float | None:
     """Return the ground's depth below the transducer, in a unit of that size [m].
 
-    The transducer is as deep as the origin. None: no echo.
+    The transducer is at the depth of the body's origin. None: there is no echo.
     """
     return frame.readings.sounding / unit if frame.readings.sounding else None
 

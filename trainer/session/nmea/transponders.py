@@ -1,7 +1,7 @@
 """The transponders of ships near, as the boat's receiver hears them.
 
-Each reports as often as ITU-R M.1371 has it, at times of its own. It is heard while the boat's
-antenna is out of the water, and as far as the heights of both antennas let it be.
+Each reports as often as ITU-R M.1371 says, at times of its own. It is heard while the boat's
+antenna is out of the water, as far as the heights of both antennas allow.
 """
 
 import math
@@ -21,7 +21,7 @@ from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
 AIS_NAME: Final = "VDM"  # what it is chosen by, among the sentences
-RADIO_RANGE_M: Final = 4100.0  # [m] times the root of an antenna's height [m]
+RADIO_RANGE_FACTOR: Final = 4100.0  # [m] of range for the root of an antenna's height [m]
 STATIC_PERIOD_S: Final = 360.0  # [s] between two reports of name and size
 MIN_TURN_RATE: Final = (
     math.radians(5.0) / 15.0
@@ -39,9 +39,9 @@ Messages = tuple[list[Field], ...]
 def antenna(frame: Frame) -> float:
     """Return the height [m] of the boat's antenna over the water.
 
-    It is the head of the periscope, minus infinity while that is in its well. A boat without one
-    has a mast that is up by MAST_RAISED_M at periscope depth; one without such a depth, it on the
-    sail.
+    The antenna is on the head of the periscope; in its well its height is minus infinity. A boat
+    without a periscope has a mast, MAST_RAISED_M out of the water at periscope depth. A boat
+    without such a depth has the antenna on the sail.
     """
     if periscope(frame):
         over = eye(frame) if optics_are_out(frame) else None
@@ -69,7 +69,7 @@ def report_count(time: float, every: float, share: float) -> int:
 
 
 class Transponders:
-    """The sentences of all ships that are heard, as time goes on."""
+    """The receiver of all ships that are heard, from one frame to the next."""
 
     def __init__(self, chart: Chart, start: datetime) -> None:
         """Tell of a session that began at ``start``, UTC."""
@@ -91,7 +91,7 @@ class Transponders:
             for ship in contacts.seen(frame.tick)
             if ship.mmsi is not None
             and math.hypot(ship.north - x, ship.east - y)
-            <= RADIO_RANGE_M * (own_root + math.sqrt(ship.mast))
+            <= RADIO_RANGE_FACTOR * (own_root + math.sqrt(ship.mast))
             for messages in self._due(ship, before, now)
             for line in self._sentences(messages)
         ]

@@ -1,4 +1,4 @@
 """The run in Rerun's viewer or file: the boat, its sea, charts, states and log.
 
-``sdk`` imports rerun; what imports it is itself imported when somebody asks for it.
+Only ``sdk`` imports rerun. Modules that need ``sdk`` are imported when a user asks for Rerun.
 """

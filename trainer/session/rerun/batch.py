@@ -1,7 +1,7 @@
-"""The subject that the viewer shows, and batches of columns on their way there.
+"""The subject that the viewer shows, and the batches of columns for it.
 
-A run may be wound back, so that its ticks do; the time in the viewer goes on all the same. The time
-of a tick's work is known only after its state has been handed over: it comes with the next.
+Ticks go back where a run is wound back, but the viewer's time always goes on. The work of a tick is
+known only after its state has been handed over, so it comes with the next one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,7 +25,7 @@ STATE_PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOU
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """The subject of a picture. Nothing of the boat that moves is looked at."""
+    """The subject of a picture: a boat, for its constants alone."""
 
     boat: Boat
     limits: ExerciseLimits
@@ -101,7 +101,7 @@ class Batch(NamedTuple):
 
 
 def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
-    """Return states of a layout as rows of this version's. What that layout lacks is zero.
+    """Return states of a layout as rows of this version's. Numbers it lacks are zero.
 
     ValueError if one of them is not of the layout's length.
     """
@@ -135,7 +135,7 @@ class TakenNews(NamedTuple):
 
 
 class TimedRows:
-    """Some of what was handed over, with its times. In columns, which the collector passes by."""
+    """Some of what was handed over, with its times. Columns spare Python's garbage collector."""
 
     def __init__(self) -> None:
         self.handed: list[Any] = []
@@ -175,7 +175,7 @@ def batch_of(
 
 
 class BatchCollector:
-    """Where the run stands, from batch to batch."""
+    """A maker of batches, which knows from one to the next where the run stands."""
 
     def __init__(self, step: float) -> None:
         """Take the step [s]."""
@@ -199,7 +199,7 @@ class BatchCollector:
         return batch_of(pictures, timed, news)
 
     def _moved(self, last: TakenPicture | None, taken: TakenPicture) -> bool:
-        """Let time go on to a picture; return whether it is another than the last."""
+        """Advance the viewer's time to a picture; return whether it is a new one."""
         if last is None:
             self._seconds = taken.tick * self._step
             return True
@@ -211,7 +211,7 @@ class BatchCollector:
 
 
 class Changes:
-    """The last value of each thing, from block to block."""
+    """A finder of changes, which keeps the last value of each thing between blocks."""
 
     def __init__(self) -> None:
         self._last: dict[str, NDArray[np.generic]] = {}
@@ -227,7 +227,7 @@ class Changes:
 
 
 class Track:
-    """Where the last piece ended, from block to block."""
+    """A maker of the track's pieces, which keeps the last end between blocks."""
 
     def __init__(self, spacing: float) -> None:
         """Take the distance [m] from place to place."""

@@ -20,13 +20,13 @@ TONNE_KG: Final = 1000.0  # [kg]
 MICROSECOND_NS: Final = 1000.0  # [ns]
 DEGREE_RAD: Final = np.pi / 180.0  # [rad]
 DEPTH_SIGN: Final = -1.0  # [m] a viewer's numbers grow upwards: 60 m of depth is drawn at -60
-PATH_UNITS: Final = {"%": "percent"}  # in a path
-LEDGER_PATH: Final = "charts/ticks_us"  # what became of the ticks, which no state tells
+PATH_UNITS: Final = {"%": "percent"}  # units that are no part of a path as they are
+LEDGER_PATH: Final = "charts/ticks_us"  # work and lateness of the ticks, which no state holds
 LEDGER_LABELS: Final = ["work", "lateness"]
 CASUALTY_SLOTS: Final = tuple(f"casualty[{i}]" for i in range(MAX_CASUALTIES))
 CASUALTY_TICKS: Final = tuple(f"casualty_ticks[{i}]" for i in range(MAX_CASUALTIES))
 ACTING_TEXT, CLEARED_TEXT = "acting", "being cleared"
-BLOW_SUFFIXES: Final = ("", "", " (emergency)")  # by the position of a blow valve
+BLOW_SUFFIXES: Final = ("", "", " (emergency)")  # by the position: shut, open, emergency
 AUTO_COLOUR, HAND_COLOUR, BROKEN_COLOUR, MENDING_COLOUR = (
     0x56B4E9FF,
     0xE69F00FF,
@@ -77,7 +77,7 @@ def ledger_columns(worked: TickTimings) -> Numbers:
 
 
 def charts_of(boat: Boat) -> tuple[Chart, ...]:
-    """Return the charts that the boat has something to show in."""
+    """Return the charts for which the boat has values."""
     c = boat.vessel
     tonne = float(c.g) * TONNE_KG  # [N]
     capacity = dict(zip(TANKS, c.capacity.tolist(), strict=True))
@@ -124,12 +124,12 @@ def _words(name: str) -> str:
 
 
 def _place(name: str, place: str, unit: float = 1.0) -> Series:
-    """Return a number of the state, in a unit of that size [SI]."""
+    """Return the series of a number of the state, in a unit of that size [SI]."""
     return Series(name, lambda block: block[place] / unit)
 
 
 def _order(place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
-    """Return a standing order, where it is kept."""
+    """Return the series of a standing order, with gaps while the autopilot does not keep it."""
     return Series("ordered", lambda b: np.where(kept(b) > 0.0, b[place] / unit, np.nan))
 
 
@@ -139,7 +139,7 @@ def _automatic(what: str) -> Callable[[Block], Numbers]:
 
 def depth_kept(block: Block) -> Numbers:
     """Return 1 where the boat keeps the ordered depth, by planes or hovering."""
-    by_planes = block["stern_by_hand"] * block["bow_by_hand"] == 0.0
+    by_planes = block["stern_by_hand"] * block["bow_by_hand"] == 0.0  # one pair is automatic
     return np.where(by_planes | (block["hover"] > 0.0), 1.0, 0.0)
 
 
@@ -158,14 +158,14 @@ def drift(block: Block) -> Numbers:
 
 
 def _surfaces(boat: Boat) -> Iterator[Series]:
-    """Yield each surface as it is and as it is told; right and rise are positive."""
+    """Yield two series for each surface, its angle and its order; right and rise positive."""
     for surface, letter in SURFACES.items():
         unit = boat.toward[surface] * DEGREE_RAD
         if not unit:
             continue
         yield _place(surface, f"delta_{letter}", unit)
 
-        def ordered(
+        def ordered(  # defaults, because the loop goes on before the function is called
             block: Block, unit: float = unit, surface: str = surface, letter: str = letter
         ) -> Numbers:
             by_hand = block[f"{surface}_by_hand"] > 0.0
@@ -176,7 +176,10 @@ def _surfaces(boat: Boat) -> Iterator[Series]:
 
 @dataclass(frozen=True)
 class Lane:
-    """A code for each tick, and the word for each code. "" while there is nothing to show."""
+    """A time line of words: a code for each tick, a word for each code.
+
+    The word "" leaves the lane empty.
+    """
 
     path: str
     codes: Callable[[Block], IntArray]
@@ -185,7 +188,7 @@ class Lane:
 
 
 def lanes_of(boat: Boat) -> tuple[Lane, ...]:
-    """Return the lanes of the boat; those of casualties come with `casualty_lanes`."""
+    """Return the lanes of the boat, but those of casualties: ``casualty_lanes`` has them."""
     lanes = [
         Lane("lanes/run", lambda block: 2 * block.branch + block.replaying, _describe_run),
         *(_by_hand(name) for name in (*SURFACES, "speed") if boat.toward.get(name, 1.0)),
@@ -201,7 +204,7 @@ def lanes_of(boat: Boat) -> tuple[Lane, ...]:
 
 
 def casualty_lanes(block: Block) -> list[Lane]:
-    """Return a lane for each kind of casualty that is there in the block."""
+    """Return a lane for each kind of casualty that occurs in the block."""
     kinds = np.unique(block.several(*CASUALTY_SLOTS)).astype(int)
     return [_casualty(kind) for kind in kinds.tolist() if kind]
 
@@ -233,13 +236,13 @@ def _describe_run(code: int) -> str:
 
 
 def _by_hand(what: str) -> Lane:
-    """Return whether something is steered by hand."""
+    """Return the lane that says whether a control is worked by hand."""
     word, colours = ("auto", "hand").__getitem__, {"auto": AUTO_COLOUR, "hand": HAND_COLOUR}
     return Lane(f"lanes/{what}", lambda b: _whole(b[f"{what}_by_hand"]), word, colours)
 
 
 def _several(name: str, places: tuple[str, ...], names: tuple[str, ...]) -> Lane:
-    """Return which of several things are so, each a bit of the code."""
+    """Return the lane that lists which of several states hold, each a bit of the code."""
     bits = 2 ** np.arange(len(places))
 
     def word(code: int) -> str:

@@ -97,7 +97,7 @@ Columns = Any  # of the library, whose makers give no type
 
 
 class Entity(NamedTuple):
-    """One thing drawn: its path, its numbers in a block, and its columns."""
+    """A drawn thing: its path, the reader of its numbers, and its columns."""
 
     path: str
     read: Callable[[Block], Numbers] | None = None  # None: it is the same at all times
@@ -107,7 +107,7 @@ class Entity(NamedTuple):
 
 
 def place_columns(places: Numbers) -> Columns:
-    """Return the columns of what is somewhere else."""
+    """Return the columns of a thing that has moved."""
     return rr.Transform3D.columns(translation=places)
 
 
@@ -119,7 +119,7 @@ def scalars(columns: Numbers) -> Columns:
 
 
 def entities(subject: Subject, size: Size) -> Iterator[Entity]:
-    """Yield all that is drawn: the boat and what moves with it, its surroundings, charts."""
+    """Yield all drawn things: the boat with its parts, its surroundings, charts."""
     boat, length, reach = subject.boat, size.length, GRID_SQUARES * size.length
     yield Entity(WORLD_PATH, fixed=rr.ViewCoordinates.FRD)
     yield Entity(FOLLOWER_PATH, place_of, place_columns, always=True, fixed=rr.ViewCoordinates.FRD)
@@ -169,7 +169,7 @@ def place_of(block: Block) -> Numbers:
 
 
 def square_of(length: float, block: Block) -> Numbers:
-    """Return the middle of the square of the grid that the boat is in [m]."""
+    """Return the middle of the grid's square in which the boat is [m]."""
     return length * np.round(place_of(block) / length) * (1.0, 1.0, 0.0)
 
 
@@ -239,7 +239,7 @@ def grounds(ground: Bottom, size: Size, places: Numbers) -> Columns:
 
 
 def lines(labels: Sequence[str]) -> Any:
-    """Return how the lines of a chart are drawn."""
+    """Return the style of a chart's lines."""
     colours = [CHART_COLOURS[i % len(CHART_COLOURS)] for i in range(len(labels))]
     return rr.SeriesLines(names=labels, colors=colours, widths=[1.5] * len(labels))
 
@@ -262,7 +262,7 @@ def colour_code(colour: Colour) -> int:
 class Drawing:
     """One recording of Rerun's on its way out; for one thread only.
 
-    A write raises what the library does; a viewer that hangs holds it up for as long.
+    A write raises the library's errors. A viewer that hangs holds a write up for as long.
     """
 
     def __init__(self, subject: Subject) -> None:
@@ -350,7 +350,7 @@ class Drawing:
                 self._send(path, times, columns)
 
     def _write_lane(self, lane: Lane, block: Block) -> None:
-        """Write where a lane has another word; it begins with its first."""
+        """Write the ticks at which the word of a lane changes."""
         codes = lane.codes(block)
         rows = self._changes.of(lane.path, codes)
         words = [lane.word(code) for code in codes[rows].tolist()]

@@ -1,8 +1,8 @@
-"""A feed carries what the tick hands over to one outlet, by its own thread.
+"""Feeds, each of which carries states and news to one outlet by its own thread.
 
-Handing over is an append. Where time runs as fast as it can and the outlet does not keep up the
-tick waits, so that nothing is lost; where time is kept it never does, and what there is no room for
-is counted.
+Handing over is an append. In a run that keeps time the tick never waits: states without room are
+counted and lost. In a run as fast as it goes the tick waits for an outlet that does not keep up, so
+that nothing is lost.
 """
 
 import math
@@ -22,11 +22,11 @@ from trainer.session.time.ledger import Ledger
 
 CHUNK_STATES: Final = 4096  # handed on at once
 MAX_WAITING_STATES: Final = 4 * CHUNK_STATES  # states that may wait: 32 MB
-MAX_TICK_WAIT_S: Final = 2.0  # [s] that a tick waits for room
+MAX_TICK_WAIT_S: Final = 2.0  # [s] that a tick of a run without time waits for room
 
 
 class Sink(Protocol):
-    """Where batches go; its methods may wait, and raise when they cannot go on."""
+    """The far end of a feed. Its methods may wait, and raise when they cannot go on."""
 
     name: str  # in what is told of it
     period: float  # [s] from batch to batch
@@ -64,7 +64,7 @@ class Feed:
         self._thread.start()
 
     def hand(self, handed: TakenPicture | TakenNews) -> None:
-        """Take what is to be carried; an append, unless there is no room."""
+        """Take a state or news to carry. This is an append, unless there is no room."""
         waiting = self._waiting
         if len(waiting) >= CHUNK_STATES and not self._make_room(handed):
             return
@@ -76,7 +76,7 @@ class Feed:
         self._called.set()
 
     def close(self) -> None:
-        """End, waiting for it no longer than the sink has patience."""
+        """End the feed, and wait no longer than the sink's limit."""
         self.end()
         if not self._over.wait(self.sink.patience):
             self._tell("it did not take all in time: its end is missing")
@@ -84,7 +84,7 @@ class Feed:
             self._tell(f"{self.lost} ticks are missing: it did not take them in time")
 
     def _make_room(self, handed: TakenPicture | TakenNews) -> bool:
-        """Call the thread; return whether there is room, waiting for it where time is not kept."""
+        """Wake the thread; return whether there is room. Wait for room where no time is kept."""
         if self._over.is_set():
             return False
         if not self._called.is_set():
@@ -121,7 +121,7 @@ class Feed:
             self._room.set()
 
     def _carry(self) -> None:
-        """Carry what waits by now, piece by piece."""
+        """Carry all that waits now, piece by piece."""
         while count := min(len(self._waiting), CHUNK_STATES):
             handed = [self._waiting.popleft() for _ in range(count)]
             self._room.set()
@@ -130,7 +130,7 @@ class Feed:
 
 @dataclass
 class Log:
-    """Sends what is subscribed as ``sending`` does, and feeds what there is to be fed."""
+    """A sender that serves subscriptions by ``sending``, and hands pictures to feeds."""
 
     sending: Publisher | PromptSender
     ledger: Ledger
@@ -140,7 +140,7 @@ class Log:
 
     @property
     def troubles(self) -> deque[str]:
-        """Return the news for somebody to tell, with the end of a feed once."""
+        """Return the troubles that the session announces, the end of a feed once."""
         for feed in self.feeds:
             if feed.trouble and feed.trouble not in self._told:
                 self._told.add(feed.trouble)
@@ -154,7 +154,7 @@ class Log:
         self._hand_last()
 
     def hear(self, news: News) -> None:
-        """Take what has happened."""
+        """Hand an event to the feeds."""
         heard = TakenNews(news.tick, news.kind, news.text)
         for feed in self.feeds:
             feed.hand(heard)
@@ -184,9 +184,9 @@ class Log:
             feed.close()
 
     def account(self) -> int:
-        """Print what has become of feeds that went wrong; return the exit code.
+        """Print how feeds failed; return the exit code.
 
-        A file that is not complete is one; a viewer that has gone is not.
+        An incomplete file is an error. A viewer that has gone is none.
         """
         for feed in self.feeds:
             if feed.trouble:

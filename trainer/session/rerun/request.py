@@ -46,10 +46,9 @@ BATCH_TICKS: Final = 4096  # [ticks] of a recording written at a time
 def open_log(
     sending: Publisher | PromptSender, ledger: Ledger, subject: Subject, options: RunOptions
 ) -> Log | None:
-    """Return what feeds the file and the viewer asked for, None if there is neither.
+    """Return the feeds of the file and viewer asked for, None without either.
 
-    What is missing is told in a line. ConfigError for an address that is none, or a file that
-    cannot be written.
+    A line says what is missing. ConfigError for a bad address, or a file that cannot be written.
     """
     path, wanted = options.rrd, options.rerun or options.rerun_at
     host, port = parse_place(options.rerun_at or "")
@@ -81,7 +80,7 @@ def open_log(
 
 
 class RrdFile:
-    """A file for the viewer. Few large pieces, since each has a head of its own."""
+    """A file for the viewer. Its pieces are few and large, because each has a head."""
 
     period = 20.0
     patience = 30.0
@@ -99,7 +98,7 @@ class RrdFile:
 
 
 class Viewer:
-    """A viewer that listens already, or is opened first. It stays when the run is over."""
+    """A viewer that listens already, or is opened. It stays open after the run."""
 
     period = 1.0
     patience = 2.0
@@ -143,7 +142,7 @@ def open_window(port: int) -> None:
 
 
 def viewer_listens(host: str, port: int) -> bool:
-    """Return whether something listens there: without it the library waits for ever."""
+    """Return whether something listens there. The library would wait for it for ever."""
     try:
         socket.create_connection((host, port), PROBE_TIMEOUT_S).close()
     except OSError:
@@ -169,7 +168,7 @@ def has_window() -> bool:
 
 
 def write_record(recording: Recording, path: Path, branch: int) -> None:
-    """Write a branch and the past that led to it, with what happened then. A file is replaced.
+    """Write a branch, the past that led to it, and its events. A file is replaced.
 
     ConfigError or RecordingError if it cannot be read, OSError if the file cannot be written.
     """
@@ -196,7 +195,7 @@ def write_record(recording: Recording, path: Path, branch: int) -> None:
 def batches(
     recording: Recording, branch: int, layout: tuple[str, ...], step: float
 ) -> Iterator[Batch]:
-    """Yield the ticks that led to the end of a branch. The last of them has the events."""
+    """Yield the ticks that led to the end of a branch. The last batch has the events."""
     flown = recording.flown(branch)
     ends: dict[int, int] = {}
     while part := list(islice(flown, BATCH_TICKS)):

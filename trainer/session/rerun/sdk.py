@@ -1,8 +1,8 @@
-"""Rerun's library is imported where it is needed. It takes a second, and is not always there.
+"""The import of Rerun's library, which takes a second and may be missing.
 
-Its own log is silenced, which would run over the console; what goes wrong is told by exceptions.
-So is its clean-up at the end of the program, which waits for a viewer that hangs for as long as
-that does: each outlet is closed by whoever opened it.
+Two things of it are switched off. Its log would write over the console, and exceptions tell its
+errors anyway. Its clean-up at the end of the program would wait for a viewer that hangs, and who
+opened an outlet closes it.
 """
 
 import os

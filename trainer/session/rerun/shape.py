@@ -1,8 +1,8 @@
 """The boat as a shape: hull, sail and moving surfaces, by its vessel file.
 
-A picture, not a drawing: lengths and heights are the file's; where it gives none the displacement
-does. Surfaces stand where the coefficients say that their lift acts. Body axes: x forward, y
-starboard, z down, from the body's origin [m].
+It is a picture and no drawing of the hull. Lengths and heights are the file's, or estimated from
+the displacement where it gives none. Surfaces stand where their lift acts by the coefficients. Body
+axes: x forward, y starboard, z down, from the body's origin [m].
 """
 
 import math
@@ -134,7 +134,7 @@ def hull_mesh(size: Size) -> Mesh:
 
 
 def sail_mesh(size: Size, sail: Sail) -> Mesh:
-    """Return the sail, its foot inside the hull."""
+    """Return the sail. Its foot is inside the hull."""
     return _foil(sail.chord, sail.breadth, size.axis - sail.top, sail.x, (0.0, 0.0, sail.top))
 
 

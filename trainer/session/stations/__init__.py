@@ -1,1 +1,1 @@
-"""Who is attached to a session, what each may order, and what each is sent."""
+"""The stations of a session: their rights, their orders, and what each is sent."""

@@ -1,7 +1,7 @@
-"""The exercise and the vessel, as a station is told them. Lines are for people, facts for programs.
+"""The briefing of a station about exercise and vessel: lines for people, facts for programs.
 
-The crew is told nothing that names what is hidden, when it comes or what cures it: no scores, no
-file's name, and of what loses the exercise only what its own gauges show.
+The crew hears nothing that names what is hidden, when it comes or what cures it. So it hears no
+scores and no file's name, and of the losing conditions only those that its own gauges show.
 """
 
 import math
@@ -128,7 +128,7 @@ class Briefing:
 
 
 def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
-    """Return an exercise's facts beside its text, for people, in at most 79 columns."""
+    """Return the facts of an exercise as lines for people, of at most 79 columns."""
     said: dict[str, list[str]] = {}
     for key, value in facts:
         said.setdefault(key, []).append(value.replace(",", ", "))
@@ -156,9 +156,9 @@ def limit_in_words(name: str, value: str) -> str:
 
 
 def hint(role: Role, hand: Collection[str]) -> str:
-    """Return some orders that a station may give; ``hand`` has the axes worked by hand.
+    """Return some orders that a station may give. ``hand`` has the axes worked by hand.
 
-    An observer may be about to say what it is, as screens do: it is told no orders.
+    An observer gets none, because it may be a screen that is about to say its role.
     """
     if role.name == "observer":
         return NO_ROLE_TEXT
@@ -172,13 +172,13 @@ def hint(role: Role, hand: Collection[str]) -> str:
 
 
 def may_order(role: Role, words: str) -> bool:
-    """Return whether a role may give an order, as it is typed."""
+    """Return whether a role may give an order in its typed form."""
     order = parse(words)
     return isinstance(order, Order) and refusal(role, order) is None
 
 
 def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
-    """Yield keys of the vessel's ranges and their values. What the boat lacks is not among them."""
+    """Yield keys and values of the vessel's ranges, without those that the boat lacks."""
     hull, run, c = boat.file.hull, boat.file.run, boat.vessel
     yield "length", f"{hull.length:g}"
     yield "mass", f"{hull.mass / TONNE_KG:g}"

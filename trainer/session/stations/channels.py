@@ -1,4 +1,4 @@
-"""All channels by name, those of the instructor alone among them."""
+"""The channels by name, and the fields that only the instructor sees."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -31,7 +31,7 @@ EVENTS_CHANNEL: Final = "events"  # what happens, when it happens
 
 
 def rate_unless_held(held: str, rate: str) -> Callable[[Frame], Value]:
-    """Return how a rate [SI] is read, which is none while its part stands still."""
+    """Return a reader of a rate [SI]. It reads 0 while that part of the boat is held."""
     return lambda frame: 0.0 if frame[held] else frame[rate]
 
 
@@ -41,13 +41,13 @@ def excess_weight(frame: Frame) -> Value:
 
 
 def clearance(frame: Frame) -> Value:
-    """Return the least height [m] of the keel over the ground, where there is one."""
+    """Return the height [m] of the keel over the ground, None without a ground."""
     height = height_of_keel(frame.numbers, frame.fittings.length, frame.fittings.keel)
     return None if math.isinf(height) else height
 
 
 def way_over_ground(frame: Frame) -> tuple[float, float]:
-    """Return the way [m/s] north and east, none while the place is held."""
+    """Return the speed [m/s] north and east, 0 while the place is held."""
     return (0.0, 0.0) if frame["held_position"] else (frame["xdot"], frame["ydot"])
 
 
@@ -60,7 +60,7 @@ def way_made(frame: Frame) -> tuple[float, float]:
 
 
 def set_and_drift(frame: Frame) -> tuple[float | None, float]:
-    """Return set [deg] and drift [kn] at the boat, no set in still water."""
+    """Return set [deg] and drift [kn] at the boat. Still water has no set."""
     north = frame["water_north"] + frame["shear_north"] * frame["z"]
     east = frame["water_east"] + frame["shear_east"] * frame["z"]
     drift = math.hypot(north, east) / KNOT

@@ -1,4 +1,4 @@
-"""Frames as lines: sentences for a program, words for a reader, the teletype's columns."""
+"""Displays of frames: sentences for programs, words for readers, columns for a teletype."""
 
 import math
 import textwrap
@@ -22,7 +22,7 @@ class Display(Protocol):
     """One way to show frames, one after another."""
 
     def lines(self, frame: Frame) -> list[str]:
-        """Return what is to be sent for this frame."""
+        """Return the lines to be sent for this frame."""
         ...
 
 
@@ -122,6 +122,6 @@ def view(frame: Frame, shown: InstrumentReadings) -> StatusView:
 
 
 def ordered_value(frame: Frame, axis: str, kept: float | None) -> float | None:
-    """Return what the crew is ordered on an axis [SI], else what is kept automatically."""
+    """Return the crew's order on an axis [SI], else what the autopilot keeps."""
     place = CREW_AXES.index(axis)
     return frame.at("crew_order", place) if frame.at("crew_order_tick", place) else kept

@@ -1,9 +1,8 @@
 """The stations of the control room: gauges, panels, tanks, air and valves.
 
-Depth, heading and speed are read off their gauges, so that they are as wrong as these are. Angles
-of surfaces, attitude, turns, levels and pressures have no casualty: they are shown as they are.
-
-A field of a channel: its name, its unit, and how it is read off a frame and written.
+Depth, heading and speed are read off their gauges, and are as wrong as these are. Angles of
+surfaces, attitude, turns, levels and pressures are shown as they are, because their instruments
+have no casualty.
 """
 
 import math
@@ -30,7 +29,10 @@ VALVE_POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
 
 @dataclass(frozen=True)
 class Field:
-    """One thing shown; ``unit`` is "" for a word, "-" for a plain number."""
+    """A field of a channel: name, unit, decimals, and its reader off a frame.
+
+    ``unit`` is "" for a word, "-" for a plain number.
+    """
 
     name: str
     unit: str
@@ -223,13 +225,13 @@ def drained_compartment(frame: Frame) -> Value:
 
 
 def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], Value]:
-    """Return how to read a number of an order to the crew. None: no order stands."""
+    """Return a reader of a number of an order to the crew. It reads None without an order."""
     place = CREW_AXES.index(axis)
     return lambda frame: read(frame) if frame.at("crew_order_tick", place) else None
 
 
 def crew_since(axis: str) -> Field:
-    """Return since when an order to the crew stands."""
+    """Return the field of how long [s] an order to the crew has stood."""
     place = CREW_AXES.index(axis)
 
     def since(frame: Frame) -> float:
@@ -240,7 +242,7 @@ def crew_since(axis: str) -> Field:
 
 
 def crew_error(axis: str, unit: str, ordered: Field, gauge: Field) -> Field:
-    """Return what is to go to an order to the crew, by the gauge."""
+    """Return the field of what is still to go to an order, by the gauge."""
 
     def to_go(frame: Frame) -> float:
         wanted, shown = ordered.read(frame), gauge.read(frame)

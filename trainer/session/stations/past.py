@@ -1,7 +1,8 @@
-"""The past of a channel, for whoever comes late or returns. It is read beside the ticks.
+"""The past of a channel, for a station that comes late or returns.
 
-The recording's states are the source, read by a connection of its own; without a recording those
-moments that are kept in memory. A row is made as the live ones are: gauges show what they showed.
+A thread beside the ticks makes it from the recording's states, which it reads by its own
+connection; without a recording from the moments that are kept in memory. Rows are made like the
+live ones, so that a wrong gauge shows what it showed then.
 """
 
 import math
@@ -24,8 +25,8 @@ from trainer.session.stations.subscriptions import display, unknown_channel, why
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
-MAX_ROWS: Final = 360  # of a channel at most: one in ten seconds of an hour
-SLICE_ROWS: Final = 12  # of them at once
+MAX_ROWS: Final = 360  # rows of a channel: one in ten seconds of an hour, as memory keeps moments
+SLICE_ROWS: Final = 12  # rows sent at once
 SLICE_PAUSE_S: Final = (
     0.01  # [s] between slices, and for room: ticks and other lines have their turn
 )
@@ -54,13 +55,13 @@ class TickSpan(NamedTuple):
 
     @property
     def ticks(self) -> range:
-        """Return those that are shown: evenly spaced, at most MAX_ROWS."""
+        """Return the ticks that get a row: evenly spaced, at most MAX_ROWS."""
         every = max(math.ceil((self.last - self.first) / MAX_ROWS), 1)
         return range(-(-self.first // every) * every, self.last + 1, every)
 
 
 class PastReader:
-    """Answers the order ``history``."""
+    """The answers to the order ``history``."""
 
     def __init__(self, boat: Boat, work: BackgroundTask, log: EventLog) -> None:
         self._log = log
@@ -68,7 +69,7 @@ class PastReader:
         self._work = work
 
     def answer(self, asked: Request, history: History, kept: Path | None) -> None:
-        """Answer the order, and send what it asks for."""
+        """Answer the order, and send the past of its channel."""
         channel, station = asked.order.subject, asked.station
         if why := refusal(channel, station.role):
             station.answer(asked, Refused(why))
@@ -88,7 +89,7 @@ class PastReader:
         self._begin(asked, span, history, kept)
 
     def _begin(self, asked: Request, span: TickSpan, history: History, kept: Path | None) -> None:
-        """Send rows from a thread; the live ones of that channel wait until they are sent."""
+        """Send rows from a thread. The channel's live rows pause until then, to keep the order."""
         channel, station = asked.order.subject, asked.station
         wish = station.wishes.pause(channel)
         memory = [] if kept else history.automatic.since(span.first)
@@ -107,7 +108,7 @@ class PastReader:
         self._work.begin("past", task)
 
     def _send(self, asked: Request, rows: Sequence[TickState]) -> None:
-        """Send rows a few at a time, in the thread of their own."""
+        """Send rows a few at a time, in the thread for it."""
         station = asked.station
         shown = display(asked.order.subject, station.role, machine=asked.heard.machine)
         reader = StateReader(self._boat, Ledger(self._boat.method.step).summary)
@@ -120,7 +121,7 @@ class PastReader:
                 time.sleep(SLICE_PAUSE_S)
 
     def _await_room(self, station: Station) -> bool:
-        """Wait until a line takes more without a loss; False once nobody is there to take it."""
+        """Wait until a line has room. Return False once it has gone."""
         while not (station.leaving or station.line.ended or self._work.closing.is_set()):
             if station.line.room:
                 return True
@@ -128,7 +129,7 @@ class PastReader:
         return False
 
     def _mark(self, station: Station, which: str, channel: str, history: History) -> None:
-        """Tell a program where the past begins and ends."""
+        """Mark for a program where the past begins and ends."""
         fact = Fact("past", f"{which},{channel}")
         station.note(News(history.tick, history.boat.time, "moment", "", fact))
 
@@ -154,7 +155,7 @@ def read_states(kept: Path, span: TickSpan) -> list[TickState]:
 
 
 def recalled_past(history: History) -> list[News]:
-    """Return the past in a resumed recording, with the time line's contents."""
+    """Return the events of a resumed recording, and the casualties that were ordered."""
     step = history.boat.method.step
     news = [
         News(
@@ -176,9 +177,9 @@ def recalled_past(history: History) -> list[News]:
 
 
 def recent_news(news: Iterable[News], role: Role, span: TickSpan) -> list[News]:
-    """Return what a role has heard on the way to the present.
+    """Return the news of a role on the way to the present.
 
-    Nothing that time took back is in it.
+    News that a jump in time took back is left out.
     """
     heard: list[News] = []
     for item in news:
@@ -190,9 +191,9 @@ def recent_news(news: Iterable[News], role: Role, span: TickSpan) -> list[News]:
 
 
 def still_stands(kept: News, back: News) -> bool:
-    """Return whether something that happened is not taken back by a jump in time.
+    """Return whether no jump in time has taken an event back.
 
-    At the very moment gone back to, what was ordered before stands, but not at a new start.
+    An event of the very tick gone back to stays, unless the run began anew there.
     """
     anew = back.fact is not None and back.fact.subject in RESET_WORDS
     return kept.tick < back.tick or (kept.tick == back.tick and not (anew and kept.fact))

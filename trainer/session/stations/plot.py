@@ -1,6 +1,7 @@
-"""The ships near: as the instructor has them plotted, and as the periscope shows them.
+"""The ships near, on the instructor's plot and in the periscope's view.
 
-A trainee's page is told angles alone, and nothing of what the horizon hides.
+A trainee's page gets only angles, and nothing that the horizon hides, because it must not give
+away more than the periscope shows.
 """
 
 import math
@@ -70,7 +71,7 @@ def plotted_ships(frame: Frame) -> tuple[int, tuple[PlottedShip, ...]]:
 
 
 def _of(place: int, read: Callable[[PlottedShip], Value]) -> Callable[[Frame], Value]:
-    """Return how something of the ship at a place is read; none where there is no such ship."""
+    """Return a reader of something of the ship at a place, None without such a ship."""
 
     def value(frame: Frame) -> Value:
         _, ships = plotted_ships(frame)
@@ -80,7 +81,7 @@ def _of(place: int, read: Callable[[PlottedShip], Value]) -> Callable[[Frame], V
 
 
 def ship_fields(place: int) -> tuple[Field, ...]:
-    """Return what is told of the ship at a place."""
+    """Return the plot's fields of the ship at a place."""
     name = f"contact_{place + 1}"
     numbers: tuple[tuple[str, str, int, Callable[[PlottedShip], Value]], ...] = (
         ("bearing", "deg", 1, lambda ship: compass(ship.bearing)),
@@ -118,7 +119,7 @@ def periscope(frame: Frame) -> Periscope | None:
 
 
 def mast(frame: Frame) -> Mast | None:
-    """Return how the mast stands, None where there is none."""
+    """Return the state of the mast, None for a boat without."""
     scope = periscope(frame)
     return scope.at(frame.tick) if scope else None
 
@@ -130,7 +131,7 @@ def eye(frame: Frame) -> float | None:
 
 
 def sights(frame: Frame) -> list[Sight]:
-    """Return the ships in sight, the nearest first. They are found once for a frame."""
+    """Return the ships in sight, the nearest first. A frame computes them once."""
     scope, stands = periscope(frame), mast(frame)
     if scope is None or stands is None:
         return []
@@ -142,7 +143,7 @@ def sights(frame: Frame) -> list[Sight]:
 
 
 def of_mast(read: Callable[[Mast, Frame], Value]) -> Callable[[Frame], Value]:
-    """Return how to read something off the mast. None: the boat has none."""
+    """Return a reader of something of the mast. It reads None for a boat without."""
 
     def value(frame: Frame) -> Value:
         stands = mast(frame)
@@ -161,7 +162,7 @@ def mast_motion(stands: Mast, frame: Frame) -> Value:
 
 
 def view(stands: Mast, frame: Frame) -> Value:
-    """Return what is in the way of the view, `clear` for nothing."""
+    """Return what blocks the view, `clear` for nothing."""
     scope, height = periscope(frame), eye(frame)
     if stands.out < OPTICS_SHOWING_M or scope is None or height is None:
         return "down"
@@ -192,13 +193,13 @@ def lamps(sight: Sight) -> str:
 
 
 def of_sight(place: int, read: Callable[[Sight], Value], frame: Frame) -> Value:
-    """Return something of a ship in sight, None where there is none."""
+    """Return a reader of something of a ship in sight, None without such a ship."""
     in_sight = sights(frame)
     return read(in_sight[place]) if place < len(in_sight) else None
 
 
 def sight_fields(place: int) -> tuple[Field, ...]:
-    """Return what is seen of one ship."""
+    """Return the fields of one ship in sight."""
     name = f"ship_{place + 1}"
     parts: tuple[tuple[str, str, int, Callable[[Sight], Value]], ...] = (
         (name, "", 0, lambda sight: sight.type),
@@ -228,7 +229,7 @@ def head(frame: Frame) -> Value:
 
 
 def of_swell(read: Callable[[Swell], Value]) -> Callable[[Frame], Value]:
-    """Return how to read something off the waves. None: it is calm, or nobody looks."""
+    """Return a reader of something of the waves. It reads None in a calm, or if nobody looks."""
 
     def value(frame: Frame) -> Value:
         if not frame["sea_height"] or not optics_are_out(frame):

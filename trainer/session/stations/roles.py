@@ -1,4 +1,4 @@
-"""The roles decide who may order, see and hear what; tokens admit to them.
+"""The roles: who may order, see and hear what. Tokens admit to them.
 
 The instructor may order and see everything. Everybody else has the controls and channels of one
 place in the control room, sees depth, heading and speed as the gauges show them, and does not hear
@@ -68,9 +68,9 @@ SHORT_TOKEN_LETTERS: Final = 6  # [characters]
 ANY_ROLE: Final = ""  # the role of a token that stands for all roles without their own
 FREE_GUESSES: Final = 3  # wrong tokens of a machine that are answered at once
 FIRST_WAIT_S: Final = 1.0  # of the answer to the next one; each one after it waits twice as long
-MAX_WAIT_S: Final = 30.0
+MAX_WAIT_S: Final = 30.0  # [s] these three: docs/threat-model.md
 FORGET_AFTER_S: Final = 600.0  # without a wrong token of that machine
-MAX_MACHINES: Final = 1000  # that are remembered, the latest
+MAX_MACHINES: Final = 1000  # machines remembered, the latest
 
 
 @dataclass(frozen=True)
@@ -125,13 +125,13 @@ class Role:
 
     @property
     def of_another(self) -> str:
-        """Return the part as it follows the name of a line: "has the helm"."""
+        """Return the part in the third person: "has the helm"."""
         verb, _, rest = self.part.partition(" ")
         return f"{PART_VERBS[verb]} {rest}"
 
 
 def _role(name: str, title: str, part: str, *channels: str) -> Role:
-    """Return a role with its controls and what it hears, beside the channels everybody has."""
+    """Return a role with its orders, its events, and its channels beside the common ones."""
     own_orders = {
         order for control in ROLE_CONTROLS if name in control.roles for order in control.orders
     }
@@ -258,7 +258,7 @@ def event_table() -> str:
 
 @dataclass(frozen=True)
 class Access:
-    """The demands on a line. With neither role nor tokens it may say what role it likes."""
+    """The conditions for a line's role. Without role and tokens it may choose any."""
 
     role: str | None = None
     tokens: Mapping[str, str] = field(default_factory=dict, repr=False)  # by role, or ANY_ROLE
@@ -267,13 +267,13 @@ class Access:
 
     @property
     def first(self) -> Role:
-        """Return what a line is before it has said anything."""
+        """Return the role of a line before it has said one."""
         if self.role is not None:
             return ROLES[self.role]
         return STRANGER_ROLE if self.tokens else ROLES["observer"]
 
     def hide(self, text: str) -> str:
-        """Return ``text`` without a token, wherever it stands: an order may be misspelt."""
+        """Return ``text`` without tokens, wherever they stand, because an order may be misspelt."""
         for token in self.tokens.values():
             pattern = re.escape(token)
             if len(token) < SHORT_TOKEN_LETTERS:  # it may stand within words that are none of it
@@ -282,9 +282,9 @@ class Access:
         return text
 
     def admits(self, role: str, given: str) -> bool:
-        """Return whether a token will do for a role. How long that takes tells nothing of it.
+        """Return whether a token admits to a role, in constant time.
 
-        Where tokens are asked for, a role that has none is nobody's.
+        If there are tokens, nobody may take a role that has none.
         """
         if not self.tokens:
             return True
@@ -296,8 +296,8 @@ class Access:
 class GuessWaits:
     """The waits for the answers to wrong tokens, by machine.
 
-    The answer waits, and with it the line that has guessed. A right token is admitted at once, also
-    where others have guessed from the same machine, because nobody is to be shut out by wrong ones.
+    Only the answer waits, and the line that has guessed. A right token is admitted at once, even
+    from a machine from which others have guessed, because wrong tokens must shut nobody out.
     """
 
     clock: Callable[[], float] = time.monotonic

@@ -41,28 +41,30 @@ from trainer.session.stations.subscriptions import (
     why_barred,
 )
 
-ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
-ORDERS_AT_ONCE: Final = 100
+# orders that a line which came by itself may give, so that none fills the recording or delays
+# others (docs/threat-model.md); more wait at their sender
+ORDERS_A_SECOND: Final = 20
+ORDERS_AT_ONCE: Final = 100  # orders after a silence, before the rate holds
 WRONG_TOKEN_TEXT: Final = "wrong token: type role NAME TOKEN with the right one"  # noqa: S105
 Log = Callable[[str, str], None]  # takes a kind of roles.EVENT_KINDS and a text
 
 
 class Fact(NamedTuple):
-    """Something that programs are told in fields: one of sentences.FACTS, and its subject."""
+    """A fact for programs: its name, one of sentences.FACTS, and its subject in fields."""
 
     what: str
     subject: str = ""
 
 
 class Saying(NamedTuple):
-    """Who has said or done something, a role or ``schedule``, and its words alone."""
+    """Words without their speaker, and the speaker: a role or ``schedule``."""
 
     speaker: str
     words: str
 
 
 class News(NamedTuple):
-    """Something that happened; ``kind`` is one of roles.EVENT_KINDS, and decides who is told."""
+    """An event. Its kind, one of roles.EVENT_KINDS, decides whose role hears of it."""
 
     tick: int
     seconds: float
@@ -292,7 +294,7 @@ class Station:
         return [Request(order, heard, self)]
 
     def _refill(self) -> None:
-        """Let as many orders more be taken as the time since the last call is worth."""
+        """Add the orders that the time since the last call allows."""
         now = self._clock()
         worth = (now - self._refilled) * ORDERS_A_SECOND
         self._orders_left = min(self._orders_left + worth, ORDERS_AT_ONCE)
@@ -300,25 +302,25 @@ class Station:
         self.held_up = 0.0
 
     def _hold(self) -> None:
-        """Take no more for a while: what is sent waits at its sender."""
+        """Take no more orders for a while, so that they wait at their sender."""
         self.held_up = (1.0 - self._orders_left) / ORDERS_A_SECOND
         if not self._flooding:
             self._flooding = True
             self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
 
     def _refuse(self, heard: Message, order: Order, why: str) -> None:
-        """Refuse an order that is not this line's to give."""
+        """Refuse an order that this line's role may not give."""
         self.counts.refused += 1
         self._log_refusal(f"{order.text}: {why}")
         self._answer(heard, Refused(why))
 
     def _log_refusal(self, text: str) -> None:
-        """Log what was refused. The session sums up what all do who have not said who they are."""
+        """Log a refusal. Those of lines without a role go to a log that sums them up."""
         log = self._noise.log if self.settled else self._quiet_log
         log("refused", f"{self.who}: {text}")
 
     def _answer(self, heard: Message, reply: Reply, *lines: str) -> None:
-        """Send an answer in the manner that the order came."""
+        """Send an answer, as a sentence if the order came as one, else as a line."""
         accepted = not isinstance(reply, Refused)
         text = self._door.hide(reply.reason) if isinstance(reply, Refused) else reply
         if heard.machine:
@@ -332,7 +334,7 @@ class Station:
             self.line.send(text if accepted else f"? {text}")
 
     def _be_called(self, heard: Message, order: Order) -> None:
-        """Let the line have a name of its own in the list of stations."""
+        """Give the line a name of its own in the list of stations."""
         self.called = order.subject
         self._log("station", f"{self.who} is called {self.called}")
         self._answer(heard, f"this line is called {self.called}")
@@ -344,7 +346,7 @@ class Station:
         self._answer(heard, "bye")
 
     def _take_role(self, heard: Message, order: Order) -> None:
-        """Let the line be what it says it is, once, if it has the token."""
+        """Give the line the role that it says, once, if it has the token."""
         if self.settled:
             self._refuse(heard, order, f"you {self.role.part}: a line keeps its role")
             return
@@ -358,7 +360,7 @@ class Station:
         self.wishes.keep_for(self.role)
 
     def _refuse_token(self, heard: Message, order: Order) -> None:
-        """Refuse a wrong token: in the log at once, by an answer that its machine has to wait for.
+        """Refuse a wrong token, in the log at once. The answer may have to wait.
 
         The line is closed after the third.
         """
@@ -383,14 +385,14 @@ class Station:
         self._answer_late()
 
     def _answer_late(self) -> None:
-        """Give the answer that was kept back, once it is due."""
+        """Send the answer to a wrong token, once it is due."""
         late = self._late
         if late and self._clock() >= late.due:
             self._late, self.leaving = None, late.leaving
             self._answer(late.heard, late.reply)
 
     def _subscribe(self, heard: Message, order: Order) -> None:
-        """Have a channel sent from now on, the answer before it."""
+        """Subscribe a channel, after the answer has been sent."""
         channel = order.subject
         unheard_of = unknown_channel(channel, self.role)
         if unheard_of:
@@ -409,7 +411,7 @@ class Station:
 
 
 def role_powers(role: Role) -> list[str]:
-    """Return what a role may order and see, in words of at most 79 columns."""
+    """Return what a role may order and see, in lines of at most 79 columns."""
     own_orders = (
         "everything"
         if role is INSTRUCTOR_ROLE
@@ -421,20 +423,20 @@ def role_powers(role: Role) -> list[str]:
 
 
 class Reception(Protocol):
-    """Where stations come in by themselves."""
+    """The source of stations that come by themselves."""
 
     @property
     def awaited(self) -> bool:
-        """Return whether a run that nobody attends to goes on for whoever may come."""
+        """Return whether a run without stations goes on, because one may still come."""
         ...
 
     def newcomers(self) -> list[Station]:
-        """Return those that have come since the last call."""
+        """Return the stations that have come since the last call."""
         ...
 
 
 class NoReception:
-    """Nobody comes in by himself."""
+    """A reception without newcomers."""
 
     awaited = False
 

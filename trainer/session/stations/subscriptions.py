@@ -1,9 +1,8 @@
-"""Subscribed channels are sent by a thread, or promptly where no time is kept.
+"""Subscriptions of lines to channels, and the senders that serve them.
 
-The tick hands out a picture and goes on. Whoever has seen an older one gets the latest when the
-rate allows; the ones between are passed over.
-
-What one line wants to be sent: its channels, and whether it hears of events.
+A thread sends the pictures, because the tick that offers one may wait for nobody. A subscription
+gets the latest picture when its rate allows, and those between are passed over. Where no time is
+kept, every picture is sent at once.
 """
 
 import math
@@ -22,12 +21,12 @@ from trainer.session.stations.display import Display, SentenceDisplay, TeletypeD
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, Role, channel_refusal
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 
-MAX_ROUND_RATE_HZ: Final = 100.0  # [Hz] rounds at most, however fast the ticks come
-MAX_KEPT_TROUBLES: Final = 64  # kept until somebody asks
+MAX_ROUND_RATE_HZ: Final = 100.0  # [Hz] of looking for due subscriptions, however fast ticks come
+MAX_KEPT_TROUBLES: Final = 64  # errors kept until the session announces them
 
 
 class Recipient(Protocol):
-    """Where lines go; it never waits."""
+    """The far end of a subscription. Sending to it never waits."""
 
     def send(self, line: str) -> None:
         """Take one line."""
@@ -57,7 +56,7 @@ class Subscription:
         return max(self.due - now, 0.0)
 
     def show(self, frame: Frame, picture: Picture, now: float) -> None:
-        """Send a frame; the next is due a period after this one was."""
+        """Send a frame. The next is due a period after this one was due, so that the rate holds."""
         self.seen = picture
         period = 1.0 / self.rate if self.rate else 0.0
         self.due = self.due + period if self.due > now - period else now + period
@@ -66,18 +65,18 @@ class Subscription:
 
 
 class Roster:
-    """Who is subscribed to what."""
+    """The subscriptions of all lines."""
 
-    def __init__(self, lookout: StateReader) -> None:
+    def __init__(self, reader: StateReader) -> None:
         self.troubles: deque[str] = deque(maxlen=MAX_KEPT_TROUBLES)
-        self._lookout = lookout
+        self._reader = reader
         self._change = threading.Lock()  # of the list, which is replaced and never altered
         # no tuple: one made of what is left over is hoarded by Python when it is dropped
         self._subscriptions: list[Subscription] = []
 
     @property
     def empty(self) -> bool:
-        """Return whether nobody is."""
+        """Return whether there is no subscription."""
         return not self._subscriptions
 
     def add(self, subscription: Subscription) -> None:
@@ -86,12 +85,12 @@ class Roster:
             self._subscriptions = [*self._subscriptions, subscription]
 
     def strike(self, subscription: Subscription) -> None:
-        """Take a subscription off; it need not be there any more."""
+        """Remove a subscription, if it is still there."""
         with self._change:
             self._subscriptions = [s for s in self._subscriptions if s is not subscription]
 
     def serve(self, picture: Picture, now: float) -> float:
-        """Send the picture to all that may have it. Return the time [s] until the next may."""
+        """Send the picture to all that are due; return the time [s] to the next."""
         frame: Frame | None = None
         soonest = math.inf
         for subscription in self._subscriptions:
@@ -100,7 +99,7 @@ class Roster:
                 soonest = min(soonest, wait)
                 continue
             try:
-                frame = frame or self._lookout.frame(picture)
+                frame = frame or self._reader.frame(picture)
                 subscription.show(frame, picture, now)
             except Exception as error:  # noqa: BLE001 one display's bug must not blind the others
                 self._end(subscription, error)
@@ -122,7 +121,7 @@ class RosterSender:
         self._clock = clock
 
     def strike(self, subscription: Subscription) -> None:
-        """Send to a subscription no more; at most what is being sent at this moment."""
+        """Send to a subscription no more, except what is being sent at this moment."""
         self.roster.strike(subscription)
 
 
@@ -157,7 +156,7 @@ class Publisher(RosterSender):
         self._thread.join(patience)
 
     def _call(self) -> None:
-        """Have the thread look; calls that it has not heard yet are one."""
+        """Wake the thread. Several calls before it wakes count as one."""
         try:
             self._called.release()
         except RuntimeError:  # somebody has called already
@@ -182,7 +181,7 @@ class PromptSender(RosterSender):
     _picture: Picture | None = None
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
-        """Send this picture to all that may have it now."""
+        """Send this picture at once to each subscription that is due."""
         self._picture = Picture(tick, state, pace)
         self.roster.serve(self._picture, self._clock())
 
@@ -193,7 +192,7 @@ class PromptSender(RosterSender):
             self.roster.serve(self._picture, self._clock())
 
     def close(self, _patience: float) -> None:
-        """Do nothing: all has been sent."""
+        """Do nothing, because all has been sent."""
 
 
 class Sender(Protocol):
@@ -201,7 +200,7 @@ class Sender(Protocol):
 
     @property
     def troubles(self) -> deque[str]:
-        """Return what has ended subscriptions, for somebody to tell."""
+        """Return the errors that have ended subscriptions, which the session announces."""
         ...
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
@@ -218,7 +217,7 @@ class Sender(Protocol):
 
 
 class Subscriptions:
-    """The subscriptions of one line; a channel is there once, the later wish holds."""
+    """The subscriptions of one line. A later wish for a channel replaces the earlier one."""
 
     def __init__(self, to: Recipient, sending: Sender) -> None:
         self.events = True
@@ -228,7 +227,7 @@ class Subscriptions:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Return what is wanted, by name."""
+        """Return the names of the subscribed channels."""
         return (*self._subscriptions, *((EVENTS_CHANNEL,) if self.events else ()))
 
     def begin(self, channel: str, rate: float, role: Role, *, machine: bool) -> None:
@@ -260,14 +259,14 @@ class Subscriptions:
                 self._sending.strike(self._subscriptions.pop(channel)[0])
 
     def keep_for(self, role: Role) -> None:
-        """Show what ``role`` may see as it sees it, and the rest no more."""
+        """Keep the channels that ``role`` may see, shown as it sees them; end the rest."""
         for channel, (old, machine) in tuple(self._subscriptions.items()):
             self.end(channel)
             if channel_refusal(role, channel) is None:
                 self.begin(channel, old.rate, role, machine=machine)
 
     def cancel(self, given: str) -> Reply:
-        """Carry out the order to send a channel, or ``all``, no more."""
+        """Carry out the order to end a channel's subscription, or ``all``."""
         channels = self.channels
         if given not in (*channels, "all"):
             named = ", ".join(channels) or "nothing"
@@ -278,7 +277,7 @@ class Subscriptions:
 
 
 def rate_of(channel: str, wished: float) -> float:
-    """Return how often [Hz] a channel is sent at most; 0: at every tick."""
+    """Return the rate [Hz] at which an order subscribes; 0: every tick."""
     fastest = CHANNELS[channel].fastest if channel in CHANNELS else math.inf
     return wished if math.isinf(fastest) else min(wished or fastest, fastest)
 

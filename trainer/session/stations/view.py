@@ -1,4 +1,4 @@
-"""A display's view of one tick. It is made of a state's bytes, apart from the boat."""
+"""The view of one tick for displays, made of a state's bytes."""
 
 import math
 from collections.abc import Callable
@@ -19,7 +19,7 @@ STATE_BYTES: Final = new_state().nbytes
 
 
 class Pace(NamedTuple):
-    """How time runs, and what else is shown that no state holds."""
+    """How time runs, and the other things shown that no state holds."""
 
     frozen: bool = False
     speed: float = 1.0  # [-] infinity: as fast as it goes
@@ -52,7 +52,7 @@ class Fittings(NamedTuple):
 
     @classmethod
     def of(cls, boat: Boat) -> "Fittings":
-        """Return those of a boat; a field of its record takes microseconds to reach."""
+        """Return the scales of a boat as floats, because its record is slow to read."""
         c = boat.vessel
         return cls(
             tuple(c.capacity.tolist()),
@@ -71,7 +71,7 @@ class Fittings(NamedTuple):
 class Frame:
     """One tick. ``frame[name]`` is a place of the state [SI], by its name in the core.
 
-    ``boat`` is there for what it is: nothing of it that moves is looked at.
+    Readers use ``boat`` for its constants alone, because its state may be of a later tick already.
     """
 
     boat: Boat
@@ -91,7 +91,7 @@ class Frame:
 
     @cached_property
     def ledger(self) -> Summary:
-        """Return what became of the ticks."""
+        """Return the summary of the ticks."""
         return self.summary()
 
     @property
@@ -119,7 +119,7 @@ class Frame:
 
 
 class StateReader:
-    """Make frames; each thread that needs them has one, since its records are its own."""
+    """A maker of frames. Each thread has its own, because the records within are reused."""
 
     def __init__(self, boat: Boat, summary: Callable[[], Summary]) -> None:
         """Look at ``boat``; ``summary`` is that of the session's ledger, asked for when shown."""

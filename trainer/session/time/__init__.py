@@ -1,1 +1,1 @@
-"""Deadlines, and what became of them."""
+"""The deadlines of the ticks, and the ledger of how they were kept."""

@@ -1,6 +1,6 @@
-"""The ledger of the ticks: counters, two histograms.
+"""The ledger of the ticks: counters, and histograms of their work and lateness.
 
-Times are integer nanoseconds. Nothing here grows.
+Times are integer nanoseconds. Memory does not grow with the run.
 """
 
 import math
@@ -18,7 +18,7 @@ EXACT_BELOW_NS = 2 * OCTAVE_BINS  # [ns] what is below it has a bin of its own
 
 @dataclass(frozen=True)
 class Spread:
-    """How long something took: three percentiles, at most 1/32 too high, and the exact maximum."""
+    """Three percentiles of durations, at most 1/32 too high, and the exact maximum."""
 
     p50_ns: int
     p99_ns: int

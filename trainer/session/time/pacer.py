@@ -33,7 +33,7 @@ from trainer.session.time.ledger import SECOND_NS, Ledger
 # A wait is cut in pieces: some systems deliver Ctrl-C, and notice a suspension, only between two.
 MAX_NAP_NS: Final = SECOND_NS // 2  # [ns]
 # Sleep ends a little before a deadline, and the rest is spun away: long enough to wake up, and to
-# get the interpreter from a busy thread (punctuality.SWITCH); short enough to cost nothing.
+# get the interpreter from a busy thread (SWITCH_INTERVAL_S); short enough to cost nothing.
 SPIN_TIME_NS: Final = 300_000  # [ns]
 MIN_TIME_SPEED, MAX_TIME_SPEED = 0.1, 100.0  # [-] speeds a pacer accepts
 MAX_CATCH_UP = 5  # [-] late ticks run back to back before the rest are given up
@@ -88,7 +88,7 @@ class MonotonicClock:
 
 
 class Policy(Enum):
-    """The consequences of a tick that ends after the next deadline."""
+    """What follows a tick that ends after the next deadline."""
 
     SLIP = "slip"  # the schedule moves: simulated time is lost
     CATCH_UP = "catch-up"  # late ticks run back to back, at most MAX_CATCH_UP, then slip
@@ -173,7 +173,8 @@ class Pacer:
     def wait(self, wake: threading.Event) -> WaitResult:
         """Return WAIT_DUE at the next tick, WAIT_WOKEN if ``wake`` is set before or while frozen.
 
-        A tick that is late waits for what has arrived once, and not for a flood of it.
+        A late tick lets arrived orders be heard once, and then goes on, because a flood of orders
+        must not hold it up.
         """
         if self.frozen:
             _wait_frozen(self._clock, wake)
@@ -258,11 +259,11 @@ class Pacer:
         self._reanchor(due)
 
     def _still(self, now: int) -> int:
-        """Return what ``_look`` does, which asks the system: not where it cannot matter."""
+        """Return what ``_look`` does, without asking the system if too little time has passed."""
         return self._look(now) if now - self._seen > self._stopped else 0
 
     def _look(self, now: int) -> int:
-        """Return how long [ns] the thread was not running since the last look, if for long."""
+        """Return how long [ns] the process was stopped since the last look, 0 if briefly."""
         seen, seen_cpu = self._seen, self._seen_cpu
         self._seen, self._seen_cpu = now, self._clock.cpu()
         still = (now - seen) - (self._seen_cpu - seen_cpu)
@@ -285,7 +286,7 @@ class Pacer:
 
 
 class FreePacer:
-    """A ``Pacer`` to its caller, as fast as the machine allows. It has no deadlines to miss."""
+    """A pacer as fast as the machine allows. It has no deadlines to miss."""
 
     def __init__(self, clock: Clock, ledger: Ledger) -> None:
         self.ledger, self.frozen = ledger, True

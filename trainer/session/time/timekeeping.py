@@ -1,10 +1,9 @@
-"""The timekeeping of the ticks, which may be changed while they run.
+"""The timekeeping of the ticks: their speed, their slips, and what the system grants them.
 
-What a system grants a process that has to be on time: asked for, reported, and given back.
-
-All threads are raised, not the one that ticks alone: a raised thread that waits for the interpreter
-held by one that is not would wait for whoever keeps that one off the processor. New threads inherit
-what the one that starts them has.
+The process asks the system for a real-time priority and locked memory, reports the answer, and
+gives them back. All threads get the priority, not only the one that ticks: a ticking thread that
+waits for the interpreter would else wait for whatever keeps its holder off the processor. New
+threads inherit the priority of the thread that starts them.
 """
 
 import contextlib
@@ -30,7 +29,7 @@ from trainer.session.time.pacer import (
 )
 
 SWITCH_INTERVAL_S: Final = 120e-6  # [s] after which a thread may ask another for the interpreter
-TICK_PRIORITY: Final = 20  # real-time priority of the thread that ticks
+TICK_PRIORITY: Final = 20  # real-time priority of the thread that ticks (docs/timing.md)
 OTHER_PRIORITY: Final = 10  # and of the others
 THREADS_FOLDER: Final = Path("/proc/self/task")
 SET_TIMER_SLACK: Final = 29  # of prctl
@@ -42,12 +41,12 @@ SLIP_TIME_NS: Final = SECOND_NS  # [ns] of slipping until the speed falls
 MIN_OVERRUNS: Final = (
     5  # [-] overruns in that time; a machine that stumbles once or twice keeps its speed
 )
-TICK_SHARE: Final = 0.8  # [-] of the clock that ticks take at the speed that is fallen to
+TICK_SHARE: Final = 0.8  # [-] of the clock that ticks take at the lower speed (docs/timing.md)
 
 
 @dataclass(frozen=True)
 class PunctualityResult:
-    """The result of asking, in words."""
+    """The answers of the system to the demands for punctuality, in words."""
 
     priority: str = "normal"
     memory: str = "not locked"
@@ -59,7 +58,7 @@ class PunctualityResult:
 
 
 class NoPunctuality:
-    """Asks for nothing: for runs that are on time by the way, and for tests."""
+    """No demands, for runs that need no help to be on time, and for tests."""
 
     granted: PunctualityResult | None = None
 
@@ -80,7 +79,7 @@ class Punctuality:
         self._interval = 0.0  # [s] what it was; 0 while nothing has been asked for
 
     def keep(self) -> None:
-        """Ask for everything, unless that has been done; for the calling thread's waits."""
+        """Make all demands, unless they are made. The short waits are the calling thread's."""
         if self._interval:
             return
         self._interval = sys.getswitchinterval()
@@ -92,7 +91,7 @@ class Punctuality:
         )
 
     def relax(self) -> None:
-        """Give everything back, if it has been asked for."""
+        """Take back all demands, if they are made."""
         if not self._interval:
             return
         sys.setswitchinterval(self._interval)
@@ -134,7 +133,7 @@ def _lock() -> str:
 
 
 def _timer_slack(nanoseconds: int) -> bool:
-    """Let the waits of this thread end that late at most, 0 for what is usual; return if it can."""
+    """Limit how late this thread's waits end, 0 for the usual. Return whether that worked."""
     if sys.platform != "linux":
         return False
     return bool(ctypes.CDLL(None).prctl(SET_TIMER_SLACK, nanoseconds, 0, 0, 0) == 0)
@@ -150,7 +149,7 @@ class LedgerMark:
 
 
 class SlipJudge:
-    """Slips of the schedule that follow each other: told once, and judged as a whole."""
+    """Slips that follow each other, announced once and judged as a whole."""
 
     def __init__(self) -> None:
         self._begun: LedgerMark | None = None  # of those at the present speed
@@ -167,13 +166,14 @@ class SlipJudge:
         return first
 
     def change(self) -> None:
-        """Judge what slips from now on alone: the speed has changed."""
+        """Judge only later slips, because the speed of time has changed."""
         self._begun = None
 
     def cost(self, mark: LedgerMark) -> float:
         """Return how long [ns] a tick takes where ticks cannot keep up. 0: they can.
 
-        Half of the ticks at least overran: what slips now and then is held up by others.
+        They cannot if at least half of them overran. Fewer overruns are the fault of other programs
+        that hold the machine up.
         """
         begun = self._begun
         if begun is None or mark.now - begun.now < SLIP_TIME_NS:
@@ -215,7 +215,7 @@ class Timekeeping:
 
     @contextlib.contextmanager
     def attended(self) -> Iterator[None]:
-        """Take from the system what keeps time, inside the block, in the ticking thread."""
+        """Make the demands inside the block, in the ticking thread."""
         self._attend()
         try:
             yield
@@ -236,15 +236,15 @@ class Timekeeping:
             self.pacer.run()
 
     def recover(self) -> None:
-        """Set the speed of time that was asked for before the machine fell behind."""
+        """Return to the ordered speed of time, which the machine could not hold before."""
         if self.fallen_from:
             self.change(self.fallen_from)
 
     def judge(self, events: tuple[PacerEvent, ...]) -> list[tuple[str, str]]:
-        """Return what there is to tell of a tick's events, each with its kind.
+        """Return the messages of a tick's events, each with its kind.
 
-        SlipJudge are told once as long as they follow each other. Where ticks take longer than the
-        clock gives them, the speed falls to what the machine holds.
+        Slips that follow each other are one message. Where ticks take longer than the clock gives
+        them, the speed falls to what the machine holds.
         """
         messages = []
         for event in events:
@@ -269,5 +269,5 @@ class Timekeeping:
         )
 
     def _attend(self) -> None:
-        """Ask for it where time is kept; as fast as it goes needs no precedence over others."""
+        """Make the demands where time is kept. A run as fast as it goes has no deadline to miss."""
         (self.punctuality.keep if math.isfinite(self.speed) else self.punctuality.relax)()
