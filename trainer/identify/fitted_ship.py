@@ -215,7 +215,10 @@ def _fit_manoeuvring(
 
 
 def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Trial:
-    """Return a record of a ship that is not linear; arrays are what instruments have read."""
+    """Return a record of a ship that is not linear.
+
+    Arrays are taken as read by instruments, so no errors of sensors are added to them.
+    """
     if isinstance(frame, str | Path):
         return load_trial(Path(frame), ship, every)
     columns = columns_of(frame, given["columns"], given["units"], FURTHER_CHANNELS)
@@ -279,7 +282,7 @@ class FittedShip(_ShipDisplay):
 
     @property
     def deviations(self) -> dict[str, float]:
-        """Return the standard deviations of ``parameters``; NaN where the record tells none."""
+        """Return the standard deviations of ``parameters``; NaN where the record gives none."""
         return dict(zip(self.parameters, np.sqrt(np.diag(self.covariance)), strict=True))
 
     @property
@@ -292,7 +295,7 @@ class FittedShip(_ShipDisplay):
     def numbers(self) -> dict[str, ShipNumber]:
         """Return gains and time constants, SI: ``value``, ``deviation``, ``low`` and ``high``.
 
-        The last two hold 95 % of the ships that the record allows.
+        Between ``low`` and ``high`` lie 95 % of the ships that the record allows.
         """
         return {one.name: one for one in self._found.report.ship}
 
@@ -316,8 +319,9 @@ class FittedShip(_ShipDisplay):
     def predict(self, frame: Frame) -> dict[str, Numbers]:
         """Return each output (n,) under the rudder of a record, in the units of ``fit``.
 
-        ``frame`` is as for ``fit``, of the same columns. By the rudder alone, from the initial
-        state that fits its readings best; from rest where it has none.
+        ``frame`` is as for ``fit``, of the same columns. The model runs by the rudder alone, from
+        the initial state that fits the frame's readings best, or from rest where the frame has no
+        readings.
         """
         fitted = self._found.fitted
         if isinstance(frame, str | Path):
@@ -344,7 +348,7 @@ class FittedShip(_ShipDisplay):
         return series
 
     def series(self) -> dict[str, Numbers]:
-        """Return the columns (n,) of ``trainer identify --csv``: units are in their names."""
+        """Return the columns (n,) of ``trainer identify --csv``, with units in their names."""
         return series_of(self._found.fitted)
 
     def matrices(self) -> dict[str, dict[str, Any]]:
@@ -371,7 +375,7 @@ class ManoeuvringShip(_ShipDisplay):
     """
 
     def __init__(self, found: IdentifiedShip, given: FitOptions, ship: ShipFile) -> None:
-        """Take what was identified, the keywords of ``fit``, and the ship as its records mean."""
+        """Take what was identified, the keywords of ``fit``, and the ship's file as used."""
         self._found = found
         self._given = given
         self._ship = ship
@@ -401,12 +405,12 @@ class ManoeuvringShip(_ShipDisplay):
 
     @property
     def prior_share(self) -> dict[str, float]:
-        """Return the part of each coefficient's precision that books gave, 0 to 1."""
+        """Return the share of each coefficient's precision that books gave, 0 to 1."""
         return {one.name: one.prior_share for one in self._found.report.coefficients}
 
     @property
     def untold(self) -> list[dict[str, float]]:
-        """Return the combinations that the records do not tell, the worst first."""
+        """Return the combinations that the records do not determine, the worst first."""
         return [one.parts for one in self._found.report.untold]
 
     @property
@@ -418,8 +422,9 @@ class ManoeuvringShip(_ShipDisplay):
     def predict(self, frame: Frame) -> dict[str, Numbers]:
         """Return speed, sway, yaw rate, heading and any roll (n,) by inputs alone.
 
-        ``frame`` and units are as for ``fit``. Rudder, revolutions and wind drive it from the first
-        of its readings. NaN from where it is no ship under way.
+        ``frame`` and units are as for ``fit``. The ship starts at the first readings of the frame;
+        then only rudder, revolutions and wind drive it. Values are NaN from the row on in which the
+        state is no longer that of a ship under way.
         """
         trial = _trial_of(frame, self._ship, self._given, 1)
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)

@@ -3,8 +3,8 @@
 y_t + a1 y_(t-1) + ... = b1 u_(t-1) + ... + e_t + c1 e_(t-1) + ..., n coefficients each, and d1 to
 dn in the first n equations where the initial state is estimated.
 
-They are fitted by maximum likelihood, V = 1/2 sum eps^2 brought to its least (9). Order 2 has a
-ship in it.
+They are fitted by maximum likelihood, which minimises V = 1/2 sum eps^2 (9). A model of order 2
+contains a first-order ship: see ``without_wind``.
 """
 
 import math
@@ -105,7 +105,7 @@ def coefficient_names(order: int, *, initial: bool) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class ArmaxFit:
-    """A fitted model, and what is known of it."""
+    """A fitted model, its coefficients' deviations, and how the search ended."""
 
     model: Armax
     names: tuple[str, ...]  # of the estimated coefficients
@@ -130,7 +130,7 @@ class ArmaxFit:
 
 @dataclass(frozen=True)
 class _Search:
-    """A record and what is sought in it."""
+    """A record, the order of the model, and which coefficients are sought."""
 
     y: Numbers
     u: Numbers
@@ -162,11 +162,11 @@ class _Search:
         return stable_theta
 
     def radius(self, theta: Numbers) -> float:
-        """Return how far out the zeros of C are."""
+        """Return the largest magnitude of a zero of C."""
         return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c))))
 
     def loss(self, theta: Numbers) -> float:
-        """Return V; infinite where C has a zero beyond the rim."""
+        """Return V; infinite where a zero of C lies beyond MAX_ZERO_RADIUS."""
         if self.radius(theta) > MAX_ZERO_RADIUS + 1e-9:
             return float(np.inf)
         eps = self.model(theta).residuals(self.y, self.u)
@@ -174,7 +174,10 @@ class _Search:
         return value if np.isfinite(value) else float(np.inf)
 
     def at_rim(self, theta: Numbers) -> bool:
-        """Return whether a zero of C is held at the rim. The loss would fall beyond it."""
+        """Return whether a zero of C is held at MAX_ZERO_RADIUS.
+
+        The loss may fall further beyond it, so that the search cannot reach a place without slope.
+        """
         return self.radius(theta) > MAX_ZERO_RADIUS - 1e-6
 
     def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
@@ -208,9 +211,10 @@ def fit_armax(
 ) -> ArmaxFit:
     """Return the maximum likelihood model of that order. Output y and input u are (N,).
 
-    Gauss and Newton's steps, halved until they help, from least squares, from Hannan and
-    Rissanen's start, and from the model of the order below, ``lower`` if it is known, times common
-    factors; the best end is taken. ConfigError if the record is too short or has gaps.
+    Gauss and Newton's steps are halved until the loss falls. V has several minima, so the search
+    has several starts: least squares, Hannan and Rissanen's method, and the model of the order
+    below times common factors (``lower`` is that model, if it is known). The lowest end is taken.
+    ConfigError if the record is too short or has gaps.
     """
     names = coefficient_names(order, initial=initial)
     places = np.array([i for i, name in enumerate(names) if name not in fixed], dtype=np.int64)
@@ -230,7 +234,10 @@ def fit_armax(
 
 
 def _raise_order(model: Armax, factor: float, *, initial: bool) -> Numbers:
-    """Return the coefficients of the order above with A, B and C times 1 - factor q^-1."""
+    """Return the coefficients of the order above. A, B and C are times 1 - factor q^-1.
+
+    The common factor cancels, so that this start is as good as the fit of the order below.
+    """
     a, b, c = (
         np.convolve((1.0, -factor), head)[1:]
         for head in ((1.0, *model.a), (0.0, *model.b), (1.0, *model.c))
@@ -345,8 +352,8 @@ class FirstOrder(NamedTuple):
 def without_wind(model: Armax, interval: float) -> FirstOrder:
     """Return K and T of rudder to heading (9). A is replaced by (z - 1)(z - p), p = -a1 - 1.
 
-    The other pole is that of heading: 1 without wind. ConfigError unless the order is 2 and p is
-    between 0 and 1.
+    One of the two poles is that of heading, which is 1 without wind; p is the other. ConfigError
+    unless the order is 2 and p is between 0 and 1.
     """
     if model.order != 2:
         raise ConfigError(f"a first-order ship needs an ARMAX model of order 2, not {model.order}")

@@ -1,8 +1,8 @@
 """Ships that the record of a fit allows beside it, drawn and run (MI 8.5).
 
-Parameters are drawn from N(estimate, covariance), a lever arm by the moment that it makes: of a
-rudder the record tells force and moment, and their ratio is not normal. A draw that is no model is
-left out, and told.
+Parameters are drawn from N(estimate, covariance). In place of a lever arm its moment is drawn: a
+record determines force and moment of a rudder, and their ratio is not normal. A draw that is no
+model is left out, and the share of such draws is told.
 """
 
 import math
@@ -56,7 +56,7 @@ class AllowedShips:
 
     @cached_property
     def sailing(self) -> Numbers:
-        """Return those of the draws that are run, models all of them (k, f)."""
+        """Return those of the first MOTION_DRAWS draws that are models (k, f)."""
         tried = self.draws[:MOTION_DRAWS]
         sailing_rows = tried[[_sails(self.problem, one) for one in tried]]
         return sailing_rows if len(sailing_rows) else self.problem.start[None]
@@ -68,11 +68,14 @@ class AllowedShips:
 
     @cached_property
     def outputs(self) -> ShipBand:
-        """Return what they make of the record's rudder, from their own initial states."""
+        """Return the outputs of these ships under the record's rudder.
+
+        Each ship runs from its own initial state.
+        """
         return self._band(self.problem, None)
 
     def response(self, inputs: Numbers) -> ShipBand:
-        """Return what ``inputs`` (n, u), a rudder [deg], do to the outputs, every interval."""
+        """Return the change of the outputs by ``inputs`` (n, u), a rudder [deg], every interval."""
         t = np.arange(len(inputs), dtype=np.float64) * self.problem.plant.period
         still = np.zeros((len(inputs), len(self.problem.plant.outputs)))
         under = self.problem.on(Samples(t, still, inputs))
@@ -111,7 +114,10 @@ def _spread(t: Numbers, found: Numbers) -> ShipBand:
 
 
 def draw_allowed(fitted: ModelFit) -> AllowedShips:
-    """Return the ships that the record of a fit allows. What it does not tell of stays."""
+    """Return the ships that the record of a fit allows.
+
+    A parameter whose deviation is not known has its estimated value in all of them.
+    """
     problem, plant = fitted.problem, fitted.problem.plant
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
     theta = fitted.found.theta
@@ -125,7 +131,7 @@ def draw_allowed(fitted: ModelFit) -> AllowedShips:
 
 
 def _sails(problem: Problem, theta: Numbers) -> bool:
-    """Return whether parameters are a model, and its run stays finite."""
+    """Return whether parameters are a possible model whose run stays finite."""
     with np.errstate(all="ignore"):  # kernels that are not compiled tell of what they lose
         return possible(problem.sampled(theta)) and bool(
             np.isfinite(predict_alone(problem, theta)).all()

@@ -1,8 +1,9 @@
 """Residuals of a fit are tested (8.4), and how many parameters a record supports (8.3).
 
-Residuals are (N,) of one output, standardised where there are several; NaN is a sample that did not
-count, and the pairs it is in are left out. For a scalar output V = 1/2 sum eps^2 over N samples; p
-counts coefficients and estimated initial states, the noise variance not.
+Residuals are (N,) of one output, standardised where there are several outputs. NaN is a sample that
+did not count; pairs with such a sample are left out. For a scalar output V = 1/2 sum eps^2 over N
+samples; p counts coefficients and estimated initial states, but not the noise variance: so the
+report's section 6 counts (MI 8.3).
 """
 
 import math
@@ -26,7 +27,7 @@ SUSPECT_PROBABILITY: Final = 0.01  # [-] probability below which a test has foun
 class TestStatistic:
     """A statistic, its degrees of freedom, and the probability of one so large by chance.
 
-    Of a model against a larger one: the larger is worth it where the probability is small.
+    In a test against a larger model a small probability says that the larger model is worth it.
     """
 
     statistic: float
@@ -60,8 +61,8 @@ def examine_residuals(
 ) -> Residuals:
     """Return the tests of residuals (N,) against themselves and the rudder (N,).
 
-    ``fitted`` noise parameters are taken off the degrees of freedom of the whiteness test.
-    ConfigError if there are too few residuals for the lags.
+    ``fitted`` is the number of noise parameters, which the whiteness test takes off its degrees of
+    freedom. ConfigError if there are too few residuals for the lags.
     """
     count = int(np.count_nonzero(~np.isnan(left)))
     if not 1 <= lags <= MAX_LAGS or count < 2 * lags + 2:
@@ -127,8 +128,8 @@ def portmanteau(own: Numbers, count: int, freedom: int) -> TestStatistic:
 def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> TestStatistic:
     """Return N c^T R^-1 c of cross correlations at consecutive lags, against chi-square.
 
-    R is the Toeplitz matrix of the input's own correlation: for white residuals it is their
-    covariance, times 1/N.
+    R is the Toeplitz matrix of the input's own correlation, because the covariance of these cross
+    correlations is R/N if the residuals are white.
     """
     from scipy.linalg import toeplitz  # noqa: PLC0415
     from scipy.special import chdtrc  # noqa: PLC0415
@@ -155,7 +156,7 @@ def goodness_of_fit(left: Numbers) -> TestStatistic:
 
 
 def describe_tests(found: Residuals) -> list[str]:
-    """Return in words what the tests have found, nothing if all is well."""
+    """Return in words what the tests reject; an empty list if they reject nothing."""
     texts = {
         "residuals are not white: the noise model or the order is too small": found.whiteness,
         "residuals follow the rudder: dynamics are missing from the model": found.missing_dynamics,

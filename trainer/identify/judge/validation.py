@@ -39,7 +39,7 @@ def simulate_deterministic(problem: Problem, theta: Numbers) -> Numbers:
 
 
 def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) -> Numbers:
-    """Return states and outputs (n, x+y) from a ``first`` state; ``driven`` (n, x) is added."""
+    """Return states and outputs (n, x+y) from a ``first`` state, ``driven`` (n, x) added at each step."""
     readings = samples.outputs.shape[1]
     out = np.empty((len(samples.t), len(first) + readings))
     system = Predictor(mean, np.zeros((len(first), readings)), np.ascontiguousarray(first))
@@ -96,7 +96,7 @@ def check_of(fitted: ModelFit, path: Path) -> ValidationCheck:
 
 
 def other_record(fitted: ModelFit, path: Path) -> Record:
-    """Return the record of another study, or another one of the same columns."""
+    """Return the record of another study, or of a file with the same columns."""
     if path.suffix == ".toml":
         system = fitted.study.system
         study = load_study(path)
@@ -112,9 +112,9 @@ def other_record(fitted: ModelFit, path: Path) -> Record:
 def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[BendEstimate, Record]:
     """Return what steady turns or a large manoeuvre tell of the fitted ship (12).
 
-    Their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of
-    steady turns, whose times are not read. ``joint``: the linear constants too, from both records.
-    ConfigError if the model has no yaw, or a pair of complex roots.
+    Returns their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r)
+    of steady turns, whose times are not read. With ``joint`` the linear constants are estimated
+    too, from both records. ConfigError if the model has no yaw, or a pair of complex roots.
     """
     plant = fitted.problem.plant
     form = nomoto_of(plant.model, fitted.values, plant.ship)
@@ -149,9 +149,10 @@ def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[Be
 def other_problem(fitted: ModelFit, record: Record) -> Problem:
     """Return the fitted model on another record, from the initial state that fits it best.
 
-    By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
-    heading in degrees would else buy its hundredths with whole degrees a second. Outputs that were
-    not recorded are not a number; where none was, the ship begins at rest.
+    By rudder alone the outputs are linear in that state, so that least squares finds it. Each
+    output is weighed by its own errors; else a fit of the heading's hundredths of a degree would be
+    paid for with whole degrees a second of yaw rate. Outputs that were not recorded are NaN; if
+    none was recorded, the ship begins at rest.
     """
     plant = fitted.problem.plant
     system, known = plant.model.system, {}
@@ -186,7 +187,7 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
 
 
 def _found(fitted: ModelFit) -> Problem:
-    """Return the first run alone, at what was found."""
+    """Return the problem of the first run alone, with the estimated values."""
     problem, _ = fitted.problem.runs[0]
     return replace(problem, values=fitted.values)
 
@@ -198,5 +199,5 @@ def _errors(problem: Problem) -> Numbers:
 
 
 def _spread(problem: Problem) -> Numbers:
-    """Return the standard deviations of the outputs (y,), never nothing."""
+    """Return the standard deviations of the outputs (y,), above zero for a division."""
     return np.asarray(np.maximum(np.nanstd(problem.samples.outputs, axis=0), 1e-300))

@@ -147,8 +147,8 @@ def propagate_block(
 ) -> None:
     """Write [Phi Gamma] and the accumulated noise over ``h`` [s] (MI 7.1, 7.3).
 
-    A power series over the short time h / 2^n, doubled n times. The matrix exponential of MI 7.3 has
-    -A in it, which grows without bound over a long interval; a doubling only goes forward in time.
+    A power series over the short time h / 2^n, doubled n times. The exponential of MI 7.3 has -A in
+    it, which grows without bound over a long interval; a doubling only goes forward in time.
     """
     doublings = 0
     # up to 0.5 the series are exact to rounding; 60 doublings bound the loop

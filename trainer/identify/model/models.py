@@ -2,7 +2,7 @@
 
 Model document, section 5. The rudder is in degrees and turns the ship to port when positive,
 outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad. Variances are
-taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
+taken by magnitude, correlations and the time lag by sine, so that every number gives a model.
 """
 
 from collections.abc import Callable, Iterable
@@ -57,8 +57,8 @@ class Parameter:
 class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
-    ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
-    ``system`` is a user's own one, which is no ship.
+    ``given`` are other numbers that stand for the first parameters: ``follow`` computes these
+    parameters from all of them. ``system`` is a user's own system, which is no ship.
     """
 
     name: str

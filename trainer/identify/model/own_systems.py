@@ -57,12 +57,15 @@ class System:
     how: str  # of derivatives
 
     def only_in(self, matrices: set[str]) -> tuple[str, ...]:
-        """Return the parameters that nothing beside these matrices depends on."""
+        """Return the parameters that act on some of these matrices and on no other."""
         return tuple(name for name, found in self.touched.items() if found and found <= matrices)
 
     @cached_property
     def pairs(self) -> tuple[tuple[str, str], ...]:
-        """Return first state and its variance, where each is a parameter alone."""
+        """Return first state and its variance, where each is one parameter and nothing else.
+
+        One record cannot tell both of a pair, so a fit refuses to estimate both.
+        """
         matrices, names = self.matrices(step_aside(self.starts)), list(self.touched)
         pairs = []
         for i in range(self.states):
@@ -121,7 +124,7 @@ class System:
 
     @cached_property
     def quantities(self) -> dict[str, str]:
-        """Return what ``tell`` tells, and units."""
+        """Return the names of what ``tell`` computes, and units."""
         units = {"1/T1": "1/s"}
         for i in range(1, 1 + self.states):
             units |= {f"T{i}": "s", f"period {i}": "s"}
@@ -132,7 +135,7 @@ class System:
     def tell(self, plant: Plant, values: Numbers) -> Numbers:
         """Return -Re of the slowest root, T and period of each, and steady gains.
 
-        The period is 0 of a root that is one with the one before.
+        A pair of complex roots has T and period at its first place; both are 0 at the second.
         """
         drift, x = np.nan_to_num(plant.blocks(values[None]).drift[0]), self.states
         A, B, C, D = drift[:x, :x], drift[:x, x:-1], drift[x:, :x], drift[x:, x:-1]
@@ -200,7 +203,7 @@ def load_program(path: Path) -> System:
 
 
 def _failed(error: Exception, path: Path) -> str:
-    """Return in a line where in a program what went wrong."""
+    """Return in one line what went wrong in a program, and where."""
     line, trace = 0, error.__traceback__
     while trace is not None:
         if trace.tb_frame.f_code.co_filename == str(path):
@@ -211,7 +214,7 @@ def _failed(error: Exception, path: Path) -> str:
 
 
 class _ReturnedError(ValueError):
-    """What a function returned is no set of matrices."""
+    """The value that a function returned is no set of matrices."""
 
 
 class _FunctionMatrices:
@@ -223,7 +226,11 @@ class _FunctionMatrices:
         self._theta = namedtuple("theta", names)  # type: ignore[misc]  # noqa: PYI024
 
     def __call__(self, theta: Entries) -> Matrices:
-        """Return the matrices of each row; not a number where the function fails on numbers."""
+        """Return the matrices of each row of parameters.
+
+        They are NaN in a row for which the function fails on the numbers, so that a search turns
+        back.
+        """
         rows = [self._row(row) for row in theta]
         known = {key: value.shape for row in rows for key, value in row.items()}
         nothing = {key: np.full(shape, math.nan) for key, shape in known.items()}
@@ -260,10 +267,10 @@ def _as_matrix(name: str, value: Any) -> Entries:
 
 
 def _stepped(function: _FunctionMatrices, start: Numbers) -> tuple[Function, str]:
-    """Return the function with exact derivatives, and how they are had.
+    """Return the function with derivatives, and how they are computed.
 
-    An imaginary step goes through most programs. One that loses it (abs, max, math.sin, float) is
-    seen beside differences, and these are taken instead.
+    An imaginary step goes through most programs, and is exact. A program that loses it (by abs,
+    max, math.sin or float) gives other slopes than differences do; then differences are used.
     """
     plain = _by_differences(function, step_aside(start))
     try:
@@ -342,7 +349,8 @@ def _is_covariance(matrix: Numbers) -> bool:
 def with_kinds(system: System) -> System:
     """Return the system with what depends on each parameter, and variances known as such.
 
-    A parameter that is a variance all alone is bounded; one in R2 is an error of readings.
+    A parameter that is an entry on the diagonal of a covariance, and no other part of it, is a
+    variance and is bounded; one in R2 is an error of readings.
     """
     start = system.starts
     touched: dict[str, set[str]] = {one.name: set() for one in system.parameters}

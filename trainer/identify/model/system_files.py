@@ -1,8 +1,9 @@
 """Systems in TOML files, their matrices made of expressions of parameters.
 
-An expression is read as a tree of numbers, names, + - * / ** and a few functions; anything else is
-refused, and nothing is ever run as a program. Values may be complex: an imaginary step is a
-derivative. A Python file is a program, and is run when it is loaded.
+An expression is read as a tree of numbers, names, + - * / ** and a few functions. Anything else is
+refused and nothing is run as a program, because a file may come from anybody. Values may be
+complex: an imaginary step carries a derivative. A Python file is a program, and is run when it is
+loaded.
 """
 
 import ast
@@ -95,7 +96,7 @@ def parse_expression(text: str, names: tuple[str, ...]) -> Expression:
 
 
 def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
-    """Return what computes one node of the tree."""
+    """Return a function that computes one node of the tree from the parameters' values."""
     if depth > MAX_EXPRESSION_DEPTH:
         raise ConfigError(f"expression: {MAX_EXPRESSION_DEPTH} signs within one another at most")
     if isinstance(node, ast.Constant):
@@ -122,7 +123,7 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
 
 
 def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
-    """Return what a sign or a function does, and of what; ConfigError for anything else."""
+    """Return the function of a sign or name, and its operands; ConfigError for anything else."""
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATOR_BY_SIGN:
         return OPERATOR_BY_SIGN[type(node.op)], [node.left, node.right]
     if isinstance(node, ast.UnaryOp) and type(node.op) in OPERATOR_BY_SIGN:
@@ -177,7 +178,7 @@ SYSTEM_PARAMETERS: Final = Rows(SystemParameter, ("note",), 1, 60, "parameters, 
 
 @dataclass(frozen=True, kw_only=True)
 class SystemFile:
-    """A system in matrices."""
+    """A system of a TOML file, in matrices."""
 
     schema: str = required(Choice(("system/1",), "form of the file"))
     name: str = required(Text(79, "what it is"))
