@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, 
 
 import numpy as np
 
-from trainer.boat.ship.models import MODELS as OF_SHIPS
+from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, path_named
 from trainer.config.ship import ShipFile, load_ship, ship_text
@@ -47,8 +47,8 @@ OPTION_CHOICES: Final = {
     "method": FIT_METHODS,
     "positive_rudder": ("port", "starboard"),
 }
-PRIOR_OPTIONS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
-LINEAR_FIT_OPTIONS: Final = (  # and those that ships that are not linear do not
+MANOEUVRING_FIT_OPTIONS: Final = ("ship", "prior_strength")  # not taken by linear ships
+LINEAR_FIT_OPTIONS: Final = (  # not taken by ships that are not linear
     "length",
     "speed",
     "vessel",
@@ -58,8 +58,8 @@ LINEAR_FIT_OPTIONS: Final = (  # and those that ships that are not linear do not
     "start",
     "fixed",
 )
-MAX_PRIOR_STRENGTH: Final = 100.0  # of the prior's strengths, as on the command line
-OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]
+MAX_PRIOR_STRENGTH: Final = 100.0  # [-] times the books' width, as on the command line
+ManoeuvringModel = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
 class FitOptions(TypedDict, total=False):
@@ -99,7 +99,7 @@ DEFAULT_OPTIONS: Final[FitOptions] = {
 
 @overload
 def fit(
-    frame: Frame | Sequence[Frame], model: OfShips, **keywords: Unpack[FitOptions]
+    frame: Frame | Sequence[Frame], model: ManoeuvringModel, **keywords: Unpack[FitOptions]
 ) -> "ManoeuvringShip": ...
 
 
@@ -150,10 +150,10 @@ def fit(
                 f"no keyword {name!r}{nearest(name, DEFAULT_OPTIONS)}; there are {known_names}"
             )
     chosen: FitOptions = {**DEFAULT_OPTIONS, **keywords}
-    unfit = LINEAR_FIT_OPTIONS if model in OF_SHIPS else PRIOR_OPTIONS
+    unfit = LINEAR_FIT_OPTIONS if model in MANOEUVRING_MODELS else MANOEUVRING_FIT_OPTIONS
     if strange := [name for name in unfit if name in keywords]:
         raise ConfigError(f"{', '.join(strange)}: not with model {model}")
-    if model in OF_SHIPS:
+    if model in MANOEUVRING_MODELS:
         return _fit_manoeuvring(frame, model, chosen, keywords.get("positive_rudder"))
     if not isinstance(frame, str | Path | Mapping) and not hasattr(frame, "keys"):
         raise ConfigError(f"model {model}: takes one frame")
@@ -203,7 +203,7 @@ def _fit_manoeuvring(
     ship = load_ship(path_named(str(given["ship"]), "ships"))
     sign = sign or ship.records.positive_rudder
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
-    one = isinstance(frame, str | Path) or hasattr(frame, "keys")
+    one = isinstance(frame, str | Path) or hasattr(frame, "keys")  # mappings and pandas frames
     frames = cast("Sequence[Frame]", [frame] if one else frame)
     trials = tuple(_trial_of(each, ship, given, given["every"] or 1) for each in frames)
     if not trials:
@@ -301,6 +301,7 @@ class FittedShip(_ShipDisplay):
 
     def __getattr__(self, name: str) -> float:
         """Return a gain or time constant [SI] by its name."""
+        # Python asks for _found too, before it is set (copy, pickle): numbers would ask without end
         numbers = {} if name.startswith("_") else self.numbers
         if name not in numbers:
             raise AttributeError(f"this ship has no {name!r}; it has {', '.join(numbers)}")
@@ -417,7 +418,7 @@ class ManoeuvringShip(_ShipDisplay):
     def log_likelihood(self) -> float:
         """Return log L [-], without the prior."""
         fitted = self._found.fit
-        return fitted.problem.penalty(fitted.found.a) - fitted.found.cost
+        return fitted.problem.penalty(fitted.found.a) - fitted.found.cost  # cost has the prior
 
     def predict(self, frame: Frame) -> dict[str, Numbers]:
         """Return speed, sway, yaw rate, heading and any roll (n,) by inputs alone.
@@ -426,7 +427,7 @@ class ManoeuvringShip(_ShipDisplay):
         then only rudder, revolutions and wind drive it. Values are NaN from the row on in which the
         state is no longer that of a ship under way.
         """
-        trial = _trial_of(frame, self._ship, self._given, 1)
+        trial = _trial_of(frame, self._ship, self._given, 1)  # every row, also if every thinned
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
         units, names = (
             self._given["units"],

@@ -24,11 +24,10 @@ CANCELLED_DISTANCE: Final = 0.15  # [-] of a zero from a pole that it nearly can
 MAX_ROUNDS: Final = 100
 MAX_HALVINGS: Final = 25
 LOSS_TOLERANCE: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
-MAX_ZERO_RADIUS: Final = 0.9995  # [-] radius within which the zeros of C are kept
+# [-] of the zeros of C: on the unit circle an error of the start would never die out
+MAX_ZERO_RADIUS: Final = 0.9995
 ROUNDING_TOLERANCE: Final = 1e-6  # [-] relative decrease expected that rounding may hide
-FLAT_EIGENVALUE: Final = (
-    1e-10  # [-] scaled eigenvalue of the information below which a direction is not known
-)
+FLAT_EIGENVALUE: Final = 1e-10  # [-] of the scaled information: a direction below it is not known
 LONG_ORDER: Final = 10  # of the autoregression that the second start takes its residuals from
 COMMON_FACTORS: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
 NO_FIXED_VALUES: Final[Mapping[str, float]] = MappingProxyType({})
@@ -155,7 +154,7 @@ class _Search:
         if len(noise) < n or not (np.abs(zeros) > MAX_ZERO_RADIUS).any():
             return theta
         size = np.abs(zeros)
-        inside = np.where(size > 1.0, zeros / size**2, zeros)
+        inside = np.where(size > 1.0, zeros / size**2, zeros)  # 1/z, conjugate: C stays real
         inside *= np.minimum(1.0, MAX_ZERO_RADIUS / np.maximum(np.abs(inside), 1e-300))
         stable_theta = theta.copy()
         stable_theta[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
@@ -253,6 +252,7 @@ def _starts(search: _Search) -> list[Numbers]:
     plain = zero - np.linalg.lstsq(J, eps, rcond=None)[0]
     n = search.order
     plain[search.sought // n == 2] = 0.0
+    # Hannan and Rissanen: residuals of a long autoregression stand for the errors e
     lags = range(1, min(LONG_ORDER + n, len(search.y) // 4) + 1)
     long = np.column_stack([_later(series, i) for series in (search.y, search.u) for i in lags])
     errors = search.y - long @ np.linalg.lstsq(long, search.y, rcond=None)[0]
@@ -309,6 +309,7 @@ def _account(search: _Search, end: _DescentEnd) -> ArmaxFit:
     share = float(eps @ eps) / len(eps)
     inverse = (vectors / np.where(flat, np.inf, values)) @ vectors.T
     covariance = share * inverse / np.outer(size, size)
+    # a coefficient with a share in a flat direction is not known, whatever the others tell
     unknown = (np.abs(vectors[:, flat]) > 0.05).any(axis=1)
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return ArmaxFit(

@@ -24,7 +24,7 @@ from trainer.identify.fitting.problem import Problem
 
 MAX_BOUNDED_SPREAD: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
 MIN_TIME_CONSTANT: Final = 0.5  # [intervals] of a time constant that two readings still show
-MAX_RESTART_FACTOR: Final = 4  # times the restarts wanted, in all
+MAX_RESTART_FACTOR: Final = 4  # times the restarts wanted, in all: the search must end
 APPROACH_STEPS: Final = 60  # steps from another start
 NEAR_COST_MARGIN: Final = 10.0  # [-] of cost above the best, from where a search is carried on
 NARROW_WIDTH: Final = 0.3  # [-] of the width, of every other start
@@ -48,12 +48,12 @@ def powell(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
     def value(x: Numbers) -> float:
         return min(cost.value(problem.theta(x * width)), 1e300)
 
-    def told(x: Numbers) -> None:
+    def tell(x: Numbers) -> None:
         search.progress(SearchResult(problem.theta(x * width), value(x), 0, converged=False))
 
     options = {"maxiter": search.most, "xtol": 1e-4, "ftol": 1e-12}
     result: Any = minimize(
-        value, np.zeros(len(theta)), method="Powell", callback=told, options=options
+        value, np.zeros(len(theta)), method="Powell", callback=tell, options=options
     )
     return judge_place(problem, np.atleast_1d(result.x) * width, int(result.nit))
 
@@ -187,6 +187,7 @@ def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numb
         has_information, starts.width / np.sqrt(np.where(has_information, size, 1.0)), 0.0
     )
     bounded = np.where(has_information, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
+    # three widths in turn, because minima lie at a distance that nobody knows before
     free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW_WIDTH * known, known
     widths = [np.where(problem.bounded, bounded, one) for one in free]
     widths[1] = np.where(problem.bounded, NARROW_WIDTH * bounded, widths[1])

@@ -23,7 +23,7 @@ from trainer.identify.kernels.sensitivity import ScoreRows, score_rows
 from trainer.identify.model.sampled import SampledSystems
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
-PIECE_ROWS: Final = 256  # rows
+PIECE_ROWS: Final = 256  # rows that are multiplied at once
 
 
 def possible(sampled: SampledSystems) -> bool:
@@ -119,7 +119,7 @@ def _score(problem: Problem, theta: Numbers) -> Score:
         return impossible
     length, readings = samples.outputs.shape
     slopes = sampled.slopes()
-    wide = slopes.mean.shape[-1]
+    wide = slopes.mean.shape[-1]  # with the zeros that fill up the processor's lanes
     errors = np.empty((length, readings, wide))
     covariances = np.empty((length, readings * readings, wide))
     slope = np.empty(wide)

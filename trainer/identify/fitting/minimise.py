@@ -20,29 +20,24 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.problem import Problem
 
-NEWTON_COST_TOLERANCE: Final = (
-    1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
-)
+# Costs are minus a log-likelihood: 0.5 is one standard deviation of one parameter. Scoring goes on
+# while a step promises 1e-8; judged apart, 1e-3 counts as settled (docs/identification.md).
+NEWTON_COST_TOLERANCE: Final = 1e-8  # [-] that a quadratic model may still promise at the minimum
+SETTLED_COST_TOLERANCE: Final = 1e-3  # [-] that it may promise where a search has settled
 MAX_STEP: Final = 2.0  # [-] step of a parameter with bounds
-MAX_DISTANCE: Final = 30.0  # [-] from the origin, beyond which nothing changes
-MAX_START_SHARE: Final = (
-    0.999  # [-] correlation, or share of the interval, from which a search may start
-)
+MAX_DISTANCE: Final = 30.0  # [-] from the origin: a factor of e^30 = 1e13, then nothing changes
+MAX_START_SHARE: Final = 0.999  # [-] of correlation or interval, to start from: 1 is infinitely far
 MAX_DAMPING: Final = 1e12  # damping beyond which no step gets smaller
-SETTLED_COST_TOLERANCE: Final = (
-    1e-3  # [-] of cost: what a quadratic model may promise where a search has settled
-)
 MIN_CURVATURE: Final = 1e-9  # [-] least eigenvalue of the scaled second derivatives at a minimum
 END_MARGIN: Final = 1e-3  # [-] to an end of a lag or correlation
-MIN_BOUNDED_INFORMATION: Final = (
-    1e-6  # [-] information of a bounded coordinate whose number is at an end
-)
+MIN_BOUNDED_INFORMATION: Final = 1e-6  # [-] of a bounded coordinate: with less it is at an end
 POLISH_ROUNDS: Final = 12  # of polishing, each judged
 POLISH_METHODS: Final = ("BFGS", "trust-exact")  # scipy's, in turn
-STEP_LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)  # of a step, tried in turn
+# parts of a step, tried in turn; both ways, because a direction of curvature has no sign
+STEP_LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)
 MIN_COST_GAIN: Final = 1e-4  # [-] of cost that such a step must gain
 IMPOSSIBLE_NEIGHBOUR: Final = "the model is impossible beside it"
-UPHILL_COST: Final = 10.0  # [-] of cost above the best known, where a model is impossible
+UPHILL_COST: Final = 10.0  # [-] times 1 + |best cost|: that of an impossible model, above the best
 
 
 class Cost(Protocol):
@@ -195,6 +190,7 @@ def stretch_cost(cost: Cost, theta: Numbers) -> StretchedCost:
     for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
         if kind in ("variance", "error") and value == 0.0:
             raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
+    # a little above the floor, because at the floor itself the logarithm has no slope
     above = np.maximum(np.abs(theta), 1.01 * problem.floors)
     return StretchedCost(cost, np.where(problem.floors > 0.0, above, theta))
 
@@ -209,7 +205,7 @@ def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers
     width[width == 0.0] = np.inf
     scaled = matrix / np.outer(width, width) + damping * np.eye(len(width))
     scaled[np.isinf(width), np.isinf(width)] = 1.0
-    step = np.linalg.lstsq(scaled, -gradient / width, rcond=1e-13)[0]
+    step = np.linalg.lstsq(scaled, -gradient / width, rcond=1e-13)[0]  # 1e-13: rounding
     return np.asarray(step / width)
 
 
@@ -245,6 +241,7 @@ def search_by_scoring(
     for step in range(search.most):
         if not np.isfinite(here.information).all():
             return here.eta, step
+        # the promise is that of the step without damping: damped steps promise less than there is
         newton = problem.newton(here.information, 1e-9, here.gradient)
         if 0.0 <= -0.5 * float(here.gradient @ newton) < NEWTON_COST_TOLERANCE:
             return here.eta, step
@@ -391,6 +388,7 @@ def scipy_search(
         nonlocal best
         value, gradient = problem.slope(eta + x * width)
         if not (np.isfinite(value) and np.isfinite(gradient).all()):
+            # scipy cannot take an infinite cost: a finite one far uphill makes it shorten its step
             return best[0] + UPHILL_COST * (1.0 + abs(best[0])), np.zeros_like(x)
         if value < best[0]:
             best = value, eta + x * width
@@ -414,6 +412,7 @@ def scipy_search(
             options={"maxiter": search.most},
             **more,
         )
+    # the best place of all that were tried, because scipy may end at another one
     return problem.clipped(best[1], MAX_DISTANCE), int(result.nit)
 
 

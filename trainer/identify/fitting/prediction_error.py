@@ -211,6 +211,7 @@ class Innovations:
             if gains is None:
                 return None
             errors = np.stack([_run(run, sampled, gains, row)[1] for row in range(len(gains))])
+            # V1 needs complete samples: errors of all outputs are multiplied (MI 6.3)
             errors = errors[:, ~np.isnan(run.samples.outputs).any(axis=1)]
             part = np.zeros((1 + sloped * len(theta), *errors.shape[1:]), complex)
             part[[0, *(1 + at)] if sloped else [0]] = errors
@@ -320,6 +321,7 @@ def _surprises(errors: Entries, R: Entries) -> Complexes:
     It is infinite where R is not positive definite.
     """
     present = ~np.isnan(errors)
+    # a missing reading has error 0 and variance 1, alone: it adds nothing to -log L
     R = np.where(present[:, :, None] & present[:, None, :], R, np.eye(errors.shape[1]))
     present_errors, size = np.where(present, errors, 0.0), np.linalg.det(R)
     squares = np.einsum(

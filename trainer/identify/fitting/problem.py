@@ -15,9 +15,7 @@ from trainer.identify.model.models import Plant
 from trainer.identify.model.sampled import SampledSystems, sample_systems, step_aside
 from trainer.identify.record.measurements import Samples
 
-MIN_VARIANCE_SHARE: Final = (
-    1e-4  # [-] of its start: what an error's variance is not estimated below
-)
+MIN_VARIANCE_SHARE: Final = 1e-4  # [-] of its start, below which no error's variance is estimated
 
 
 @dataclass(frozen=True, eq=False)

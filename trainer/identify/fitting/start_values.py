@@ -18,7 +18,7 @@ from trainer.identify.model.nomoto import rate_coefficients
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study_records import ParameterRow
 
-DISTURBANCE_SHARE: Final = 0.1  # [-] of the yaw rate, that disturbances start as
+DISTURBANCE_SHARE: Final = 0.1  # [-] of the yaw rate (sway with Model 2) that disturbances make
 MIN_ERRORS: Final = {"sway": 1e-3, "yaw_rate": 1e-3, "heading": 1e-3}  # errors [kn], [deg/s], [deg]
 ACCELERATION_NAMES: Final = ("m11", "m12", "m21", "m22")
 DERIVATIVE_NAMES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
@@ -148,6 +148,7 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
         raise ConfigError(f"{record.source}: {channel} has too few neighbouring values to start")
     regressors = np.column_stack([values[:-1], rudder[:-1], np.ones(len(rudder) - 1)])[good]
     p, b, _ = np.linalg.lstsq(regressors, values[1:][good], rcond=None)[0]
+    # noise may put the pole outside 0 to 1, where no ship has one: a start need not be exact
     p = min(max(float(p), 0.2), 0.99)
     return float(b) / (1.0 - p), -step / math.log(p)
 

@@ -23,17 +23,12 @@ from trainer.identify.record.measurements import Samples
 
 DRAW_SEED: Final = 1
 QUANTITY_DRAWS: Final = 1000  # draws that intervals of gains and time constants are of
-MOTION_DRAWS: Final = 200  # draws that are run
+MOTION_DRAWS: Final = 200  # of these draws that are run
 RESPONSE_TIME_CONSTANTS: Final = 6.0  # time constants, that a response is shown for
 MIN_RESPONSE_SAMPLES: Final = 20  # [samples] of it
 BODE_OUTPUTS: Final = ("yaw_rate", "heading", "sway")  # to the rudder, in Bode figures
-LEVER_FORCES: Final = {
-    "l_delta": "Y_delta",
-    "l_psi": "Y_psi",
-}  # and the forces that they are arms of
-MIN_COMPLEX_SHARE: Final = (
-    0.025  # [-] share of complex pairs from which T1 and T2 are not told apart
-)
+LEVER_FORCES: Final = {"l_delta": "Y_delta", "l_psi": "Y_psi"}  # lever arms and their forces
+MIN_COMPLEX_SHARE: Final = 0.025  # [-] of complex pairs, from which T1 and T2 are not told apart
 
 
 class ShipBand(NamedTuple):

@@ -44,8 +44,9 @@ from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study
 
 MAX_STEPS: Final = 200
-DEFAULT_RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
-MIN_RESTARTS: Final = 2  # of them, whatever a study says
+# other starts in a row that must find nothing better, before a fit counts as settled
+DEFAULT_RESTARTS: Final = 12
+MIN_RESTARTS: Final = 2  # whatever a study says
 NO_MODEL: Final = "these values are no model: a covariance is not positive, or it does not end"
 SCREENING_ROUNDS: Final = 4  # rounds of fitting and rejecting
 
@@ -145,6 +146,7 @@ def fit_study(
     cost, method = cost_of(problem, table), table.method or "scoring"
     minimum = find_best_minimum(cost, start, method, search, RestartOptions(restarts))
     rejected: list[tuple[int, int]] = []
+    # an outlier bends the fit by which others are judged: fit and reject until none is found
     for _ in range(SCREENING_ROUNDS if table.reject else 0):
         problem, more = screen_samples(problem, minimum.theta, table.reject or 0.0)
         rejected += more
@@ -230,9 +232,9 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
 
 
 def save_steps(path: Path, problem: Problem, heard: Progress = ignore_news) -> Progress:
-    """Return a function that saves each step of a search in ``path``, then passes it on.
+    """Return a function that saves each step of a search and passes it on.
 
-    It writes beside the file and then replaces it, so that a file that ends halfway is never read.
+    It writes beside ``path`` and then replaces it, so that nobody ever reads half a file.
     """
 
     def write(found: SearchResult) -> None:

@@ -16,9 +16,7 @@ Derived = Callable[[Numbers], Numbers]
 
 DEFAULT_DRAWS: Final = 1000
 TAIL_SHARE: Final = 0.025  # [-] of the draws, left out at each end of an interval
-DIFFERENCE_STEP: Final = (
-    1e-4  # [standard deviations] of each parameter, for the difference quotients
-)
+DIFFERENCE_STEP: Final = 1e-4  # [standard deviations] of each parameter, for the quotients
 
 
 class Spread(NamedTuple):

@@ -15,10 +15,10 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
-DEFAULT_LAGS: Final = 10
-MAX_LAGS: Final = 50
+DEFAULT_LAGS: Final = 10  # samples; as MAX_LAGS that of the report's program (MI 8.4, NOL)
+MAX_LAGS: Final = 50  # samples
 BAND_STANDARD_ERRORS: Final = 1.96  # standard errors, 95 %
-MIN_PER_CLASS: Final = 5  # residuals expected in a class, for the goodness of fit
+MIN_PER_CLASS: Final = 5  # residuals expected in a class, usual for a chi-square test
 MAX_CLASSES: Final = 30
 SUSPECT_PROBABILITY: Final = 0.01  # [-] probability below which a test has found something
 
@@ -71,6 +71,7 @@ def examine_residuals(
     autocorrelation = correlation(left, lags)
     cross = cross_correlation(centred, rudder - rudder.mean(), lags)
     input_own = correlation(rudder - rudder.mean(), lags)
+    # correlated residuals and rudder scatter more (MI 8.4); 0.1, as estimates may sum below zero
     widening = math.sqrt(max(1.0 + 2.0 * float(autocorrelation[1:] @ input_own[1:]), 0.1))
     positive, known = left > 0.0, ~np.isnan(left)
     both = known[1:] & known[:-1]  # neighbours, which may differ in sign
@@ -85,6 +86,7 @@ def examine_residuals(
         band=BAND_STANDARD_ERRORS / math.sqrt(count),
         whiteness=portmanteau(autocorrelation, count, max(lags - fitted, 1)),
         sign_changes=int(np.count_nonzero((positive[1:] != positive[:-1]) & both)),
+        # white residuals change sign in half of the pairs, with variance pairs/4 (MI 8.4)
         sign_changes_expected=pairs / 2.0,
         sign_changes_deviation=math.sqrt(pairs) / 2.0,
         normality=goodness_of_fit(left),
@@ -97,7 +99,7 @@ def examine_residuals(
 
 def correlation(series: Numbers, lags: int) -> Numbers:
     """Return sum e_t e_(t+lag) / sum e^2 for lags 0 to ``lags``, (lags + 1,)."""
-    values = np.nan_to_num(series)
+    values = np.nan_to_num(series)  # a missing value adds zero to each sum: its pairs are out
     power = float(values @ values)
     if power == 0.0:
         return np.concatenate([[1.0], np.zeros(lags)])
@@ -134,6 +136,7 @@ def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> TestStatistic:
     from scipy.linalg import toeplitz  # noqa: PLC0415
     from scipy.special import chdtrc  # noqa: PLC0415
 
+    # 1e-9 keeps R regular, which is singular for a rudder of few sines
     R = toeplitz(input_own[: len(cross)]) + 1e-9 * np.eye(len(cross))
     statistic = float(count * cross @ np.linalg.solve(R, cross))
     return TestStatistic(statistic, len(cross), float(chdtrc(len(cross), statistic)))
@@ -146,6 +149,7 @@ def goodness_of_fit(left: Numbers) -> TestStatistic:
     values = left[~np.isnan(left)]
     deviation = float(np.std(values))
     classes = int(min(max(len(values) // MIN_PER_CLASS, 4), MAX_CLASSES))
+    # degrees of freedom: less 1 for the sum, and 2 for mean and deviation, which are estimated
     if deviation == 0.0:
         return TestStatistic(0.0, classes - 3, 1.0)
     place = ndtr((values - np.mean(values)) / deviation)

@@ -11,16 +11,12 @@ from trainer.identify.fitting.minimise import Cost, curvature
 from trainer.identify.fitting.problem import Problem
 
 FLAT_EIGENVALUE: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
-BOUNDED_PREFIXES: Final = (
-    "R1_",
-    "R2_",
-    "lag",
-)  # parameters that no gain or time constant follows from
+# parameters of noise and lag: they have bounds, and no gain or time constant follows from them
+BOUNDED_PREFIXES: Final = ("R1_", "R2_", "lag")
 HALF_INTERVAL_95: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
-RATIO_COEFFICIENTS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
-MIN_MEMBER_SHARE: Final = (
-    1e-3  # [-] share of a flat direction from which on a parameter belongs to it
-)
+# coefficients whose products and ratios are gains and time constants
+RATIO_COEFFICIENTS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")
+MIN_MEMBER_SHARE: Final = 1e-3  # [-] of a flat direction, from which on a parameter belongs to it
 
 
 @dataclass(frozen=True)
@@ -80,7 +76,7 @@ def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...
 
 
 def beside_bounds(known: Uncertainty) -> Uncertainty:
-    """Return the others' covariance where a noise parameter or the lag has gone to a bound.
+    """Return the others' covariance where a noise parameter or lag is at a bound.
 
     There a variance of zero, its correlation, and a lag of zero or of a whole interval have no
     information: their own covariances stay NaN, and the others are taken as if these were known.

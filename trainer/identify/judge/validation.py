@@ -39,7 +39,10 @@ def simulate_deterministic(problem: Problem, theta: Numbers) -> Numbers:
 
 
 def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) -> Numbers:
-    """Return states and outputs (n, x+y) from a ``first`` state, ``driven`` (n, x) added at each step."""
+    """Return states and outputs (n, x+y) from the state ``first`` on.
+
+    ``driven`` (n, x) is added to the state at each step.
+    """
     readings = samples.outputs.shape[1]
     out = np.empty((len(samples.t), len(first) + readings))
     system = Predictor(mean, np.zeros((len(first), readings)), np.ascontiguousarray(first))
@@ -83,7 +86,7 @@ def predict_alone(problem: Problem, theta: Numbers) -> Numbers:
 def check_of(fitted: ModelFit, path: Path) -> ValidationCheck:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
     problem = other_problem(fitted, other_record(fitted, path))
-    other_errors, own_errors = (_errors(one) for one in (problem, _found(fitted)))
+    other_errors, own_errors = (_errors(one) for one in (problem, _first_run(fitted)))
     share = other_errors / _spread(problem)
     return ValidationCheck(
         source=str(path),
@@ -105,7 +108,7 @@ def other_record(fitted: ModelFit, path: Path) -> Record:
         )
         return observe_record(study).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
-    beside = path.parent / fitted.study.path.name
+    beside = path.parent / fitted.study.path.name  # a study's record lies in the study's folder
     return observe_record(replace(fitted.study, path=beside, heading=heading)).record
 
 
@@ -128,17 +131,18 @@ def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[Be
         }
         data = study.heading.data if path.suffix == ".toml" else path.name
         heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
-        place = path.parent / study.path.name
+        place = path.parent / study.path.name  # as in other_record
         record = observe_record(
             replace(study, path=place, heading=heading, columns=columns, sensors=None)
         ).record
         rudder, rate = record.column("rudder"), record.column("yaw_rate")
         return curve_from_turns(ship, record.source, rudder, rate), record
     record = other_record(fitted, path)
-    # a bend that halves the gain at the fastest turn: where the search begins
+    # the search begins at a bend that halves the gain at the fastest turn (an estimate)
     fastest = float(np.nanmax(np.abs(record.column("yaw_rate"))))
     ship = replace(ship, kappa=1.0 / (abs(form.K) * fastest))
     fitted_record = fitted.record
+    # one record given twice must not count twice: its errors would seem smaller than they are
     same = len(fitted_record.t) == len(record.t) and bool(np.allclose(fitted_record.t, record.t))
     same = same and np.array_equal(fitted_record.column("rudder"), record.column("rudder"))
     records = [fitted_record, record] if joint and not same else [record]
@@ -162,21 +166,21 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
         samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
     else:
         samples = samples_of(record, plant.outputs, system.inputs)
-    problem = replace(_found(fitted), samples=samples)
-    states = len(
-        INITIAL_STATE_NAMES.get(plant.model.name, range(plant.model.states))
-    )  # those that may differ
+    problem = replace(_first_run(fitted), samples=samples)
+    # states that may differ at the start: all of them in a user's own system
+    states = len(INITIAL_STATE_NAMES.get(plant.model.name, range(plant.model.states)))
     first = problem.sampled(problem.start).start[0, :, 0].real
     first[:states] = 0.0
     problem = replace(problem, first=first)
     if not known and system is None:
         return problem
+    # the outputs are linear in the first state: those from rest, and their change by each unit
     still = predict_alone(problem, problem.start)
     units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
     noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
     spread = np.sqrt(noise[plant.model.states :])
-    if isinstance(fitted.cost, Innovations):  # which has no errors of readings: as they scatter
-        spread = _errors(_found(fitted))
+    if isinstance(fitted.cost, Innovations):  # it has no errors of readings, so by their scatter
+        spread = _errors(_first_run(fitted))
     present, weight = ~np.isnan(samples.outputs), 1.0 / np.maximum(spread, 1e-12)
     changes = [predict_alone(unit, unit.start) - still for unit in units]
     free = np.column_stack([(change * weight)[present] for change in changes])
@@ -186,7 +190,7 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
     return replace(problem, first=np.concatenate([best, first[states:]]))
 
 
-def _found(fitted: ModelFit) -> Problem:
+def _first_run(fitted: ModelFit) -> Problem:
     """Return the problem of the first run alone, with the estimated values."""
     problem, _ = fitted.problem.runs[0]
     return replace(problem, values=fitted.values)

@@ -80,7 +80,8 @@ class Model:
     def of_each_run(self) -> tuple[str, ...]:
         """Return the parameters that each of several runs has for itself.
 
-        They are the first state, and the steady forces of wind and residual helm.
+        They are the first state, and the steady forces of wind and residual helm, because ship and
+        instruments are the same in all runs but weather and start are not.
         """
         if self.system is not None:
             return tuple(self.system.only_in({"x0"}))
@@ -120,7 +121,11 @@ class Model:
         )
 
     def places(self, names: Iterable[str]) -> tuple[int, ...]:
-        """Return the places of ``names``, each once; those ``given`` stand for what follows."""
+        """Return the places of ``names``, each once.
+
+        The names of ``given`` stand for the first parameters, which follow from them, and only if
+        all of them are named.
+        """
         unique_names = list(dict.fromkeys(names))
         inside = [name for name in self.given if name in unique_names]
         if inside and len(inside) < len(self.given):

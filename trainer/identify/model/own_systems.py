@@ -31,10 +31,10 @@ TUPLE_ORDER: Final = ("A", "B", "C", "D", "R1", "R2", "x0", "P0")  # of a functi
 MATRIX_NAMES: Final = (*TUPLE_ORDER, "f", "d", "R12", "K")
 NOISE_MATRICES: Final = {"R1", "R2", "R12", "P0"}
 MAX_DIMENSION: Final = 20  # states, inputs, outputs
-MAX_STRAY_IMAGINARY: Final = (
-    1e-50  # beyond which an imaginary part is none: a root of a negative number
-)
-SLOPE_TOLERANCE: Final = 1e-4  # [-] of the largest slope, that a program's own slopes must agree to
+# Derivatives are imaginary parts of the order of COMPLEX_STEP = 1e-100. A larger one than this is
+# no derivative but the root of a negative number.
+MAX_STRAY_IMAGINARY: Final = 1e-50
+SLOPE_TOLERANCE: Final = 1e-4  # [-] of slopes by an imaginary step against those by differences
 EMPTY_MATRIX: Final[Numbers] = np.zeros((0, 0))
 
 
@@ -92,16 +92,15 @@ class System:
         x, u = self.states, self.states + len(self.inputs)
         bounded = [i for i, one in enumerate(self.parameters) if one.kind != "free"]
         theta = theta.copy()
+        # a variance counts by its magnitude, so that a search may step below zero
         theta[:, bounded] = np.where(
             theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
         )
         matrices = self.matrices(theta)
-        for (
-            key,
-            one,
-        ) in matrices.items():  # an imaginary part beyond MAX_STRAY_IMAGINARY is no derivative
-            if np.iscomplexobj(one):
-                matrices[key] = np.where(np.abs(one.imag) > MAX_STRAY_IMAGINARY, math.nan, one)
+        for key, matrix in matrices.items():
+            if np.iscomplexobj(matrix):
+                stray = np.abs(matrix.imag) > MAX_STRAY_IMAGINARY
+                matrices[key] = np.where(stray, math.nan, matrix)
         places = {
             "A": (drift, slice(x), slice(x)),
             "B": (drift, slice(x), slice(x, u)),
@@ -135,12 +134,14 @@ class System:
     def tell(self, plant: Plant, values: Numbers) -> Numbers:
         """Return -Re of the slowest root, T and period of each, and steady gains.
 
-        A pair of complex roots has T and period at its first place; both are 0 at the second.
+        A real root has period 0. A complex pair has T and period at its first root; both are 0 at
+        its second.
         """
         drift, x = np.nan_to_num(plant.blocks(values[None]).drift[0]), self.states
         A, B, C, D = drift[:x, :x], drift[:x, x:-1], drift[x:, :x], drift[x:, x:-1]
         roots = np.linalg.eigvals(A)
         if self.discrete:
+            # roots of one step become those of continuous time; A - I has the same steady gains
             with np.errstate(all="ignore"):
                 roots, A = np.log(roots + 0j) / plant.period, A - np.eye(x)
         roots = roots[np.lexsort((-roots.imag, -roots.real))]
@@ -261,7 +262,7 @@ def _as_matrix(name: str, value: Any) -> Entries:
         matrix = np.asarray(value)
     except ValueError:
         matrix = np.asarray(None)
-    if matrix.dtype.kind not in "iufc" or matrix.ndim > 2:
+    if matrix.dtype.kind not in "iufc" or matrix.ndim > 2:  # i, u, f, c: kinds of numbers
         raise _ReturnedError(f"{name} is not made of rows of numbers")
     return matrix[:, None] if matrix.ndim == 1 else np.atleast_2d(matrix)
 
@@ -301,6 +302,7 @@ def _by_differences(function: _FunctionMatrices, theta: Entries) -> Matrices:
         return matrices
     matrices = {key: one.astype(complex) for key, one in matrices.items()}
     for row, place in zip(*np.nonzero(theta.imag), strict=True):
+        # about the cube root of rounding: best for central differences
         step = 6e-6 * max(abs(theta[row, place].real), 1e-3)
         beside = np.tile(theta[row].real, (2, 1))
         beside[:, place] += (step, -step)
@@ -365,6 +367,7 @@ def with_kinds(system: System) -> System:
         for value in np.diagonal(at_start.get(key, EMPTY_MATRIX[None]), axis1=1, axis2=2).T:
             slopes = value[1:].imag / COMPLEX_STEP
             places = np.flatnonzero(slopes)
+            # slope 1, and the parameter's own value: the entry is the parameter
             alone = len(places) == 1 and abs(slopes[places[0]] - 1.0) < 1e-6
             if alone and value[0].real == start[places[0]]:
                 kinds[int(places[0])] = "error" if key == "R2" else "variance"

@@ -48,6 +48,7 @@ Row = tuple[object, ...]  # of a matrix
 Value = Any  # a number, or an array of them
 Expression = Callable[[Mapping[str, Value]], Value]
 
+# A file may come from anybody: both limits keep a hostile expression from exhausting the machine.
 MAX_EXPRESSION_LETTERS: Final = 200  # characters
 MAX_EXPRESSION_DEPTH: Final = 30  # signs within signs
 NAMED_CONSTANTS: Final = {"pi": math.pi}
@@ -55,7 +56,7 @@ OPERATOR_BY_SIGN: Final[Mapping[type, Callable[..., Value]]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
-    ast.Div: np.divide,
+    ast.Div: np.divide,  # numpy's, because they give infinity or NaN where Python's would raise
     ast.Pow: np.power,
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
@@ -104,7 +105,7 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
             raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED_TEXT}")
         try:
             value = float(node.value)
-        except OverflowError:
+        except OverflowError:  # an integer of more than 308 digits
             value = math.inf
         if not math.isfinite(value):
             raise ConfigError("expression: a number is too large")
@@ -244,7 +245,7 @@ def _load_file(path: Path) -> System:
         held=tuple(row.name for row in rows if row.free is False),
         states=len(file.A),
         matrices=_FileMatrices(names, parsed),
-        touched={},
+        touched={},  # load_system fills it in
         how="",
     )
 
@@ -268,7 +269,7 @@ class _FileMatrices:
     def __call__(self, theta: Entries) -> Matrices:
         """Return the matrices of each row of parameters."""
         values, matrices = dict(zip(self.names, theta.T, strict=True)), {}
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"):  # a search may try impossible values: they give NaN
             for name, rows in self.entries.items():
                 out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
                 for i, row in enumerate(rows):

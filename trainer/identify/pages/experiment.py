@@ -81,7 +81,7 @@ class ExperimentDesign:
 def design_experiment(file: VesselFile, options: ExperimentOptions) -> ExperimentDesign:
     """Return the experiment that is asked for.
 
-    ConfigError if the boat cannot fly it or it would tell nothing.
+    ConfigError if the boat cannot fly it, or a record of it would not determine the ship.
     """
     speed_kn = options.speed_kn or file.run.start_speed_kn
     speed, step = speed_kn * KNOT, file.run.step_s
@@ -121,7 +121,7 @@ def _largest(values: Any) -> float:
 
 
 def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
-    """Return kind, orders, duration [s] and what is told of a binary sequence."""
+    """Return kind, orders, duration [s] and lines of text of a binary sequence."""
     hold = options.hold or suggest_hold(ship, interval)
     sequence = BinarySequence(
         bits=options.bits or suggest_bits(ship, hold),
@@ -137,7 +137,7 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
 
 
 def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: float) -> Any:
-    """Return kind, orders, duration [s] and what is told of a zig-zag of ``most`` seconds."""
+    """Return kind, orders, duration [s] and lines of text of a zig-zag of ``most`` seconds."""
     helm, execute = angles
     flight = zigzag_flight(file, speed, angles, most)
     orders = zigzag_orders(flight, helm)

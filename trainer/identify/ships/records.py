@@ -251,9 +251,10 @@ def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
 def _check_roll(
     record: Record, roll: Numbers, ship: ShipFile, gm: float, every: int
 ) -> Iterator[str]:
-    """Yield what is odd about a roll; ConfigError for a wrong unit, and for too few samples.
+    """Yield what is odd about a roll; ConfigError if it cannot be used.
 
-    In a turn the ship heels by u r/g times a lever over GM. A lever that no ship has is a unit.
+    There must be enough samples in its period. In a turn a ship heels by u r/g times a lever over
+    GM; if the record needs a lever that no ship has, its unit is wrong.
     """
     period = 2.0 * math.pi / math.sqrt(ship.stiffness)
     step = every * float(np.median(np.diff(record.t)))
@@ -282,9 +283,9 @@ def _check_roll(
 def _read_by(
     record: Record, further: dict[str, Numbers], sensors: Sensors
 ) -> tuple[Record, dict[str, Numbers]]:
-    """Return what instruments would have read, each file anew; the log reads speed too.
+    """Return what instruments would have read, each file with its own errors.
 
-    Roll is read as well as heading, and its rate as the yaw rate.
+    The log reads speed too. Roll has the errors of heading, and its rate those of the yaw rate.
     """
     if record.speed is None:
         return record, further
@@ -313,7 +314,7 @@ def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
 
 
 def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[float, float]]:
-    """Return what was seen of v', r' [-], rudder, roll [rad] and speed [m/s]."""
+    """Return ranges of v', r' [-], rudder, roll [rad] and speed [m/s] in the records."""
     rows = np.vstack([trial.table for trial in trials])
     u, v, r = rows[:, 0], rows[:, 1], rows[:, 2]
     size = np.hypot(u, np.nan_to_num(v))
