@@ -225,7 +225,7 @@ def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]
     return (*orders, (late + float(flight.t[-1]), KEEP_COURSE_ORDER))
 
 
-def zigzag_told(flight: Flight, execute: float) -> dict[str, Any]:
+def measure_zigzag(flight: Flight, execute: float) -> dict[str, Any]:
     """Return reach, period and overshoots of a zig-zag with that heading angle [deg].
 
     The reach is the time from the first helm to the second, the period that from the second to the

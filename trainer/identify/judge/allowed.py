@@ -118,7 +118,7 @@ def draw_allowed(fitted: ModelFit) -> AllowedShips:
     theta = fitted.found.theta
     every = _draw_parameters(problem.names, theta, covariance)
     numbers, spans = span_draws(lambda one: quantities(plant, problem.whole(one)), every)
-    if np.isnan(fitted.told.covariance).any():
+    if np.isnan(fitted.quantity_spread.covariance).any():
         spans = Span(*(np.full_like(end, math.nan) for end in spans))
     swinging = "T_imag" in fitted.quantity_names
     swing = numbers[:, fitted.quantity_names.index("T_imag")] if swinging else np.zeros(1)
@@ -153,7 +153,7 @@ def _draw_parameters(names: tuple[str, ...], theta: Numbers, covariance: Numbers
 def step_of(fitted: ModelFit) -> Numbers:
     """Return a rudder (n,) [deg] that goes to 1 degree, until the ship has settled."""
     plant, samples = fitted.problem.plant, fitted.problem.samples
-    quantity_values = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
+    quantity_values = dict(zip(fitted.quantity_names, fitted.quantity_spread.values, strict=True))
     slowest = abs(quantity_values["T1"]) or plant.period
     count = math.ceil(min(RESPONSE_TIME_CONSTANTS * slowest / plant.period, 1e6))
     rudder = np.ones(max(MIN_RESPONSE_SAMPLES, min(count, len(samples.t))))

@@ -76,7 +76,7 @@ class ModelFit:
         return tuple(quantity_units(self.problem.plant.model))
 
     @cached_property
-    def told(self) -> Spread:
+    def quantity_spread(self) -> Spread:
         """Return the numbers that follow from the parameters, with their covariance.
 
         The covariance is NaN where that of the parameters is not known.

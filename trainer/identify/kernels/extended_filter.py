@@ -259,7 +259,10 @@ def filter_record(
 
 @kernel
 def sail_record(system: System, record: Numbers, out: Numbers) -> int:
-    """Write the states (rows, n) by inputs alone; return in how many rows it is still a ship."""
+    """Write the states (rows, n) by inputs alone.
+
+    Return in how many rows they are those of a ship under way.
+    """
     n = states_of(system.driven)
     x = system.values[system.values.size - n :].copy()
     estimate = Estimate(x, np.empty((n, n)), np.empty((n, 0)), np.empty((n, n, 0)))

@@ -13,6 +13,7 @@ from trainer.identify.experiment import (
     HelmOptions,
     exercise_text,
     fly_trial,
+    measure_zigzag,
     remarks,
     schedule_orders,
     suggest_bits,
@@ -20,7 +21,6 @@ from trainer.identify.experiment import (
     suggest_interval,
     zigzag_flight,
     zigzag_orders,
-    zigzag_told,
 )
 from trainer.identify.judge.design import Prospect, prospect
 from trainer.identify.model.derived import QUANTITY_UNITS
@@ -144,7 +144,7 @@ def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: f
     report_fields = {
         "settings": {"helm_deg": helm, "execute_deg": execute},
         "remarks": (f"the ship reaches {execute:g} deg only in a calm at just these times",),
-        **zigzag_told(flight, execute),
+        **measure_zigzag(flight, execute),
     }
     return "zig-zag", orders, orders[-1][0] + LEAD_TIME_S, report_fields
 

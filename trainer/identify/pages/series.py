@@ -212,9 +212,10 @@ def _matrices(fitted: ModelFit, name: str, theta: Numbers) -> Matrices:
     continuous = _parts(system, n, {"A": n, "B": inputs, "b": 1}, {"C": n, "D": inputs, "d": 1})
     mean, spread, start = problem.sampled(theta).at(0)
     steps, which = problem.samples.steps
-    usual = int(np.bincount(which).argmax())
+    usual = int(np.bincount(which).argmax())  # of several intervals the most frequent one
     heads = ({"Phi": n, "G0": inputs, "G": inputs, "g": 1}, {"C": n, "D0": inputs, "D": inputs})
     sampled = _parts(mean[usual], n, heads[0], {**heads[1], "d": 1})
+    # "" is R12', which is not shown again; -1 is all the rest
     sampled |= _parts(spread[usual], n, {"R1": n, "R12": len(outputs)}, {"": n, "R2": -1})
     return Matrices(
         of=name,
@@ -235,7 +236,7 @@ def _matrices(fitted: ModelFit, name: str, theta: Numbers) -> Matrices:
 def _parts(
     matrix: Numbers, split: int, above: dict[str, int], below: dict[str, int]
 ) -> dict[str, Any]:
-    """Return the named parts of a matrix by their widths, above and below a row."""
+    """Return named parts of a matrix, by their widths, above the row ``split`` and below it."""
     parts = {}
     for rows, widths in ((matrix[:split], above), (matrix[split:], below)):
         at = 0

@@ -35,7 +35,7 @@ def nomoto_ship(fitted: ModelFit) -> tuple[NomotoFile, dict[str, float]]:
         raise ConfigError("a pair of complex roots has no T1 and T2: write the vessel file instead")
     if not form.K:
         raise ConfigError(f"model {model.name} tells nothing of yaw: no Nomoto ship from it")
-    known = dict(zip(fitted.quantity_names, fitted.told.deviations, strict=True))
+    known = dict(zip(fitted.quantity_names, fitted.quantity_spread.deviations, strict=True))
     rudder = (USUAL_LIMIT_DEG, USUAL_RATE_DEG_S)
     vessel = fitted.study.ship.vessel if fitted.study.ship else None
     if vessel:

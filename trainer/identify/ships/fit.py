@@ -394,7 +394,7 @@ def expect_fit(problem: ShipProblem, a: Numbers) -> ShipFit:
     return _known_at(problem, a, SearchResult(a, problem.cost(a), 0.0, 0), ())
 
 
-def told_of_roll(fitted: ShipFit) -> Iterator[str]:
+def describe_roll(fitted: ShipFit) -> Iterator[str]:
     """Yield the period of roll and its damping, if the ship has roll."""
     a, stiffness = fitted.problem.coefficients(fitted.a), fitted.problem.constants[STIFFNESS_PLACE]
     square = -a.get("K_phi", 0.0) * float(stiffness)

@@ -36,10 +36,8 @@ NEEDED_CHANNELS: Final = {  # and why
 ADVANCE_RATIO_RANGE: Final = (0.1, 1.6)  # J of a propeller that drives a ship ahead
 FINE_STEP_SHARE: Final = 0.1  # [L/U] of a step of Runge and Kutta
 MIN_TRIAL_SAMPLES: Final = 30  # samples
-INWARD_LEAN_CORRELATION: Final = (
-    0.5  # correlation of roll and turning beyond which the ship leans inwards
-)
-TURNS_RIGHT: Final = 0.2  # correlation of rudder and turning beyond which the sign is plain
+INWARD_LEAN_CORRELATION: Final = 0.5  # [-] of roll and turning: beyond, the ship leans inwards
+WRONG_SIGN_CORRELATION: Final = 0.2  # [-] of rudder and turning: beyond, the sign is plainly wrong
 GROUND_VELOCITIES: Final = ("north_velocity", "east_velocity")
 READING_COLUMNS: Final = (0, 1, 2, 3, 10, 11)  # columns of the table
 SPEED_STREAM, ROLL_STREAM = 13, 14  # of the errors of instruments
@@ -94,6 +92,7 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     if "wind_speed" in further and "wind_from" in further:
         size, angle = further["wind_speed"], further["wind_from"]
         ahead, starboard = size * np.cos(angle), size * np.sin(angle)
+    # within the model a positive rudder turns to starboard (docs/nonlinear-ships.md)
     inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
     rolls = [further.get(name, none) for name in ROLL_CHANNELS] if "roll" in further else []
     table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
@@ -219,10 +218,11 @@ def _rate(record: Record) -> Numbers:
 def _check_sign(record: Record) -> None:
     """Check that a positive rudder turns the ship to port; ConfigError with the remedy."""
     rate, rudder = _rate(record), record.column("rudder")
+    # a rudder makes yaw acceleration at once, while the yaw rate follows it late
     change = np.gradient(np.nan_to_num(rate), record.t)
     good = np.isfinite(rate)
     together = float(np.corrcoef(rudder[good], change[good])[0, 1])
-    if together > TURNS_RIGHT:
+    if together > WRONG_SIGN_CORRELATION:
         text = f"positive helm turns this ship to starboard (correlation {together:.2f}): "
         remedy = 'say positive_rudder = "starboard" in [records]'
         what = record.finding("rudder", text + remedy, np.argmax(np.abs(rudder)))
@@ -305,9 +305,10 @@ def _read_by(
 
 
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table with seconds to the next row and their steps, then roll."""
+    """Return the table as extended_filter takes it: with times and steps, then roll."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
+    # steps are short against a ship's length and against its period of roll; 1e-9 is for rounding
     parts = np.maximum(np.ceil(gaps / (FINE_STEP_SHARE * length / speed) - 1e-9), 1.0)
     parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / MAX_ROLL_STEP_RAD))
     return np.ascontiguousarray(np.column_stack([table[:, :8], gaps, parts, table[:, 8:]]))

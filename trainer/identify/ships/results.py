@@ -16,12 +16,12 @@ from trainer.identify.judge.residuals import DEFAULT_LAGS, correlation, portmant
 from trainer.identify.options import IdentifyOptions
 from trainer.identify.ships.fit import (
     ShipFit,
+    describe_roll,
     fit_ship,
     pose_problem,
     search_minimum,
     smooth_trial,
     terms_of,
-    told_of_roll,
 )
 from trainer.identify.ships.likelihood import ShipProblem
 from trainer.identify.ships.priors import prior_of
@@ -277,7 +277,7 @@ def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, 
             rest = replace(problem, trials=tuple(trials[place] for place in places))
             firsts = [fitted.found.a[problem.first_places(place)] for place in places]
             begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
-            end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all
+            end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all: it is near
             predictions.append(predict_record(rest, end.a, trial, "held back in turn"))
     return (
         *predictions,
@@ -293,6 +293,7 @@ def coefficients_of(fitted: ShipFit) -> tuple[FittedCoefficient, ...]:
         value, deviation = float(fitted.a[j]), float(fitted.deviations[j])
         low, high = value - INTERVAL_DEVIATIONS * deviation, value + INTERVAL_DEVIATIONS * deviation
         if name in problem.model.noises:
+            # 700: e^710 is more than a number can be
             value, low, high = (math.exp(min(x, 700.0)) for x in (value, low, high))
             deviation *= value
         share = float(fitted.prior_share[j])
@@ -330,6 +331,7 @@ def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
     """Return the tests of the innovations of all records, those of one after another's."""
     problem = fitted.problem
     rows = [problem.innovations(fitted.found.a, i) for i in range(len(problem.trials))]
+    # a gap as long as the lags, so that no pair has innovations of two records
     gap = np.full((DEFAULT_LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
     tests = []
@@ -339,6 +341,7 @@ def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
             continue
         autocorrelation = correlation(values - np.nanmean(values), DEFAULT_LAGS)
         test = portmanteau(autocorrelation, count, DEFAULT_LAGS)
+        # errors that follow one another are worth fewer readings, by the sum of correlations
         longer = (
             1.0 + 2.0 * float(np.sum(autocorrelation[1:]))
             if test.probability < SUSPECT_PROBABILITY
@@ -411,6 +414,7 @@ def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
     firsts = fitted.found.a[problem.common :]
     begin = np.concatenate([fitted.found.a[: problem.common][kept_places], firsts])
     end = search_minimum(small, begin, lambda *_: None)
+    # both costs are with the prior, where there is one
     test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
     return OrderTest(names, test.statistic, test.freedom, test.probability)
 
@@ -447,7 +451,7 @@ def _report(
         findings=(
             *notes_of(trials),
             *([f"held, by the ship's file: {held_at}"] if held_at else []),
-            *told_of_roll(fitted),
+            *describe_roll(fitted),
         ),
         settled=fitted.found.settled,
         doubt=_doubt(fitted),
