@@ -76,6 +76,7 @@ class BentShip:
             float(root.real) + 0.0
             for side in (1.0, -1.0)
             for root in np.roots([H3, side * H2, H1, self.delta_0 - helm])
+            # |r| r has the sign of r: of either sign's cubic only the roots of that sign count
             if abs(root.imag) <= HELM_TOLERANCE_RAD * abs(root) and side * root.real >= 0.0
         }
         return tuple(sorted(roots))
@@ -120,6 +121,7 @@ def _run(
     numbers = ship.numbers.astype(complex)
     K, T1, T2, T3 = numbers[:4]
     z = (T1 + T2) * start[0] - K * T3 * (rudder[0] - numbers[BENT.delta_0])
+    # a search may try a time constant near zero: 1e4 bounds the steps
     fastest = FINE_STEP_SHARE * min(abs(T1.real), abs(T2.real))
     parts = max(1, math.ceil(min(step / fastest, 1e4)))
     out = np.empty((len(rudder), 3), complex)

@@ -60,10 +60,8 @@ def prospect(
     for name, channel in INITIAL_STATE_NAMES[kind]:
         if channel:
             values[model.place(name)] = float(record.column(channel)[0]) * OUTPUT_UNITS[channel][1]
-    sea = {
-        "R1_N": 1.0,
-        "R1_Y": SEA_LEVER_LENGTHS**-2,
-    }  # how densities of disturbance are to one another
+    # the ratio of the densities of disturbance; their size follows from the unrest
+    sea = {"R1_N": 1.0, "R1_Y": SEA_LEVER_LENGTHS**-2}
     if kind != "1":  # the moment acts on yaw at once and, through sway, by the rate 1/T3
         sea = {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
     for name, share in sea.items():

@@ -228,9 +228,6 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
     return known
 
 
-# A search kept in a file, how far it has come.
-
-
 def save_steps(path: Path, problem: Problem, heard: Progress = ignore_news) -> Progress:
     """Return a function that saves each step of a search and passes it on.
 

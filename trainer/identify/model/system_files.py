@@ -48,7 +48,7 @@ Row = tuple[object, ...]  # of a matrix
 Value = Any  # a number, or an array of them
 Expression = Callable[[Mapping[str, Value]], Value]
 
-# A file may come from anybody: both limits keep a hostile expression from exhausting the machine.
+# A file may come from anybody: the limits bound the work of an expression.
 MAX_EXPRESSION_LETTERS: Final = 200  # characters
 MAX_EXPRESSION_DEPTH: Final = 30  # signs within signs
 NAMED_CONSTANTS: Final = {"pi": math.pi}

@@ -336,12 +336,8 @@ def _derivatives(fitted: ModelFit) -> tuple[Derivative, ...]:
     elif ship is not None and ship.vessel is not None:
         file = load_vessel(ship.vessel)
         mass = 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
-    rows = zip(
-        fitted.quantity_names,
-        fitted.quantity_spread.values,
-        fitted.quantity_spread.deviations,
-        strict=True,
-    )
+    spread = fitted.quantity_spread
+    rows = zip(fitted.quantity_names, spread.values, spread.deviations, strict=True)
     derivatives = []
     for name, value, deviation in rows:
         if name not in DERIVATIVE_NAMES:
@@ -376,11 +372,8 @@ def _doubts(fitted: ModelFit, others: AllowedShips) -> list[str]:
 
 def _stability(fitted: ModelFit) -> str:
     """Return in words whether the ship keeps a straight course, and how surely."""
-    place = fitted.quantity_names.index("1/T1")
-    value, deviation = (
-        float(fitted.quantity_spread.values[place]),
-        float(fitted.quantity_spread.deviations[place]),
-    )
+    place, spread = fitted.quantity_names.index("1/T1"), fitted.quantity_spread
+    value, deviation = float(spread.values[place]), float(spread.deviations[place])
     word = "stable" if value > 0.0 else "unstable"
     if not math.isfinite(deviation) or deviation == 0.0:
         return f"{word}: 1/T1 = {value:.4g} 1/s"

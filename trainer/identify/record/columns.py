@@ -151,7 +151,7 @@ def _by_name(table: CsvTable, words: Words) -> dict[str, str]:
     for (channel, head), like in sorted(likeness.items(), key=lambda pair: -pair[1]):
         if like >= MIN_NAME_LIKENESS and channel not in columns and head not in columns.values():
             columns[channel] = head
-    for pair in CHANNEL_PAIRS:
+    for pair in CHANNEL_PAIRS:  # one of a pair alone tells nothing
         if not all(channel in columns for channel in pair):
             columns = {channel: head for channel, head in columns.items() if channel not in pair}
     return columns

@@ -179,9 +179,6 @@ def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -
     return track_fixes
 
 
-# A study in a file.
-
-
 @dataclass(frozen=True, kw_only=True)
 class DeccaHeading:
     """The run of a ship, and the lie of the grid."""
@@ -281,9 +278,6 @@ def load_decca(path: Path) -> DeccaFile:
         raise ConfigError(*problems)
     columns = parts["columns"] or ColumnNames()
     return DeccaFile(path, parts["heading"], chain, columns, parts["ship"])
-
-
-# The study carried out.
 
 
 @dataclass(frozen=True)
