@@ -427,7 +427,7 @@ class ManoeuvringShip(_ShipDisplay):
         then only rudder, revolutions and wind drive it. Values are NaN from the row on in which the
         state is no longer that of a ship under way.
         """
-        trial = _trial_of(frame, self._ship, self._given, 1)  # every row, also if every thinned
+        trial = _trial_of(frame, self._ship, self._given, 1)  # all rows: the fit alone thins
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
         units, names = (
             self._given["units"],
