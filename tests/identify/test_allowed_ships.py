@@ -128,7 +128,7 @@ def test_the_ships_allowed_hold_the_truth_and_the_estimate(fitted: Any) -> None:
 def test_a_step_ends_at_the_gain_and_a_pulse_is_its_slope(fitted: Any) -> None:
     others = draw_allowed(fitted)
     step = others.response(step_of(fitted)[:, None])
-    told_of = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
+    told_of = dict(zip(fitted.quantity_names, fitted.quantity_spread.values, strict=True))
     assert (step.middle[:2] == 0.0).all()  # the rudder moves at the second sample
     # six time constants after, exp(-6) is left
     assert step.middle[-1, 0] == pytest.approx(told_of["K"], rel=0.02)

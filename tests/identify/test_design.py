@@ -17,6 +17,7 @@ from trainer.identify.experiment import (
     BinarySequence,
     exercise_text,
     fly_trial,
+    measure_zigzag,
     remarks,
     schedule_orders,
     suggest_bits,
@@ -24,7 +25,6 @@ from trainer.identify.experiment import (
     suggest_interval,
     zigzag_flight,
     zigzag_orders,
-    zigzag_told,
 )
 from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.judge.design import prospect
@@ -193,7 +193,7 @@ def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2: Any) -
     found = []
     for seed in range(1, 25):
         noisy = read_by(record, Sensors(**gentle, seed=seed))
-        found.append(fit_study(study, noisy, ignore_news).told.values[0])
+        found.append(fit_study(study, noisy, ignore_news).quantity_spread.values[0])
     # 24 estimates know their scatter to 15 %
     assert np.std(found, ddof=1) == pytest.approx(said.deviations["K"], rel=0.45)
 
@@ -220,7 +220,7 @@ def test_a_trial_without_helm_tells_nothing(bb2: Any) -> None:
 
 def test_a_zigzag_is_told_and_flown_again_by_its_orders(bb2: Any) -> None:
     flight = zigzag_flight(bb2, SPEED, (10.0, 10.0), 200.0)
-    told = zigzag_told(flight, 10.0)
+    told = measure_zigzag(flight, 10.0)
     assert told["reach_s"] == pytest.approx(flight.marks[1].t - flight.marks[0].t)
     assert told["overshoots_deg"][0] > 1.0
     orders = zigzag_orders(flight, 10.0)

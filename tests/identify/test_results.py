@@ -237,7 +237,7 @@ def test_a_bode_figure_is_that_of_the_transfer_function(fitted: Any) -> None:
     omega = np.geomspace(1e-3, 1.0, 40)
     outputs, gain, phase = allowed.bode(omega)
     assert outputs == ("yaw_rate", "heading", "sway")
-    ship = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
+    ship = dict(zip(fitted.quantity_names, fitted.quantity_spread.values, strict=True))
     s = 1j * omega
     below = (1.0 + ship["T1"] * s) * (1.0 + ship["T2"] * s)
     lag = np.exp(-s * STEP * abs(math.sin(fitted.values[-1])))

@@ -1,8 +1,9 @@
 """Rudder experiments are designed for a boat: the helm's times, and their worth.
 
-Section 10. A sequence excites best with an amplitude small enough to stay linear, each bit held
-0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5. It is pseudo-random, by
-maximum-length shift registers, and is flown in a calm, without ports or clock, as a record.
+Model document, section 10. A sequence excites best with an amplitude small enough to stay linear,
+with each bit held for 0.2 to 0.5 T1, over 20 to 40 T1, and read at intervals between T2/2 and T1/5.
+It is pseudo-random, from a maximum-length shift register. The boat flies it in a calm, without
+ports or clock, and the flight is kept as a record.
 """
 
 import math
@@ -67,8 +68,8 @@ FLOWN_COLUMNS: Final = {"t": "t", **TRAINER_COLUMNS}  # columns of the boat, by 
 def prbs(bits: int, seed: int = 1) -> Numbers:
     """Return one period, (2^bits - 1,), of -1 and 1. ``seed`` is what the register begins with.
 
-    The register's own bits come out first, the highest first. ConfigError if the register is of
-    no known length or begins empty.
+    The register's own bits come out first, the highest first. ConfigError if no taps are known for
+    that number of bits, or if the seed is 0: an empty register stays empty.
     """
     if bits not in REGISTER_TAPS:
         raise ConfigError(
@@ -107,9 +108,9 @@ class HelmOptions:
 def method_of(file: VesselFile) -> Method:
     """Return how experiments are flown: by the full set, and by Runge and Kutta.
 
-    A compact set steers like the full one within a few per cent, which is more than a good record
-    leaves open. With the two-step method of the trainer the rudder acts half a step early, which a
-    short time constant shows.
+    The compact set differs from the full one in steering by a few per cent, and a good record shows
+    less than that. With the trainer's usual two-step method the rudder acts half a step early, and
+    a fit of a short time constant shows this.
     """
     return Method(BOAT_EQUATIONS, "exact", "exact", BOAT_INTEGRATOR, file.run.step_s)
 
@@ -127,7 +128,7 @@ class BinarySequence:
 
     @property
     def seconds(self) -> float:
-        """Return how long it lasts [s], its lead and a last bit of rest included."""
+        """Return how long the sequence lasts [s]. Its lead and a last bit of rest are included."""
         return LEAD_TIME_S + self.hold_s * (self.periods * ((1 << self.bits) - 1) + 1)
 
     def orders(self) -> tuple[tuple[float, str], ...]:
@@ -153,7 +154,7 @@ class BinarySequence:
 
 
 def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[ScheduledOrder]:
-    """Return orders in words as a schedule; ConfigError if one is none."""
+    """Return orders in words as a schedule; ConfigError if a text is no order."""
     scheduled = []
     for i, (seconds, text) in enumerate(orders, start=1):
         order = parse(text)
@@ -181,7 +182,7 @@ def suggest_interval(ship: Nomoto, step: float) -> float:
 
 
 def remarks(sequence: BinarySequence, ship: Nomoto, interval: float) -> Iterator[str]:
-    """Yield what is unwise about a sequence for a ship read every ``interval`` [s]."""
+    """Yield warnings about a sequence for a ship that is read every ``interval`` [s]."""
     T1, T2 = abs(ship.T1), abs(ship.T2)
     if sequence.by == "rudder" and sequence.amplitude_deg > LINEAR_RUDDER_DEG:
         yield f"{sequence.amplitude_deg:g} deg of rudder is much: the ship will not be linear"
@@ -224,11 +225,11 @@ def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]
     return (*orders, (late + float(flight.t[-1]), KEEP_COURSE_ORDER))
 
 
-def zigzag_told(flight: Flight, execute: float) -> dict[str, Any]:
+def measure_zigzag(flight: Flight, execute: float) -> dict[str, Any]:
     """Return reach, period and overshoots of a zig-zag with that heading angle [deg].
 
-    The reach is from the first helm to the second, the period from that one to the fourth; None
-    where there is no such helm.
+    The reach is the time from the first helm to the second, the period that from the second to the
+    fourth. Each is None where the flight ended before that helm.
     """
     measures = ZigZag(execute_deg=execute).measures(flight)
     times = [mark.t for mark in flight.marks if mark.name == "execute"]
@@ -263,7 +264,7 @@ def fly_trial(
 ) -> Record:
     """Return the record of a boat that begins at ``speed`` [m/s] and ``depth`` [m].
 
-    ConfigError if it cannot, refuses an order, or its numbers are lost.
+    ConfigError if the boat cannot begin so, refuses an order, or its state becomes infinite.
     """
     step = file.run.step_s
     boat = Boat(file, method_of(file))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, Unpack, cast, 
 
 import numpy as np
 
-from trainer.boat.ship.models import MODELS as OF_SHIPS
+from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, path_named
 from trainer.config.ship import ShipFile, load_ship, ship_text
@@ -47,8 +47,8 @@ OPTION_CHOICES: Final = {
     "method": FIT_METHODS,
     "positive_rudder": ("port", "starboard"),
 }
-PRIOR_OPTIONS: Final = ("ship", "prior_strength")  # keywords that linear ships do not take
-LINEAR_FIT_OPTIONS: Final = (  # and those that ships that are not linear do not
+MANOEUVRING_FIT_OPTIONS: Final = ("ship", "prior_strength")  # not taken by linear ships
+LINEAR_FIT_OPTIONS: Final = (  # not taken by ships that are not linear
     "length",
     "speed",
     "vessel",
@@ -58,8 +58,8 @@ LINEAR_FIT_OPTIONS: Final = (  # and those that ships that are not linear do not
     "start",
     "fixed",
 )
-MAX_PRIOR_STRENGTH: Final = 100.0  # of the prior's strengths, as on the command line
-OfShips = Literal["linear", "mavmm", "abkowitz", "mmg"]
+MAX_PRIOR_STRENGTH: Final = 100.0  # [-] times the books' width, as on the command line
+ManoeuvringModel = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
 class FitOptions(TypedDict, total=False):
@@ -99,7 +99,7 @@ DEFAULT_OPTIONS: Final[FitOptions] = {
 
 @overload
 def fit(
-    frame: Frame | Sequence[Frame], model: OfShips, **keywords: Unpack[FitOptions]
+    frame: Frame | Sequence[Frame], model: ManoeuvringModel, **keywords: Unpack[FitOptions]
 ) -> "ManoeuvringShip": ...
 
 
@@ -150,10 +150,10 @@ def fit(
                 f"no keyword {name!r}{nearest(name, DEFAULT_OPTIONS)}; there are {known_names}"
             )
     chosen: FitOptions = {**DEFAULT_OPTIONS, **keywords}
-    unfit = LINEAR_FIT_OPTIONS if model in OF_SHIPS else PRIOR_OPTIONS
+    unfit = LINEAR_FIT_OPTIONS if model in MANOEUVRING_MODELS else MANOEUVRING_FIT_OPTIONS
     if strange := [name for name in unfit if name in keywords]:
         raise ConfigError(f"{', '.join(strange)}: not with model {model}")
-    if model in OF_SHIPS:
+    if model in MANOEUVRING_MODELS:
         return _fit_manoeuvring(frame, model, chosen, keywords.get("positive_rudder"))
     if not isinstance(frame, str | Path | Mapping) and not hasattr(frame, "keys"):
         raise ConfigError(f"model {model}: takes one frame")
@@ -203,7 +203,7 @@ def _fit_manoeuvring(
     ship = load_ship(path_named(str(given["ship"]), "ships"))
     sign = sign or ship.records.positive_rudder
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
-    one = isinstance(frame, str | Path) or hasattr(frame, "keys")
+    one = isinstance(frame, str | Path) or hasattr(frame, "keys")  # mappings and pandas frames
     frames = cast("Sequence[Frame]", [frame] if one else frame)
     trials = tuple(_trial_of(each, ship, given, given["every"] or 1) for each in frames)
     if not trials:
@@ -215,7 +215,10 @@ def _fit_manoeuvring(
 
 
 def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Trial:
-    """Return a record of a ship that is not linear; arrays are what instruments have read."""
+    """Return a record of a ship that is not linear.
+
+    Arrays are taken as read by instruments, so no errors of sensors are added to them.
+    """
     if isinstance(frame, str | Path):
         return load_trial(Path(frame), ship, every)
     columns = columns_of(frame, given["columns"], given["units"], FURTHER_CHANNELS)
@@ -279,7 +282,7 @@ class FittedShip(_ShipDisplay):
 
     @property
     def deviations(self) -> dict[str, float]:
-        """Return the standard deviations of ``parameters``; NaN where the record tells none."""
+        """Return the standard deviations of ``parameters``; NaN where the record gives none."""
         return dict(zip(self.parameters, np.sqrt(np.diag(self.covariance)), strict=True))
 
     @property
@@ -292,12 +295,13 @@ class FittedShip(_ShipDisplay):
     def numbers(self) -> dict[str, ShipNumber]:
         """Return gains and time constants, SI: ``value``, ``deviation``, ``low`` and ``high``.
 
-        The last two hold 95 % of the ships that the record allows.
+        Between ``low`` and ``high`` lie 95 % of the ships that the record allows.
         """
         return {one.name: one for one in self._found.report.ship}
 
     def __getattr__(self, name: str) -> float:
         """Return a gain or time constant [SI] by its name."""
+        # Python asks for _found too, before it is set (copy, pickle): numbers would ask without end
         numbers = {} if name.startswith("_") else self.numbers
         if name not in numbers:
             raise AttributeError(f"this ship has no {name!r}; it has {', '.join(numbers)}")
@@ -316,8 +320,9 @@ class FittedShip(_ShipDisplay):
     def predict(self, frame: Frame) -> dict[str, Numbers]:
         """Return each output (n,) under the rudder of a record, in the units of ``fit``.
 
-        ``frame`` is as for ``fit``, of the same columns. By the rudder alone, from the initial
-        state that fits its readings best; from rest where it has none.
+        ``frame`` is as for ``fit``, of the same columns. The model runs by the rudder alone, from
+        the initial state that fits the frame's readings best, or from rest where the frame has no
+        readings.
         """
         fitted = self._found.fitted
         if isinstance(frame, str | Path):
@@ -344,7 +349,7 @@ class FittedShip(_ShipDisplay):
         return series
 
     def series(self) -> dict[str, Numbers]:
-        """Return the columns (n,) of ``trainer identify --csv``: units are in their names."""
+        """Return the columns (n,) of ``trainer identify --csv``, with units in their names."""
         return series_of(self._found.fitted)
 
     def matrices(self) -> dict[str, dict[str, Any]]:
@@ -371,7 +376,7 @@ class ManoeuvringShip(_ShipDisplay):
     """
 
     def __init__(self, found: IdentifiedShip, given: FitOptions, ship: ShipFile) -> None:
-        """Take what was identified, the keywords of ``fit``, and the ship as its records mean."""
+        """Take what was identified, the keywords of ``fit``, and the ship's file as used."""
         self._found = found
         self._given = given
         self._ship = ship
@@ -401,27 +406,28 @@ class ManoeuvringShip(_ShipDisplay):
 
     @property
     def prior_share(self) -> dict[str, float]:
-        """Return the part of each coefficient's precision that books gave, 0 to 1."""
+        """Return the share of each coefficient's precision that books gave, 0 to 1."""
         return {one.name: one.prior_share for one in self._found.report.coefficients}
 
     @property
     def untold(self) -> list[dict[str, float]]:
-        """Return the combinations that the records do not tell, the worst first."""
+        """Return the combinations that the records do not determine, the worst first."""
         return [one.parts for one in self._found.report.untold]
 
     @property
     def log_likelihood(self) -> float:
         """Return log L [-], without the prior."""
         fitted = self._found.fit
-        return fitted.problem.penalty(fitted.found.a) - fitted.found.cost
+        return fitted.problem.penalty(fitted.found.a) - fitted.found.cost  # cost has the prior
 
     def predict(self, frame: Frame) -> dict[str, Numbers]:
         """Return speed, sway, yaw rate, heading and any roll (n,) by inputs alone.
 
-        ``frame`` and units are as for ``fit``. Rudder, revolutions and wind drive it from the first
-        of its readings. NaN from where it is no ship under way.
+        ``frame`` and units are as for ``fit``. The ship starts at the first readings of the frame;
+        then only rudder, revolutions and wind drive it. Values are NaN from the row on in which the
+        state is no longer that of a ship under way.
         """
-        trial = _trial_of(frame, self._ship, self._given, 1)
+        trial = _trial_of(frame, self._ship, self._given, 1)  # all rows: the fit alone thins
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
         units, names = (
             self._given["units"],

@@ -96,7 +96,7 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> SimulatedRun:
 
 
 def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, IdentificationTable]:
-    """Return ship, experiment and start of the search; ConfigError if the model has no such."""
+    """Return ship, experiment and start of the search; ConfigError if the model has none."""
     tables = study.varied(drawn)
     place = Place(study.path.name, "identification")
     table = read_record(IdentificationTable, tables["identification"], place, ("note",))
@@ -141,7 +141,7 @@ def pose_experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[P
 
 
 class IdentificationSubject:
-    """The members of a study that are experiments."""
+    """Members of a sweep, each of which is one simulated experiment."""
 
     chunk = CHUNK_RUNS
 
@@ -152,9 +152,9 @@ class IdentificationSubject:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept: estimates, deviations and whether the truth is covered.
+        """Return the names of what is kept: estimates, deviations and whether they cover the truth.
 
-        ConfigError if the study asks for what is none.
+        ConfigError if the study asks for an output that does not exist.
         """
         model = self.middle[0].plant.model
         units = {one.name: one.unit for one in model.parameters}
@@ -175,11 +175,11 @@ class IdentificationSubject:
         return every if measures is None else tuple(known[name] for name in measures)
 
     def batch(self, first: int, count: int) -> Batch:
-        """Return what becomes of ``count`` members from ``first`` on."""
+        """Return the results of ``count`` members from ``first`` on."""
         return fly_each(self.study.draws, first, count, len(self.outputs), self._numbers)
 
     def _numbers(self, drawn: Mapping[str, Any], seed: int) -> list[float]:
-        """Return what one experiment tells, by the outputs; ConfigError if it cannot be made."""
+        """Return the outputs of one experiment; ConfigError if it cannot be made."""
         same = not self.study.variables
         problem, truth = self.middle if same else pose_experiment(*rehearsal_of(self.study, drawn))
         run = one_run(problem, truth, seed)

@@ -18,10 +18,10 @@ USUAL_OUTPUTS: Final = ("sway", "yaw_rate", "heading")
 
 @dataclass(frozen=True, kw_only=True)
 class IdentifyOptions:
-    """A user's wishes beside the study; None is as the study has it.
+    """A user's wishes beside the study; None means as the study has it.
 
-    ``ship``, ``prior_strength`` and ``predict`` are of ships that are not linear, which know of the
-    others ``model``, ``every``, ``begin``, ``end`` and ``without``.
+    ``ship``, ``prior_strength`` and ``predict`` are for ships that are not linear. Of the others
+    these ships take ``model``, ``every``, ``begin``, ``end`` and ``without``.
     """
 
     model: str | None = None
@@ -94,9 +94,9 @@ def _given(**values: Any) -> dict[str, Any]:
 
 
 def _with_system(study: Study, options: IdentifyOptions) -> Study:
-    """Return the study with the system of the user's own that it or an option names.
+    """Return the study with the user's own system that it or an option names.
 
-    A program is run only where the option names it: a study may come from anybody.
+    A program is run only where the option names it, because a study may come from anybody.
     """
     named = options.system
     file = study.model.file if study.model and study.model.kind == "own" else None
@@ -118,7 +118,7 @@ def _with_system(study: Study, options: IdentifyOptions) -> Study:
 
 
 def _ship(study: Study, options: IdentifyOptions) -> Ship | None:
-    """Return the ship; None if neither study nor options tell of one."""
+    """Return the ship; None if neither study nor options have one."""
     vessel, length, knots = options.vessel, options.length, options.knots
     ship = study.ship
     if vessel is None and ship is not None and ship.vessel is not None:
@@ -132,7 +132,7 @@ def _ship(study: Study, options: IdentifyOptions) -> Ship | None:
 
 
 def _model(study: Study, options: IdentifyOptions) -> ModelTable:
-    """Return the model; ConfigError if none is said."""
+    """Return the model; ConfigError if neither study nor options name one."""
     fitting = _given(noise=options.noise, method=options.method, reject=options.reject)
     if study.system is not None:
         base = study.model or ModelTable(kind="own")

@@ -55,6 +55,6 @@ def _drawn(screen: Screen) -> Part:
 
 
 def listing(text: str) -> Markup:
-    """Return text as the terminal has it, in columns; no table is parted."""
+    """Return text as the terminal has it, in columns; no table is split between columns."""
     blocks = Markup("\n").join(map(Markup("<pre>{}</pre>").format, text.split("\n\n")))
     return Markup('<div class="listing">\n{}\n</div>\n').format(blocks)

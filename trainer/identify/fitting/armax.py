@@ -3,8 +3,8 @@
 y_t + a1 y_(t-1) + ... = b1 u_(t-1) + ... + e_t + c1 e_(t-1) + ..., n coefficients each, and d1 to
 dn in the first n equations where the initial state is estimated.
 
-They are fitted by maximum likelihood, V = 1/2 sum eps^2 brought to its least (9). Order 2 has a
-ship in it.
+They are fitted by maximum likelihood, which minimises V = 1/2 sum eps^2 (9). A model of order 2
+contains a first-order ship: see ``without_wind``.
 """
 
 import math
@@ -24,11 +24,10 @@ CANCELLED_DISTANCE: Final = 0.15  # [-] of a zero from a pole that it nearly can
 MAX_ROUNDS: Final = 100
 MAX_HALVINGS: Final = 25
 LOSS_TOLERANCE: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
-MAX_ZERO_RADIUS: Final = 0.9995  # [-] radius within which the zeros of C are kept
+# [-] of the zeros of C: on the unit circle an error of the start would never die out
+MAX_ZERO_RADIUS: Final = 0.9995
 ROUNDING_TOLERANCE: Final = 1e-6  # [-] relative decrease expected that rounding may hide
-FLAT_EIGENVALUE: Final = (
-    1e-10  # [-] scaled eigenvalue of the information below which a direction is not known
-)
+FLAT_EIGENVALUE: Final = 1e-10  # [-] of the scaled information: a direction below it is not known
 LONG_ORDER: Final = 10  # of the autoregression that the second start takes its residuals from
 COMMON_FACTORS: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
 NO_FIXED_VALUES: Final[Mapping[str, float]] = MappingProxyType({})
@@ -105,7 +104,7 @@ def coefficient_names(order: int, *, initial: bool) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class ArmaxFit:
-    """A fitted model, and what is known of it."""
+    """A fitted model, its coefficients' deviations, and how the search ended."""
 
     model: Armax
     names: tuple[str, ...]  # of the estimated coefficients
@@ -130,7 +129,7 @@ class ArmaxFit:
 
 @dataclass(frozen=True)
 class _Search:
-    """A record and what is sought in it."""
+    """A record, the order of the model, and which coefficients are sought."""
 
     y: Numbers
     u: Numbers
@@ -155,18 +154,18 @@ class _Search:
         if len(noise) < n or not (np.abs(zeros) > MAX_ZERO_RADIUS).any():
             return theta
         size = np.abs(zeros)
-        inside = np.where(size > 1.0, zeros / size**2, zeros)
+        inside = np.where(size > 1.0, zeros / size**2, zeros)  # 1/z, conjugate: C stays real
         inside *= np.minimum(1.0, MAX_ZERO_RADIUS / np.maximum(np.abs(inside), 1e-300))
         stable_theta = theta.copy()
         stable_theta[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
         return stable_theta
 
     def radius(self, theta: Numbers) -> float:
-        """Return how far out the zeros of C are."""
+        """Return the largest magnitude of a zero of C."""
         return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c))))
 
     def loss(self, theta: Numbers) -> float:
-        """Return V; infinite where C has a zero beyond the rim."""
+        """Return V; infinite where a zero of C lies beyond MAX_ZERO_RADIUS."""
         if self.radius(theta) > MAX_ZERO_RADIUS + 1e-9:
             return float(np.inf)
         eps = self.model(theta).residuals(self.y, self.u)
@@ -174,7 +173,10 @@ class _Search:
         return value if np.isfinite(value) else float(np.inf)
 
     def at_rim(self, theta: Numbers) -> bool:
-        """Return whether a zero of C is held at the rim. The loss would fall beyond it."""
+        """Return whether a zero of C is held at MAX_ZERO_RADIUS.
+
+        The loss may fall further beyond it, so that the search cannot reach a place without slope.
+        """
         return self.radius(theta) > MAX_ZERO_RADIUS - 1e-6
 
     def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
@@ -208,9 +210,10 @@ def fit_armax(
 ) -> ArmaxFit:
     """Return the maximum likelihood model of that order. Output y and input u are (N,).
 
-    Gauss and Newton's steps, halved until they help, from least squares, from Hannan and
-    Rissanen's start, and from the model of the order below, ``lower`` if it is known, times common
-    factors; the best end is taken. ConfigError if the record is too short or has gaps.
+    Gauss and Newton's steps are halved until the loss falls. V has several minima, so the search
+    has several starts: least squares, Hannan and Rissanen's method, and the model of the order
+    below times common factors (``lower`` is that model, if it is known). The lowest end is taken.
+    ConfigError if the record is too short or has gaps.
     """
     names = coefficient_names(order, initial=initial)
     places = np.array([i for i, name in enumerate(names) if name not in fixed], dtype=np.int64)
@@ -230,7 +233,10 @@ def fit_armax(
 
 
 def _raise_order(model: Armax, factor: float, *, initial: bool) -> Numbers:
-    """Return the coefficients of the order above with A, B and C times 1 - factor q^-1."""
+    """Return the coefficients of the order above. A, B and C are times 1 - factor q^-1.
+
+    The common factor cancels, so that this start is as good as the fit of the order below.
+    """
     a, b, c = (
         np.convolve((1.0, -factor), head)[1:]
         for head in ((1.0, *model.a), (0.0, *model.b), (1.0, *model.c))
@@ -246,6 +252,7 @@ def _starts(search: _Search) -> list[Numbers]:
     plain = zero - np.linalg.lstsq(J, eps, rcond=None)[0]
     n = search.order
     plain[search.sought // n == 2] = 0.0
+    # Hannan and Rissanen: residuals of a long autoregression stand for the errors e
     lags = range(1, min(LONG_ORDER + n, len(search.y) // 4) + 1)
     long = np.column_stack([_later(series, i) for series in (search.y, search.u) for i in lags])
     errors = search.y - long @ np.linalg.lstsq(long, search.y, rcond=None)[0]
@@ -302,6 +309,7 @@ def _account(search: _Search, end: _DescentEnd) -> ArmaxFit:
     share = float(eps @ eps) / len(eps)
     inverse = (vectors / np.where(flat, np.inf, values)) @ vectors.T
     covariance = share * inverse / np.outer(size, size)
+    # a coefficient with a share in a flat direction is not known, whatever the others tell
     unknown = (np.abs(vectors[:, flat]) > 0.05).any(axis=1)
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return ArmaxFit(
@@ -345,8 +353,8 @@ class FirstOrder(NamedTuple):
 def without_wind(model: Armax, interval: float) -> FirstOrder:
     """Return K and T of rudder to heading (9). A is replaced by (z - 1)(z - p), p = -a1 - 1.
 
-    The other pole is that of heading: 1 without wind. ConfigError unless the order is 2 and p is
-    between 0 and 1.
+    One of the two poles is that of heading, which is 1 without wind; p is the other. ConfigError
+    unless the order is 2 and p is between 0 and 1.
     """
     if model.order != 2:
         raise ConfigError(f"a first-order ship needs an ARMAX model of order 2, not {model.order}")

@@ -1,4 +1,4 @@
-"""Estimation: which minimiser, from how many starts, and what it found."""
+"""Estimation: a minimiser, started from several places, and the best minimum."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ from trainer.identify.fitting.problem import Problem
 
 MAX_BOUNDED_SPREAD: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
 MIN_TIME_CONSTANT: Final = 0.5  # [intervals] of a time constant that two readings still show
-MAX_RESTART_FACTOR: Final = 4  # times the restarts wanted, in all
+MAX_RESTART_FACTOR: Final = 4  # times the restarts wanted, in all: the search must end
 APPROACH_STEPS: Final = 60  # steps from another start
 NEAR_COST_MARGIN: Final = 10.0  # [-] of cost above the best, from where a search is carried on
 NARROW_WIDTH: Final = 0.3  # [-] of the width, of every other start
@@ -48,25 +48,25 @@ def powell(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
     def value(x: Numbers) -> float:
         return min(cost.value(problem.theta(x * width)), 1e300)
 
-    def told(x: Numbers) -> None:
+    def tell(x: Numbers) -> None:
         search.progress(SearchResult(problem.theta(x * width), value(x), 0, converged=False))
 
     options = {"maxiter": search.most, "xtol": 1e-4, "ftol": 1e-12}
     result: Any = minimize(
-        value, np.zeros(len(theta)), method="Powell", callback=told, options=options
+        value, np.zeros(len(theta)), method="Powell", callback=tell, options=options
     )
     return judge_place(problem, np.atleast_1d(result.x) * width, int(result.nit))
 
 
 def by_scoring(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
-    """Return the minimum by scoring, then by scipy's minimisers where that is none."""
+    """Return the minimum by scoring, then by scipy's minimisers if scoring ends at none."""
     problem = stretch_cost(cost, theta)
     eta, steps = search_by_scoring(problem, np.zeros(len(theta)), search)
     return settle_minimum(problem, eta, search, steps)
 
 
 def bfgs(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
-    """Return the minimum by scipy's quasi-Newton steps (BFGS), polished if that is none."""
+    """Return the minimum by scipy's quasi-Newton steps (BFGS), polished if they end at none."""
     problem = stretch_cost(cost, theta)
     eta, steps = scipy_search(problem, np.zeros(len(theta)), "BFGS", search)
     return settle_minimum(problem, eta, search, steps)
@@ -83,7 +83,8 @@ MINIMISER_BY_NAME: Final[dict[str, Minimiser]] = {
 class RestartOptions:
     """Where else to start: until ``restarts`` in a row find nothing better.
 
-    They are drawn ``width`` standard deviations about the start, and by twice its numbers.
+    Other starts are drawn about the first one: ``width`` standard deviations wide, a part of that,
+    or up to twice the size of its numbers.
     """
 
     restarts: int = 0
@@ -100,8 +101,8 @@ def find_best_minimum(
 ) -> SearchResult:
     """Return the best minimum of ``cost`` from ``theta`` (f,) and from other ``starts``.
 
-    Of numbers that mean the same model it has the first, see Problem.folded.
-    ConfigError where the cost at ``theta`` is not finite.
+    Several numbers may mean the same model, as a variance and its negative do; Problem.folded then
+    chooses. ConfigError where the cost at ``theta`` is not finite.
     """
     stretch_cost(cost, theta)  # refuses a variance of nothing
     if not np.isfinite(cost.value(theta)):
@@ -117,9 +118,10 @@ def find_best_minimum(
 
 
 def _best(cost: Cost, theta: Numbers, found: SearchResult, starts: RestartOptions) -> SearchResult:
-    """Return the best of ``found`` and others, when so many in a row found nothing better.
+    """Return the best minimum, once so many others in a row were no better.
 
-    A mode faster than the readings is passed over for any other, whatever its likelihood.
+    Any other minimum is preferred to one with a mode faster than the readings, whatever its
+    likelihood, because such a mode fits errors and not motion (docs/identification.md).
     """
     unbeaten = 0
     for begin in _others(cost, theta, starts):
@@ -137,7 +139,7 @@ def _best(cost: Cost, theta: Numbers, found: SearchResult, starts: RestartOption
 def _approach(cost: Cost, begin: Numbers, best: SearchResult) -> SearchResult:
     """Return where another start leads: by scoring, and settled only where it comes near.
 
-    Where it comes to the cost already known it is not looked at again.
+    An end with the cost already known is the same minimum, so it is not settled again.
     """
     problem = stretch_cost(cost, begin)
     eta, steps = search_by_scoring(problem, np.zeros(len(begin)), SearchOptions(APPROACH_STEPS))
@@ -161,7 +163,7 @@ def is_too_fast(problem: Problem, theta: Numbers) -> bool:
 
 
 def _doubt_speed(problem: Problem, found: SearchResult) -> SearchResult:
-    """Return ``found``, not settled if it is faster than the readings."""
+    """Return ``found``, marked as not settled if it has a mode faster than the readings."""
     if not is_too_fast(problem, found.theta):
         return found
     doubt = (
@@ -172,9 +174,11 @@ def _doubt_speed(problem: Problem, found: SearchResult) -> SearchResult:
 
 
 def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numbers]:
-    """Yield other starts where the cost is finite: by what ``theta`` is known to, and by its size.
+    """Yield other starts with a finite cost, drawn about ``theta`` in three widths.
 
-    A number with bounds is spread in its own coordinate, where nothing wider means more.
+    A width comes from what each number is known to, or from its size. A number with bounds is drawn
+    in its own coordinate, and no wider than MAX_BOUNDED_SPREAD, because further out all values mean
+    the same: an end.
     """
     problem = stretch_cost(cost, theta)
     size = np.diag(problem.information(np.zeros(len(theta))))
@@ -183,6 +187,7 @@ def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numb
         has_information, starts.width / np.sqrt(np.where(has_information, size, 1.0)), 0.0
     )
     bounded = np.where(has_information, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
+    # three widths in turn, because minima lie at a distance that nobody knows before
     free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW_WIDTH * known, known
     widths = [np.where(problem.bounded, bounded, one) for one in free]
     widths[1] = np.where(problem.bounded, NARROW_WIDTH * bounded, widths[1])

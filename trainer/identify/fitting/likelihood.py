@@ -1,7 +1,7 @@
 """The likelihood of a record under a model with noise covariances, its gradient and information.
 
 Model document, 6.1, 6.3 and 8.1. Where a model is impossible (a covariance not positive definite)
-the cost is infinite.
+the cost is infinite, so that a search turns back.
 """
 
 import math
@@ -23,7 +23,7 @@ from trainer.identify.kernels.sensitivity import ScoreRows, score_rows
 from trainer.identify.model.sampled import SampledSystems
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
-PIECE_ROWS: Final = 256  # rows
+PIECE_ROWS: Final = 256  # rows that are multiplied at once
 
 
 def possible(sampled: SampledSystems) -> bool:
@@ -32,7 +32,10 @@ def possible(sampled: SampledSystems) -> bool:
 
 
 def _gram(rows: Numbers) -> Numbers:
-    """Return rows' rows, in pieces that no library hands to several threads: waking them costs."""
+    """Return the matrix of inner products of the columns of ``rows``, piece by piece.
+
+    A piece is too small for the library to hand it to several threads, whose waking costs more.
+    """
     count = rows.shape[1]
     total = np.zeros((count, count))
     for first in range(0, len(rows), PIECE_ROWS):
@@ -53,7 +56,7 @@ class Score(NamedTuple):
 class Likelihood:
     """Minus the log-likelihood by covariances: a cost to minimise over a problem's parameters.
 
-    That of several runs is the sum of theirs.
+    The cost of several runs is the sum of theirs.
     """
 
     problem: Problem
@@ -80,7 +83,10 @@ class Likelihood:
         return total * np.outer(self.problem.scale, self.problem.scale)
 
     def _score(self, theta: Numbers) -> Score:
-        """Return what one run tells; a search asks for gradient and information of one place."""
+        """Return cost, gradient and rows at ``theta``, from memory if it is the last place.
+
+        A search asks for gradient and information of the same place, one after the other.
+        """
         key = theta.tobytes()
         if self._last.get("key") != key:
             runs = [_score(run, theta[at]) for run, at in self.problem.runs]
@@ -113,7 +119,7 @@ def _score(problem: Problem, theta: Numbers) -> Score:
         return impossible
     length, readings = samples.outputs.shape
     slopes = sampled.slopes()
-    wide = slopes.mean.shape[-1]
+    wide = slopes.mean.shape[-1]  # with the zeros that fill up the processor's lanes
     errors = np.empty((length, readings, wide))
     covariances = np.empty((length, readings * readings, wide))
     slope = np.empty(wide)

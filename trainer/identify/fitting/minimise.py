@@ -1,8 +1,9 @@
 """Minimisers of a cost: scoring with the information, then scipy's with the exact gradient.
 
-They move in coordinates without bounds, where the ends of variances, correlations and lags are far
-away and flat; everything else moves as it is. What they find is judged apart: a flat place is no
-minimum, and a variance that went to nothing is lifted again where the cost would fall.
+They move in coordinates without bounds: variances, correlations and lags are transformed, and all
+other parameters are not. In these coordinates the cost becomes flat towards the ends of a range. A
+search may therefore stop on a slope that only looks flat, and so each end is judged apart: it must
+be a minimum, and a variance that went to zero is lifted again where the cost would fall.
 """
 
 import math
@@ -19,29 +20,24 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.problem import Problem
 
-NEWTON_COST_TOLERANCE: Final = (
-    1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
-)
+# Costs are minus a log-likelihood: 0.5 is one standard deviation of one parameter. Scoring goes on
+# while a step promises 1e-8; judged apart, 1e-3 counts as settled (docs/identification.md).
+NEWTON_COST_TOLERANCE: Final = 1e-8  # [-] that a quadratic model may still promise at the minimum
+SETTLED_COST_TOLERANCE: Final = 1e-3  # [-] that it may promise where a search has settled
 MAX_STEP: Final = 2.0  # [-] step of a parameter with bounds
-MAX_DISTANCE: Final = 30.0  # [-] from the origin, beyond which nothing changes
-MAX_START_SHARE: Final = (
-    0.999  # [-] correlation, or share of the interval, from which a search may start
-)
+MAX_DISTANCE: Final = 30.0  # [-] from the origin: a factor of e^30 = 1e13, then nothing changes
+MAX_START_SHARE: Final = 0.999  # [-] of correlation or interval, to start from: 1 is infinitely far
 MAX_DAMPING: Final = 1e12  # damping beyond which no step gets smaller
-SETTLED_COST_TOLERANCE: Final = (
-    1e-3  # [-] of cost: what a quadratic model may promise where a search has settled
-)
 MIN_CURVATURE: Final = 1e-9  # [-] least eigenvalue of the scaled second derivatives at a minimum
 END_MARGIN: Final = 1e-3  # [-] to an end of a lag or correlation
-MIN_BOUNDED_INFORMATION: Final = (
-    1e-6  # [-] information of a bounded coordinate whose number is at an end
-)
+MIN_BOUNDED_INFORMATION: Final = 1e-6  # [-] of a bounded coordinate: with less it is at an end
 POLISH_ROUNDS: Final = 12  # of polishing, each judged
 POLISH_METHODS: Final = ("BFGS", "trust-exact")  # scipy's, in turn
-STEP_LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)  # of a step, tried in turn
+# parts of a step, tried in turn; both ways, because a direction of curvature has no sign
+STEP_LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)
 MIN_COST_GAIN: Final = 1e-4  # [-] of cost that such a step must gain
 IMPOSSIBLE_NEIGHBOUR: Final = "the model is impossible beside it"
-UPHILL_COST: Final = 10.0  # [-] of cost above the best known, where a model is impossible
+UPHILL_COST: Final = 10.0  # [-] times 1 + |best cost|: that of an impossible model, above the best
 
 
 class Cost(Protocol):
@@ -63,7 +59,7 @@ class Cost(Protocol):
 
 @dataclass(frozen=True)
 class SearchResult:
-    """The end of a search. ``converged`` if it is a minimum, else ``doubt`` has the reason."""
+    """The end of a search. ``converged`` if it is a minimum, else ``doubt`` says why not."""
 
     theta: Numbers
     cost: float
@@ -76,7 +72,7 @@ Progress = Callable[[SearchResult], None]
 
 
 def ignore_news(found: SearchResult) -> None:
-    """Take the news and do nothing."""
+    """Ignore a step of a search: where nobody wants to hear of it."""
     del found
 
 
@@ -93,7 +89,8 @@ class StretchedCost:
     """A cost in coordinates eta that are 0 at ``origin`` and have no bounds.
 
     A variance is measured by its logarithm, a correlation by its inverse hyperbolic tangent, a lag
-    as a share of the interval by its logit: their ends are far away and flat.
+    as a share of the interval by its logit, because a search then needs no bounds: the ends of
+    these ranges are far away, and the cost is flat there.
     """
 
     cost: Cost
@@ -152,12 +149,15 @@ class StretchedCost:
     def clipped(self, step: Numbers, most: float = MAX_STEP) -> Numbers:
         """Return ``step`` with no bounded parameter going further than ``most``.
 
-        MAX_STEP is how far it may go at once, MAX_DISTANCE where it has no effect any more.
+        That is MAX_STEP for one step of a search, MAX_DISTANCE for a place.
         """
         return np.where(self.bounded, np.clip(step, -most, most), step)
 
     def at_end(self, eta: Numbers) -> NDArray[np.bool_]:
-        """Return which numbers are at an end: variances anywhere, as they may grow (f,)."""
+        """Return which numbers are at an end of their range (f,).
+
+        Every variance counts, because it may always grow.
+        """
         sine = np.abs(np.sin(self.theta(eta) * self.cost.problem.scale))
         lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - END_MARGIN)
         angle = (self._kinds == "angle") & (sine > 1.0 - END_MARGIN)
@@ -166,8 +166,9 @@ class StretchedCost:
     def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
         """Return the step to a quadratic's minimum, bounded ones going no further than they may.
 
-        Where one would, it goes that far and the others to their minimum beside it: a variance on
-        its way to nothing holds nobody up.
+        A parameter whose step is too long goes as far as it may and is held; the others then step
+        to the minimum for that place. So a variance on its way to zero does not shorten all other
+        steps.
         """
         step = np.zeros(len(gradient))
         held = np.zeros(len(gradient), bool)
@@ -189,17 +190,22 @@ def stretch_cost(cost: Cost, theta: Numbers) -> StretchedCost:
     for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
         if kind in ("variance", "error") and value == 0.0:
             raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
+    # a little above the floor, because at the floor itself the logarithm has no slope
     above = np.maximum(np.abs(theta), 1.01 * problem.floors)
     return StretchedCost(cost, np.where(problem.floors > 0.0, above, theta))
 
 
 def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
-    """Return -(matrix + damping diag)^-1 gradient, scaled by the diagonal; zero where that is."""
+    """Return -(matrix + damping diag)^-1 gradient, scaled by the diagonal; zero where that is.
+
+    Scaled, because the parameters' units differ by many powers of ten. Least squares, because the
+    matrix may be singular: it then moves only what the record determines.
+    """
     width = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     width[width == 0.0] = np.inf
     scaled = matrix / np.outer(width, width) + damping * np.eye(len(width))
     scaled[np.isinf(width), np.isinf(width)] = 1.0
-    step = np.linalg.lstsq(scaled, -gradient / width, rcond=1e-13)[0]
+    step = np.linalg.lstsq(scaled, -gradient / width, rcond=1e-13)[0]  # 1e-13: rounding
     return np.asarray(step / width)
 
 
@@ -213,7 +219,10 @@ class SearchPlace(NamedTuple):
 
 
 class MinimumVerdict(NamedTuple):
-    """The doubt about a place, empty if it is a minimum, and a lower place."""
+    """The doubt about a place, empty if it is a minimum.
+
+    ``better`` is a lower place, if one was found.
+    """
 
     doubt: str
     better: Numbers | None = None
@@ -224,13 +233,15 @@ def search_by_scoring(
 ) -> tuple[Numbers, int]:
     """Return where damped Gauss-Newton steps with the expected information lead, and their number.
 
-    They end where a quadratic promises nothing, or where no damping lowers the cost.
+    They end where the quadratic model promises no further fall, or where no damping lowers the
+    cost.
     """
     damping = 1e-3
     here = SearchPlace(eta, *problem.slope(eta), problem.information(eta))
     for step in range(search.most):
         if not np.isfinite(here.information).all():
             return here.eta, step
+        # the promise is that of the step without damping: damped steps promise less than there is
         newton = problem.newton(here.information, 1e-9, here.gradient)
         if 0.0 <= -0.5 * float(here.gradient @ newton) < NEWTON_COST_TOLERANCE:
             return here.eta, step
@@ -259,7 +270,11 @@ def _damp_step(
 
 
 def judge_minimum(problem: StretchedCost, eta: Numbers) -> MinimumVerdict:
-    """Return whether ``eta`` is a minimum: no slope, curved upwards, ends where they are wanted."""
+    """Return whether ``eta`` is a minimum, or why not.
+
+    At a minimum there is no slope, the cost curves upwards, and no number at an end of its range
+    would lower the cost by leaving it (docs/identification.md).
+    """
     gradient = problem.slope(eta)[1]
     size = np.diag(problem.information(eta))
     if not (np.isfinite(gradient).all() and np.isfinite(size).all()):
@@ -275,9 +290,10 @@ def judge_minimum(problem: StretchedCost, eta: Numbers) -> MinimumVerdict:
 def _judge_shape(
     problem: StretchedCost, eta: Numbers, gradient: Numbers, size: Numbers
 ) -> MinimumVerdict:
-    """Return whether ``eta`` is at a minimum of the coordinates whose ``size`` is not nothing.
+    """Return whether ``eta`` is a minimum in the coordinates whose ``size`` is not zero.
 
-    The better place is that of Newton's step with every curvature taken as upwards.
+    If it is none, the verdict has a lower place: along the direction that curves downwards, or by
+    Newton's step.
     """
     curvature = second_derivatives(problem, eta, size)
     free = (size > 0.0) & (np.diag(curvature) != 0.0)
@@ -302,10 +318,10 @@ def _judge_shape(
 def _lift(
     problem: StretchedCost, eta: Numbers, place: int, here: tuple[float, float]
 ) -> Numbers | None:
-    """Return a lower place with one number taken off its end; None if there is none.
+    """Return a lower place, one number taken off its end; None if there is none.
 
-    In its own measure a variance near nothing is linear in the cost: it goes to where its slope
-    ends, though its logarithm has no slope to see.
+    Near zero the cost is nearly linear in a variance itself, but has almost no slope by the
+    variance's logarithm. So the step is that to the minimum of a quadratic in the variance itself.
     """
     slope, size = here
     if not size > 0.0 or slope * slope < 2.0 * SETTLED_COST_TOLERANCE * size:
@@ -316,7 +332,7 @@ def _lift(
 
 
 def _along(problem: StretchedCost, eta: Numbers, direction: Numbers) -> Numbers | None:
-    """Return a place on a line that is lower by as much as matters; None if none was found."""
+    """Return a place on a line, lower by MIN_COST_GAIN; None if none was found."""
     value = problem.cost.value(problem.theta(eta))
     for length in STEP_LENGTHS:
         tried = problem.clipped(eta + length * direction, MAX_DISTANCE)
@@ -328,7 +344,8 @@ def _along(problem: StretchedCost, eta: Numbers, direction: Numbers) -> Numbers 
 def second_derivatives(problem: StretchedCost, eta: Numbers, size: Numbers) -> Numbers:
     """Return the second derivatives by eta (f, f): differences of the exact gradient.
 
-    Steps are 1/1000 of what each coordinate alone is known to, ``size`` (f,) the information.
+    A step is 1/1000 of what the coordinate alone is known to, by ``size`` (f,), the diagonal of the
+    information.
     """
     known = size > np.finfo(float).tiny
     steps = np.where(known, 1e-3 / np.sqrt(np.where(known, size, 1.0)), 1e-6)
@@ -339,9 +356,10 @@ def second_derivatives(problem: StretchedCost, eta: Numbers, size: Numbers) -> N
 def curvature(
     slope: Callable[[Numbers], Numbers], at: Numbers, steps: Numbers, back: Numbers
 ) -> Numbers:
-    """Return second derivatives (f, f) by differences of a gradient, ``steps`` (f,) ahead.
+    """Return second derivatives (f, f) by differences of a gradient at two places.
 
-    And ``back`` (f,) of a step behind.
+    The first place is ``steps`` (f,) ahead, the second ``back`` (f,) times that step behind: 1 is
+    central, 0 one-sided.
     """
     columns = [
         (slope(at + aside) - slope(at - one * aside)) / ((1.0 + one) * step)
@@ -370,6 +388,7 @@ def scipy_search(
         nonlocal best
         value, gradient = problem.slope(eta + x * width)
         if not (np.isfinite(value) and np.isfinite(gradient).all()):
+            # scipy cannot take an infinite cost: a finite one far uphill makes it shorten its step
             return best[0] + UPHILL_COST * (1.0 + abs(best[0])), np.zeros_like(x)
         if value < best[0]:
             best = value, eta + x * width
@@ -393,13 +412,14 @@ def scipy_search(
             options={"maxiter": search.most},
             **more,
         )
+    # the best place of all that were tried, because scipy may end at another one
     return problem.clipped(best[1], MAX_DISTANCE), int(result.nit)
 
 
 def settle_minimum(
     problem: StretchedCost, eta: Numbers, search: SearchOptions, steps: int = 0
 ) -> SearchResult:
-    """Return the minimum beside ``eta``: judged, and searched on until nothing is wrong with it."""
+    """Return the minimum beside ``eta``: judged, and searched on while there is a doubt."""
     verdict = judge_minimum(problem, eta)
     for turn in range(POLISH_ROUNDS):
         if not verdict.doubt:
@@ -418,6 +438,6 @@ def settle_minimum(
 def judge_place(
     problem: StretchedCost, eta: Numbers, steps: int, verdict: MinimumVerdict | None = None
 ) -> SearchResult:
-    """Return the place ``eta`` as it was found, judged, if it was not yet."""
+    """Return the place ``eta`` as a result, with the given verdict or one made now."""
     verdict, theta = verdict or judge_minimum(problem, eta), problem.theta(eta)
     return SearchResult(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)

@@ -69,13 +69,14 @@ class BentShip:
     def rates(self, helm: float) -> tuple[float, ...]:
         """Return all yaw rates [rad/s] that are steady under a rudder [rad], rising (12.1).
 
-        Of three the middle one does not last.
+        Of three the middle one is unstable.
         """
         H1, H2, H3 = self.curve
         roots = {
             float(root.real) + 0.0
             for side in (1.0, -1.0)
             for root in np.roots([H3, side * H2, H1, self.delta_0 - helm])
+            # |r| r has the sign of r: of either sign's cubic only the roots of that sign count
             if abs(root.imag) <= HELM_TOLERANCE_RAD * abs(root) and side * root.real >= 0.0
         }
         return tuple(sorted(roots))
@@ -108,7 +109,7 @@ def _powers(rate: Numbers) -> Numbers:
 def predict_turning(ship: BentShip, rudder: Numbers, step: float, start: Numbers) -> Numbers:
     """Return yaw rate [rad/s] and heading [rad] (n, 2) under ``rudder`` (n,) [rad].
 
-    ``start``: yaw rate and heading at the first sample; the ship is in steady change there.
+    ``start`` has yaw rate and heading at the first sample, where the yaw rate is taken as constant.
     """
     return np.asarray(_run(ship, rudder, step, start.astype(complex))[:, 1:].real)
 
@@ -120,6 +121,7 @@ def _run(
     numbers = ship.numbers.astype(complex)
     K, T1, T2, T3 = numbers[:4]
     z = (T1 + T2) * start[0] - K * T3 * (rudder[0] - numbers[BENT.delta_0])
+    # a search may try a time constant near zero: 1e4 bounds the steps
     fastest = FINE_STEP_SHARE * min(abs(T1.real), abs(T2.real))
     parts = max(1, math.ceil(min(step / fastest, 1e4)))
     out = np.empty((len(rudder), 3), complex)
@@ -141,8 +143,8 @@ class BendEstimate:
 def curve_from_turns(ship: BentShip, source: str, rudder: Numbers, rate: Numbers) -> BendEstimate:
     """Return ``ship`` with the H(r) of steady turns, a spiral or turning circles (12.1).
 
-    ``rudder`` (n,) [rad] and ``rate`` (n,) [rad/s]; least squares in helm with a residual helm, of
-    the terms that Schwarz's criterion chooses. ConfigError with fewer than four turns.
+    ``rudder`` (n,) [rad] and ``rate`` (n,) [rad/s]. Least squares of the helm, with a residual
+    helm; Schwarz's criterion chooses the terms of H(r). ConfigError with fewer than four turns.
     """
     known = ~np.isnan(rate) & ~np.isnan(rudder)
     rate, rudder = rate[known], rudder[known]
@@ -173,7 +175,8 @@ def _regress(
 class _Records:
     """Yaw rates to be predicted by a ship whose numbers ``free`` are sought.
 
-    They are common to all records; each has a yaw rate at its start and a residual helm of its own.
+    These numbers are common to all records. Each record has its own residual helm and its own yaw
+    rate at the start.
     """
 
     ship: BentShip
@@ -220,8 +223,8 @@ def bend_from_records(
 ) -> BendEstimate:
     """Return ``ship`` with the numbers ``free`` that predict the yaw rates of records best.
 
-    Errors are taken for white and of one size. The residual helm returned is the last record's.
-    ConfigError if an interval varies, or the records do not tell the numbers.
+    The deviations assume that errors are white and of one size. The residual helm returned is the
+    last record's. ConfigError if an interval varies, or the records do not determine the numbers.
     """
     from scipy.optimize import least_squares  # noqa: PLC0415 - an extra, imported on use
 

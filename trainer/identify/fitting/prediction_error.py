@@ -1,7 +1,8 @@
 """Predictors by sample, and their losses: output error, innovations, several steps (MI 6.2-6.5).
 
-Every cost is minus a log-likelihood, with the errors' covariance concentrated out where the model
-does not give it: its second derivatives are the inverse covariance of the estimates (MI 8.3).
+Every cost is minus a log-likelihood. Where the model does not give the errors' covariance, the best
+one is put in its place. So the second derivatives of a cost are the inverse covariance of the
+estimates (MI 8.3).
 """
 
 import math
@@ -69,9 +70,9 @@ def no_limits(readings: int) -> Numbers:
 
 
 def chi_square_limits(probability: float, readings: int) -> Numbers:
-    """Return limits (y+1,): a good sample is beyond its own with ``probability`` (MI 6.5).
+    """Return limits (y+1,) that a good sample exceeds with ``probability`` (MI 6.5).
 
-    By the chi-square distribution with as many degrees of freedom as there are readings.
+    They are of the chi-square distribution, with as many degrees of freedom as there are readings.
     """
     from scipy.special import chdtri  # noqa: PLC0415 - an extra, imported on use
 
@@ -84,7 +85,7 @@ def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> PredictionR
 
 
 def filter_samples(system: SampledSystem, samples: Samples, limits: Numbers) -> PredictionRun:
-    """Return the filter's run by a system's mean, noise and start; complex as they are."""
+    """Return the filter's run by a system's mean, noise and start, real or complex."""
     (count, readings), states = samples.outputs.shape, len(system.start)
     rows, kind = states + readings, system.mean.dtype
     out = np.empty((count, rows + readings + 2), kind)
@@ -150,7 +151,7 @@ def own_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
 class Innovations:
     """The cost of a predictor with a gain: ``no_gain``, ``settled_gain`` or ``own_gain``.
 
-    ``gains`` may also be a function of one's own; imaginary parts are derivatives.
+    ``gains`` may be any other function too; imaginary parts of its result are derivatives.
     """
 
     problem: Problem
@@ -210,6 +211,7 @@ class Innovations:
             if gains is None:
                 return None
             errors = np.stack([_run(run, sampled, gains, row)[1] for row in range(len(gains))])
+            # V1 needs complete samples: errors of all outputs are multiplied (MI 6.3)
             errors = errors[:, ~np.isnan(run.samples.outputs).any(axis=1)]
             part = np.zeros((1 + sloped * len(theta), *errors.shape[1:]), complex)
             part[[0, *(1 + at)] if sloped else [0]] = errors
@@ -250,7 +252,7 @@ def _concentrate(errors: Numbers) -> float:
 class MultiStep:
     """The cost of predictions ``first`` to ``last`` samples ahead, pooled (MI 6.4).
 
-    Standard deviations follow from it only if both are 1: then it is the likelihood.
+    Only if both are 1 is it the likelihood, and only then do standard deviations follow from it.
     """
 
     problem: Problem
@@ -314,8 +316,12 @@ class MultiStep:
 
 
 def _surprises(errors: Entries, R: Entries) -> Complexes:
-    """Return -log L (n,) of errors (n, y) with covariances R (n, y, y); infinite if R is none."""
+    """Return -log L (n,) of errors (n, y) with covariances R (n, y, y).
+
+    It is infinite where R is not positive definite.
+    """
     present = ~np.isnan(errors)
+    # a missing reading has error 0 and variance 1, alone: it adds nothing to -log L
     R = np.where(present[:, :, None] & present[:, None, :], R, np.eye(errors.shape[1]))
     present_errors, size = np.where(present, errors, 0.0), np.linalg.det(R)
     squares = np.einsum(

@@ -15,9 +15,7 @@ from trainer.identify.model.models import Plant
 from trainer.identify.model.sampled import SampledSystems, sample_systems, step_aside
 from trainer.identify.record.measurements import Samples
 
-MIN_VARIANCE_SHARE: Final = (
-    1e-4  # [-] of its start: what an error's variance is not estimated below
-)
+MIN_VARIANCE_SHARE: Final = 1e-4  # [-] of its start, below which no error's variance is estimated
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +31,13 @@ class FurtherRun:
 class Problem:
     """Estimate the parameters at the places ``free``; the others stay as in ``values``.
 
-    ``scale`` (f,): a free parameter is its scale times the number that a minimiser moves.
-    ``sampling`` is that of sampled.sample. ``first`` (x,) is an initial state instead of the
-    parameters' own.
+    ``scale`` (f,): a parameter is its scale times the number that a minimiser moves. ``sampling``
+    is that of sampled.sample_systems. ``first`` (x,), if given, is the initial state, whatever the
+    parameters say.
 
-    ``others`` are further runs. Of the free parameters those at the places ``own`` are each run's
-    own: after the free ones (f,) of the first run come theirs, run by run. All else is common.
+    ``others`` are further runs of the same ship. The parameters at the places ``own`` (initial
+    states, steady forces) differ from run to run, all others are common. A vector of free
+    parameters has those of the first run (f,), then the ``own`` ones of each further run.
     """
 
     plant: Plant
@@ -53,7 +52,7 @@ class Problem:
 
     @cached_property
     def estimated(self) -> tuple[tuple[int, int], ...]:
-        """Return run, from 0 on, and place of each number that is estimated."""
+        """Return run (from 0) and place of each number that is estimated."""
         further = ((i, place) for i in range(1, 1 + len(self.others)) for place in self.own)
         return (*((0, place) for place in self.free), *further)
 
@@ -110,15 +109,15 @@ class Problem:
     def floors(self) -> Numbers:
         """Return the least a search takes each parameter for (f,), zero where there is none.
 
-        Errors of readings have one, a share of their start: a reading that another one could
-        replace, or the first one of a state that is free, would be believed exact, and the
-        likelihood be without end.
+        The variances of readings' errors have a floor, a share of their start. Without it a search
+        could believe one reading exactly, if another one can take its place or its state is free,
+        and the likelihood would grow without end.
         """
         errors = np.array([kind == "error" for kind in self.kinds], bool)
         return np.where(errors, MIN_VARIANCE_SHARE * np.abs(self.start), 0.0)
 
     def collapsed(self, theta: Numbers) -> tuple[str, ...]:
-        """Return the names of the errors that ``theta`` (f,) has on their floor."""
+        """Return the names of the errors that are at their floor in ``theta`` (f,)."""
         low = (self.floors > 0.0) & (np.abs(theta) < 2.0 * self.floors)
         return tuple(name for name, is_low in zip(self.names, low, strict=True) if is_low)
 
@@ -131,7 +130,7 @@ class Problem:
     def folded(self, theta: Numbers) -> Numbers:
         """Return ``theta`` (f,) with each number at the first place that means the same model.
 
-        Variances and lags positive, angles between -pi/2 and pi/2.
+        Variances and lags become positive, angles lie between -pi/2 and pi/2.
         """
         values = theta * self.scale
         angles = np.arcsin(np.sin(values))
@@ -157,7 +156,7 @@ class Problem:
     def fastest(self, theta: Numbers) -> float:
         """Return the shortest time constant [s] of the model, infinite if nothing moves.
 
-        The matrices of one step tell none.
+        It is infinite too for discrete matrices, which have no time constant of their own.
         """
         if self.sampling == "discrete":
             return math.inf
@@ -169,7 +168,7 @@ class Problem:
         return 1.0 / rate if rate > 0.0 else math.inf
 
     def on(self, samples: Samples) -> "Problem":
-        """Return the same question to other samples."""
+        """Return the same problem on other samples."""
         return replace(self, samples=samples)
 
 

@@ -1,7 +1,8 @@
-"""Where an estimate starts: the parameters of a model before its record has spoken.
+"""Where an estimate starts: the parameters of a model before its record is fitted.
 
-Model 1's ship comes from a vessel file or the study; those of yaw and sway alone from a regression
-on the record. Errors start as what two neighbours differ by, disturbances as a tenth of the motion.
+Model 1's ship comes from a vessel file or the study, that of the other models from a regression on
+the record. Errors of readings start as the scatter of neighbouring samples, disturbances as those
+that would make a tenth of the motion.
 """
 
 import math
@@ -17,7 +18,7 @@ from trainer.identify.model.nomoto import rate_coefficients
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study_records import ParameterRow
 
-DISTURBANCE_SHARE: Final = 0.1  # [-] of the yaw rate, that disturbances start as
+DISTURBANCE_SHARE: Final = 0.1  # [-] of the yaw rate (sway with Model 2) that disturbances make
 MIN_ERRORS: Final = {"sway": 1e-3, "yaw_rate": 1e-3, "heading": 1e-3}  # errors [kn], [deg/s], [deg]
 ACCELERATION_NAMES: Final = ("m11", "m12", "m21", "m22")
 DERIVATIVE_NAMES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
@@ -49,7 +50,7 @@ DISTURBANCE_NAMES: Final = ("R1_Y", "R1_N", "R1_1", "R1_2", "R1_r")
 def free_names(plant: Plant, rows: Sequence[ParameterRow]) -> tuple[str, ...]:
     """Return the parameters to estimate: the model's usual ones, as ``rows`` have it otherwise.
 
-    A heading that is not read is not told by the others: its start stays as it is.
+    The initial heading is held if no heading is read, because no other reading depends on it.
     """
     model = plant.model
     names = list(FREE_NAMES[model.name])
@@ -69,7 +70,7 @@ def start_values(
 ) -> Numbers:
     """Return all parameters (n,) to start from; ``ship`` has those known of the ship.
 
-    ConfigError naming those of Model 1 that neither ``ship`` nor ``rows`` give.
+    ConfigError that names the parameters of Model 1 which neither ``ship`` nor ``rows`` give.
     """
     model = plant.model
     known_values = dict(ship) if model.name == "1" else {}
@@ -137,7 +138,7 @@ def _regress(plant: Plant, record: Record) -> dict[str, float]:
 def first_order(record: Record, channel: str) -> tuple[float, float]:
     """Return gain and time constant [s] of rudder to a channel by least squares, SI.
 
-    A yaw rate that was not read is that of the heading.
+    A yaw rate that was not read is derived from the heading.
     """
     values = record.column("turning" if channel == "yaw_rate" else channel)
     rudder, step = record.column("rudder"), record.interval
@@ -147,12 +148,13 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
         raise ConfigError(f"{record.source}: {channel} has too few neighbouring values to start")
     regressors = np.column_stack([values[:-1], rudder[:-1], np.ones(len(rudder) - 1)])[good]
     p, b, _ = np.linalg.lstsq(regressors, values[1:][good], rcond=None)[0]
+    # noise may put the pole outside 0 to 1, where no ship has one: a start need not be exact
     p = min(max(float(p), 0.2), 0.99)
     return float(b) / (1.0 - p), -step / math.log(p)
 
 
 def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, float]) -> None:
-    """Write the densities of disturbance that make a tenth of the motion, unless they are told."""
+    """Write the densities of disturbance that make a tenth of the motion, unless given."""
     model = plant.model
     names = [name for name in DISTURBANCE_NAMES if name in model.names and name not in told]
     if not names:

@@ -40,8 +40,8 @@ def pose_problem(
 ) -> tuple[Problem, SteeringModel | None]:
     """Return the problem of a study, and the ship of its vessel file.
 
-    ConfigError for what it lacks. Unless ``fixed``, what is held counts as free, and samples are
-    not counted.
+    ConfigError for what the study lacks. With ``fixed`` false nothing will be estimated: parameters
+    that the study holds are free too, and the number of samples is not checked.
     """
     table, studies = table_of(study), studies_of(study)
     plant, vessel_steering = _plant_of(study, record)
@@ -132,7 +132,7 @@ def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
 def _of_each_run(
     model: Model, rows: Sequence[ParameterRow], free: Sequence[int]
 ) -> tuple[int, ...]:
-    """Return the places of the free parameters that each run has for itself."""
+    """Return the places of the free parameters that differ from run to run."""
     run_names = set(model.of_each_run)
     for row in rows:
         if row.per_run is not None:
@@ -175,7 +175,7 @@ def cost_of(problem: Problem, table: ModelTable) -> Cost:
 
 
 def settings(table: ModelTable) -> dict[str, Any]:
-    """Return what was asked of the model, defaults filled in."""
+    """Return the model's settings as used, with defaults filled in."""
     return {
         "noise": table.noise or "covariance",
         "measurement": table.measurement or "instantaneous",

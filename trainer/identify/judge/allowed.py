@@ -1,8 +1,8 @@
 """Ships that the record of a fit allows beside it, drawn and run (MI 8.5).
 
-Parameters are drawn from N(estimate, covariance), a lever arm by the moment that it makes: of a
-rudder the record tells force and moment, and their ratio is not normal. A draw that is no model is
-left out, and told.
+Parameters are drawn from N(estimate, covariance). In place of a lever arm its moment is drawn: a
+record determines force and moment of a rudder, and their ratio is not normal. A draw that is no
+model is left out, and the share of such draws is told.
 """
 
 import math
@@ -23,17 +23,12 @@ from trainer.identify.record.measurements import Samples
 
 DRAW_SEED: Final = 1
 QUANTITY_DRAWS: Final = 1000  # draws that intervals of gains and time constants are of
-MOTION_DRAWS: Final = 200  # draws that are run
+MOTION_DRAWS: Final = 200  # of these draws that are run
 RESPONSE_TIME_CONSTANTS: Final = 6.0  # time constants, that a response is shown for
 MIN_RESPONSE_SAMPLES: Final = 20  # [samples] of it
 BODE_OUTPUTS: Final = ("yaw_rate", "heading", "sway")  # to the rudder, in Bode figures
-LEVER_FORCES: Final = {
-    "l_delta": "Y_delta",
-    "l_psi": "Y_psi",
-}  # and the forces that they are arms of
-MIN_COMPLEX_SHARE: Final = (
-    0.025  # [-] share of complex pairs from which T1 and T2 are not told apart
-)
+LEVER_FORCES: Final = {"l_delta": "Y_delta", "l_psi": "Y_psi"}  # lever arms and their forces
+MIN_COMPLEX_SHARE: Final = 0.025  # [-] of complex pairs, from which T1 and T2 are not told apart
 
 
 class ShipBand(NamedTuple):
@@ -56,7 +51,7 @@ class AllowedShips:
 
     @cached_property
     def sailing(self) -> Numbers:
-        """Return those of the draws that are run, models all of them (k, f)."""
+        """Return those of the first MOTION_DRAWS draws that are models (k, f)."""
         tried = self.draws[:MOTION_DRAWS]
         sailing_rows = tried[[_sails(self.problem, one) for one in tried]]
         return sailing_rows if len(sailing_rows) else self.problem.start[None]
@@ -68,11 +63,14 @@ class AllowedShips:
 
     @cached_property
     def outputs(self) -> ShipBand:
-        """Return what they make of the record's rudder, from their own initial states."""
+        """Return the outputs of these ships under the record's rudder.
+
+        Each ship runs from its own initial state.
+        """
         return self._band(self.problem, None)
 
     def response(self, inputs: Numbers) -> ShipBand:
-        """Return what ``inputs`` (n, u), a rudder [deg], do to the outputs, every interval."""
+        """Return the change of the outputs by ``inputs`` (n, u), a rudder [deg], every interval."""
         t = np.arange(len(inputs), dtype=np.float64) * self.problem.plant.period
         still = np.zeros((len(inputs), len(self.problem.plant.outputs)))
         under = self.problem.on(Samples(t, still, inputs))
@@ -111,13 +109,16 @@ def _spread(t: Numbers, found: Numbers) -> ShipBand:
 
 
 def draw_allowed(fitted: ModelFit) -> AllowedShips:
-    """Return the ships that the record of a fit allows. What it does not tell of stays."""
+    """Return the ships that the record of a fit allows.
+
+    A parameter whose deviation is not known has its estimated value in all of them.
+    """
     problem, plant = fitted.problem, fitted.problem.plant
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
     theta = fitted.found.theta
     every = _draw_parameters(problem.names, theta, covariance)
     numbers, spans = span_draws(lambda one: quantities(plant, problem.whole(one)), every)
-    if np.isnan(fitted.told.covariance).any():
+    if np.isnan(fitted.quantity_spread.covariance).any():
         spans = Span(*(np.full_like(end, math.nan) for end in spans))
     swinging = "T_imag" in fitted.quantity_names
     swing = numbers[:, fitted.quantity_names.index("T_imag")] if swinging else np.zeros(1)
@@ -125,7 +126,7 @@ def draw_allowed(fitted: ModelFit) -> AllowedShips:
 
 
 def _sails(problem: Problem, theta: Numbers) -> bool:
-    """Return whether parameters are a model, and its run stays finite."""
+    """Return whether parameters are a possible model whose run stays finite."""
     with np.errstate(all="ignore"):  # kernels that are not compiled tell of what they lose
         return possible(problem.sampled(theta)) and bool(
             np.isfinite(predict_alone(problem, theta)).all()
@@ -152,7 +153,7 @@ def _draw_parameters(names: tuple[str, ...], theta: Numbers, covariance: Numbers
 def step_of(fitted: ModelFit) -> Numbers:
     """Return a rudder (n,) [deg] that goes to 1 degree, until the ship has settled."""
     plant, samples = fitted.problem.plant, fitted.problem.samples
-    quantity_values = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
+    quantity_values = dict(zip(fitted.quantity_names, fitted.quantity_spread.values, strict=True))
     slowest = abs(quantity_values["T1"]) or plant.period
     count = math.ceil(min(RESPONSE_TIME_CONSTANTS * slowest / plant.period, 1e6))
     rudder = np.ones(max(MIN_RESPONSE_SAMPLES, min(count, len(samples.t))))

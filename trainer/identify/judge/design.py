@@ -27,7 +27,7 @@ SEA_LEVER_LENGTHS: Final = 0.25  # [-] of the length: at which the sea's force m
 class Prospect:
     """Expected values and standard deviations of a record, by name, in SI and prime.
 
-    Model 1 where sway is read; without it only rudder to yaw can be told.
+    They are of Model 1 where sway is read. Without sway only rudder to yaw can be determined.
     """
 
     model: str
@@ -46,8 +46,8 @@ def prospect(
 ) -> Prospect:
     """Return what would be known from such a record of such a ship.
 
-    The sea alone makes the yaw rate ``unrest`` [deg/s] rms. ConfigError if
-    the record cannot separate the parameters.
+    ``unrest`` [deg/s] is the rms yaw rate that the sea alone makes. ConfigError if the record
+    cannot separate the parameters.
     """
     kind = "1" if "sway" in outputs else "nomoto2"
     model = MODELS[kind]
@@ -60,10 +60,8 @@ def prospect(
     for name, channel in INITIAL_STATE_NAMES[kind]:
         if channel:
             values[model.place(name)] = float(record.column(channel)[0]) * OUTPUT_UNITS[channel][1]
-    sea = {
-        "R1_N": 1.0,
-        "R1_Y": SEA_LEVER_LENGTHS**-2,
-    }  # how densities of disturbance are to one another
+    # the ratio of the densities of disturbance; their size follows from the unrest
+    sea = {"R1_N": 1.0, "R1_Y": SEA_LEVER_LENGTHS**-2}
     if kind != "1":  # the moment acts on yaw at once and, through sway, by the rate 1/T3
         sea = {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
     for name, share in sea.items():
@@ -107,9 +105,10 @@ def _ship(steering: SteeringModel, kind: str) -> dict[str, float]:
 
 
 def _density(plant: Plant, values: Numbers, rate: float) -> float:
-    """Return what the densities are times for a yaw rate of ``rate`` [rad/s] rms by the sea alone.
+    """Return by what to multiply the densities for a yaw rate of ``rate`` [rad/s] rms.
 
-    The variance is linear in them, by Lyapunov's equation for the states without heading.
+    The sea alone makes that yaw rate. Its variance is linear in the densities, by Lyapunov's
+    equation for the states without heading.
     """
     from scipy.linalg import solve_continuous_lyapunov  # noqa: PLC0415
 

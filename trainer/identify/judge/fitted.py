@@ -44,8 +44,9 @@ from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study
 
 MAX_STEPS: Final = 200
-DEFAULT_RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
-MIN_RESTARTS: Final = 2  # of them, whatever a study says
+# other starts in a row that must find nothing better, before a fit counts as settled
+DEFAULT_RESTARTS: Final = 12
+MIN_RESTARTS: Final = 2  # whatever a study says
 NO_MODEL: Final = "these values are no model: a covariance is not positive, or it does not end"
 SCREENING_ROUNDS: Final = 4  # rounds of fitting and rejecting
 
@@ -71,12 +72,15 @@ class ModelFit:
 
     @cached_property
     def quantity_names(self) -> tuple[str, ...]:
-        """Return the names of what follows of the parameters."""
+        """Return the names of the numbers that follow from the parameters."""
         return tuple(quantity_units(self.problem.plant.model))
 
     @cached_property
-    def told(self) -> Spread:
-        """Return what follows of the parameters, and how well; NaN where these are not known."""
+    def quantity_spread(self) -> Spread:
+        """Return the numbers that follow from the parameters, with their covariance.
+
+        The covariance is NaN where that of the parameters is not known.
+        """
         problem, covariance = self.problem, self.known.covariance
         spread = propagate_covariance(
             lambda free: quantities(problem.plant, problem.whole(free)),
@@ -123,11 +127,11 @@ def fit_study(
     kept: Path | None = None,
     others: Sequence[Record] = (),
 ) -> ModelFit:
-    """Return the model of a study fitted to its record. Each step is told to ``heard``.
+    """Return the model of a study fitted to its record.
 
-    A search is kept in the file ``kept``, and goes on from there if there is one. ``others`` are
-    the records of the study's further runs. ConfigError if it cannot be posed, or the start is no
-    model.
+    Each step of the search is given to ``heard``. The search is saved to the file ``kept``, and
+    goes on from there if the file exists. ``others`` are the records of the study's further runs.
+    ConfigError if the study lacks something, or its start is no model.
     """
     problem, vessel_steering = pose_problem(study, record, others)
     _check_separable(study, problem)
@@ -142,6 +146,7 @@ def fit_study(
     cost, method = cost_of(problem, table), table.method or "scoring"
     minimum = find_best_minimum(cost, start, method, search, RestartOptions(restarts))
     rejected: list[tuple[int, int]] = []
+    # an outlier bends the fit by which others are judged: fit and reject until none is found
     for _ in range(SCREENING_ROUNDS if table.reject else 0):
         problem, more = screen_samples(problem, minimum.theta, table.reject or 0.0)
         rejected += more
@@ -157,7 +162,7 @@ def fit_study(
 def simulate_study(study: Study, record: Record, others: Sequence[Record] = ()) -> ModelFit:
     """Return the model of a study as it starts, nothing estimated (LOOP 0, ISYS 4).
 
-    Outliers are screened if the study says so.
+    Outliers are left out if the study says so.
     """
     problem, vessel_steering = pose_problem(study, record, others, fixed=False)
     table = table_of(study)
@@ -188,7 +193,7 @@ def simulate_study(study: Study, record: Record, others: Sequence[Record] = ()) 
 def screen_samples(
     problem: Problem, theta: Numbers, probability: float
 ) -> tuple[Problem, list[tuple[int, int]]]:
-    """Return the problem without the samples that are improbable, and their runs and places."""
+    """Return the problem without improbable samples, and the run and place of each of these."""
     kept_samples, outliers = [], []
     limits = chi_square_limits(probability, problem.samples.outputs.shape[1])
     for number, (run, at) in enumerate(problem.runs):
@@ -202,10 +207,11 @@ def screen_samples(
 
 
 def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
-    """Return what is known of the parameters: by the Hessian, or where that fails by information.
+    """Return what is known of the parameters: by the Hessian, else by the information.
 
-    A variance at nothing makes the Hessian indefinite. Where neither is finite nothing is known.
-    Errors of several steps are not independent: their second derivatives tell no deviations.
+    The information serves where a variance has gone to zero, because the Hessian is indefinite
+    there. Where neither is finite nothing is known. A cost of several steps ahead has no
+    deviations, because its errors are not independent.
     """
     names = cost.problem.names
     if isinstance(cost, MultiStep):
@@ -222,11 +228,11 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
     return known
 
 
-# A search kept in a file, how far it has come.
-
-
 def save_steps(path: Path, problem: Problem, heard: Progress = ignore_news) -> Progress:
-    """Return what keeps each step of a search in ``path``, and tells it."""
+    """Return a function that saves each step of a search and passes it on.
+
+    It writes beside ``path`` and then replaces it, so that nobody ever reads half a file.
+    """
 
     def write(found: SearchResult) -> None:
         theta = problem.folded(found.theta) * problem.scale

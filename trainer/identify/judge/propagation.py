@@ -1,7 +1,8 @@
 """Numbers that follow from the parameters, by derivatives and by draws (MI 8.3, 8.5).
 
-The delta method takes the numbers for linear in the parameters. Where they bend sharply, as time
-constants do near a double root, only draws give intervals that hold the truth.
+The delta method takes the numbers as linear in the parameters. Time constants near a double root
+bend sharply, and there only draws give intervals that contain the truth (docs/identification.md has
+the shares).
 """
 
 from collections.abc import Callable
@@ -15,9 +16,7 @@ Derived = Callable[[Numbers], Numbers]
 
 DEFAULT_DRAWS: Final = 1000
 TAIL_SHARE: Final = 0.025  # [-] of the draws, left out at each end of an interval
-DIFFERENCE_STEP: Final = (
-    1e-4  # [standard deviations] of each parameter, for the difference quotients
-)
+DIFFERENCE_STEP: Final = 1e-4  # [standard deviations] of each parameter, for the quotients
 
 
 class Spread(NamedTuple):
@@ -35,8 +34,8 @@ class Spread(NamedTuple):
 def propagate_covariance(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
     """Return ``derived(theta)`` (m,) with J cov J^T, J from central differences (8.3).
 
-    The steps are a small part of each parameter's own standard deviation, so that they fit the
-    scale on which it is known.
+    A step is a small part of the parameter's own standard deviation, because that is the scale on
+    which the numbers matter, whatever the unit.
     """
     steps = DIFFERENCE_STEP * np.sqrt(np.diag(covariance))
     columns = []
@@ -61,7 +60,7 @@ class Span(NamedTuple):
 def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
     """Return ``derived`` of each of the ``draws`` (count, n), and its intervals.
 
-    A draw of which one number is none counts for the others.
+    A draw may lack one number (NaN); its other numbers still count.
     """
     values = np.array([derived(draw) for draw in draws])
     known_values = np.where(np.isnan(values).all(axis=0), 0.0, values)  # no quantile of nothing
@@ -81,7 +80,8 @@ def draw_parameters(theta: Numbers, covariance: Numbers, count: int, seed: int) 
 def covariance_root(covariance: Numbers) -> Numbers:
     """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
 
-    Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.
+    Rows are scaled to a unit diagonal first, because units differ by many powers of ten; negative
+    eigenvalues are rounding and are taken as zero.
     """
     width = np.sqrt(np.maximum(np.einsum("...ii->...i", covariance), 0.0))
     unit = np.where(width > 0.0, width, 1.0)

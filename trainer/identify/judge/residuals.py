@@ -1,8 +1,9 @@
 """Residuals of a fit are tested (8.4), and how many parameters a record supports (8.3).
 
-Residuals are (N,) of one output, standardised where there are several; NaN is a sample that did not
-count, and the pairs it is in are left out. For a scalar output V = 1/2 sum eps^2 over N samples; p
-counts coefficients and estimated initial states, the noise variance not.
+Residuals are (N,) of one output, standardised where there are several outputs. NaN is a sample that
+did not count; pairs with such a sample are left out. For a scalar output V = 1/2 sum eps^2 over N
+samples; p counts coefficients and estimated initial states, but not the noise variance: so the
+report's section 6 counts (MI 8.3).
 """
 
 import math
@@ -14,10 +15,10 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
-DEFAULT_LAGS: Final = 10
-MAX_LAGS: Final = 50
+DEFAULT_LAGS: Final = 10  # samples; as MAX_LAGS that of the report's program (MI 8.4, NOL)
+MAX_LAGS: Final = 50  # samples
 BAND_STANDARD_ERRORS: Final = 1.96  # standard errors, 95 %
-MIN_PER_CLASS: Final = 5  # residuals expected in a class, for the goodness of fit
+MIN_PER_CLASS: Final = 5  # residuals expected in a class, usual for a chi-square test
 MAX_CLASSES: Final = 30
 SUSPECT_PROBABILITY: Final = 0.01  # [-] probability below which a test has found something
 
@@ -26,7 +27,7 @@ SUSPECT_PROBABILITY: Final = 0.01  # [-] probability below which a test has foun
 class TestStatistic:
     """A statistic, its degrees of freedom, and the probability of one so large by chance.
 
-    Of a model against a larger one: the larger is worth it where the probability is small.
+    In a test against a larger model a small probability says that the larger model is worth it.
     """
 
     statistic: float
@@ -60,8 +61,8 @@ def examine_residuals(
 ) -> Residuals:
     """Return the tests of residuals (N,) against themselves and the rudder (N,).
 
-    ``fitted`` noise parameters are taken off the degrees of freedom of the whiteness test.
-    ConfigError if there are too few residuals for the lags.
+    ``fitted`` is the number of noise parameters, which the whiteness test takes off its degrees of
+    freedom. ConfigError if there are too few residuals for the lags.
     """
     count = int(np.count_nonzero(~np.isnan(left)))
     if not 1 <= lags <= MAX_LAGS or count < 2 * lags + 2:
@@ -70,6 +71,7 @@ def examine_residuals(
     autocorrelation = correlation(left, lags)
     cross = cross_correlation(centred, rudder - rudder.mean(), lags)
     input_own = correlation(rudder - rudder.mean(), lags)
+    # correlated residuals and rudder scatter more (MI 8.4); 0.1, as estimates may sum below zero
     widening = math.sqrt(max(1.0 + 2.0 * float(autocorrelation[1:] @ input_own[1:]), 0.1))
     positive, known = left > 0.0, ~np.isnan(left)
     both = known[1:] & known[:-1]  # neighbours, which may differ in sign
@@ -84,6 +86,7 @@ def examine_residuals(
         band=BAND_STANDARD_ERRORS / math.sqrt(count),
         whiteness=portmanteau(autocorrelation, count, max(lags - fitted, 1)),
         sign_changes=int(np.count_nonzero((positive[1:] != positive[:-1]) & both)),
+        # white residuals change sign in half of the pairs, with variance pairs/4 (MI 8.4)
         sign_changes_expected=pairs / 2.0,
         sign_changes_deviation=math.sqrt(pairs) / 2.0,
         normality=goodness_of_fit(left),
@@ -96,7 +99,7 @@ def examine_residuals(
 
 def correlation(series: Numbers, lags: int) -> Numbers:
     """Return sum e_t e_(t+lag) / sum e^2 for lags 0 to ``lags``, (lags + 1,)."""
-    values = np.nan_to_num(series)
+    values = np.nan_to_num(series)  # a missing value adds zero to each sum: its pairs are out
     power = float(values @ values)
     if power == 0.0:
         return np.concatenate([[1.0], np.zeros(lags)])
@@ -127,12 +130,13 @@ def portmanteau(own: Numbers, count: int, freedom: int) -> TestStatistic:
 def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> TestStatistic:
     """Return N c^T R^-1 c of cross correlations at consecutive lags, against chi-square.
 
-    R is the Toeplitz matrix of the input's own correlation: for white residuals it is their
-    covariance, times 1/N.
+    R is the Toeplitz matrix of the input's own correlation, because the covariance of these cross
+    correlations is R/N if the residuals are white.
     """
     from scipy.linalg import toeplitz  # noqa: PLC0415
     from scipy.special import chdtrc  # noqa: PLC0415
 
+    # 1e-9 keeps R regular, which is singular for a rudder of few sines
     R = toeplitz(input_own[: len(cross)]) + 1e-9 * np.eye(len(cross))
     statistic = float(count * cross @ np.linalg.solve(R, cross))
     return TestStatistic(statistic, len(cross), float(chdtrc(len(cross), statistic)))
@@ -145,6 +149,7 @@ def goodness_of_fit(left: Numbers) -> TestStatistic:
     values = left[~np.isnan(left)]
     deviation = float(np.std(values))
     classes = int(min(max(len(values) // MIN_PER_CLASS, 4), MAX_CLASSES))
+    # degrees of freedom: less 1 for the sum, and 2 for mean and deviation, which are estimated
     if deviation == 0.0:
         return TestStatistic(0.0, classes - 3, 1.0)
     place = ndtr((values - np.mean(values)) / deviation)
@@ -155,7 +160,7 @@ def goodness_of_fit(left: Numbers) -> TestStatistic:
 
 
 def describe_tests(found: Residuals) -> list[str]:
-    """Return in words what the tests have found, nothing if all is well."""
+    """Return in words what the tests reject; an empty list if they reject nothing."""
     texts = {
         "residuals are not white: the noise model or the order is too small": found.whiteness,
         "residuals follow the rudder: dynamics are missing from the model": found.missing_dynamics,

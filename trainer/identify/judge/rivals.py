@@ -29,7 +29,7 @@ class RivalModel:
 
 
 def compare_without(fitted: ModelFit, names: tuple[str, ...]) -> RivalModel:
-    """Return the test against the same model with the parameters ``names`` at nothing.
+    """Return the test against the same model with the parameters ``names`` at zero.
 
     ConfigError if one of them was not estimated.
     """

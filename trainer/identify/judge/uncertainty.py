@@ -11,25 +11,22 @@ from trainer.identify.fitting.minimise import Cost, curvature
 from trainer.identify.fitting.problem import Problem
 
 FLAT_EIGENVALUE: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
-BOUNDED_PREFIXES: Final = (
-    "R1_",
-    "R2_",
-    "lag",
-)  # parameters that no gain or time constant follows from
+# parameters of noise and lag: they have bounds, and no gain or time constant follows from them
+BOUNDED_PREFIXES: Final = ("R1_", "R2_", "lag")
 HALF_INTERVAL_95: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
-RATIO_COEFFICIENTS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")  # coefficients
-MIN_MEMBER_SHARE: Final = (
-    1e-3  # [-] share of a flat direction from which on a parameter belongs to it
-)
+# coefficients whose products and ratios are gains and time constants
+RATIO_COEFFICIENTS: Final = ("a1", "a2", "a3", "b1", "b2", "c1", "c2", "c3")
+MIN_MEMBER_SHARE: Final = 1e-3  # [-] of a flat direction, from which on a parameter belongs to it
 
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Covariance of the estimates and the eigenvalues of what it is the inverse of.
+    """Covariance of the estimates, and eigenvalues of the matrix that it is the inverse of.
 
-    ``curvature`` (f, f) is that matrix; the eigenvalues are of it scaled to a unit diagonal,
-    smallest first, ``directions`` (f, f) their vectors in columns. Where it is singular or
-    indefinite ``covariance`` is not a number and ``flat`` names what cannot be separated.
+    ``curvature`` (f, f) is that matrix. ``eigenvalues`` are of this matrix scaled to a unit
+    diagonal, smallest first, and the columns of ``directions`` (f, f) are their vectors. Where the
+    matrix is singular or indefinite, ``covariance`` is NaN and ``flat`` names the parameters that
+    cannot be separated.
     """
 
     names: tuple[str, ...]
@@ -62,7 +59,7 @@ def uncertainty(names: tuple[str, ...], curvature: Numbers) -> Uncertainty:
 
 
 def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...], ...]:
-    """Return the parameters of each flat direction, directions that share any taken together."""
+    """Return the parameters of each flat direction; directions that share one are one group."""
     if directions.shape[1] == 0:
         return ()
     projector = directions @ directions.T  # what of each parameter's motion is flat
@@ -79,10 +76,10 @@ def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...
 
 
 def beside_bounds(known: Uncertainty) -> Uncertainty:
-    """Return the others' covariance where noise or lag have gone to a bound and stay.
+    """Return the others' covariance where a noise parameter or lag is at a bound.
 
-    A variance at nothing, the correlation with it, and a lag of nothing or of a whole interval have
-    no information: their own covariances stay not a number.
+    There a variance of zero, its correlation, and a lag of zero or of a whole interval have no
+    information: their own covariances stay NaN, and the others are taken as if these were known.
     """
     lost = {name for group in known.flat for name in group if name.startswith(BOUNDED_PREFIXES)}
     if not lost:
@@ -98,8 +95,8 @@ def beside_bounds(known: Uncertainty) -> Uncertainty:
 def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
     """Return groups of free parameters that the samples cannot separate, before any fitting.
 
-    One name alone is a parameter without any effect. By the information at the start values; and
-    where P(t0) is free together with x(t0): one record cannot tell both.
+    A group of one is a parameter without any effect. The information at the start values tells the
+    groups; and P(t0) with x(t0) is a group if both are free, because one record cannot tell both.
     """
     information, free = Likelihood(problem).information(problem.start), set(problem.names)
     together = (pair for pair in problem.plant.model.paired if free.issuperset(pair))
@@ -109,8 +106,9 @@ def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
 def hessian(cost: Cost, theta: Numbers) -> Numbers:
     """Return the second derivatives of ``cost`` (f, f): differences of its exact gradient.
 
-    Steps are 1/1000 of what each parameter alone is known to. A variance near nothing and a lag are
-    stepped away from where their sign changes: beyond it is the same model again, and a kink.
+    Steps are 1/1000 of what each parameter alone is known to. Near zero a variance or a lag is
+    stepped to one side only, because a change of its sign gives the same model again: the cost has
+    a kink there.
     """
     size = np.diag(cost.information(theta))
     steps = 1e-3 / np.sqrt(np.maximum(size, 1e-300))
@@ -122,11 +120,13 @@ def hessian(cost: Cost, theta: Numbers) -> Numbers:
 def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     """Return 95 % intervals (f, 2) of parameters, some of them by the logarithm.
 
-    So it is of variances: the deviation of such a number grows with it, and twice as much to
-    either side would hold too little above. A variance that is less than its deviation is not told
-    from nothing: its interval begins there. Coefficients whose sign is sure, of which gains and
-    time constants are products and ratios, have the wider end of both ways: next to a double root
-    they scatter further to either side than their deviation tells.
+    A variance has its interval by the logarithm, because its deviation grows with it: two
+    deviations to either side would hold too little above. If a variance is less than its deviation
+    the record does not tell it from zero, and the interval begins at zero.
+
+    Gains and time constants are products and ratios of coefficients such as a1. Where the sign of
+    such a coefficient is sure, its interval has the wider end of both ways, because next to a
+    double root coefficients scatter further to either side than their deviation says.
     """
     names = RATIO_COEFFICIENTS if problem.plant.model.system is None else ()
     ratio = np.isin(problem.names, names) & (np.abs(theta) > HALF_INTERVAL_95 * deviations)

@@ -39,7 +39,10 @@ def simulate_deterministic(problem: Problem, theta: Numbers) -> Numbers:
 
 
 def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) -> Numbers:
-    """Return states and outputs (n, x+y) from a ``first`` state; ``driven`` (n, x) is added."""
+    """Return states and outputs (n, x+y) from the state ``first`` on.
+
+    ``driven`` (n, x) is added to the state at each step.
+    """
     readings = samples.outputs.shape[1]
     out = np.empty((len(samples.t), len(first) + readings))
     system = Predictor(mean, np.zeros((len(first), readings)), np.ascontiguousarray(first))
@@ -83,7 +86,7 @@ def predict_alone(problem: Problem, theta: Numbers) -> Numbers:
 def check_of(fitted: ModelFit, path: Path) -> ValidationCheck:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
     problem = other_problem(fitted, other_record(fitted, path))
-    other_errors, own_errors = (_errors(one) for one in (problem, _found(fitted)))
+    other_errors, own_errors = (_errors(one) for one in (problem, _first_run(fitted)))
     share = other_errors / _spread(problem)
     return ValidationCheck(
         source=str(path),
@@ -96,7 +99,7 @@ def check_of(fitted: ModelFit, path: Path) -> ValidationCheck:
 
 
 def other_record(fitted: ModelFit, path: Path) -> Record:
-    """Return the record of another study, or another one of the same columns."""
+    """Return the record of another study, or of a file with the same columns."""
     if path.suffix == ".toml":
         system = fitted.study.system
         study = load_study(path)
@@ -105,16 +108,16 @@ def other_record(fitted: ModelFit, path: Path) -> Record:
         )
         return observe_record(study).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
-    beside = path.parent / fitted.study.path.name
+    beside = path.parent / fitted.study.path.name  # a study's record lies in the study's folder
     return observe_record(replace(fitted.study, path=beside, heading=heading)).record
 
 
 def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[BendEstimate, Record]:
     """Return what steady turns or a large manoeuvre tell of the fitted ship (12).
 
-    Their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of
-    steady turns, whose times are not read. ``joint``: the linear constants too, from both records.
-    ConfigError if the model has no yaw, or a pair of complex roots.
+    Returns their record too. ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r)
+    of steady turns, whose times are not read. With ``joint`` the linear constants are estimated
+    too, from both records. ConfigError if the model has no yaw, or a pair of complex roots.
     """
     plant = fitted.problem.plant
     form = nomoto_of(plant.model, fitted.values, plant.ship)
@@ -128,17 +131,18 @@ def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[Be
         }
         data = study.heading.data if path.suffix == ".toml" else path.name
         heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
-        place = path.parent / study.path.name
+        place = path.parent / study.path.name  # as in other_record
         record = observe_record(
             replace(study, path=place, heading=heading, columns=columns, sensors=None)
         ).record
         rudder, rate = record.column("rudder"), record.column("yaw_rate")
         return curve_from_turns(ship, record.source, rudder, rate), record
     record = other_record(fitted, path)
-    # a bend that halves the gain at the fastest turn: where the search begins
+    # the search begins at a bend that halves the gain at the fastest turn (an estimate)
     fastest = float(np.nanmax(np.abs(record.column("yaw_rate"))))
     ship = replace(ship, kappa=1.0 / (abs(form.K) * fastest))
     fitted_record = fitted.record
+    # one record given twice must not count twice: its errors would seem smaller than they are
     same = len(fitted_record.t) == len(record.t) and bool(np.allclose(fitted_record.t, record.t))
     same = same and np.array_equal(fitted_record.column("rudder"), record.column("rudder"))
     records = [fitted_record, record] if joint and not same else [record]
@@ -149,9 +153,10 @@ def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[Be
 def other_problem(fitted: ModelFit, record: Record) -> Problem:
     """Return the fitted model on another record, from the initial state that fits it best.
 
-    By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
-    heading in degrees would else buy its hundredths with whole degrees a second. Outputs that were
-    not recorded are not a number; where none was, the ship begins at rest.
+    By rudder alone the outputs are linear in that state, so that least squares finds it. Each
+    output is weighed by its own errors; else a fit of the heading's hundredths of a degree would be
+    paid for with whole degrees a second of yaw rate. Outputs that were not recorded are NaN; if
+    none was recorded, the ship begins at rest.
     """
     plant = fitted.problem.plant
     system, known = plant.model.system, {}
@@ -161,21 +166,21 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
         samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
     else:
         samples = samples_of(record, plant.outputs, system.inputs)
-    problem = replace(_found(fitted), samples=samples)
-    states = len(
-        INITIAL_STATE_NAMES.get(plant.model.name, range(plant.model.states))
-    )  # those that may differ
+    problem = replace(_first_run(fitted), samples=samples)
+    # states that may differ at the start: all of them in a user's own system
+    states = len(INITIAL_STATE_NAMES.get(plant.model.name, range(plant.model.states)))
     first = problem.sampled(problem.start).start[0, :, 0].real
     first[:states] = 0.0
     problem = replace(problem, first=first)
     if not known and system is None:
         return problem
+    # the outputs are linear in the first state: those from rest, and their change by each unit
     still = predict_alone(problem, problem.start)
     units = [replace(problem, first=first + one) for one in np.eye(len(first))[:states]]
     noise = np.diag(plant.blocks(fitted.values[None]).noise[0])
     spread = np.sqrt(noise[plant.model.states :])
-    if isinstance(fitted.cost, Innovations):  # which has no errors of readings: as they scatter
-        spread = _errors(_found(fitted))
+    if isinstance(fitted.cost, Innovations):  # it has no errors of readings, so by their scatter
+        spread = _errors(_first_run(fitted))
     present, weight = ~np.isnan(samples.outputs), 1.0 / np.maximum(spread, 1e-12)
     changes = [predict_alone(unit, unit.start) - still for unit in units]
     free = np.column_stack([(change * weight)[present] for change in changes])
@@ -185,8 +190,8 @@ def other_problem(fitted: ModelFit, record: Record) -> Problem:
     return replace(problem, first=np.concatenate([best, first[states:]]))
 
 
-def _found(fitted: ModelFit) -> Problem:
-    """Return the first run alone, at what was found."""
+def _first_run(fitted: ModelFit) -> Problem:
+    """Return the problem of the first run alone, with the estimated values."""
     problem, _ = fitted.problem.runs[0]
     return replace(problem, values=fitted.values)
 
@@ -198,5 +203,5 @@ def _errors(problem: Problem) -> Numbers:
 
 
 def _spread(problem: Problem) -> Numbers:
-    """Return the standard deviations of the outputs (y,), never nothing."""
+    """Return the standard deviations of the outputs (y,), above zero for a division."""
     return np.asarray(np.maximum(np.nanstd(problem.samples.outputs, axis=0), 1e-300))

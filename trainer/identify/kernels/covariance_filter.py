@@ -1,17 +1,18 @@
 """The prediction-error filter with covariances (MI 6.1), over a whole record.
 
-States and readings of the next step are jointly Gaussian: v = W (x, u_old, u, 1) with covariance J
-= W_x P W_x' + Q. Sweeping the readings that are there out of J leaves the covariance of the next
-state, the gain and minus the inverse of R in the same matrix. Missing readings are not swept. So
-missing readings, correlated errors and readings integrated over the interval are one case.
+The next state and this sample's readings are jointly Gaussian: v = W (x, u_old, u, 1), with the
+covariance J = W_x P W_x' + Q. The sweep operator (Gauss and Jordan's elimination in place) on the
+rows of the readings leaves in J the covariance of the next state, the gain, and minus the inverse
+of R. A missing reading is not swept. So missing readings, correlated errors and readings integrated
+over the interval need no code of their own.
 
 ``mean`` (m, x+y, x+2u+1) and ``noise`` (m, x+y, x+y) are the sampled systems. ``which`` (n,) is the
 system that leads from each sample to the next. ``start`` (x, 1+x) is [x0 P0], and ``table`` (n,
-y+2u) has readings, old and new input; NaN is missing. All may be complex: an imaginary step of
-1e-100 in one parameter carries its exact derivative into what is shown.
+y+2u) has readings, old and new input; NaN is missing. All may be complex, because an imaginary step
+of 1e-100 in one parameter carries its exact derivative into the results.
 
-The parts of a step, the filter and other predictors shown by sample (MI 6.2, 6.4, 6.5), and the
-gain of a settled filter.
+Here are the parts of a step, the filter and other predictors sample by sample (MI 6.2, 6.4, 6.5),
+and the gain of a settled filter.
 """
 
 import math
@@ -50,7 +51,7 @@ class Predictor(NamedTuple):
 
 
 class FilterRun(NamedTuple):
-    """What is shown of each sample."""
+    """The results of a filter, sample by sample."""
 
     rows: Entries  # state, prediction, error, error' R^-1 error, flag
     covariances: Entries  # P (n, x, x)
@@ -107,8 +108,8 @@ def sweep_pivot(J: Entries, pivot: int) -> float:
 def condition_on_readings(J: Entries, error: Entries, there: Mask) -> float:
     """Return log det R [-] after sweeping the readings ``there`` out of ``J``.
 
-    Gain and inverse of the others become zero, as does their ``error``. The result is not a number
-    if R is not positive definite.
+    For missing readings gain, inverse and ``error`` become zero, so that sums may run over all
+    readings. The result is not a number if R is not positive definite.
     """
     first = J.shape[0] - error.size
     product = J[0, 0] * 0.0 + 1.0  # of the same type as J
@@ -116,7 +117,7 @@ def condition_on_readings(J: Entries, error: Entries, there: Mask) -> float:
         if there[c]:
             before = J[first + c, first + c].real
             d = sweep_pivot(J, first + c)
-            if not d.real > 1e-14 * abs(before):
+            if not d.real > 1e-14 * abs(before):  # what is left of the variance is rounding
                 return math.nan
             product *= d
     for c in range(error.size):
@@ -218,7 +219,7 @@ def show_filter(
     """Write to each row of ``shown`` state, prediction, error, error' R^-1 error, flag.
 
     A sample is rejected if its error' R^-1 error is beyond ``limits`` (y+1,) for its number of
-    readings: it neither moves the filter nor counts. R is shown of missing readings too.
+    readings; it then neither moves the filter nor counts. R is written for missing readings too.
     """
     mean, noise, start = system.mean, system.noise, system.start
     filter_rows = shown.rows
@@ -251,7 +252,7 @@ def show_filter(
             filter_rows[k, square_place] = size
             if size.real > limits[count]:
                 flag = FLAG_REJECTED
-        if flag > FLAG_MISSING:
+        if flag > FLAG_MISSING:  # rejected or singular: the step again, as without any reading
             J[:] = joint_copy
             present[:] = False
             condition_on_readings(J, error, present)
@@ -269,7 +270,8 @@ def run_predictor(
 ) -> None:
     """Write states and predictions (n, x+y) of a predictor with a given gain to ``out``.
 
-    It is x <- A x + B u + K error + w; a missing reading moves nothing. ``driven`` (n, x) is w.
+    The predictor is x <- A x + B u + K error + w, with w in ``driven`` (n, x). A missing reading
+    has no error and moves nothing.
     """
     mean, gain = system.mean, system.gain
     states, readings = gain.shape
@@ -291,7 +293,7 @@ def run_predictor(
 def _change(J: Complexes, P: Complexes) -> float:
     """Return the relative change of P: ||new P - P|| / ||new P|| [-], Frobenius.
 
-    Imaginary parts are compared with their own size.
+    Imaginary parts are compared with their own size, because they are derivatives times 1e-100.
     """
     moved, size, moved_aside, aside = 0.0, 0.0, 0.0, 0.0
     for i in range(P.shape[0]):
@@ -299,7 +301,7 @@ def _change(J: Complexes, P: Complexes) -> float:
             d = J[i, j] - P[i, j]
             moved += d.real * d.real
             size += J[i, j].real * J[i, j].real
-            # derivatives times 1e-100, so scaled before they are squared
+            # derivatives times 1e-100: scaled first, because their squares could underflow
             moved_aside += (d.imag * 1e100) * (d.imag * 1e100)
             aside += (J[i, j].imag * 1e100) * (J[i, j].imag * 1e100)
     worst = moved / size if size > 0.0 else 0.0
@@ -314,8 +316,8 @@ def settle_gain(
 ) -> int:
     """Return how many steps the filter took to settle.
 
-    0 if it did not settle within ``most`` steps, -1 if R is not positive definite. The last
-    ``gain`` (x, y) and its ``P`` are written.
+    The number is 0 if it did not settle within ``most`` steps, -1 if R is not positive definite.
+    Writes the last ``gain`` (x, y) and its ``P``.
     """
     rows, states = mean.shape[0], P.shape[0]
     readings = rows - states

@@ -1,12 +1,14 @@
 """The likelihood of a ship's record by the extended Kalman filter, with its derivatives.
 
-States are u, v [m/s], r [rad/s] and heading [rad], with roll also roll rate [rad/s] and roll [rad];
-readings the same. A row of the ``record`` has the first four readings, NaN where there is none,
-then rudder, revolutions and wind, then the seconds to the next row and the steps of Runge and Kutta
-in them, then the readings of roll. ``values`` are the factors of the terms, the five nonlinear
-coefficients, disturbances (of each acceleration) and errors of readings as standard deviations, and
-the first state, which is known: its covariance is nothing. Derivatives are as in
-``extended_slopes``; where none are asked for, forward numbers carry only what the filter needs.
+The states are u, v [m/s], r [rad/s] and heading [rad]; a ship with roll also has roll rate [rad/s]
+and roll [rad]. Each state has one reading. A row of the ``record`` has the first four readings (NaN
+is a missing one), then rudder, revolutions and wind (two columns), then the seconds to the next row
+and the number of Runge and Kutta's steps in them, then the readings of roll rate and roll.
+
+``values`` of a system are the factors of the terms, the five nonlinear coefficients, the standard
+deviations of the disturbances (one for each acceleration) and of the errors of readings, and the
+first state. The first covariance is zero, because the first state is a parameter: a record cannot
+tell a free first state and its covariance apart. ``extended_slopes`` defines the derivatives.
 """
 
 import math
@@ -45,8 +47,8 @@ from trainer.identify.kernels.extended_slopes import (
 from trainer.identify.kernels.kernel import kernel, lean
 from trainer.identify.kernels.ship_slopes import Accelerations, set_jacobian
 
-FIRST_INPUT_COLUMN: Final = 4  # the first column of them
-NEXT: Final = 1  # rows from one sample to the next
+# columns of a record's row, in the order of the module's docstring
+FIRST_INPUT_COLUMN: Final = 4
 STEP_COLUMN: Final = 8
 PARTS_COLUMN: Final = 9
 ROLL_COLUMN_OFFSET: Final = 6  # columns between the first four readings and those of roll
@@ -80,6 +82,7 @@ class FilterRoom(NamedTuple):
 @kernel
 def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
     """Return scratch for ``n`` states and ``count`` parameters."""
+    # without parameters the Jacobian needs slopes by u, v, r only (4), and the states values (1)
     wide, narrow = (SECOND_COLUMNS, FIRST_COLUMNS) if count > 0 else (4, 1)
     rows, places = rows_of(terms), 3 if n <= ROLL_PLACE else PLACE_COUNT
     return FilterRoom(
@@ -109,7 +112,7 @@ def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
 def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
     """Write the inputs ``part`` of the way from row ``k`` to the next."""
     for i in range(4):
-        now, then = record[k, FIRST_INPUT_COLUMN + i], record[k + NEXT, FIRST_INPUT_COLUMN + i]
+        now, then = record[k, FIRST_INPUT_COLUMN + i], record[k + 1, FIRST_INPUT_COLUMN + i]
         c[i] = now + part * (then - now)
 
 
@@ -119,6 +122,7 @@ def _spread(
 ) -> None:
     """Advance ``P`` by the transition and the disturbances; ``half`` becomes (P + T/2 R1) phi'."""
     n = states_of(driven)
+    # half the disturbance comes before the transition and half after: the trapezoidal rule
     for g in range(len(driven)):
         P[driven[g], driven[g]] += 0.5 * T * noise[g] * noise[g]
     for i in range(n):
@@ -130,7 +134,7 @@ def _spread(
     for i in range(n):
         for j in range(i + 1):
             total = 0.0
-            for k in range(n):
+            for k in range(n):  # the mean with its transpose keeps P symmetric in spite of rounding
                 total += 0.5 * (phi[i, k] * half[k, j] + phi[j, k] * half[k, i])
             P[i, j] = total
             P[j, i] = total
@@ -176,7 +180,10 @@ def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: 
 def _take_row(
     system: System, row: Numbers, estimate: Estimate, lines: ReadingSlopes, sums: FilterSums
 ) -> float:
-    """Return what a row's readings add to -log L, after taking them."""
+    """Return what a row's readings add to -log L, after taking them.
+
+    Readings are taken one by one, which is exact because their errors are independent.
+    """
     values, driven = system.values, system.driven
     states, axes = states_of(driven), len(driven)
     errors = system.terms.shape[0] + NONLINEAR_COUNT + axes
@@ -191,7 +198,7 @@ def _take_row(
             for j in range(lines.error.size):
                 lines.error[j] = -estimate.S[m, j]
                 lines.variance[j] = estimate.dP[m, m, j]
-            if first >= 0:
+            if first >= 0:  # there are parameters; d(s^2)/d(log s) = 2 s^2
                 lines.variance[first + axes + m] += 2.0 * variance
             square = error * error / s
             cost += 0.5 * (math.log(2.0 * math.pi * s) + square)
@@ -207,7 +214,7 @@ def _predict(system: System, record: Numbers, k: int, estimate: Estimate, room: 
     accelerations, matrices, driven = room.sloped, room.matrices, system.driven
     first = system.terms.shape[0] + NONLINEAR_COUNT
     noise, T, c = system.values[first:], record[k, STEP_COLUMN], room.inputs
-    set_inputs(record, k, 0.5, c)
+    set_inputs(record, k, 0.5, c)  # one Jacobian stands for the whole step: by its mean inputs
     set_rates(system, estimate.x, c, accelerations.table, accelerations.rates)
     set_jacobian(driven, accelerations.rates, matrices.A)
     if estimate.S.shape[1] > 0:
@@ -226,8 +233,9 @@ def filter_record(
 ) -> float:
     """Return -log L of a record, infinite where the filter loses the ship.
 
-    Innovations and their variances go to ``errors`` (rows, n, 2). ``gradient`` (q,) and the lower
-    half of ``information`` (q, q) gain theirs; q may be 0.
+    Writes innovations and their variances to ``errors`` (rows, n, 2). Adds the record's gradient to
+    ``gradient`` (q,) and the lower half of its information to ``information`` (q, q). With q = 0
+    the filter computes no derivatives.
     """
     count, n = gradient.size, states_of(system.driven)
     x = system.values[system.values.size - n :].copy()
@@ -241,6 +249,7 @@ def filter_record(
         if not is_ship(x):
             return math.inf
         if k + 1 < record.shape[0]:
+            # covariance first: its transition is linearised about the state before the step
             _predict(system, record, k, estimate, room)
             _advance(system, record, k, estimate, room)
             if not is_ship(x):
@@ -250,7 +259,10 @@ def filter_record(
 
 @kernel
 def sail_record(system: System, record: Numbers, out: Numbers) -> int:
-    """Write the states (rows, n) by inputs alone; return for how many rows."""
+    """Write the states (rows, n) by inputs alone.
+
+    Return in how many rows they are those of a ship under way.
+    """
     n = states_of(system.driven)
     x = system.values[system.values.size - n :].copy()
     estimate = Estimate(x, np.empty((n, n)), np.empty((n, 0)), np.empty((n, n, 0)))

@@ -1,7 +1,8 @@
 """Derivatives of an extended Kalman filter by its parameters, step by step of the filter.
 
-Parameters are the last, contiguous index, in this order: the free coefficients, the logarithms of
-the disturbances and of the errors of readings, the first state. There may be none of them.
+Parameters are the last index of each array, because loops over contiguous numbers are fast. Their
+order is: the free coefficients, the logarithms of the disturbances, the logarithms of the errors of
+readings, the first state. An index of length 0 means that no derivatives are wanted.
 """
 
 from typing import Final, NamedTuple
@@ -23,7 +24,7 @@ FREE: Final = 0  # column of the places of the free coefficients
 
 
 class Innovation(NamedTuple):
-    """What a reading is beyond its prediction."""
+    """A reading less its prediction, and the variance of this error."""
 
     error: float
     variance: float
@@ -75,7 +76,10 @@ def count_reading(
 
 @lean
 def _take(driven: DrivenPlaces, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
-    """Take one reading into state and covariance, its own column last."""
+    """Take one reading into state and covariance.
+
+    The reading's own column of ``P`` changes last, because all other entries are made from it.
+    """
     error, s = innovation.error, innovation.variance
     pivot = P[m, m]
     for i in range(states_of(driven)):
@@ -97,7 +101,8 @@ def take_slopes(
 ) -> None:
     """Take one reading into state, covariance and both derivatives.
 
-    ``lines`` has the derivatives of error and variance; its column is scratch.
+    ``lines`` has the derivatives of error and variance; its column is scratch. The derivatives are
+    taken before state and covariance, because they need those from before the reading.
     """
     error, s = innovation.error, innovation.variance
     P, S, dP = estimate.P, estimate.S, estimate.dP
@@ -121,7 +126,11 @@ def take_slopes(
 
 @lean
 def _bend(rates: Numbers, axis: int, i: int, k: int) -> float:
-    """Return the second derivative of an acceleration by two states."""
+    """Return the second derivative of an acceleration by two states.
+
+    The terms are linear in roll and roll rate: two of these give zero, and one of these with u, v
+    or r is found in the rows of the terms that roll multiplies. Heading acts on nothing.
+    """
     low, high = min(i, k), max(i, k)
     if high < 3:
         return float(rates[axis, second_place(low, high)])
@@ -195,7 +204,7 @@ def transition_slopes(
     for i in range(states_of(driven)):
         for k in range(states_of(driven)):
             H[i, k] = 1.0 if i == k else 0.0
-    for order in range(4, 0, -1):
+    for order in range(4, 0, -1):  # exp(A T) to the fourth order, as the state's steps are
         _horner(driven, T / order, room)
 
 
@@ -266,7 +275,7 @@ def rate_slopes(
                 out[driven[e], j] += rates[e, SLOPES + i] * S[i, j]
             for i in range(ROLL_RATE_PLACE, states_of(driven)):
                 out[driven[e], j] += rates[AXIS_COUNT * (i - 3) + e, VALUE] * S[i, j]
-    for i in range(3, states_of(driven), 2):
+    for i in range(3, states_of(driven), 2):  # heading and roll: each grows by the state before it
         for j in range(S.shape[1]):
             out[i, j] = S[i - 1, j]
     for j in range(free.shape[0] if S.shape[1] > 0 else 0):

@@ -1,8 +1,9 @@
 """The options with which every kernel of identification is compiled.
 
-They are those of the core, but these kernels may allocate. A fit is over whole records of any
-length; its kernels make their own scratch, and so count references. A lean kernel makes nothing and
-counts none. Nor does a part, whose machine code is put into that of its callers.
+There are three kinds. A ``kernel`` may allocate, unlike those of the core, because a fit is over
+whole records of any length and makes its own scratch; so it counts references. A ``lean`` kernel
+allocates nothing and counts no references, which is faster. A ``part`` is lean too, and the
+compiler puts its code into that of its callers.
 """
 
 from collections import namedtuple
@@ -30,7 +31,7 @@ def places(names: str) -> Any:
     return namedtuple("Places", fields)(*range(len(fields)))  # noqa: PYI024 its fields are data
 
 
-# parts of arrays, entry by entry: for a slice the compiler takes half a second
+# arrays are copied entry by entry, because for each slice the compiler takes half a second
 
 
 @part
@@ -50,6 +51,6 @@ def put_block(source: Entries, at: int, out: Entries) -> None:
 
 @part
 def clear_array(out: Entries) -> None:
-    """Write zeros."""
+    """Write zeros to all of ``out``."""
     for i in range(out.size):
         out.flat[i] = 0.0

@@ -1,8 +1,12 @@
 """The likelihood of a whole record, without what only its slopes need.
 
-Arrays are as in ``covariance_filter``. Readings are taken one by one, the last first. Each reading
-that is there counts by its error given those before it, and J becomes that of the rest given it.
-Only the lower half of J is there; the row of a reading that was taken stays as it was.
+Arrays are as in ``covariance_filter``. Readings are taken one by one, the last first, so that no
+matrix is inverted. Each reading that is present counts by its error given those already taken, and
+J becomes the covariance of the remaining rows given this reading. Only the lower half of J is kept,
+because J is symmetric; the row of a reading that was taken stays as it was.
+
+Once the covariance has settled the gain is constant. The filter is then a linear recursion, which
+``_run_settled`` computes for many samples at a time.
 """
 
 import math
@@ -20,8 +24,8 @@ from trainer.identify.kernels.covariance_filter import (
 )
 from trainer.identify.kernels.kernel import clear_array, kernel, lean, part, put_block, put_vector
 
-ABREAST_SAMPLES: Final = 64  # samples
-EIGENVALUE_SLACK: Final = 1e-9  # [-] of an eigenvalue
+ABREAST_SAMPLES: Final = 64  # samples that a settled filter takes at a time
+EIGENVALUE_SLACK: Final = 1e-9  # [-] below zero, that rounding may bring an eigenvalue
 LOG_DETERMINANTS, SQUARES, SAMPLES, READINGS = 0, 1, 2, 3  # places in the sums of a record
 
 
@@ -73,8 +77,8 @@ def _take(J: Numbers, place: int, error: float, v: Numbers) -> None:
 def _take_all(readings: Numbers, J: Numbers, v: Numbers, sums: Numbers) -> float:
     """Return the product of the variances of the readings that are there, after taking them.
 
-    ``sums`` gains their squares and their number. The result is not a number if a variance is not
-    positive.
+    Adds the squares of their standardised errors, and their number, to ``sums``. The result is not
+    a number if a variance is not positive.
     """
     product, count = 1.0, 0
     for back in range(readings.size):
@@ -107,8 +111,8 @@ def _advance(J: Numbers, v: Numbers, z: Numbers, P: Numbers) -> None:
 def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None:
     """Write the matrix of the settled filter.
 
-    Its rows are (x, error of unit variance), its columns (reading, u_old, u, 1, x); the first of
-    them are those of the table.
+    Its rows are (next x, error of unit variance), its columns (reading, u_old, u, 1, x). The first
+    columns are in the order of the table, so that rows of the table can be multiplied as they are.
     """
     rows, columns = mean.shape
     first = out.shape[1] - states
@@ -136,7 +140,7 @@ def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None
 def _turn_rows(table: Numbers, readings: int, out: Numbers) -> int:
     """Write rows of the table as columns of ``out``, up to the first that lacks a reading.
 
-    Return how many.
+    Return the number of rows written. As columns, samples lie side by side for the inner loops.
     """
     count = min(table.shape[0], out.shape[1])
     for k in range(count):
@@ -150,7 +154,7 @@ def _turn_rows(table: Numbers, readings: int, out: Numbers) -> int:
 
 @part
 def _drive(closed: Numbers, columns: Numbers, count: int, out: Numbers) -> None:
-    """Write what readings and inputs give to states and errors, ``count`` samples abreast."""
+    """Write the part of states and errors that readings and inputs make, for ``count`` samples."""
     width = columns.shape[0]
     for i in range(closed.shape[0]):
         for k in range(count):
@@ -163,7 +167,10 @@ def _drive(closed: Numbers, columns: Numbers, count: int, out: Numbers) -> None:
 
 @part
 def _run_states(closed: Numbers, first: int, z: Numbers, count: int, out: Numbers) -> None:
-    """Advance the states, one sample after the other; the first columns of errors have theirs."""
+    """Advance the states, one sample after the other, and complete the first sample's errors.
+
+    ``_add_squares`` completes the other errors, by the state before each, which ``out`` then has.
+    """
     states = closed.shape[1] - first
     for i in range(states, closed.shape[0]):
         for j in range(states):
@@ -201,8 +208,9 @@ def _run_settled(
 ) -> int:
     """Return how many samples the settled filter takes until a reading is missing.
 
-    ``sums`` gains the squares of their errors, and ``z`` moves on. Only the states wait for one
-    another; all else is computed ABREAST_SAMPLES, in rows of ``abreast``.
+    Adds the squares of their errors to ``sums``, and advances ``z``. A state needs the one before,
+    so states go one by one; all else is computed for ABREAST_SAMPLES at a time, which is faster.
+    ``abreast`` is scratch.
     """
     width, rows = table.shape[1], closed.shape[0]
     first = width + 1
@@ -245,6 +253,7 @@ def _filter(
         sums[LOG_DETERMINANTS] += determinant
         if math.isnan(determinant):
             return
+        # only with all readings is the covariance, and so the gain, that of the samples to come
         constant = sums[READINGS] - before == readings and has_settled(J, P)
         _advance(J, v, z, P)
         k += 1
@@ -282,8 +291,8 @@ def likelihood_sums(
 
 @part
 def _are_finite(numbers: Numbers) -> bool:
-    """Return whether zero times each number is zero: whether all are finite."""
-    total = 0.0
+    """Return whether all numbers are finite."""
+    total = 0.0  # zero times what is not finite is not zero: a sum without a branch
     for i in range(numbers.size):
         total += 0.0 * numbers.flat[i]
     return total == 0.0
@@ -291,9 +300,9 @@ def _are_finite(numbers: Numbers) -> bool:
 
 @part
 def _factor(P: Numbers, factor: Numbers) -> bool:
-    """Write the Cholesky factor of ``P``, its widths taken off, plus EIGENVALUE_SLACK.
+    """Write the Cholesky factor of ``P`` scaled to a unit diagonal, plus EIGENVALUE_SLACK.
 
-    Return whether it has one: whether no eigenvalue of that matrix is below -EIGENVALUE_SLACK.
+    Return whether the factor exists: then no eigenvalue of scaled ``P`` is below -EIGENVALUE_SLACK.
     """
     for i in range(P.shape[0]):
         for j in range(i + 1):

@@ -1,7 +1,8 @@
 """Steering with a bent spiral curve (MI 12).
 
-T1 T2 r'' + (T1 + T2) r' + K H(r) = K (delta + T3 delta'), H(r) = H1 r + H2 |r| r + H3 r^3. Numbers
-are complex, so that an imaginary step carries a derivative.
+T1 T2 r'' + (T1 + T2) r' + K H(r) = K (delta + T3 delta'), H(r) = H1 r + H2 |r| r + H3 r^3. The
+state z takes the place of r', so that delta is not differentiated. Numbers are complex, because an
+imaginary step carries a derivative.
 """
 
 from typing import Final
@@ -35,8 +36,8 @@ def run_bent(
 ) -> None:
     """Write (z, r, psi) at each sample (n, 3), by Runge and Kutta.
 
-    ``parts`` is the number of steps from sample to sample. ``rudder`` (n,) [rad] is held from each
-    sample to the next, ``step`` [s] later.
+    ``step`` [s] is the time from sample to sample, ``parts`` the number of steps of integration in
+    it. ``rudder`` (n,) [rad] is held from each sample to the next.
     """
     s, stage = start.copy(), np.empty(3, np.complex128)
     rate, slope = np.empty(3, np.complex128), np.empty(3, np.complex128)

@@ -1,13 +1,13 @@
 """A continuous linear system over one sampling interval, exactly.
 
 Equation numbers are those of the model document (MI): 7.1 matrices, 7.2 time lag, 7.3 noise, 7.4
-integrating measurements. Everything may be complex, so that an imaginary step of 1e-100 in one
-parameter carries its exact derivative through. Where all is real, the same source is compiled for
-real numbers.
+integrating measurements. Everything may be complex, because an imaginary step of 1e-100 in one
+parameter carries its exact derivative through. For real arrays the same source is compiled for real
+numbers, which are faster.
 
-A system with states x, inputs u and outputs y is one block matrix ``drift``, rows (x, y), columns
-(x, u, 1): [A B f; C D d]. Sampled it is ``mean``, columns (x, u of the last sample, u of this one,
-1). ``noise`` and ``covariance`` are the covariances of the same rows.
+A system with states x, inputs u and outputs y is one block matrix ``drift``: its rows are (x, y),
+its columns (x, u, 1): [A B f; C D d]. The sampled system is ``mean``; its columns are (x, u of the
+last sample, u of this one, 1). ``noise`` and ``covariance`` are the covariances of the same rows.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ OLD, NEW = 0, 1  # places in the time that each of two inputs acts
 
 
 class Room(NamedTuple):
-    """Scratch: rows of [A B f], then squares."""
+    """Scratch: the first four have the shape of [A B f], the others are square."""
 
     term: Entries
     product: Entries
@@ -43,7 +43,7 @@ class ContinuousBlocks(NamedTuple):
 
 
 class SampledBlocks(NamedTuple):
-    """The same, sampled."""
+    """Systems from sample to sample: for each parameter vector and each interval."""
 
     mean: Entries  # (b, m, x+y, x+2u+1)
     covariance: Entries  # (b, m, x+y, x+y)
@@ -85,7 +85,7 @@ def _mean_series(drift: Entries, h: complex, room: Room, mean: Entries) -> None:
             term[i, j] = drift[i, j] * h
             mean[i, j] = term[i, j]
         mean[i, i] += 1.0
-    for order in range(2, 17):
+    for order in range(2, 17):  # |A| h is at most 0.5: what is left is below 0.5^17/17! = 2e-20
         _times(drift, term, product)
         factor = h / order
         for i in range(rows):
@@ -105,7 +105,7 @@ def _noise_series(
         for j in range(rows):
             term[i, j] = noise[i, j] * h
             covariance[i, j] = term[i, j]
-    for order in range(2, 20):
+    for order in range(2, 20):  # each order has A from left and right: below 1/20! = 4e-19
         _times(drift, term, product)
         factor = h / order
         for i in range(rows):
@@ -147,9 +147,11 @@ def propagate_block(
 ) -> None:
     """Write [Phi Gamma] and the accumulated noise over ``h`` [s] (MI 7.1, 7.3).
 
-    Series over h / 2^n, doubled n times: nothing decays backwards, so no interval is too long.
+    A power series over the short time h / 2^n, doubled n times. The exponential of MI 7.3 has -A in
+    it, which grows without bound over a long interval; a doubling only goes forward in time.
     """
     doublings = 0
+    # up to 0.5 the series are exact to rounding; 60 doublings bound the loop
     largest = block_size(drift) * abs(h.real)
     while largest > 0.5 and doublings < 60:
         largest *= 0.5
@@ -163,7 +165,7 @@ def propagate_block(
 
 @part
 def _bound_lag(lag: complex, interval: float) -> complex:
-    """Return ``lag`` [s] within 0 and ``interval`` [s]."""
+    """Return ``lag`` [s] within 0 and ``interval`` [s], without a derivative at these limits."""
     if lag.real <= 0.0:
         return 0.0 * lag
     return lag if lag.real < interval else interval + 0.0 * lag
@@ -173,7 +175,7 @@ def _bound_lag(lag: complex, interval: float) -> complex:
 def _over(
     drift: Entries, noise: Entries, ends: Entries, room: Room, mean: Entries, covariance: Entries
 ) -> None:
-    """Write one interval whose inputs switch inside it (MI 7.2).
+    """Write the system over one interval, in which the new input takes over after the lag (MI 7.2).
 
     ``ends`` [s]: how long the old input acts, then how long the new one does.
     """
@@ -197,7 +199,7 @@ def _over(
 
 @part
 def _part_columns(source: Entries, states: int, by: int, out: Entries) -> None:
-    """Write ``source`` to ``out``, what is behind the states ``by`` columns further on."""
+    """Write ``source`` to ``out``, with the columns behind the states moved on by ``by``."""
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
             out[i, j if j < states else j + by] = source[i, j]
@@ -212,9 +214,9 @@ def sample_blocks(
 ) -> None:
     """Write the sampled systems, of which the first ``moving`` rows run over the interval.
 
-    MEAS 0 and 1, MI 4 and 7. ``intervals`` (m,) [s]; ``out`` has zeros before. Where the states
-    alone move, a reading sees the input of its own instant. Where the readings do too, their rows
-    are rates, and they are summed from zero.
+    ``intervals`` (m,) [s]; ``out`` must have zeros before. If only the states move (MEAS 0, MI 4),
+    a reading sees the input of its own instant. If the readings move too (MEAS 1, MI 7.4), their
+    rows of ``drift`` are rates, which are summed from zero over the interval.
     """
     drift, noise, lag = blocks.drift, blocks.noise, blocks.lag
     mean, covariance = out.mean, out.covariance

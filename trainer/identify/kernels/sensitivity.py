@@ -1,8 +1,10 @@
 """The slopes of the filter's errors and covariances by the parameters: gradient and information.
 
-MI 8.1. Parameters are the last, contiguous index. Each sample gives rows: the standardised
-derivatives of the error, and of its covariance. The sum of their inner products is the expected
-information; with the error and its square they make the gradient of -log L.
+MI 8.1. Parameters are the last index of each array, because loops over contiguous numbers are fast.
+Each sample gives rows: the standardised derivatives of the error and of its covariance. The inner
+products of these rows, summed, are the expected information; the rows with the error and its square
+make the gradient of -log L. The rows of covariance are the same for all samples of a stage: the
+samples in which the gain is constant.
 """
 
 import math
@@ -26,7 +28,8 @@ from trainer.identify.kernels.covariance_filter import (
 )
 from trainer.identify.kernels.kernel import clear_array, kernel, lean, part, put_block, put_vector
 
-SLOPE_TOLERANCE = 1e-20  # [-] square of the relative change of a derivative of P
+# [-] square of the relative change of a derivative of P, below which it is taken as constant
+SLOPE_TOLERANCE = 1e-20
 
 
 class SlopedState(NamedTuple):
@@ -92,7 +95,7 @@ def _root(J: Numbers, readings: int, out: Numbers) -> None:
 
 @part
 def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: Numbers) -> None:
-    """Write dW P + W dP / 2 to ``half`` (x+y, x, p)."""
+    """Write dW P + W dP / 2 to ``half`` (x+y, x, p): times W', plus its transpose, it is dJ."""
     rows, states, count = half.shape
     for i in range(rows):
         for j in range(states):
@@ -133,7 +136,7 @@ def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: 
 
 @part
 def _condition(room: ScoreRoom, dP: Numbers) -> float:
-    """Return the square of the change [-] of ``dP``, as it becomes that after the readings."""
+    """Advance ``dP`` past the readings; return the square of its largest relative change [-]."""
     states, count = dP.shape[0], dP.shape[2]
     J, dJ = room.J, room.dJ
     value, change, total = room.value, room.change, room.total
@@ -143,6 +146,7 @@ def _condition(room: ScoreRoom, dP: Numbers) -> float:
     for i in range(states):
         for j in range(i + 1):
             _entry(J, dJ, states, (i, j), value)
+            # entries are compared by their own variances, because their units differ
             weight = 1.0 / max(abs(J[i, i] * J[j, j]), 1e-300)
             for q in range(count):
                 moved = value[q] - dP[i, j, q]
@@ -178,7 +182,10 @@ def _gain_slopes(J: Numbers, dJ: Numbers, states: int, line: Numbers) -> None:
 
 @part
 def _find_used(slopes: Numbers, used: Mask) -> None:
-    """Write which entries of the systems' matrices (m, x+y, x+2u+1) any parameter changes."""
+    """Write which entries of the systems' matrices (m, x+y, x+2u+1) any parameter changes.
+
+    Most entries have no slope at all, and ``_mean_slopes`` saves time by leaving these out.
+    """
     for m in range(used.shape[0]):
         for i in range(used.shape[1]):
             for j in range(used.shape[2]):
@@ -255,7 +262,7 @@ def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbe
 def _close_stage(room: ScoreRoom, counted: int, rows: Numbers, slope: Numbers) -> None:
     """Write U dR U' sqrt(samples/2) of a stage to ``rows`` (y*y, p), its part to ``slope``.
 
-    The sum of U error error' U' over its samples is cleared.
+    Clears the sum of U error error' U' over the stage's samples, because the next stage begins.
     """
     U, dJ, products = room.U, room.dJ, room.products
     readings, count = U.shape[0], dJ.shape[2]
@@ -335,7 +342,8 @@ def score_rows(
 ) -> tuple[int, float]:
     """Return the number of stages and -log L less its constant; write rows and gradient.
 
-    0 if R is not positive definite. ``slopes`` are those of the ``system``, parameters last.
+    The number is 0 if R is not positive definite. ``slopes`` are those of the ``system``,
+    parameters last.
     """
     rows, columns = system.mean.shape[1:]
     states = system.start.shape[0]

@@ -1,10 +1,10 @@
 """Matrices of the ship models by their parameters (MI 5), many parameter vectors at once.
 
 Each kernel fills, for every row of ``theta``, the continuous blocks that ``sampling`` takes.
-``ship`` is [L, V, l1, l2, T, output, output, ...] in m, m/s and s, with outputs by the places
+``ship`` is [L, V, l1, l2, T, output, output, ...] in m, m/s and s; an output is one of the numbers
 below. Outputs are in knots, degrees and deg/s, the rudder in degrees, states in m/s, rad/s and rad.
-Angles stand for lag and correlations (sine), and magnitudes for variances, so that every real theta
-is allowed. An imaginary step goes through both.
+A lag and a correlation are the sine of their parameter, a variance is the magnitude of its own, so
+that every real theta is a model (MI 5). An imaginary step passes through sine and magnitude.
 """
 
 from typing import Final

@@ -34,13 +34,13 @@ def set_jacobian(driven: DrivenPlaces, rates: Numbers, A: Numbers) -> None:
             A[driven[e], i] = rates[e, SLOPES + i]
         for i in range(ROLL_RATE_PLACE, states_of(driven)):
             A[driven[e], i] = rates[AXIS_COUNT * (i - 3) + e, VALUE]
-    for i in range(3, states_of(driven), 2):
+    for i in range(3, states_of(driven), 2):  # heading and roll: each grows by the state before it
         A[i, i - 1] = 1.0
 
 
 @part
 def _factor_slopes(table: Numbers, place: int, row: int, units: Units, out: Numbers) -> None:
-    """Write what the factor of a term does, as ``coefficient_slopes``."""
+    """Write the derivatives of the accelerations by the factor of one term."""
     axis = place if place < 3 else place % AXIS_COUNT
     for i in range(4):
         out[axis, i] = in_units(table[row, i], place, units)

@@ -45,8 +45,8 @@ DERIVATIVE_NAMES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "N_delta")
 def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
     """Return gains and time constants [SI] of a model's parameters (n,), wind eliminated (3.3, 5).
 
-    What a model does not have is zero: sway with Models 3 and Nomoto's, yaw with Model 2.
-    ConfigError for a user's own system.
+    Numbers that a model does not have are zero: those of sway with Models 3 and Nomoto's, those of
+    yaw with Model 2. ConfigError for a user's own system.
     """
     if model.name not in _NOMOTO_BY_MODEL:
         raise ConfigError(f"model {model.name} is no ship with K and T")
@@ -125,7 +125,7 @@ def derivatives(model: Model, values: Numbers) -> Numbers:
 def quantities(plant: Plant, values: Numbers) -> Numbers:
     """Return derivatives, if the model has such, and the numbers of QUANTITY_UNITS [SI].
 
-    Of a user's own system, what it tells.
+    For a user's own system they are those of System.tell.
     """
     model = plant.model
     if model.system is not None:

@@ -2,7 +2,7 @@
 
 Model document, section 5. The rudder is in degrees and turns the ship to port when positive,
 outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad. Variances are
-taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
+taken by magnitude, correlations and the time lag by sine, so that every number gives a model.
 """
 
 from collections.abc import Callable, Iterable
@@ -57,8 +57,8 @@ class Parameter:
 class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
-    ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
-    ``system`` is a user's own one, which is no ship.
+    ``given`` are other numbers that stand for the first parameters: ``follow`` computes these
+    parameters from all of them. ``system`` is a user's own system, which is no ship.
     """
 
     name: str
@@ -80,7 +80,8 @@ class Model:
     def of_each_run(self) -> tuple[str, ...]:
         """Return the parameters that each of several runs has for itself.
 
-        They are the first state, and the steady forces of wind and residual helm.
+        They are the first state, and the steady forces of wind and residual helm, because ship and
+        instruments are the same in all runs but weather and start are not.
         """
         if self.system is not None:
             return tuple(self.system.only_in({"x0"}))
@@ -120,7 +121,11 @@ class Model:
         )
 
     def places(self, names: Iterable[str]) -> tuple[int, ...]:
-        """Return the places of ``names``, each once; those ``given`` stand for what follows."""
+        """Return the places of ``names``, each once.
+
+        The names of ``given`` stand for the first parameters, which follow from them, and only if
+        all of them are named.
+        """
         unique_names = list(dict.fromkeys(names))
         inside = [name for name in self.given if name in unique_names]
         if inside and len(inside) < len(self.given):

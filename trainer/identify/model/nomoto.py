@@ -88,7 +88,8 @@ def transfer(A: Numbers, b: Numbers) -> Transfer:
 def time_constants(a1: float, a2: float) -> tuple[complex, complex]:
     """Return T1 and T2 of s^2 + a1 s + a2 (3.3). T1 is from the right-most root.
 
-    The root without cancellation is taken first, the other from the product.
+    The root whose sum does not cancel is computed first, and the other one from the product,
+    because a difference of nearly equal numbers would lose digits.
     """
     half = 0.5 * a1
     inside = half * half - a2

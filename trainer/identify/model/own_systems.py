@@ -31,10 +31,10 @@ TUPLE_ORDER: Final = ("A", "B", "C", "D", "R1", "R2", "x0", "P0")  # of a functi
 MATRIX_NAMES: Final = (*TUPLE_ORDER, "f", "d", "R12", "K")
 NOISE_MATRICES: Final = {"R1", "R2", "R12", "P0"}
 MAX_DIMENSION: Final = 20  # states, inputs, outputs
-MAX_STRAY_IMAGINARY: Final = (
-    1e-50  # beyond which an imaginary part is none: a root of a negative number
-)
-SLOPE_TOLERANCE: Final = 1e-4  # [-] of the largest slope, that a program's own slopes must agree to
+# Derivatives are imaginary parts of the order of COMPLEX_STEP = 1e-100. A larger one than this is
+# no derivative but the root of a negative number.
+MAX_STRAY_IMAGINARY: Final = 1e-50
+SLOPE_TOLERANCE: Final = 1e-4  # [-] of slopes by an imaginary step against those by differences
 EMPTY_MATRIX: Final[Numbers] = np.zeros((0, 0))
 
 
@@ -57,12 +57,15 @@ class System:
     how: str  # of derivatives
 
     def only_in(self, matrices: set[str]) -> tuple[str, ...]:
-        """Return the parameters that nothing beside these matrices depends on."""
+        """Return the parameters that act on some of these matrices and on no other."""
         return tuple(name for name, found in self.touched.items() if found and found <= matrices)
 
     @cached_property
     def pairs(self) -> tuple[tuple[str, str], ...]:
-        """Return first state and its variance, where each is a parameter alone."""
+        """Return first state and its variance, where each is one parameter and nothing else.
+
+        One record cannot tell both of a pair, so a fit refuses to estimate both.
+        """
         matrices, names = self.matrices(step_aside(self.starts)), list(self.touched)
         pairs = []
         for i in range(self.states):
@@ -89,16 +92,15 @@ class System:
         x, u = self.states, self.states + len(self.inputs)
         bounded = [i for i, one in enumerate(self.parameters) if one.kind != "free"]
         theta = theta.copy()
+        # a variance counts by its magnitude, so that a search may step below zero
         theta[:, bounded] = np.where(
             theta[:, bounded].real < 0.0, -theta[:, bounded], theta[:, bounded]
         )
         matrices = self.matrices(theta)
-        for (
-            key,
-            one,
-        ) in matrices.items():  # an imaginary part beyond MAX_STRAY_IMAGINARY is no derivative
-            if np.iscomplexobj(one):
-                matrices[key] = np.where(np.abs(one.imag) > MAX_STRAY_IMAGINARY, math.nan, one)
+        for key, matrix in matrices.items():
+            if np.iscomplexobj(matrix):
+                stray = np.abs(matrix.imag) > MAX_STRAY_IMAGINARY
+                matrices[key] = np.where(stray, math.nan, matrix)
         places = {
             "A": (drift, slice(x), slice(x)),
             "B": (drift, slice(x), slice(x, u)),
@@ -121,7 +123,7 @@ class System:
 
     @cached_property
     def quantities(self) -> dict[str, str]:
-        """Return what ``tell`` tells, and units."""
+        """Return the names of what ``tell`` computes, and units."""
         units = {"1/T1": "1/s"}
         for i in range(1, 1 + self.states):
             units |= {f"T{i}": "s", f"period {i}": "s"}
@@ -132,12 +134,14 @@ class System:
     def tell(self, plant: Plant, values: Numbers) -> Numbers:
         """Return -Re of the slowest root, T and period of each, and steady gains.
 
-        The period is 0 of a root that is one with the one before.
+        A real root has period 0. A complex pair has T and period at its first root; both are 0 at
+        its second.
         """
         drift, x = np.nan_to_num(plant.blocks(values[None]).drift[0]), self.states
         A, B, C, D = drift[:x, :x], drift[:x, x:-1], drift[x:, :x], drift[x:, x:-1]
         roots = np.linalg.eigvals(A)
         if self.discrete:
+            # roots of one step become those of continuous time; A - I has the same steady gains
             with np.errstate(all="ignore"):
                 roots, A = np.log(roots + 0j) / plant.period, A - np.eye(x)
         roots = roots[np.lexsort((-roots.imag, -roots.real))]
@@ -200,7 +204,7 @@ def load_program(path: Path) -> System:
 
 
 def _failed(error: Exception, path: Path) -> str:
-    """Return in a line where in a program what went wrong."""
+    """Return in one line what went wrong in a program, and where."""
     line, trace = 0, error.__traceback__
     while trace is not None:
         if trace.tb_frame.f_code.co_filename == str(path):
@@ -211,7 +215,7 @@ def _failed(error: Exception, path: Path) -> str:
 
 
 class _ReturnedError(ValueError):
-    """What a function returned is no set of matrices."""
+    """The value that a function returned is no set of matrices."""
 
 
 class _FunctionMatrices:
@@ -223,7 +227,11 @@ class _FunctionMatrices:
         self._theta = namedtuple("theta", names)  # type: ignore[misc]  # noqa: PYI024
 
     def __call__(self, theta: Entries) -> Matrices:
-        """Return the matrices of each row; not a number where the function fails on numbers."""
+        """Return the matrices of each row of parameters.
+
+        They are NaN in a row for which the function fails on the numbers, so that a search turns
+        back.
+        """
         rows = [self._row(row) for row in theta]
         known = {key: value.shape for row in rows for key, value in row.items()}
         nothing = {key: np.full(shape, math.nan) for key, shape in known.items()}
@@ -254,16 +262,16 @@ def _as_matrix(name: str, value: Any) -> Entries:
         matrix = np.asarray(value)
     except ValueError:
         matrix = np.asarray(None)
-    if matrix.dtype.kind not in "iufc" or matrix.ndim > 2:
+    if matrix.dtype.kind not in "iufc" or matrix.ndim > 2:  # i, u, f, c: kinds of numbers
         raise _ReturnedError(f"{name} is not made of rows of numbers")
     return matrix[:, None] if matrix.ndim == 1 else np.atleast_2d(matrix)
 
 
 def _stepped(function: _FunctionMatrices, start: Numbers) -> tuple[Function, str]:
-    """Return the function with exact derivatives, and how they are had.
+    """Return the function with derivatives, and how they are computed.
 
-    An imaginary step goes through most programs. One that loses it (abs, max, math.sin, float) is
-    seen beside differences, and these are taken instead.
+    An imaginary step goes through most programs, and is exact. A program that loses it (by abs,
+    max, math.sin or float) gives other slopes than differences do; then differences are used.
     """
     plain = _by_differences(function, step_aside(start))
     try:
@@ -294,6 +302,7 @@ def _by_differences(function: _FunctionMatrices, theta: Entries) -> Matrices:
         return matrices
     matrices = {key: one.astype(complex) for key, one in matrices.items()}
     for row, place in zip(*np.nonzero(theta.imag), strict=True):
+        # about the cube root of rounding: best for central differences
         step = 6e-6 * max(abs(theta[row, place].real), 1e-3)
         beside = np.tile(theta[row].real, (2, 1))
         beside[:, place] += (step, -step)
@@ -342,7 +351,8 @@ def _is_covariance(matrix: Numbers) -> bool:
 def with_kinds(system: System) -> System:
     """Return the system with what depends on each parameter, and variances known as such.
 
-    A parameter that is a variance all alone is bounded; one in R2 is an error of readings.
+    A parameter that is an entry on the diagonal of a covariance, and no other part of it, is a
+    variance and is bounded; one in R2 is an error of readings.
     """
     start = system.starts
     touched: dict[str, set[str]] = {one.name: set() for one in system.parameters}
@@ -357,6 +367,7 @@ def with_kinds(system: System) -> System:
         for value in np.diagonal(at_start.get(key, EMPTY_MATRIX[None]), axis1=1, axis2=2).T:
             slopes = value[1:].imag / COMPLEX_STEP
             places = np.flatnonzero(slopes)
+            # slope 1, and the parameter's own value: the entry is the parameter
             alone = len(places) == 1 and abs(slopes[places[0]] - 1.0) < 1e-6
             if alone and value[0].real == start[places[0]]:
                 kinds[int(places[0])] = "error" if key == "R2" else "variance"

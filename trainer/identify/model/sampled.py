@@ -23,7 +23,7 @@ VECTOR_LANES: Final = 4  # numbers that a processor takes at a time
 
 
 def step_aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
-    """Return ``theta`` (n,) above rows a step aside, one for each (free) place."""
+    """Return ``theta`` (n,), then rows with an imaginary step at one (free) place each."""
     places = np.arange(len(theta)) if free is None else np.array(free, int)
     rows = np.tile(theta.astype(complex), (1 + len(places), 1))
     rows[np.arange(1, 1 + len(places)), places] += 1j * COMPLEX_STEP
@@ -50,7 +50,10 @@ class SampledSystems:
         return SampledSystem(mean, noise, start)
 
     def as_complex(self) -> "SampledSystems":
-        """Return the same numbers, complex: kernels of predictors take no others."""
+        """Return the same numbers as complex ones.
+
+        Kernels of predictors are compiled for these alone.
+        """
         parts = (self.mean, self.noise, self.start, self.gain)
         return SampledSystems(
             *(None if x is None else x.astype(complex, copy=False) for x in parts)  # type: ignore[arg-type]
@@ -59,7 +62,8 @@ class SampledSystems:
     def slopes(self) -> SampledSystem:
         """Return the derivatives of mean, noise and start, parameters last, from rows 1 on.
 
-        Zeros fill up to a whole number of VECTOR_LANES: loops over parameters then have no rest.
+        Zeros fill them up to a whole number of VECTOR_LANES, so that a processor's loops over
+        parameters leave no remainder, which would be slow.
         """
         parts = (self.mean[1:], self.noise[1:], self.start[1:])
         mean, noise, start = (

@@ -68,7 +68,7 @@ class SteeringModel:
 def find_steering(
     file: VesselFile, speed: float, means: MeanMotions = STEADY_MOTIONS
 ) -> SteeringModel:
-    """Return the steering of a boat at ``speed`` [m/s], ``means`` averaged in. Roll is left out."""
+    """Return the steering of a boat at ``speed`` [m/s], quadratic terms averaged by ``means``."""
     linear = horizontal_system(file, speed, means)
     places = [HORIZONTAL_STATES.index(name) for name in STEERED_STATES]
     pick = np.ix_(places, places)

@@ -1,8 +1,9 @@
 """Systems in TOML files, their matrices made of expressions of parameters.
 
-An expression is read as a tree of numbers, names, + - * / ** and a few functions; anything else is
-refused, and nothing is ever run as a program. Values may be complex: an imaginary step is a
-derivative. A Python file is a program, and is run when it is loaded.
+An expression is read as a tree of numbers, names, + - * / ** and a few functions. Anything else is
+refused and nothing is run as a program, because a file may come from anybody. Values may be
+complex: an imaginary step carries a derivative. A Python file is a program, and is run when it is
+loaded.
 """
 
 import ast
@@ -47,6 +48,7 @@ Row = tuple[object, ...]  # of a matrix
 Value = Any  # a number, or an array of them
 Expression = Callable[[Mapping[str, Value]], Value]
 
+# A file may come from anybody: the limits bound the work of an expression.
 MAX_EXPRESSION_LETTERS: Final = 200  # characters
 MAX_EXPRESSION_DEPTH: Final = 30  # signs within signs
 NAMED_CONSTANTS: Final = {"pi": math.pi}
@@ -54,7 +56,7 @@ OPERATOR_BY_SIGN: Final[Mapping[type, Callable[..., Value]]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
-    ast.Div: np.divide,
+    ast.Div: np.divide,  # numpy's, because they give infinity or NaN where Python's would raise
     ast.Pow: np.power,
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
@@ -95,7 +97,7 @@ def parse_expression(text: str, names: tuple[str, ...]) -> Expression:
 
 
 def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
-    """Return what computes one node of the tree."""
+    """Return a function that computes one node of the tree from the parameters' values."""
     if depth > MAX_EXPRESSION_DEPTH:
         raise ConfigError(f"expression: {MAX_EXPRESSION_DEPTH} signs within one another at most")
     if isinstance(node, ast.Constant):
@@ -103,7 +105,7 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
             raise ConfigError(f"{quote(node.value)}: is no number; there may be {ALLOWED_TEXT}")
         try:
             value = float(node.value)
-        except OverflowError:
+        except OverflowError:  # an integer of more than 308 digits
             value = math.inf
         if not math.isfinite(value):
             raise ConfigError("expression: a number is too large")
@@ -122,7 +124,7 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
 
 
 def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
-    """Return what a sign or a function does, and of what; ConfigError for anything else."""
+    """Return the function of a sign or name, and its operands; ConfigError for anything else."""
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATOR_BY_SIGN:
         return OPERATOR_BY_SIGN[type(node.op)], [node.left, node.right]
     if isinstance(node, ast.UnaryOp) and type(node.op) in OPERATOR_BY_SIGN:
@@ -177,7 +179,7 @@ SYSTEM_PARAMETERS: Final = Rows(SystemParameter, ("note",), 1, 60, "parameters, 
 
 @dataclass(frozen=True, kw_only=True)
 class SystemFile:
-    """A system in matrices."""
+    """A system of a TOML file, in matrices."""
 
     schema: str = required(Choice(("system/1",), "form of the file"))
     name: str = required(Text(79, "what it is"))
@@ -243,7 +245,7 @@ def _load_file(path: Path) -> System:
         held=tuple(row.name for row in rows if row.free is False),
         states=len(file.A),
         matrices=_FileMatrices(names, parsed),
-        touched={},
+        touched={},  # load_system fills it in
         how="",
     )
 
@@ -267,7 +269,7 @@ class _FileMatrices:
     def __call__(self, theta: Entries) -> Matrices:
         """Return the matrices of each row of parameters."""
         values, matrices = dict(zip(self.names, theta.T, strict=True)), {}
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"):  # a search may try impossible values: they give NaN
             for name, rows in self.entries.items():
                 out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
                 for i, row in enumerate(rows):

@@ -43,7 +43,7 @@ def report_of(sailed: ShipTrack, *, smooth: bool) -> DeccaReport:
 
 
 def render(report: DeccaReport) -> str:
-    """Return the report as text: at most MAX_ROWS_SHOWN rows of the track, evenly taken."""
+    """Return the report as text: at most MAX_ROWS_SHOWN rows of the track, evenly spaced."""
     numbers = zip(report.east_m, report.north_m, report.sway_m_s, report.ahead_m_s, strict=True)
     rows = [
         (

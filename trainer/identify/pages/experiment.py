@@ -13,6 +13,7 @@ from trainer.identify.experiment import (
     HelmOptions,
     exercise_text,
     fly_trial,
+    measure_zigzag,
     remarks,
     schedule_orders,
     suggest_bits,
@@ -20,7 +21,6 @@ from trainer.identify.experiment import (
     suggest_interval,
     zigzag_flight,
     zigzag_orders,
-    zigzag_told,
 )
 from trainer.identify.judge.design import Prospect, prospect
 from trainer.identify.model.derived import QUANTITY_UNITS
@@ -81,7 +81,7 @@ class ExperimentDesign:
 def design_experiment(file: VesselFile, options: ExperimentOptions) -> ExperimentDesign:
     """Return the experiment that is asked for.
 
-    ConfigError if the boat cannot fly it or it would tell nothing.
+    ConfigError if the boat cannot fly it, or a record of it would not determine the ship.
     """
     speed_kn = options.speed_kn or file.run.start_speed_kn
     speed, step = speed_kn * KNOT, file.run.step_s
@@ -121,7 +121,7 @@ def _largest(values: Any) -> float:
 
 
 def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
-    """Return kind, orders, duration [s] and what is told of a binary sequence."""
+    """Return kind, orders, duration [s] and lines of text of a binary sequence."""
     hold = options.hold or suggest_hold(ship, interval)
     sequence = BinarySequence(
         bits=options.bits or suggest_bits(ship, hold),
@@ -137,14 +137,14 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
 
 
 def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: float) -> Any:
-    """Return kind, orders, duration [s] and what is told of a zig-zag of ``most`` seconds."""
+    """Return kind, orders, duration [s] and lines of text of a zig-zag of ``most`` seconds."""
     helm, execute = angles
     flight = zigzag_flight(file, speed, angles, most)
     orders = zigzag_orders(flight, helm)
     report_fields = {
         "settings": {"helm_deg": helm, "execute_deg": execute},
         "remarks": (f"the ship reaches {execute:g} deg only in a calm at just these times",),
-        **zigzag_told(flight, execute),
+        **measure_zigzag(flight, execute),
     }
     return "zig-zag", orders, orders[-1][0] + LEAD_TIME_S, report_fields
 

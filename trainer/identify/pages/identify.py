@@ -161,7 +161,7 @@ def _ship_table(report: IdentifyReport) -> list[str]:
 
 
 def _derivative_table(report: IdentifyReport) -> list[str]:
-    """Return the derivatives, the deviation being of the system that was fitted."""
+    """Return the derivatives; deviations are of the system that was fitted."""
     rows = [
         (
             one.name,
@@ -269,7 +269,10 @@ def screens(identified: Identification) -> tuple[Screen, ...]:
 
 
 def _record(identified: Identification, number: int = 0) -> Iterator[Panel]:
-    """Yield what acts in a run, and outputs with predictions and, of the first run, bands."""
+    """Yield the inputs of a run, then outputs with predictions.
+
+    The first run has the bands of the allowed ships too.
+    """
     fitted, report = identified.fitted, identified.report
     problem, at = fitted.problem.runs[number]
     run = errors_of(fitted, number) if number else identified.run
@@ -292,13 +295,13 @@ def _record(identified: Identification, number: int = 0) -> Iterator[Panel]:
 
 
 def _edges(band: ShipBand, output: int) -> tuple[Curve, ...]:
-    """Return what 95 % of the ships stay between."""
+    """Return the two edges of a band, between which 95 % of the ships stay."""
     low, high = (edge[:, output] for edge in (band.low, band.high))
     return (Curve("allowed, lowest", band.t, low), Curve("allowed, highest", band.t, high))
 
 
 def _responses(identified: Identification, title: str, shape: Numbers) -> Iterator[Panel]:
-    """Yield the answers of all ships allowed to a rudder, or to each input by itself."""
+    """Yield the responses of all allowed ships to a rudder, or to each input."""
     others, report = identified.others, identified.report
     lost = f" ({others.lost:.0%} of the draws are no model)" if others.lost else ""
     for k, name in enumerate(report.inputs):
@@ -314,9 +317,10 @@ def _responses(identified: Identification, title: str, shape: Numbers) -> Iterat
 
 
 def _bode(identified: Identification) -> Iterator[Panel]:
-    """Yield gain and phase of each output by a rudder to starboard, from end to end of the record.
+    """Yield gain and phase of each output by a rudder to starboard.
 
-    From one period of its length to two samples a period.
+    They go from one period of the record's length to two samples a period, which is all that the
+    record can show.
     """
     if identified.report.length_m is None:
         return
@@ -394,7 +398,7 @@ def sheet(found: Identification) -> str:
 
 
 def _directions(directions: tuple[Direction, ...]) -> Markup:
-    """Return the eigenvalues of the second derivatives and what each is made of."""
+    """Return the eigenvalues of the second derivatives, and the parameters of each direction."""
     rows = []
     for one in directions:
         order = sorted(one.parts.items(), key=lambda part: -abs(part[1]))

@@ -87,7 +87,7 @@ def _run(seen: StudyRecord) -> RecordSummary:
 
 
 def _panels(record: Record) -> Iterator[Panel]:
-    """Yield each column over time, what acts as it is held."""
+    """Yield each column over time; inputs are drawn as steps."""
     for name, unit, values in _columns(record):
         acts = name == "rudder" or name in record.driving
         t = np.repeat(record.t, 2)[1:] if acts else record.t

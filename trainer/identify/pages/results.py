@@ -49,7 +49,8 @@ SHOWN_LAGS: Final = 10
 class Estimate:
     """One number, its standard deviation and its 95 % interval.
 
-    None where the record does not tell. Where the two differ the interval is right.
+    They are None where the record does not determine the number. Where the two disagree the
+    interval is right: see judge.uncertainty.intervals.
     """
 
     name: str
@@ -61,12 +62,16 @@ class Estimate:
 
 
 class ShipNumber(Estimate):
-    """A gain or time constant, its interval by draws: it bends with the parameters."""
+    """A gain or time constant, with an interval by draws.
+
+    The deviation is by derivatives; the number is not linear in the parameters, and draws are right
+    then too.
+    """
 
 
 @dataclass(frozen=True)
 class MonteCarlo:
-    """Ships drawn from what the record leaves open (8.5)."""
+    """Ships drawn from the uncertainty that the record leaves (8.5)."""
 
     draws: int
     paired: float  # [-] share whose T1 and T2 are a complex pair
@@ -74,7 +79,7 @@ class MonteCarlo:
 
 @dataclass(frozen=True)
 class Derivative:
-    """A derivative in the study's system, and in the other where the mass is known."""
+    """A derivative in the study's system, and in the other if mass is known."""
 
     name: str
     prime: float | None
@@ -159,8 +164,8 @@ class IdentifyReport:
 class Identification:
     """A study carried out: the fit, its results, and the ships that the record allows.
 
-    ``run`` is the predictor's over the record, ``terms`` by sample, ``turned`` the record or the
-    turns that kappa or H(r) is of.
+    ``run`` is the predictor's run over the record and ``terms`` the terms of the equations by
+    sample. ``turned`` is the record or the turns from which kappa or H(r) was found.
     """
 
     fitted: ModelFit
@@ -174,7 +179,7 @@ class Identification:
 def carry_out(
     study: Study, options: IdentifyOptions, heard: Callable[[int, float], None]
 ) -> Identification:
-    """Return the fit of a study and its report; ConfigError for what cannot be."""
+    """Return the fit of a study and its report; ConfigError if it cannot be fitted."""
     curves = {"kappa": options.kappa, "bech": options.bech, "spiral": options.spiral}
     bends = [(kind, path) for kind, path in curves.items() if path is not None]
     if len(bends) > 1:
@@ -226,7 +231,7 @@ def describe_fit(fitted: ModelFit, findings: tuple[str, ...] = ()) -> Identifica
 def report_of(
     fitted: ModelFit, findings: tuple[str, ...], others: AllowedShips, run: PredictionRun
 ) -> IdentifyReport:
-    """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
+    """Return the report of a fit. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     records = (fitted.record, *fitted.others)
     residuals, system = _residuals(fitted, run), plant.model.system
@@ -312,7 +317,7 @@ def _parameters(fitted: ModelFit) -> tuple[Estimate, ...]:
 
 def _ship(fitted: ModelFit, others: AllowedShips) -> tuple[ShipNumber, ...]:
     """Return gains and time constants that the model has, SI."""
-    names, spread = fitted.quantity_names, fitted.told
+    names, spread = fitted.quantity_names, fitted.quantity_spread
     rows = zip(names, spread.values, spread.deviations, *others.spans, strict=True)
     units = quantity_units(fitted.problem.plant.model)
     return tuple(
@@ -331,7 +336,8 @@ def _derivatives(fitted: ModelFit) -> tuple[Derivative, ...]:
     elif ship is not None and ship.vessel is not None:
         file = load_vessel(ship.vessel)
         mass = 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
-    rows = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
+    spread = fitted.quantity_spread
+    rows = zip(fitted.quantity_names, spread.values, spread.deviations, strict=True)
     derivatives = []
     for name, value, deviation in rows:
         if name not in DERIVATIVE_NAMES:
@@ -344,7 +350,7 @@ def _derivatives(fitted: ModelFit) -> tuple[Derivative, ...]:
 
 
 def _doubts(fitted: ModelFit, others: AllowedShips) -> list[str]:
-    """Return what must not be taken at its word."""
+    """Return warnings: results that must not be trusted as they stand."""
     doubts = []
     if isinstance(fitted.cost, MultiStep):
         doubts.append(
@@ -366,8 +372,8 @@ def _doubts(fitted: ModelFit, others: AllowedShips) -> list[str]:
 
 def _stability(fitted: ModelFit) -> str:
     """Return in words whether the ship keeps a straight course, and how surely."""
-    place = fitted.quantity_names.index("1/T1")
-    value, deviation = float(fitted.told.values[place]), float(fitted.told.deviations[place])
+    place, spread = fitted.quantity_names.index("1/T1"), fitted.quantity_spread
+    value, deviation = float(spread.values[place]), float(spread.deviations[place])
     word = "stable" if value > 0.0 else "unstable"
     if not math.isfinite(deviation) or deviation == 0.0:
         return f"{word}: 1/T1 = {value:.4g} 1/s"
@@ -377,7 +383,7 @@ def _stability(fitted: ModelFit) -> str:
 
 
 def _directions(fitted: ModelFit) -> tuple[Direction, ...]:
-    """Return the eigenvalues of the scaled second derivatives with what each is made of."""
+    """Return the eigenvalues of the scaled second derivatives, with each direction's parameters."""
     known = fitted.known
     directions = []
     for value, direction in zip(known.eigenvalues, known.directions.T, strict=True):
@@ -389,9 +395,10 @@ def _directions(fitted: ModelFit) -> tuple[Direction, ...]:
 
 
 def _residuals(fitted: ModelFit, run: PredictionRun) -> tuple[Residuals, ...]:
-    """Return the examination of each output's residuals, as far as there are enough.
+    """Return the examination of each output's residuals, if there are enough.
 
-    Those of several runs follow each other, with a gap as long as the lags.
+    Those of several runs follow each other, with a gap as long as the lags, so that no pair has
+    samples of two runs.
     """
     standard, acting = [run.standardised], [_first_input(fitted.problem)]
     for number, (problem, _) in list(enumerate(fitted.problem.runs))[1:]:
@@ -410,6 +417,6 @@ def _residuals(fitted: ModelFit, run: PredictionRun) -> tuple[Residuals, ...]:
 
 
 def _first_input(problem: Problem) -> Numbers:
-    """Return what acts (n,), the first of several; zeros where nothing does."""
+    """Return the first input (n,), or zeros if there is none."""
     inputs = problem.samples.inputs
     return inputs[:, 0] if inputs.shape[1] else np.zeros(len(inputs))

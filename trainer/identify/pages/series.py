@@ -81,7 +81,8 @@ class Term:
 def terms_of(fitted: ModelFit, states: Numbers) -> Series:
     """Return the terms of sway and yaw (n,) from the filter's ``states`` (n, x).
 
-    Of Model 1 forces and moments in its system, by derivative; of others accelerations, SI.
+    Those of Model 1 are forces and moments in its system, by derivative. Those of other models are
+    accelerations, SI.
     """
     problem, model = fitted.problem, fitted.problem.plant.model
     if model.system is not None:
@@ -113,7 +114,8 @@ def terms_of(fitted: ModelFit, states: Numbers) -> Series:
 def bent_terms(bend: BendEstimate, record: Record) -> Series:
     """Return the terms of the steady turn (12.3) over a large manoeuvre (n,), deg/s.
 
-    K delta turns the ship; the others hold it back, or on. Nothing for turns of a spiral.
+    K delta turns the ship, the other terms resist or help. A spiral has no terms, because its turns
+    are not samples in time.
     """
     if bend.rate_0 is None:
         return {}
@@ -141,9 +143,10 @@ def sizes_of(series: Series) -> tuple[Term, ...]:
 def series_of(fitted: ModelFit, number: int = 0) -> dict[str, Numbers]:
     """Return the columns of a run, a number for each sample or NaN.
 
-    Time [s], rudder [deg]; of each output the reading, the model by rudder alone, its error, the
-    prediction one step ahead and the residual, in the model's units; the states that are predicted,
-    SI; the terms; and why a sample does not count, a place in REASONS.
+    First time [s] and rudder [deg]. Then of each output: the reading, the model by rudder alone,
+    its error, the prediction one step ahead and the residual, in the model's units. Then the
+    predicted states, SI, and the terms. Last the reason why a sample does not count, a place in
+    REASONS.
     """
     (problem, at), run = fitted.problem.runs[number], errors_of(fitted, number)
     samples, model = problem.samples, predict_alone(problem, fitted.found.theta[at])
@@ -180,8 +183,8 @@ def write_series(fitted: ModelFit, path: Path) -> None:
 class Matrices:
     """The matrices of a fit (MI 4, 6.1): continuous, and sampled at the usual interval.
 
-    Their names are the document's; ``b`` and ``d`` are of the input that is always 1, ``G0`` of the
-    rudder before, which acts during the lag.
+    Their names are those of the model document. ``b`` and ``d`` belong to the input that is always
+    1, ``G0`` to the rudder of the sample before, which acts during the lag.
     """
 
     of: str  # "start values" or "estimate"
@@ -209,9 +212,10 @@ def _matrices(fitted: ModelFit, name: str, theta: Numbers) -> Matrices:
     continuous = _parts(system, n, {"A": n, "B": inputs, "b": 1}, {"C": n, "D": inputs, "d": 1})
     mean, spread, start = problem.sampled(theta).at(0)
     steps, which = problem.samples.steps
-    usual = int(np.bincount(which).argmax())
+    usual = int(np.bincount(which).argmax())  # of several intervals the most frequent one
     heads = ({"Phi": n, "G0": inputs, "G": inputs, "g": 1}, {"C": n, "D0": inputs, "D": inputs})
     sampled = _parts(mean[usual], n, heads[0], {**heads[1], "d": 1})
+    # "" is R12', which is not shown again; -1 is all the rest
     sampled |= _parts(spread[usual], n, {"R1": n, "R12": len(outputs)}, {"": n, "R2": -1})
     return Matrices(
         of=name,
@@ -232,7 +236,7 @@ def _matrices(fitted: ModelFit, name: str, theta: Numbers) -> Matrices:
 def _parts(
     matrix: Numbers, split: int, above: dict[str, int], below: dict[str, int]
 ) -> dict[str, Any]:
-    """Return the named parts of a matrix by their widths, above and below a row."""
+    """Return named parts of a matrix, by their widths, above the row ``split`` and below it."""
     parts = {}
     for rows, widths in ((matrix[:split], above), (matrix[split:], below)):
         at = 0

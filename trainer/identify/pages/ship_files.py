@@ -35,7 +35,7 @@ def nomoto_ship(fitted: ModelFit) -> tuple[NomotoFile, dict[str, float]]:
         raise ConfigError("a pair of complex roots has no T1 and T2: write the vessel file instead")
     if not form.K:
         raise ConfigError(f"model {model.name} tells nothing of yaw: no Nomoto ship from it")
-    known = dict(zip(fitted.quantity_names, fitted.told.deviations, strict=True))
+    known = dict(zip(fitted.quantity_names, fitted.quantity_spread.deviations, strict=True))
     rudder = (USUAL_LIMIT_DEG, USUAL_RATE_DEG_S)
     vessel = fitted.study.ship.vessel if fitted.study.ship else None
     if vessel:
@@ -104,7 +104,8 @@ def vessel_text(fitted: ModelFit) -> str:
 def averages(record: Record) -> MeanMotions:
     """Return the mean |v| [m/s] and |r| [rad/s] for a record's quadratic terms.
 
-    E|x|^3/E x^2, by which a |x| x is in the mean square nearest to a line.
+    They are E|x|^3/E x^2, because the line a |x|_mean x is then nearest to a |x| x in the mean
+    square.
     """
     sizes = []
     for values in (record.sway, record.yaw_rate):
@@ -119,8 +120,8 @@ def coefficients(
 ) -> dict[str, float]:
     """Return the vessel file's coefficients [-] for Model 1's in prime units.
 
-    What the file's own quadratic terms contributed at the record's ``means`` is taken off, since
-    they stay in the file.
+    The file keeps its own quadratic terms. So their part at the record's ``means`` is taken off the
+    linear coefficients, else it would count twice.
     """
     c, hull = file.coefficients, file.hull
     mass = hull.mass / (0.5 * file.fluid.rho * hull.length**3)

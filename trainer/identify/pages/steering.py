@@ -26,7 +26,10 @@ LEVER_NAMES: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit 
 
 @dataclass(frozen=True)
 class SteeringAtSpeed:
-    """How the ship steers at one speed, SI. T_imag is of a complex pair T1 and T2."""
+    """How the ship steers at one speed, SI.
+
+    T_imag is the imaginary part where T1 and T2 are a complex pair.
+    """
 
     speed_kn: float
     numbers: dict[str, float]  # by NUMBER_UNITS, and T_imag

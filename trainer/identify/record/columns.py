@@ -141,7 +141,7 @@ def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
 
 
 def _by_name(table: CsvTable, words: Words) -> dict[str, str]:
-    """Return the headings by channel; each is taken once."""
+    """Return the headings by channel; a heading serves one channel only."""
     likeness = {
         (channel, head): _likeness(_plain(head)[0], channel, words[channel])
         for channel in words
@@ -151,14 +151,17 @@ def _by_name(table: CsvTable, words: Words) -> dict[str, str]:
     for (channel, head), like in sorted(likeness.items(), key=lambda pair: -pair[1]):
         if like >= MIN_NAME_LIKENESS and channel not in columns and head not in columns.values():
             columns[channel] = head
-    for pair in CHANNEL_PAIRS:
+    for pair in CHANNEL_PAIRS:  # one of a pair alone tells nothing
         if not all(channel in columns for channel in pair):
             columns = {channel: head for channel, head in columns.items() if channel not in pair}
     return columns
 
 
 def _plain(name: str) -> tuple[str, str]:
-    """Return a heading in small letters without its unit, and that: psi_deg is psi in deg."""
+    """Return a heading in small letters without its unit, and that unit.
+
+    So psi_deg is psi in deg.
+    """
     words = re.sub(r"[\W_]+", " ", name.casefold()).strip()
     for ending in UNIT_ENDINGS:
         if words.endswith(f" {ending}"):
@@ -207,7 +210,10 @@ def _unit(
 def _rate_unit(
     table: CsvTable, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
 ) -> str:
-    """Return the unit in which a yaw rate is nearest to the heading's, or to a usual ship's."""
+    """Return the unit in which a yaw rate fits the heading's best.
+
+    Without a heading it is that in which the rate is nearest to a usual ship's.
+    """
     wanted = {one: Column(columns[one], units[one]) for one in units if one in READ_CHANNELS}
     record = load_record(table.path, wanted)
     size = 0.0

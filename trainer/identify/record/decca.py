@@ -75,7 +75,7 @@ Chain = Mapping[str, Slave]  # by colour
 def lane_number(colour: str, text: str) -> float:
     """Return the lane of a reading such as D12.34, in lanes from zone A.
 
-    ConfigError if it is none, or the zone of that colour has no such lane.
+    ConfigError if it is no lane, or the zone of that colour has no such lane.
     """
     match = re.fullmatch(r"\s*([A-Ja-j])\s*(\d+(?:\.\d*)?)\s*", text)
     if match is None:
@@ -91,7 +91,7 @@ def lane_number(colour: str, text: str) -> float:
 def resolve_lane(colour: str, lane: float, expected: float) -> float:
     """Return the lane of that name which is nearest to the ``expected`` one.
 
-    The names come again after ten zones.
+    A name alone is not enough, because zones A to J repeat.
     """
     cycle = len(LANE_ZONES[colour]) * len(ZONE_LETTERS)
     return lane + cycle * round((expected - lane) / cycle)
@@ -134,9 +134,10 @@ def fixes(first: Slave, second: Slave, lanes: tuple[float, float]) -> tuple[Poin
 
 
 def sharpness(first: Slave, second: Slave, ship: Point) -> float:
-    """Return how well two colours cross at a place [-], 0 to 4. It is the area of their gradients.
+    """Return how well two colours cross at a place [-], 0 to 4.
 
-    The sine of the angle at which the lanes cross, times how narrow the lanes are there.
+    It is the area of their gradients: the sine of the angle at which the lanes cross, times how
+    narrow the lanes are there.
     """
     distance = math.hypot(*ship) or 1.0
     gradients = []
@@ -161,8 +162,8 @@ NO_FIX: Final = Fix(Point(math.nan, math.nan), ())
 def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -> list[Fix]:
     """Return a fix for each set of lanes by colour, NO_FIX where they give none.
 
-    Lanes are resolved by the place before, ``start`` at first; the two colours that cross best
-    there are taken, and of two places the nearer one.
+    The place before (``start`` at first) resolves the lanes and chooses the two colours that cross
+    best there. Two hyperbolas may cross twice; then the nearer place is taken.
     """
     track_fixes, last = list[Fix](), start
     for reading in readings:
@@ -176,9 +177,6 @@ def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -
                 track_fixes[-1] = Fix(last, colours)
                 break
     return track_fixes
-
-
-# A study in a file.
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -282,9 +280,6 @@ def load_decca(path: Path) -> DeccaFile:
     return DeccaFile(path, parts["heading"], chain, columns, parts["ship"])
 
 
-# The study carried out.
-
-
 @dataclass(frozen=True)
 class ShipTrack:
     """The track and what was read off it, SI and radians. NaN where lanes or neighbours lack."""
@@ -355,7 +350,7 @@ def _lanes(table: CsvTable, colour: str, name: str | None) -> list[float]:
 
 
 def write_track(sailed: ShipTrack, path: Path) -> None:
-    """Write the track as CSV, SI and radians, a missing value empty. ConfigError if it cannot."""
+    """Write the track as CSV, SI and radians, a missing value empty. ConfigError if it fails."""
     columns = {"t": sailed.t, "east": sailed.east, "north": sailed.north}
     columns |= {"psi": sailed.heading, "r": sailed.yaw_rate, "v": sailed.sway, "u": sailed.ahead}
     if sailed.rudder is not None:

@@ -1,6 +1,6 @@
 """The faults of a record before any fit, by column and row.
 
-What cannot be used is refused with a ConfigError; what may mislead is told.
+A record that cannot be used is refused with a ConfigError; what may mislead is told in words.
 """
 
 import math
@@ -19,17 +19,11 @@ from trainer.identify.record.track import unwrap_angle
 from trainer.units import KNOT
 
 GAP_INTERVALS: Final = 1.5  # [-] of the usual interval: a longer one is a gap
-STILL_RUDDER_RAD: Final = math.radians(
-    0.01
-)  # [rad] standard deviation of a rudder that does not move
-MAX_ANGLE_RAD: Final = math.radians(
-    100.0
-)  # [rad] no rudder goes so far, no ship turns so fast a second
+STILL_RUDDER_RAD: Final = math.radians(0.01)  # [rad] deviation of a rudder that does not move
+MAX_ANGLE_RAD: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turns so a second
 MIN_EXPERIMENT_RAD: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
 SURE_STANDARD_ERRORS: Final = 4.0  # standard errors
-FEEDBACK_SHARE: Final = (
-    0.98  # [-] share of the rudder explained by the motion, beyond which it follows it
-)
+FEEDBACK_SHARE: Final = 0.98  # [-] of the rudder explained by the motion: beyond, it only follows
 UNIT_MISTAKES: Final = (  # what the yaw rate is then of the heading's change [-]
     (180.0 / math.pi, "one of them is in degrees and the other is not"),
     (math.pi / 180.0, "one of them is in radians and the other is not"),
@@ -43,24 +37,16 @@ SPEED_MISTAKES: Final = (  # what a speed is then of what it must be [-]
 )
 HALF_TURN: Final = math.pi
 MIN_SAMPLES: Final = 20  # samples, to judge signs and loops
-SWING_RANGE: Final = (
-    1 / 30,
-    30.0,
-)  # [-] deviation of the heading over the rudder's: no trial goes beyond
-TURN_RANGE: Final = (
-    0.03,
-    15.0,
-)  # [-] likewise yaw rate's over the rudder's, in ship lengths a second
+SWING_RANGE: Final = (1 / 30, 30.0)  # [-] deviation of heading over rudder's: no trial is beyond
+TURN_RANGE: Final = (0.03, 15.0)  # [-] likewise yaw rate's, per time of a ship length
 PIVOT_RANGE_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
-SPIKE_SCATTERS: Final = (
-    10.0  # [-] of the usual scatter, that one reading stands out from its neighbours
-)
+SPIKE_SCATTERS: Final = 10.0  # [-] usual scatters, by which an outlier leaves its neighbours
 
 
 def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
     """Return what may mislead in a record; ConfigError with all that forbids its use.
 
-    Of a ``ship`` that is known, sizes are judged by its length and speed.
+    If the ``ship`` is known, sizes are judged by its length and speed.
     """
     problems = [*_rudder_problems(record), *_unit_problems(record)]
     if problems:
@@ -138,7 +124,7 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
 
 
 def _gain(y: Numbers, x: Numbers) -> float | None:
-    """Return how many times ``x`` a series is; None if they have less than half in common."""
+    """Return the factor between two series; None if they have less than half in common."""
     good = ~np.isnan(y) & ~np.isnan(x)
     if np.count_nonzero(good) < MIN_SAMPLES:
         return None
@@ -179,7 +165,7 @@ def _missing_outputs(record: Record) -> Iterator[Finding]:
 
 
 def _jumps(record: Record) -> Iterator[Finding]:
-    """Yield where the heading jumps by a turn: it was wrapped, and will be unwrapped."""
+    """Yield where the heading jumps by a turn: the source keeps it within one turn."""
     if record.heading is None:
         return
     jumps = np.abs(np.diff(record.heading)) > HALF_TURN
@@ -193,7 +179,7 @@ def _jumps(record: Record) -> Iterator[Finding]:
 
 
 def _wrong_sign(record: Record) -> Iterator[Finding]:
-    """Yield that the rudder turns the ship the other way than is said, or hardly turns at all."""
+    """Yield that the rudder turns the ship the other way than said, or hardly moves."""
     sizes = np.abs(record.column("rudder"))
     largest, turning = float(np.max(sizes)), positive_turns(record)
     if largest < MIN_EXPERIMENT_RAD:
@@ -206,13 +192,14 @@ def _wrong_sign(record: Record) -> Iterator[Finding]:
 
 
 def positive_turns(record: Record) -> float | None:
-    """Return how surely a positive rudder turns to starboard [standard errors], below 0 to port.
+    """Return how surely a positive rudder turns to starboard [standard errors].
 
-    None if this cannot be told.
+    It is below 0 if it turns to port, and None if the record is too short or does not say.
     """
     rate, rudder = record.turning, record.column("rudder")
     if rate is None:
         return None
+    # the next yaw rate by this one, the rudder and a constant: the sign of the rudder's factor
     before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
     good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
     if np.count_nonzero(good) < MIN_SAMPLES:
@@ -238,6 +225,8 @@ def follows_motion(record: Record) -> float | None:
     turned = np.concatenate([[0.0], np.cumsum(rate[:-1] * np.diff(record.t))])
     heading = turned if record.heading is None else np.unwrap(np.nan_to_num(record.heading))
     since = record.t - record.t[0]
+    # an autopilot steers by rate, heading and its integral, less the course ordered, whose parts
+    # the constant and the time are
     wound = np.concatenate([[0.0], np.cumsum(heading[:-1] * np.diff(record.t))])
     regressors = np.column_stack([np.ones_like(since), since, rate, heading, wound])
     regressors /= np.maximum(np.abs(regressors).max(axis=0), 1e-300)
@@ -309,7 +298,7 @@ def _swing(record: Record) -> Iterator[Finding]:
 
 
 def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
-    """Yield what cannot be of a ship of that length and speed."""
+    """Yield sizes that no ship of that length and speed has."""
     speed = ship.speed_kn * KNOT if ship.speed_kn else None
     if record.speed is not None:
         mean = float(np.nanmean(record.speed))
@@ -343,7 +332,7 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
 def _mistaken(
     record: Record, channel: str, share: float | None, other: str = ""
 ) -> Iterator[Finding]:
-    """Yield what makes a speed that ``share`` of what it must be."""
+    """Yield the mistake that makes a speed ``share`` times what it must be."""
     for factor, text in SPEED_MISTAKES if share else ():
         if share and 0.75 < share / factor < 1.33:
             names = " and ".join(record.name(one) for one in (channel, other) if one)

@@ -1,4 +1,4 @@
-"""Arrays by channel become a record, in the place of a file."""
+"""Arrays by channel become a record, as a file does."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, cast

@@ -49,9 +49,9 @@ class Finding:
 class Record:
     """Columns of one length. NaN is a missing value, None a channel that was not recorded.
 
-    ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
-    place of each sample in its source, as people count, and ``names`` the source's own word for
-    each channel, for messages. ``told`` is what was found when it was read.
+    ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading does not jump from 360 to 0 degrees.
+    ``rows`` is each sample's row in its source, counted from 1, and ``names`` the source's own word
+    for each channel: both are for messages. ``told`` has what was found when the source was read.
     """
 
     source: str
@@ -103,7 +103,7 @@ class Record:
         return self.names.get(channel, channel)
 
     def row(self, place: int) -> int:
-        """Return the source's row of a sample, as people count."""
+        """Return the row of a sample in its source, counted from 1."""
         return int(self.rows[place])
 
     def finding(self, channel: str, text: str, place: int | np.integer | None = None) -> Finding:
@@ -133,7 +133,8 @@ class Record:
     def every(self, count: int) -> "Record":
         """Return each ``count``-th sample, the rudder as its mean until the next one.
 
-        The mean keeps what a rudder did that moved between the samples taken. So with other inputs.
+        The mean keeps the effect of a rudder that moved between the samples taken. Other inputs are
+        averaged too.
         """
         if count == 1:
             return self
@@ -163,7 +164,8 @@ def check_count(record: Record, samples: int, coefficients: int) -> None:
 class Samples:
     """Readings and inputs at each time; NaN is a missing reading.
 
-    ``inputs[k]`` acts from ``t[k]`` to ``t[k+1]``; before the first sample it acted as at it.
+    ``inputs[k]`` acts from ``t[k]`` to ``t[k+1]``. Before the first sample the input is taken to be
+    the first one.
     """
 
     t: Numbers  # (n,) [s] rising

@@ -1,6 +1,6 @@
 """A study proposed from a record, for its user to correct.
 
-Columns are told by their names and units.
+Columns are guessed by their names, units and numbers.
 """
 
 import json
@@ -54,7 +54,7 @@ heading_deg = {USUAL_SENSORS.heading_deg}
 
 @dataclass(frozen=True)
 class Proposal:
-    """The text of a study, and what there is to say of its record."""
+    """The text of a study, and remarks on its record."""
 
     text: str
     rows: int
@@ -103,7 +103,7 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
 
 
 def _guessed(data: Path) -> GuessedColumns:
-    """Return the columns of a file; ConfigError if none is the rudder, or a ship's answer to it."""
+    """Return the columns of a file; ConfigError if rudder or ship's answer is lacking."""
     table = read_table(data)
     columns = guess_columns(table, CHANNEL_WORDS)
     for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS_TEXT, ANSWER_CHANNELS)):

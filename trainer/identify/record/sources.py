@@ -57,7 +57,7 @@ USUAL_SENSORS: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.
 
 @dataclass(frozen=True)
 class Column:
-    """The source of a channel: its column and unit; None: what the file says."""
+    """The source of a channel: its column and unit. None as a unit is as the file says."""
 
     name: str
     unit: str | None
@@ -83,7 +83,7 @@ def units_of(channel: str) -> Mapping[str, float]:
 
 
 def factor(channel: str, unit: str | None) -> float:
-    """Return what numbers in ``unit`` are times in SI, without one 1.
+    """Return the factor from ``unit`` to SI; without a unit it is 1.
 
     ConfigError if the channel has no such unit.
     """
@@ -120,7 +120,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
 
 class NoColumnError(ConfigError):
-    """A file has not the columns that are to be read."""
+    """A file lacks columns that are to be read."""
 
 
 def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
@@ -218,7 +218,10 @@ def write_columns(path: Path, columns: Mapping[str, Numbers], form: str = "") ->
 
 
 def read_by(record: Record, sensors: Sensors) -> Record:
-    """Return what instruments would have read; each channel has a stream of its own."""
+    """Return what instruments would have read.
+
+    Each channel has a random stream of its own, so that a further channel changes no other one.
+    """
     columns = {}
     for place, channel in enumerate(NOISE_STREAMS):
         values = getattr(record, channel)

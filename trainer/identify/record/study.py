@@ -52,7 +52,7 @@ KNOWN_KEYS: Final = (*(item.name for item in fields(StudyHeading)), "note", *STU
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Everything a study says; tables that it lacks are None."""
+    """Everything a study says; a table that it lacks is None."""
 
     path: Path
     heading: StudyHeading
@@ -85,7 +85,7 @@ def load_study(path: Path) -> Study:
 def plain_study(data: Path) -> Study:
     """Return the study of a record of the trainer's own, whose columns are known.
 
-    A recording is exact, and is read by usual sensors.
+    A recording has the exact state of the boat, so instruments with usual errors read it.
     """
     heading = StudyHeading(schema="identify/1", name=data.stem, data=data.name)
     return Study(
@@ -107,6 +107,7 @@ def parse_study(text: str, path: Path) -> Study:
     table = parse_toml(text, path.name)
     parts, problems = read_parts(table, place, (StudyHeading, KNOWN_KEYS), OPTIONAL_TABLES)
     model = table.get("model")
+    # a user's own system names its own columns, and needs no rudder
     own_kind = isinstance(model, Mapping) and model.get("kind") == "own"
     with collecting(problems):
         rows = COLUMN_ROWS.read("columns", table.get("columns", []), place)
@@ -183,7 +184,7 @@ def _check_once(names: list[str], place: Place, table: str) -> None:
 
 
 def _check_whole(parts: Mapping[str, Any], place: Place) -> None:
-    """Check what is said in counts, and what goes together; ConfigError with all faults."""
+    """Check whole numbers, and what goes together; ConfigError with all faults."""
     problems: list[str] = []
     heading = parts.get("heading")
     begin, end = (heading.from_s, heading.to_s) if heading else (None, None)
@@ -205,7 +206,7 @@ def _check_whole(parts: Mapping[str, Any], place: Place) -> None:
 
 
 def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Iterator[str]:
-    """Yield what a model lacks, or does not go with."""
+    """Yield what a model lacks, and what does not go with it."""
     inside = place.inside("model")
     if model.kind == "own":
         if model.outputs:
@@ -227,7 +228,7 @@ def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Itera
 
 @dataclass(frozen=True)
 class StudyRecord:
-    """A record made ready for a study, and what there is to say about it."""
+    """A record made ready for a study, and findings about it."""
 
     record: Record
     findings: tuple[Finding, ...]
@@ -236,8 +237,8 @@ class StudyRecord:
 def observe_record(study: Study, loaded: Record | None = None) -> StudyRecord:
     """Return the record of a study: signs and units as here, thinned, cut, examined.
 
-    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use, of
-    a plain file saying what to type.
+    The record is ``loaded``, or else that of the study's file. ConfigError with all that forbids
+    its use; if the file is no study, it says which command writes one.
     """
     heading = study.heading
     try:
@@ -272,7 +273,7 @@ def observe_record(study: Study, loaded: Record | None = None) -> StudyRecord:
 def studies_of(study: Study) -> tuple[Study, ...]:
     """Return the study of each run alone, the first record's first.
 
-    The instruments of a further run err on their own.
+    A further run has another seed, because its instruments do not repeat the errors of the first.
     """
     studies = [study]
     for number, row in enumerate(study.runs, 1):
@@ -280,7 +281,7 @@ def studies_of(study: Study) -> tuple[Study, ...]:
         if ship is not None and row.speed_kn is not None:
             ship = replace(ship, speed_kn=row.speed_kn)
         if sensors is not None:
-            sensors = replace(sensors, seed=(sensors.seed or 1) + number)
+            sensors = replace(sensors, seed=(sensors.seed or 1) + number)  # other errors
         heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
         studies.append(replace(study, heading=heading, ship=ship, sensors=sensors, runs=()))
     return tuple(studies)

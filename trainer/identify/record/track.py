@@ -47,7 +47,7 @@ def smooth_spencer(series: Numbers) -> Numbers:
 def resolve_along(
     east: Numbers | float, north: Numbers | float, course: Numbers | float
 ) -> tuple[Numbers, Numbers]:
-    """Return what of (east, north) lies along a course [rad], and to starboard of it."""
+    """Return the parts of (east, north) along a course [rad] and to starboard of it."""
     s, c = np.sin(course), np.cos(course)
     return np.asarray(north * c + east * s), np.asarray(east * c - north * s)
 
@@ -75,7 +75,7 @@ class Drift(NamedTuple):
 
 
 def drift_of(current_kn: tuple[float | None, float | None], antenna: float | None) -> Drift:
-    """Return current east and north [kn] and antenna [m], nothing where they are not said."""
+    """Return current east and north [kn] and antenna [m], zero where they are not said."""
     east, north = (KNOT * (one or 0.0) for one in current_kn)
     return Drift(east, north, antenna or 0.0)
 
@@ -112,8 +112,8 @@ def unwrap_angle(angle: Numbers) -> Numbers:
 def with_sway(record: Record, drift: Drift) -> Record:
     """Return a record with the sway of its track, and a yaw rate.
 
-    A record without a track comes back as it is, and a yaw rate that was recorded stays.
-    ConfigError if it has no heading, or its times are uneven, or a sway too.
+    A record without a track is returned unchanged, and a yaw rate that was recorded is kept.
+    ConfigError if the record has no heading, uneven times, or a recorded sway beside the track.
     """
     if record.latitude is None or record.longitude is None:
         return record

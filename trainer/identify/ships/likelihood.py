@@ -20,12 +20,12 @@ from trainer.identify.ships.records import Trial
 
 NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
 MIN_ERROR_SHARE: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
-FIRST_ROWS: Final = 11
+FIRST_STATE_ROWS: Final = 11  # rows that the quadratic of the first state goes through
 
 
 @dataclass(frozen=True, eq=False)
 class ShipProblem:
-    """Records, a model and the prior, whose width is infinite where none is."""
+    """Records, a model and the prior; a parameter without a prior has an infinite width."""
 
     model: ShipModel
     constants: Numbers  # of the ship, as the kernels take them
@@ -83,7 +83,7 @@ class ShipProblem:
         return 0.5 * float(away @ away)
 
     def cost(self, a: Numbers) -> float:
-        """Return -log L with the prior; infinite for what is no ship."""
+        """Return -log L with the prior; infinite where the state is no longer a ship's."""
         if not np.isfinite(a).all():
             return math.inf
         total = self.penalty(a)
@@ -122,7 +122,10 @@ class ShipProblem:
         return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
 
     def sail(self, a: Numbers, trial: Trial) -> Numbers:
-        """Return the states (rows, n) by inputs alone, NaN from where it is no ship."""
+        """Return the states (rows, n) by inputs alone.
+
+        They are NaN from the row on in which they are no longer those of a ship.
+        """
         states = self.model.states
         out = np.full((len(trial.table), states), math.nan)
         last = sail_record(self.system(a, first_state(trial)), trial.table, out)
@@ -131,7 +134,7 @@ class ShipProblem:
 
     @cached_property
     def lowest(self) -> Numbers:
-        """Return the lower limits of the parameters, which the errors of readings have alone."""
+        """Return the lower limits of the parameters; only errors of readings have one."""
         limits = np.full(self.size, -math.inf)
         with np.errstate(divide="ignore"):
             limits[self.common - self.model.states : self.common] = np.log(self.floors)
@@ -140,7 +143,7 @@ class ShipProblem:
 
 def first_state(trial: Trial) -> Numbers:
     """Return the first state, by a quadratic through the first readings of each channel."""
-    t, rows = trial.t[:FIRST_ROWS] - trial.t[0], trial.readings[:FIRST_ROWS]
+    t, rows = trial.t[:FIRST_STATE_ROWS] - trial.t[0], trial.readings[:FIRST_STATE_ROWS]
     state = np.zeros(rows.shape[1])
     for i in range(len(state)):
         known = np.isfinite(rows[:, i])
@@ -153,7 +156,10 @@ def first_state(trial: Trial) -> Numbers:
 
 
 def floors_of(trials: tuple[Trial, ...]) -> Numbers:
-    """Return the smallest errors of readings that are believed: a share of their spread."""
+    """Return the smallest errors of readings that a fit believes: a share of their spread.
+
+    Published readings may be smoothed, and their errors would then go to zero.
+    """
     rows = np.vstack([trial.readings for trial in trials])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(len(seen))])

@@ -96,7 +96,7 @@ def _fit_lines(report: ShipFitReport) -> list[str]:
 
 
 def _untold_lines(report: ShipFitReport) -> list[str]:
-    """Return what the records do not tell, in words."""
+    """Return in words the combinations that the records do not determine."""
     lines = [f"{INDENT}What the record cannot tell"]
     if not report.untold:
         lines += wrap("- nothing: each coefficient is told by itself")

@@ -56,16 +56,17 @@ HEEL_PRIOR: Final[Prior] = {
 HULL_DERIVATIVES: Final = tuple(f"{axis}_{term}" for axis in "YN" for term in ("v", "r"))
 FORMULA_DEVIATION_SHARE: Final = 0.45  # [-] of a mean by formula that is its standard deviation
 YAW_GYRATION_LENGTHS: Final = 0.25  # [L] radius of a ship
-THRUST_LEFT: Final = 0.78  # [-] 1-t, of a full ship
-SURGE_WATER: Final = 0.075  # [-] of the mass that moves ahead with it
+NET_THRUST_SHARE: Final = 0.78  # [-] 1-t, of a full ship
+SURGE_ADDED_MASS_SHARE: Final = 0.075  # [-] of the mass: water that moves ahead with it
 HULL_RUDDER: Final = 0.31, 0.46  # a_H and -x_H/L, of a full ship
-RUDDER_ARM: Final = 0.5  # [L]
+RUDDER_ARM_LENGTHS: Final = 0.5  # [L] of the rudder aft of midship
 
 
 def prior_of(model: ShipModel, ship: ShipFile) -> tuple[Prior, str]:
     """Return what books say of the free coefficients, and which book says it.
 
-    A model without cubes has no book: its slopes are those of the range it was fitted in.
+    Models without cubic terms take no book's hull derivatives: their slopes are those of the range
+    that they are fitted in, and a book's are slopes at zero.
     """
     form = kijima(ship.dimensions)
     whole = {**TANKER_PRIOR, **HEEL_PRIOR, **form}
@@ -92,7 +93,7 @@ def kijima(hull: Dimensions) -> Prior:
     sway = own_mass + water
     yaw = own_mass * YAW_GYRATION_LENGTHS**2 + water / 12.0
     means = {
-        "X_T": THRUST_LEFT / (own_mass * d / L * (1.0 + SURGE_WATER)),
+        "X_T": NET_THRUST_SHARE / (own_mass * d / L * (1.0 + SURGE_ADDED_MASS_SHARE)),
         "Y_v": -(0.5 * math.pi * k + 1.4 * a) / sway,
         "Y_r": -1.5 * a / sway,
         "Y_vrr": -5.95 * e / sway,
@@ -104,6 +105,7 @@ def kijima(hull: Dimensions) -> Prior:
         "N_vvr": -(57.5 * a * a - 18.4 * a + 1.6) / yaw,
     }
     means |= _rudder(hull, sway * L * d, yaw * L * d)
+    # cubics no narrower than the tankers', because the formulas were written from memory
     least = {name: TANKER_PRIOR[name][1] for name in ("Y_vvr", "Y_vrr", "N_rrr", "N_vrr", "N_vvr")}
     spread = {
         name: max(FORMULA_DEVIATION_SHARE * abs(mean), least.get(name, 0.0))
@@ -120,4 +122,4 @@ def _rudder(hull: Dimensions, sway: float, yaw: float) -> dict[str, float]:
     ratio = hull.rudder_height_m**2 / hull.rudder_area_m2
     lift = hull.rudder_area_m2 * 6.13 * ratio / (ratio + 2.25)
     a_H, x_H = HULL_RUDDER
-    return {"Y_F": -(1.0 + a_H) * lift / sway, "N_F": (RUDDER_ARM + a_H * x_H) * lift / yaw}
+    return {"Y_F": -(1.0 + a_H) * lift / sway, "N_F": (RUDDER_ARM_LENGTHS + a_H * x_H) * lift / yaw}

@@ -1,4 +1,4 @@
-"""The file of a ship begun from a record, for its user to complete."""
+"""A ship's file begun from a record, for its user to complete."""
 
 import shlex
 from collections.abc import Collection
@@ -98,7 +98,7 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
 
 
 def _own(table: CsvTable) -> GuessedColumns | None:
-    """Return the columns as the trainer writes them, which a ship's file need not name."""
+    """Return the columns as the trainer writes them: a ship's file need not name these."""
     trainer_columns = {
         **own_columns(),
         **{key: Column(name, next(iter(units_of(key)))) for key, name in FURTHER_COLUMNS.items()},
@@ -114,7 +114,7 @@ def fit_command(data: Path, path: Path) -> str:
 
 
 def _lacking(columns: Collection[str]) -> dict[str, str]:
-    """Return the channels that a fit needs and that were not found, and why it needs them."""
+    """Return the channels that a fit needs and the record lacks, and why."""
     needed = {"rudder": "what the ship answers", **NEEDED_CHANNELS}
     if all(channel in columns for channel in (*GROUND_VELOCITIES, "heading")):
         del needed["speed"], needed["sway"]

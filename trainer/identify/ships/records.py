@@ -36,10 +36,8 @@ NEEDED_CHANNELS: Final = {  # and why
 ADVANCE_RATIO_RANGE: Final = (0.1, 1.6)  # J of a propeller that drives a ship ahead
 FINE_STEP_SHARE: Final = 0.1  # [L/U] of a step of Runge and Kutta
 MIN_TRIAL_SAMPLES: Final = 30  # samples
-INWARD_LEAN_CORRELATION: Final = (
-    0.5  # correlation of roll and turning beyond which the ship leans inwards
-)
-TURNS_RIGHT: Final = 0.2  # correlation of rudder and turning beyond which the sign is plain
+INWARD_LEAN_CORRELATION: Final = 0.5  # [-] of roll and turning: beyond, the ship leans inwards
+WRONG_SIGN_CORRELATION: Final = 0.2  # [-] of rudder and turning: beyond, the sign is plainly wrong
 GROUND_VELOCITIES: Final = ("north_velocity", "east_velocity")
 READING_COLUMNS: Final = (0, 1, 2, 3, 10, 11)  # columns of the table
 SPEED_STREAM, ROLL_STREAM = 13, 14  # of the errors of instruments
@@ -94,6 +92,7 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     if "wind_speed" in further and "wind_from" in further:
         size, angle = further["wind_speed"], further["wind_from"]
         ahead, starboard = size * np.cos(angle), size * np.sin(angle)
+    # within the model a positive rudder turns to starboard (docs/nonlinear-ships.md)
     inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
     rolls = [further.get(name, none) for name in ROLL_CHANNELS] if "roll" in further else []
     table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
@@ -219,10 +218,11 @@ def _rate(record: Record) -> Numbers:
 def _check_sign(record: Record) -> None:
     """Check that a positive rudder turns the ship to port; ConfigError with the remedy."""
     rate, rudder = _rate(record), record.column("rudder")
+    # a rudder makes yaw acceleration at once, while the yaw rate follows it late
     change = np.gradient(np.nan_to_num(rate), record.t)
     good = np.isfinite(rate)
     together = float(np.corrcoef(rudder[good], change[good])[0, 1])
-    if together > TURNS_RIGHT:
+    if together > WRONG_SIGN_CORRELATION:
         text = f"positive helm turns this ship to starboard (correlation {together:.2f}): "
         remedy = 'say positive_rudder = "starboard" in [records]'
         what = record.finding("rudder", text + remedy, np.argmax(np.abs(rudder)))
@@ -251,9 +251,10 @@ def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
 def _check_roll(
     record: Record, roll: Numbers, ship: ShipFile, gm: float, every: int
 ) -> Iterator[str]:
-    """Yield what is odd about a roll; ConfigError for a wrong unit, and for too few samples.
+    """Yield what is odd about a roll; ConfigError if it cannot be used.
 
-    In a turn the ship heels by u r/g times a lever over GM. A lever that no ship has is a unit.
+    There must be enough samples in its period. In a turn a ship heels by u r/g times a lever over
+    GM; if the record needs a lever that no ship has, its unit is wrong.
     """
     period = 2.0 * math.pi / math.sqrt(ship.stiffness)
     step = every * float(np.median(np.diff(record.t)))
@@ -282,9 +283,9 @@ def _check_roll(
 def _read_by(
     record: Record, further: dict[str, Numbers], sensors: Sensors
 ) -> tuple[Record, dict[str, Numbers]]:
-    """Return what instruments would have read, each file anew; the log reads speed too.
+    """Return what instruments would have read, each file with its own errors.
 
-    Roll is read as well as heading, and its rate as the yaw rate.
+    The log reads speed too. Roll has the errors of heading, and its rate those of the yaw rate.
     """
     if record.speed is None:
         return record, further
@@ -304,16 +305,17 @@ def _read_by(
 
 
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table with seconds to the next row and their steps, then roll."""
+    """Return the table as extended_filter takes it: with times and steps, then roll."""
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
+    # steps are short against a ship's length and against its period of roll; 1e-9 is for rounding
     parts = np.maximum(np.ceil(gaps / (FINE_STEP_SHARE * length / speed) - 1e-9), 1.0)
     parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / MAX_ROLL_STEP_RAD))
     return np.ascontiguousarray(np.column_stack([table[:, :8], gaps, parts, table[:, 8:]]))
 
 
 def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[float, float]]:
-    """Return what was seen of v', r' [-], rudder, roll [rad] and speed [m/s]."""
+    """Return ranges of v', r' [-], rudder, roll [rad] and speed [m/s] in the records."""
     rows = np.vstack([trial.table for trial in trials])
     u, v, r = rows[:, 0], rows[:, 1], rows[:, 2]
     size = np.hypot(u, np.nan_to_num(v))

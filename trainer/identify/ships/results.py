@@ -16,12 +16,12 @@ from trainer.identify.judge.residuals import DEFAULT_LAGS, correlation, portmant
 from trainer.identify.options import IdentifyOptions
 from trainer.identify.ships.fit import (
     ShipFit,
+    describe_roll,
     fit_ship,
     pose_problem,
     search_minimum,
     smooth_trial,
     terms_of,
-    told_of_roll,
 )
 from trainer.identify.ships.likelihood import ShipProblem
 from trainer.identify.ships.priors import prior_of
@@ -30,9 +30,7 @@ from trainer.units import KNOT
 
 INTERVAL_DEVIATIONS: Final = 1.96
 BOOK_PRIOR_SHARE: Final = 0.9  # [-] share of the prior above which a coefficient is the book's
-FAINT_EIGENVALUE: Final = (
-    1e-3  # [-] eigenvalue of the records' scaled information that tells nothing
-)
+FAINT_EIGENVALUE: Final = 1e-3  # [-] of the records' scaled information: below it tells nothing
 MIN_NAMED_PART: Final = 0.3  # [-] of a unit vector: what is smaller is not named
 MAX_DIRECTIONS: Final = 6
 SUSPECT_PROBABILITY: Final = 0.01
@@ -40,11 +38,11 @@ OUTPUT_NAMES: Final = ("surge", "sway", "yaw rate", "heading", "roll rate", "rol
 OUTPUT_UNITS: Final = ("m/s", "m/s", "deg/s", "deg", "deg/s", "deg")
 OUTPUT_SCALES: Final = np.array([1.0, 1.0, *[180.0 / math.pi] * 4])
 TURNING_CAUSES: Final = ("v'", "r'", "rudder")
-SHARE_SEEN: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
-DOUBTED_SHARE: Final = (
-    0.05  # [-] of a record's yaw acceleration that common coefficients leave: told,
-)
-OTHER_SHIP_SHARE: Final = 0.3  # ... or refused: two ships. Other mirrors of one ship leave 0.015
+MIN_PATTERN_SHARE: Final = 0.2  # [-] of residual accelerations, from which a pattern is told
+# [-] of a record's yaw acceleration that common coefficients leave beyond its own: the first is
+# told, the second refused as another ship. Mirrored trials of one ship leave 0.015.
+DOUBTED_SHARE: Final = 0.05
+OTHER_SHIP_SHARE: Final = 0.3
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ class FittedCoefficient:
 
 @dataclass(frozen=True)
 class UnknownDirection:
-    """A combination that records do not tell: parts of a scaled unit vector."""
+    """A combination that records do not determine: parts of a scaled unit vector."""
 
     eigenvalue: float
     parts: dict[str, float]
@@ -69,7 +67,10 @@ class UnknownDirection:
 
 @dataclass(frozen=True)
 class Whiteness:
-    """The innovations of one reading: a portmanteau test, and what intervals are too narrow by."""
+    """The innovations of one reading: a portmanteau test, and a factor for the intervals.
+
+    Intervals are too narrow by this factor where innovations are not white.
+    """
 
     output: str
     deviation: float  # [-] 1 for what the filter expects
@@ -90,7 +91,7 @@ class Prediction:
 
 @dataclass(frozen=True)
 class OrderTest:
-    """The model against one with some coefficients at nothing."""
+    """The model against one with some coefficients at zero."""
 
     without: tuple[str, ...]
     statistic: float
@@ -200,10 +201,10 @@ def _between(trial: Trial, begin: float | None, end: float | None) -> Trial:
 
 
 def _strangers(problem: ShipProblem, begin: Numbers) -> Iterator[str]:
-    """Yield which record may not be of one ship with the others; ConfigError if it cannot be.
+    """Yield which record may be of another ship; ConfigError if it surely is.
 
-    Yaw accelerations that the regression leaves of all records together are compared with those
-    that are left when each record has its own coefficients.
+    The regression leaves yaw accelerations. With common coefficients it leaves more than with
+    coefficients of each record, and much more if the ships differ.
     """
     if len(problem.trials) < 2:
         return
@@ -255,7 +256,7 @@ def explain_variance(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def predict_record(problem: ShipProblem, a: Numbers, trial: Trial, kind: str) -> Prediction:
-    """Return how well inputs alone predict a record; None is no number."""
+    """Return how well inputs alone predict a record; None where there is no number."""
     share, rms = (
         tuple(float(x) if math.isfinite(x) else None for x in values)
         for values in explain_variance(trial.readings, problem.sail(a, trial))
@@ -264,7 +265,10 @@ def predict_record(problem: ShipProblem, a: Numbers, trial: Trial, kind: str) ->
 
 
 def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
-    """Return the predictions of the records fitted, of each held back in turn, of others."""
+    """Return the predictions of all records.
+
+    They are the records that were fitted, the same each held back in turn, and the others.
+    """
     problem, trials = fitted.problem, fitted.problem.trials
     predictions = [predict_record(problem, fitted.found.a, trial, "fitted") for trial in trials]
     if len(trials) > 1:
@@ -273,7 +277,7 @@ def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, 
             rest = replace(problem, trials=tuple(trials[place] for place in places))
             firsts = [fitted.found.a[problem.first_places(place)] for place in places]
             begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
-            end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all
+            end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all: it is near
             predictions.append(predict_record(rest, end.a, trial, "held back in turn"))
     return (
         *predictions,
@@ -289,6 +293,7 @@ def coefficients_of(fitted: ShipFit) -> tuple[FittedCoefficient, ...]:
         value, deviation = float(fitted.a[j]), float(fitted.deviations[j])
         low, high = value - INTERVAL_DEVIATIONS * deviation, value + INTERVAL_DEVIATIONS * deviation
         if name in problem.model.noises:
+            # 700: e^710 is more than a number can be
             value, low, high = (math.exp(min(x, 700.0)) for x in (value, low, high))
             deviation *= value
         share = float(fitted.prior_share[j])
@@ -297,7 +302,10 @@ def coefficients_of(fitted: ShipFit) -> tuple[FittedCoefficient, ...]:
 
 
 def find_unknown(fitted: ShipFit) -> tuple[UnknownDirection, ...]:
-    """Return the combinations of coefficients that the records tell least, first states out."""
+    """Return the combinations of coefficients that the records determine least.
+
+    First states are free in them and not shown.
+    """
     problem = fitted.problem
     p = len(problem.model.free)
     if not np.isfinite(fitted.information).all():
@@ -323,6 +331,7 @@ def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
     """Return the tests of the innovations of all records, those of one after another's."""
     problem = fitted.problem
     rows = [problem.innovations(fitted.found.a, i) for i in range(len(problem.trials))]
+    # a gap as long as the lags, so that no pair has innovations of two records
     gap = np.full((DEFAULT_LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
     tests = []
@@ -332,6 +341,7 @@ def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
             continue
         autocorrelation = correlation(values - np.nanmean(values), DEFAULT_LAGS)
         test = portmanteau(autocorrelation, count, DEFAULT_LAGS)
+        # errors that follow one another are worth fewer readings, by the sum of correlations
         longer = (
             1.0 + 2.0 * float(np.sum(autocorrelation[1:]))
             if test.probability < SUSPECT_PROBABILITY
@@ -364,7 +374,7 @@ def _patterns(fitted: ShipFit) -> Iterator[str]:
     for i, state in enumerate(problem.model.driven):
         for name in TURNING_CAUSES:
             share = _explained_by(np.concatenate([one[name] for one in causes]), residuals[:, i])
-            if share > SHARE_SEEN:
+            if share > MIN_PATTERN_SHARE:
                 yield (
                     f"{OUTPUT_NAMES[state]}: {share:.0%} of the acceleration left over "
                     f"follows {name} "
@@ -381,7 +391,7 @@ def _explained_by(cause: Numbers, values: Numbers) -> float:
 
 
 def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
-    """Return the test of the model against one with coefficients at nothing. ConfigError."""
+    """Return the test of the model against one with coefficients at zero. ConfigError."""
     problem = fitted.problem
     for name in names:
         if name not in problem.model.free:
@@ -404,6 +414,7 @@ def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
     firsts = fitted.found.a[problem.common :]
     begin = np.concatenate([fitted.found.a[: problem.common][kept_places], firsts])
     end = search_minimum(small, begin, lambda *_: None)
+    # both costs are with the prior, where there is one
     test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
     return OrderTest(names, test.statistic, test.freedom, test.probability)
 
@@ -421,7 +432,7 @@ def _doubt(fitted: ShipFit) -> str:
 def _report(
     ship: ShipFile, fitted: ShipFit, prior: tuple[str, float], held: tuple[Trial, ...]
 ) -> ShipFitReport:
-    """Return all that there is to say."""
+    """Return the report of a fit."""
     problem, trials = fitted.problem, fitted.problem.trials
     coefficients = coefficients_of(fitted)
     p, common = len(problem.model.free), problem.common
@@ -440,7 +451,7 @@ def _report(
         findings=(
             *notes_of(trials),
             *([f"held, by the ship's file: {held_at}"] if held_at else []),
-            *told_of_roll(fitted),
+            *describe_roll(fitted),
         ),
         settled=fitted.found.settled,
         doubt=_doubt(fitted),

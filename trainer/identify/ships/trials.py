@@ -1,4 +1,4 @@
-"""Trials of ships that are not linear: what helm would tell, before it is given."""
+"""Trials of ships that are not linear: what a helm would tell."""
 
 import math
 from collections.abc import Collection, Iterator, Sequence
@@ -32,9 +32,8 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut_text, items, table, wrap
 from trainer.units import KNOT
 
-STEPS_PER_SAMPLE: Final = (
-    2  # of the ship between samples, where no interval is said: a twentieth of L/U
-)
+# steps of the ship between samples, where no interval is said: samples a twentieth of L/U apart
+STEPS_PER_SAMPLE: Final = 2
 MAX_LEGS: Final = 4  # speeds side by side, which a page is wide enough for
 MIN_DISTURBANCE: Final = 1e-9  # [rad/s/rt(s)] a disturbance that is none
 BETTER_PLAN_RATIO: Final = 0.9  # [-] of the next smaller deviation, from which a plan tells better
@@ -116,13 +115,13 @@ class TrialOptions(HelmOptions):
 
     @property
     def read(self) -> tuple[str, ...]:
-        """Return what is read beside the speed."""
+        """Return the channels that are read beside the speed."""
         return self.outputs or READING_NAMES[1:]
 
 
 @dataclass(frozen=True)
 class Leg:
-    """One helm, begun at a speed with the revolutions that hold another, or the same."""
+    """One helm, from a speed on, with the revolutions of this speed or of another."""
 
     speed_kn: float
     held_kn: float
@@ -192,10 +191,10 @@ class TrialShip(IdentifiedShip):
 
 
 def design_trials(ship: ShipFile, options: TrialOptions) -> TrialDesign:
-    """Return trials of the ship with what they would tell.
+    """Return trials of the ship, and what is expected of fitting them.
 
-    With several speeds, or both kinds of helm, each is tried alone, then all of them in the same
-    time. ConfigError.
+    With several speeds, or both kinds of helm, each is tried alone, then all together in the same
+    time, so that plans can be compared. ConfigError.
     """
     usual = IdentifiedShip(ship)
     speeds = options.speeds or ((usual.speed_kn, usual.speed_kn),)
@@ -225,9 +224,10 @@ def design_trials(ship: ShipFile, options: TrialOptions) -> TrialDesign:
 
 
 def _helms(usual: IdentifiedShip, options: TrialOptions) -> Iterator[Helm]:
-    """Yield what the rudder does: the zig-zag, the sequence, or both, as they are asked for.
+    """Yield the helms that are asked for: the zig-zag, the sequence, or both.
 
-    A bit lasts the time of a length, and the register is the shortest that the time does not end.
+    A bit lasts the time of a ship length. The register is the shortest one that is not repeated
+    within the time.
     """
     if options.zigzag is not None:
         yield Helm(options.zigzag)
@@ -241,7 +241,7 @@ def _helms(usual: IdentifiedShip, options: TrialOptions) -> Iterator[Helm]:
 
 
 def sensors_of(ship: ShipFile, asked: Sensors, given: Collection[str]) -> Sensors:
-    """Return the instruments: those ``asked`` where ``given`` or where the file has none."""
+    """Return the instruments: as ``asked`` if ``given``, or if the file has none."""
     sensors = ship.sensors or Sensors()
     sensor_keys = [key for key, name in SENSOR_CHANNELS.items() if name not in given]
     of_file = {key: value for key in sensor_keys if (value := getattr(sensors, key)) is not None}
@@ -307,7 +307,7 @@ def _expected(
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, np.array(ship.constants), trials, prior, options.prior_strength)
     noise, axes = _noise(ship, ship.result.speed_kn * KNOT, options), len(model.driven)
-    noise[axes:] = np.maximum(noise[axes:], problem.floors)
+    noise[axes:] = np.maximum(noise[axes:], problem.floors)  # as a fit would have them
     states = STATE_NAMES[: model.states]
     firsts = [[flight.column(name)[0] for name in states] for flight in flights]
     coefficients = [ship.coefficients[name] for name in model.free]
@@ -317,9 +317,9 @@ def _expected(
 def _noise(ship: ShipFile, speed: float, options: TrialOptions) -> Numbers:
     """Return the disturbances and the errors of readings.
 
-    Disturbances make the unrest in the time of a length; those of surge and sway are of a force at
-    a quarter of the length, which is the radius of gyration too. Those of roll are of yaw, and roll
-    is read as heading is.
+    The disturbance of yaw is such that it makes the unrest within the time of a ship length. Those
+    of surge and sway are of a force at a quarter of the length, which is also the radius of
+    gyration. Roll has the disturbance of yaw, and is read as well as heading.
     """
     length = ship.dimensions.length_m
     turning = max(math.radians(options.unrest) / math.sqrt(length / speed), MIN_DISTURBANCE)

@@ -45,7 +45,7 @@ BOAT_OPTIONS: Final = {
 
 
 class IdentifiedShip:
-    """A ship that is not linear, of a file that a fit has written."""
+    """A ship that is not linear, from a file that a fit has written."""
 
     def __init__(self, ship: ShipFile, step: float | None = None) -> None:
         """Take the ship's numbers; ConfigError if no fit has given it any."""
@@ -84,7 +84,7 @@ class IdentifiedShip:
         self._ordered = min(max(self._neutral + value, -limit), limit)
 
     def keep(self, quantity: str) -> None:
-        """Do nothing: revolutions are held, and there is no depth."""
+        """Do nothing: revolutions are constant, and there is no depth."""
 
     def observe(self) -> tuple[float, ...]:
         """Return the columns as they stand, SI and radians; the rudder positive to port."""
@@ -159,7 +159,7 @@ def _interval(one: Measure, drawn: list[dict[str, float | None]]) -> Interval:
 
 
 def _beyond(ship: ShipFile, flight: Flight) -> Iterator[str]:
-    """Yield where a manoeuvre leaves what the records saw."""
+    """Yield where a manoeuvre leaves the ranges that the records covered."""
     u, v, r = (flight.column(name) for name in ("u", "v", "r"))
     size, length = np.hypot(u, v), ship.dimensions.length_m
     flown = {
@@ -211,11 +211,11 @@ class SailingSubject:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept of each member. ConfigError if the study asks for what is not."""
+        """Return the measures that are kept of each member. ConfigError for an unknown one."""
         return asked_of(self.study, self.flight, self.trial.measures(self.flight))
 
     def batch(self, first: int, count: int) -> Batch:
-        """Return what becomes of ``count`` members from ``first`` on."""
+        """Return the results of ``count`` members from ``first`` on."""
         return fly_each(self.study.draws, first, count, len(self.outputs), self._numbers)
 
     def _numbers(self, drawn: Mapping[str, Any], seed: int) -> list[float]:
