@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from helpers.places import ROOT
 
-WORDS_FOR_PEOPLE = frozenset(("why", "told", "text", "who", "reason", "answer", "says"))
+WORDS_FOR_PEOPLE = frozenset(("why", "told", "text", "who", "reason", "answer", "says", "verdict"))
 QUESTIONS = frozenset(("startswith", "endswith"))
 GRAMMARS = ("trainer/io/orders", "trainer/cli")  # there the words are what is decided on
 # Texts that are a notation and no prose, by file: what they are

@@ -9,6 +9,7 @@ that delay would count as an error. Controls act at once for the same reason.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import pairwise
 from typing import Final
 
@@ -39,10 +40,6 @@ GOOD_ERROR_PERCENT: Final = 1.0  # [%] error up to which a step is fine,
 BAD_ERROR_PERCENT: Final = 5.0  # and from which it is of no use
 MIN_COLUMN_CHANGE: Final = 1e-3  # [rad] or of the speed: a column that moves less is not looked at
 INSTANT_RIG: Final = Rig(controls="once")
-HOLDS_VERDICT: Final = "holds"
-PARTIAL_VERDICT: Final = "holds in part"
-FAILS_VERDICT: Final = "does not hold on this hull"
-UNKNOWN_VERDICT: Final = "cannot be shown on this hull"
 CRITICAL_SPEED_RATIOS: Final = (
     0.6,
     0.7,
@@ -70,6 +67,24 @@ REPORT_RIG: Final = Rig(law="report")
 NONLINEAR_COEFFICIENTS: Final = ("Z_waw", "Z_ww", "Z_aw", "M_waw", "M_ww", "M_aw", "M_awq", "M_qaq")
 
 
+class ClaimVerdict(StrEnum):
+    """Whether a finding of 1969 is so on a hull. The value is how the guide says it."""
+
+    HOLDS = "holds"
+    HOLDS_IN_PART = "holds in part"
+    FAILS = "does not hold on this hull"
+    NOT_SHOWN = "cannot be shown on this hull"
+
+
+class StepVerdict(StrEnum):
+    """How good a step is. The value is how the guide says it."""
+
+    FINE = "fine"
+    COARSE = "coarse"
+    USELESS = "of no use"
+    LOST = "lost"
+
+
 @dataclass(frozen=True)
 class StepRun:
     """One scheme at one step in one manoeuvre."""
@@ -80,7 +95,16 @@ class StepRun:
     step_s: float
     percent: float | None  # worst error of any column, of its largest change; None: lost
     worst: str  # the column
-    verdict: str  # "fine", "coarse", "of no use" or "lost"
+    verdict: StepVerdict
+
+
+def step_verdict(percent: float | None) -> StepVerdict:
+    """Return how good a step is by its worst error [%], None if lost."""
+    if percent is None:
+        return StepVerdict.LOST
+    if percent <= GOOD_ERROR_PERCENT:
+        return StepVerdict.FINE
+    return StepVerdict.COARSE if percent <= BAD_ERROR_PERCENT else StepVerdict.USELESS
 
 
 def cases(file: VesselFile) -> dict[str, tuple[Manoeuvre, float]]:
@@ -129,14 +153,7 @@ def step_study(file: VesselFile, flown: FlightTable) -> tuple[StepRun, ...]:
             continue
         for (name, _, rates), step, task in fly_schemes(file, manoeuvre, speed):
             percent, worst = worst_error(true, flown[task])
-            verdict = (
-                "lost"
-                if percent is None
-                else "coarse"
-                if percent <= BAD_ERROR_PERCENT
-                else "of no use"
-            )
-            verdict = "fine" if percent is not None and percent <= GOOD_ERROR_PERCENT else verdict
+            verdict = step_verdict(percent)
             runs.append(StepRun(case, name, rates, step, percent, worst, verdict))
     return tuple(runs)
 
@@ -174,7 +191,7 @@ class Finding:
 
     title: str
     claim: str  # of 1969
-    verdict: str
+    verdict: ClaimVerdict
     words: str  # why, with figures
     heads: tuple[str, ...] = ()
     rows: tuple[tuple[str, ...], ...] = ()
@@ -232,7 +249,7 @@ def reversal(file: VesselFile, flown: FlightTable) -> Finding:
     claim = "below the critical speed of EC470, planes to dive make the boat rise"
     critical = critical_speed(file, "stern")
     if critical is None:
-        return Finding(title, claim, UNKNOWN_VERDICT, "this hull has no critical speed")
+        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "this hull has no critical speed")
     rates = {}
     for ratio in CRITICAL_SPEED_RATIOS:
         flight = flown[_offset(file, ratio * critical)]
@@ -257,10 +274,16 @@ def reversal(file: VesselFile, flown: FlightTable) -> Finding:
             f"EC470 {len(rates)} can "
             f"be flown, and the depth rate turns {len(turns)} times between them"
         )
-        verdict = FAILS_VERDICT if len(rates) == len(CRITICAL_SPEED_RATIOS) else UNKNOWN_VERDICT
+        verdict = (
+            ClaimVerdict.FAILS
+            if len(rates) == len(CRITICAL_SPEED_RATIOS)
+            else ClaimVerdict.NOT_SHOWN
+        )
         return Finding(title, claim, verdict, words, heads, rows)
     flies, says = turns[0] / KNOT, critical / KNOT
-    verdict = HOLDS_VERDICT if abs(flies - says) <= REVERSAL_TOLERANCE * says else FAILS_VERDICT
+    verdict = (
+        ClaimVerdict.HOLDS if abs(flies - says) <= REVERSAL_TOLERANCE * says else ClaimVerdict.FAILS
+    )
     words = f"EC470 gives {says:.2f} kn, in flight with 2 degrees it is {flies:.2f} kn"
     return Finding(title, claim, verdict, words, heads, rows)
 
@@ -276,7 +299,7 @@ def depth_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
     heads = ("without", "its value here", "largest depth change [m]", "times", "")
     if isinstance(whole, str) or whole.lost:
         words = whole if isinstance(whole, str) else whole.lost
-        return Finding(title, claim, UNKNOWN_VERDICT, words)
+        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, words)
     base = largest_value(whole.change("z"))
     rows = [("nothing", "", f"{base:+.2f}", "1.00", "")]
     by_effect: dict[str, list[str]] = {}
@@ -286,14 +309,14 @@ def depth_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
         rows.append(row)
     lost = by_effect.get(LOST_DEPTH_EFFECT, [])
     verdict = (
-        HOLDS_VERDICT
+        ClaimVerdict.HOLDS
         if lost == list(TURN_COEFFICIENTS)
-        else PARTIAL_VERDICT
+        else ClaimVerdict.HOLDS_IN_PART
         if lost
-        else FAILS_VERDICT
+        else ClaimVerdict.FAILS
     )
     if len(by_effect.get(ABSENT_EFFECT, [])) == len(TURN_COEFFICIENTS):
-        verdict = UNKNOWN_VERDICT
+        verdict = ClaimVerdict.NOT_SHOWN
     effects = "; ".join(f"{effect}: {', '.join(names)}" for effect, names in by_effect.items())
     words = f"with all terms depth changes by {abs(base):.2f} m; without one of them, {effects}"
     return Finding(title, claim, verdict, words, heads, tuple(rows))
@@ -325,17 +348,17 @@ def roll_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
     title, claim = "Roll in turns", "without K_vav the roll of a turn changes by about 70 %"
     whole, without = flown[_turn(file)], flown[_turn(file, "K_vav")]
     if not file.coefficients["K_vav"]:
-        return Finding(title, claim, UNKNOWN_VERDICT, "this hull's data have no K_vav")
+        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "this hull's data have no K_vav")
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, UNKNOWN_VERDICT, "the turn cannot be flown")
+        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "the turn cannot be flown")
     before, after = largest_value(whole.change("phi")), largest_value(without.change("phi"))
     percent = 100.0 * (after - before) / abs(before)
     verdict = (
-        HOLDS_VERDICT
+        ClaimVerdict.HOLDS
         if abs(percent) >= 50.0
-        else PARTIAL_VERDICT
+        else ClaimVerdict.HOLDS_IN_PART
         if abs(percent) > 5.0
-        else FAILS_VERDICT
+        else ClaimVerdict.FAILS
     )
     share = file.coefficients["K_vav"] / (file.coefficients["K_v"] or float("nan"))
     words = (
@@ -351,13 +374,19 @@ def nonlinear_terms(file: VesselFile, flown: FlightTable) -> Finding:
     claim = "without all of them pitch is off by 21 %, depth by 14 %"
     whole, without = flown[_meander(file)], flown[_meander(file, *NONLINEAR_COEFFICIENTS)]
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, UNKNOWN_VERDICT, "the meander cannot be flown")
+        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "the meander cannot be flown")
     percent = {}
     for name in ("theta", "z"):
         before, after = largest_value(whole.change(name)), largest_value(without.change(name))
         percent[name] = 100.0 * (after - before) / before
     worst = max(abs(one) for one in percent.values())
-    verdict = HOLDS_VERDICT if worst >= 10.0 else PARTIAL_VERDICT if worst > 5.0 else FAILS_VERDICT
+    verdict = (
+        ClaimVerdict.HOLDS
+        if worst >= 10.0
+        else ClaimVerdict.HOLDS_IN_PART
+        if worst > 5.0
+        else ClaimVerdict.FAILS
+    )
     present_terms = [name for name in NONLINEAR_COEFFICIENTS if file.coefficients[name]]
     words = (
         f"the meander's pitch is off by {percent['theta']:+.1f} %, its depth by "
@@ -374,13 +403,15 @@ def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
     yield Finding(
         "Euler at 1 s",
         "Euler cannot be used at twice the step that Adams is used at",
-        HOLDS_VERDICT if euler.verdict in ("lost", "of no use") else FAILS_VERDICT,
+        ClaimVerdict.HOLDS
+        if euler.verdict in (StepVerdict.LOST, StepVerdict.USELESS)
+        else ClaimVerdict.FAILS,
         _error(euler),
     )
     yield Finding(
         "Adams at 0.5 s",
         "second-order Adams is fine at the boat's own step",
-        HOLDS_VERDICT if adams.verdict == "fine" else FAILS_VERDICT,
+        ClaimVerdict.HOLDS if adams.verdict is StepVerdict.FINE else ClaimVerdict.FAILS,
         _error(adams),
     )
     yield _lag_costs(steps, own_step)
@@ -415,7 +446,7 @@ def _lag_costs(steps: tuple[StepRun, ...], own: float) -> Finding:
         if pair["lagged"] is not None and pair["exact"] is not None
     ]
     whole = len(costs) == len(pairs) and costs
-    verdict = HOLDS_VERDICT if whole and max(costs) <= 1.0 else FAILS_VERDICT
+    verdict = ClaimVerdict.HOLDS if whole and max(costs) <= 1.0 else ClaimVerdict.FAILS
     words = "a case is lost" if not whole else f"they add at most {max(costs):.2g} % to the error"
     claim = "accelerations of the last cycle do no harm"
     return Finding("Lagged accelerations", claim, verdict, words)

@@ -7,6 +7,7 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.analysis.guide.contents import REDUCED_SETS, Guide, GuideContents, LegSheet, tally_set
+from trainer.analysis.guide.findings import ClaimVerdict
 from trainer.analysis.guide.moves import GuideMove
 from trainer.analysis.guide.programme import SET_METHODS, Leg
 from trainer.analysis.guide.summary import format_entry, verdicts_of
@@ -33,6 +34,12 @@ from trainer.report.html import (
 from trainer.report.panels import draw_panel, legend
 from trainer.report.plots import TRACK_TITLE, Curve, Panel
 
+CLAIM_STYLES: Final = {
+    ClaimVerdict.HOLDS: "good",
+    ClaimVerdict.HOLDS_IN_PART: "soft",
+    ClaimVerdict.FAILS: "bad",
+    ClaimVerdict.NOT_SHOWN: "soft",
+}
 VERDICT_STYLES: Final = {WITHIN_TOLERANCE: "good", BEYOND_TOLERANCE: "bad", NOT_JUDGED: "soft"}
 COLUMN_NAMES: Final = {
     "t": "time",
@@ -130,7 +137,7 @@ def findings(guide: Guide) -> Markup:
     """Return the chapter of the findings of 1969, each with its verdict on this hull."""
     parts = []
     for one in guide.findings:
-        style = "good" if one.verdict == "holds" else "bad" if "not" in one.verdict else "soft"
+        style = CLAIM_STYLES[one.verdict]
         parts.append(
             Markup('<h3>{}: <span class="{}">{}</span></h3>\n').format(
                 one.title, style, one.verdict

@@ -111,8 +111,9 @@ def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
 @lean
 def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
     """Write the inputs ``part`` of the way from row ``k`` to the next."""
+    following = k + 1
     for i in range(4):
-        now, then = record[k, FIRST_INPUT_COLUMN + i], record[k + 1, FIRST_INPUT_COLUMN + i]
+        now, then = record[k, FIRST_INPUT_COLUMN + i], record[following, FIRST_INPUT_COLUMN + i]
         c[i] = now + part * (then - now)
 
 

@@ -207,7 +207,7 @@ def round_rate_down(rate: float) -> float:
 
 
 def parse_address(text: str) -> tuple[str, int]:
-    """Return host and port of ``HOST[:DEFAULT_PORT]``; LinkError."""
+    """Return host and port of ``HOST[:PORT]``; LinkError."""
     match = ADDRESS_PATTERN.fullmatch(text.rstrip("/"))
     if match is None or not (match[1] or match[2]):
         raise LinkError("say HOST or HOST:PORT after the ://")
