@@ -371,7 +371,8 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
 @pytest.mark.process
 @compiled
 @pytest.mark.parametrize(
-    ("name", "first"), [("accelerate", int64), ("deflect", float64), ("answer", float64)]
+    ("name", "first"),
+    [("compute_rates", int64), ("deflect_surfaces", float64), ("advance_command_speed", float64)],
 )
 def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
     # a cached kernel cannot be looked into

@@ -49,12 +49,16 @@ class CrewOrders:
     def give(self, seconds: float, subject: str) -> None:
         """Take an order to the crew, which replaces an earlier one on its axis.
 
-        An order that the session sends again, because nobody has repeated it, keeps its time.
+        An order that the session sends again, because nobody has repeated it, keeps its time and
+        its place: `aye` repeats the newest order, and that is none.
         """
         axis, _, words = subject.partition(" ")
         says = words if axis == TELL_WORD else subject
-        before = self.waiting.pop(axis, None)
-        since = before.seconds if before and before.says == says else seconds
+        before = self.waiting.get(axis)
+        again = before is not None and before.says == says
+        if not again:
+            self.waiting.pop(axis, None)
+        since = before.seconds if before and again else seconds
         self.waiting[axis] = CrewOrder(since, axis, says)
         self.told = says if axis == TELL_WORD else self.told
         self.wrong = ""

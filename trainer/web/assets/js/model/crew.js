@@ -42,7 +42,8 @@ export class CrewOrders {
     const axis = subject.split(" ")[0];
     const says = saysOf(subject);
     const before = this.waiting.get(axis);
-    this.waiting.delete(axis);
+    // one that is sent again keeps its place: `aye` repeats the newest, and that is none
+    if (before?.says !== says) this.waiting.delete(axis);
     this.waiting.set(axis, { seconds: before?.says === says ? before.seconds : seconds, axis, says });
     if (axis === "tell") this.told = says;
     this.wrong = "";
