@@ -224,7 +224,7 @@ class CrewTalk:
         self._look_ahead()
         by = "" if role == SCHEDULE_GIVER.role else f"{role}: "
         words = f"to the crew: {order.subject}" if axis == WORDS_AXIS else f"ordered: {order_text}"
-        saying = Saying("schedule" if role == SCHEDULE_GIVER.role else role, words)
+        saying = Saying(role, words)
         return [CrewMessage("crew", f"{by}{words}", Fact("crew-order", order_text), saying)]
 
     def _belayed(self, order: Order) -> list[CrewMessage]:
