@@ -204,13 +204,15 @@ FLOODS = {
 
 @pytest.mark.parametrize("flood", FLOODS)
 def test_a_flood_of_bytes_that_are_no_line_is_cut_off(flood: str) -> None:
-    with pages() as stub, upgraded(stub.port) as end, dialled(stub.port) as other:
-        wait_until(lambda: len(stub.sessions) == 2)
-        end.sendall(b"\x01\x80\0\0\0\0")  # the first frame of a text
-        assert is_cut_off(end, FLOODS[flood] * 1000)
-        assert request(stub.port, "/helm").status == 200
-        stub.sessions[1].sendall(b"still here\n")
-        assert other.recv(PATIENCE) == "still here"
+    with pages() as stub, dialled(stub.port) as other:
+        wait_until(lambda: stub.sessions)  # a page is let in before its session is dialled
+        (session_of_other,) = stub.sessions
+        with upgraded(stub.port) as end:
+            end.sendall(b"\x01\x80\0\0\0\0")  # the first frame of a text
+            assert is_cut_off(end, FLOODS[flood] * 1000)
+            assert request(stub.port, "/helm").status == 200
+            session_of_other.sendall(b"still here\n")
+            assert other.recv(PATIENCE) == "still here"
 
 
 def test_no_frame_and_no_body_is_ever_inflated() -> None:
