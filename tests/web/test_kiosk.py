@@ -353,6 +353,7 @@ def test_keys_are_large_and_there_is_no_word_to_type_and_nothing_to_select(
 ) -> None:
     page = look(kiosk.session, "kiosk", size="phone", has_touch=True)
     for place in ("#start", "#language"):
+        expect(page.locator(place)).to_be_visible()
         box = page.locator(place).bounding_box()
         assert box
         assert min(box["width"], box["height"]) >= 72.0
