@@ -652,6 +652,7 @@ def end(page: Page) -> None:
 
 def read_debrief(page: Page) -> None:
     """See that the debrief is there, in its own styles, and can do nothing."""
+    expect(page.locator("h1")).to_have_text(COURSE)  # a page that is still opening is not reloaded
     said: list[str] = []
     page.on("console", lambda told: said.append(told.text))
     answer = page.reload()
