@@ -414,31 +414,6 @@ def test_a_rule_waits_for_the_one_above_and_its_own_time() -> None:
     ]
 
 
-def test_a_crew_begun_late_counts_as_given_what_the_clock_has_passed() -> None:
-    plan = plan_exercise("stern-plane-jam")
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    boat.state.tick = 400.0
-    table = {"crew": [{"at_s": 1, "order": "planesman on"}, {"at_s": 300, "order": "bell stop"}]}
-    aboard = ReferenceCrew(boat, read_crew(table, Place("test", "")))
-    assert list(aboard.hands) == ["planesman"]
-
-
-@pytest.mark.parametrize(("name", "axis"), [("gyro-stuck", 0), ("emergency-deep", 1)])
-def test_a_crew_begun_late_gives_nothing_of_the_past_again(name: str, axis: int) -> None:
-    plan = plan_exercise(name)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    boat.state.tick = 600.0
-    boat.state.crew_order_tick[axis] = 2.0 * plan.schedule[-1].seconds + 1.0  # long ago
-    aboard = ReferenceCrew(boat, plan.crew)
-    given: list[str] = []
-    for _ in range(60):
-        given += [each.text for each in aboard.look() if each.rule is not None]
-        assert boat.tick() == 0
-    assert given == []
-
-
 def test_the_helmsman_turns_the_way_that_is_ordered() -> None:
     heading = np.degrees(by_crew("course-changes").trajectory.columns["psi"])
     assert heading[2 * 660] == pytest.approx(180.0, abs=2.0)

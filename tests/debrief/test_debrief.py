@@ -36,6 +36,7 @@ from trainer.debrief.data import DebriefData, debrief_figures, gather_debrief
 from trainer.debrief.measures import broach_rows
 from trainer.debrief.page import (
     DebriefRequest,
+    as_json,
     debrief_file,
     default_page_path,
     draw_track,
@@ -765,16 +766,16 @@ def test_a_record_that_ends_early_says_so_and_what_counts(tmp_path: Path) -> Non
 def test_the_page_goes_beside_the_recording_and_is_told(
     wound_back: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    debrief_file(wound_back, None, None, DebriefRequest(), as_json=False)
+    debrief_file(wound_back, None, None, DebriefRequest())
     made = wound_back.with_name("back.html")
     assert capsys.readouterr().out == f"{made}\n"
     assert made.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert default_page_path(wound_back, 1).name == "back.branch1.html"
 
-    debrief_file(wound_back, None, None, DebriefRequest(), as_json=False)  # its own is made anew
+    debrief_file(wound_back, None, None, DebriefRequest())  # its own is made anew
     made.write_text("my notes")
     with pytest.raises(ConfigError, match="is there and is no debrief: say --html FILE"):
-        debrief_file(wound_back, None, None, DebriefRequest(), as_json=False)
+        debrief_file(wound_back, None, None, DebriefRequest())
     assert made.read_text() == "my notes"
     made.unlink()
 
@@ -783,7 +784,7 @@ def test_figures_are_printed_without_writing_a_page(
     wound_back: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before = sorted(wound_back.parent.iterdir())
-    debrief_file(wound_back, None, None, DebriefRequest(1), as_json=True)
+    debrief_file(wound_back, None, None, DebriefRequest(1), as_json)
     assert json.loads(capsys.readouterr().out)["branch"] == 1
     assert sorted(wound_back.parent.iterdir()) == before
 
@@ -791,7 +792,7 @@ def test_figures_are_printed_without_writing_a_page(
 def test_the_recording_is_never_written_over(wound_back: Path) -> None:
     before = wound_back.read_bytes()
     with pytest.raises(ConfigError, match="is the recording itself: give another name"):
-        debrief_file(wound_back, wound_back, None, DebriefRequest(), as_json=False)
+        debrief_file(wound_back, wound_back, None, DebriefRequest())
     assert wound_back.read_bytes() == before
 
 
@@ -842,7 +843,7 @@ def test_without_a_browser_the_next_step_is_told(
 ) -> None:
     monkeypatch.setattr(pdf, "find_browser", lambda: None)
     with pytest.raises(ConfigError, match="no Chromium, Chrome or Edge is on this machine"):
-        debrief_file(wound_back, None, tmp_path / "a.pdf", DebriefRequest(), as_json=False)
+        debrief_file(wound_back, None, tmp_path / "a.pdf", DebriefRequest())
     assert list(tmp_path.iterdir()) == []
 
 
@@ -874,7 +875,7 @@ def test_a_browser_opens_the_page_without_an_error_and_prints_it(
     assert "All measures &lt;at&gt; once" in opened.stdout
     assert "CONSOLE" not in opened.stderr
 
-    debrief_file(kept.path, None, tmp_path / "debrief.pdf", DebriefRequest(), as_json=False)
+    debrief_file(kept.path, None, tmp_path / "debrief.pdf", DebriefRequest())
     assert (tmp_path / "debrief.pdf").read_bytes().startswith(b"%PDF")
     assert (tmp_path / "debrief.pdf").stat().st_size > 50_000
 

@@ -1,10 +1,11 @@
-"""The debrief beside the reference crew's run: where it went wrong, what cost, who takes over."""
+"""The debrief beside the reference crew's run: what each minute cost, and who takes over."""
 
 import contextlib
 import json
 import math
 import sqlite3
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,13 @@ from helpers.givers import journalled
 from helpers.recorded import PANEL, record
 
 from trainer.config.files import ConfigError
+from trainer.debrief.attainable import AttainableCurve, ChangeCause
 from trainer.debrief.charts import ground_of, runs_beside
 from trainer.debrief.data import DebriefData, ReferenceComparison, debrief_figures
 from trainer.debrief.episodes import read_backs
 from trainer.debrief.judgement import costs
-from trainer.debrief.page import DebriefRequest, draw_track, read_compared, render
-from trainer.debrief.reference import can_fly, first_fault, join_runs, tasks_behind, window_extremes
+from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compared, render
+from trainer.debrief.reference import can_fly, join_runs
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.recording import RecordedOrder
 
@@ -34,6 +36,12 @@ def debriefed(path: Path, **asked: Any) -> DebriefData:
 def beside(debrief: DebriefData) -> ReferenceComparison:
     assert debrief.compared
     return debrief.compared
+
+
+def curve_of(debrief: DebriefData) -> AttainableCurve:
+    curve = beside(debrief).curve
+    assert curve
+    return curve
 
 
 @pytest.fixture(scope="module")
@@ -72,49 +80,25 @@ def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
     assert debrief.total == 0.0
 
 
-def test_who_does_as_the_reference_crew_goes_nowhere_wrong(mastered: Path) -> None:
+def test_who_does_as_the_reference_crew_loses_nothing_at_any_minute(mastered: Path) -> None:
     debrief = debriefed(mastered)
 
-    assert beside(debrief).fault is None
+    assert curve_of(debrief).changes == ()
     assert debrief.total == pytest.approx(beside(debrief).reference.card.total, abs=3.0)
-    assert "It did not: every task" in render(debrief)
+    assert "No minute cost marks" in render(debrief)
 
 
-def test_the_moment_is_where_the_depth_leaves_the_band_about_the_reference_run(idle: Path) -> None:
-    """Both bands computed anew: 2 m and the time that full marks leave, 3 m and 10 s."""
+def test_the_curve_goes_from_the_reference_crew_s_mark_to_the_crew_s_own(idle: Path) -> None:
     debrief = debriefed(idle)
-    compared = beside(debrief)
-    reference = compared.reference
-    first = next(each for each in reference.card.scores if each.name == "Time to 100 m")
-    early = max(180.0 - (first.attained.value or 0.0), 10.0)  # full marks less the reference's
-    depths = reference.trajectory.columns["z"]
-    own = debrief.trajectory.columns["z"]
-    lag = round(early * 2)
-    begin = 120  # [tick] when it is ordered
-    found = next(
-        tick
-        for tick in range(begin, 900)
-        if not any(abs(own[tick] - z) <= 2.0 for z in depths[max(tick - lag, 0) : tick + lag + 1])
-        and own[tick] < min(depths[max(tick - lag, 0) : tick + lag + 1]) - 2.0
-    )
-    # "Settled" allows 10 s and 3 m: it may be the first
-    settled = next(
-        tick
-        for tick in range(begin, 900)
-        if own[tick] < min(depths[max(tick - 20, 0) : tick + 21]) - 3.0
-    )
+    curve = curve_of(debrief)
 
-    assert compared.fault
-    assert compared.fault.quantity == "depth"
-    assert compared.fault.tick == min(found, settled)
-
-
-def test_extremes_are_those_of_the_rows_about_each() -> None:
-    values = np.random.default_rng(1).normal(size=40)
-    for most in (0, 1, 3, 8, 40):
-        padded = [values[max(i - most, 0) : i + most + 1] for i in range(40)]
-        assert list(window_extremes(values, most, np.minimum)) == [each.min() for each in padded]
-        assert list(window_extremes(values, most, np.maximum)) == [each.max() for each in padded]
+    assert curve.points[0].marks == beside(debrief).reference.card.total
+    assert curve.points[-1].marks == debrief.total == 0.0
+    marks = [point.marks for point in curve.points]
+    assert max(after - before for before, after in pairwise(marks)) < 3.0  # nobody earns any
+    assert curve.until_won is not None
+    assert 120 < curve.until_won < 2 * 300  # the first depth is ordered at 60 s
+    assert sum(change.marks for change in curve.changes) == pytest.approx(-marks[0], abs=5.0)
 
 
 def test_an_exercise_without_an_end_in_sight_is_not_flown_for_the_page(idle: Path) -> None:
@@ -124,52 +108,39 @@ def test_an_exercise_without_an_end_in_sight_is_not_flown_for_the_page(idle: Pat
     assert not can_fly(replace(plan, duration=1e15))
 
 
-def test_a_departure_of_less_than_twenty_seconds_is_not_for_good(idle: Path) -> None:
-    debrief = debriefed(idle)
-    reference = beside(debrief).reference
-
-    def away(seconds: float) -> Any:
-        depth = reference.trajectory.columns["z"].copy()
-        depth[600 : 600 + round(2 * seconds) + 1] -= 30.0  # while it is at 100 m
-        columns = {**reference.trajectory.columns, "z": depth}
-        moved = replace(reference.trajectory, columns=columns)
-        return first_fault(moved, debrief.card, reference, debrief.plan, "qualified")
-
-    assert away(19.0) is None
-    assert away(21.0).tick == 600
-
-
-def test_a_task_that_has_no_band_is_named_where_no_moment_can_be_told(tmp_path: Path) -> None:
+def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
+    tmp_path: Path,
+) -> None:
     debrief = debriefed(record(tmp_path / "back.trainer", "backing", {}))
-    compared = beside(debrief)
-    assert compared.fault is None
-    worse = tasks_behind(debrief.card, compared.reference.card)
-    assert worse
-    assert f"No one moment: {', '.join(worse)} fell short" in render(debrief)
+    (change, *_) = curve_of(debrief).changes
+    assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern two-thirds")
+    assert change.tick == 128
+    assert '"bell astern two-thirds" was due at 1:04 and did not come' in " ".join(
+        as_text(debrief).split()
+    )
 
 
-def test_north_is_told_as_000(tmp_path: Path) -> None:
-    debrief = debriefed(record(tmp_path / "north.trainer", "gyro-stuck", {}))
-    fault = beside(debrief).fault
-    assert fault
-    assert fault.told.startswith("course 000; the band about the reference run was 000 to 0")
-
-
-def test_a_late_answer_went_wrong_when_full_marks_ended(jam: Path) -> None:
+def test_an_answer_that_came_too_late_is_named_where_it_was_due(jam: Path) -> None:
     debrief = debriefed(jam)
     onset = debrief.casualties[0].episode.begun
-    fault = beside(debrief).fault
+    (change, *_) = curve_of(debrief).changes
 
-    assert fault
-    assert fault.tick == onset + 24  # 12 s
-    assert fault.told == "an answer to stern-hard-over was due within 12 s; it came after 20 s"
+    assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern full")
+    assert change.tick is not None
+    assert onset < change.tick <= onset + 24  # within 12 s
 
 
-def test_the_page_leads_to_that_moment_in_the_charts(idle: Path, jam: Path) -> None:
-    told = render(debriefed(idle))
-    assert '<a href="#wrong-depth">Go there</a>' in told
-    assert 'id="wrong-depth"' in told
-    assert '<a href="#wrong-timeline">Go there</a>' in render(debriefed(jam))
+def test_the_page_leads_to_each_change_in_the_charts(jam: Path) -> None:
+    told = render(debriefed(jam))
+    assert '<a href="#change0-attainable">Go there</a>' in told
+    assert 'id="change0-attainable"' in told
+    assert "What could still be earned [marks]" in told
+
+
+def test_the_text_for_a_terminal_fits_eighty_columns(jam: Path) -> None:
+    lines = as_text(debriefed(jam)).splitlines()
+    assert max(map(len, lines)) < 80
+    assert any(line.startswith(" 100 |#") for line in lines)
 
 
 def test_without_keeping_lost_the_losses_are_all_that_lacks(idle: Path) -> None:
@@ -341,8 +312,9 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
     debrief = debriefed(path)
     assert debrief.total is None
     assert debrief.free
-    assert beside(debrief).fault is None
+    assert beside(debrief).curve is None
     told = render(debrief)
+    assert "There is no curve: a free run has no marks." in told
     assert "Casualty rudder-stuck at 1:10, by instructor at a desk." in told
     assert "<b>Free</b>, no marks" in told
 

@@ -280,7 +280,7 @@ def test_a_trainee_is_found_however_the_name_is_written_and_else_the_nearest() -
 
 def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
     change_marks(kept, DebriefRequest(), [f"outcome: won, {ANN} steered well"], [])
-    debrief_file(kept, None, None, DebriefRequest(), as_json=False)
+    debrief_file(kept, None, None, DebriefRequest())
     list_recording(kept)
     before = read_compared(kept, DebriefRequest()).trajectory
     told = list(forget_trainee(ANN.upper(), [kept]))

@@ -21,12 +21,10 @@ from trainer.config.exercise import ExerciseLimits, parse_exercise
 from trainer.config.files import ConfigError, Place
 from trainer.config.sea import load_sea
 from trainer.debrief.measures import rows_beyond
-from trainer.debrief.rehearsal import Departure, fly_rehearsal
+from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.recording.queries import Moment
 from trainer.session.exercise import is_met
-from trainer.session.layout import LAYOUT
 from trainer.session.nmea.readings import read_fields
 from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments
 from trainer.session.options import RunOptions
@@ -200,12 +198,11 @@ def test_who_takes_over_finds_the_current_as_it_was_ordered(plan: Plan) -> None:
         if tick == 10:
             obey_order(boat, order)
         boat.tick()
-    moment = Moment(1, 40, boat.records.state.tobytes(), 1, 1)
-    since = Departure(moment, LAYOUT, {}, ((10, order),))
-    taken = fly_rehearsal(plan, since=since).trajectory
+    since = Departure(40, boat.records.state.copy(), ((10, order),))
+    taken = fly(plan, since, {})[0].trajectory
     for name, column in whole.columns.items():
         assert np.array_equal(column[40:], taken.columns[name]), name
-    forgotten = fly_rehearsal(plan, since=replace(since, to_world=())).trajectory
+    forgotten = fly(plan, replace(since, to_world=()), {})[0].trajectory
     assert not np.array_equal(forgotten.columns["x"], taken.columns["x"])
 
 

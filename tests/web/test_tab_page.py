@@ -384,9 +384,7 @@ def test_a_page_on_a_telephone_fits(opened: Open, boat_page: str) -> None:
 
 def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path) -> None:
     out = tmp_path / "debrief.html"
-    debrief_file(
-        drill, out, None, DebriefRequest(boat=page_text(None, drill, "instructor")), as_json=False
-    )
+    debrief_file(drill, out, None, DebriefRequest(boat=page_text(None, drill, "instructor")))
 
     page = opened(out.read_text(encoding="utf-8"))
 

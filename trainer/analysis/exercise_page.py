@@ -327,8 +327,9 @@ def _marks(checked: FlownExercise) -> Iterator[tuple[str, str]]:
         why = f": {card.verdict.reason}" if card.verdict and card.verdict.reason else ""
         yield word, f"{total}, {card.verdict.outcome if card.verdict else '-'}{why}"
     if checked.crew is not None:
+        given = checked.flights["crew"].rules_given
         for i, rule in enumerate(plan.crew.rules):
-            if i not in checked.flights["crew"].times:
+            if i not in given:
                 yield "note", f"crew[{i}] {rule.row.order}: was not to be given at this seed"
 
 

@@ -2,7 +2,8 @@
 
 import math
 from collections import deque
-from dataclasses import dataclass, field
+from copy import copy
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -11,6 +12,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings, instrument_readings
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.config.reference_crew import Helmsman, Planesman
+from trainer.core.kernel import Record
 
 GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered: mean_s of a rule is 600 at most
 RATE_PERIOD_S: Final = 2.0  # [s] over which a rate is seen on a gauge
@@ -100,6 +102,18 @@ class PlanesHand:
         self.stern = round(math.degrees(toward["stern"] * float(s.delta_s)))
         self.bow = round(math.degrees(toward["bow"] * float(s.delta_b)))
 
+    def aboard(self, boat: Boat) -> "PlanesHand":
+        """Return this hand with all it knows, at the planes of another boat."""
+        hand = copy(self)
+        hand.boat, hand.depth, hand.pitch = boat, replace(self.depth), replace(self.pitch)
+        return hand
+
+    def find_ordered(self) -> None:
+        """Take what anybody ordered last as one's own: a hand goes on from there."""
+        s, toward = self.boat.state, self.boat.toward
+        self.stern = round(math.degrees(toward["stern"] * _ordered(s, "stern", "s")))
+        self.bow = round(math.degrees(toward["bow"] * _ordered(s, "bow", "b")))
+
     def look(self, gauges: GaugeHistory) -> list[str]:
         """Return what is ordered at this tick."""
         self.depth.look(self.boat)
@@ -159,6 +173,17 @@ class RudderHand:
         s = self.boat.state
         self.rudder = round(math.degrees(self.boat.toward["rudder"] * float(s.delta_r)))
 
+    def aboard(self, boat: Boat) -> "RudderHand":
+        """Return this hand with all it knows, at the rudder of another boat."""
+        hand = copy(self)
+        hand.boat, hand.course = boat, replace(self.course)
+        return hand
+
+    def find_ordered(self) -> None:
+        """Take what anybody ordered last as one's own: a hand goes on from there."""
+        ordered = _ordered(self.boat.state, "rudder", "r")
+        self.rudder = round(math.degrees(self.boat.toward["rudder"] * ordered))
+
     def look(self, gauges: GaugeHistory) -> list[str]:
         """Return what is ordered at this tick."""
         self.course.look(self.boat)
@@ -182,6 +207,12 @@ class RudderHand:
             aim = float(self.boat.state.ordered_psi)
             return math.degrees(math.remainder(aim - heading, math.tau))
         return math.degrees(self.course.value - heading)
+
+
+def _ordered(state: Record, surface: str, letter: str) -> float:
+    """Return the angle [rad] that a surface is ordered to by hand; else the one that it has."""
+    by_hand = state[f"{surface}_by_hand"] != 0.0
+    return float(state[f"ordered_{letter}" if by_hand else f"delta_{letter}"])
 
 
 def _tilt(planes: str, rise: int) -> str:

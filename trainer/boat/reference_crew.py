@@ -4,8 +4,7 @@ It sees what the gauges show, and gives nothing that a crew could not type.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +27,6 @@ class GivenOrder(NamedTuple):
 
     text: str
     reply: Reply
-    rule: int | None  # its place in the file; None: a hand's own
 
 
 @dataclass
@@ -63,14 +61,13 @@ class ReferenceCrew:
     """The reference crew of one exercise aboard one boat, from this moment on."""
 
     def __init__(self, boat: Boat, crew: Crew, reaction: CrewReaction | None = None) -> None:
-        """Take the boat as it is; what rules ordered by the clock before counts as given."""
+        """Come aboard with no rule carried out, and no hand at work."""
         self.boat = boat
         self.crew = crew
         self.reaction = reaction or CrewReaction()
         self.gauges = GaugeHistory(boat)
         self.followed = [RuleProgress(rule) for rule in crew.rules]
         self.hands: dict[str, PlanesHand | RudderHand] = {}
-        self._skip_past()
 
     def look(self) -> list[GivenOrder]:
         """Follow the rules and the hands at this tick; return the orders given."""
@@ -79,71 +76,53 @@ class ReferenceCrew:
         for i, progress in enumerate(self.followed):
             if not progress.over and progress.due is None:
                 self._notice(progress, self.followed[i - 1] if progress.rule.row.then else None)
-            if progress.due is not None and self.boat.time >= progress.due - TIME_ROUNDING_S:
-                orders.append(self._carry_out(progress, i))
+            if self.is_due(progress):
+                orders.append(self._carry_out(progress))
         for hand in list(self.hands.values()):
             orders += [self._give(text) for text in hand.look(self.gauges)]
         return orders
 
-    def take_over(self, given: Mapping[int, float]) -> None:
-        """Count rules as carried out before this moment, as by a crew that was aboard.
+    def aboard(self, boat: Boat) -> "ReferenceCrew":
+        """Return this crew with its rules, its gauges and its hands, aboard another boat."""
+        crew = ReferenceCrew(boat, self.crew, self.reaction)
+        crew.gauges.seen.extend(self.gauges.seen)
+        crew.followed = [replace(progress) for progress in self.followed]
+        crew.hands = {name: hand.aboard(boat) for name, hand in self.hands.items()}
+        return crew
 
-        ``given`` has the time [s] of each by its place. A rule whose cause is still there does not
-        count, so that this crew acts on it.
-        """
+    def notice(self) -> None:
+        """Read the gauges at this tick, and set when the orders of rules are due."""
         self.gauges.look()
-        done = [False] * len(self.followed)
         for i, progress in enumerate(self.followed):
-            row = progress.rule.row
-            if row.at_s is not None or row.ordered is not None:  # settled as it came aboard
-                done[i] = progress.given is not None
-                continue
-            was_given = i in given and given[i] < self.boat.time and (not row.then or done[i - 1])
-            done[i] = was_given and (row.every_s is not None or not self._caused(progress.rule))
-            if done[i]:
-                self._count(progress, given[i])
-        self.gauges.seen.clear()
+            if not progress.over and progress.due is None:
+                self._notice(progress, self.followed[i - 1] if progress.rule.row.then else None)
 
-    def _caused(self, rule: CrewRule) -> bool:
-        """Return whether the gauges show what a rule waits for."""
-        mean = rule.row.mean_s or 0.0
-        return bool(rule.conditions) and all(self._shows(one, mean) for one in rule.conditions)
+    def is_due(self, progress: RuleProgress) -> bool:
+        """Return whether the order of a rule is to be given by now."""
+        return progress.due is not None and self.boat.time >= progress.due - TIME_ROUNDING_S
 
-    def _count(self, each: RuleProgress, given: float) -> None:
-        """Count a rule as carried out at a time [s], its hand put to work."""
-        each.given, each.over = given, each.rule.row.every_s is None
-        if each.rule.order.name in CREW_HANDS:
-            self._switch(each.rule.order)
+    def count(self, progress: RuleProgress) -> None:
+        """Count a rule as carried out now; one that comes again waits again."""
+        row, order = progress.rule.row, progress.rule.order
+        progress.given, progress.due = self.boat.time, None
+        progress.over = row.ordered is None and row.every_s is None
+        if order.name in CREW_HANDS:
+            self._switch(order)
 
-    def _skip_past(self) -> None:
-        """Count as given each rule whose time, by clock or order to the crew, is past."""
-        before = None
+    def come_late(self) -> None:
+        """Take up what is overdue, each order after its own reaction.
+
+        A rule whose cause is over waits for it again.
+        """
+        now = self.boat.time
         for progress in self.followed:
-            due = self._due_by_clock(progress, before)
-            if due is not None and due < self.boat.time - TIME_ROUNDING_S:
-                progress.given, progress.over = due, progress.rule.row.ordered is None
-                progress.noticed = self._stamp(progress.rule.row.ordered)
-                if progress.rule.order.name in CREW_HANDS:
-                    self._switch(progress.rule.order)
-            before = progress
-
-    def _due_by_clock(self, each: RuleProgress, before: RuleProgress | None) -> float | None:
-        """Return when a rule was due [s]; None if it waits for a condition, or another rule."""
-        row, begun = each.rule.row, 0.0
-        if row.when is not None:
-            return None
-        if row.ordered is not None:
-            stamp = self._stamp(row.ordered)
-            if not stamp:
-                return None
-            begun = (stamp - 1.0) * self.boat.method.step
-        if row.at_s is not None:
-            begun = row.at_s
-        if row.then:
-            if before is None or before.given is None:
-                return None
-            begun = max(begun, before.given)
-        return begun + (row.after_s or 0.0)
+            if progress.due is None or progress.due >= now - TIME_ROUNDING_S:
+                continue
+            row = progress.rule.row
+            if row.when is not None and self._begun(progress) is None:
+                progress.due = None
+            else:
+                progress.due = now + (row.after_s or 0.0) + self.reaction.delay()
 
     def _stamp(self, axis: str | None) -> float:
         """Return which order to the crew stands on an axis, by its tick in the state; 0 none."""
@@ -210,17 +189,15 @@ class ReferenceCrew:
             else 0.0
         )
 
-    def _carry_out(self, each: RuleProgress, place: int) -> GivenOrder:
-        """Give the order of a rule; have it wait again if it is to come again."""
-        row, order = each.rule.row, each.rule.order
-        each.given, each.due = self.boat.time, None
-        each.over = row.ordered is None and row.every_s is None
+    def _carry_out(self, progress: RuleProgress) -> GivenOrder:
+        """Give the order of a rule."""
+        order = progress.rule.order
+        self.count(progress)
         if order.name in CREW_HANDS:
-            self._switch(order)
-            return GivenOrder(order.text, order.text, place)
+            return GivenOrder(order.text, order.text)
         if order.name == MARK_ORDER:
-            return GivenOrder(order.text, f"marked at {self.boat.time:g} s", place)
-        return GivenOrder(order.text, obey_order(self.boat, order), place)
+            return GivenOrder(order.text, f"marked at {self.boat.time:g} s")
+        return GivenOrder(order.text, obey_order(self.boat, order))
 
     def _switch(self, order: Order) -> None:
         """Put a hand on planes or rudder, or take it off."""
@@ -237,4 +214,4 @@ class ReferenceCrew:
     def _give(self, text: str) -> GivenOrder:
         order = parse(text)
         assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
-        return GivenOrder(text, obey_order(self.boat, order), None)
+        return GivenOrder(text, obey_order(self.boat, order))

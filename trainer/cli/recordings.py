@@ -107,12 +107,14 @@ def export(
     "--change-back", multiple=True, metavar="NAME", help="Take such a change back; all: all."
 )
 @click.option("--fly", is_flag=True, help="Put the boat into the page, to be taken over there.")
-@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+@click.option("--text", is_flag=True, help="Print the marks and what each minute cost.")
+@click.option("--json", "json", is_flag=True, help="Print the figures as JSON.")
 def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     """Write what was ordered, what came of it, and the marks, as one page.
 
     \b
     Example:  trainer debrief drill.trainer
+              trainer debrief --last --text
               trainer debrief --last --pdf drill.pdf
               trainer debrief drill.trainer --reference-from 320
               trainer debrief drill.trainer --fly
@@ -122,7 +124,13 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     recording, and both marks are shown.
     """
     from trainer.debrief.history import latest_recording
-    from trainer.debrief.page import DebriefRequest, change_marks, debrief_file
+    from trainer.debrief.page import (
+        DebriefRequest,
+        as_json,
+        as_text,
+        change_marks,
+        debrief_file,
+    )
 
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")
@@ -130,7 +138,10 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     boat = page_text(None, path, "instructor") if how["fly"] else ""
     request = DebriefRequest(how["branch"], how["width"], how["reference_from"], boat)
     change_marks(path, request, how["change"], how["change_back"])
-    debrief_file(path, how["html"], how["pdf"], request, as_json=how["as_json"])
+    if how["text"] and how["json"]:
+        raise click.UsageError("--text and --json print two things: say one of them")
+    printed = as_json if how["json"] else as_text if how["text"] else None
+    debrief_file(path, how["html"], how["pdf"], request, printed)
 
 
 @click.command()

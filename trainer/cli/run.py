@@ -214,7 +214,7 @@ def debriefing() -> "DebriefSource":
     def write(path: Path, branch: int) -> Path:
         from trainer.debrief.page import DebriefRequest, debrief_file, default_page_path
 
-        debrief_file(path, None, None, DebriefRequest(branch), as_json=False)
+        debrief_file(path, None, None, DebriefRequest(branch))
         return default_page_path(path, branch)
 
     return DebriefSource(judge, write)

@@ -25,6 +25,7 @@ from trainer.report.svg import (
     RIGHT_MARGIN_PX,
     Chart,
     ChartGround,
+    ChartMoment,
     CurveLine,
     Level,
     backdrop,
@@ -45,38 +46,17 @@ SURFACE_CHARTS: Final = {  # their letters in the state, and the titles of their
     "bow": ("b", "Bow planes, rise positive"),
 }
 BESIDE_STYLE, FROM_HERE_STYLE = "beside", "from-here"
-WRONG_MOMENT, TAKEN_MOMENT = "wrong", "taken"  # moments of the page
+CHANGE_STYLE, TAKEN_STYLE = "change", "taken"  # of moments of the page
 ROUND_TURN_DEG: Final = 350.0  # [deg] from the ordered course: the boat has gone round
 MIN_AIR_USED_PERCENT: Final = 0.5  # [%] of air, from which on the banks are shown
-QUANTITY_CHARTS: Final = {  # where a quantity is drawn that has no chart of its own name
-    "depth_rate": "depth",
-    "heel": "pitch",
-    "turn_rate": "course",
-    "turns": "speed",
-    "bank_main": "air",
-    "bank_emergency": "air",
-    "speed_over_ground": "speed",
-}
-CHART_NAMES: Final = (
-    "depth",
-    "clearance",
-    "pitch",
-    "stern",
-    "bow",
-    "course",
-    "rudder",
-    "speed",
-    "air",
-)
 ROW_HEIGHT_PX, TIMELINE_TOP_PX, TIMELINE_BOTTOM_PX = 20.0, 8.0, 24.0  # [px]
 LABEL_WIDTH_PX: Final = 24.0  # [px] that a label takes
 WASHED_TIME_S: Final = 10.0  # [s] a wave over the periscope this long does not end a showing
 
 
-def chart_of(quantity: str) -> str:
-    """Return the name of the drawing that shows a quantity, the time line's for others."""
-    name = QUANTITY_CHARTS.get(quantity, quantity)
-    return name if name in CHART_NAMES else "timeline"
+def change_name(place: int) -> str:
+    """Return the name, in links, of a change of the attainable marks."""
+    return f"change{place}"
 
 
 @dataclass(frozen=True)
@@ -112,12 +92,29 @@ def ground_of(debrief: DebriefData) -> ChartGround:
         for each in debrief.casualties
     )
     marks = tuple(each.tick * step for each in _drawn(debrief, "mark"))
-    comparison, moments = debrief.compared, []
-    if comparison and comparison.fault:
-        moments.append((WRONG_MOMENT, comparison.fault.tick * step))
+    return ChartGround(seconds, spans, marks, tuple(_moments(debrief)))
+
+
+def _moments(debrief: DebriefData) -> Iterator[ChartMoment]:
+    """Yield the moments of a page: changes of the attainable marks, and the reference crew's."""
+    comparison, step = debrief.compared, debrief.step
+    if comparison and comparison.curve:
+        for i, change in enumerate(comparison.curve.changes):
+            tick = change.begin if change.tick is None else change.tick
+            yield ChartMoment(change_name(i), CHANGE_STYLE, tick * step)
     if comparison and comparison.from_here:
-        moments.append((TAKEN_MOMENT, comparison.from_here.since or 0.0))
-    return ChartGround(seconds, spans, marks, tuple(moments))
+        yield ChartMoment(TAKEN_STYLE, TAKEN_STYLE, comparison.from_here.since or 0.0)
+
+
+def attainable_chart(debrief: DebriefData) -> Chart | None:
+    """Return the chart of the marks that could still be earned, None without any."""
+    curve = debrief.compared.curve if debrief.compared else None
+    if curve is None:
+        return None
+    seconds = np.array([point.tick * debrief.step for point in curve.points])
+    marks = np.array([point.marks for point in curve.points])
+    line = CurveLine("by a careful crew from here", marks, ACTUAL_STYLE, seconds)
+    return Chart("attainable", "What could still be earned", "marks", (line,), least=100.0)
 
 
 def charts_of(trajectory: Trajectory, beside: tuple[RunBeside, ...] = ()) -> Iterator[Chart]:

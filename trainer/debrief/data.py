@@ -1,8 +1,9 @@
 """The data of a debrief, gathered from a recording, and its figures for programs."""
 
 import sys
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,7 +13,15 @@ from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.core.cache import same_core
-from trainer.debrief.changes import WIDTH_NAME, Change, changed_card, read_changes
+from trainer.debrief.attainable import AttainableCurve, NoCurve, RunExplorer, attainable_curve
+from trainer.debrief.attainable_words import attainable_figures
+from trainer.debrief.changes import (
+    OUTCOME_NAME,
+    WIDTH_NAME,
+    Change,
+    changed_card,
+    read_changes,
+)
 from trainer.debrief.episodes import (
     Deflection,
     Episode,
@@ -24,15 +33,8 @@ from trainer.debrief.episodes import (
     read_backs,
 )
 from trainer.debrief.judgement import WIDTH_FACTORS, MarkCost, dearest_costs, judge_run, plain_marks
-from trainer.debrief.reference import (
-    Fault,
-    Reference,
-    can_fly,
-    first_fault,
-    fly_from,
-    fly_reference,
-)
-from trainer.debrief.rehearsal import Departure, fly_rehearsal
+from trainer.debrief.reference import Reference, can_fly, fly_reference, join_runs
+from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory, read_passage
@@ -41,7 +43,7 @@ from trainer.io.recording.queries import ExcessRows
 from trainer.io.recording.recording import Branch, RecordedEvent, RecordedOrder, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
 from trainer.session.plan import Plan
-from trainer.session.world_orders import recorded_world_orders, settle_world
+from trainer.session.world_orders import settle_world
 
 ECHO_EVENTS: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
 
@@ -84,8 +86,9 @@ class ReferenceComparison:
     """A run beside that of the reference crew."""
 
     reference: Reference
-    fault: Fault | None  # where the run went wrong
-    from_here: Reference | None  # the reference crew from a recorded moment on
+    curve: AttainableCurve | None = None  # what could still be earned, at each moment
+    no_curve: str = ""  # why there is none
+    from_here: Reference | None = None  # the reference crew from a recorded moment on
 
 
 @dataclass(frozen=True)
@@ -112,6 +115,7 @@ class DebriefData:
     changed: Scorecard | None = None  # the marks after them
     compared: ReferenceComparison | None = None
     excess: tuple[ExcessRows, ...] = ()  # of what the recording has more than was read
+    nobody: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # [%] by width, score
 
     @property
     def title(self) -> str:
@@ -198,6 +202,7 @@ def gather_debrief(
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
         excess=recording.excess(),
+        nobody=nobody,
     )
 
 
@@ -212,45 +217,62 @@ def find_branch(branches: list[Branch], source: Path, number: int | None) -> Bra
 
 
 def compare_debrief(
-    debrief: DebriefData, recording: Recording, seconds: float | None = None
+    debrief: DebriefData,
+    seconds: float | None = None,
+    progress: Callable[[int], object] = lambda _: None,
 ) -> DebriefData:
     """Return a debrief with the reference crew's run beside it, if it has one.
 
     With ``seconds`` the reference crew also takes over at that time. ConfigError if it cannot.
+    ``progress`` is told the points of the curve that are known.
     """
-    plan, width = debrief.plan, debrief.width
-    reference = fly_reference(plan, debrief.card, width)
+    reference = fly_reference(debrief.plan, debrief.card, debrief.width)
     if reference is None:
         if seconds is not None:
             raise ConfigError("--reference-from: this exercise has no reference crew and no end")
         return debrief
-    fault = None
-    if not debrief.free:
-        fault = first_fault(debrief.trajectory, debrief.card, reference, plan, width)
-    from_here = None
-    if seconds is not None:
-        departure = departure_at(debrief, recording, reference, seconds)
-        from_here = fly_from(debrief.trajectory, plan, departure, debrief.card, width)
-    return replace(debrief, compared=ReferenceComparison(reference, fault, from_here))
+    run = RunExplorer(
+        debrief.plan, debrief.trajectory, partial(judge_as_changed, debrief), progress
+    )
+    tick = None if seconds is None else tick_within(debrief, seconds)
+    try:
+        run.fly_again()
+        from_here = None if tick is None else reference_from(debrief, run, tick)
+        curve = None if debrief.free else attainable_curve(run)
+        why = "a free run has no marks" if debrief.free else ""
+        comparison = ReferenceComparison(reference, curve, why, from_here)
+    except NoCurve as none:
+        if tick is not None:
+            raise ConfigError(f"--reference-from {seconds:g}: {none.why}") from None
+        comparison = ReferenceComparison(reference, None, none.why)
+    return replace(debrief, compared=comparison)
 
 
-def departure_at(
-    debrief: DebriefData, recording: Recording, reference: Reference, seconds: float
-) -> Departure:
-    """Return the recorded moment at a time [s]; ConfigError if there is none."""
-    last = int(debrief.trajectory.ticks[-1])
-    tick = round(seconds / debrief.step)
-    moment = recording.moment(debrief.branch.id, tick) if 0 <= tick < last else None
-    if moment is None:
+def judge_as_changed(debrief: DebriefData, trajectory: Trajectory) -> Scorecard:
+    """Return the marks of a run by the rules as the instructor changed them.
+
+    An outcome that the instructor set is of the recorded run alone.
+    """
+    rules = tuple(each for each in debrief.changes if each.name != OUTCOME_NAME)
+    return changed_card(trajectory, debrief.plan, debrief.nobody, debrief.width, rules)
+
+
+def reference_from(debrief: DebriefData, run: RunExplorer, tick: int) -> Reference:
+    """Return the reference crew's run from a tick on, judged with the past."""
+    rehearsal = run.from_moment(tick)
+    whole = join_runs(debrief.trajectory, rehearsal.trajectory)
+    return Reference(rehearsal, judge_as_changed(debrief, whole), tick * debrief.step)
+
+
+def tick_within(debrief: DebriefData, seconds: float) -> int:
+    """Return the tick of a time [s] within the record; ConfigError if it is not."""
+    last, tick = int(debrief.trajectory.ticks[-1]), round(seconds / debrief.step)
+    if not 0 <= tick < last:
         end = last * debrief.step
         raise ConfigError(
             f"--reference-from {seconds:g}: not within the record, which is of 0 to {end:g} s"
         )
-    own_entries = set(map(id, debrief.plan.own_schedule))
-    place = sum(id(entry) in own_entries for entry in debrief.plan.schedule[: moment.place])
-    to_world = recorded_world_orders(recording, moment.branch, moment.after)
-    moment = replace(moment, place=place)  # in the schedule without the orders of --orders
-    return Departure(moment, layout_of(debrief.header), reference.rehearsal.times, to_world)
+    return tick
 
 
 def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
@@ -428,16 +450,15 @@ def deviation_of(debrief: DebriefData) -> float | None:
 
 
 def _compared(debrief: DebriefData) -> dict[str, Any]:
-    """Return the reference crew's run, and where this run first departs from it."""
+    """Return the reference crew's run, and what could still be earned at each moment."""
     comparison, step = debrief.compared, debrief.step
     if comparison is None:
-        return {"reference": None, "went_wrong": None, "reference_from": None}
-    fault = comparison.fault and asdict(comparison.fault) | {
-        "seconds": comparison.fault.tick * step
-    }
+        return {"reference": None, "attainable": None, "reference_from": None}
     return {
         "reference": _reference(comparison.reference, step),
-        "went_wrong": fault,
+        "attainable": attainable_figures(comparison.curve, step)
+        if comparison.curve
+        else {"why_none": comparison.no_curve},
         "reference_from": comparison.from_here and _reference(comparison.from_here, step),
     }
 

@@ -281,6 +281,14 @@ def marks_given(each: RuleScore) -> float | None:
     return each.marks if each.earned is None else each.earned
 
 
+def _own_marks(each: RuleScore) -> float | None:
+    """Return the marks [%] by which a rule itself is to blame.
+
+    What an answer lost because tasks failed is blamed on the tasks: the answer came in time.
+    """
+    return each.marks if each.rule.part == "answer" else marks_given(each)
+
+
 def dearest_costs(card: Scorecard, reference: Scorecard | None) -> tuple[MarkCost, ...]:
     """Return the dearest causes, MAX_COSTS_TOLD at most."""
     dear_costs = [each for each in costs(card, reference) if each.marks >= MIN_COST_PERCENT]
@@ -292,7 +300,7 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
     best = {each.name: each for each in reference.scores} if reference else {}
     yield from _by_gate(card)
     for rule_score in card.scores:
-        lost = 100.0 - (marks_given(rule_score) or 0.0)
+        lost = 100.0 - (_own_marks(rule_score) or 0.0)
         share = share_of(rule_score, card)
         if rule_score.marks is not None and share and lost > 0.0:
             sentence = _sentence(rule_score, best.get(rule_score.name), share * lost)
@@ -351,8 +359,6 @@ def _sentence(each: RuleScore, best: RuleScore | None, cost: float) -> str:
     words = f"{each.name}: {came}, full marks at {each.rule.score.full:.4g}{unit}"
     if best is not None and best.attained.value is not None:
         words += f", the reference crew {best.attained.value:.4g}{unit}"
-    if each.rule.part == "answer" and (each.marks or 0.0) > (each.earned or 0.0):
-        words += " (an answer counts no more than the tasks it was to save)"
     return f"{words}: {_marks(cost)}."
 
 

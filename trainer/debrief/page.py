@@ -1,9 +1,12 @@
 """``trainer debrief``: a recording in, one HTML page out that needs nothing beside itself."""
 
+import contextlib
+import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Final
 
 import click
@@ -14,9 +17,11 @@ from trainer import __version__
 from trainer.config.files import ConfigError, json_text, write_over
 from trainer.core.kernel import Numbers
 from trainer.debrief import sections
+from trainer.debrief.attainable_words import terminal_lines
 from trainer.debrief.changes import change_of, read_changes, without_changes, write_changes
 from trainer.debrief.charts import (
     RunBeside,
+    attainable_chart,
     charts_of,
     draw_timeline,
     ground_of,
@@ -63,6 +68,7 @@ TIME_MARK_PERIODS_S: Final = (
 MAX_TRACK_POINTS: Final = 1600  # points of it
 MAX_TIME_MARKS: Final = 12  # of them at most
 MAX_RULE_SHARE: Final = 0.2  # of the width, the longest rule
+TEXT_WIDTH: Final = 79  # [columns] of what is printed
 CLOSE_RANGE_M: Final = 3000.0  # [m] from the boat, within which a ship's way widens the map
 
 
@@ -99,7 +105,7 @@ def _under(debrief: DebriefData) -> str:
 def _parts(debrief: DebriefData) -> Iterator[Markup]:
     """Yield the sections, in the order in which a crew wants to know."""
     if debrief.card.scores:
-        yield section("moment", "Where it went wrong", sections.moment(debrief))
+        yield section("minutes", "What each minute cost", sections.minutes(debrief))
         yield section("cost", "What cost most", sections.cost(debrief))
     if debrief.changes:
         yield section("changes", "Changed by the instructor", sections.changes(debrief))
@@ -127,6 +133,8 @@ def _drawings(debrief: DebriefData) -> Markup:
     """Return the time line, the charts and the track."""
     ground, beside = ground_of(debrief), runs_beside(debrief)
     drawn = [draw_timeline(debrief, ground)]
+    if (curve := attainable_chart(debrief)) is not None:
+        drawn.append(draw_chart(curve, ground))
     drawn += [draw_chart(chart, ground) for chart in charts_of(debrief.trajectory, beside)]
     return Markup().join(
         [sections.legend(debrief), charts([*drawn, draw_track(debrief, ground, beside)])]
@@ -144,16 +152,22 @@ class DebriefRequest:
 
 
 def debrief_file(
-    path: Path, html: Path | None, pdf: Path | None, asked: DebriefRequest, *, as_json: bool
+    path: Path,
+    html: Path | None,
+    pdf: Path | None,
+    asked: DebriefRequest,
+    printed: Callable[[DebriefData], str] | None = None,
 ) -> None:
-    """Write the page as HTML or PDF, and print where it is, or the figures.
+    """Write the page as HTML or PDF, and print where it is.
+
+    With ``printed``, what that makes of the debrief is printed instead.
 
     Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
     """
     for wanted in filter(None, (html, pdf)):
         if wanted.exists() and path.exists() and wanted.samefile(path):
             raise ConfigError(f"{wanted} is the recording itself: give another name")
-    if html is None and pdf is None and not as_json:
+    if html is None and pdf is None and printed is None:
         html = default_page_path(path, asked.branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
@@ -167,14 +181,31 @@ def debrief_file(
         written.append(html)
     if pdf is not None:
         with tempfile.TemporaryDirectory() as folder:
-            printed = Path(folder) / "debrief.html"
-            write_over(printed, text)
-            print_pdf(printed, pdf)
+            page = Path(folder) / "debrief.html"
+            write_over(page, text)
+            print_pdf(page, pdf)
         written.append(pdf)
-    if as_json:
-        click.echo(json_text(debrief_figures(debrief), indent=1))
+    click.echo(printed(debrief) if printed else "\n".join(map(str, written)))
+
+
+def as_json(debrief: DebriefData) -> str:
+    """Return the figures of a debrief for programs."""
+    return json_text(debrief_figures(debrief), indent=1)
+
+
+def as_text(debrief: DebriefData) -> str:
+    """Return the marks and what each minute cost, for a terminal of 80 columns."""
+    lines = [f"{debrief.title}: {sections.said_card(debrief.final)}"]
+    comparison = debrief.compared
+    if comparison is None:
+        lines.append("This exercise has no reference crew to compare with.")
+    elif comparison.curve is None:
+        lines.append(f"There is no curve: {comparison.no_curve}.")
     else:
-        click.echo("\n".join(map(str, written)))
+        lines += terminal_lines(comparison.curve, debrief.step)
+    lines += [each.told for each in debrief.costs]
+    wrapped = (fill(plain(line), TEXT_WIDTH) if len(line) > TEXT_WIDTH else line for line in lines)
+    return "\n".join(wrapped)
 
 
 def read_dossier(path: Path, branch: int | None, width: str | None = None) -> DebriefData:
@@ -187,7 +218,26 @@ def read_compared(path: Path, asked: DebriefRequest) -> DebriefData:
     """Return the debrief of a recording beside the reference crew's run; ConfigError."""
     with open_whole_recording(path) as recording:
         debrief = gather_debrief(recording, path, asked.branch, asked.width)
-        return compare_debrief(debrief, recording, asked.reference_from)
+    with told_progress(debrief) as progress:
+        return compare_debrief(debrief, asked.reference_from, progress)
+
+
+@contextlib.contextmanager
+def told_progress(debrief: DebriefData) -> Iterator[Callable[[int], object]]:
+    """Show on a terminal from how many moments the run was flown on."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    seconds = float(debrief.trajectory.seconds[-1])
+
+    def show(points: int) -> None:
+        sys.stderr.write(f"\rflying on from {points} moments of {clock(seconds)} ... ")
+        sys.stderr.flush()
+
+    try:
+        yield show
+    finally:
+        sys.stderr.write("\r\x1b[K")
 
 
 def default_page_path(path: Path, branch: int | None) -> Path:

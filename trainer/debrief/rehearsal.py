@@ -1,11 +1,11 @@
-"""An exercise flown without a session: by nobody, or by its reference crew.
+"""An exercise flown without a session, by nobody, its reference crew or given orders.
 
-It is flown from its start, or from a recorded moment at which the reference crew takes over.
+It is flown from its start, or from any moment of another run of it.
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,9 +14,12 @@ from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import ordered_fact
 from trainer.boat.depths import collapse_of
 from trainer.boat.helm import obey_order
+from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew
 from trainer.boat.world.encounters import EncounterMonitor
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.reference_crew import MARK_ORDER, Crew
+from trainer.core.kernel import Record
 from trainer.debrief.ships_met import LOOKOUT_ROLE
 from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
@@ -27,13 +30,18 @@ from trainer.io.recording.facts import (
     SCHEDULE_GIVER,
     CrewFact,
     Giver,
+    GiverKind,
 )
-from trainer.io.recording.queries import Moment, RecordedEvent, RecordedOrder
-from trainer.session.layout import LAYOUT, read_state
+from trainer.io.recording.queries import RecordedEvent, RecordedOrder
+from trainer.session.layout import LAYOUT
 from trainer.session.plan import Plan
 from trainer.session.world_orders import WorldOrders
 
+LOOKOUT_GIVER: Final = Giver(GiverKind.REFERENCE, LOOKOUT_ROLE, LOOKOUT_ROLE)
 COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS])
+
+
+OrdersByTick = Mapping[int, Sequence[RecordedOrder]]  # recorded orders, to be given again
 
 
 @dataclass(frozen=True)
@@ -43,7 +51,7 @@ class Rehearsal:
     plan: Plan
     trajectory: Trajectory
     lost: str  # why it ended before its time, "" if it did not
-    times: Mapping[int, float]  # [s] when each of the crew's rules was last carried out, by place
+    rules_given: frozenset[int] = frozenset()  # of the reference crew, by their places
 
     @property
     def refused(self) -> tuple[RecordedOrder, ...]:
@@ -53,63 +61,158 @@ class Rehearsal:
 
 @dataclass(frozen=True)
 class Departure:
-    """A recorded moment, from which a crew takes over."""
+    """The end of a tick in one run, from which another run can begin."""
 
-    moment: Moment
-    layout: tuple[str, ...]  # of its state
-    given: Mapping[int, float]  # [s] rules of the reference crew that were carried out before
+    tick: int
+    state: Record
     to_world: WorldOrders = ()  # orders before it
+    crew: MuteCrew | None = None  # aboard so far
+
+
+@dataclass
+class ByReference:
+    """The reference crew at work, or mute until a tick comes."""
+
+    crew: ReferenceCrew | None = None
+    mute: MuteCrew | None = None
+    speaks_from: float = 0.0  # [tick]
+
+    def look(self, given: Sequence[RecordedOrder], tick: int) -> list[GivenOrder]:
+        """Return the orders of this tick; while it is mute it only follows those given."""
+        if self.mute is not None and tick >= self.speaks_from:
+            self.crew, self.mute = self.mute.speak(), None
+        if self.mute is not None:
+            parsed = (parse(each.text) for each in given)
+            self.mute.follow(order for order in parsed if isinstance(order, Order))
+        return self.crew.look() if self.crew is not None else []
 
 
 def fly_rehearsal(
-    plan: Plan,
-    crew: Crew | None = None,
-    reaction: CrewReaction | None = None,
-    since: Departure | None = None,
+    plan: Plan, crew: Crew | None = None, reaction: CrewReaction | None = None
 ) -> Rehearsal:
-    """Return the exercise flown to its end, from a recorded moment if there is one.
+    """Return the exercise flown from start to end, by its schedule and a crew.
 
     Nobody is aboard where no crew is given. ConfigError if it cannot begin, or has no end.
     """
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    first, place = (since.moment.tick, since.moment.place) if since else (0, 0)
-    if since is not None:
-        boat.restore(read_state(since.moment.state, since.layout, boat.records.state))
-        boat.world.settle(since.to_world)
-    journal, numbers = Journal(boat), boat.records.state.view(np.float64)
-    aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
-    if aboard is not None and since is not None:
-        aboard.take_over(since.given)
-    rows, lost, watch = [numbers[COLUMN_PLACES]], "", EncounterMonitor.over(boat)
-    with np.errstate(all="ignore"):
-        for places in due_orders(plan, first, place):
-            for entry in places:
-                order = plan.schedule[entry].order
-                if order.name in BOAT_ORDERS:  # what is said to people moves nothing
-                    answer = obey_order(boat, order)
-                    fact = ordered_fact(boat, order)
-                    journal.write(SCHEDULE_GIVER, order.text, answer, entry, fact)
-            if aboard is not None:
-                journal.note(aboard.look())
+    aboard = ByReference(None if crew is None else ReferenceCrew(boat, crew, reaction))
+    flight = Flight(plan, boat, aboard)
+    for places in due_orders(plan):
+        flight.give_scheduled(places)
+        if not flight.advance():
+            break
+    return flight.rehearsal()
+
+
+class Flight:
+    """A plan under way without a session: a boat, whoever is aboard, and the journal."""
+
+    def __init__(self, plan: Plan, boat: Boat, aboard: ByReference) -> None:
+        """Begin where the boat is."""
+        self.plan, self.boat, self.aboard = plan, boat, aboard
+        self.journal, self.numbers = Journal(boat), boat.records.state.view(np.float64)
+        self.first = boat.ticks
+        self.rows, self.lost = [self.numbers[COLUMN_PLACES]], ""
+        self.watch = EncounterMonitor.over(boat)
+        self.given: list[RecordedOrder] = []  # in this tick so far
+
+    def give_scheduled(self, places: range) -> None:
+        """Give the orders at some places of the schedule."""
+        for entry in places:
+            order = self.plan.schedule[entry].order
+            if order.name in BOAT_ORDERS:  # what is said to people moves nothing
+                answer = obey_order(self.boat, order)
+                fact = ordered_fact(self.boat, order)
+                self.given.append(
+                    self.journal.write(SCHEDULE_GIVER, order.text, answer, entry, fact)
+                )
+
+    def give_again(self, orders: Sequence[RecordedOrder]) -> None:
+        """Give recorded orders again, as they were given."""
+        for entry in orders:
+            order, fact = parse(entry.text), entry.crew
+            if isinstance(order, Order) and order.name == MARK_ORDER:
+                self.given.append(entry)
+                self.journal.mark(order.subject, entry.giver)
+                continue
+            reply: Reply = entry.answer
+            if isinstance(order, Order) and order.name in BOAT_ORDERS:
+                reply = obey_order(self.boat, order)
+                fact = ordered_fact(self.boat, order)
+            self.given.append(self.journal.repeat(entry, reply, fact))
+
+    def advance(self) -> bool:
+        """Let who is aboard look, and do a tick; return whether the boat goes on."""
+        boat = self.boat
+        with np.errstate(all="ignore"):
+            self.journal.note(self.aboard.look(self.given, boat.ticks))
+            self.given = []
             status = boat.tick()
-            lost = boat.failure(status) if status else collapse_of(boat) or watch.ended_by(boat)
+            self.lost = (
+                boat.failure(status) if status else collapse_of(boat) or self.watch.ended_by(boat)
+            )
             if not status:
-                rows.append(numbers[COLUMN_PLACES])
-            if lost:
-                break
-    columns = np.array(rows).T
-    trajectory = Trajectory(
-        boat=boat,
-        limits=plan.limits,
-        orders=tuple(journal.entries),
-        ticks=np.arange(first, first + len(rows), dtype=np.int64),
-        columns=dict(zip(PASSAGE_COLUMNS, columns, strict=True)),
-        lateness=np.full(len(rows), np.nan),
-        work=np.full(len(rows), np.nan),
-        marks=tuple(journal.marks),
-    )
-    return Rehearsal(plan, trajectory, lost, dict(journal.rules))
+                self.rows.append(self.numbers[COLUMN_PLACES])
+        return not self.lost
+
+    def rehearsal(self) -> Rehearsal:
+        """Return what was flown so far."""
+        columns, count = np.array(self.rows).T, len(self.rows)
+        trajectory = Trajectory(
+            boat=self.boat,
+            limits=self.plan.limits,
+            orders=tuple(self.journal.entries),
+            ticks=np.arange(self.first, self.first + count, dtype=np.int64),
+            columns=dict(zip(PASSAGE_COLUMNS, columns, strict=True)),
+            lateness=np.full(count, np.nan),
+            work=np.full(count, np.nan),
+            marks=tuple(self.journal.marks),
+        )
+        followed = self.aboard.crew.followed if self.aboard.crew else []
+        given = frozenset(i for i, each in enumerate(followed) if each.given is not None)
+        return Rehearsal(self.plan, trajectory, self.lost, given)
+
+
+def fly(
+    plan: Plan,
+    since: Departure,
+    orders: OrdersByTick,
+    speaks_from: float = math.inf,
+    until: int | None = None,
+) -> tuple[Rehearsal, Departure]:
+    """Return a plan flown by given orders from a moment on, and its end.
+
+    The orders are all there are, those of the schedule among them. The crew of the moment follows;
+    from the tick ``speaks_from`` on it gives its own.
+    """
+    boat = depart(plan, since)
+    mute = since.crew.aboard(boat) if since.crew else None
+    flight = Flight(plan, boat, ByReference(mute=mute, speaks_from=speaks_from))
+    to_world = list(since.to_world)
+    for tick in range(since.tick, last_tick(plan) if until is None else until):
+        now = orders.get(tick, ())
+        to_world += world_orders_in(now, tick)
+        flight.give_again(now)
+        if not flight.advance():
+            break
+    crew = flight.aboard.mute
+    return flight.rehearsal(), Departure(boat.ticks, boat.records.state.copy(), to_world, crew)
+
+
+def depart(plan: Plan, since: Departure) -> Boat:
+    """Return a boat as it is at a moment."""
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    boat.restore(since.state)
+    boat.world.settle(since.to_world)
+    return boat
+
+
+def world_orders_in(orders: Sequence[RecordedOrder], tick: int) -> WorldOrders:
+    """Return the orders to the world among some of a tick."""
+    parsed = (parse(each.text) for each in orders if each.text.partition(" ")[0] in WORLD_PARTS)
+    return [(tick, order) for order in parsed if isinstance(order, Order)]
 
 
 def last_tick(plan: Plan) -> int:
@@ -117,19 +220,22 @@ def last_tick(plan: Plan) -> int:
     return round((plan.duration or 0.0) / plan.method.step)
 
 
-def due_orders(plan: Plan, first: int = 0, place: int = 0) -> Iterator[range]:
+def due_orders(plan: Plan) -> Iterator[range]:
     """Yield for each tick of a plan the places of the orders due.
 
-    An order is due in the first tick not before its time. It begins at a tick, and at a place.
+    An order is due in the first tick not before its time.
     """
-    for tick in range(first, last_tick(plan)):
+    place = 0
+    for tick in range(last_tick(plan)):
         begin = place
-        while (
-            place < len(plan.schedule)
-            and math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9) <= tick
-        ):
+        while place < len(plan.schedule) and due_tick(plan, place) <= tick:
             place += 1
         yield range(begin, place)
+
+
+def due_tick(plan: Plan, place: int) -> int:
+    """Return the tick in which the order at a place of the schedule is due."""
+    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
 
 
 class Journal:
@@ -140,21 +246,20 @@ class Journal:
         self.boat = boat
         self.entries: list[RecordedOrder] = []
         self.marks: list[RecordedEvent] = []
-        self.rules: dict[int, float] = {}  # [s] when each was last carried out
 
     def note(self, given: list[GivenOrder]) -> None:
         """Write down the orders and marks of the crew."""
         for crew_order in given:
-            if crew_order.rule is not None:
-                self.rules[crew_order.rule] = self.boat.time
             order = parse(crew_order.text)
             if isinstance(order, Order) and order.name == MARK_ORDER:  # no order of the boat's
-                noted = RecordedEvent(
-                    1, self.boat.ticks, MARK_ORDER, LOOKOUT_ROLE, order.subject, "", LOOKOUT_ROLE
-                )
-                self.marks.append(noted)
+                self.mark(order.subject, LOOKOUT_GIVER)
             else:
                 self.write(REFERENCE_GIVER, crew_order.text, crew_order.reply)
+
+    def mark(self, text: str, giver: Giver) -> None:
+        """Write down that somebody marked this moment."""
+        tick = self.boat.ticks
+        self.marks.append(RecordedEvent(1, tick, MARK_ORDER, giver.words, text, "", giver.role))
 
     def write(
         self,
@@ -163,8 +268,8 @@ class Journal:
         reply: Reply,
         place: int | None = None,
         fact: CrewFact = NO_CREW_FACT,
-    ) -> None:
-        """Write an order down with its reply, and what it said to the crew."""
+    ) -> RecordedOrder:
+        """Write an order down with its reply; return it as it is written."""
         refused = isinstance(reply, Refused)
         answer = reply.reason if isinstance(reply, Refused) else reply
         number = len(self.entries) + 1
@@ -180,3 +285,19 @@ class Journal:
             crew=NO_CREW_FACT if refused else fact,
         )
         self.entries.append(entry)
+        return entry
+
+    def repeat(self, recorded: RecordedOrder, reply: Reply, fact: CrewFact) -> RecordedOrder:
+        """Write a recorded order down again, with the reply of now; return it so."""
+        refused = isinstance(reply, Refused)
+        answer = reply.reason if isinstance(reply, Refused) else reply
+        entry = replace(
+            recorded,
+            id=len(self.entries) + 1,
+            tick=self.boat.ticks,
+            accepted=not refused,
+            answer=answer,
+            crew=NO_CREW_FACT if refused else fact,
+        )
+        self.entries.append(entry)
+        return entry

@@ -7,11 +7,11 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.core.cache import same_core
+from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
-from trainer.debrief.charts import WRONG_MOMENT, chart_of
-from trainer.debrief.data import CasualtyAnswer, DebriefData, ReferenceComparison, deviation_of
+from trainer.debrief.charts import change_name
+from trainer.debrief.data import CasualtyAnswer, DebriefData, deviation_of
 from trainer.debrief.episodes import ReadBack
-from trainer.debrief.reference import tasks_behind
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
 from trainer.debrief.ships_met import Detection, look_out, meet_ships
 from trainer.io.lines import plain
@@ -22,6 +22,7 @@ from trainer.report.html import paragraph, table
 from trainer.report.svg import clock
 
 MAX_TABLE_ROWS: Final = 1000  # lines of the log, of marks, of branches
+NO_CHANGE: Final = "No minute cost marks that a careful crew would have kept."
 JSON_HINT: Final = "trainer debrief --json has all"
 JOINED_KEY_GAP_S: Final = 1.0  # [s] from one press of a key to the next
 EVENT_PLACE: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
@@ -121,28 +122,22 @@ def made_of(verdict: Verdict) -> str:
     return f"{words}; total = tasks \N{MULTIPLICATION SIGN} (0.7 + 0.3 keeping / 100)."
 
 
-def moment(debrief: DebriefData) -> Markup:
-    """Return the moment at which the run went wrong, with a link into the charts."""
+def minutes(debrief: DebriefData) -> Markup:
+    """Return what each minute cost: each change of the attainable marks, with its cause."""
     comparison = debrief.compared
     if comparison is None:
         return paragraph("This exercise has no reference crew to compare with.")
-    fault = comparison.fault
-    if fault is None:
-        return paragraph(_no_moment(debrief, comparison))
-    chart = chart_of(fault.quantity)
-    line = Markup('<p><b>{}</b>: {}. Task: {}. <a href="#{}-{}">Go there</a></p>')
-    place = clock(fault.tick * debrief.step)
-    return line.format(place, fault.told, fault.score, WRONG_MOMENT, chart)
-
-
-def _no_moment(debrief: DebriefData, found: ReferenceComparison) -> str:
-    """Return why the page names no moment."""
-    if debrief.free:
-        return "A free run is not compared."
-    worse = tasks_behind(debrief.card, found.reference.card)
-    if worse:
-        return f"No one moment: {', '.join(worse)} fell short without leaving a band for good."
-    return "It did not: every task is about as well done as the reference crew's."
+    curve = comparison.curve
+    if curve is None:
+        return paragraph(f"There is no curve: {comparison.no_curve}.")
+    item = Markup('<li>{} <a href="#{}-attainable">Go there</a></li>')
+    items = Markup().join(
+        item.format(change_words(each, debrief.step), change_name(i))
+        for i, each in enumerate(curve.changes)
+    )
+    lines = [Markup("<p><b>{}</b></p>").format(until_words(curve, debrief.step))]
+    lines.append(Markup("<ul>{}</ul>").format(items) if items else paragraph(NO_CHANGE))
+    return Markup().join(lines)
 
 
 def cost(debrief: DebriefData) -> Markup:
@@ -186,7 +181,8 @@ def legend(debrief: DebriefData) -> Markup:
     words = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
     if comparison := debrief.compared:
         words += " Grey dashes: the reference crew at the same seed."
-        words += " Thick upright: where it went wrong." if comparison.fault else ""
+        changed = comparison.curve and comparison.curve.changes
+        words += " Thick upright: where marks began to be lost or won." if changed else ""
         words += (
             " Green upright: where the reference crew took over." if comparison.from_here else ""
         )

@@ -122,13 +122,22 @@ class Chart:
 
 
 @dataclass(frozen=True)
+class ChartMoment:
+    """A moment that all charts of a page show."""
+
+    name: str  # where links lead
+    style: str
+    seconds: float
+
+
+@dataclass(frozen=True)
 class ChartGround:
     """The common part of all charts of a page."""
 
     seconds: Numbers
     spans: tuple[tuple[float, float], ...]  # [s] casualties
     marks: tuple[float, ...]  # [s]
-    moments: tuple[tuple[str, float], ...] = ()  # [s] of the whole page, each with its style
+    moments: tuple[ChartMoment, ...] = ()
 
     @property
     def across(self) -> Axis:
@@ -182,10 +191,10 @@ def backdrop(ground: ChartGround, top: float, bottom: float, name: str = "") -> 
         yield rect("spell", x, top, max(width, 1.0), bottom - top)
     for mark in ground.marks:
         yield rule("mark", ground.across.at(mark), top, ground.across.at(mark), bottom)
-    for style, second in ground.moments:
-        x = ground.across.at(second)
-        where = f' id="{style}-{name}"' if name else ""
-        yield f"<g{where}>{rule(style, x, top, x, bottom)}</g>"
+    for moment in ground.moments:
+        x = ground.across.at(moment.seconds)
+        where = f' id="{moment.name}-{name}"' if name else ""
+        yield f"<g{where}>{rule(moment.style, x, top, x, bottom)}</g>"
 
 
 def time_axis(ground: ChartGround, bottom: float) -> Iterator[str]:

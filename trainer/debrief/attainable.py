@@ -1,0 +1,347 @@
+"""The marks that a careful crew could still earn, at each moment of a run.
+
+The recorded run is flown again with the reference crew aboard, mute. At each moment a copy of that
+crew takes over and flies the exercise to its end; its marks, with those of the past, are the
+moment's. Where they fall the crew has lost something for good: docs/debrief.md, "What each minute
+cost".
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.boat.mute_crew import MuteCrew
+from trainer.boat.reference_crew import RuleProgress
+from trainer.boat.world.contacts import contacts_in
+from trainer.config.reference_crew import MARK_ORDER
+from trainer.debrief.episodes import crew_orders
+from trainer.debrief.reference import can_fly, join_runs
+from trainer.debrief.rehearsal import (
+    ByReference,
+    Departure,
+    Flight,
+    OrdersByTick,
+    Rehearsal,
+    due_tick,
+    fly,
+    last_tick,
+    world_orders_in,
+)
+from trainer.debrief.scoring import Scorecard
+from trainer.debrief.trajectory import Trajectory
+from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
+from trainer.io.recording.recording import RecordedOrder
+from trainer.session.plan import Plan
+
+POINT_PERIOD_S: Final = 10.0  # [s] from point to point where little changes
+SHIPS_POINT_PERIOD_S: Final = 30.0  # [s] the same among ships, which cost ten times the time
+FINEST_PERIOD_S: Final = 1.0  # [s] down to which a change is halved
+WORTH_MARKS: Final = 3.0  # [%] of marks from which a change is looked into, and told
+STEADY_MARKS: Final = 0.5  # [%] less from point to point is no fall: rounding, and the sea
+MAX_TRIED_ORDERS: Final = 12  # orders left out one after another to explain one change
+CAUSE_SHARE: Final = 0.5  # [-] of a change that a cause must account for
+COMPARED_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi", "u")  # of a run flown again
+OWN_KINDS: Final = (GiverKind.STATION, GiverKind.PLAN)  # who gives orders of people's own
+
+
+@dataclass(frozen=True)
+class NoCurve(Exception):  # noqa: N818 (it is an answer, not a fault)
+    """There is no curve, and why."""
+
+    why: str
+
+
+@dataclass(frozen=True)
+class AttainablePoint:
+    """The marks to be had from one moment on, and the outcome."""
+
+    tick: int
+    marks: float  # [%]
+    won: bool
+    lost: bool
+
+
+class ChangeCause(Enum):
+    """The causes of a change. The values stand in the figures of a debrief."""
+
+    ORDER = "order"  # one of the crew's
+    MISSING = "missing"  # one that did not come
+    STEERING = "steering"  # planes or rudder, worked otherwise than by the reference crew
+    BETTER = "better"  # than the reference crew did
+    RECORD_ENDS = "record-ends"  # before the exercise does
+
+
+@dataclass(frozen=True)
+class MarkChange:
+    """A stretch over which the attainable marks fell or rose, and why."""
+
+    begin: int  # [tick]
+    end: int
+    marks: float  # [%] more at its end than at its begin
+    cause: ChangeCause
+    order: str = ""  # that was given, or did not come
+    tick: int | None = None  # when it was given, or due
+    who: str = ""  # gave it
+
+
+@dataclass(frozen=True)
+class AttainableCurve:
+    """What could still be earned, over a run."""
+
+    points: tuple[AttainablePoint, ...]
+    changes: tuple[MarkChange, ...]
+
+    @property
+    def until_won(self) -> int | None:
+        """Return the last tick from which the exercise could be won. None: never."""
+        return max((each.tick for each in self.points if each.won), default=None)
+
+    @property
+    def until_saved(self) -> int | None:
+        """Return the last tick from which it need not be lost. None: never."""
+        return max((each.tick for each in self.points if not each.lost), default=None)
+
+
+@dataclass
+class RunExplorer:
+    """A recorded run, and what would have come of it from any of its moments."""
+
+    plan: Plan
+    trajectory: Trajectory
+    judge: Callable[[Trajectory], Scorecard]  # by the rules that count
+    progress: Callable[[int], object] = field(default=lambda _: None)  # as points are known
+    departures: dict[int, Departure] = field(init=False, default_factory=dict)  # by tick
+    points: dict[int, AttainablePoint] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.plan = self.plan.alone()
+        self.recorded = orders_by_tick(self.trajectory)
+        self.later = orders_beside_crew(self.trajectory, self.plan)
+        self.step = self.plan.method.step
+        self.last = int(self.trajectory.ticks[-1])
+
+    def fly_again(self) -> None:
+        """Fly the recorded run again; keep each second as a moment to depart from.
+
+        NoCurve for a run that has none.
+        """
+        refuse_unfit(self.plan, self.trajectory)
+        boat = Boat(self.plan.file, self.plan.method)
+        self.plan.start(boat)
+        crew = MuteCrew(boat, self.plan.crew)
+        flight = Flight(self.plan, boat, ByReference(mute=crew, speaks_from=math.inf))
+        stride = max(round(FINEST_PERIOD_S / self.step), 1)
+        to_world: list[Any] = []
+        for tick in range(self.last):
+            if tick % stride == 0:
+                state = boat.records.state.copy()
+                self.departures[tick] = Departure(tick, state, tuple(to_world), crew.aboard(boat))
+            given = self.recorded.get(tick, ())
+            to_world += world_orders_in(given, tick)
+            flight.give_again(given)
+            if not flight.advance():
+                break
+        self._compare(flight.rehearsal().trajectory)
+
+    def _compare(self, flown: Trajectory) -> None:
+        """Refuse a run that is not the recorded one to the bit."""
+        for name in COMPARED_COLUMNS:
+            if not np.array_equal(self.trajectory.columns[name], flown.columns[name]):
+                raise NoCurve(
+                    "the run cannot be flown again to the bit: it is of another core or program"
+                )
+
+    def point(self, tick: int) -> AttainablePoint:
+        """Return what could be earned from a tick on."""
+        if tick not in self.points:
+            self.points[tick] = self._point(tick)
+            self.progress(len(self.points))
+        return self.points[tick]
+
+    def _point(self, tick: int) -> AttainablePoint:
+        if tick >= self.last:
+            return point_of(self.last, self.judge(self.trajectory))
+        run = self.from_moment(tick)
+        return point_of(tick, self.judge(join_runs(self.trajectory, run.trajectory)))
+
+    def from_moment(self, tick: int) -> Rehearsal:
+        """Return the reference crew's run from a tick on."""
+        before = max(each for each in self.departures if each <= tick)
+        here = self.departures[before]
+        if before < tick:
+            _, here = fly(self.plan, here, self.recorded, until=tick)
+        run, _ = fly(self.plan, here, self.later, speaks_from=tick)
+        return run
+
+    def without(self, order: RecordedOrder, begin: int, end: int) -> float:
+        """Return the marks attainable at ``end`` if an order since ``begin`` is left out."""
+        orders = {
+            tick: [each for each in given if each.id != order.id]
+            for tick, given in self.recorded.items()
+        }
+        prefix, there = fly(self.plan, self.departures[begin], orders, until=end)
+        past = join_runs(self.trajectory, prefix.trajectory)
+        if there.tick < end:
+            return point_of(there.tick, self.judge(past)).marks
+        run, _ = fly(self.plan, there, self.later, speaks_from=end)
+        return point_of(end, self.judge(join_runs(past, run.trajectory))).marks
+
+    def pending(self, tick: int) -> list[RuleProgress]:
+        """Return the rules of the reference crew that were overdue at a tick."""
+        departure = self.departures.get(tick) or self.departures[max(self.departures)]
+        return departure.crew.pending() if departure.crew else []
+
+
+def point_of(tick: int, card: Scorecard) -> AttainablePoint:
+    """Return the point of a run's marks."""
+    outcome = card.verdict.outcome if card.verdict else ""
+    return AttainablePoint(tick, card.total or 0.0, outcome == "won", outcome == "lost")
+
+
+def orders_by_tick(trajectory: Trajectory) -> OrdersByTick:
+    """Return the accepted orders of a run by tick, marks of ships among them."""
+    by_tick: dict[int, list[RecordedOrder]] = defaultdict(list)
+    for mark in trajectory.marks:
+        giver = Giver(GiverKind.STATION, mark.role, mark.who)
+        text = f"{MARK_ORDER} {mark.text}"
+        by_tick[mark.tick].append(RecordedOrder(0, 1, mark.tick, giver, text, None, None, ""))
+    for entry in trajectory.orders:
+        if entry.accepted is not False:
+            by_tick[entry.tick].append(entry)
+    return by_tick
+
+
+def orders_beside_crew(trajectory: Trajectory, plan: Plan) -> OrdersByTick:
+    """Return the orders that come whoever is the crew: of the schedule, and the instructor's."""
+    by_tick: dict[int, list[RecordedOrder]] = defaultdict(list)
+    for place, entry in enumerate(plan.schedule):
+        tick = due_tick(plan, place)
+        by_tick[tick].append(
+            RecordedOrder(0, 1, tick, SCHEDULE_GIVER, entry.order.text, place, None, "")
+        )
+    crew = {each.id for each in crew_orders(trajectory)}
+    for given in trajectory.orders:
+        own = given.giver.kind in OWN_KINDS and given.place is None
+        if own and given.accepted is not False and given.id not in crew:
+            by_tick[given.tick].append(given)
+    return by_tick
+
+
+# The curve
+
+
+def attainable_curve(run: RunExplorer) -> AttainableCurve:
+    """Return what could be earned at each moment of a run.
+
+    The run has been flown again by ``RunExplorer.fly_again``.
+    """
+    contacts = contacts_in(run.trajectory.boat)
+    period = SHIPS_POINT_PERIOD_S if contacts and contacts.any else POINT_PERIOD_S
+    stride = max(round(period / run.step), 1)
+    ticks = sorted({*range(0, run.last, stride), run.last} & {*run.departures, run.last})
+    for before, after in pairwise(ticks):
+        halve(run, before, after)
+    points = tuple(run.points[tick] for tick in sorted(run.points))
+    cut_short = run.last < last_tick(run.plan) and not points[-1].lost
+    flown = points[:-1] if cut_short else points
+    changes = join_changes(explain(run, *stretch) for stretch in changed_stretches(flown))
+    rest = points[-1].marks - flown[-1].marks
+    if abs(rest) > WORTH_MARKS:
+        cause = ChangeCause.RECORD_ENDS
+        changes.append(MarkChange(flown[-1].tick, points[-1].tick, rest, cause))
+    return AttainableCurve(points, tuple(changes))
+
+
+def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
+    """Raise NoCurve for a run without reference crew, end or marks."""
+    if not plan.crew.rules:
+        raise NoCurve("this exercise has no reference crew")
+    if not can_fly(plan):
+        raise NoCurve("this exercise has no end, or one that is too far away")
+    if not plan.judged_by_tasks:
+        raise NoCurve("this exercise has no tasks")
+    if int(trajectory.ticks[-1]) < 1 or trajectory.ticks[0] != 0:
+        raise NoCurve("the record does not begin at the start")
+
+
+def halve(run: RunExplorer, before: int, after: int) -> None:
+    """Find the points of a stretch, halved where its two ends differ by much."""
+    first, last = run.point(before), run.point(after)
+    stride = max(round(FINEST_PERIOD_S / run.step), 1)
+    if abs(first.marks - last.marks) <= WORTH_MARKS and first.won == last.won:
+        return
+    middle = before + stride * ((after - before) // stride // 2)
+    if middle > before and middle in run.departures:
+        halve(run, before, middle)
+        halve(run, middle, after)
+
+
+def changed_stretches(
+    points: tuple[AttainablePoint, ...],
+) -> Iterator[tuple[AttainablePoint, AttainablePoint]]:
+    """Yield begin and end of each stretch over which the marks fall or rise.
+
+    One that changes them by WORTH_MARKS or less is left out. It ends where they stay, or turn.
+    """
+    begin = None
+    for before, after in pairwise(points):
+        step = after.marks - before.marks
+        moving = abs(step) >= STEADY_MARKS
+        if begin is not None and (not moving or (step < 0.0) != (before.marks < begin.marks)):
+            if abs(before.marks - begin.marks) > WORTH_MARKS:
+                yield begin, before
+            begin = None
+        if moving and begin is None:
+            begin = before
+    if begin is not None and abs(points[-1].marks - begin.marks) > WORTH_MARKS:
+        yield begin, points[-1]
+
+
+def join_changes(changes: Iterable[MarkChange]) -> list[MarkChange]:
+    """Return the changes, those of one cause that follow each other as one."""
+    joined: list[MarkChange] = []
+    for change in changes:
+        last = joined[-1] if joined else None
+        alike = (change.cause, change.order, change.tick)
+        if last is not None and alike == (last.cause, last.order, last.tick):
+            joined[-1] = replace(last, end=change.end, marks=last.marks + change.marks)
+        else:
+            joined.append(change)
+    return joined
+
+
+def explain(run: RunExplorer, begin: AttainablePoint, end: AttainablePoint) -> MarkChange:
+    """Return a change with its cause: the order without which it would not have been.
+
+    Else it is the order that was overdue, or the way in which planes and rudder were worked.
+    """
+    change = MarkChange(begin.tick, end.tick, end.marks - begin.marks, ChangeCause.BETTER)
+    if change.marks > 0.0:
+        return change
+    given = [each for each in crew_orders(run.trajectory) if begin.tick <= each.tick < end.tick][
+        :MAX_TRIED_ORDERS
+    ]
+    if begin.tick in run.departures and (end.tick in run.departures or end.tick >= run.last):
+        saved = {each.id: run.without(each, begin.tick, end.tick) - end.marks for each in given}
+        worst = max(given, key=lambda each: saved[each.id], default=None)
+        if worst is not None and saved[worst.id] >= -CAUSE_SHARE * change.marks:
+            return replace(
+                change,
+                cause=ChangeCause.ORDER,
+                order=worst.text,
+                tick=worst.tick,
+                who=worst.who,
+                marks=-saved[worst.id],
+            )
+    late = run.pending(end.tick)
+    if late:
+        due = math.ceil((late[0].due or 0.0) / run.step - 1e-9)
+        return replace(change, cause=ChangeCause.MISSING, order=late[0].rule.order.text, tick=due)
+    return replace(change, cause=ChangeCause.STEERING)

@@ -1,0 +1,95 @@
+"""What each minute cost: in words, for a terminal, and as figures for programs."""
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.debrief.attainable import AttainableCurve, ChangeCause, MarkChange
+from trainer.report.svg import clock
+
+TEXT_COLUMNS: Final = 60  # [columns] of the curve in a terminal of 80
+TEXT_ROWS_PERCENT: Final = (100.0, 80.0, 60.0, 40.0, 20.0, 0.0)  # [%] of marks, a row each
+
+
+def until_words(curve: AttainableCurve, step: float) -> str:
+    """Return in words until when the exercise could be won, and the boat be saved."""
+    last = curve.points[-1].tick
+    sentences = []
+    if curve.until_won is None:
+        sentences.append("From its start this could not be won, even by the reference crew.")
+    elif curve.until_won < last:
+        sentences.append(f"Until {clock(curve.until_won * step)} this could still be won.")
+    if curve.until_saved is not None and curve.until_saved < last:
+        sentences.append(f"Until {clock(curve.until_saved * step)} the boat could be saved.")
+    if not sentences:
+        sentences.append("To its end nothing was lost that decides the exercise.")
+    return " ".join(sentences)
+
+
+def change_words(change: MarkChange, step: float) -> str:
+    """Return one change of the attainable marks in a sentence."""
+    begin, end, marks = clock(change.begin * step), clock(change.end * step), abs(change.marks)
+    amount = f"{marks:.0f} mark{'' if round(marks) == 1 else 's'}"
+    at = "" if change.tick is None else clock(change.tick * step)
+    if change.cause is ChangeCause.BETTER:
+        return f"{begin} to {end}: {amount} won, the crew did better than the reference crew."
+    if change.cause is ChangeCause.ORDER:
+        return f'{at}: "{change.order}", by {change.who}, cost {amount}.'
+    if change.cause is ChangeCause.MISSING:
+        return (
+            f'{begin} to {end}: {amount} lost; "{change.order}" was due at {at} and did not come.'
+        )
+    if change.cause is ChangeCause.RECORD_ENDS:
+        return f"{end}: {amount} not earned, the record ends."
+    return (
+        f"{begin} to {end}: {amount} lost; planes or rudder were not worked as "
+        "the reference crew would have."
+    )
+
+
+def terminal_lines(curve: AttainableCurve, step: float) -> Iterator[str]:
+    """Yield the curve and its changes as lines of a terminal of 80 columns."""
+    ticks = np.array([point.tick for point in curve.points])
+    marks = np.array([point.marks for point in curve.points])
+    places = np.linspace(ticks[0], ticks[-1], TEXT_COLUMNS)
+    values = np.interp(places, ticks, marks)
+    yield until_words(curve, step)
+    half = 0.5 * (TEXT_ROWS_PERCENT[0] - TEXT_ROWS_PERCENT[1])
+    for level in TEXT_ROWS_PERCENT:
+        drawn = "".join("#" if value >= level - half else " " for value in values)
+        yield f"{level:4.0f} |{drawn}".rstrip()
+    begin, end = clock(ticks[0] * step), clock(ticks[-1] * step)
+    yield f"     +{'-' * TEXT_COLUMNS}"
+    yield f"      {begin}{end:>{TEXT_COLUMNS - len(begin)}}"
+    for change in curve.changes:
+        yield change_words(change, step)
+
+
+def attainable_figures(curve: AttainableCurve, step: float) -> dict[str, Any]:
+    """Return the curve and its changes for programs; times in s, marks in per cent."""
+    return {
+        "until_won_s": _seconds(curve.until_won, step),
+        "until_saved_s": _seconds(curve.until_saved, step),
+        "points": [
+            {"seconds": each.tick * step, "marks": each.marks, "won": each.won, "lost": each.lost}
+            for each in curve.points
+        ],
+        "changes": [
+            {
+                "from_s": each.begin * step,
+                "to_s": each.end * step,
+                "marks": each.marks,
+                "cause": each.cause.value,
+                "order": each.order,
+                "order_s": _seconds(each.tick, step),
+                "by": each.who,
+                "told": change_words(each, step),
+            }
+            for each in curve.changes
+        ],
+    }
+
+
+def _seconds(tick: int | None, step: float) -> float | None:
+    return None if tick is None else tick * step
