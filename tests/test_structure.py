@@ -122,7 +122,7 @@ def test_what_a_fuzzer_watches_or_spares_is_there(prefix: str) -> None:
 def test_the_kinds_of_events_stay() -> None:
     assert set(EVENT_KINDS) == {
         *("order", "exercise", "moment", "time", "mark", "watch", "trouble", "station", "refused"),
-        *("depth", "pilot", "crew", "marks"),
+        *("depth", "pilot", "crew", "marks", "lesson", "shown"),
     }
 
 
@@ -135,6 +135,7 @@ def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
         *("branch", "exercise-over", "marks", "debrief", "next", "command", "asked", "ready"),
         *("past", "compiled", "plans", "planned", "debrief-page"),
         *("stations", "aboard", "said", "reason", "degree", "own-order", "alert-rank"),
+        *("step", "step-hint", "step-missed", "shown", "attainable", "no-attainable"),
     }
 
 

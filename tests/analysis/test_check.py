@@ -617,3 +617,12 @@ def test_the_page_tells_the_boat_afloat_and_the_parts_of_a_step() -> None:
     assert report.afloat.period_s["heave"] == pytest.approx(8.83, abs=0.05)
     assert not report.clipped
     assert "steps are divided       0.5 s in 2, 1 s in 4" in render(report)
+
+
+def test_a_step_of_the_propeller_s_torque_is_told() -> None:
+    """BB2 at eta = 2: K_star u^2 + K_star_eta u (u_c - u) inside is half of K_star u_c^2."""
+    (seen,) = check_vessel(load_vessel("bb2")).remarks
+
+    assert "-46.92 kN m by the coefficients, -93.85 kN m beyond their range" in seen
+    assert "-0.14 deg of heel" in seen
+    assert check_vessel(load_vessel("sdv-mk9")).remarks == ()

@@ -63,7 +63,8 @@ def random_fleet(boat: Boat, seed: int) -> Fleet:
     for name in compacts.dtype.names:  # type: ignore[union-attr]
         if name not in {"whole", "rho", "g", "mass"}:
             compacts[name] *= random.uniform(0.9, 1.1, compacts[name].shape)
-    compacts["extended"] = random.choice([0.0, 1.0], MEMBERS)
+    for flag in ("extended", "slipping"):
+        compacts[flag] = random.choice([0.0, 1.0], MEMBERS)
     vessels["gain"] *= random.uniform(0.7, 1.3, vessels["gain"].shape)
     for name, choices in (
         ("surface_lag", (0.0, 1.5)),

@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import page as guide_page
-from trainer.analysis.guide import programme, trials, verdicts
+from trainer.analysis.guide import programme, verdicts
 from trainer.analysis.guide.contents import GuideContents, assemble_guide, write_guide
-from trainer.analysis.guide.moves import compare_guides, leaves, load_earlier
+from trainer.analysis.guide.moves import compare_guides, load_earlier
 from trainer.analysis.guide.programme import Task, fly_all, guide_legs, legs_of_1969
 from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.verdicts import (
@@ -26,7 +26,7 @@ from trainer.analysis.guide.verdicts import (
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.turns import Turn
-from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share_measure
+from trainer.analysis.manoeuvres.vehicle import Measure, share_measure
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.analysis.series import load_series
@@ -263,26 +263,6 @@ def test_adams_is_fine_at_its_own_step_and_euler_of_no_use_at_twice_it(book: Gui
     assert worst["Euler", 1.0] > 100.0
 
 
-def test_published_results_stand_beside_ours(book: GuideContents, page: str) -> None:
-    assert len(book.guide.trials) == 5
-    ours = {
-        (one.trial.title, result.quantity): (value, result.values[0])
-        for one in book.guide.trials
-        for result, value in zip(one.trial.results, one.ours, strict=True)
-    }
-    assert all(value is not None for value, _ in ours.values())
-    decay = [pair for (title, name), pair in ours.items() if "decay" in title and "amp" in name]
-    assert len(decay) == 5
-    peaks = [
-        pair for (title, name), pair in ours.items() if "10 kn, sail" in title and "pe" in name
-    ]
-    assert peaks[0][0] == pytest.approx(11.8, rel=0.02)  # degrees, as published
-    for value, published in decay:
-        assert value == pytest.approx(published, rel=0.08)
-    for title in (one.trial.title for one in book.guide.trials):
-        assert title in page
-
-
 # --- the document
 
 
@@ -440,158 +420,6 @@ def test_a_file_that_is_no_guide_of_this_boat_is_refused(
         load_earlier(path, "BB2")
     with pytest.raises(ConfigError, match="No such file"):
         load_earlier(tmp_path / "none.json", "BB2")
-
-
-# --- published results
-
-
-TRIAL = """
-[[trials]]
-title = "a turn"
-source = "a report"
-note = ""
-manoeuvre = "turn"
-speed_m_s = 5.0
-angle_deg = 20.0
-columns = ["trial"]
-results = [["advance", "m", 187.0], ["u after 40 s", "m/s", ""]]
-"""
-
-
-def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
-    vessel = tmp_path / "boat.toml"
-    vessel.write_text(load_vessel("bb2").text, encoding="utf-8")
-    assert trials.trials_path(load_vessel(str(vessel))) is None
-
-    (tmp_path / "boat.trials.toml").write_text(TRIAL.replace("angle", 'side = "port"\nangle'))
-    path = trials.trials_path(load_vessel(str(vessel))) or Path()
-    ((trial,), ()) = trials.load_published(path)
-
-    assert trial.manoeuvre == Turn(20.0, side=PORT)
-    assert [result.values for result in trial.results] == [(187.0,), (None,)]
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "wrong"),
-    [
-        ('"turn"', '"trun"', "nearest is turn"),
-        ("angle_deg", "angel_deg", "nearest is angle_deg"),
-        ('"m", 187.0', '"feet", 187.0', "unit must be one of"),
-        ('"m", 187.0', '"m", 187.0, 1.0', "must be quantity, unit and 1 values"),
-        ('title = "a turn"\n', "", "lacks title"),
-        ('title = "a turn"\n', "title = 1\n", "must be one line of text"),
-        ('manoeuvre = "', 'manoeuvre = ["a"] # "', "no such manoeuvre"),
-        ("columns = [", "columns = 1 # [", "must be a list of words"),
-        ("angle_deg", 'side = "left"\nangle_deg', "must be starboard or port"),
-        ("angle_deg", 'direction = "dive"\nangle_deg', 'direction = "dive": no such key'),
-        ('"m", 187.0', '["m"], 187.0', "unit must be one of"),
-        ("187.0", "9" * 400, "must be finite, -1e+09 to 1e+09"),
-        ("187.0", "nan", "must be finite, -1e+09 to 1e+09"),
-        ("187.0", '"far"', "must be a number, -1e+09 to 1e+09"),
-    ],
-)
-def test_a_wrong_file_of_trials_is_told_with_its_place(
-    before: str, after: str, wrong: str, tmp_path: Path
-) -> None:
-    path = tmp_path / "boat.trials.toml"
-    path.write_text(TRIAL.replace(before, after))
-
-    with pytest.raises(ConfigError, match=re.escape(wrong)) as caught:
-        trials.load_published(path)
-    assert str(caught.value).startswith("boat.trials.toml: [trials 1]")
-
-
-WAVES = """
-[[waves]]
-title = "a sea"
-source = "a report"
-speed_m_s = 5.0
-period_s = 9.0
-height_m = 3.0
-depth_m = [15.0, 20.0]
-heave = [0.3, 0.2]
-pitch_deg = [1.0, 0.8]
-"""
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "wrong"),
-    [
-        ("[0.3, 0.2]", "[0.3]", "heave = [0.3]: must have 2 numbers as depth_m has"),
-        ("period_s", "perriod_s", "perriod_s = 9.0: no such key; nearest is period_s"),
-        ("height_m = 3.0", "height_m = nan", "height_m = nan: must be finite"),
-        ("[1.0, 0.8]", "[]", "must be a list of 1 to 20 numbers"),
-    ],
-)
-def test_wrong_waves_are_told_with_their_place(
-    before: str, after: str, wrong: str, tmp_path: Path
-) -> None:
-    path = tmp_path / "boat.trials.toml"
-    path.write_text(TRIAL + WAVES.replace(before, after))
-
-    with pytest.raises(ConfigError, match=re.escape(wrong)) as caught:
-        trials.load_published(path)
-    assert str(caught.value).startswith("boat.trials.toml: [waves 1]")
-
-
-# Model document, section 2: strips alone, and with the flow that the hull's lift feels
-HEAD_SEA = {
-    13.8724: ((0.277, 1.02), (0.274, 0.92)),
-    15.3724: ((0.260, 0.96), (0.257, 0.86)),
-    35.0624: ((0.112, 0.41), (0.111, 0.37)),
-}
-
-
-def test_the_published_head_sea_stands_beside_ours_with_and_without_flow() -> None:
-    file = load_vessel("bb2")
-    path = trials.trials_path(file)
-    assert path
-    (found,) = trials.compare_waves(file, trials.load_published(path)[1])
-
-    assert [row.depth_m for row in found.rows] == [*HEAD_SEA]
-    for row in found.rows:
-        strips, flow = HEAD_SEA[row.depth_m]
-        assert row.without_flow == pytest.approx(strips, abs=0.006)
-        assert row.ours == pytest.approx(flow, abs=0.006)
-    errors = {
-        name: [abs(getattr(row, name)[1] / row.published[1] - 1.0) for row in found.rows]
-        for name in ("ours", "without_flow")
-    }
-    # what was chosen is nearer in pitch, and no further off in heave than 4 %
-    assert max(errors["ours"]) < 0.10
-    assert max(errors["without_flow"]) > 0.20
-    assert all(abs(row.ours[0] / row.published[0] - 1.0) < 0.04 for row in found.rows)
-
-
-def test_the_head_sea_is_on_the_page_and_in_what_moved(book: GuideContents, page: str) -> None:
-    (found,) = book.guide.waves
-
-    assert found.waves.title in page
-    assert f"<td>{found.rows[0].ours[1]:.3f}</td>" in page
-    name = f"{found.waves.title}, 13.8724 m: pitch [deg]"
-    assert dict(leaves(asdict(book.guide)))[name] == found.rows[0].ours[1]
-
-
-def test_a_boat_that_cannot_fly_level_at_the_waves_speed_says_so(tmp_path: Path) -> None:
-    path = tmp_path / "boat.trials.toml"
-    path.write_text(TRIAL + WAVES.replace("speed_m_s = 5.0", "speed_m_s = 0.5"))
-    file = load_vessel("bb2")
-    heavy = replace(file, hull=replace(file.hull, weight=1.01 * file.hull.weight))
-    (found,) = trials.compare_waves(heavy, trials.load_published(path)[1])
-
-    assert found.rows == ()
-    assert found.problem == "no straight level flight at 0.5 m/s"
-
-
-def test_a_published_quantity_that_we_do_not_measure_is_told(tmp_path: Path) -> None:
-    path = tmp_path / "boat.trials.toml"
-    path.write_text(TRIAL.replace('"advance"', '"advanse"'))
-    file = load_vessel("bb2")
-    found, _ = trials.load_published(path)
-    flown = fly_all(file.path, [one.task(file) for one in found], 1, lambda: None)
-
-    with pytest.raises(ConfigError, match='no measure "advanse"; nearest is advance'):
-        list(trials.compare_trials(file, found, flown))
 
 
 # --- the commands

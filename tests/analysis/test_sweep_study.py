@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.analysis.sweep.job import job_of, open_job
-from trainer.analysis.sweep.records import key_tables
 from trainer.analysis.sweep.report import effects_of, panels, report_of, spread_of
 from trainer.analysis.sweep.results import check_pyarrow
 from trainer.analysis.sweep.study import load_study, parse_study
@@ -235,7 +235,7 @@ def test_effects_are_means_at_either_end_the_widest_first() -> None:
 def test_the_page_of_the_documents_has_every_key() -> None:
     page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 
-    assert key_tables() in page, 'python -c "from trainer.analysis.sweep.records import key_tables"'
+    assert TABLES["sweeps"]() in page, "renew: python -m helpers.key_tables sweeps"
 
 
 def test_the_example_of_the_documents_is_a_study_that_flies(tmp_path: Path) -> None:

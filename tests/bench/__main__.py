@@ -27,23 +27,26 @@ from trainer.config.vessel import load_vessel
 @click.option("--against-c", is_flag=True, help="Only the tick against plain C, compiled here.")
 @click.option("--beside-c", is_flag=True, help="Only how late ticks begin, beside a loop in C.")
 @click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
+@click.option("--parts", is_flag=True, help="Only the tick by its parts, in a sea and in a calm.")
+@click.option("--against", metavar="COMMIT", help="With the parts: the tick beside that commit's.")
 @click.option("--side-by-side", is_flag=True, help="Only how fast many boats are flown at once.")
 @click.option("--footprint", is_flag=True, help="Only the words of machine code, beside 1969.")
 @click.option("--peers", is_flag=True, help="Only the tick beside JSBSim and scipy.")
 @click.option("--wasm", is_flag=True, help="Only an hour by the core for WebAssembly, in node.")
 @click.option("--identify", is_flag=True, help="Only how fast a ship is identified.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
-def bench(*, vessel: str, seconds: int, as_json: bool, **parts: bool) -> None:
+def bench(*, vessel: str, seconds: int, against: str | None, as_json: bool, **parts: bool) -> None:
     """Compare the trainer with other programs, and with the machine of 1969.
 
     Without an option of a part it is all of them: some minutes.
 
     \b
     Example:  python -m tests.bench --against-c
+              python -m tests.bench --parts --against HEAD~1
               python -m tests.bench --json > figures.json
     """
     chosen = [name for name, wanted in parts.items() if wanted] or list(SECTIONS)
-    wanted = BenchRequest(load_vessel(vessel), seconds)
+    wanted = BenchRequest(load_vessel(vessel), seconds, against=against)
     figures, pages = measure_sections(SECTIONS, chosen, wanted)
     click.echo(json.dumps(figures, indent=1) if as_json else "\n\n".join(pages))
 

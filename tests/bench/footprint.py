@@ -42,7 +42,7 @@ from trainer.core.autopilot.steering import (
 from trainer.core.ballast.ballast import balance
 from trainer.core.compact import forces, lagged_rates
 from trainer.core.integrators import adams
-from trainer.core.kinematics import kinematics
+from trainer.core.kinematics import attitude_of, kinematics
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.sea.filter_1969 import filter_noise
 from trainer.core.state import STATE
@@ -221,9 +221,10 @@ def update_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: 
         carray(state, 1),
         carray(scratch, 1),
     )
-    forces(few, how[0].trig, now, work[0].force)
+    attitude = attitude_of(how[0].trig, now)
+    forces(few, attitude, now, work[0].force)
     lagged_rates(few, work[0].force, now)
-    kinematics(how[0].trig, now)
+    kinematics(attitude, now)
     adams(how, now)
     return 0
 
@@ -251,9 +252,10 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     s.speed_trim = learnt(boat, h, now)
     s.command_u_c = s.ordered_speed + s.speed_trim
     balance(boat, now)
-    forces(few, how[0].trig, now, work[0].force)
+    attitude = attitude_of(how[0].trig, now)
+    forces(few, attitude, now, work[0].force)
     lagged_rates(few, work[0].force, now)
-    kinematics(how[0].trig, now)
+    kinematics(attitude, now)
     adams(how, now)
     for i in range(3):
         s.surface[i] = advance_surface(

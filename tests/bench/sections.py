@@ -6,7 +6,7 @@ from typing import Final
 from c_twin import comparison
 from c_twin.compiler import SAME_BITS, build
 
-from bench import control, fleet, footprint, identify, peers, wasm
+from bench import control, fleet, footprint, identify, parts, peers, wasm
 from trainer.analysis.bench import same_bits as whole
 from trainer.analysis.bench.same_bits import SameBits, fly_hour
 from trainer.analysis.bench.sections import Section, or_left_out
@@ -33,6 +33,7 @@ SECTIONS: Final = {
     "same_bits": or_left_out(
         NoCompilerError, Section(lambda _wanted: same_bits_as_c(), whole.lines)
     ),
+    "parts": Section(lambda wanted: parts.time_parts(wanted.file, wanted.against), parts.lines),
     "side_by_side": Section(lambda wanted: fleet.time_side_by_side(wanted.file), fleet.lines),
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
     "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),

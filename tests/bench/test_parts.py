@@ -15,6 +15,7 @@ from llvmlite import binding  # type: ignore[import-untyped]
 
 from bench import control, footprint, peers, sections, wasm
 from bench import fleet as fleet_module
+from bench import parts as parts_module
 from bench.__main__ import bench
 from bench.fleet import SideBySide
 from trainer.analysis.bench.same_bits import levels_here
@@ -22,6 +23,7 @@ from trainer.analysis.bench.sections import Section
 from trainer.analysis.bench.tick import BatchCost
 from trainer.analysis.fleet.block import supports_boat, supports_scheme
 from trainer.cli.main import run_command
+from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.session.time.pacer import SPIN_TIME_NS
 
@@ -264,6 +266,36 @@ def test_a_step_of_scipy_takes_the_boat_on(monkeypatch: pytest.MonkeyPatch) -> N
     assert [peer.name for peer in figures.peers] == ["scipy"]
     assert 0.0 < figures.peers[0].step_s <= 2.0
     assert figures.peers[0].times_ours == 5.0
+
+
+def test_the_tick_is_told_by_its_parts_and_beside_another_commit() -> None:
+    parts = {name: dict.fromkeys(parts_module.PARTS, 20.0) for name in parts_module.REGIMES}
+    ticks = {name: 100.0 + i for i, name in enumerate(parts_module.REGIMES)}
+    ratios = dict.fromkeys(parts_module.REGIMES, 0.5)
+
+    figures = parts_module.PartTimes("a boat", ticks, parts, "ae943c54", ratios)
+    page = [" ".join(line.split()) for line in parts_module.lines(figures)]
+
+    assert page[2] == "sea, 18 m sea, 60 m calm, 18 m calm, 60 m"
+    assert page[3] == "tick 100 101 102 103"
+    assert page[4:-1] == [f"{part} 20 20 20 20" for part in parts_module.PARTS]
+    assert page[-1] == "tick/ae943c54 0.50 0.50 0.50 0.50"
+    alone = parts_module.lines(replace(figures, against=None, ratio={}))
+    assert len(alone) == len(page) - 1
+
+
+@pytest.mark.process
+def test_the_tick_is_timed_beside_that_of_a_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts_module, "TICKS", 50)
+    with parts_module.core_process(parts_module.ROOT, load_vessel("bb2")) as child:
+        assert all(parts_module.batch_ns(child, *regime) > 0 for regime in (("calm", 60.0),) * 2)
+
+
+@pytest.mark.process
+def test_a_commit_that_is_not_there_is_told() -> None:  # a copy may have no history at all
+    lacks = r"--against no-such-commit: fatal: .*(no-such-commit|not a git repository)"
+    with pytest.raises(ConfigError, match=lacks):
+        parts_module.time_against(load_vessel("bb2"), "no-such-commit")
 
 
 def test_code_and_constants_of_an_object_are_counted_apart() -> None:

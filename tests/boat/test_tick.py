@@ -1,11 +1,14 @@
 """The tick of a boat: the tick of its records."""
 
 import sys
+import threading
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from numba import config
 
+from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.core import kernel
 from trainer.core.update import update
@@ -96,3 +99,18 @@ def test_without_a_known_compiler_the_tick_is_the_same(
     unknown.tick()
 
     assert unknown.records.state.tobytes() == known.records.state.tobytes()
+
+
+def test_while_one_thread_imports_machine_code_the_core_stays_interpreted_for_all_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(config, "DISABLE_JIT", True)
+    told: list[bool] = []
+    with compilation.machine_code():
+        other = threading.Thread(target=lambda: told.append(compilation.is_interpreted()))
+        other.start()
+        other.join()
+        assert not compilation.is_interpreted()
+
+    assert told == [True]
+    assert compilation.is_interpreted()

@@ -16,7 +16,7 @@ static void add_hull_strips(const struct vessel *c, const struct state *s, doubl
 }
 
 static void add_tail_and_sail(
-    const struct vessel *c, double dry, const struct state *s, double *force)
+    const struct vessel *c, const struct state *s, double *force)
 {
     double aside = s->v + c->tail_x * s->r, down = s->w - c->tail_x * s->q;
     double lateral = -c->tail_Y * fabs(aside) * aside, normal = -c->tail_Z * fabs(down) * down;
@@ -25,7 +25,7 @@ static void add_tail_and_sail(
     force[4] -= c->tail_x * normal;
     force[5] += c->tail_x * lateral;
     aside = s->v + c->strip_x * s->r - c->strip_z * s->p;
-    lateral = -(1.0 - dry) * c->strip_Y * sqrt(aside * aside + s->w * s->w) * aside;
+    lateral = -c->strip_Y * sqrt(aside * aside + s->w * s->w) * aside;
     force[1] += lateral;
     force[3] -= c->strip_z * lateral;
     force[5] += c->strip_x * lateral;

@@ -83,6 +83,21 @@ static void further_forces(const struct compact *c, const struct state *s, doubl
         + r * (c->N_rar * fabs(r) + c->N_avr * cross);
 }
 
+static void slip_forces(const struct compact *c, const struct state *s, double *force)
+{
+    double u = s->u, dr = s->delta_r, ds = s->delta_s, slip = s->u_c - u;
+    if (c->eta_whole != 0.0) {
+        double speed = sqrt(u * u + s->v * s->v + s->w * s->w);
+        slip = speed > 0.0 ? u * (s->u_c / speed - 1.0) : 0.0;
+    }
+    force[0] += slip * u * (c->X_drdr_eta * dr * dr + c->X_dsds_eta * ds * ds);
+    force[1] += slip * (c->Y_r_eta * s->r + c->Y_v_eta * s->v + c->Y_dr_eta * u * dr);
+    force[2] += slip * (c->Z_q_eta * s->q + c->Z_w_eta * s->w + c->Z_ds_eta * u * ds);
+    force[3] += slip * u * c->K_star_eta;
+    force[4] += slip * (c->M_q_eta * s->q + c->M_w_eta * s->w + c->M_ds_eta * u * ds);
+    force[5] += slip * (c->N_r_eta * s->r + c->N_v_eta * s->v + c->N_dr_eta * u * dr);
+}
+
 static int is_off_centre(const struct compact *c, const struct state *s)
 {
     return c->off_centre != 0.0 || s->y_g != 0.0;

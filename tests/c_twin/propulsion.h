@@ -32,15 +32,30 @@ static double propulsion_target(const struct state *s)
     return lost >= 0 ? wanted * (1.0 - s->casualty_amount[lost]) : wanted;
 }
 
+static double within_power(const struct vessel *c, int way, double flow, double n)
+{
+    const double *q = c->torque[way];
+    double square = q[0], linear = q[1] * flow, fixed = q[2] * flow * flow;
+    for (int i = 0; i < POWER_ROOT_STEPS; i++) {
+        double over = n * (n * (square * n + linear) + fixed) - c->power_limit;
+        double slope = n * (3.0 * square * n + 2.0 * linear) + fixed;
+        if (over <= 0.0 || slope <= 0.0)
+            break;
+        n -= over / slope;
+    }
+    return n;
+}
+
 static double most_revolutions(const struct vessel *c, int way, double flow)
 {
     const double *q = c->torque[way];
     double half = 0.5 * q[1] * flow, rest = q[2] * flow * flow - c->torque_limit;
     double square = half * half - q[0] * rest;
-    return square > 0.0 ? most((sqrt(square) - half) / q[0], 0.0) : 0.0;
+    double n = square > 0.0 ? most((sqrt(square) - half) / q[0], 0.0) : 0.0;
+    return c->power_limit > 0.0 ? within_power(c, way, flow, n) : n;
 }
 
-static double within_torque(const struct vessel *c, double wanted, const struct state *s)
+static double within_engine(const struct vessel *c, double wanted, const struct state *s)
 {
     double u = s->u;
     if (wanted > most(u, 0.0)) {
@@ -68,6 +83,6 @@ static void answer_telegraph(const struct vessel *c, double h, struct state *s)
     double share = c->propulsion_lag > 0.0 ? 1.0 - exponential(-h / c->propulsion_lag) : 1.0;
     double target = propulsion_target(s);
     if (c->torque_limit > 0.0)
-        target = within_torque(c, target, s);
+        target = within_engine(c, target, s);
     s->u_c += share * (target - s->u_c);
 }

@@ -7,6 +7,8 @@ static void compact_accelerations(
     forces(compact, how->trig, s, work->force);
     if (compact->extended != 0.0)
         further_forces(compact, s, work->force);
+    if (compact->slipping != 0.0)
+        slip_forces(compact, s, work->force);
     int off_centre = is_off_centre(compact, s);
     if (off_centre)
         off_centre_forces(compact, how->trig, s, work->force);
@@ -29,7 +31,7 @@ static void rates(
     struct state *s, struct scratch *work)
 {
     const double *outer = work->external;
-    if (how->envelope && is_near_surface(vessel, s)) {
+    if (how->envelope && is_shallow(vessel, s)) {
         write_near(vessel, work, s);
         outer = work->near;
     }

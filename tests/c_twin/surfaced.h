@@ -1,8 +1,17 @@
 /* The hull at the surface, by station: trainer/core/surfaced.py. */
 
-static int is_near_surface(const struct vessel *c, const struct state *s)
+static int is_shallow(const struct vessel *c, const struct state *s)
 {
     return s->z < c->surface_line + s->sea_height;
+}
+
+static int is_near_surface(const struct vessel *c, double h, const struct state *s)
+{
+    double pitch = fabs(s->theta);
+    double room = s->z - c->station_reach * pitch - c->hull_reach - TROUGH_SHARE * s->sea_height;
+    double rise = fabs(s->u) * pitch + fabs(s->v) + fabs(s->w)
+        + c->station_reach * (fabs(s->q) + fabs(s->r));
+    return is_shallow(c, s) && room < TRAVEL_SHARE * h * rise;
 }
 
 static double axis_depth(
@@ -37,7 +46,8 @@ static int is_cut(const struct vessel *c, const struct scratch *work, const stru
 
 static double dry_sail(const struct vessel *c, const struct state *s)
 {
-    if (c->sail_height <= 0.0 || !is_near_surface(c, s))
+    if (c->sail_height <= 0.0 || !is_shallow(c, s)
+        || s->z + s->eta_wave >= fabs(c->z_sail) + fabs(c->x_sail * s->theta))
         return 0.0;
     double cos_th, sin_th;
     cosine_and_sine(s->theta, &cos_th, &sin_th);
@@ -102,9 +112,55 @@ static void add_waterplane(
     force[5] -= heavy * c->y_b * down_x;
 }
 
+static void take_off(double x, double z, double lateral, double *force)
+{
+    force[1] -= lateral;
+    force[3] += z * lateral;
+    force[5] -= x * lateral;
+}
+
+static double dry_height(
+    const struct vessel *c, const struct scratch *work, const struct state *s)
+{
+    double height = 0.0;
+    for (int i = 0; i < HULL_STATIONS; i++) {
+        double out = 0.5 * c->hull_diameter - axis_depth(c, i, work, s);
+        height += c->station_share[i] * clamped(out, 0.0, c->hull_diameter);
+    }
+    return height;
+}
+
+static void take_off_dry_sail(
+    const struct vessel *c, double height, const struct state *s, double *force)
+{
+    double dry = dry_sail(c, s);
+    if (dry + height == 0.0)
+        return;
+    double ahead = s->u > 0.0 ? s->u : 0.0, cross = sqrt(s->v * s->v + s->w * s->w);
+    double side = ahead * (c->Y_v * s->v + c->Y_r * s->r) + c->Y_vav * s->v * cross;
+    double heeling = ahead * (c->K_v * s->v + c->K_r * s->r) + c->K_vav * s->v * cross;
+    double along = s->v + c->lift_x * s->r;
+    double lift = c->sail_lift * ahead * along;
+    take_off(
+        c->lift_x, c->lift_z, -dry * c->sail_lift * fabs(s->u) * (along - c->lift_z * s->p), force);
+    double aside = s->v + c->strip_x * s->r;
+    double drag = c->strip_Y * sqrt(aside * aside + s->w * s->w) * aside;
+    aside -= c->strip_z * s->p;
+    double by_roll = c->strip_Y * sqrt(aside * aside + s->w * s->w) * aside;
+    take_off(c->strip_x, c->strip_z, -dry * by_roll, force);
+    side += lift + drag;
+    heeling -= c->lift_z * lift + c->strip_z * drag;
+    force[3] -= dry * (heeling + c->hull_axis * side) + 0.5 * height * side;
+}
+
 static void write_near(const struct vessel *c, struct scratch *work, const struct state *s)
 {
     for (int i = 0; i < 6; i++)
         work->near[i] = work->external[i];
-    add_waterplane(c, work, s, work->near);
+    double height = 0.0;
+    if (is_near_surface(c, 0.0, s)) {
+        add_waterplane(c, work, s, work->near);
+        height = dry_height(c, work, s);
+    }
+    take_off_dry_sail(c, height, s, work->near);
 }

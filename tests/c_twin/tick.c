@@ -40,16 +40,17 @@ static int lost(const struct state *s)
     return 0;
 }
 
-static void outside(const struct vessel *c, const struct state *s, struct scratch *work)
+static void outside(const struct vessel *c, double h, const struct state *s, struct scratch *work)
 {
     for (int i = 0; i < 6; i++)
         work->external[i] = 0.0;
-    int near = is_near_surface(c, s);
+    int near = is_near_surface(c, h, s);
+    if (near || work->levels != 0.0)
+        for (int i = 0; i < HULL_STATIONS; i++) {
+            work->level[i] = work->rise[i] = 0.0;
+            work->station[i] = c->station_x[i];
+        }
     work->levels = near ? 1.0 : 0.0;
-    for (int i = 0; near && i < HULL_STATIONS; i++) {
-        work->level[i] = work->rise[i] = 0.0;
-        work->station[i] = c->station_x[i];
-    }
     wave_forces(c, work, s, work->external);
     surface_forces(c, s, work->external);
     add_compression(c, s, work->external);
@@ -69,7 +70,7 @@ int64_t update(
     if (s->held_tanks == 0.0)
         advance_ballast(vessel, h, s);
     advance_sea(vessel, h, work, s);
-    outside(vessel, s, work);
+    outside(vessel, h, s, work);
     double x = s->x, y = s->y, z = s->z;
     cast_off(s);
     advance(vessel, compact, scheme, s, work);

@@ -100,7 +100,7 @@ static void add_component(struct scratch *work, double omega, double rise, doubl
 static double filter_number(
     const struct vessel *c, double number, const struct scratch *work, const struct state *s)
 {
-    if (work->levels == 0.0)
+    if (!is_shallow(c, s))
         return s->push_number;
     double covered = 2.0 * (work->depth + c->hull_axis) / c->hull_diameter - 1.0;
     return number + least(most(covered, 0.0), 1.0) * (s->push_number - number);

@@ -74,7 +74,7 @@ static void wide_forces(const struct vessel *c, const struct state *s, double *f
     add_ideal_fluid(c, dry, s, force);
     add_viscous(c, s, force);
     add_hull_strips(c, s, force);
-    add_tail_and_sail(c, dry, s, force);
+    add_tail_and_sail(c, s, force);
     add_surfaces(c, s, force);
     force[0] += s->u < 0.0 ? thrust_astern(c, s) : wide_thrust(c, s);
 }

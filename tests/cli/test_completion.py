@@ -47,15 +47,17 @@ def words_of(offered: list[str]) -> list[str]:
     [
         (("check", ""), "vessels"),
         (("run", "--vessel", ""), "vessels"),
-        (("run", ""), "exercises"),
-        (("exercise", "new", "x.toml", "--from", ""), "exercises"),
+        (("run", ""), "lessons exercises"),
+        (("exercise", "new", "x.toml", "--from", ""), "lessons exercises"),
         (("sea", ""), "seas"),
         (("run", "--sea", ""), "seas"),
         (("sweep", ""), "studies"),
     ],
 )
 def test_shipped_names_are_offered(tmp_path: Path, words: tuple[str, ...], kind: str) -> None:
-    assert words_of(completed(tmp_path, *words)) == list(shipped_names(kind))
+    assert words_of(completed(tmp_path, *words)) == [
+        name for each in kind.split() for name in shipped_names(each)
+    ]
 
 
 @pytest.mark.process

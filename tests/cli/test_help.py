@@ -47,6 +47,8 @@ SHORTER = (
     *([] if find_browser() else [(r" --pdf \S+", "")]),
     ("~/", "./"),
     ("baseline depth-changes", "baseline depth-changes --seeds 1"),
+    ("--seeds 3", "--seeds 1"),
+    ("drill.toml --html drill", "drill.toml --seeds 1 --html drill"),
     ("-o boat-compact.toml", "--check"),  # a search takes half an hour
     ("--seeds 5", "--seeds 1"),
     ("turn-uncertainty --plot", "turn-uncertainty --members 4 --plot"),
@@ -74,6 +76,7 @@ FIRST = {  # what is typed before
     "trainer web": ("trainer serve periscope-depth --frozen",),
     "trainer exercise check": ("trainer exercise new drill.toml",),
     "trainer exercise baseline": ("trainer exercise new drill.toml",),
+    "trainer exercise validate": ("trainer exercise new drill.toml",),
     "trainer debrief": (DRILL, f"{FLIGHT.format('depth-changes')} --record {KEPT}/kept.trainer"),
     "trainer recordings": (DRILL, f"cp drill.trainer {KEPT}", "mv drill.trainer drills"),
     "trainer resume": (DRILL,),
@@ -84,6 +87,7 @@ FIRST = {  # what is typed before
         f"{TURN} --equations full --csv full.csv",
         f"{TURN} --equations modified --csv modified.csv",
     ),
+    "trainer check-cases": (f"cp {ROOT}/configs/check-cases/turn.rk4.csv turn.mine.csv",),
     "trainer fit": ("trainer manoeuvre impulse bb2 --csv impulse.csv",),
     "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
     "trainer prbs": ("cp known.toml ship.toml",),
@@ -102,7 +106,8 @@ FIRST = {  # what is typed before
 PATIENCE = 5.0  # [s] from one Ctrl-C to the next
 LACKING = re.compile(r"^trainer: .* needs \w+: pip install '.*'$", re.MULTILINE)
 SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of its own
-    *("trainer exercise baseline", "trainer guide", "trainer reduce", "trainer sweep"),
+    *("trainer exercise baseline", "trainer exercise validate", "trainer guide", "trainer reduce"),
+    "trainer sweep",
     *("trainer identify", "trainer prbs", "trainer bench"),
     *("trainer export-core", "trainer export-page", "trainer export", "trainer instruments"),
     *("trainer debrief", "trainer manoeuvre", "trainer estimate", "trainer identify new"),
@@ -136,7 +141,7 @@ rudder_rate_deg_s = 3
 step_s = 0.5
 """
 # 1: the answer is no
-UNSETTLED = {"trainer compare", "trainer identify", "trainer fit"}
+UNSETTLED = {"trainer compare", "trainer identify", "trainer fit", "trainer exercise validate"}
 CASES = [
     pytest.param(page, marks=[pytest.mark.slow] if page in SLOW else [], id=page) for page in PAGES
 ]

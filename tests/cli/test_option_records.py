@@ -20,7 +20,7 @@ RECORDS: dict[type[Any], tuple[click.Command, set[str]]] = {
     ExperimentOptions: (prbs, {"speed_kn", "sensors"}),
     TrialOptions: (prbs, {"sensors", "amplitude"}),
     ManoeuvreOptions: (manoeuvre, {"parameters", "rig"}),
-    Rig: (manoeuvre, {"sea"}),
+    Rig: (manoeuvre, {"sea", "engine"}),
 }
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.analysis.exercise_page import check_exercise
@@ -18,7 +19,8 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import active_casualties
 from trainer.boat.helm import obey_order
 from trainer.config.course import course
-from trainer.config.exercise import Exercise, key_tables, load_exercise, parse_exercise
+from trainer.config.course import lessons as step_lessons
+from trainer.config.exercise import Exercise, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, read_text, shipped_names, shipped_path
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.options import RunOptions
@@ -222,6 +224,8 @@ def test_a_casualty_waits_for_its_condition() -> None:
         ("[[crew]]\nat_s = 1\norder = 'planesman of'", "say on or off; nearest is planesman of"),
         ("[[crew]]\nat_s = 1\norder = 'clear all'", "no crew orders that"),
         ("[[crew]]\nwhen = 'heavy > 2'\norder = 'bell stop'", "no gauge shows heavy"),
+        ("[[crew]]\nwhen = 'east > 2'\norder = 'bell stop'", "no gauge shows east"),
+        ("[[crew]]\nwhen = 'north > 2'\norder = 'bell stop'", "no gauge shows north"),
         ("[[crew]]\nwhen = 'deph > 2'\norder = 'bell stop'", "no quantity 'deph'; nearest is dep"),
         ("[[crew]]\norder = 'bell stop'", "give one of at_s, when, ordered, or then = true"),
         ("[[crew]]\nthen = true\norder = 'bell stop'", "there is no rule above"),
@@ -569,8 +573,14 @@ def test_casualties_of_ones_own_are_known_though_the_head_of_the_file_is_wrong(
 @pytest.mark.process
 def test_the_lists_name_everything_in_79_columns() -> None:
     exercises, casualties = ran("exercises"), ran("casualties")
-    names = [line.split()[0] for line in exercises.stdout.splitlines()]
+    lessons, listed = exercises.stdout.split("Exercises:\n")
+    names = [line.split()[0] for line in listed.splitlines() if line]
     assert sorted(names) == list(NAMES)
+    assert lessons.startswith("Lessons, step by step:\nwheel-and-course     1 the wheel and")
+    assert [line.split()[0] for line in lessons.splitlines()[1:-1]] == [
+        each.name for each in step_lessons()
+    ]
+    assert re.search(r"^heavy-boat +6 Trim +30 min ballast$", listed, re.MULTILINE)
     assert (names[0], names[-2], names[-1]) == (
         "first-depth-change",
         "bottoming",
@@ -590,7 +600,7 @@ def page() -> str:
 
 
 def test_the_page_has_the_table_of_every_key() -> None:
-    assert key_tables() in page()
+    assert TABLES["exercises"]() in page()
 
 
 def test_the_exercises_of_the_page_are_exercises() -> None:

@@ -15,7 +15,6 @@ from helpers.places import ROOT
 from jsonschema import Draft202012Validator
 
 from trainer.cli.schema import SCHEMA_MODULES, schema, schema_of
-from trainer.config.baseline import BASELINE_SUFFIX
 
 CONFIGS = ROOT / "configs"
 FOLDERS = {
@@ -26,12 +25,13 @@ FOLDERS = {
     "ship": "ships",
     "casualties": "casualties",
     "study": "studies",
+    "case": "check-cases",
 }
 SHIPPED = [
     (kind, path)
     for kind, folder in FOLDERS.items()
     for path in sorted((CONFIGS / folder).glob("*.toml"))
-    if not path.name.endswith(BASELINE_SUFFIX)
+    if "." not in path.stem  # what is kept beside a file, such as a baseline
 ]
 SHIPPED.append(("exercise", CONFIGS / "exercise-skeleton.toml"))
 SHIPPED.append(("hull", CONFIGS / "hull-skeleton.toml"))

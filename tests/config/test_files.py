@@ -8,6 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
+from helpers.key_tables import TABLES
 from helpers.places import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -22,7 +23,7 @@ from trainer.config.files import (
 )
 from trainer.config.schema import Quantities, kind_of
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
-from trainer.config.vessel_records import Autopilot, key_tables
+from trainer.config.vessel_records import Autopilot
 from trainer.core.terms import COEFFICIENTS, TERM_TABLE
 
 PLACE = Path("boat.toml")
@@ -155,7 +156,8 @@ def test_an_unknown_boat_is_told_the_nearest_and_all_names() -> None:
 
 
 def test_the_document_shows_the_keys_the_program_reads() -> None:
-    assert key_tables() in (ROOT / "docs" / "vessel-files.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "vessel-files.md").read_text(encoding="utf-8")
+    assert TABLES["vessel-files"]() in page
 
 
 # What may be left out
@@ -190,8 +192,8 @@ def test_coefficients_may_stand_in_one_table() -> None:
 
 
 def test_thrust_rows_are_sorted_by_falling_eta() -> None:
-    row = "[[propulsion.sets]]\neta_min = 0.5\na = -0.1\nb = 0\nc = 0.1\n\n[coefficients.X]"
-    boat = small(("[coefficients.X]", row))
+    row = "[[propulsion.sets]]\neta_min = 0.5\na = -0.0005\nb = -0.0035\nc = 0.004\n\n"
+    boat = small(("[coefficients.X]", f"{row}[coefficients.X]"))
 
     assert [row.eta_min for row in boat.thrust.ahead] == [0.5, 0.0, -100.0]
     assert boat.remarks == ()
@@ -244,23 +246,23 @@ c = 0.003
     [
         (
             "eta_min = 0.0\na = 0.0012",
-            "eta_min = 0.0\na = 0.0013",
-            "do not join at u_c = 0, going astern",
+            "eta_min = 0.0\na = 0.0014",
+            "do not join at eta = 0, going astern: the thrust jumps by",
         ),
         (
             "a = -0.001\nb = 0.0\nc = -0.002",
-            "a = -0.001\nb = 0.0\nc = -0.0021",
+            "a = -0.001\nb = 0.0\nc = -0.0022",
             "do not join at u = 0, turning astern",
         ),
         (
             "a = 0.0012\nb = 0.0\nc = 0.003",
-            "a = 0.0012\nb = 0.0\nc = 0.0031",
+            "a = 0.0012\nb = 0.0\nc = 0.0032",
             "do not join at u = 0, turning ahead",
         ),
         (
             "eta_min = -99.0\na = -0.001",
-            "eta_min = -99.0\na = -0.0011",
-            "do not join at u_c = 0, going ahead",
+            "eta_min = -99.0\na = -0.0012",
+            "6.7% of the bollard thrust: must be below 5%",
         ),
         ("eta_min = -99.0\na = 0.0012", "eta_min = 0.5\na = 0.0012", "takes two rows, or none"),
         (
@@ -286,6 +288,7 @@ def test_thrust_rows_that_do_not_join_or_drive_the_wrong_way_are_refused(
     [
         ("handover_deg = [55, 35]", "[envelope] handover_deg = [55.0, 35.0]: must ascend"),
         ("tail_y = 0.01", "[envelope] tail_y, tail_z: need tail_place as well"),
+        ("sail_lift = 0.01", "[envelope] sail_lift: needs sail_lift_place as well"),
         ("sail_y = 0.01", "[envelope] sail_y, sail_added_mass: need sail_place as well"),
         (
             "strip_width = [0, 0, 0, 0, 0]",
@@ -305,7 +308,7 @@ def test_an_envelope_that_does_not_fit_is_refused(key: str, said: str) -> None:
     [
         ("torque_limit_n_m = 1e5", "torque_limit_n_m = 100000: needs KQ as well"),
         ("shaft_power_w = 5e6\nKQ = [0.06, -0.03, -0.02]", "needs propeller_diameter as well"),
-        ("torque_limit_n_m = 1e5\nshaft_power_w = 5e6", "give one of the two"),
+        ("torque_limit_n_m = 1e5\nshaft_power_w = 5e6", "shaft_power_w = 5e+06: needs KQ as well"),
         (
             "torque_limit_n_m = 1e5\nKQ = [0, 0, 0]\npropeller_diameter = 5",
             "KQ[0] = 0: must be above 0",
@@ -316,6 +319,27 @@ def test_a_limit_of_torque_lacks_nothing(keys: str, said: str) -> None:
     with pytest.raises(ConfigError) as caught:
         small(("[propulsion]\n", f"[propulsion]\n{keys}\n"))
     assert said in str(caught.value)
+
+
+def broken_rows(eta: float, below: str) -> VesselFile:
+    """Return the small boat with a second row ahead, below a break at ``eta``."""
+    rows = f"[[propulsion.sets]]\neta_min = {eta}\na = -0.001\nb = -0.002\nc = 0.003\n"
+    return small(
+        ("[[propulsion.sets]]\neta_min = 0.0\na = -0.001\nb = -0.002\nc = 0.003\n", rows + below)
+    )
+
+
+def test_rows_may_break_anywhere_where_they_join() -> None:
+    """At eta = 0.5 the row above makes -0.00125; the rows below are to make that as well."""
+    row = "[[propulsion.sets]]\neta_min = 0.0\na = {}\nb = {}\nc = 0.0\n"
+    assert broken_rows(0.5, row.format(-0.001, -0.0005)).remarks == ()
+    to_three_digits = broken_rows(0.5, row.format(-0.001, -0.000501))
+    assert to_three_digits.remarks == ()
+    (seen,) = broken_rows(0.5, row.format(-0.001, -0.0006)).remarks
+    assert "do not join at eta = 0.5, going ahead: the thrust jumps by " in seen
+    assert "kN, 1.7% of the bollard thrust" in seen
+    with pytest.raises(ConfigError, match=r"eta = 0.5, going ahead.* kN, 10.0% .* below 5%"):
+        broken_rows(0.5, row.format(-0.0013, -0.0005))
 
 
 def test_documentary_tables_and_keys_may_say_anything() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.key_tables import documentary_keys, documentary_list
 from helpers.places import ROOT
 
 from trainer.boat import stability
@@ -21,8 +22,6 @@ from trainer.config.files import ConfigError, shipped_names, shipped_path
 from trainer.config.vessel import (
     DOCUMENTARY_TABLES,
     VesselFile,
-    documentary_keys,
-    documentary_list,
     load_vessel,
     read_vessel,
 )

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.config.files import ConfigError, shipped_names, shipped_path
-from trainer.config.sea import key_table, load_sea, parse_sea, sea_settings, step_problem
+from trainer.config.sea import load_sea, parse_sea, sea_settings, step_problem
 
 G = 9.81
 
@@ -172,7 +173,7 @@ def test_the_manual_lists_every_key_and_its_examples_load() -> None:
     examples = re.findall(r"```toml\n(.*?)```", manual, re.DOTALL)
     defaults = tomllib.loads(shipped_path("", "sea-defaults").read_text(encoding="utf-8"))["sea"]
 
-    assert key_table() in manual
+    assert TABLES["seas"]() in manual
     assert len(examples) >= 2
     for example in examples:
         parse_sea(example, Path("example.toml"))

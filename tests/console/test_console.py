@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from helpers.contrast import contrast
+from helpers.document_tables import key_tables
 from helpers.places import ROOT
 from helpers.screens import (
     CREW,
@@ -33,12 +35,13 @@ from trainer.console.app import Console
 from trainer.console.client import Client, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.drawing.attitude import turn
 from trainer.console.drawing.chart import limits
+from trainer.console.drawing.evaluation import evaluation
 from trainer.console.entry import Entry, complete_word, hint, offer
 from trainer.console.journal import Sample, TimelineMoment, Trace
-from trainer.console.keys import KEYS, MoveAction, OrderAction, key_tables
+from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import CasualtyOffer, SessionModel
-from trainer.console.pane import GROUND_COLOUR, INKS, Pane, contrast, plain
+from trainer.console.pane import GROUND_COLOUR, INKS, Pane, plain
 from trainer.console.readings import ChannelReadings
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, parse
@@ -852,6 +855,27 @@ def test_the_screens_load_neither_numbers_nor_boats() -> None:
 
 def test_the_documents_list_the_keys() -> None:
     page = (ROOT / "docs" / "instructor.md").read_text(encoding="utf-8")
-    assert key_tables() in page, (
-        'renew it: python -c "from trainer.console.keys import key_tables; print(key_tables())"'
-    )
+    assert key_tables() in page, "renew it: python -m helpers.document_tables keys"
+
+
+def test_the_instructor_sees_what_could_still_be_earned_above_the_line_of_time() -> None:
+    talk = tape()
+    for told in ("10.000,100.0,0.0,won,1,0", "30.000,90.0,5.0,won,1,0", "58.000,12.4,7.6,open,1,0"):
+        talk.say(sentences.fact(60, 30.0, "attainable", told))
+    seen = sight_of(talk)
+    seen.hear()
+    (row,) = evaluation(seen, 80, 1)
+    text = "".join(part for part, _ in row)
+    assert len(text) == 80
+    assert text.startswith("earn 12 ")
+    assert text.rstrip().endswith("so far 8")
+    assert text.count("█") > text.count("▁") > 0
+    talk.say(sentences.fact(40, 20.0, "back", "backtrack 40"))
+    seen.hear()
+    assert [each.seconds for each in seen.attainable] == [10.0]
+    (row,) = evaluation(seen, 80, 1)
+    assert "50 s ago" in "".join(part for part, _ in row)
+    talk.say(sentences.fact(60, 30.0, "no-attainable", "this exercise has no end"))
+    seen.hear()
+    (row,) = evaluation(seen, 80, 1)
+    assert "no evaluation: this exercise has no end" in "".join(part for part, _ in row)

@@ -14,14 +14,18 @@ from helpers.screens import run_aside, typed
 from textual.pilot import Pilot
 
 from trainer.cli import run as command
-from trainer.config.course import Lesson, course
+from trainer.config.course import Lesson, course, lessons
 from trainer.config.files import shipped_names
+from trainer.config.progress import Progress, ProgressRun
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.exercise_choice import (
     FREE_SAILING,
+    I_INSTRUCT,
+    I_TRAIN,
     ExerciseScreen,
     choose_exercise,
     exercise_choice,
+    side_choice,
 )
 from trainer.console.pane import Pane, plain
 from trainer.session.options import RunOptions
@@ -108,11 +112,15 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
 ) -> None:
     asked: list[Lesson] = []
 
-    def choose(offered: list[Lesson]) -> str | None:
-        asked.extend(offered)
+    def choose(offered: list[Lesson], *, trains: bool, progress: Progress | None) -> str | None:
+        assert progress is None
+        asked[:] = offered
+        assert trains is (side == I_TRAIN)
         return answer
 
+    side: str | None = I_INSTRUCT
     monkeypatch.setattr("trainer.console.exercise_choice.choose_exercise", choose)
+    monkeypatch.setattr("trainer.console.exercise_choice.ask_side", lambda: side)
     options = RunOptions()
     answer: str | None = "heavy-boat"
     wanted = replace(options, exercise="heavy-boat", given=frozenset({"exercise"}))
@@ -121,12 +129,30 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     assert asked == course()
     assert [each.place for each in asked] == [*range(1, len(asked)), math.inf]
     assert all(each.title and each.briefing for each in asked)
+    side = I_TRAIN
+    assert command.choose(options) == replace(wanted, train=True)
+    assert command.trained(command.choose(options)).frozen
+    assert asked == [*lessons(), *course()]
+    side = I_INSTRUCT
     answer = ""
     assert command.choose(options) == options
     answer = None
     with pytest.raises(SystemExit) as left:
         command.choose(options)
     assert left.value.code == 0
+    side = None
+    with pytest.raises(SystemExit):
+        command.choose(options)
+
+
+def test_the_list_tells_length_and_hand_and_who_trains_begins_with_a_lesson() -> None:
+    rows = [row.name for row in exercise_choice([*lessons(), *course()], trains=True).rows]
+    assert rows[0].split("  ")[0] == "Lesson 1: the wheel and the course"
+    assert rows[0].endswith("6 steps  rudder")
+    assert rows[len(lessons())].endswith("10 min  planes")
+    assert rows[-1] == FREE_SAILING
+    assert max(map(len, rows)) <= 71
+    assert [row.name for row in side_choice().rows] == [I_TRAIN, I_INSTRUCT]
 
 
 @pytest.mark.process
@@ -151,7 +177,7 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
         os.close(near)
         late = threading.Timer(60.0, process.kill)
         late.start()
-        shown, wanted = b"", b"Choose an exercise" if asks else b"making ready"
+        shown, wanted = b"", b"I instruct" if asks else b"making ready"
         with contextlib.suppress(OSError):
             while not re.search(wanted, shown) and (some := os.read(far, 65536)):
                 shown += some
@@ -162,4 +188,18 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
         late.cancel()
     os.close(far)
     assert wanted in shown
-    assert (b"Choose an exercise" in shown) == asks
+    assert (b"I instruct" in shown) == asks
+
+
+def test_a_trainee_is_offered_the_first_that_is_not_passed() -> None:
+    run = ProgressRun("a", 1, "depth-gauge-failure", "t", "2026", 60.0, "won", 88.0)
+    begun = ProgressRun("b", 1, "first-depth-change", "t", "2026", 60.0, "lost", 12.0)
+    progress = Progress("Ann", (run, begun))
+    choice = exercise_choice(OFFERED, trains=True, progress=progress)
+    assert choice.order == "first-depth-change"
+    assert choice.title == "Ann: 1 of 3 passed; next is chosen"
+    text = plain(choice.draw(76, 22))
+    assert re.search(r"   88  Periscope watch", text)
+    assert re.search(r">    12  Depth, first steps", text)
+    alone = exercise_choice(OFFERED, trains=True)
+    assert "88" not in plain(alone.draw(76, 22))

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.key_tables import TABLES
 from helpers.places import DATA, ROOT, environment
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -18,7 +19,6 @@ from hypothesis import strategies as st
 from trainer.analysis.programs import tanks as ec430
 from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import Boat
-from trainer.config.ballast_records import key_tables
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core import surfaced
@@ -762,7 +762,7 @@ def test_a_wrong_arrangement_is_refused_with_the_place(old: str, new: str, messa
 def test_the_document_shows_the_keys_and_the_fields() -> None:
     text = (ROOT / "docs" / "ballast.md").read_text(encoding="utf-8")
 
-    assert key_tables() in text
+    assert TABLES["ballast"]() in text
     for name in (*BLOWN_TANKS, *PUMPED_TANKS):
         assert f"`{name}`" in text
 

@@ -67,8 +67,7 @@ def asymmetric(boat: Boat) -> None:
         if name not in ("Y_star", "K_star", "N_star", "K_star_eta") and "dot" not in name:
             boat.vessel[name] *= rng.uniform(0.5, 1.5)
     for name in ("K_star", "K_star_eta"):
-        boat.vessel[name] = 0.0
-    boat.records.compact["K_star"] = 0.0  # of BB2's own reduction
+        boat.vessel[name] = boat.records.compact[name] = 0.0  # the propeller's torque has a side
 
 
 @pytest.mark.laws

@@ -221,6 +221,7 @@ RULES: list[dict[str, Any]] = [
     {"measure": "lowest", "quantity": "turns_rpm"},
     {"measure": "activity"},
     {"measure": "activity", "quantity": "rudder", "from_s": 30, "to_s": 90},
+    {"measure": "hand-travel", "from_s": 20},
     {"measure": "distance", "when": "speed_kn > 5"},
     {"measure": "broaches"},
     {"measure": "beyond-limits", "from_s": 50},
@@ -393,6 +394,16 @@ class Anew:
         pairs = list(self.pairs(keys))
         moved = sum(
             abs(self.value(b, name) - self.value(a, name)) for a, b in pairs for name in names
+        )
+        return moved / (len(pairs) * STEP) * 60.0
+
+    def hand_travel(self, keys: dict[str, Any]) -> float:
+        pairs = list(self.pairs(keys))
+        moved = sum(
+            abs(self.value(b, name) - self.value(a, name))
+            for a, b in pairs
+            for name in ("rudder", "stern", "bow")
+            if b[f"{name}_by_hand"]
         )
         return moved / (len(pairs) * STEP) * 60.0
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import journalled
+from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.boat.assemble import Method
@@ -22,7 +23,6 @@ from trainer.debrief.scoring import (  # type: ignore[attr-defined]
     SCORE_MEASURES,
     formula_of,
     marks_of,
-    measure_rows,
     score_rules,
     take_measure,
     unit_of,
@@ -398,8 +398,7 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
         measure="time-to", quantity="depth", target=100, band=2, from_s=60, when="speed > 3"
     )
     assert formula_of(judged) == (
-        "time until depth is within 2 m of 100 m and stays there to the end, "
-        "from 60 s while speed > 3"
+        "time until depth is within 2 m of 100 m, for 30 s or to the end, from 60 s while speed > 3"
     )
     assert unit_of(judged) == "s"
     assert unit_of(rule(measure="highest", quantity="depth_ft")) == "ft"
@@ -410,8 +409,8 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
 
 def test_the_page_has_the_table_of_every_measure() -> None:
     page = (ROOT / "docs" / "debrief.md").read_text(encoding="utf-8")
-    assert measure_rows() in page
-    assert len(SCORE_MEASURES) == 23
+    assert TABLES["measures"]() in page
+    assert len(SCORE_MEASURES) == 24
 
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))

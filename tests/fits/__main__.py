@@ -8,6 +8,7 @@ import click
 sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by their own names
 
 from fits.force_rows import all_numbers, all_rows
+from fits.strips import strip_lines
 from trainer.cli.main import run_command
 from trainer.core.kernel import Numbers
 
@@ -21,12 +22,18 @@ def lines(name: str, table: Numbers) -> list[str]:
 
 
 @click.command()
-def fits() -> None:
+@click.option("--strips", is_flag=True, help="Write the filter's push over the strips' sum.")
+def fits(*, strips: bool) -> None:
     """Write the force rows of the wave filter, and the wave numbers that are left.
 
     \b
     Example:  python -m tests.fits
+              python -m tests.fits --strips
     """
+    if strips:
+        click.echo("rms of heave and pitch, their mean frequencies: now; by strips' own phases")
+        click.echo("\n".join(strip_lines()))
+        return
     click.echo("\n".join([*lines("_FORCE", all_rows()), *lines("LENGTHS", all_numbers())]))
 
 

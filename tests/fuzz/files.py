@@ -30,6 +30,7 @@ from trainer.analysis.programs.evaluate import evaluate_states
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.casualties import parse_casualties
+from trainer.config.check_case import parse_case
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, read_text
@@ -386,6 +387,7 @@ def exercises() -> list[bytes]:
 TARGETS: Final = (
     Target("vessel", "a vessel file, made into a boat", text(vessel), vessels, 3000),
     Target("sea", "a sea file", text(parse_sea), lambda: shipped_seeds("seas"), spared=()),
+    Target("case", "a check case", text(parse_case), lambda: shipped_seeds("check-cases"), 4000),
     Target(
         "casualties",
         "a table of casualties",
@@ -395,7 +397,7 @@ TARGETS: Final = (
     ),
     Target("exercise", "an exercise file", text(exercise), exercises, 6000, GRAMMAR),
     Target(
-        "trials", "published results of a boat", load_proof(load_published), cut("trials/bb2"), 1200
+        "trials", "published results of a boat", load_proof(load_published), cut("trials/bb2"), 2000
     ),
     Target(
         "condition",
@@ -419,7 +421,7 @@ TARGETS: Final = (
         "a ship that is not linear",
         text(ship),
         lambda: [SHIP, *shipped_seeds("ships")],
-        1600,
+        10_000,
         spared=(),
     ),
     Target(

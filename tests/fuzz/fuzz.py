@@ -32,7 +32,17 @@ from trainer.config.files import (
 
 MEMORY: Final = Path("/dev/shm")  # noqa: S108  a file system in memory, where there is one
 TABLE: Final = re.compile(r"^\[+([\w.-]+)\]", re.MULTILINE)
-KINDS: Final = ("", "vessels", "hulls", "ships", "seas", "casualties", "exercises", "trials")
+KINDS: Final = (
+    "",
+    "vessels",
+    "hulls",
+    "ships",
+    "seas",
+    "casualties",
+    "exercises",
+    "trials",
+    "check-cases",
+)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise import DebriefSource, ExerciseEnd, Judgement
 from trainer.session.history import History
+from trainer.session.plan import Plan
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import PromptSender, Roster
@@ -76,10 +77,15 @@ class Crewed:
         armed: Sequence[ConditionalCasualty] = (),
         world: WorldTables | None = None,
         hand: frozenset[str] = frozenset(),
+        plan: Plan | None = None,  # of an exercise
     ) -> None:
         self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
-        self.boat.start(10.0 * KNOT, 60.0, 0.0)
-        self.boat.world = world_of(self.boat, world or {})
+        if plan:
+            plan.start(self.boat)
+            schedule = plan.schedule
+        else:
+            self.boat.start(10.0 * KNOT, 60.0, 0.0)
+            self.boat.world = world_of(self.boat, world or {})
         self.recording = Recording.create(path, {}, self.boat.records.state.tobytes())
         self.now = 0.0
         self.wake = threading.Event()
@@ -97,6 +103,8 @@ class Crewed:
             by_hand={"hand": hand},
         )
         self.conduct = self.session.conduct
+        self.conduct.guide.steps = plan.steps if plan else ()
+        self.conduct.aids.plan = self.session.dispatch.way.plan = plan
         losses = [
             Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
             for text in lost

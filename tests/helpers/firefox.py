@@ -8,20 +8,20 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
-import pytest
 from websockets.sync.client import ClientConnection, connect
 
+from helpers.installation import installed
 from helpers.pages import PATIENCE, free_port
+
+INSTALLING_S: Final = 300.0  # [s] it is large
 
 
 @contextmanager
 def firefox(profile: Path) -> Iterator["Tab"]:
     """Open a tab of a Firefox of its own; the test is skipped where there is none."""
-    program = shutil.which("firefox") or shutil.which("firefox-esr")
-    if not program:
-        pytest.skip("no Firefox here")
+    program = shutil.which("firefox") or installed("firefox-esr", "firefox-esr", INSTALLING_S)
     port = free_port()
     profile.mkdir()
     words = [program, "--headless", f"--remote-debugging-port={port}", "--profile", str(profile)]
@@ -55,7 +55,7 @@ class Tab:
         """Begin a session on that line, with one tab."""
         self.line = line
         self.number = 0
-        self.ask("session.new", capabilities={})
+        self.ask("session.new", capabilities={"alwaysMatch": {"acceptInsecureCerts": True}})
         self.context = self.ask("browsingContext.create", type="tab")["context"]
 
     def ask(self, method: str, **how: object) -> dict[str, Any]:
@@ -71,6 +71,13 @@ class Tab:
     def open(self, url: str) -> None:
         """Open a page, and wait until all of it is there."""
         self.ask("browsingContext.navigate", context=self.context, url=url, wait="complete")
+
+    def await_that(self, script: str, patience: float = PATIENCE) -> None:
+        """Wait until a script's expression is true."""
+        end = time.monotonic() + patience
+        while not self.evaluate(f"Boolean({script})"):
+            assert time.monotonic() < end, script
+            time.sleep(0.2)
 
     def evaluate(self, script: str) -> Any:
         """Return what a script's expression comes to: a string or a number."""

@@ -68,8 +68,32 @@ def work(page: Page, control: Locator, way: str, part: tuple[float, float] = (0.
     (page.mouse.click if way == "mouse" else page.touchscreen.tap)(x, y)
 
 
+# A place on a lever's groove, by its share from one end to the other, as the page has it.
+ON_GROOVE: Final = """([name, share]) => {
+  const path = document.querySelector(`order-lever[name=${name}] .reach`);
+  const place = path.getPointAtLength(path.getTotalLength() * share);
+  const { x, y } = place.matrixTransform(path.getScreenCTM());
+  return [x, y];
+}"""
+
+
+def on_groove(page: Page, name: str, share: float) -> tuple[float, float]:
+    """Return a place on the groove of a lever, from its left or lower end (0) to the other (1)."""
+    x, y = page.evaluate(ON_GROOVE, [name, share])
+    return x, y
+
+
 def work_frame(page: Page, way: str) -> None:
-    """Work what stands above every station: sound and palette."""
+    """Work what stands above every station: sound, palette, choices, and the alerts' bell."""
+    bell, listed = page.locator("alert-bar .bell"), page.locator("alert-bar .all")
+    work(page, bell, way)
+    expect(listed).to_be_visible()
+    work(page, bell, way)
+    expect(listed).to_be_hidden()
+    page.locator("alert-bar .hush").evaluate("(each) => (each.dataset.worked = '')")
+    for shown in (True, False):
+        work(page, page.locator("#open-choices"), way)
+        expect(page.locator("#choices")).to_be_visible(visible=shown)
     for words in ("Sound on", "Sound off"):
         work(page, page.locator("#sound"), way)
         expect(page.locator("#sound")).to_have_text(words)

@@ -22,9 +22,9 @@ def install(program: str, package: str, patience: float = PATIENCE) -> str | Non
     return shutil.which(program, path=path)
 
 
-def installed(program: str, package: str) -> str:
+def installed(program: str, package: str, patience: float = PATIENCE) -> str:
     """Return the path of a program; where it cannot be had the test is skipped, and says so."""
-    found = install(program, package)
+    found = install(program, package, patience)
     if found is None:
         pytest.skip(f"no {program} here: apt-get install {package}, or set CI_APT=1")
     return found

@@ -15,6 +15,7 @@ from typing import Any, Final
 from helpers.places import ROOT
 from helpers.recorded import record
 from trainer.cli.schema import SCHEMA_MODULES, schema_of
+from trainer.config.check_case import CASE_CHANNELS, TIME_COLUMN
 from trainer.core.casualties import KINDS
 from trainer.debrief.data import debrief_figures, gather_debrief
 from trainer.io.orders.sentences import FACTS
@@ -55,6 +56,7 @@ def outside_names() -> dict[str, Any]:
             *EVENT_COLUMNS,
             *MOTION_COLUMNS,
         ],
+        "check cases": [TIME_COLUMN, *CASE_CHANNELS],
         "recording": {name: COLUMN.findall(body) for name, body in TABLE.findall(SCHEMA)},
         **of_a_recording(),
         "files": {kind: keys_of(schema_of(kind)) for kind in SCHEMA_MODULES},

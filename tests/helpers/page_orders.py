@@ -6,12 +6,13 @@ python -m helpers.page_orders, from the folder of the tests, writes it among the
 import json
 from typing import Final
 
+from helpers.document_tables import roles_with
 from trainer.io.orders.table import FORMS, WORD_SETS, Form, heading_word, spellings
 from trainer.session.dispatch import ORDERS, Rule
 from trainer.session.manning import REPEATING_ROLES, WORDS_AXIS
 from trainer.session.stations.past import RESET_WORDS
-from trainer.session.stations.roles import CREW_ROLES, roles_with
-from trainer.web.pages import ASSETS_FOLDER, name_of
+from trainer.web.modules import ASSETS_FOLDER
+from trainer.web.pages import name_of
 
 PAGE: Final = ASSETS_FOLDER / "js" / "model" / "order-table.js"
 HEAD: Final = """\
@@ -23,6 +24,7 @@ HEAD: Final = """\
 
 def script() -> str:
     """Return the module: rules and heads of orders, and whose an order to the crew is."""
+    words = REPEATING_ROLES[WORDS_AXIS]
     addressed = {axis: roles for axis, roles in REPEATING_ROLES.items() if axis != WORDS_AXIS}
     return "\n".join(
         (
@@ -38,7 +40,7 @@ def script() -> str:
                 "ANEW",
                 RESET_WORDS,
             ),
-            _table("Who repeats what the crew is told in words.", "string[]", "CREW", CREW_ROLES),
+            _table("Who repeats what the crew is told in words.", "string[]", "CREW", words),
             _table(
                 "Who repeats an order to the crew, by its axis.",
                 *("Record<string, string[]>", "ADDRESSED", addressed),

@@ -10,7 +10,7 @@ from helpers.givers import giver_at
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.config.files import remembering
-from trainer.debrief.rehearsal import due_orders
+from trainer.debrief.rehearsal import due_orders, last_tick
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
@@ -59,8 +59,9 @@ def record(
         return obey_order(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
 
     with np.errstate(all="ignore"):
-        for tick, places in enumerate(due_orders(plan)):
-            for place in places:
+        due = due_orders(plan)
+        for tick in range(last_tick(plan)):
+            for place in due.get(tick, ()):
                 give(SCHEDULE_GIVER, plan.schedule[place].order, place)
             for text in (text for when, text in given_at if when == tick):
                 order = parse(text)

@@ -18,7 +18,7 @@ TIMEOUT = 600.0  # [s] on a machine that is busy
 FILES = {
     "turn.txt": "30 rudder right 15\n",
     "states.jsonl": '{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0, "phi": 0, "theta": 0, '
-    '"psi": 0, "delta_r": 0, "delta_s": 0, "delta_b": 0, "u_c": 5}\n',
+    '"psi": 0, "z": 60, "delta_r": 0, "delta_s": 0, "delta_b": 0, "u_c": 5}\n',
 }
 
 

@@ -15,7 +15,7 @@ from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.boat_page import state_changes
 from trainer.boat.assemble import Records
 from trainer.boat.export.wasm import SHIPPED_PATH
-from trainer.web.pages import ASSETS_FOLDER
+from trainer.web.modules import ASSETS_FOLDER
 
 HOST: Final = ROOT / "tests" / "web" / "tab.mjs"
 PATIENCE: Final = 120.0  # [s]

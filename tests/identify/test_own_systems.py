@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.model.sampled import COMPLEX_STEP, step_aside
-from trainer.identify.model.system_files import key_tables, load_system, parse_expression
+from trainer.identify.model.system_files import load_system, parse_expression
 
 pytest.importorskip("scipy")
 
@@ -288,7 +288,3 @@ def test_an_input_must_be_known_and_a_reading_may_be_missing(tmp_path: Path) -> 
     (tmp_path / "roll.csv").write_text("\n".join(rows) + "\n")
     with pytest.raises(ConfigError, match="row 10: fin: an input must be known"):
         identified(study)
-
-
-def test_the_keys_of_a_system_are_in_the_manual() -> None:
-    assert key_tables() in (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")

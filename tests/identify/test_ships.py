@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.key_tables import TABLES
 from helpers.places import ROOT
 from helpers.ships import (
     COEFFICIENTS,
@@ -15,7 +16,6 @@ from helpers.ships import (
 )
 
 from trainer.boat.ship.models import FURTHER_NAMES, model_for, model_of
-from trainer.config.ship import key_tables
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record
 from trainer.identify.ships.fit import (
@@ -309,7 +309,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
 def test_the_page_tells_the_keys_of_a_ship_file() -> None:
     page = ROOT / "docs" / "nonlinear-ships.md"
 
-    assert key_tables() in page.read_text(encoding="utf-8")
+    assert TABLES["nonlinear-ships"]() in page.read_text(encoding="utf-8")
 
 
 def test_an_error_of_readings_stops_at_its_floor_and_the_fit_settles() -> None:

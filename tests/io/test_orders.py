@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable
 
 import pytest
+from helpers.document_tables import obeyed_by, orders_page
 from helpers.places import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -21,7 +22,7 @@ from trainer.io.orders.grammar import (
     parse,
     tokenise,
 )
-from trainer.io.orders.help import HELP_WIDTH, help_text, page
+from trainer.io.orders.help import HELP_WIDTH, help_text
 from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
 from trainer.io.orders.table import (
     FORMS,
@@ -33,7 +34,6 @@ from trainer.io.orders.table import (
     heading_word,
     place,
 )
-from trainer.session.dispatch import ORDERS
 
 KNOT = 1852 / 3600
 DEG = math.pi / 180
@@ -224,7 +224,7 @@ MISTYPED = [
     ("release", "expected depth, position, tanks, all or marks"),
     (
         "role captain",
-        "expected instructor, helm, planes, pilot, ballast, diving, observer, visitor or scope",
+        "helm, planes, pilot, ballast, diving, observer, visitor, scope or trainee",
     ),
     ("s d 10", '"s" may be sail or stern'),
     ("a f", '"a" may be again, ahead or astern'),
@@ -385,7 +385,7 @@ def test_what_people_say_first_is_no_order_and_leads_to_one() -> None:
 
 def test_the_page_of_orders_is_that_of_the_table() -> None:
     path = ROOT / "docs" / "orders.md"
-    made = page({word: rule.obeyer.value for word, rule in ORDERS.items()})
+    made = orders_page(obeyed_by())
 
     assert path.read_text(encoding="utf-8") == made
 

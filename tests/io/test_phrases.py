@@ -1,6 +1,7 @@
 """What is said in a control room, as orders."""
 
 import pytest
+from helpers.document_tables import as_tokens, phrase_table
 
 from trainer.io.orders.grammar import BadOrder, Order, parse, to_the_crew
 from trainer.io.orders.phrases import (
@@ -8,9 +9,7 @@ from trainer.io.orders.phrases import (
     COMPILED_PHRASES,
     PHRASES,
     PHRASES_BY_WORD,
-    as_tokens,
     numerals,
-    phrase_table,
     plain_text,
 )
 from trainer.io.orders.schedule import parse_schedule

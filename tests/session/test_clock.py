@@ -75,10 +75,10 @@ class DetailedLedger(Ledger):
         super().__init__(step)
         self.rows: list[Entry] = []
 
-    def record(self, deadline: int, start: int, work: int) -> None:
+    def record(self, deadline: int, start: int, work: int, count: int = 1) -> None:
         """Enter one tick [ns], and keep it."""
-        super().record(deadline, start, work)
-        self.rows.append(Entry(deadline, start, work))
+        super().record(deadline, start, work, count)
+        self.rows += [Entry(deadline, start, work)] * count
 
 
 class Bench:
@@ -624,3 +624,12 @@ def test_a_slip_after_a_quiet_time_is_told_again() -> None:
             keeping.clock.work(periods(cost / 100))  # type: ignore[attr-defined]
             told += keeping.judge(keeping.pacer.end())
     assert len(told) == 3
+
+
+def test_ticks_flown_at_once_are_counted_each_by_its_share_of_the_work() -> None:
+    ledger = Ledger(0.5)
+    ledger.record(0, 0, 3000, 4)
+    summary = ledger.summary()
+    assert summary.ticks == 4
+    assert summary.work.p50_ns == pytest.approx(3000, rel=1 / 32)
+    assert summary.duty_cycle == pytest.approx(4 * 3000 / (4 * 0.5e9))

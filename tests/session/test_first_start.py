@@ -419,7 +419,7 @@ def test_a_line_tells_each_fifth_of_the_way(
         return False
 
     monkeypatch.setattr(compilation, "await_tick", compile_)
-    run.await_code(session)
+    run.await_code(session, lambda: None)
     session.conduct.work.finish()
 
     assert [text for text in told if "%" in text] == [

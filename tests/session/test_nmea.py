@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 import pynmea2
 import pytest
+from helpers.document_tables import sentence_table
 from helpers.places import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
@@ -548,9 +549,7 @@ def test_words_for_people_are_not_sent_to_instruments() -> None:
 
 def test_the_documents_table_is_the_one_that_is_sent() -> None:
     page = (ROOT / "docs" / "nmea.md").read_text(encoding="utf-8")
-    assert nmea_page.markdown() in page, (
-        "renew: python -c 'from trainer.session.nmea import page; print(page.markdown())'"
-    )
+    assert sentence_table() in page, "renew: python -m helpers.document_tables nmea"
     for line in nmea_page.sample(load_vessel("bb2")):
         assert line in page, "renew: trainer instruments --sample"
 

@@ -1,6 +1,7 @@
 """Who may order what, and who sees and hears what."""
 
 import pytest
+from helpers.document_tables import event_table, role_table
 from helpers.places import ROOT
 
 from trainer.io.orders.grammar import Order, parse
@@ -8,15 +9,14 @@ from trainer.io.orders.table import FORMS, heading_word
 from trainer.session.stations.channels import CHANNELS, TELETYPE_CHANNEL
 from trainer.session.stations.roles import (
     COMMON_ORDERS,
+    CREW_ROLES,
     EVENT_KINDS,
     ROLE_CONTROLS,
     ROLES,
     STRANGER_ROLE,
     channel_refusal,
-    event_table,
     hears_kind,
     refusal,
-    role_table,
 )
 
 GRAMMAR = sorted({form.name or heading_word(form) for form in FORMS if not form.refusal})
@@ -35,6 +35,10 @@ OWN = {
     "observer": {"mark"},
     "visitor": {"lever", "restart"},
     "scope": {"scope", "mark"} | SAYS,
+}
+OWN["trainee"] = set().union(*(OWN[name] for name in CREW_ROLES)) | {
+    *("run", "freeze", "step", "time", "again", "backtrack", "next", "end", "quit", "autopilot"),
+    *("demonstrate", "ghost", "predictor"),
 }
 ALL = {
     *("role", "help", "status", "briefing", "log", "ack", "history"),

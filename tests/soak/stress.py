@@ -18,7 +18,7 @@ from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core import full, wide
 from trainer.core.envelope import wide_share
 from trainer.core.kernel import Numbers, Record
-from trainer.core.kinematics import EXACT_TRIGONOMETRY
+from trainer.core.kinematics import EXACT_TRIGONOMETRY, attitude_of
 from trainer.core.propulsion import thrust, thrust_astern
 from trainer.core.rigid_body import add_weight, body_forces
 from trainer.core.stall import write_stalled
@@ -60,7 +60,7 @@ def water_forces(boat: Boat) -> Numbers:
     body_forces(vessel, state, own)
     add_weight(vessel, state, own)
     if share < 1.0:
-        full.forces(vessel, EXACT_TRIGONOMETRY, state, inside)
+        full.forces(vessel, attitude_of(EXACT_TRIGONOMETRY, state), state, inside)
         write_stalled(vessel, stalled, state, stalled)
         inside += stalled
     if share > 0.0:

@@ -1,5 +1,6 @@
 """The ballast page: each control gives its order, and the picture shows what stands."""
 
+import math
 import re
 from collections.abc import Callable
 from typing import Final
@@ -258,6 +259,8 @@ def test_the_crew_is_told_when_little_air_is_left(
     for share, rank, title in ((20, "caution", "below 20 %"), (5, "warning", "below 5 %")):
         while float(read(instructor, "air.main_full")) >= share:
             step(instructor, 40)
+        if not alerts.locator(".all").is_visible():
+            alerts.locator(".bell").click()
         entry = alerts.locator(f".alert[data-rank={rank}]", has_text=f"Main air bank {title}")
         expect(entry).to_be_visible()
         bank = page.locator("[data-part='bank main']")
@@ -352,3 +355,29 @@ def await_still(page: Page) -> None:
     before = page.locator("#answer").text_content()
     page.locator("[data-order='blow all']").click(force=True)
     assert page.locator("#answer").text_content() == before
+
+
+# The height of a capital as it is drawn, in millimetres of a screen of 96 points an inch.
+CAPITAL = """(each) => {
+  const pen = document.createElement("canvas").getContext("2d");
+  const { fontWeight, fontSize, fontFamily } = getComputedStyle(each);
+  pen.font = `${fontWeight} ${fontSize} ${fontFamily}`;
+  return (pen.measureText("H").actualBoundingBoxAscent * 25.4) / 96;
+}"""
+TWO_METRES_MM = 2000.0
+LEGIBLE_ARC = math.radians(15.0 / 60.0)  # MIL-STD-1472G, 5.2.2.2: 15 minutes of arc at least
+
+
+@pytest.mark.parametrize("size", ["tablet", "laptop", "desk"])
+def test_the_order_line_and_the_state_are_read_from_two_metres(
+    shared: Served, instructor: Caller, look: Look, size: str
+) -> None:
+    for words in ("order course right 45", "order depth 70", "order speed 6"):
+        assert instructor.ask(words)[0]
+    page = look(shared, "ballast", size)
+    expect(page.locator("#ordered")).to_have_text(re.compile("course .*045, depth 70 m"))
+    for place in ("#ordered", "#state"):
+        height = float(page.locator(place).evaluate(CAPITAL))
+        assert height >= TWO_METRES_MM * math.tan(LEGIBLE_ARC), place
+        expect(page.locator(place)).to_be_in_viewport(ratio=1.0)
+    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")

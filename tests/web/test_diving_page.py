@@ -82,7 +82,7 @@ def test_what_is_ordered_stands_in_its_unit_until_it_is_belayed(
     expect(page.locator("#standing")).to_contain_text("not repeated yet")
     expect(page.locator("#ordered")).to_have_text("depth 200 ft")
     expect(page.locator("repeat-bar")).to_be_hidden()
-    page.get_by_role("button", name="Belay depth").click()
+    page.get_by_role("button", name="Belay: depth").click()
     expect(page.locator("#answer")).to_contain_text("belay depth")
     step(instructor, 1)
     expect(page.locator("#standing")).to_have_text("none stands")
@@ -112,7 +112,7 @@ def test_phrases_to_the_crew_are_orders_to_the_crew(
     work(page, page.get_by_label("Order in words"), way)
     page.get_by_label("Order in words").focus()
     page.keyboard.type("five degrees down bubble")
-    work(page, page.locator("#words button"), way)
+    work(page, page.locator("#typed-order button"), way)
     expect(page.locator("#answer")).to_contain_text("five degrees down bubble")
     step(instructor, 1)
     await_truth(instructor, "orders.pitch", "-5.0")
@@ -269,7 +269,7 @@ def test_what_else_the_officer_works(
     work(page, pad.get_by_role("button", name="Clear"), way)
     expect(pad.locator(".typed")).to_have_text("none")
     assert instructor.ask("order speed 5")[0]
-    work(page, page.get_by_role("button", name="Belay speed"), way)
+    work(page, page.get_by_role("button", name="Belay: speed"), way)
     await_truth(instructor, "orders.speed", "")
     work_parts(page, way, "part-keys[part=group] button", "data-group")
     work(page, page.get_by_role("button", name="More"), way)
@@ -291,3 +291,27 @@ def test_pages_whose_session_dies_are_stale_and_inert(serve: Serve, look: Look) 
             expect(page.locator(gauge)).to_have_attribute("data-stale", "")
         for control in page.locator("main [data-control]").all():
             expect(control).to_have_attribute("inert", "")
+
+
+@pytest.mark.usefixtures("instructor")
+def test_an_observer_has_charts_before_the_log(shared: Served, look: Look) -> None:
+    page = open_page(look, shared, "observer")
+    charts, log = page.locator(".plots strip-chart"), page.locator("#log")
+    order = "(log) => log.compareDocumentPosition(document.querySelector('.plots'))"
+    assert log.evaluate(order) & 2  # Node.DOCUMENT_POSITION_PRECEDING
+    for width, height in SIZES.values():
+        page.set_viewport_size({"width": width, "height": height})
+        parts = page.locator("part-keys button:visible")
+        if parts.count():
+            words = parts.all_inner_texts()
+            assert words.index("Charts") < words.index("Log")
+            page.get_by_role("button", name="Charts", exact=True).click()
+            expect(charts).to_have_count(6)
+            expect(charts.last).to_be_in_viewport(ratio=1.0)
+            expect(log).to_be_hidden()
+        else:
+            chart, entries = charts.first.bounding_box(), log.bounding_box()
+            assert chart
+            assert entries
+            assert chart["y"] < entries["y"]
+    expect(charts.first).to_have_attribute("aria-label", re.compile(r"^Depth, .* now \d+"))

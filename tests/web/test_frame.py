@@ -45,7 +45,7 @@ def test_each_new_order_rings_the_bell_of_those_who_are_to_repeat_it(
     for words, role in (("prepare to surface", name), ("stand by", "observer")):
         assert instructor.ask(f"tell {words}")[0]
         expect(page.locator("repeat-bar .ordered")).to_have_text(words)
-        page.wait_for_function("window.struck.length === 1")
+        page.wait_for_function("() => window.struck.length === 1")
         assert page.evaluate("window.struck.splice(0)") == [PITCH]
         if role == name:
             page.locator("repeat-bar button").click()
@@ -53,6 +53,55 @@ def test_each_new_order_rings_the_bell_of_those_who_are_to_repeat_it(
             assert heard(instructor, f"{name}: {words} aye")
     step(instructor, 2)  # readings alone ring nothing
     assert page.evaluate("window.struck") == []
+
+
+HEAR_AIR = """() => {
+  window.loud = 0;
+  const change = AudioParam.prototype.setTargetAtTime;
+  AudioParam.prototype.setTargetAtTime = function (value, ...rest) {
+    window.loud = value;
+    return change.call(this, value, ...rest);
+  };
+}"""
+
+
+def test_the_telegraph_is_heard_where_it_stands_and_only_when_it_is_rung(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared, "helm")
+    page.evaluate(LISTEN)
+    page.locator("#sound").click()
+    assert instructor.ask("bell ahead full")[0]
+    page.wait_for_function("() => window.struck.length === 2")
+    assert page.evaluate("window.struck.splice(0)") == [PITCH, PITCH]
+    step(instructor, 2)
+    assert instructor.ask("bell ahead full")[0]
+    assert page.evaluate("window.struck") == []
+    page.locator("#sound").click()  # off and on at one place
+    assert instructor.ask("bell stop")[0]
+    expect(page.locator("order-telegraph [aria-checked=true]")).to_have_text("STOP")
+    assert page.evaluate("window.struck") == []
+
+
+def test_air_is_heard_while_it_flows_into_a_tank(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared, "ballast")
+    page.evaluate(HEAR_AIR)
+    page.locator("#sound").click()
+    for words in ("blow mid", "run"):
+        assert instructor.ask(words)[0]
+    page.wait_for_function("() => window.loud > 0")
+    page.locator("#sound").click()
+    page.wait_for_function("() => window.loud === 0")
+    page.locator("#sound").click()
+    page.wait_for_function("() => window.loud > 0")
+    assert instructor.ask("blow stop")[0]
+    page.wait_for_function("() => window.loud === 0")
+    assert instructor.ask("blow mid")[0]
+    page.wait_for_function("() => window.loud > 0")
+    assert instructor.ask("freeze")[0]
+    page.wait_for_function("() => window.loud === 0")
 
 
 def test_a_wrong_repeat_stands_beside_the_order_until_it_is_right(
@@ -93,6 +142,70 @@ def test_an_alert_is_in_plain_words_without_its_tick_and_is_acknowledged(
     else:
         work(page, page.locator("alert-bar .alert button").first, way)
     expect(new).to_have_count(0)
+
+
+SOUNDER: Final = """async () => {
+  const { AlertSounder } = await import("/assets/js/alert-sounder.js");
+  const heard = [];
+  let now = 0;
+  const alerts = Object.assign(new EventTarget(), { shown: [] });
+  const sound = { alert: (rank) => heard.push(`${now / 1000} ${rank}`) };
+  const sounder = new AlertSounder(alerts, sound, () => now);
+  const pass = (seconds) => {
+    for (let k = 0; k < seconds; k += 1) { now += 1000; sounder.look(); }
+  };
+  const alert = (key, rank) => ({ key, rank, fresh: true });
+  alerts.shown = [alert("a", "alarm"), alert("w", "warning")];
+  pass(12);
+  sounder.silence();
+  pass(31);
+  alerts.shown = [];
+  pass(1);
+  alerts.shown = [alert("a", "alarm")];
+  pass(1);
+  alerts.shown = [alert("e", "emergency")];
+  pass(3);
+  alerts.shown[0].fresh = false;
+  pass(9);
+  return heard;
+}"""
+
+
+def test_an_alert_sounds_again_until_it_is_seen_and_anew_when_it_comes_again(
+    shared: Served, look: Look
+) -> None:
+    """By MSC.302(87): an alarm after 10 s, and 30 s after Silence; an emergency each 2 s."""
+    assert look(shared, "helm").evaluate(SOUNDER) == [
+        *("1 alarm", "11 alarm", "42 alarm"),  # silent from 12 s for half a minute
+        *("45 alarm", "46 emergency", "48 emergency"),
+    ]
+
+
+def test_the_list_has_all_alerts_and_silence_is_there_while_one_is_new(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared, "planes")
+    bell, hush = page.locator("alert-bar .bell"), page.locator("alert-bar .hush")
+    expect(bell).to_have_text("0")
+    expect(hush).to_be_disabled()
+    for words in ("stern planes dive 20", "bow planes dive 20", "time max", "run"):
+        assert instructor.ask(words)[0]
+    expect(page.locator("alert-bar .worst .alert")).to_have_attribute("data-new", "")
+    for words in ("freeze", "time x1"):
+        assert instructor.ask(words)[0]
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(hush).to_be_enabled()
+    bell.click()
+    entries = page.locator("alert-bar .all .alert")
+    expect(entries.first).to_be_visible()
+    for width, height in ((390, 844), (844, 390), (1366, 768)):
+        page.set_viewport_size({"width": width, "height": height})
+        for key in page.locator("alert-bar .all button").all()[:6]:
+            expect(key).to_be_in_viewport(ratio=0.99)
+    page.locator("alert-bar .all button").first.click()
+    page.keyboard.press("Escape")
+    expect(entries).to_have_count(0)
+    expect(page.locator("alert-bar .worst .alert")).to_have_count(1)
 
 
 def test_rig_for_red_makes_every_page_night_and_white_gives_back_its_own(

@@ -349,6 +349,108 @@ def test_looking_back_sends_nothing_and_returns(
     assert seconds_of(caller) == now
 
 
+# The moment [s] that is looked at, the time at the right end of each chart and of its last reading,
+# and how many places the track has.
+MOMENTS = """() => {
+  const charts = [...document.querySelectorAll("strip-chart")].filter((each) => !each.hidden);
+  const line = document.querySelector("time-line");
+  return {looked: line.looking?.seconds ?? line.flown.now,
+          ends: charts.map(({ series }) => series.now),
+          last: charts.map(({ series }) => series.actual.at(-1)[0]),
+          places: document.querySelector("track-chart").shown.places.length};
+}"""
+
+
+def await_moment(page: Page, seconds: float) -> int:
+    """Wait until all charts end at a moment; return how many places the track has."""
+    until = time.monotonic() + PATIENCE
+    while True:
+        shown = page.evaluate(MOMENTS)
+        looked = shown["looked"]
+        near = abs(looked - seconds) <= 1.0  # a mouse hits a time so well
+        if near and set(shown["ends"]) == {looked} and max(shown["last"]) <= looked:
+            return int(shown["places"])
+        assert time.monotonic() < until, shown
+        page.wait_for_timeout(50)
+
+
+def test_looking_back_moves_all_charts_the_track_and_the_log(
+    shared: Served, caller: Caller, look: Look
+) -> None:
+    page = settled(shared, look)
+    log = page.locator("#log")
+    for seconds, remark in ((60.0, "early"), (40.0, "late"), (20.0, "")):
+        now = fly(caller, seconds)
+        assert not remark or caller.ask(f"mark {remark}")[0]
+    drawn(page, now)
+    whole = await_moment(page, now)
+    expect(log).to_contain_text("mark: late")
+
+    drag(page, 80.0)
+    assert await_moment(page, 80.0) < whole
+    expect(log).to_contain_text("mark: early")
+    expect(log).not_to_contain_text("mark: late")
+    page.keyboard.press("Escape")
+    expect(log).to_contain_text("mark: late")
+
+    lane = f"time-line [data-branch='{read(caller, 'time.branch')}']"
+    assert caller.ask("backtrack 70 s")[0]
+    fly(caller, 30.0)
+    expect(page.locator(lane)).to_be_visible()
+    drag(page, 110.0, lane)
+    assert await_moment(page, 110.0) > 0
+    expect(log).to_contain_text("mark: late")
+    drag(page, 75.0)  # the same time on the present branch, where nobody has marked
+    await_moment(page, 75.0)
+    expect(log).not_to_contain_text("mark: early")
+
+
+@pytest.mark.parametrize("way", ["mouse", "keyboard"])
+def test_a_key_steps_from_cause_to_cause(serve: Serve, look: Look, way: str) -> None:
+    session = serve("stern-plane-jam")
+    caller = session.attach()
+    fly(caller, 80.0)
+    assert caller.ask("bow planes rise 2")[0]
+    assert caller.ask("rudder left 1")[0]
+    now = fly(caller, 30.0)
+    page = settled(session, look)
+    says, when = page.locator("time-line .says"), page.locator("#when")
+    drawn(page, now)
+    causes = ["casualty: stern-hard-over", "first order: bow planes rise 2", "limit: pitch more"]
+
+    def step_on(*, later: bool) -> None:
+        if way == "keyboard":
+            page.keyboard.press("c" if later else "Shift+C")
+        else:
+            page.locator(f"[data-deed={'next' if later else 'before'}]").click()
+
+    for cause in causes:
+        step_on(later=True)
+        expect(says).to_contain_text(cause)
+    expect(when).to_contain_text("as it was at")
+    for cause in reversed(causes[:2]):
+        step_on(later=False)
+        expect(says).to_contain_text(cause)
+    for _ in causes:
+        step_on(later=True)
+    expect(says).to_contain_text("limit: deeper than 140 m")
+    step_on(later=True)
+    expect(when).to_have_text("truth")
+
+
+def test_the_briefing_closes_when_time_runs_whoever_lets_it_run(
+    shared: Served, caller: Caller, look: Look
+) -> None:
+    page = look(shared, "instructor")
+    window = page.locator("#exercise")
+    expect(window).to_be_visible()
+    assert caller.ask("run")[0]
+    expect(window).to_be_hidden()
+    page.locator("#open-exercise").click()
+    expect(page.locator("#time")).to_have_text("00:02")  # it stays while time runs
+    expect(window).to_be_visible()
+
+
 def given_by_page(caller: Caller) -> list[str]:
     """Return the orders that another instructor has given, as they were told."""
     assert caller.ask("who")[0]
@@ -635,10 +737,10 @@ def end(page: Page) -> None:
     expect(window.locator(".marks li").first).to_be_visible()
     broken = window.get_by_role("button", name="depth-gauge-stuck")
     at = broken.inner_text()[-len("00:20") :]
-    broken.click()
-    expect(page.locator("#when")).to_contain_text(f"as it was at {at}")
     page.get_by_role("button", name="Release marks").click()
     expect(page.locator("#log")).to_contain_text("everybody has the marks")
+    broken.click()  # which takes the log back too
+    expect(page.locator("#when")).to_contain_text(f"as it was at {at}")
     page.get_by_role("button", name="Debrief").click()
     expect(window.locator(".path")).to_contain_text(".html")
     with page.expect_popup() as opened:
@@ -673,7 +775,7 @@ def begin_the_next(page: Page) -> None:
     page.locator("#open-exercise").click()
     page.get_by_role("button", name="End exercise").click()
     expect(page.locator("#state")).to_have_text("ENDED")
-    page.get_by_role("button", name="Next").click()
+    page.get_by_role("button", name="Next", exact=True).click()
     page.get_by_role("button", name="Steering, first steps").click()
     expect(page.locator("#exercise-title")).to_have_text("Steering, first steps")
     expect(page.locator("#state")).to_have_text("FROZEN")

@@ -51,9 +51,9 @@ from trainer.web.bridge import (
     Bridge,
     RefusedError,
 )
-from trainer.web.gate import SECURITY_HEADERS, Refusals, ServerNames
+from trainer.web.gate import SECURITY_HEADERS, Refusals, ServerNames, page_policy
 from trainer.web.pages import PAGES
-from trainer.web.server import MAX_TOKEN_LETTERS
+from trainer.web.server import KEPT_FOREVER, MAX_TOKEN_LETTERS
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
@@ -114,8 +114,8 @@ def is_free(port: int) -> bool:
 ASKED: dict[str, tuple[str, str, dict[str, str], int]] = {
     "the first page": ("GET", "/", {}, 200),
     "a station": ("GET", "/helm", {}, 200),
-    "a style sheet": ("GET", "/assets/css/base.css", {}, 200),
-    "a script": ("GET", "/assets/js/frame.js", {}, 200),
+    "a style sheet": ("GET", "steering.css", {}, 200),
+    "a script": ("GET", "shared.js", {}, 200),
     "an asset that is not there": ("GET", "/assets/none.js", {}, 404),
     "a page that is not there": ("GET", "/none", {}, 404),
     "a method that a page has not": ("POST", "/helm", {"Origin": "own"}, 405),
@@ -130,10 +130,24 @@ def test_every_answer_says_what_a_browser_may_do_with_it(shared: Served, what: s
     method, path, asked, status = ASKED[what]
     headers = {name: value.replace("own", shared.url) for name, value in asked.items()}
 
-    got = request(shared.port, path, method, context=None, **headers)
+    kept = asset_of(shared, path)
+    got = request(shared.port, kept or path, method, context=None, **headers)
 
     assert got.status == status
-    assert {name: got.headers.get(name.casefold()) for name in SECURITY_HEADERS} == SECURITY_HEADERS
+    wanted = dict(SECURITY_HEADERS)
+    if kept:
+        wanted["Cache-Control"] = KEPT_FOREVER
+    elif got.headers["content-type"].startswith("text/html"):
+        (inline,) = re.findall(r'<script type="importmap">(.*?)</script>', got.body.decode())
+        wanted["Content-Security-Policy"] = page_policy(inline)
+    assert {name: got.headers.get(name.casefold()) for name in wanted} == wanted
+
+
+def asset_of(session: Served, name: str) -> str:
+    """Return the address of a file that the helm asks for, "" for what is none."""
+    stem, _, kind = name.partition(".")
+    html = request(session.port, "/helm").body.decode()
+    return next(iter(re.findall(rf'"(/assets/{stem}\.[0-9a-f]{{16}}\.{kind})"', html)), "")
 
 
 def test_an_address_without_a_page_shows_the_way_back(shared: Served) -> None:
@@ -141,12 +155,14 @@ def test_an_address_without_a_page_shows_the_way_back(shared: Served) -> None:
 
     assert got.status == 404
     assert got.headers["content-type"].startswith("text/html")
-    assert '<a href="/">' in got.body.decode()
+    assert 'class="back" href="/"' in got.body.decode()
     assert not CODE_WITHIN.search(got.body.decode())
 
 
 # Data for scripts is no script.
-CODE_WITHIN = re.compile(r'<script(?![^>]*(src=|type="application/json"))|\son\w+=|\sstyle=')
+CODE_WITHIN = re.compile(
+    r'<script(?![^>]*(src=|type="(application/json|importmap)"))|\son\w+=|\sstyle='
+)
 
 
 def test_no_page_holds_a_script_or_a_style_of_its_own(shared: Served) -> None:

@@ -7,7 +7,7 @@ import pytest
 from helpers import node
 from helpers.places import ROOT
 
-from trainer.web.pages import ASSETS_FOLDER
+from trainer.web.modules import ASSETS_FOLDER
 
 MOST = 250_000  # [bytes] packed: all that a browser can ask for
 

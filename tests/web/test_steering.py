@@ -15,6 +15,7 @@ from helpers.hands import (
     WAYS,
     await_truth,
     heard,
+    on_groove,
     read,
     report,
     step,
@@ -74,8 +75,10 @@ def put(page: Page, name: str, way: str) -> int:
         for key in (*keys, "ArrowUp", "ArrowRight"):  # 7 is ordered once, at the end
             slider.press(key)
     else:
-        work(page, lever.locator(".slot"), way, (0.8, 0.5) if name == "rudder" else (0.5, 0.2))
+        (page.mouse.click if way == "mouse" else page.touchscreen.tap)(*on_groove(page, name, 0.9))
         slider.evaluate("(each) => (each.dataset.worked = '')")
+    for end in ("low", "high"):
+        work(page, lever.locator(f".fine.{end}"), way)
     assert standing(page, name) != 0
     return standing(page, name)
 
@@ -176,8 +179,8 @@ def test_a_drag_keys_and_a_slide_end_where_the_hand_does(
     page = opened(look, shared, name)
     page.evaluate(COUNT)
     lever, places = {"helm": ("rudder", "steering"), "planes": ("stern", "diving")}[name]
-    x, y = middle(page.locator(f"order-lever[name={lever}] .groove"))
-    way = (-400, 0) if name == "helm" else (0, 400)
+    x, y = middle(page.locator(f"order-lever[name={lever}] .knob"))
+    way = (-700, 0) if name == "helm" else (0, 400)
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + way[0], y + way[1], steps=60)
@@ -308,7 +311,8 @@ def work_nothing(page: Page) -> None:
     """Try what gives orders, with keys and mouse."""
     for key in ("ArrowRight", "ArrowUp"):
         page.locator("body").press(key)
-    for each in page.locator("order-lever .slot, [data-bell='ahead full']").all():
+    hands = "order-lever :is(.knob, .fine), [data-bell='ahead full']"
+    for each in page.locator(hands).all():
         page.mouse.click(*middle(each))
 
 

@@ -4,6 +4,7 @@ import hashlib
 import math
 import shutil
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +14,19 @@ from helpers.givers import giver_at
 from helpers.recorded import record
 from helpers.tab import fly
 
-from trainer.analysis.boat_page import boat_for_page, boat_of
+from trainer.analysis.boat_page import boat_for_page, boat_of, boat_of_visitors
 from trainer.boat.boat import Boat
+from trainer.boat.depths import DepthGuard
 from trainer.boat.export.orders import order_rows
 from trainer.boat.helm import obey_order
+from trainer.boat.mute_crew import MuteCrew
 from trainer.cli.export import boat_at_start
+from trainer.debrief.rehearsal import Departure
+from trainer.debrief.rehearsal import fly as flown_by_orders
 from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.io.recording.recording import Recording
+from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.past import PRESENT_CHANNELS
 from trainer.session.stations.view import Pace, Picture, StateReader
@@ -55,6 +61,32 @@ def wordings(boat: Boat) -> list[str]:
         typed = [f"{row.words} {number:.3f}" for number in sorted(numbers)]
         found += typed if row.takes_number else [row.words]
     return [*found, *(["course 360"] if boat.automatic else [])]
+
+
+# A kiosk
+
+
+@pytest.mark.parametrize("angle", [-20, -8, 20])
+def test_a_kiosks_lever_and_guard_are_those_of_a_session_to_the_bit(angle: int) -> None:
+    boat, dive = boat_of_visitors(RunOptions(vessel="bb2"))
+    page = boat_for_page(boat, "visitor") | {"visitors": dive}
+    start = digest_of(boat)
+    guard = DepthGuard(dive["guarded"])
+    words = f"lever {'dive' if angle < 0 else 'rise'} {abs(angle)}"
+    told(boat, words)
+    guarded = 0
+    for _ in range(300):
+        boat.tick()
+        if order := guard.order(boat):
+            told(boat, order.text)
+            guarded += 1
+
+    deeds = [("order", words), ("fly", 300), ("digest",), ("order", "restart"), ("digest",)]
+    answers = fly(page, *deeds)
+
+    assert answers[2] == digest_of(boat)
+    assert answers[-1] == start  # the next dive begins as the first did
+    assert bool(guarded) == (angle < 0)
 
 
 # Orders
@@ -159,7 +191,9 @@ def test_every_channel_shows_what_a_station_shows(vessel: str) -> None:
         boat.tick()
     reader = StateReader(boat, Ledger(boat.method.step).summary)
     frame = reader.frame(Picture(300, boat.records.state.tobytes(), Pace()))
-    shown = [name for name in CHANNELS if name not in PRESENT_CHANNELS]  # nor is there a periscope
+    channels = page["channels"]  # of those the periscope's have no past
+    shown = [name for name in channels if name not in PRESENT_CHANNELS]
+    assert len(shown) == len(CHANNELS) - len(PRESENT_CHANNELS) - 1  # the ghost's
     deeds = [("order", words) for words in orders]
 
     values = fly(page, *deeds, ("fly", 300), *(("values", name) for name in shown))
@@ -206,7 +240,7 @@ def test_a_recording_is_what_was_ordered_and_what_it_was_about(drill: Path) -> N
 
     exercise = dict(told_of["exercise"])
     assert exercise["title"] == "Passage, fast and deep"
-    assert "On passage: course 000" in exercise["line"]
+    assert any("On passage: course 000" in words for _, words in told_of["exercise"])
     assert branch["after"] == []  # the core predicts all that nobody ordered
     assert sum(len(writes) for _, writes in branch["before"]) < 100
 
@@ -239,13 +273,18 @@ def test_taking_over_ends_in_the_bits_of_a_resumed_run(moment: float, drill: Pat
     tick = round(moment / boat.method.step)
     state = recording.state_at(1, tick)
     end = recording.last_tick(1)
+    scheduled = {each.tick: each.text for each in recording.orders(1) if each.place is not None}
     recording.close()
+    breaks = {at: text for at, text in scheduled.items() if text.startswith(("casualty", "clear"))}
+    assert breaks
     assert state is not None
     boat.restore(np.frombuffer(state, boat.records.state.dtype))
     for words, ticks in (("rudder right 8", 40), ("depth 55", 300)):
         told(boat, words)
         for _ in range(ticks):
             boat.tick()
+            if boat.ticks in breaks:  # the exercise goes on by its own schedule
+                told(boat, breaks[boat.ticks])
 
     back = f"backtrack {(end - tick) * boat.method.step:.1f}"
     answers = fly(
@@ -331,10 +370,10 @@ def test_a_replay_shows_the_branch_again_and_a_new_one_begins_where_it_is_taken_
 
     assert not answers[1]["ok"]
     assert answers[3] == hashlib.sha256(state).hexdigest()
-    assert "branch 2 begins" in answers[4]["text"]
+    assert "branch 3 begins" in answers[4]["text"]  # the second is the way shown
     assert ["back", "take over"] in [each["fields"][2:] for each in answers[-1]]
     assert answers[5]["ok"]
-    assert "branch 3 begins" in answers[6]["text"]
+    assert "branch 4 begins" in answers[6]["text"]
     assert answers[7] != answers[3]
 
 
@@ -387,3 +426,66 @@ def test_a_short_delay_is_made_up() -> None:
     found = fly(page, ("order", "run"), ("pass", [5_000, False]), ("pass", [2_000, True]))
 
     assert found[1:] == [10, 14]
+
+
+# The way shown
+
+
+def orders_of(path: Path) -> dict[int, list[RecordedOrder]]:
+    """Return the orders of a recording by tick."""
+    by_tick: dict[int, list[RecordedOrder]] = {}
+    with closing(Recording.look(path)) as recording:
+        for each in recording.orders(1):
+            by_tick.setdefault(each.tick, []).append(each)
+    return by_tick
+
+
+def test_a_page_shows_the_way_that_a_session_would_from_where_it_broke(tmp_path: Path) -> None:
+    path = record(tmp_path / "run.trainer", "stern-plane-jam", {})
+    boat, facts = boat_of(path)
+    begun, last = facts["way"]["branch"]["begun"], facts["way"]["branch"]["last"]
+    plan = plan_run(RunOptions(exercise="stern-plane-jam", given=frozenset({"exercise"})))
+    boat_there, crew = Boat(plan.file, plan.method), plan.crew
+    plan.start(boat_there)
+    due = orders_of(path)
+    start = Departure(0, boat_there.snapshot(), (), MuteCrew(boat_there, crew))
+    _, there = flown_by_orders(plan, start, due, speaks_from=begun, until=last)
+
+    page = boat_for_page(boat, "instructor") | {"recording": facts}
+    asked = [("order", "demonstrate"), ("fly", last - begun - 1), ("order", "rudder left 5")]
+    answers = fly(
+        page,
+        ("digest",),
+        *asked,
+        ("values", "time"),
+        ("sent",),
+        ("visit", last),
+        ("fly", 1),
+        ("digest",),
+        ("sent",),
+        ("order", "demonstrate off"),
+        ("order", "run"),
+        ("order", "demonstrate"),
+    )
+
+    assert answers[1]["ok"], answers[1]
+    assert answers[2] == last - 1
+    assert answers[3]["text"] == "the reference crew shows the way: demonstrate off ends it"
+    assert answers[4][-1] == "yes"
+    said = [each["fields"][3] for each in answers[5] if each["kind"] == "TRE"]
+    assert said[:2] == ["shown: bell astern full", "shown: bow planes rise 30"]
+    assert answers[6] == hashlib.sha256(there.state.tobytes()).hexdigest()
+    assert answers[8] == answers[0]  # back, to the bit
+    assert any("the way has been shown" in each["fields"][-1] for each in answers[9])
+    assert answers[10]["text"] == "the way is not being shown"
+    assert answers[12]["text"] == "time runs: freeze first"
+
+
+def test_a_page_without_a_reference_crew_says_so(tmp_path: Path) -> None:
+    drill = tmp_path / "drill.toml"
+    drill.write_text('schema = "exercise/1"\nname = "Alone"\nbriefing = "Sail."\nduration_s = 20\n')
+    boat, facts = boat_of(record(tmp_path / "run.trainer", str(drill), {}))
+    assert "way" not in facts
+    page = boat_for_page(boat, "instructor") | {"recording": facts}
+    (answer,) = fly(page, ("order", "demonstrate"))
+    assert answer["text"].startswith("this page has no reference crew")

@@ -29,17 +29,19 @@ from helpers.shell import typed
 from helpers.tab import standard_hour
 from playwright.sync_api import Browser, Page, expect
 
+from trainer.analysis import boat_page as boat_page_maker
 from trainer.analysis.bench.standard_hour import standard_boat
-from trainer.analysis.boat_page import page_of, write_page
+from trainer.analysis.boat_page import boat_of_visitors, page_of, write_page
 from trainer.cli.export import boat_at_start, page_text
 from trainer.config.files import ConfigError, read_text, shipped_path
 from trainer.debrief.page import DebriefRequest, debrief_file
 from trainer.io.recording.recording import Recording
 from trainer.session.options import RunOptions
+from trainer.web import modules
 from trainer.web import single_file as maker
 
 Open = Callable[..., Page]
-MOST = 500_000  # [bytes] of BB2 without a recording
+MOST = 550_000  # [bytes] of BB2 without a recording
 AN_HOUR = 2_000_000  # [bytes] more, of an hour recorded
 MARKUP = "<img src=x onerror=alert(1)>"
 AXE = """async () => (await axe.run(document, { resultTypes: ["violations"] })).violations
@@ -97,10 +99,12 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
         asked: list[str] = []
         said: list[str] = []
 
-        def open_page(text: str, width: int = 1366, height: int = 768) -> Page:
+        def open_page(text: str, width: int = 1366, height: int = 768, locale: str = "en") -> Page:
             path = tmp_path / f"page-{len(asked)}.html"
             path.write_text(text, encoding="utf-8")
-            context = browser.new_context(viewport={"width": width, "height": height}, offline=True)
+            context = browser.new_context(
+                viewport={"width": width, "height": height}, offline=True, locale=locale
+            )
             stack.callback(context.close)
             page = context.new_page()
             page.on("request", lambda request: asked.append(request.url))
@@ -189,9 +193,9 @@ def test_an_import_of_an_unknown_kind_is_not_bundled(
 ) -> None:
     (tmp_path / "one.js").write_text('import whole from "./two.js";\n')
     (tmp_path / "two.js").write_text("export default 3;\n")
-    monkeypatch.setattr(maker, "ASSETS_FOLDER", tmp_path)
+    monkeypatch.setattr(modules, "ASSETS_FOLDER", tmp_path)
 
-    with pytest.raises(maker.UnknownPageError, match=r"(two|one)\.js"):
+    with pytest.raises(modules.UnknownFormError, match=r"(two|one)\.js"):
         maker.bundle("one.js")
 
 
@@ -231,6 +235,7 @@ def test_the_core_in_the_page_ends_the_standard_hour_in_its_bits(opened: Open) -
     assert hashlib.sha256(base64.b64decode(state)).hexdigest() == end
 
 
+@pytest.mark.process
 def test_in_firefox_a_page_flies_and_the_hour_has_the_same_bits(tmp_path: Path) -> None:
     deeds, end = standard_hour()
     page = tmp_path / "boat.html"
@@ -246,11 +251,11 @@ def test_in_firefox_a_page_flies_and_the_hour_has_the_same_bits(tmp_path: Path) 
     assert hashlib.sha256(base64.b64decode(state)).hexdigest() == end
 
 
-@pytest.mark.parametrize("station", ["instructor", "pilot"])
-def test_a_page_has_no_barrier(opened: Open, station: str) -> None:
+@pytest.mark.parametrize("station", ["instructor", "pilot", "a card"])
+def test_a_page_has_no_barrier(opened: Open, drill: Path, station: str) -> None:
     script = (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
-    page = opened(text_of(station=station))
-    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+    page = opened(text_of(drill) if station == "a card" else text_of(station=station))
+    expect(page.locator("#state")).to_have_attribute("data-state", re.compile("running|frozen"))
 
     page.evaluate(script)
 
@@ -263,6 +268,7 @@ def test_a_recording_is_seen_and_taken_over_and_its_markup_stays_text(
     page = opened(text_of(drill))
 
     expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
+    page.get_by_role("button", name="Look round first").click()
     expect(page.locator("#log")).to_contain_text("<b>drill.trainer: drag the time line")
     expect(page.locator("#log")).to_contain_text(MARKUP)
     assert page.title().endswith("<b>drill.trainer")
@@ -279,6 +285,115 @@ def test_a_recording_is_seen_and_taken_over_and_its_markup_stays_text(
     page.press("#order", "Enter")
     expect(page.locator("#log")).to_contain_text("rudder right 5")
     assert page.locator("img").count() == 0
+
+
+def first_break(recording: Path) -> str:
+    """Return the clock's reading at the first casualty of a recording."""
+    with contextlib.closing(Recording.look(recording)) as kept:
+        ticks = [each.tick for each in kept.orders(1) if each.text.startswith("casualty")]
+    seconds = min(ticks) // 2  # two ticks a second
+    return f"{seconds // 60:02}:{seconds % 60:02}"
+
+
+def result_of(page: Page) -> list[list[str]]:
+    """Return the rows of a try's result, which is awaited at fifty times the clock's pace."""
+    page.fill("#order", "time 50")
+    page.press("#order", "Enter")
+    expect(page.locator("#task td").first).to_be_visible()
+    return [row.locator("td").all_inner_texts() for row in page.locator("#task tbody tr").all()]
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (360, 640), (844, 390)])
+def test_a_mailed_run_begins_with_a_card_and_is_taken_over_there_by_one_key(
+    opened: Open, drill: Path, size: tuple[int, int]
+) -> None:
+    at = first_break(drill)
+    page = opened(text_of(drill), *size)
+    card = page.locator("#task")
+
+    expect(card.locator("h2")).to_have_text(f"At {at} the stern planes run to 6 deg dive and jam.")
+    expect(card).to_contain_text("Keep the boat above 140 m and its pitch within 20 degrees.")
+    for key in card.get_by_role("button").all():
+        box = key.bounding_box()
+        assert box
+        assert 0 <= box["y"] <= box["y"] + box["height"] <= size[1]
+    page.keyboard.press("Enter")
+    expect(card).to_be_hidden()
+    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+    expect(page.locator("#time")).to_contain_text(at[:3])
+    expect(page.locator("#tab-note")).to_contain_text("Keep the boat above 140 m")
+    limit = "document.querySelector('strip-chart[data-of=depth]').series.limit"
+    page.wait_for_function(f"{limit} === 140")
+
+
+def test_a_card_says_what_breaks_in_the_language_of_its_page(opened: Open, drill: Path) -> None:
+    page = opened(text_of(drill), locale="de")
+
+    expect(page.locator("#task h2")).to_have_text(
+        f"{first_break(drill)}: die Heckruder laufen auf 6 Grad unten und klemmen."
+    )
+
+
+def test_a_try_ends_after_two_minutes_with_its_result_beside_what_was_recorded(
+    opened: Open, drill: Path
+) -> None:
+    page = opened(text_of(drill))
+    expect(page.locator("#task")).to_be_visible()
+    page.keyboard.press("Enter")
+    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+
+    (deep, steep) = result_of(page)
+
+    expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
+    minutes, seconds = map(int, first_break(drill).split(":"))
+    expect(page.locator("#time")).to_contain_text(f"{minutes + 2:02}:{seconds:02}")
+    assert deep[0] == "140.0 m"
+    assert deep[1] == deep[2]  # nobody has done anything else than was recorded
+    assert steep[1] == steep[2]
+    expect(page.locator("#task h2")).to_have_text("Not kept")
+    page.keyboard.press("Enter")  # again, and with the cure
+    expect(page.locator("#task")).to_be_hidden()
+    for words in ("time 1", "bell astern full", "bow planes rise 30"):
+        page.fill("#order", words)
+        page.press("#order", "Enter")
+        expect(page.locator("#log")).to_contain_text(words)
+    (better, _) = result_of(page)
+    assert float(better[1].split()[0]) < float(deep[1].split()[0]) - 10.0
+    page.get_by_role("button", name="Go on from here").click()
+    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+
+
+def visitors_page(**options: Any) -> str:
+    """Return the kiosk as one file."""
+    chosen = replace(RunOptions(vessel="bb2"), **options)
+    boat, dive = boat_of_visitors(chosen)
+    return page_text(boat, None, "visitor", dive)
+
+
+def test_a_kiosk_is_a_file_too(opened: Open) -> None:
+    text = visitors_page()
+    assert len(text.encode()) <= MOST
+    page = opened(text)
+    body = page.locator("body")
+    expect(body).to_have_attribute("data-scene", "attract")
+    for _ in range(2):  # the next visitor finds it as the first did
+        page.locator("#start").click()
+        expect(body).to_have_attribute("data-scene", "dive")
+        expect(page.locator("#depth")).to_have_text("18")
+        expect(page.locator("#left")).to_have_text(re.compile("^2:5"))
+        slider = page.locator("order-lever [role=slider]")
+        slider.press("Shift+ArrowDown")
+        expect(slider).to_have_attribute("aria-valuenow", re.compile("^-"))
+        expect(page.locator("#angle")).not_to_have_text(re.compile("^[01]$"))  # the bow goes down
+        page.locator("#stop").click()
+    page.locator("#language").click()
+    expect(page.locator("#start")).to_have_text("Tauchen")
+
+
+def test_a_kiosk_needs_planes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(boat_page_maker, "LEVER_SHARES", {})
+    with pytest.raises(ConfigError, match=r"bb2\.toml: a kiosk needs planes"):
+        visitors_page()
 
 
 HOSTILE: list[str] = [
@@ -348,6 +463,7 @@ def test_no_text_of_a_recording_runs_in_its_page_and_each_is_shown_as_text(
     page = opened(text_of(attacked, station))
     expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
     expect(page.locator("#time")).to_have_text("00:20 / 00:20")
+    page.get_by_role("button", name="Look round first").click()
     if station == "instructor":
         for text in (*HOSTILE, "one\\u2028two", "abc\\u202egpj.exe", "escape\\x1b[2J"):
             expect(page.locator("#log")).to_contain_text(text)
@@ -391,6 +507,7 @@ def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path
     boat = page.frame_locator("iframe")
     expect(boat.locator("#state")).to_have_attribute("data-state", "frozen")
     expect(boat.locator("#log")).to_contain_text(MARKUP)
+    expect(boat.locator("#task")).to_have_count(0)  # the debrief tells it, and keeps the focus
     boat.locator("#step").click()
     expect(boat.locator("#log")).to_contain_text("1 tick, then frozen")
     assert page.locator("img").count() == 0

@@ -51,6 +51,56 @@ def test_the_wall_shows_what_the_crews_gauges_show_and_what_is_ordered(
     order(sailing, "freeze")
 
 
+TRACK = "() => document.querySelector('track-chart').getAttribute('aria-label')"
+
+
+def test_the_wall_shows_alerts_the_bell_and_the_track_by_dead_reckoning(look: Look) -> None:
+    with served() as session:
+        instructor = session.attach()
+        for words in ("bell ahead full", "course 090", "casualty stern-stuck", "stern rise 20"):
+            assert instructor.ask(words)[0], words
+        page, truth = look(session, "wall"), look(session, "wall", query="?truth")
+        expect(page.locator("#bell")).to_have_text("ahead full")
+        expect(page.locator("alert-bar .bell")).to_be_visible()
+        expect(page.locator("alert-bar .bell .count")).to_have_text("0")
+        for words in ("time max", "run"):
+            assert instructor.ask(words)[0]
+        expect(page.locator("track-chart")).to_have_attribute(
+            "aria-label", re.compile(r"[1-9]\d{2,3} m east of the start")
+        )
+        assert instructor.ask("freeze")[0]
+        expect(truth.locator("#state")).to_have_text("FROZEN")
+        page.wait_for_timeout(2500)  # the tracks' own pace
+        reckoned, sailed = (
+            [int(each) for each in re.findall(r"(\d+) m", str(wall.evaluate(TRACK)))]
+            for wall in (page, truth)
+        )
+        assert reckoned[1] == pytest.approx(sailed[1], rel=0.1)
+        assert page.locator("track-chart").evaluate(INK) > 100
+
+
+# How many points of a canvas bear something.
+INK = """(chart) => {
+  const canvas = chart.querySelector("canvas");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return data.filter((part, at) => at % 4 === 3 && part > 0).length;
+}"""
+
+
+def test_an_alert_stands_on_the_wall_in_large_words(look: Look) -> None:
+    with served() as session:
+        page, instructor = look(session, "wall", size="desk"), session.attach()
+        for words in ("stern dive 25", "bow dive 25", "bell ahead flank", "time max", "run"):
+            assert instructor.ask(words)[0], words
+        alert = page.locator("alert-bar .alert")
+        expect(alert).to_contain_text(re.compile("depth", re.IGNORECASE))
+        assert instructor.ask("freeze")[0]
+        expect(page.locator("alert-bar .bell .count")).to_have_text(re.compile(r"[1-9]"))
+        large = alert.locator("b").first
+        assert large.evaluate("(each) => parseFloat(getComputedStyle(each).fontSize)") >= 32.0
+        expect(large).to_be_in_viewport(ratio=1.0)
+
+
 def test_a_wall_that_came_first_as_an_instructor_gives_command_to_who_asks(look: Look) -> None:
     with served() as session:
         wall = look(session, "wall", query="?truth")

@@ -14,7 +14,7 @@ from helpers.rewording import reworded
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
 from trainer.io.orders.grammar import Order, parse
-from trainer.web.pages import ASSETS_FOLDER
+from trainer.web.modules import ASSETS_FOLDER
 
 pytestmark = pytest.mark.process
 
@@ -24,7 +24,7 @@ BESIDE: Final = "leaves out what stands beside it on the page; other words are s
 EXEMPT: Final = {
     ("frame.js", "told in RIGGED"): "an order to the crew in words, as the officer has told it",
     ("instructor/completion.js", r"text.toLowerCase().trimStart().split(/\s+/)"): GRAMMAR,
-    ("instructor/exercise.js", r'text.replace(/^.*?: | \[\d+\]$/g, "")'): BESIDE,
+    ("model/causes.js", r'text.replace(/^.*?: | \[\d+\]$/g, "")'): BESIDE,
     ("model/told.js", r'text.replace(/^tick \d+ \([\d.]+ s\): /, "")'): BESIDE,
     (
         "model/told.js",

@@ -1,13 +1,15 @@
 """A boat in numbers for a page that flies it, and its recording.
 
-A page has records, orders, channels, casualties and seas of one boat. The page
-computes a recording anew with the same core, so that the page's file need not hold every state. It
-holds what orders wrote before a tick, and the numbers that were recorded otherwise than the core
-predicts: there are none in a whole recording of this version.
+``trainer export-page`` calls it. A page has records, orders, channels, casualties and seas of one
+boat. The page computes a recording anew with the same core, so that the page's file need not hold
+every state. It holds what orders wrote before a tick, and the numbers that were recorded otherwise
+than the core predicts: there are none in a whole recording of this version.
 """
 
 import base64
+import math
 from collections import deque
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -18,12 +20,19 @@ from trainer.boat import casualties
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import AMOUNT_SHARES, GAUGE_UNITS, SURFACE_SIDES
 from trainer.boat.crew_orders import CREW_AXES
+from trainer.boat.depths import (
+    GUARD_AHEAD_S,
+    GUARD_MARGIN_M,
+    LEVEL_PITCH,
+    RELEASE_MARGIN_M,
+)
 from trainer.boat.export.header import places_of
 from trainer.boat.export.wasm import numbers_of, shipped_module
-from trainer.boat.helm import obey_order
+from trainer.boat.helm import LEVER_SHARES, obey_order
 from trainer.boat.sea_orders import fully_developed, standing_sea
 from trainer.boat.world.world import WORLD_PARTS
-from trainer.config.casualties import Casualty
+from trainer.config.casualties import Casualty, clause_of
+from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.config.sea import peak_frequency, significant_height, step_problem
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
@@ -39,17 +48,33 @@ from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAME_PLACES, SIDE_SIGNS,
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import differences, layout_of, open_whole_recording, plan_of
 from trainer.session.layout import read_state
-from trainer.session.plan import Plan
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
 from trainer.session.run_faces import order_of
+from trainer.session.second_boat import follow_run, is_due
 from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.roles import ROLES
+from trainer.session.stations.roles import AID_NAMES, ROLES
 from trainer.session.stations.view import Fittings
 from trainer.session.warm_up import warm_boat
 from trainer.units import KNOT
 
 SEA_STATES: Final = range(9)
+VISITORS_EXERCISE: Final = "visitor-dive"
+WAY_S: Final = 120.0  # [s] of the way shown: as long as a try (js/tab/task.js)
 StateWrites = list[tuple[int, float]]  # places of the state, and what is written there
+
+
+# Limits that such a page can judge, because the boat alone tells them: the column of channel
+# motion, and the sign by which the worst value is the greatest, 0 for both sides.
+TASK_LIMITS: Final = {
+    "depth_m_max": ("depth", 1),
+    "depth_m_min": ("depth", -1),
+    "pitch_deg_max": ("pitch", 0),
+    "heel_deg_max": ("heel", 0),
+    "speed_kn_max": ("speed", 1),
+    "speed_kn_min": ("speed", -1),
+}
 
 
 def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
@@ -61,6 +86,7 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
         "channels": {  # name, unit and decimals of every field
             name: [(field.name, field.unit, field.decimals) for field in channel.fields]
             for name, channel in CHANNELS.items()
+            if name not in AID_NAMES  # which a page has not
         },
         "ranges": list(ranges(boat, ROLES[role])),
         "casualties": [
@@ -182,11 +208,8 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         layout = layout_of(header)
         plan.start(boat)
         refuse_world(recording, plan, path.name)
-        exercise = [("title", plan.title or plan.file.name)]  # as a session tells it
-        exercise += [("line", line) for line in plan.briefing.splitlines()]
-        exercise += [] if plan.duration is None else [("duration", f"{plan.duration:g}")]
         branches = recording.branches()
-        facts = {
+        facts: dict[str, Any] = {
             "from": plain(path.name),
             "branches": [fly_branch(recording, each, boat, plan, layout) for each in branches],
             "orders": [
@@ -198,10 +221,117 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             "events": [
                 (e.branch, e.tick, plain(e.kind), plain(e.text)) for e in recording.first_events()
             ],
-            "exercise": exercise,
+            "exercise": exercise_facts(plan),
+            "causes": [
+                (branch.id, each.tick, happening)
+                for branch in branches
+                for each in recording.orders(branch.id, branch.after)
+                if each.accepted and (happening := happening_of(each, boat, plan))
+            ],
+            "scheduled": [
+                (branch.id, each.tick, plain(each.text))
+                for branch in branches
+                for each in recording.orders(branch.id, branch.after)
+                if each.accepted and each.place is not None and breaks_or_clears(each, plan)
+            ],
+            "kept": task_of(plan.limits),
         }
+        if plan.crew.rules:
+            moment, number = task_moment(facts, branches), len(branches) + 1
+            facts["way"] = way_from(recording, plan, moment, number)
+            facts["exercise"].append(("way", "yes"))
         plan.start(boat)
     return boat, facts
+
+
+def task_moment(facts: dict[str, Any], branches: list[Branch]) -> tuple[Branch, int]:
+    """Return the branch and tick after what broke first, to be flown from."""
+    end = facts["branches"][-1]["last"]
+    by_number = {each.id: each for each in branches}
+    path: dict[int, int] = {}  # the last tick of each branch on the way to the present
+    here: Branch | None = branches[-1]
+    until = end
+    while here is not None:
+        path[here.id] = until
+        until, here = here.tick, by_number.get(here.parent or 0)
+    caused = (tick for number, tick, _ in facts["causes"] if tick <= path.get(number, -1))
+    begun = min(next(caused, -1) + 1, end)
+    return next(by_number[each] for each in path if by_number[each].tick <= begun), begun
+
+
+def way_from(
+    recording: Recording, plan: Plan, moment: tuple[Branch, int], number: int
+) -> dict[str, Any]:
+    """Return the reference crew's run from a moment as a branch, and its orders.
+
+    The crew has followed the run up to there, mute, as in a session.
+    """
+    parent, begun = moment
+    orders = [each for each in recording.orders(parent.id) if each.tick < begun]
+    mute = follow_run(plan, orders, (), begun)
+    boat, crew = mute.crew.boat, mute.speak()
+    start, last = boat.records.state.tobytes(), begun + round(WAY_S / plan.method.step)
+    due = [e for e in plan.schedule if math.ceil(e.seconds / plan.method.step - 1e-9) >= begun]
+    before: list[tuple[int, StateWrites]] = []
+    spoken: list[tuple[int, str]] = []
+    for tick in range(begun, last):
+        was = boat.state.whole.copy()
+        while due and is_due(due[0].seconds, plan.method.step, boat):
+            if due[0].order.name in BOAT_ORDERS:
+                obey_order(boat, due[0].order)
+            del due[0]
+        spoken += [(tick, plain(each.text)) for each in crew.look()]
+        if written := state_changes(was, boat.state.whole):
+            before.append((tick, written))
+        boat.tick()
+    state = base64.b64encode(start).decode("ascii")
+    branch = {"number": number, "parent": parent.id, "begun": begun, "last": last, "after": []}
+    branch |= {"why": "the way, shown by the reference crew", "state": state, "before": before}
+    return {"branch": branch, "orders": spoken}
+
+
+def exercise_facts(plan: Plan) -> list[tuple[str, str]]:
+    """Return keys of an exercise and their values, as a session tells them."""
+    limits = [(name, value) for name, value in vars(plan.limits).items() if value is not None]
+    facts = [("title", plan.title or plan.file.name)]
+    facts += [("line", line) for line in plan.briefing.splitlines()]
+    facts += [("limits", ",".join(f"{name}:{value:g}" for name, value in limits))] if limits else []
+    facts += [("visitors", "yes")] if plan.visitors else []
+    return facts + ([] if plan.duration is None else [("duration", f"{plan.duration:g}")])
+
+
+def happening_of(recorded: RecordedOrder, boat: Boat, plan: Plan) -> str:
+    """Return what an order breaks, "" if it breaks nothing.
+
+    It is the clause of the casualty's description, and after a bar the amount that was ordered.
+    """
+    order = order_of(recorded, plan.schedule)
+    if order is None or order.name != "casualty" or order.subject not in boat.casualties:
+        return ""
+    casualty = boat.casualties[order.subject]
+    severity = order.numbers[0] if order.numbers else casualty.severity
+    numbers = casualty_numbers(boat, replace(casualty, severity=severity), "")
+    return plain(f"{clause_of(casualty.description)}|{numbers['told']}")
+
+
+def breaks_or_clears(recorded: RecordedOrder, plan: Plan) -> bool:
+    """Return whether an order begins or ends a casualty."""
+    order = order_of(recorded, plan.schedule)
+    return order is not None and order.name in ("casualty", "clear")
+
+
+def task_of(limits: ExerciseLimits) -> list[tuple[str, int, int, float]]:
+    """Return the limits that are to be kept after a page has been taken over.
+
+    Each has its name, its column of channel motion, the sign of its worst value, and itself.
+    """
+    columns = [field.name for field in CHANNELS["motion"].fields]
+    given = [(name, value) for name, value in vars(limits).items() if value is not None]
+    return [
+        (name, columns.index(TASK_LIMITS[name][0]), TASK_LIMITS[name][1], value)
+        for name, value in given
+        if name in TASK_LIMITS
+    ]
 
 
 def refuse_world(recording: Recording, plan: Plan, name: str) -> None:
@@ -267,6 +397,39 @@ def state_changes(was: Numbers, now: Numbers) -> StateWrites:
     return [(int(place), float(now[place])) for place in places]
 
 
+# A kiosk
+
+
+def boat_of_visitors(options: RunOptions) -> tuple[Boat, dict[str, Any]]:
+    """Return a boat where the visitors' dive begins, and the dive.
+
+    ConfigError where the boat cannot make it.
+    """
+    plan = plan_run(replace(options, exercise=VISITORS_EXERCISE))
+    boat = Boat(plan.file, plan.method)
+    warm_boat(boat)
+    plan.start(boat)
+    planes = [surface for surface in LEVER_SHARES if boat.carries(surface)]
+    if not (boat.automatic and planes):
+        raise ConfigError(
+            f"{plan.file.path.name}: a kiosk needs planes, and an autopilot that levels the boat"
+        )
+    for entry in plan.schedule:
+        if entry.seconds <= 0.0 and entry.order.name in BOAT_ORDERS:
+            obey_order(boat, entry.order)
+    limits = {surface: float(boat.vessel[f"limit_{SURFACES[surface]}"]) for surface in planes}
+    return boat, {
+        "shares": [(surface, LEVER_SHARES[surface], limits[surface]) for surface in planes],
+        "guarded": plan.guard.deepest,
+        "ahead": GUARD_AHEAD_S,
+        "keeps": GUARD_MARGIN_M,
+        "given": RELEASE_MARGIN_M,
+        "level": LEVEL_PITCH,
+        "lasts": plan.duration,
+        "exercise": [*exercise_facts(plan), ("hand", ",".join(plan.hand))],
+    }
+
+
 # The page
 
 
@@ -278,15 +441,17 @@ class PageParts(NamedTuple):
     title: str
 
 
-def page_of(boat: Boat | None, recording: Path | None, role: str) -> PageParts:
-    """Return the parts of a page: of a boat, or of a recording."""
+def page_of(
+    boat: Boat | None, recording: Path | None, role: str, visitors: dict[str, Any] | None = None
+) -> PageParts:
+    """Return the parts of a page of a boat or of a recording."""
     facts = None
     if recording is not None:
         boat, facts = boat_of(recording)
     if boat is None:
         raise ValueError("a page has a boat or a recording")
     core = shipped_module(boat)
-    numbers = boat_for_page(boat, role) | {"recording": facts}
+    numbers = boat_for_page(boat, role) | {"recording": facts, "visitors": visitors}
     title = boat.file.name if facts is None else f"{boat.file.name}: {facts['from']}"
     return PageParts(numbers, core, title)
 

@@ -1,4 +1,9 @@
-"""``trainer check`` judges a boat by its numbers, and finds its stable steps."""
+"""``trainer check``: a boat judged by its numbers, and its stable steps.
+
+It compares the compact set with the full one in a steady turn, and finds the largest step at which
+an integrator does not make a stable boat unstable. ``check_page`` shows the report; estimates,
+guides and reductions use the same checks.
+"""
 
 import math
 from collections.abc import Iterable
@@ -18,6 +23,7 @@ from trainer.boat.stability import (
     worst_motion,
 )
 from trainer.config.files import ConfigError
+from trainer.config.plausibility import torque_remarks
 from trainer.config.vessel import VesselFile
 from trainer.core import full
 from trainer.core.envelope import substeps
@@ -40,7 +46,7 @@ EQUATION_SETS = ("full", "modified", "basic")
 STABILITY_METHODS = ("adams2", "euler")
 STEPS_1969_S = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set
 CHECKED_SPEEDS_KN = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [kn]
-SPEED_INTERVALS = 5
+SPEED_INTERVALS = 5  # between the speeds checked, at most: the least round step that does is taken
 
 
 @dataclass(frozen=True)
@@ -364,7 +370,7 @@ def check_vessel(file: VesselFile) -> CheckReport:
         vessel=file.name,
         path=str(file.path),
         defaulted=file.defaulted,
-        remarks=file.remarks,
+        remarks=(*file.remarks, *torque_remarks(file.coefficients, file.hull, file.fluid)),
         absent_but_kept=absent_coefficients(file, kept=True),
         absent_and_dropped=absent_coefficients(file, kept=False),
         asymmetries=asymmetries(file),

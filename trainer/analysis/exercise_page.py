@@ -16,6 +16,7 @@ from typing import Final
 
 import click
 
+from trainer.analysis.newcomer import step_problems
 from trainer.analysis.stated import fly_stated
 from trainer.boat.boat import Boat
 from trainer.config.baseline import (
@@ -248,9 +249,12 @@ def check_exercise(name: str) -> list[str]:
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     checked = None if plan.duration is None else fly_both(plan)
+    path = path_named(name, "exercises")
+    place = Place(path.name, "")
+    problems = [*step_problems(plan, place)]
+    if problems:
+        raise ConfigError(*number_problems(problems, read_text(path), path.name))
     if checked is not None:
-        path = path_named(name, "exercises")
-        place = Place(path.name, "")
         problems = [*_refused(checked, place)]
         for i, figure in enumerate(fly_stated(plan, load_exercise(name).stated, checked.flights)):
             if not figure.holds:
@@ -287,8 +291,7 @@ def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
             )
             problem += 'have it be won, or part = "keeping"'
             yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, problem)
-    verdict = checked.nobody.verdict
-    if plan.scores and verdict is not None and verdict.outcome == "won":
+    if plan.scores and all(each.earned is None for each in checked.nobody.scores):
         yield place.problem("[[scores]]: this exercise is won by standing still")
 
 
@@ -310,6 +313,7 @@ def _lines(plan: Plan, boat: Boat, checked: FlownExercise | None) -> Iterator[tu
         if (limit := getattr(plan.limits, item.name)) is not None:
             yield "limit", f"{item.name} {limit:g}"
     yield from (("lost", loss.text) for loss in plan.lost)
+    yield from (("step", each.row.text) for each in plan.steps)
     yield from (("score", text) for text in _scores(plan))
     if checked is not None and plan.judged_by_tasks:
         yield from _marks(checked)

@@ -1,6 +1,7 @@
 """The readiness of a vessel file: its compact set, and what it lacks.
 
-It judges a few flights of the guide in the way in which ``trainer reduce --check`` judges all.
+The end of ``trainer check``. It judges a few flights of the guide in the way in which ``trainer
+reduce --check`` judges all, and names the command that makes each missing part.
 """
 
 import textwrap
@@ -17,7 +18,7 @@ from trainer.config.files import SHIPPED_PREFIX, as_typed, key_of
 from trainer.config.vessel import VesselFile
 
 FLOWN_MANOEUVRES: Final = ("turn", "overshoot", "zigzag-10")  # of the guide
-LINE_WIDTH: Final = 79
+LINE_WIDTH: Final = 79  # [columns]
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class WorstNumber:
 
 
 @dataclass(frozen=True)
-class MissingEntry:
+class MissingPart:
     """Something that a file does not say, and what to type or write."""
 
     what: str
@@ -46,7 +47,7 @@ class Readiness:
 
     own_compact_set: bool
     compact: tuple[WorstNumber, ...]  # none without a compact set
-    lacks: tuple[MissingEntry, ...]
+    lacks: tuple[MissingPart, ...]
 
     @property
     def passed(self) -> bool:
@@ -83,26 +84,22 @@ def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> WorstNumber:
     return WorstNumber(leg.title, one.quantity, one.unit, one.full, one.other, sizes[one])
 
 
-def _lacks(file: VesselFile, found: Readiness) -> Iterator[MissingEntry]:
+def _lacks(file: VesselFile, found: Readiness) -> Iterator[MissingPart]:
     """Yield what the file lacks, the most needed first."""
     typed = typed_name(file)
     example = f"take it from trainer vessel new like.toml --from bb2 --length {file.hull.length:g}"
     if not file.has_compact_set:
-        yield MissingEntry(
-            "a compact set: the full set is flown", f"trainer reduce {typed} --write"
-        )
+        yield MissingPart("a compact set: the full set is flown", f"trainer reduce {typed} --write")
     elif not found.passed:
-        yield MissingEntry("a compact set within tolerance", f"trainer reduce {typed} --write")
+        yield MissingPart("a compact set within tolerance", f"trainer reduce {typed} --write")
     if file.autopilot is None:
-        yield MissingEntry("gains: it is steered by hand", f"trainer gains {typed} >> {typed}")
+        yield MissingPart("gains: it is steered by hand", f"trainer gains {typed} >> {typed}")
     if file.ballast is None:
-        yield MissingEntry("[ballast]: it has no tanks, and does not surface by air", example)
+        yield MissingPart("[ballast]: it has no tanks, and does not surface by air", example)
     if file.wave_strips is None:
-        yield MissingEntry("[wave_strips]: waves push on a usual hull of its length", example)
+        yield MissingPart("[wave_strips]: waves push on a usual hull of its length", example)
     if file.free_surface is None:
-        yield MissingEntry(
-            "[free_surface]: it does not feel a calm surface", "docs/vessel-files.md"
-        )
+        yield MissingPart("[free_surface]: it does not feel a calm surface", "docs/vessel-files.md")
     for key, value in (
         ("test_depth_m", file.hull.test_depth_m),
         ("collapse_depth_m", file.hull.collapse_depth_m),
@@ -110,7 +107,7 @@ def _lacks(file: VesselFile, found: Readiness) -> Iterator[MissingEntry]:
     ):
         if value is None:
             table = "run" if key.startswith("periscope") else "vessel"
-            yield MissingEntry(f"{key}: none is known", f"a line in [{table}]")
+            yield MissingPart(f"{key}: none is known", f"a line in [{table}]")
 
 
 def typed_name(file: VesselFile) -> str:

@@ -1,4 +1,8 @@
-"""A recording for other programs: tables, arrays, frames, Rerun's viewer, and plots."""
+"""``trainer export``: a recording for other programs, as tables, arrays, frames or pictures.
+
+``cli/recordings`` calls ``export_file`` and ``draw_run``; ``Recording`` is the face for Python,
+``trainer.Recording``. Nobody else has to know how states lie in a recording.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -47,9 +51,7 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
         for form, out in chosen.items():
             if form == "rrd":
                 require_library("rerun", "--rrd")
-                from trainer.session.rerun.request import (  # noqa: PLC0415  a second to import
-                    write_record,
-                )
+                from trainer.session.rerun.request import write_record  # noqa: PLC0415  a second to import
 
                 try:
                     write_record(recording, out, recording.branch if branch is None else branch)

@@ -1,6 +1,7 @@
-"""A sea in numbers and pictures: height, period, energy by band, and its forces.
+"""``trainer sea``: a sea in numbers and pictures: height, period, energy by band, forces.
 
-The plot has a series, its spectrum against the target, and the mean suction by depth.
+The plot has a series, its spectrum against the target, and the mean suction by depth. The sea is
+the one that the core makes in its ticks, not the formula, so that the plot checks it.
 """
 
 import math
@@ -34,7 +35,7 @@ from trainer.units import KNOT
 
 BAND_EDGES: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the peak frequency
 BAND_WIDTH: Final = 0.1  # [-] of a band
-SERIES_COUNT: Final = 20
+SERIES_COUNT: Final = 20  # series of the sea, each by its own seed
 SERIES_HOURS: Final = 3.0  # of each
 SHOWN_SERIES_S: Final = 300.0  # [s] of the first
 MAX_CHASE_RATIO: Final = (
@@ -44,15 +45,12 @@ USUAL_DEPTHS_M: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0)  # [m]
 MIN_DEPARTURE_RATE: Final = 1e-6  # [1/s2] a departure that doubles in ten minutes or more is none
 MAX_WAVE_DEPTH: Final = 3.0  # [-] depth times the peak's number, beyond which little is left
 HIGHEST_WAVE_RATIO: Final = 1.86  # [-] of the significant height: sqrt(ln 1000/2), Rayleigh's
-FREQUENCY_GRID: Final = np.linspace(0.25, 12.0, 20_001)  # [-] of integrals over frequency
+FREQUENCIES: Final = np.linspace(0.25, 12.0, 20_001)  # [-] of integrals over frequency
+# fmt: off
 DEPTH_HEADS: Final = (
-    "depth\n[m]",
-    "swell\n[m/s]",
-    "suction\n[N]",
-    "water\n[kg]",
-    "less by\n[N/m]",
-    "doubles\n[s]",
+    "depth\n[m]", "swell\n[m/s]", "suction\n[N]", "water\n[kg]", "less by\n[N/m]", "doubles\n[s]",
 )
+# fmt: on
 
 
 @dataclass(frozen=True)
@@ -122,10 +120,8 @@ def spectrum(x: Numbers, gamma: float) -> Numbers:
 def water_speed(settings: Numbers, g: float, depth: float) -> float:
     """Return the rms vertical speed of the water [m/s] at a depth [m]."""
     number = settings[OMEGA] ** 2 / g
-    weights = FREQUENCY_GRID**2 * np.exp(-2.0 * number * depth * FREQUENCY_GRID**2)
-    energy = float(
-        np.trapezoid(weights * spectrum(FREQUENCY_GRID, settings[GAMMA]), FREQUENCY_GRID)
-    )
+    weights = FREQUENCIES**2 * np.exp(-2.0 * number * depth * FREQUENCIES**2)
+    energy = float(np.trapezoid(weights * spectrum(FREQUENCIES, settings[GAMMA]), FREQUENCIES))
     return float(0.25 * settings[HEIGHT] * settings[OMEGA]) * math.sqrt(energy)
 
 

@@ -1,4 +1,8 @@
-"""Recorded time series: the columns of a CSV file, as ``trainer run --csv`` writes it."""
+"""Recorded time series: the columns of a CSV file, as ``trainer run --csv`` writes it.
+
+Flights, exports and the programs of 1969 that read runs use it: one form for what was flown here
+and for what comes from a file.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path

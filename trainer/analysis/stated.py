@@ -1,4 +1,8 @@
-"""The figures that an exercise states are flown, and compared with its texts."""
+"""The figures that an exercise's texts state are flown, and compared with them.
+
+``trainer exercise check`` calls it. A text that says "level within 90 seconds" goes wrong unseen
+when the boat changes; its row in [[stated]] is flown by nobody or by the reference crew.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,7 +21,7 @@ class StatedFigure:
 
     stated: StatedValue
     flown: float | None  # [s] or in the quantity's unit; None: it did not come, or cannot be flown
-    tolerance: float
+    tolerance: float  # in the unit of ``flown``
 
     @property
     def holds(self) -> bool:

@@ -1,4 +1,8 @@
-"""Processes that work for this one, and end when it does, however it ends."""
+"""Worker processes that end when the process that started them does, however it ends.
+
+Guides, reductions and sweeps fly in them. A pool of Python's own goes on working when its parent is
+killed, so each worker watches for the parent's end.
+"""
 
 import os
 import signal

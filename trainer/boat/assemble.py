@@ -1,4 +1,8 @@
-"""A vessel file becomes the core's records. Units become SI, rows and tables become places."""
+"""A vessel file becomes the core's records: units become SI, rows and tables become places.
+
+``boat.Boat`` calls ``fit_out`` once, when it is made. The core reads its records by name at each
+tick, and knows neither files nor units. What a file leaves out gets its usual value here.
+"""
 
 import math
 from collections.abc import Iterator
@@ -106,7 +110,10 @@ def _write_sea(sea: HullBuoyancy, record: Record) -> None:
 
 @dataclass(frozen=True)
 class Method:
-    """How a boat is computed; see the command line for what the words mean."""
+    """How a boat is computed: equations, accelerations, angles, integrator and step.
+
+    The words are those of the command line; ``scheme_record`` makes the core's scheme of them.
+    """
 
     equations: str
     rates: str  # "exact" or "lagged"
@@ -154,8 +161,8 @@ def body_values(file: VesselFile) -> dict[str, float]:
 def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float, float]]:
     """Return the nine thrust coefficients, missing rows filled by the last, and what eta is.
 
-    Where there are two sets the first row is both of the upper ones. What eta is: its two limits
-    [-], and 1 where it is by the whole speed U, 0 by u.
+    The core always has three rows; a file may give one or two. Of two sets the first fills both
+    upper rows. What eta is: its two limits [-], and 1 where it is by the whole speed U, 0 by u.
     """
     sets = file.thrust.ahead
     rows = sets if len(sets) == 3 else (sets[0], sets[0], sets[-1])

@@ -1,6 +1,9 @@
 """Orders about tanks and air: valves, pumps, and the boat's standing words surface and dive.
 
-docs/ballast.md has the table of what each sets.
+``helm.obey_order`` calls ``order_ballast``. An order writes levers and pump orders into the state;
+water and air then move in the ticks (``core/ballast``). docs/ballast.md has the table of what each
+sets. ``session/crew`` reports by PumpMonitor what pumps have done, and a plan puts the boat out of
+trim at its start, because the exercise asks for it.
 """
 
 import math
@@ -27,8 +30,6 @@ from trainer.units import KNOT
 
 MAIN_TANKS: Final = BLOWN_TANKS[:NEGATIVE_TANK]
 SPACE_NAMES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
-
-
 TRIM_TANKS: Final = ("trim_forward", "trim_aft")
 TANKS_OF: Final = (TRIM_TANKS, ("auxiliary",), ("depth_control",))  # by pump
 PUMPED_BY: Final = ("trim", "auxiliary", "depth control")
@@ -69,7 +70,10 @@ def _needs(order: Order) -> tuple[str, ...]:
 
 
 def _main_ballast(boat: Boat, *, groups: tuple[str, ...], blow: float, vent: float) -> None:
-    """Set blow valves and vents of groups of main ballast [-]."""
+    """Set blow valves and vents of groups of main ballast [-].
+
+    Both at once, because a vent that stays open lets the air of a blow out.
+    """
     for group in groups:
         boat.state[f"blow_{group}"] = blow
         boat.state[f"vent_{group}"] = vent
@@ -233,7 +237,7 @@ class PumpMonitor:
     by: dict[int, str] = field(default_factory=dict)  # who ordered it
 
     def note(self, boat: Boat, order: Order, by: str) -> None:
-        """Take an order that somebody has just given."""
+        """Take an order that somebody has just given, to report its end to them."""
         pump = PUMP_OF[order.word]
         self.by[pump] = by
         self.asked[pump] = self.left[pump] = float(boat.state.to_move[pump])

@@ -1,12 +1,17 @@
-"""A boat under way: its records, its start in trim, its ticks and its snapshots."""
+"""A boat under way: the records that the core computes with, and their tick.
+
+``Boat`` joins what the core keeps apart: the vessel, the scheme, and the state that ``tick``
+rewrites. Sessions, manoeuvres and sweeps all fly this one object.
+"""
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.boat import compilation
 from trainer.boat.assemble import Method, fit_out
@@ -17,6 +22,7 @@ from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
+from trainer.core.casualties import instruments
 from trainer.core.kernel import Numbers, Record
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import DECK_REACH
@@ -34,7 +40,10 @@ TICK_PLACE = STATE_PLACES["tick"]
 
 @functools.cache
 def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
-    """Return a getter of the named places of plain numbers; ``t`` gets the tick."""
+    """Return a getter of the named places of plain numbers; ``t`` gets the tick.
+
+    One getter takes all numbers of a row at once, which recordings ask for at each tick.
+    """
     return itemgetter(*(TICK_PLACE if name == "t" else STATE_PLACES[name] for name in names))
 
 
@@ -108,11 +117,7 @@ class Boat:
         The sea stays the one of the last ``put_to_sea``, at first a calm; ``seed`` is that of
         everything random. ConfigError if the boat cannot fly straight and level at that speed.
         """
-        self.state.whole[:] = 0.0
-        self.vessel.start[:] = self._fillings
-        self.records.scheme["trigger_kind"] = 0.0
-        for name in ("weight", "x_g", "y_g", "z_g"):
-            self.state[name] = self.vessel[name]
+        self._clear()
         if not self.trimmed(speed):
             raise ConfigError(
                 f"{self.file.path.name}: no straight level flight at {speed / KNOT:g} kn "
@@ -126,6 +131,27 @@ class Boat:
             s.by_hand[:] = self.vessel.limit == 0.0  # nothing to give where there is no surface
             s.speed_by_hand = s.trim_by_hand = 0.0
         self.put_to_sea(self.sea)
+
+    def start_from(self, numbers: Mapping[str, float], seed: int = 1) -> None:
+        """Start from these numbers of the state [SI, rad], others 0, with everything in hand.
+
+        The boat need not be in trim, nor able to fly straight and level at all.
+        """
+        self._clear()
+        for name, value in numbers.items():
+            self.state[name] = value
+        self.state.seed = seed
+        set_out(*self.records)
+        self.stand_by()
+        self.put_to_sea(self.sea)
+
+    def _clear(self) -> None:
+        """Bring the boat to rest at the origin, with its file's weight and no trigger armed."""
+        self.state.whole[:] = 0.0
+        self.vessel.start[:] = self._fillings
+        self.records.scheme["trigger_kind"] = 0.0
+        for name in ("weight", "x_g", "y_g", "z_g"):
+            self.state[name] = self.vessel[name]
 
     def put_to_sea(self, sea: SeaFile) -> None:
         """Put the boat into a sea at its full height, as after a long time.
@@ -148,7 +174,7 @@ class Boat:
         order_sea(records.vessel, self.method.step, ramp, wanted, records.scratch, records.state)
 
     def stand_by(self) -> None:
-        """Make the autopilot's integrals ready for a bumpless change, with hands on."""
+        """Make the autopilot's integrals ready to take over without a jump, with hands on."""
         records = self.records
         stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
 
@@ -164,7 +190,10 @@ class Boat:
         self._look_around()
 
     def _look_around(self) -> None:
-        """Forget the cached tick, because the world may begin or cease to act."""
+        """Forget the cached tick, because the world may begin or cease to act.
+
+        A boat alone then ticks without asking a world.
+        """
         self.__dict__.pop("tick", None)
 
     @functools.cached_property
@@ -193,7 +222,7 @@ class Boat:
     def sound_by(self, chart: Numbers | None) -> None:
         """Sound this chart of the ground before each tick from now on; None: none."""
         self.chart = chart
-        for name in ("advance", "tick"):
+        for name in ("advance", "tick", "_fly"):
             self.__dict__.pop(name, None)
 
     @functools.cached_property
@@ -210,6 +239,47 @@ class Boat:
     def _sounded(self, chart: Numbers) -> int:
         sound(self.records.vessel, chart, self.records.state)
         return update(*self.records)
+
+    def fly(self, places: NDArray[np.int64], rows: Numbers) -> int:
+        """Advance by a step for each of ``rows``.
+
+        Return 0, or the status of the tick that failed, which writes no row. A row gets the numbers
+        of the state at ``places``, then what the gauges read, if it is longer.
+        """
+        if compilation.known_compiler() and not self.world.acts:
+            return self._fly(places, rows)
+        numbers = self.records.state.view(np.float64)
+        for row in rows:
+            if status := self.tick():
+                return status
+            row[: places.size] = numbers[places]
+            if row.size > places.size:
+                instruments(self.records.state, self.records.scratch)
+                row[places.size :] = self.records.scratch["reading"][0]
+        return 0
+
+    def fly_and_keep(
+        self, places: NDArray[np.int64], rows: Numbers, keep: Callable[[Numbers], int]
+    ) -> tuple[int, Numbers]:
+        """Fly as ``fly`` does, to the end of the rows that are kept.
+
+        ``keep`` says how many of the rows flown these are. If it is fewer, the boat goes back and
+        flies to there again, with the same bits. Return the status, and the rows kept.
+        """
+        begun, start = self.ticks, self.snapshot()
+        status = self.fly(places, rows)
+        flown = rows[: self.ticks - begun]
+        kept = flown[: keep(flown)]
+        if len(kept) < len(flown):
+            self.restore(start)
+            status = self.fly(places, kept)
+        return status, kept
+
+    @functools.cached_property
+    def _fly(self) -> Callable[[NDArray[np.int64], Numbers], int]:
+        from trainer.boat.call import bind_flight  # noqa: PLC0415  it reaches into the compiler
+
+        return bind_flight(tuple(self.records), self.chart)
 
     def compiled_tick(self) -> Callable[[], int]:
         """Return ``advance`` as machine code of this machine, the core being interpreted."""
@@ -240,8 +310,9 @@ class Boat:
 
     def snapshot(self) -> Record:
         """Return a copy of the whole state."""
-        return self.records.state.copy()
+        # as plain numbers: numpy copies a record name by name, in forty times the time
+        return self.records.state.view(np.float64).copy().view(STATE)
 
     def restore(self, snapshot: Record) -> None:
         """Go back to ``snapshot``, to the bit."""
-        self.records.state[:] = snapshot
+        self.records.state.view(np.float64)[:] = snapshot.view(np.float64)

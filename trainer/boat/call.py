@@ -19,6 +19,7 @@ from numba.extending import intrinsic
 from numba.np import arrayobj
 from numpy.typing import NDArray
 
+from trainer.core.casualties import instruments
 from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.scheme import SCHEME
 from trainer.core.soundings import sound
@@ -27,6 +28,7 @@ from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
 Addresses = NDArray[np.int64]
+Places = NDArray[np.int64]
 ROW_TYPE: Final = types.Array(types.float64, 1, "C")
 
 
@@ -96,13 +98,47 @@ def update_at(addresses: Addresses) -> int:
     )
 
 
+@kernel
+def fly_at(addresses: Addresses, places: Places, rows: Numbers) -> int:
+    """Advance the boat by a tick for each of the rows.
+
+    Return the status of the last one. A row has the numbers at those places of the state, then
+    what the gauges read, if it is longer.
+    """
+    state, scratch = state_at(addresses[3]), scratch_at(addresses[4])
+    count = places.size
+    for i in range(rows.shape[0]):
+        status = update_at(addresses)
+        if status != 0:
+            return status
+        for k in range(count):
+            rows[i, k] = state[0].whole[places[k]]
+        if rows.shape[1] > count:
+            instruments(state, scratch)
+            for k in range(scratch[0].reading.size):
+                rows[i, count + k] = scratch[0].reading[k]
+    return 0
+
+
+def addresses_of(records: tuple[Record, ...], chart: Numbers | None) -> Addresses:
+    """Return the addresses of records and chart. Their owner keeps them, and does not move them."""
+    chart_address = (0, 0) if chart is None else (chart.ctypes.data, chart.size)
+    return np.array([*(record.ctypes.data for record in records), *chart_address])
+
+
+def bind_flight(
+    records: tuple[Record, ...], chart: Numbers | None
+) -> Callable[[Places, Numbers], int]:
+    """Return ``fly_at`` of these records, as ``bind_update`` does with one tick."""
+    return functools.partial(fly_at, addresses_of(records, chart))
+
+
 def bind_update(records: tuple[Record, ...], chart: Numbers | None = None) -> Callable[[], int]:
     """Return ``update`` of these records, compiled, the chart of the ground sounded before it.
 
     The caller keeps the records, and does not move them, because only addresses are bound.
     """
-    chart_address = (0, 0) if chart is None else (chart.ctypes.data, chart.size)
-    addresses = np.array([*(record.ctypes.data for record in records), *chart_address])
+    addresses = addresses_of(records, chart)
     # the machine code itself: to find it anew by its arguments' types takes a third of a tick
     compiled: Callable[[Addresses], int] = update_at.compile((numba.typeof(addresses),))
     return functools.partial(compiled, addresses)

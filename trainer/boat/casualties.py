@@ -1,4 +1,9 @@
-"""Casualties of a boat: inserted, cleared and told by name; triggers armed; instruments read."""
+"""Casualties of a boat: inserted, cleared, listed, armed; and instruments that they falsify.
+
+The orders ``casualty`` and ``clear`` come here (``helm``). A casualty takes a slot of the state,
+with its kind, its amount and how fast that grows; the core then makes it felt at each tick
+(``core/casualties``). An armed one begins by itself, when a condition of the exercise is met.
+"""
 
 import math
 from dataclasses import dataclass
@@ -64,7 +69,7 @@ class Size(NamedTuple):
 
 
 class Degree(NamedTuple):
-    """The usual degree of a casualty."""
+    """The usual degree of a casualty, as an instructor's page offers it."""
 
     name: str
     severity: float
@@ -73,7 +78,7 @@ class Degree(NamedTuple):
 
     @property
     def fields(self) -> str:
-        """Return the degree as programs are told it."""
+        """Return the degree in fields for programs."""
         size = self.size
         amounts = f"{self.severity:g}", f"{self.ramp_s:g}", size.amount
         return ",".join((self.name, *amounts, size.unit, size.side, *size.sides))
@@ -307,7 +312,10 @@ def _within(seconds: float) -> str:
 
 
 def _ticks(boat: Boat, seconds: float) -> float:
-    """Return a time as whole ticks, at least its length."""
+    """Return a time as whole ticks, at least its length.
+
+    The core counts ramps in ticks, so that a replay has the same.
+    """
     return float(math.ceil(seconds / boat.method.step - 1e-9))
 
 
@@ -318,7 +326,10 @@ def _whole(value: float) -> float:
 
 
 def scale_of(boat: Boat, quantity: str) -> float:
-    """Return the factor from a quantity [SI] to its place in the state. 0: the boat lacks it."""
+    """Return the factor from a quantity [SI] to its place in the state. 0: the boat lacks it.
+
+    A condition names quantities as people do; the state may hold another sign or unit.
+    """
     name = quantity
     if name == "time":
         return 1.0 / boat.method.step

@@ -1,8 +1,10 @@
-"""The core is compiled or not, its machine code is kept or not.
+"""Whether the core is compiled or interpreted, and what machine code is cached.
 
-A cache folder holds a mark once all that a run needs has been compiled into it. The mark is named
-by what numba asks before it gives machine code back, so that it speaks for this Python, this numba,
-this processor and these files only.
+The first start of a version may fly by the interpreter while another process compiles
+(``session/first_start`` decides that); these functions let the two agree through files. A cache
+folder holds a mark once all that a run needs has been compiled into it. The mark is named by what
+numba asks before it gives machine code back, so that it speaks for this Python, this numba, this
+processor and these files only.
 """
 
 import contextlib
@@ -24,6 +26,8 @@ POLL_PERIOD_S: Final = 0.5  # [s] between looks at whether that is done
 ERROR_LOG_NAME: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
 PROGRESS_NAME: Final = "compiling.percent"  # of the tick alone; gone when all is done
 MAX_RESTARTS: Final = 3  # of a compilation beside a run that died without a word
+_IMPORT_LOCK: Final = threading.Lock()  # numba's switch is one for all threads
+_importing_threads: Final[set[int]] = set()  # those for which it is on at present
 
 
 def is_kept() -> bool:
@@ -70,17 +74,21 @@ def known_compiler() -> bool:
 
 
 def is_interpreted() -> bool:
-    """Return whether the kernels are run by the interpreter."""
+    """Return whether the kernels are run by the interpreter.
+
+    They are in all other threads while one imports machine code.
+    """
     import numba  # noqa: PLC0415
 
-    return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+    elsewhere = _importing_threads - {threading.get_ident()}
+    return bool(elsewhere or numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 
 
 @contextlib.contextmanager
 def announce_compiling(
     what: str, tell: Callable[[str], None], name: str = "complete", *folders: str
 ) -> Iterator[None]:
-    """Tell what is compiled in the block, where this machine has not kept it yet.
+    """Announce what the block compiles, unless this machine's cache has it.
 
     A block that succeeds leaves the mark ``name``. It speaks for the kernels in ``folders`` of the
     package, or for those of the core where none is named.
@@ -99,15 +107,18 @@ def machine_code() -> Iterator[None]:
     """Import machine code inside the block, though the core is interpreted.
 
     The cache must have that code already, because code that calls kernels of the interpreter cannot
-    be compiled.
+    be compiled. For all other threads the core stays interpreted.
     """
     import numba  # noqa: PLC0415
 
-    numba.config.DISABLE_JIT = False  # type: ignore[attr-defined]
-    try:
-        yield
-    finally:
-        use_interpreter()
+    with _IMPORT_LOCK:
+        _importing_threads.add(threading.get_ident())
+        numba.config.DISABLE_JIT = False  # type: ignore[attr-defined]
+        try:
+            yield
+        finally:
+            use_interpreter()
+            _importing_threads.clear()
 
 
 def await_tick(

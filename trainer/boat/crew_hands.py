@@ -1,9 +1,17 @@
-"""The hands of a reference crew work planes and rudder by what the crew sees."""
+"""The hands of a reference crew work planes and rudder by what the crew sees.
+
+``reference_crew`` has a planesman and a helmsman, and ``analysis/trainees`` makes worse ones of
+them. A hand looks at the gauges every few seconds, works out an angle by gains that the exercise
+file gives ([planesman], [helmsman]), and orders whole degrees, as a person does. It knows nothing
+that a person could not see, so that people can reach its marks.
+"""
 
 import math
-from collections import deque
+from bisect import bisect_left
+from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, field, replace
+from operator import itemgetter
 from typing import Final
 
 import numpy as np
@@ -12,7 +20,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings, instrument_readings
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.config.reference_crew import Helmsman, Planesman
-from trainer.core.kernel import Record
+from trainer.core.kernel import Numbers, Record
 
 GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered: mean_s of a rule is 600 at most
 RATE_PERIOD_S: Final = 2.0  # [s] over which a rate is seen on a gauge
@@ -24,13 +32,20 @@ class GaugeHistory:
     """The readings of the gauges over some minutes."""
 
     boat: Boat
-    seen: deque[tuple[float, InstrumentReadings]] = field(default_factory=deque)
+    seen: list[tuple[float, InstrumentReadings]] = field(default_factory=list)
 
     def look(self) -> None:
         """Read the gauges at this tick."""
-        self.seen.append((self.boat.time, instrument_readings(self.boat)))
-        while self.seen[-1][0] - self.seen[0][0] > GAUGE_MEMORY_S:
-            self.seen.popleft()
+        self.remember([(self.boat.time, instrument_readings(self.boat))])
+
+    def remember(self, readings: Iterable[tuple[float, InstrumentReadings]]) -> None:
+        """Take readings with their times [s], the latest last."""
+        self.seen += readings
+        del self.seen[: self._place(self.seen[-1][0] - GAUGE_MEMORY_S)]
+
+    def _place(self, time: float) -> int:
+        """Return the place of the first reading not before a time [s]."""
+        return bisect_left(self.seen, time, key=itemgetter(0))
 
     def now(self) -> InstrumentReadings:
         """Return the readings of the last look."""
@@ -49,16 +64,34 @@ class GaugeHistory:
         run = np.mean(values[:half]) - np.mean(values[-half:])
         return float(run / (np.mean(times[:half]) - np.mean(times[-half:])))
 
+    def over(self, name: str, seconds: float, readings: Numbers, *, rate: bool) -> Numbers:
+        """Return ``mean``, or ``rate``, at each of the ticks after the last look.
+
+        ``readings`` (ticks, gauges) follow those seen. One call for many ticks finds where a
+        condition first holds; sums are rounded otherwise than one by one.
+        """
+        step, gauge = self.boat.method.step, InstrumentReadings._fields.index(name)
+        seconds = max(seconds, RATE_PERIOD_S) if rate else seconds
+        most = math.floor(max(seconds - TIME_ROUNDING_S, 0.0) / step) + 1  # readings of a look
+        before = [row[gauge] for _, row in self.seen[-most:]]
+        sums = np.concatenate(([0.0], np.cumsum([*before, *readings[:, gauge]])))
+        ends = np.arange(len(before) + 1, sums.size)
+        counts = np.minimum(ends, most)
+        if not rate:
+            return np.asarray((sums[ends] - sums[ends - counts]) / counts)
+        half = np.maximum(counts // 2, 1)
+        late, early = (
+            sums[ends] - sums[ends - half],
+            sums[ends - counts + half] - sums[ends - counts],
+        )
+        return np.asarray((late - early) / half / (np.maximum(counts - half, 1) * step))
+
     def _last(self, name: str, seconds: float) -> tuple[list[float], list[float]]:
         """Return times and values of the last seconds, the latest first."""
-        begin = self.seen[-1][0] - seconds + TIME_ROUNDING_S
-        times, values = [self.seen[-1][0]], [getattr(self.seen[-1][1], name)]
-        for i in range(len(self.seen) - 2, -1, -1):
-            if self.seen[i][0] < begin:
-                break
-            times.append(self.seen[i][0])
-            values.append(getattr(self.seen[i][1], name))
-        return times, values
+        begin = self._place(self.seen[-1][0] - seconds + TIME_ROUNDING_S)
+        last = self.seen[min(begin, len(self.seen) - 1) :][::-1]
+        gauge = InstrumentReadings._fields.index(name)
+        return [time for time, _ in last], [readings[gauge] for _, readings in last]
 
 
 @dataclass
@@ -87,8 +120,8 @@ class PlanesHand:
     """The planesman looks every few seconds, and orders what is worth an order."""
 
     boat: Boat
-    ways: Planesman
-    late: float = 0.0  # [s] beyond the ways
+    habits: Planesman  # gains and limits of the exercise file
+    late: float = 0.0  # [s] slower than these
     looked: float = -math.inf  # [s]
     depth: KnownOrder = field(init=False)
     pitch: KnownOrder = field(init=False)
@@ -96,7 +129,7 @@ class PlanesHand:
     bow: int = 0
 
     def __post_init__(self) -> None:
-        answer = self.ways.answer_s + self.late
+        answer = self.habits.answer_s + self.late
         self.depth, self.pitch = KnownOrder("depth", answer), KnownOrder("pitch", answer)
         s, toward = self.boat.state, self.boat.toward
         self.stern = round(math.degrees(toward["stern"] * float(s.delta_s)))
@@ -118,40 +151,44 @@ class PlanesHand:
         """Return what is ordered at this tick."""
         self.depth.look(self.boat)
         self.pitch.look(self.boat)
-        if self.boat.time - self.looked < self.ways.look_s - TIME_ROUNDING_S:
+        if self.boat.time - self.looked < self.habits.look_s - TIME_ROUNDING_S:
             return []
         self.looked = self.boat.time
         aim = self.depth.value
         aim = float(self.boat.state.ordered_depth) if aim is None else aim
-        deeper = aim - gauges.mean("depth", self.ways.mean_s)
-        rate = gauges.rate("depth", self.ways.mean_s)
+        deeper = aim - gauges.mean("depth", self.habits.mean_s)
+        rate = gauges.rate("depth", self.habits.mean_s)
         return [*self._stern(deeper, rate), *self._bow(deeper, rate)]
 
     def _bubble(self, deeper: float, rate: float) -> float:
-        """Return the pitch [deg] to aim at, bow up."""
-        ways, ordered = self.ways, self.pitch.value
-        if ordered is not None and abs(deeper) > ways.leave_m and ordered * deeper < 0.0:
+        """Return the pitch [deg] to aim at, bow up: the bubble of the inclinometer.
+
+        An ordered pitch counts while the boat is far from its depth, and leads towards it.
+        ``deeper`` [m] is how far the boat is to go down, ``rate`` [m/s] how fast it goes.
+        """
+        habits, ordered = self.habits, self.pitch.value
+        if ordered is not None and abs(deeper) > habits.leave_m and ordered * deeper < 0.0:
             return math.degrees(ordered)
-        up = ways.bubble_s * rate - ways.bubble_deg_per_m * deeper
-        return min(max(up, -ways.bubble_deg_max), ways.bubble_deg_max)
+        up = habits.bubble_s * rate - habits.bubble_deg_per_m * deeper
+        return min(max(up, -habits.bubble_deg_max), habits.bubble_deg_max)
 
     def _stern(self, deeper: float, rate: float) -> list[str]:
-        ways, s = self.ways, self.boat.state
+        habits, s = self.habits, self.boat.state
         error = self._bubble(deeper, rate) - math.degrees(s.theta)
-        rise = ways.stern_per_bubble * error - ways.stern_s * math.degrees(s.q)
-        wanted = round(min(max(rise, -ways.stern_deg_max), ways.stern_deg_max))
-        if abs(wanted - self.stern) < ways.stern_off_deg:
+        rise = habits.stern_per_bubble * error - habits.stern_s * math.degrees(s.q)
+        wanted = round(min(max(rise, -habits.stern_deg_max), habits.stern_deg_max))
+        if abs(wanted - self.stern) < habits.stern_off_deg:
             return []
         self.stern = wanted
         return [_tilt("stern", wanted)]
 
     def _bow(self, deeper: float, rate: float) -> list[str]:
-        ways = self.ways
-        rise = ways.bow_s * rate - ways.bow_deg_per_m * deeper
-        rise = min(max(rise, -ways.bow_deg_max), ways.bow_deg_max)
-        within = abs(deeper) <= ways.bow_within_m
-        wanted = int(ways.bow_step_deg * round(rise / ways.bow_step_deg)) if within else 0
-        if wanted == self.bow or (abs(rise - self.bow) < 0.6 * ways.bow_step_deg and wanted):
+        habits = self.habits
+        rise = habits.bow_s * rate - habits.bow_deg_per_m * deeper
+        rise = min(max(rise, -habits.bow_deg_max), habits.bow_deg_max)
+        within = abs(deeper) <= habits.bow_within_m
+        wanted = int(habits.bow_step_deg * round(rise / habits.bow_step_deg)) if within else 0
+        if wanted == self.bow or (abs(rise - self.bow) < 0.6 * habits.bow_step_deg and wanted):
             return []
         self.bow = wanted
         return [_tilt("bow", wanted)]
@@ -162,14 +199,14 @@ class RudderHand:
     """The helmsman looks every few seconds, meets the swing and steadies."""
 
     boat: Boat
-    ways: Helmsman
-    late: float = 0.0  # [s] beyond the ways
+    habits: Helmsman  # gains and limits of the exercise file
+    late: float = 0.0  # [s] slower than these
     looked: float = -math.inf  # [s]
     course: KnownOrder = field(init=False)
     rudder: int = 0  # [deg] right, as ordered last
 
     def __post_init__(self) -> None:
-        self.course = KnownOrder("course", self.ways.answer_s + self.late)
+        self.course = KnownOrder("course", self.habits.answer_s + self.late)
         s = self.boat.state
         self.rudder = round(math.degrees(self.boat.toward["rudder"] * float(s.delta_r)))
 
@@ -187,14 +224,14 @@ class RudderHand:
     def look(self, gauges: GaugeHistory) -> list[str]:
         """Return what is ordered at this tick."""
         self.course.look(self.boat)
-        if self.boat.time - self.looked < self.ways.look_s - TIME_ROUNDING_S:
+        if self.boat.time - self.looked < self.habits.look_s - TIME_ROUNDING_S:
             return []
         self.looked = self.boat.time
         error = self._to_go(gauges.now().heading)
         rate = math.degrees(float(self.boat.state.r))
-        wanted = self.ways.rudder_per_error * error - self.ways.rudder_s * rate
-        wanted = round(min(max(wanted, -self.ways.rudder_deg_max), self.ways.rudder_deg_max))
-        if abs(wanted - self.rudder) < self.ways.rudder_off_deg:
+        wanted = self.habits.rudder_per_error * error - self.habits.rudder_s * rate
+        wanted = round(min(max(wanted, -self.habits.rudder_deg_max), self.habits.rudder_deg_max))
+        if abs(wanted - self.rudder) < self.habits.rudder_off_deg:
             return []
         self.rudder = wanted
         if not wanted:

@@ -1,7 +1,8 @@
 """Orders to the crew stand on its panels until the next. They move nothing by themselves.
 
-A course is kept as the heading that the boat will have counted, not wrapped: what is to go of it
-has its side, however often the boat goes round.
+``helm`` obeys them here, and screens, debriefs and reference crews read them in the state. A course
+is kept as a heading [rad] that is not wrapped at 360 degrees, so that the side of the turn is
+known, however often the boat goes round.
 """
 
 import math
@@ -24,10 +25,10 @@ class CrewOrder(NamedTuple):
     value: float
     tick: int
     side: float = 0.0  # of a course: -1 left, 1 right, 0 the shorter way
-    unit: float = 1.0  # [m] in which a depth was said
+    unit: float = 1.0  # [m] the unit of the depth, as it was ordered
 
     def __str__(self) -> str:
-        """Return the order in the words in which the crew is told."""
+        """Return the order in words, as the crew reads it."""
         if self.axis == "course":
             side = {-1.0: "left to ", 1.0: "right to "}.get(self.side, "")
             return f"course {side}{round(math.degrees(self.value)) % 360:03d}"
@@ -67,15 +68,15 @@ def order_crew(boat: Boat, order: Order) -> Reply:
         depth = boat.file.run.periscope_depth_m
         if depth is None:
             return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
-        return _stand(boat, "depth", depth)
+        return _set_standing(boat, "depth", depth)
     return limit_refusal(boat, what, order.value) or _order_amount(boat, what, order)
 
 
 def _order_amount(boat: Boat, what: str, order: Order) -> str:
     """Let a depth, a speed or an angle stand; "down" is in the word of an angle."""
     if what == "depth":
-        return _stand(boat, what, order.value, order.unit.factor if order.unit else 1.0)
-    return _stand(boat, what, -order.value if order.word.endswith("down") else order.value)
+        return _set_standing(boat, what, order.value, order.unit.factor if order.unit else 1.0)
+    return _set_standing(boat, what, -order.value if order.word.endswith("down") else order.value)
 
 
 def _order_course(boat: Boat, course: float, way: str) -> str:
@@ -88,7 +89,7 @@ def _order_course(boat: Boat, course: float, way: str) -> str:
     boat.state.crew_course_side = side
     if way == "steady":
         change = math.radians(round(math.degrees(heading))) - heading
-    return _stand(boat, "course", heading + change)
+    return _set_standing(boat, "course", heading + change)
 
 
 def limit_refusal(boat: Boat, what: str, value: float) -> Refused | None:
@@ -102,8 +103,8 @@ def limit_refusal(boat: Boat, what: str, value: float) -> Refused | None:
     return None
 
 
-def _stand(boat: Boat, axis: str, value: float, unit: float = 1.0) -> str:
-    """Write a standing order to the state; return it as the crew is told."""
+def _set_standing(boat: Boat, axis: str, value: float, unit: float = 1.0) -> str:
+    """Write a standing order to the state; return it in words."""
     place = CREW_AXES.index(axis)
     boat.state.crew_order[place] = value
     boat.state.crew_order_tick[place] = boat.ticks + 1.0

@@ -1,8 +1,10 @@
 """The effects of depth: the calm surface above the boat, test depth and collapse.
 
-Programs that work on a vessel file take Z_star and M_star of the surface from its tables. Aboard,
-depths near test depth and beyond it are called out, and the hull is lost at collapse depth. At
-periscope depth the periscope watch calls what it sees, and so goes by the true depth.
+The programs ``neutral`` and ``characteristic`` take Z_star and M_star of the surface from the
+vessel file's tables. Aboard, the session calls out depths near test depth and beyond it, and ends
+the run at collapse depth, as rehearsals of the debrief do. At periscope depth the periscope watch
+calls what it sees, and so goes by the true depth. A guard levels the boat before a depth that an
+exercise names, because a visitor with planes in hand might lose it.
 """
 
 import math
@@ -13,9 +15,11 @@ import numpy as np
 
 from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import STATE_PLACES, Boat
-from trainer.boat.limits import is_surfacing
+from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
+from trainer.boat.limits import is_surfacing, may_surface
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
+from trainer.config.vessel_records import Hull
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, parse
 from trainer.units import KNOT
@@ -109,7 +113,10 @@ def surface_at(file: VesselFile, speed: float, depth: float) -> SurfaceForces:
 
 
 def near_surface(file: VesselFile, speed: float, depth: float | None) -> VesselFile:
-    """Return the vessel with Z_star and M_star of ``speed`` [m/s] at ``depth`` [m]; None: deep."""
+    """Return the vessel with Z_star and M_star of ``speed`` [m/s] at ``depth`` [m]; None: deep.
+
+    ``neutral`` asks for it, because so its equations of deep water serve near the surface too.
+    """
     if depth is None:
         return file
     Z, M = _stars(file, speed, depth)
@@ -128,7 +135,10 @@ def surface_remarks(file: VesselFile, depth: float | None) -> tuple[str, ...]:
 
 
 class PassedDepth(NamedTuple):
-    """A depth that has been passed, down, or up at the periscope."""
+    """A depth that has been passed, and the call for it.
+
+    It is passed on the way down, or at the periscope on the way up.
+    """
 
     depth: float  # [m]
     words: str
@@ -162,6 +172,20 @@ def collapse_of(boat: Boat) -> str:
     return f"collapse at {depth:.0f} m" if depth >= limit else ""
 
 
+def has_collapsed(boat: Boat, flown: FlownTicks) -> Mask:
+    """Return at which ticks the hull has collapsed, as ``collapse_of`` says of one."""
+    z, held = flown["z"], flown["held_depth"]
+    return is_crushed(boat.file.hull, z, flown["theta"], held)
+
+
+def is_crushed(hull: Hull, z: Numbers, theta: Numbers, held: Numbers) -> Mask:
+    """Return where depth [m] and pitch [rad] crush a hull whose depth is not held."""
+    if hull.collapse_depth_m is None:
+        return np.zeros(z.size, np.bool_)
+    crushed: Mask = (lowest_depth(z, theta, hull.length) >= hull.collapse_depth_m) & (held == 0.0)
+    return crushed
+
+
 def count_passed(test_depth: float, depth: float) -> int:
     """Return how many depths to call are at a depth [m] or above it."""
     if depth < test_depth:
@@ -183,7 +207,11 @@ def called_depth(test_depth: float, place: int) -> PassedDepth:
 
 @dataclass
 class DepthMonitor:
-    """The watch on depth: how many calls are made, and when test depth was passed."""
+    """The watch on depth: how many calls are made, and when test depth was passed.
+
+    ``session/session`` looks after each tick. ``session/quiet`` asks for ``quiet_ticks`` because
+    ticks that are flown in one block must end before anything is to be called.
+    """
 
     passed: int = 0
     raised: bool = False  # the mast of the periscope
@@ -211,6 +239,39 @@ class DepthMonitor:
         None if there is nothing to call.
         """
         return self._look_down(boat) or self._look_out(boat)
+
+    def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
+        """Return after how many ticks there may be something to call, or all of them."""
+        return count_before(self._may_pass(boat, flown) | self._may_rise(boat, flown))
+
+    def _may_rise(self, boat: Boat, flown: FlownTicks) -> Mask:
+        """Return at which ticks the mast is raised or lowered, or more of it shows."""
+        depth, now = boat.file.run.periscope_depth_m, flown["z"]
+        if depth is None:
+            return np.zeros(len(flown), np.bool_)
+        lowered = now > depth + MAST_LOWERED_M
+        raised: Mask = ~lowered & (np.abs(now - depth) < MAST_RAISED_M)
+        if not self.raised:
+            return raised
+        shown = [depth - above for above, _ in WATCH_CALLS]
+        high = np.sum([now < each for each in shown], axis=0)
+        again = np.sum([now < each + RECALL_SINK_M for each in shown], axis=0)
+        seen = np.maximum(high, np.minimum(self.seen, again))
+        changed: Mask = lowered | may_surface(boat, flown)
+        changed |= seen != self.seen
+        return changed
+
+    def _may_pass(self, boat: Boat, flown: FlownTicks) -> Mask:
+        """Return at which ticks a depth to call is passed, down or up."""
+        test_depth = boat.file.hull.test_depth_m
+        if test_depth is None:
+            return np.zeros(len(flown), np.bool_)
+        depth = lowest_depth(flown["z"], flown["theta"], boat.file.hull.length)
+        outside: Mask = depth >= called_depth(test_depth, self.passed).depth
+        if self.passed:  # and so far above the last one that it may be called again
+            outside |= depth <= called_depth(test_depth, self.passed - 1).depth - RECALL_RISE_M
+        outside &= flown["held_depth"] == 0.0
+        return outside
 
     def _look_out(self, boat: Boat) -> PassedDepth | None:
         """Return how far the boat has risen above periscope depth, if that is news."""
@@ -246,9 +307,11 @@ class DepthMonitor:
 
 @dataclass(frozen=True)
 class DepthGuard:
-    """A guard that levels a boat before it passes a depth, whoever works its planes.
+    """A guard that levels a boat before it passes a depth, its planes in hand.
 
-    It takes the planes while the boat would be too deep soon, and gives them back when it is level.
+    An exercise names the depth (``guard_depth_m``), because a visitor might lose the boat. It takes
+    the planes while the boat would be too deep soon, and gives them back when it is level.
+    ``session/crew`` asks it only where the planes must be worked by hand.
     """
 
     deepest: float = math.inf  # [m]

@@ -1,7 +1,9 @@
 """The constants of the boat beyond the range of its coefficients, from its file.
 
-All of docs/envelope.md's section on constants: added masses made symmetric, the viscous part of the
-linear coefficients, strips, planes, stability of the step, engine.
+``assemble`` writes them into the core's vessel record. Within the range the file's coefficients
+hold; beyond it these forces take over, because a polynomial there may even feed the boat. All of
+docs/envelope.md's section on constants: added masses made symmetric, the viscous part of the linear
+coefficients, strips, planes, stability of the step, engine.
 """
 
 import math
@@ -24,11 +26,11 @@ HULL_SHARE: Final = 0.5  # [-] of the lift: estimate
 ASTERN_EFFECT: Final = 0.6  # [-] of the lift ahead: estimate after Molland and Turnock
 STALL_ASTERN: Final = (18.0, 18.0, 18.0)  # [deg] likewise
 NO_STALL_DEG: Final = (90.0, 90.0, 90.0)  # [deg]
-EVEN_SHARES: Final = (1.0, 1.0, 1.0, 1.0, 1.0)
+EVEN_SHARES: Final = (1.0, 1.0, 1.0, 1.0, 1.0)  # of the strips, for a hull whose file has no widths
 SURFACE_DAMPING: Final = 0.03  # [-]
 CROSS_ARM: Final = 0.3  # [-] of the length
 WAVE_DRAG: Final = 1.8e-3  # [-] at this Froude number: estimate
-WAVE_DRAG_FROUDE: Final = 0.25
+WAVE_DRAG_FROUDE: Final = 0.25  # [-] of the boat at the surface, by its length
 TANKLESS_LIGHTNESS: Final = 0.05  # [-] of the weight, by which a boat without tanks is lighter
 HALVING_COUNT: Final = 60  # more than a double has bits
 LEAST_INDUCED: Final = 0.25  # [-] a plane's drag over its lift slope, so that it cannot feed a boat
@@ -84,10 +86,7 @@ def _tan_squared(angle: float) -> float:
 def hull_shares(file: VesselFile) -> tuple[float, float]:
     """Return the hull's shares [-] of the lift in the horizontal and in the vertical."""
     said = file.envelope
-    return (
-        _or(said.hull_share_horizontal, HULL_SHARE),
-        _or(said.hull_share_vertical, HULL_SHARE),
-    )
+    return (_or(said.hull_share_horizontal, HULL_SHARE), _or(said.hull_share_vertical, HULL_SHARE))
 
 
 def added_masses(c: Record) -> dict[str, Numbers]:
@@ -162,6 +161,27 @@ def is_clipped(file: VesselFile, vessel: Record) -> bool:
     )
 
 
+def largest_sail_lift(c: Record) -> Numbers:
+    """Return the sail's lift slope [N s2/m2] that the boat can lose, at most.
+
+    Without it the viscous forces by v p r still take energy from any motion, ahead and astern. The
+    limit is det A/(p adj(A) p), where A is what they take and p the sail's place: 0 where nothing
+    damps the boat.
+    """
+    length = c["ell"]
+    place = np.stack([np.ones_like(length), -c["lift_z"] / length, c["lift_x"] / length], axis=1)
+    scale = np.stack([np.ones_like(length), length, length], axis=1)
+    limits = []
+    for way in range(2):
+        forces = c["lateral"][:, way] / (scale[:, :, None] * scale[:, None, :])
+        rows = np.moveaxis(-0.5 * (forces + np.swapaxes(forces, 1, 2)), 1, 0)
+        adjugate = np.stack([np.cross(rows[i - 2], rows[i - 1]) for i in range(3)])
+        whole = (rows[0] * adjugate[0]).sum(axis=1)
+        share = (place.T * (adjugate * place).sum(axis=2)).sum(axis=0)
+        limits.append(np.divide(whole, share, out=np.zeros_like(whole), where=share > 0.0))
+    return np.asarray(np.maximum(np.minimum(*limits), 0.0))
+
+
 def _write_strips(file: VesselFile, c: Record) -> None:
     """Write the cross-flow drag [N s2/m2] of hull, tail and sail, and the damping of roll."""
     said = file.envelope
@@ -180,6 +200,8 @@ def _write_strips(file: VesselFile, c: Record) -> None:
     c["tail_x"] = (said.tail_place or 0.0) * file.hull.length
     c["tail_Y"], c["tail_Z"], c["strip_Y"] = tail_y, tail_z, sail
     c["strip_x"], c["strip_z"] = said.sail_place or (0.0, 0.0)
+    c["lift_x"], c["lift_z"] = said.sail_lift_place or (0.0, 0.0)
+    c["sail_lift"] = np.minimum(area * (said.sail_lift or 0.0), largest_sail_lift(c))
     c["sail_mass"] = said.sail_added_mass or 0.0
     c["sail_height"] = np.maximum(c["z_deck"] - c["z_sail"], 0.0)
     c["roll_damping"] = np.minimum(c["K_p"], 0.0)
@@ -187,7 +209,10 @@ def _write_strips(file: VesselFile, c: Record) -> None:
 
 
 def _stiffness(c: Record) -> Numbers:
-    """Return the fastest mode [1/m] in a flow of 1 m/s: roll across it, or the viscous forces."""
+    """Return the fastest mode [1/m] in a flow of 1 m/s: roll across it, or the viscous forces.
+
+    The core divides a tick by it where the flow makes this mode too fast for the step.
+    """
     roll = np.sqrt(abs(c["m33"] - c["m22"]) / (c["I_x"] + c["m44"]))
     lateral = _matrices(
         [
@@ -196,9 +221,7 @@ def _stiffness(c: Record) -> Numbers:
             [c["m26"], c["m46"], c["I_z"] + c["m66"]],
         ]
     )
-    vertical = _matrices(
-        [[c["mass"] + c["m33"], c["m35"]], [c["m35"], c["I_y"] + c["m55"]]],
-    )
+    vertical = _matrices([[c["mass"] + c["m33"], c["m35"]], [c["m35"], c["I_y"] + c["m55"]]])
     modes = [
         abs(np.linalg.eigvals(np.linalg.solve(mass, c[name][:, way]))).max(axis=1)
         for mass, name in ((lateral, "lateral"), (vertical, "vertical"))
@@ -211,24 +234,27 @@ def _write_surface(file: VesselFile, c: Record) -> None:
     """Write the boat at the surface: where it begins, damping, fastest mode, wave resistance."""
     length = file.hull.length
     area = 0.5 * file.fluid.rho * length**2
-    c["surface_line"] = abs(c["station_x"]).max(axis=1) + c["hull_diameter"]
+    c["station_reach"] = abs(c["station_x"]).max(axis=1)
+    c["hull_reach"] = 0.5 * c["hull_diameter"] + abs(c["hull_axis"]) + abs(c["y_b"])
+    c["surface_line"] = c["station_reach"] + c["hull_diameter"]
     c["surface_damping"] = _or(file.envelope.surface_damping, SURFACE_DAMPING)
     c["wave_drag"] = area * WAVE_DRAG / (WAVE_DRAG_FROUDE**4 * (file.fluid.g * length) ** 2)
     c["surface_mode"] = np.maximum.reduce(list(surface_modes(c).values()))
 
 
 def _write_engine(file: VesselFile, c: Record) -> None:
-    """Write the limit of the engine's torque, and the propeller's torque in three quadrants."""
+    """Write the engine's limits, and the propeller's torque in three quadrants."""
     engine = file.propulsion
-    torque = engine.torque_limit_n_m
-    if engine.shaft_power_w is not None:
+    torque, power = engine.torque_limit_n_m, engine.shaft_power_w
+    if torque is None and power is not None:
         # the torque that takes this power at the most revolutions ordered
         turns = engine.rps_per_mps * engine.max_ordered_speed_kn * KNOT
-        torque = engine.shaft_power_w / (2.0 * math.pi * turns)
+        torque, power = power / (2.0 * math.pi * turns), None
     if torque is None or engine.KQ is None or engine.propeller_diameter is None:
         return
     diameter = engine.propeller_diameter
     c["torque_limit"] = torque / (file.fluid.rho * diameter**5)
+    c["power_limit"] = (power or 0.0) / (2.0 * math.pi * file.fluid.rho * diameter**5)
     c["screw"], c["turns"] = diameter, engine.rps_per_mps
     scale = engine.KQ[0] / KQ_OF_ROWS
     stopping, astern = scale * np.array(TORQUE_STOPPING), scale * np.array(TORQUE_ASTERN)
@@ -243,7 +269,10 @@ def lightness(c: Record) -> Numbers:
 
 
 def float_height(share: float) -> float:
-    """Return the height [diameters] of a part of a circle, by its share [-]."""
+    """Return the height [diameters] of a part of a circle, by its share [-].
+
+    It is found by halving, as the inverse of the core's ``segment``.
+    """
     low, high = 0.0, 0.5
     for _ in range(HALVING_COUNT):
         middle = 0.5 * (low + high)
@@ -252,7 +281,10 @@ def float_height(share: float) -> float:
 
 
 def surface_modes(c: Record) -> dict[str, Numbers]:
-    """Return the frequencies [rad/s] of heave, pitch and roll of boats afloat at their lightest."""
+    """Return the frequencies [rad/s] of heave, pitch and roll of boats afloat at their lightest.
+
+    The lightest boat has the fastest; a tick on the surface is divided by it.
+    """
     shares, which = np.unique(lightness(c), return_inverse=True)
     height = np.array([float_height(float(share)) for share in shares])[which]
     chord = 2.0 * np.sqrt(height * (1.0 - height))

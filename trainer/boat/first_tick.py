@@ -1,4 +1,8 @@
-"""The tick of one boat is compiled first, and tells how far that is."""
+"""Compiling the tick of one boat before anything else, with its progress in percent.
+
+A boat at sea by the interpreter needs only the tick to go over to machine code. So ``warm_up``
+compiles it first. Progress is counted in kernels: those below ``update`` that are done.
+"""
 
 from collections.abc import Callable
 from types import ModuleType

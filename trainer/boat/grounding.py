@@ -1,13 +1,20 @@
-"""The ground seen from aboard: the clearance, how it was touched, and the calls."""
+"""The ground as the boat notices it: clearance, how it was touched, and the calls.
+
+``session/conduct`` and ``limits`` call them after a tick, and debriefs ask them of a recording. The
+core computes the forces of the ground. These functions say in words what has happened.
+"""
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+import numpy as np
+
 from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.flown_ticks import FlownTicks, count_before
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
-from trainer.config.bottom import Bottom, is_charted
+from trainer.config.bottom import Bottom, charted_at, is_charted
 from trainer.core.bottom import SOUNDING_PLACES
 from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT
@@ -94,9 +101,9 @@ class GroundMonitor:
 
     boat: Boat
     touch: GroundTouch | None = None  # of the last moment off the ground
-    off_since: float | None = None  # [s] the ground, having been told aground
-    down_since: float | None = None  # [s] told to be aground
-    laid: bool = False  # told whether it lies well
+    off_since: float | None = None  # [s] when it came off, after a call that it is aground
+    down_since: float | None = None  # [s] when it was called aground
+    laid: bool = False  # it was called whether it lies well
     beyond: bool = False  # the chart
     bottom: Bottom | None = field(init=False)  # the ground there is
 
@@ -124,6 +131,23 @@ class GroundMonitor:
         elif ticks >= AGROUND_TICKS:
             calls += self._lying() if self.down_since is not None else self._aground(bottom)
         return [call._replace(how=bottom.grounding) for call in calls]
+
+    def quiet_ticks(self, _boat: Boat, flown: FlownTicks) -> int:
+        """Return after how many ticks there may be something to call, or all of them."""
+        bottom = self.bottom
+        if bottom is None:
+            return len(flown)
+        if self.down_since is not None:
+            return 0
+        beyond = ~charted_at(bottom, flown["x"], flown["y"])
+        return count_before((beyond != self.beyond) | (flown["aground"] >= AGROUND_TICKS))
+
+    def pass_over(self, boat: Boat, flown: FlownTicks) -> None:
+        """Take these ticks as seen, in which there was nothing to call."""
+        off = np.flatnonzero(flown["aground"] == 0.0)
+        if self.bottom is not None and off.size:
+            last = flown.rows[off[-1]].tolist()
+            self.touch = touch_of(lambda name: last[_PLACES[name]], float(boat.vessel.ell))
 
     def _charted(self, bottom: Bottom) -> bool:
         plain = self.boat.plain

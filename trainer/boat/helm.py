@@ -1,4 +1,9 @@
-"""Orders carried out on a boat, or refused with the reason and nothing changed."""
+"""The orders to a boat, each carried out or refused with the reason.
+
+An order that is refused changes nothing. ``obey_order`` is the one way into the boat for every
+order, from a console, a schedule or a call. It writes what is ordered into the state; the boat
+begins to move at the next tick.
+"""
 
 import math
 from collections.abc import Callable

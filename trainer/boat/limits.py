@@ -1,17 +1,27 @@
-"""The calls while the boat runs, at limits, and when it leaves the sea."""
+"""The calls when a boat passes a limit, or leaves the sea.
+
+A session asks ``LimitMonitor.look`` after each tick, and announces the texts. The limits are those
+of the exercise, and those of the equations' range. A limit is called once when it is passed, and
+again only if the boat has come back within it meanwhile.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
+import numpy as np
+
 from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.grounding import clearance
+from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.scope import periscope_of
 from trainer.config.exercise import ExerciseLimits
-from trainer.core.sea.free_surface import deck_height, sail_height
-from trainer.units import KNOT
+from trainer.core.kernel import Numbers
+from trainer.core.sea.free_surface import DECK_REACH, deck_height, sail_height
+from trainer.units import DEGREE, KNOT
 
 RECALL_COVER_M: Final = 1.0  # [m] of water over it before the same can be called out again
 Z, WAVE_PLACE, VALIDITY_PLACE = (
@@ -24,13 +34,14 @@ NORTH_PLACE, EAST_PLACE = STATE_PLACES["through_north"], STATE_PLACES["through_e
 HEIGHT_PLACE, OMEGA_PLACE, DIRECTION_PLACE, COSINES_PLACE = (
     STATE_PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
 )
+HEIGHT_ERROR_M, RATIO_ERROR = 1e-6, 1e-9  # of what is computed for many ticks at once
 FULL_BALLAST_SHARE: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
 
 
 RANGE_REENTRY_S: Final = 30.0  # [s] inside the equations' range before leaving it is news again
 RANGE_WORDS: Final = ("", "equations extrapolated", "outside the equations")
 FOLLOWING_SEA_TEXT: Final = "followed by a sea that the filter cannot follow"
-FOLLOWING_SPEED_RATIO: Final = 0.15  # [-] speed with the waves over the peak wave's, to be told
+FOLLOWING_SPEED_RATIO: Final = 0.15  # [-] speed with the waves over the peak wave's
 MAST_SPEED_TEXT: Final = "faster than the mast stands"
 WAVE_FELT_DEPTH: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
 RANGE_REASONS: Final = (
@@ -53,17 +64,27 @@ LIMIT_WORDS: Final = {  # what passing each limit is called; depth grows downwar
 
 
 def over_ground(s: Any) -> float:
-    """Return the speed [m/s] over the ground, 0 while the place is held."""
+    """Return the speed [m/s] over the ground, 0 while the place is held.
+
+    A frozen boat sails on unseen, which nobody is to be told.
+    """
     return 0.0 if s.held_position else math.hypot(s.xdot, s.ydot)
 
 
-LIMIT_READERS: Final[dict[str, Callable[[Any], float]]] = {
-    "depth_m": lambda s: float(s.z),
-    "pitch_deg": lambda s: abs(math.degrees(s.theta)),
-    "heel_deg": lambda s: abs(math.degrees(s.phi)),
-    "speed_kn": lambda s: float(s.u) / KNOT,
-    "speed_over_ground_kn": lambda s: over_ground(s) / KNOT,
-    "validity_level": lambda s: float(s.validity),
+def way_over_ground(read: Callable[[str], Any]) -> Any:
+    """Return the same as ``over_ground``, of one state or of many."""
+    north, east = read("xdot"), read("ydot")
+    return np.sqrt(north * north + east * east) * (read("held_position") == 0.0)
+
+
+# from the number of a state by its name, or those of many states
+LIMIT_READERS: Final[dict[str, Callable[[Callable[[str], Any]], Any]]] = {
+    "depth_m": lambda read: read("z"),
+    "pitch_deg": lambda read: abs(read("theta") / DEGREE),
+    "heel_deg": lambda read: abs(read("phi") / DEGREE),
+    "speed_kn": lambda read: read("u") / KNOT,
+    "speed_over_ground_kn": lambda read: way_over_ground(read) / KNOT,
+    "validity_level": lambda read: read("validity"),
 }
 
 
@@ -75,12 +96,19 @@ def height_showing(boat: Boat) -> float:
 
 
 def is_deep(boat: Boat) -> bool:
-    """Return whether nothing of the boat can be near the surface, whatever its attitude."""
+    """Return whether nothing of the boat can be near the surface, whatever its attitude.
+
+    The costly look at sail and deck is then left out.
+    """
     return boat.plain[Z] + boat.plain[WAVE_PLACE] > boat.reach + RECALL_COVER_M
 
 
 def following_speed_ratio(boat: Boat) -> float:
-    """Return the boat's speed with the waves over the peak wave's [-]. 0: no filtered waves."""
+    """Return the boat's speed with the waves over the peak wave's [-].
+
+    It tells how fast the sea follows, because the waves' filter is true for slow encounters alone.
+    It is 0 without such a filter, and at depths where waves are not felt.
+    """
     plain = boat.plain
     if plain[HEIGHT_PLACE] == 0.0 or plain[COSINES_PLACE] == 1.0:
         return 0.0
@@ -89,6 +117,18 @@ def following_speed_ratio(boat: Boat) -> float:
     if plain[Z] * omega * omega > WAVE_FELT_DEPTH * g:
         return 0.0
     return omega / g * (plain[NORTH_PLACE] * math.cos(way) + plain[EAST_PLACE] * math.sin(way))
+
+
+def may_surface(boat: Boat, flown: FlownTicks) -> Mask:
+    """Return at which of some ticks main ballast is blown, or being blown.
+
+    ``depths`` looks anew at these ticks, because a boat that surfaces is not called for its masts.
+    """
+    if not boat.vessel.fitted:
+        return np.zeros(len(flown), np.bool_)
+    held, capacity = flown.block("water", 3).sum(axis=1), float(boat.vessel.capacity[:3].sum())
+    mask: Mask = (held < FULL_BALLAST_SHARE * capacity) | flown.block("blow", 3).any(axis=1)
+    return mask
 
 
 def is_surfacing(boat: Boat) -> bool:
@@ -102,7 +142,7 @@ def is_surfacing(boat: Boat) -> bool:
 
 @dataclass
 class LimitMonitor:
-    """The limits that the boat stands beyond, how often, and since when."""
+    """The limits that the boat is beyond, and the times at which each was passed."""
 
     limits: ExerciseLimits = field(default_factory=ExerciseLimits)
     beyond: set[str] = field(default_factory=set)
@@ -168,7 +208,71 @@ class LimitMonitor:
         """Return the quantity that a limit bounds, in the unit of the limit."""
         if key == "clearance_m":
             return clearance(boat)
-        return self.encounters.nearest[1] if key == "cpa_m" else LIMIT_READERS[key](boat.state)
+        if key == "cpa_m":
+            return self.encounters.nearest[1]
+        return float(LIMIT_READERS[key](lambda name: boat.plain[STATE_PLACES[name]]))
+
+    def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
+        """Return after how many ticks there may be something to call, or all of them."""
+        scope = periscope_of(boat)
+        if self.shaken or (scope is not None and scope.acts):
+            return 0
+        ranges = self.encounters.ranges(flown)
+        validity = flown["validity"].astype(np.int64)
+        again = (validity == 0) & (self.validity > 0)
+        mask = (validity > self.validity) | again | self._may_show(boat, flown)
+        mask |= self._may_follow(boat, flown)
+        for name, limit in self._set:
+            key, _, end = name.rpartition("_")
+            value = self._values(boat, flown, ranges, key)
+            for error in (-HEIGHT_ERROR_M, HEIGHT_ERROR_M) if key == "clearance_m" else (0.0,):
+                passed = value + error > limit if end == "max" else value + error < limit
+                mask |= passed != (name in self.beyond)
+        return min(count_before(mask), self.encounters.quiet_ticks(flown, ranges))
+
+    def _values(self, boat: Boat, flown: FlownTicks, ranges: Numbers, key: str) -> Numbers:
+        """Return the quantity that a limit bounds at each tick, in the unit of the limit."""
+        if key == "clearance_m":
+            length = float(boat.vessel.ell)
+            return heights_of_keel(flown.rows, length, keel_of(boat.vessel))
+        if key == "cpa_m":
+            nearest: Numbers = ranges.min(axis=0, initial=math.inf)
+            return nearest
+        values: Numbers = LIMIT_READERS[key](flown.__getitem__)
+        return values
+
+    def pass_over(self, _boat: Boat, flown: FlownTicks) -> None:
+        """Take these ticks as seen, in which there was nothing to call."""
+        if self.validity > 0:  # else it was inside the range at each of them
+            self.inside_since = float(flown.times[-1])
+        if self.followed:
+            self.followed_since = float(flown.times[-1])
+        self.encounters.pass_over(flown)
+
+    def _may_show(self, boat: Boat, flown: FlownTicks) -> Mask:
+        """Return at which ticks the boat may come out of the sea, or may have been covered."""
+        c, water = boat.vessel, flown["z"] + flown["eta_wave"]
+        deep: Mask = water > boat.reach + RECALL_COVER_M
+        if deep.all():
+            return deep if self.shows else ~deep
+        sine, upright = np.sin(flown["theta"]), np.cos(flown["theta"]) * np.cos(flown["phi"])
+        deck = DECK_REACH * c.ell * np.abs(sine) - c.z_deck * upright
+        height = np.maximum(c.x_sail * sine - c.z_sail * upright, deck) - water
+        # the core has a sine of its own, and so a height this near may be either
+        covered: Mask = deep | (height < HEIGHT_ERROR_M - RECALL_COVER_M)
+        out: Mask = ~deep & (height > -HEIGHT_ERROR_M)
+        return covered if self.shows else out
+
+    def _may_follow(self, boat: Boat, flown: FlownTicks) -> Mask:
+        """Return at which ticks the sea may begin or cease to follow too fast."""
+        omega, way, g = flown["sea_omega"], flown["sea_direction"], float(boat.vessel.g)
+        along = flown["through_north"] * np.cos(way) + flown["through_east"] * np.sin(way)
+        felt = (flown["sea_height"] != 0.0) & (flown["sea_cosines"] != 1.0)
+        felt &= flown["z"] * omega * omega <= WAVE_FELT_DEPTH * g
+        ratio = np.where(felt, omega / g * along, 0.0)
+        slower: Mask = ratio < FOLLOWING_SPEED_RATIO + RATIO_ERROR
+        faster: Mask = ratio > FOLLOWING_SPEED_RATIO - RATIO_ERROR
+        return slower if self.followed else faster
 
     def _out_of_range(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that the equations are extrapolated or at their end, if that is news."""

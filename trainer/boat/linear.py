@@ -1,4 +1,9 @@
-"""The boat's equations about straight level flight as matrices: modes, and waves from ahead."""
+"""The boat's equations about straight level flight as matrices: modes, and waves from ahead.
+
+The engineer's programs judge by these matrices how a boat answers (``trainer modes``, ``check``,
+``gains``), and ``stability`` finds the longest step of an integrator. The slopes are central
+differences of the core's own rates, so that they hold for every equation set.
+"""
 
 import math
 from dataclasses import dataclass
@@ -52,6 +57,9 @@ class LinearModel:
 
 def linearise(boat: Boat, nudge: float = 1e-5) -> LinearModel:
     """Return the matrices at the boat's present state, by central differences, exact solve.
+
+    ``nudge`` [m/s, rad, rad/s, m] is the half width of a difference: small against any motion, and
+    large against rounding.
 
     The terms with |.| have no second derivative at zero; their slope there is the mean of the two
     sides, as a small motion sees it.
@@ -149,7 +157,8 @@ def head_wave_response(
 class RateResponse:
     """The boat's scheme gives rates = J motion + G last rates, in ``names``, SI.
 
-    With the exact solve G is zero; with lagged accelerations it is the matrix of the sweep.
+    With the exact solve G is zero. With lagged accelerations, each equation takes the others' rates
+    of the cycle before, and G says how they come in.
     """
 
     names: tuple[str, ...]
@@ -168,7 +177,10 @@ class RateResponse:
 
 
 def measure_response(boat: Boat, nudge: float = 1e-5) -> RateResponse:
-    """Return how the rates follow motion and last rates about the boat's present state."""
+    """Return how the rates follow motion and last rates about the boat's present state.
+
+    ``nudge`` is as in ``linearise``.
+    """
     vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
     scheme = equations_alone(scheme)
     names = LONGITUDINAL_MOTION if boat.method.equations == "longitudinal" else INTERNAL_MOTION
@@ -190,7 +202,7 @@ def measure_response(boat: Boat, nudge: float = 1e-5) -> RateResponse:
     G = np.zeros_like(J)
     if boat.method.rates == "lagged":
         for column, name in enumerate(names):
-            if name in BODY_VELOCITIES:  # the sweep is linear in them: any size does
+            if name in BODY_VELOCITIES:  # the rates are linear in them: any size does
                 G[:, column] = slope("rates", places[column], 1.0)
     return RateResponse(names, J, G)
 
@@ -230,7 +242,7 @@ class Mode:
 
 
 def decays(eigenvalue: complex) -> bool:
-    """Return whether ``eigenvalue`` [1/s] decays."""
+    """Return whether ``eigenvalue`` [1/s] decays: more than differences can err."""
     return eigenvalue.real < -NEUTRAL_TOLERANCE
 
 

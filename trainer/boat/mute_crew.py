@@ -1,7 +1,8 @@
 """The reference crew looks over a trainee's shoulder: it sees the gauges and gives nothing.
 
-So it knows at each moment what it would have ordered, what of that somebody has ordered, and what
-its hands remember. From any moment a copy of it can take over and speak.
+Debriefs fly recorded runs again with it (``attainable``). So it knows at each moment what it would
+have ordered, what of that somebody has ordered, and what its hands remember. From any moment a copy
+of it can take over and speak.
 """
 
 from collections.abc import Iterable
@@ -9,6 +10,7 @@ from collections.abc import Iterable
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew, RuleProgress
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew
 from trainer.io.orders.grammar import Order, Refused
 
@@ -63,11 +65,14 @@ class MuteCrew:
         return sorted(due, key=lambda progress: progress.due or 0.0)
 
     def _stands(self, order: Order) -> bool:
-        """Return whether an order would change nothing of the boat."""
+        """Return whether an order would change nothing of the boat.
+
+        The order is tried, and the boat put back.
+        """
         boat = self.crew.boat
-        if order.name == MARK_ORDER:
+        if order.name == MARK_ORDER or order.name in WORLD_PARTS:  # which no copy of a state undoes
             return False
-        before = boat.records.state.copy()
+        before = boat.snapshot()
         refused = isinstance(obey_order(boat, order), Refused)
         same = boat.records.state.tobytes() == before.tobytes()
         boat.restore(before)

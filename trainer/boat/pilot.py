@@ -1,19 +1,36 @@
-"""The crew is told what the autopilot and an X-tail do not give."""
+"""The calls that tell the crew what the autopilot or an X-tail cannot do.
+
+A session looks after each tick. The core's autopilot gives up a law without a word, such as depth
+by the planes at too low a speed; the crew would find out only by the gauge.
+"""
 
 import math
 from dataclasses import dataclass, field
 from typing import Final
 
+import numpy as np
+
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import active_casualties
+from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
 from trainer.core.autopilot.depth import LEAST_ASTERN
+from trainer.core.autopilot.speed import PROPELLER_SLACK
 from trainer.core.autopilot.steering import ASTERN_SPEED
-from trainer.core.ballast.tanks import AUXILIARY_TANK, TRIM_AFT, TRIM_FORWARD
+from trainer.core.ballast.tanks import AUXILIARY_TANK, TANKS, TRIM_AFT, TRIM_FORWARD
+from trainer.core.envelope import (
+    AHEAD,
+    ASTERN,
+    BY_FLOW_FLOW,
+    BY_N_FLOW,
+    BY_N_N,
+    STOPPING,
+)
+from trainer.core.kernel import Numbers
 from trainer.units import KNOT
 
-MIN_LACK_TIME_S: Final = 60.0  # [s] without speed, or water to trim, before that is told
-GIVEN_UP_TEXTS: Final = {  # what is not kept, and why
+MIN_LACK_TIME_S: Final = 60.0  # [s] without speed, or water to trim, before it is called
+GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call of each
     "emergency ascent": "emergency ascent: bow up, the after group held back; no depth is kept",
     "afloat": "afloat: no depth is kept until one is ordered",
     "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
@@ -23,10 +40,11 @@ GIVEN_UP_TEXTS: Final = {  # what is not kept, and why
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
 }
 ASCENT_PLACE, SPEED_PLACE = STATE_PLACES["ascent"], STATE_PLACES["u"]
+ANSWER_PLACE, U_C_PLACE = STATE_PLACES["telegraph_answer"], STATE_PLACES["u_c"]
 SPEED_SHORT_PLACE, HOVER_LOST_PLACE = STATE_PLACES["speed_short"], STATE_PLACES["hover_lost"]
 TRIM_FLOOD_PLACE, TRIM_FORWARD_PLACE = STATE_PLACES["trim_flood"], STATE_PLACES["trim_forward"]
 LIMIT_MARGIN: Final = math.radians(0.5)  # [rad] short of the limit that rudder and planes share
-MIN_LACK_ANGLE: Final = math.radians(3.0)  # [rad] of an order that is not given, to be told
+MIN_LACK_ANGLE: Final = math.radians(3.0)  # [rad] lacking of an order, before it is called
 LACK_RECALL_S: Final = 30.0  # [s] with all that is ordered, before a lack is news again
 SHARED_SURFACES: Final = {  # of an X-tail: in words, where it stands and where it is ordered to
     "rudder": ("rudder has", STATE_PLACES["delta_r"], STATE_PLACES["command_r"]),
@@ -40,10 +58,61 @@ def lacks_water(boat: Boat) -> bool:
     if flood == 0.0 and forward == 0.0:
         return False
     water, capacity = boat.state.water, boat.vessel.capacity
+    # Water is moved between the trim tanks; the auxiliary tank takes it from the sea or gives it.
     first, last = (TRIM_AFT, TRIM_FORWARD) if forward > 0.0 else (TRIM_FORWARD, TRIM_AFT)
     moved = forward != 0.0 and (water[first] <= 0.0 or water[last] >= capacity[last])
     end = capacity[AUXILIARY_TANK] if flood > 0.0 else 0.0
     return bool(moved or (flood != 0.0 and water[AUXILIARY_TANK] == end))
+
+
+def lacked_water(boat: Boat, flown: FlownTicks) -> Mask:
+    """Return at which ticks trim lacked water or room, as ``lacks_water`` says of one."""
+    flood, forward = flown["trim_flood"], flown["trim_forward"]
+    water, capacity = flown.block("water", len(TANKS)).T, boat.vessel.capacity
+    ahead = forward > 0.0
+    first = np.where(ahead, water[TRIM_AFT], water[TRIM_FORWARD])
+    room = np.where(
+        ahead,
+        capacity[TRIM_FORWARD] - water[TRIM_FORWARD],
+        capacity[TRIM_AFT] - water[TRIM_AFT],
+    )
+    moved = (forward != 0.0) & ((first <= 0.0) | (room <= 0.0))
+    end = np.where(flood > 0.0, capacity[AUXILIARY_TANK], 0.0)
+    lacked: Mask = moved | ((flood != 0.0) & (water[AUXILIARY_TANK] == end))
+    return lacked
+
+
+def engine_limit(boat: Boat) -> str:
+    """Return what keeps the engine from the revolutions ordered, "torque" or "power"; "": nothing.
+
+    It is asked as soon as the engine room acts on an order: revolutions come after, by their lag.
+    """
+    c, plain = boat.vessel, boat.plain
+    answer, u = plain[ANSWER_PLACE], plain[SPEED_PLACE]
+    driving = answer > max(u, 0.0) or answer < min(u, 0.0)
+    if c.torque_limit == 0.0 or not driving or abs(answer - plain[U_C_PLACE]) <= PROPELLER_SLACK:
+        return ""
+    way = AHEAD if answer > 0.0 else STOPPING if u >= 0.0 else ASTERN
+    flow, n = (max(u, 0.0) if answer > 0.0 else abs(u)) / c.screw, abs(answer) * c.turns
+    q = c.torque[way]
+    torque = n * (n * q[BY_N_N] + flow * q[BY_N_FLOW]) + flow * flow * q[BY_FLOW_FLOW]
+    if torque > c.torque_limit:
+        return "torque"
+    return "power" if 0.0 < c.power_limit < n * torque else ""
+
+
+def was_limited(boat: Boat, flown: FlownTicks) -> Mask:
+    """Return at which ticks the engine was limited, as ``engine_limit`` says of one."""
+    c, answer, u = boat.vessel, flown["telegraph_answer"], flown["u"]
+    driving = (answer > np.maximum(u, 0.0)) | (answer < np.minimum(u, 0.0))
+    driving &= np.abs(answer - flown["u_c"]) > PROPELLER_SLACK
+    ahead = answer > 0.0
+    q = c.torque[np.where(ahead, AHEAD, np.where(u >= 0.0, STOPPING, ASTERN))].T
+    flow, n = np.where(ahead, np.maximum(u, 0.0), np.abs(u)) / c.screw, np.abs(answer) * c.turns
+    torque = n * (n * q[BY_N_N] + flow * q[BY_N_FLOW]) + flow * flow * q[BY_FLOW_FLOW]
+    power = (c.power_limit > 0.0) & (c.power_limit < n * torque)
+    limited: Mask = driving & ((torque > c.torque_limit) | power)
+    return limited
 
 
 def is_broken(boat: Boat, surface: str) -> bool:
@@ -59,6 +128,13 @@ class TailMonitor:
     """
 
     lacking: dict[str, float] = field(default_factory=dict)  # [s] when each was last seen to
+
+    def may_lack(self, boat: Boat, flown: FlownTicks) -> Mask:
+        """Return at which ticks the surfaces stand so far that one may lack something."""
+        c = boat.vessel
+        total = np.abs(flown["delta_r"]) + np.abs(flown["delta_s"])
+        mask: Mask = (total >= c.limit_s - LIMIT_MARGIN) & (c.x_tail != 0.0)
+        return mask
 
     def look(self, boat: Boat) -> list[tuple[str, str]]:
         """Return what there is to say after a tick, by names for the account."""
@@ -81,6 +157,39 @@ class TailMonitor:
 
 
 @dataclass
+class EngineMonitor:
+    """The watch on an engine that cannot turn what is ordered."""
+
+    limited: float = -math.inf  # [s] when it was so last
+
+    def may_lack(self, boat: Boat, flown: FlownTicks) -> Mask:
+        """Return at which ticks there is something to say."""
+        if boat.vessel.torque_limit == 0.0:
+            return np.zeros(len(flown), np.bool_)
+        limited = was_limited(boat, flown)
+        before = np.append(self.limited, np.where(limited, flown.times, -math.inf)[:-1])
+        again: Mask = flown.times - np.maximum.accumulate(before) > LACK_RECALL_S
+        return limited & again
+
+    def pass_over(self, boat: Boat, flown: FlownTicks) -> None:
+        """Take these ticks as seen, in which there was nothing to say."""
+        if boat.vessel.torque_limit != 0.0 and (limited := was_limited(boat, flown)).any():
+            self.limited = float(flown.times[limited][-1])
+
+    def look(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return what there is to say after a tick, by names for the account."""
+        limit = engine_limit(boat)
+        if not limit:
+            return []
+        last, self.limited = self.limited, boat.time
+        if boat.time - last <= LACK_RECALL_S:
+            return []
+        ordered = boat.plain[ANSWER_PLACE] * boat.file.propulsion.rps_per_mps * 60.0
+        words = f"ENGINE: limited by {limit}, short of the {ordered:.0f} rpm ordered"
+        return [(f"engine limited by {limit}", words)]
+
+
+@dataclass
 class PilotMonitor:
     """The laws given up at present, and the times [s] at which laws were."""
 
@@ -88,6 +197,7 @@ class PilotMonitor:
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
     trimmed: float = 0.0  # [s] when tanks last had what automatic trim asks for
     tail: TailMonitor = field(default_factory=TailMonitor)
+    engine: EngineMonitor = field(default_factory=EngineMonitor)
 
     @classmethod
     def over(cls, boat: Boat) -> "PilotMonitor":
@@ -102,15 +212,38 @@ class PilotMonitor:
         self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
         self.tail.lacking.clear()
         self.tail.look(boat)
+        self.engine = EngineMonitor()
+        self.engine.look(boat)
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to say after a tick."""
-        shared = self.tail.look(boat)
+        shared = self.tail.look(boat) + self.engine.look(boat)
         for name, _ in shared:
             self.times.setdefault(name, []).append(boat.time)
         news = [words for _, words in shared]
         news += [f"autopilot: {text}" for text in self._news(boat)]
         return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for text in news]
+
+    def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
+        """Return after how many ticks there may be something to call, or all of them."""
+        if self.given_up:
+            return 0
+        mask = flown["hover_lost"] != 0.0
+        mask |= (flown["speed_short"] > MIN_LACK_TIME_S) | (flown["ascent"] != NO_ASCENT)
+        mask |= (flown["u"] < ASTERN_SPEED) | self.tail.may_lack(boat, flown)
+        mask |= self.engine.may_lack(boat, flown)
+        mask |= flown.times - self._trimmed_at(boat, flown) > MIN_LACK_TIME_S
+        return count_before(mask)
+
+    def pass_over(self, boat: Boat, flown: FlownTicks) -> None:
+        """Take these ticks as seen, in which there was nothing to call."""
+        self.trimmed = float(self._trimmed_at(boat, flown)[-1])
+        self.engine.pass_over(boat, flown)
+
+    def _trimmed_at(self, boat: Boat, flown: FlownTicks) -> Numbers:
+        """Return for each tick when [s] tanks last had what automatic trim asks for."""
+        since = np.where(lacked_water(boat, flown), self.trimmed, flown.times)
+        return np.maximum.accumulate(since)
 
     def _news(self, boat: Boat) -> list[str]:
         """Return what the autopilot has newly given up, or has again."""
@@ -145,7 +278,8 @@ class PilotMonitor:
             and plain[ASCENT_PLACE] == NO_ASCENT
             and boat.automatic
         ):
-            slow = plain[SPEED_PLACE] > -LEAST_ASTERN or "astern" in self.given_up  # told once
+            # Once called it holds at any speed astern, so that it is not called again and again.
+            slow = plain[SPEED_PLACE] > -LEAST_ASTERN or "astern" in self.given_up
             if slow and (s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0):
                 undone.add("astern")
         if plain[SPEED_SHORT_PLACE] > MIN_LACK_TIME_S:

@@ -1,25 +1,38 @@
 """The reference crew works by its rules and its hands, through the boat's ordinary orders.
 
-It sees what the gauges show, and gives nothing that a crew could not type.
+Debriefs and checks of exercises fly runs with it, to see what an exercise allows. It sees what the
+gauges show, and gives nothing that a crew could not type.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from functools import partial
+from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.boat.boat import STATE_PLACES, Boat
-from trainer.boat.casualties import scale_of
+from trainer.boat.casualties import InstrumentReadings, scale_of
 from trainer.boat.crew_hands import TIME_ROUNDING_S, GaugeHistory, PlanesHand, RudderHand
 from trainer.boat.crew_orders import CREW_AXES
+from trainer.boat.grounding import clearance
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import height_showing
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
 from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRule
+from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Reply, parse
+
+MEAN_ROUNDING: Final = 1e-7  # [SI] between a sliding mean and one by itself, and far more
+SEEN_QUANTITIES: Final[Mapping[str, Callable[[Boat], float]]] = {  # beside those of the state
+    "showing": height_showing,
+    "eye": eye_height,
+    "clearance": clearance,
+}
 
 
 class GivenOrder(NamedTuple):
@@ -68,24 +81,116 @@ class ReferenceCrew:
         self.gauges = GaugeHistory(boat)
         self.followed = [RuleProgress(rule) for rule in crew.rules]
         self.hands: dict[str, PlanesHand | RudderHand] = {}
+        # who gives an order to the boat: in a session, the journal has it before it acts
+        self.order: Callable[[Order], Reply] = partial(obey_order, boat)
 
     def look(self) -> list[GivenOrder]:
         """Follow the rules and the hands at this tick; return the orders given."""
         self.gauges.look()
         orders = []
-        for i, progress in enumerate(self.followed):
+        for lead, progress in zip(self._leads(), self.followed, strict=True):
             if not progress.over and progress.due is None:
-                self._notice(progress, self.followed[i - 1] if progress.rule.row.then else None)
+                self._notice(progress, lead)
             if self.is_due(progress):
                 orders.append(self._carry_out(progress))
         for hand in list(self.hands.values()):
             orders += [self._give(text) for text in hand.look(self.gauges)]
         return orders
 
+    def next_look(self) -> float:
+        """Return the time [s] until which nothing is due by the clock, while nobody orders.
+
+        By then it looks again; ``first_sight`` tells whether gauges have it look before.
+        """
+        times = [self._next_look_of(each) for each in self._waiting()]
+        times += [hand.looked + hand.habits.look_s for hand in self.hands.values()]
+        return min(times, default=math.inf) - 2.0 * TIME_ROUNDING_S
+
+    def first_sight(self, column: Callable[[str], Numbers], readings: Numbers) -> int:
+        """Return after how many ticks the gauges may show what a rule waits for.
+
+        It is all of the ticks that were flown if they never do.
+        ``column`` gives a place of the state at these ticks, ``readings`` has a row for each of
+        what the gauges read. Means are summed otherwise than by a look, which decides.
+        """
+        first, now = len(readings), self.boat.time - len(readings) * self.boat.method.step
+        for each in self._waiting():
+            row = each.rule.row
+            over = row.to_s is not None and now > row.to_s + 1.0
+            if each.due is None and row.when and not over and self._begins(each) <= now + 1.0:
+                mean = row.mean_s or 0.0
+                shows = np.ones(len(readings), bool)
+                for condition in each.rule.conditions:
+                    shows &= self._may_show(condition, mean, column, readings)
+                first = min([first, *(np.flatnonzero(shows) + 1)[:1].tolist()])
+        return first
+
+    def _may_show(
+        self,
+        condition: Condition,
+        mean: float,
+        column: Callable[[str], Numbers],
+        readings: Numbers,
+    ) -> NDArray[np.bool_]:
+        """Return at which ticks the gauges may show that a condition holds."""
+        quantity, slack = condition.quantity, 1e-12
+        if quantity in ("depth", "speed", "depth_rate"):
+            slack = MEAN_ROUNDING
+            rate = quantity == "depth_rate"
+            values = self.gauges.over("depth" if rate else quantity, mean, readings, rate=rate)
+        elif quantity == "course":
+            values = readings[:, InstrumentReadings._fields.index("heading")] % math.tau
+        elif quantity in SEEN_QUANTITIES:
+            return np.ones(len(readings), bool)  # a look tells
+        else:
+            factor = scale_of(self.boat, quantity)
+            place, last = STATE_QUANTITIES[quantity].place, self.boat.ticks
+            ticks = np.arange(last - len(readings), last, dtype=np.float64) + 1.0
+            numbers = ticks if place == "tick" else column(place)
+            values = numbers / factor if factor else np.zeros(len(readings))
+        above = condition.sense * (values - condition.threshold)
+        return above > 0.0 if condition.strict and slack == 1e-12 else above >= -slack
+
+    def _waiting(self) -> list[RuleProgress]:
+        """Return the rules that wait for something."""
+        return [
+            each
+            for lead, each in zip(self._leads(), self.followed, strict=True)
+            if not each.over and (each.due is not None or lead is None or lead.given is not None)
+        ]
+
+    def _leads(self) -> list[RuleProgress | None]:
+        """Return the rule that each rule follows upon, None for one that follows upon none."""
+        before = [None, *self.followed[:-1]]
+        return [
+            lead if each.rule.row.then else None
+            for lead, each in zip(before, self.followed, strict=True)
+        ]
+
+    def _begins(self, each: RuleProgress) -> float:
+        """Return the time [s] from which a rule about gauges looks at them."""
+        row = each.rule.row
+        again = 0.0 if row.every_s is None or each.given is None else each.given + row.every_s
+        return max(row.from_s or 0.0, again)
+
+    def _next_look_of(self, each: RuleProgress) -> float:
+        """Return the time [s] before which a rule can neither be due nor noticed by the clock."""
+        row = each.rule.row
+        if each.due is not None:
+            return each.due
+        if row.at_s is not None:
+            return row.at_s
+        if row.ordered is not None:
+            return math.inf
+        if row.when is None:
+            return 0.0
+        begins = self._begins(each)
+        return begins if begins > self.boat.time else math.inf
+
     def aboard(self, boat: Boat) -> "ReferenceCrew":
         """Return this crew with its rules, its gauges and its hands, aboard another boat."""
         crew = ReferenceCrew(boat, self.crew, self.reaction)
-        crew.gauges.seen.extend(self.gauges.seen)
+        crew.gauges.seen = self.gauges.seen.copy()
         crew.followed = [replace(progress) for progress in self.followed]
         crew.hands = {name: hand.aboard(boat) for name, hand in self.hands.items()}
         return crew
@@ -93,9 +198,9 @@ class ReferenceCrew:
     def notice(self) -> None:
         """Read the gauges at this tick, and set when the orders of rules are due."""
         self.gauges.look()
-        for i, progress in enumerate(self.followed):
+        for lead, progress in zip(self._leads(), self.followed, strict=True):
             if not progress.over and progress.due is None:
-                self._notice(progress, self.followed[i - 1] if progress.rule.row.then else None)
+                self._notice(progress, lead)
 
     def is_due(self, progress: RuleProgress) -> bool:
         """Return whether the order of a rule is to be given by now."""
@@ -178,10 +283,8 @@ class ReferenceCrew:
             return self.gauges.rate("depth", mean)
         if quantity == "course":
             return self.gauges.now().heading % math.tau
-        if quantity == "showing":
-            return height_showing(self.boat)
-        if quantity == "eye":
-            return eye_height(self.boat)
+        if quantity in SEEN_QUANTITIES:
+            return SEEN_QUANTITIES[quantity](self.boat)
         factor = scale_of(self.boat, quantity)
         return (
             self.boat.plain[STATE_PLACES[STATE_QUANTITIES[quantity].place]] / factor
@@ -197,7 +300,7 @@ class ReferenceCrew:
             return GivenOrder(order.text, order.text)
         if order.name == MARK_ORDER:
             return GivenOrder(order.text, f"marked at {self.boat.time:g} s")
-        return GivenOrder(order.text, obey_order(self.boat, order))
+        return GivenOrder(order.text, self.order(order))
 
     def _switch(self, order: Order) -> None:
         """Put a hand on planes or rudder, or take it off."""
@@ -214,4 +317,4 @@ class ReferenceCrew:
     def _give(self, text: str) -> GivenOrder:
         order = parse(text)
         assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
-        return GivenOrder(text, obey_order(self.boat, order))
+        return GivenOrder(text, self.order(order))

@@ -1,4 +1,8 @@
-"""Orders about the sea, which changes over a ramp, and partial freezes."""
+"""The orders that change the sea over a ramp, or freeze part of the boat.
+
+``helm`` calls them for the orders ``sea``, ``hold`` and ``release``. A sea changes over some time,
+as a real one does. A frozen part stands still until it is released, while all else goes on.
+"""
 
 import math
 from dataclasses import replace

@@ -1,8 +1,9 @@
 """Which step an integration can take: the stability region, and the discrete map really flown.
 
-The region asks how a method treats dx/dt = lambda x. The map is what a tick does to a small
-disturbance of straight flight: method, lagged accelerations and equation set together. What grows
-by the boat's own nature is never the step's fault.
+``trainer check`` and the start of a run ask it, so that nobody flies at a step that makes a stable
+boat unstable. The region asks how a method treats dx/dt = lambda x. The map is what a tick does to
+a small disturbance of straight flight: method, lagged accelerations and equation set together. What
+grows by the boat's own nature is never the step's fault.
 """
 
 import math
@@ -70,7 +71,8 @@ def growth_factors(scheme: Record, mu: NDArray[np.complex128]) -> NDArray[np.flo
 def largest_step(scheme: Record, eigenvalue: complex) -> float:
     """Return the largest step [s] at which a damped ``eigenvalue`` [1/s] decays, 0 if none.
 
-    Every smaller step is stable too: the ray from the origin is searched outwards, then finer.
+    Every smaller step is stable too, because the ray from the origin is searched outwards for the
+    first point that is not. Seven rounds, each 150 times as fine, leave only rounding.
     """
     direction = eigenvalue / abs(eigenvalue)
     inside, outside = 0.0, MAX_STEP_EIGENVALUE
@@ -86,7 +88,7 @@ def largest_step(scheme: Record, eigenvalue: complex) -> float:
 
 
 def multistep_map(response: RateResponse, scheme: Record, h: float) -> Matrix:
-    """Return the map of a tick of ``h`` [s]. It takes motions and rates, each newest first."""
+    """Return the matrix of a tick of ``h`` [s] on motions and rates, newest first."""
     how = scheme[0]
     n = len(response.J)
     held = max((i + 1 for i in range(int(how.depth)) if how.a[i] != 0.0), default=1)

@@ -1,4 +1,8 @@
-"""The answers of the engineer's programs: a page, JSON or a plot."""
+"""How the engineer's programs show their result: as a page, as JSON, as a plot.
+
+A command makes a record and hands it to ``show_report`` with the functions that draw it, so that
+``--json`` and ``--plot`` mean the same for every program.
+"""
 
 import math
 import sys

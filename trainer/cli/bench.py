@@ -1,4 +1,8 @@
-"""The command that measures the trainer on this machine."""
+"""The command that measures the trainer on this machine.
+
+``analysis/bench`` measures; the command chooses the parts and prints them. That package is imported
+in the function, because the other commands need none of it.
+"""
 
 import click
 
@@ -6,7 +10,7 @@ from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
 
 
 @click.command()
-@click.option("--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP)
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),
@@ -19,7 +23,6 @@ from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
     "--minutes",
     type=click.FloatRange(0.05, 1440.0),
     default=0.25,
-    show_default=True,
     help="Of --on-time, for a session among all that could hold it up.",
 )
 @click.option("--latency", is_flag=True, help="Only how soon an order is seen at an instrument.")
@@ -61,11 +64,7 @@ def bench(
         pages.append(render(standard))
         figures["standard"] = asdict(standard)
     if chosen:
-        from trainer.analysis.bench.sections import (
-            SECTIONS,
-            BenchRequest,
-            measure_sections,
-        )
+        from trainer.analysis.bench.sections import SECTIONS, BenchRequest, measure_sections
 
         wanted = BenchRequest(file, seconds or 10, minutes, seconds or 60)
         more_figures, more_pages = measure_sections(SECTIONS, chosen, wanted)

@@ -1,7 +1,7 @@
 """The boat of the Python face: a session without a clock, run by calls.
 
-A headless run and this boat share the code that plans, makes ready, orders and ticks. So the bits
-are the same.
+``trainer.Boat`` is it. A headless run and this boat share the code that plans, makes ready, orders
+and ticks. So the bits are the same.
 """
 
 import contextlib
@@ -56,7 +56,7 @@ ROW_WIDTH: Final = len(MOTION_COLUMNS)
 
 
 class BoatOptions(TypedDict, total=False):
-    """The keywords of ``Boat``; what each means is told there."""
+    """The keywords of ``Boat``; its docstring explains each."""
 
     exercise: str | Path | None
     speed: float | None

@@ -1,4 +1,8 @@
-"""The command ``trainer estimate``: a boat from the drawing of its hull."""
+"""The command ``trainer estimate``: a boat from the drawing of its hull.
+
+``analysis/estimate`` computes. Here its results are written: the vessel file, a page, a study that
+draws such boats, and a hull file to begin with.
+"""
 
 import sys
 from pathlib import Path
@@ -21,11 +25,7 @@ HULL_SKELETON: Final = "hull-skeleton"
 @click.option("--html", type=HTML_FILE, metavar="FILE", help="Write a page, with the hull drawn.")
 @click.option("--study", type=TOML_FILE, metavar="FILE", help="Write a study of the turn's bands.")
 @click.option(
-    "--draws",
-    type=click.IntRange(0, 2000),
-    default=50,
-    show_default=True,
-    help="Of the coefficients, for the bands.",
+    "--draws", type=click.IntRange(0, 2000), default=50, help="Of the coefficients, for the bands."
 )
 @click.option("--reduce", is_flag=True, help="Find the compact set too; takes minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")

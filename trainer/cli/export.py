@@ -1,4 +1,8 @@
-"""The commands that write a boat for other programs, and as one page."""
+"""The commands that write a boat for other programs, and as one page.
+
+``export-core`` and ``export-page``. ``boat/export`` compiles the core, and ``web/single_file`` puts
+the page together; here options become a boat at its start.
+"""
 
 import sys
 from dataclasses import asdict, replace
@@ -25,15 +29,25 @@ from trainer.session.options import RunOptions
 CPU_TARGETS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
 
 boat_options = combine_options(
-    click.option("--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP),
+    click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP),
     method_options,
-    click.option("--integrator", default="adams2", show_default=True, help="As for trainer run."),
+    click.option("--integrator", default="adams2", help="As for trainer run."),
     click.option("--step", type=float, help="Step in s. [default: the vessel's]"),
     click.option("--unsafe-step", is_flag=True, help="Export even where the step is not stable."),
     sea_option("Of the start. [default: calm]", "calm"),
     seed_option("Seed of all random numbers."),
 )
-STATION_ROLES = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "observer")
+VISITOR_STATION = "visitor"
+STATION_ROLES = (
+    "instructor",
+    "pilot",
+    "helm",
+    "planes",
+    "ballast",
+    "diving",
+    "observer",
+    VISITOR_STATION,
+)
 
 
 @click.command(name="export-core")
@@ -43,7 +57,6 @@ STATION_ROLES = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "
     "--cpu",
     type=click.Choice(CPU_TARGETS),
     default=CPU_TARGETS[0],
-    show_default=True,
     help="Processors that the code is for: any of the last 15 years, with AVX2, with AVX-512, "
     "this machine's, or WebAssembly.",
 )
@@ -69,12 +82,7 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
         click.echo(json.dumps(summary, indent=1) if as_json else render_wasm(module, directory))
         return
 
-    from trainer.boat.export.library import (
-        LIBRARY_FILE,
-        add_library,
-        render_export,
-        write_core,
-    )
+    from trainer.boat.export.library import LIBRARY_FILE, add_library, render_export, write_core
     from trainer.boat.export.targets import NoCompilerError
 
     exported = write_core(boat_at_start(run_options(options)), directory, cpu)
@@ -104,7 +112,6 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     "--station",
     type=click.Choice(STATION_ROLES),
     default=STATION_ROLES[0],
-    show_default=True,
     help="The station that the page is.",
 )
 def export_page(file: Path, *, recording: Path | None, station: str, **options: Any) -> None:
@@ -113,27 +120,37 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
     \b
     Example:  trainer export-page boat.html --vessel bb2
               trainer export-page drill.html --recording drill.trainer
+              trainer export-page kiosk.html --station visitor
 
     Marks are not judged there. With a recording its time line can be dragged and the boat taken
-    over at any moment, to the bits of trainer resume.
+    over at any moment, to the bits of trainer resume. Station visitor is the kiosk.
     """
-    from trainer.analysis.boat_page import write_page
+    from trainer.analysis.boat_page import boat_of_visitors, write_page
 
     page_options = {name: value for name, value in options.items() if value is not None}
     if recording is not None and page_options:
         raise click.UsageError(
             f"--recording has its own boat: leave out --{next(iter(page_options))}"
         )
-    boat = None if recording else boat_at_start(replace(RunOptions(vessel="bb2"), **page_options))
-    write_page(file, page_text(boat, recording, station), recording)
+    chosen = replace(RunOptions(vessel="bb2"), **page_options, given=frozenset(page_options))
+    boat, visitors = None, None
+    if station == VISITOR_STATION:
+        if recording is not None:
+            raise click.UsageError("a visitor dives from the start: leave out --recording")
+        boat, visitors = boat_of_visitors(chosen)
+    elif recording is None:
+        boat = boat_at_start(chosen)
+    write_page(file, page_text(boat, recording, station, visitors), recording)
 
 
-def page_text(boat: Any, recording: Path | None, station: str) -> str:
+def page_text(
+    boat: Any, recording: Path | None, station: str, visitors: dict[str, Any] | None = None
+) -> str:
     """Return a station's page with a boat or a recording inside."""
     from trainer.analysis.boat_page import page_of
     from trainer.web.single_file import single_file
 
-    parts = page_of(boat, recording, station)
+    parts = page_of(boat, recording, station, visitors)
     return single_file(station, parts.boat, parts.core, parts.title)
 
 

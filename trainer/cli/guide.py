@@ -1,4 +1,8 @@
-"""Commands that fly manoeuvres: one of them, or all that a boat is qualified by."""
+"""The commands ``manoeuvre``, which flies one, and ``guide``, which flies all that qualify a boat.
+
+A qualification test guide is the document by which a simulator is accepted: each manoeuvre with
+its measured figures beside those demanded.
+"""
 
 import json
 import sys
@@ -140,30 +144,27 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
 @click.option("--speed", type=AHEAD_SPEED_TYPE, metavar="KN", help="[default: the boat's]")
 @PARAMETER_OPTIONS
 @INITIAL_OPTIONS
-@click.option("--equations", type=click.Choice(EQUATION_SETS), default="full", show_default=True)
+@click.option("--equations", type=click.Choice(EQUATION_SETS), default="full")
 @click.option("--rates", type=click.Choice(("exact", "lagged")))
-@click.option("--trig", type=click.Choice(("exact", "report")), default="exact", show_default=True)
-@click.option("--integrator", default="adams2", show_default=True, help="As for trainer run.")
+@click.option("--trig", type=click.Choice(("exact", "report")), default="exact")
+@click.option("--integrator", default="adams2", help="As for trainer run.")
 @click.option("--step", type=Number(1e-3, 10.0), help="[default: the boat's]")
 @click.option(
     "--controls",
     type=click.Choice(("own", "once")),
     default="own",
-    show_default=True,
     help="The boat's own rates, lags and dead times, or none, as in 1969.",
 )
 @click.option(
     "--trim",
     type=click.Choice(("own", "full")),
     default="own",
-    show_default=True,
     help="Start in the trim of the equations flown, or of the full set.",
 )
 @click.option(
     "--law",
     type=click.Choice(("trainer", "report", "literal")),
     default="trainer",
-    show_default=True,
     help="Of depth keeping, as the order autopilot has them.",
 )
 @click.option("--csv", type=CSV_FILE, metavar="FILE", help="Write the flight, SI, rad.")
@@ -247,7 +248,6 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreRepo
     "--programme",
     type=click.Choice(("today", "1969")),
     default="today",
-    show_default=True,
     help="1969: the overshoots, turns, meanders and accelerations of the report.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
@@ -257,20 +257,30 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreRepo
     metavar="FILE",
     help="An earlier guide, JSON or HTML: name what moved since.",
 )
+@click.option(
+    "--uncertainty",
+    is_flag=True,
+    help="First fly the published manoeuvres with drawn boats, and write the table of u_input.",
+)
 @cores_option
 def guide(vessel: str, **options: Any) -> None:
     """Write the qualification test guide of a boat.
 
-    All manoeuvres by the full, modified and basic sets, to port and starboard, up and down, deep
-    and near the surface, judged; neutral angles, modes, thrust, steps, findings of 1969 and
-    published results.
+    Published figures beside ours with their uncertainty; all manoeuvres by the full, modified and
+    basic sets, to port and starboard, up and down, deep and near the surface, judged; neutral
+    angles, modes, thrust, steps, findings of 1969.
 
     \b
     Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
 
+    Of a ship (mariner, kvlcc2) it prints the published figures beside ours, and nothing else.
+
     VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the
     modified set is out of tolerance; trainer reduce finds one that is not.
     """
+    if ships.is_ship(vessel):
+        ships.print_figures(vessel, as_json=options["as_json"])
+        return
     from trainer.analysis.guide import moves, page, summary
     from trainer.analysis.guide.programme import guide_legs, legs_of_1969
     from trainer.config.vessel import load_vessel
@@ -278,6 +288,8 @@ def guide(vessel: str, **options: Any) -> None:
     file = load_vessel(vessel)
     baseline = options["baseline"]
     earlier = moves.load_earlier(baseline, file.name) if baseline else None
+    if options["uncertainty"]:
+        write_uncertainty(file, options["cores"])
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     choose = legs_of_1969 if options["programme"] == "1969" else guide_legs
     book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
@@ -300,6 +312,25 @@ def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
     count = len(contents.guide_tasks(file, legs))
     with show_progress(count, "flying") as step:
         return contents.write_guide(file, legs, made, cores or processor_count(), lambda: step(1))
+
+
+def write_uncertainty(file: Any, cores: int | None) -> None:
+    """Fly and write the table of u_input; ConfigError if the boat has no published figures."""
+    from trainer.analysis.guide import uncertainty
+    from trainer.analysis.guide.programme import processor_count
+    from trainer.analysis.guide.trials import load_published, trials_path
+    from trainer.config.files import ConfigError
+
+    path = trials_path(file)
+    published = load_published(path) if path else None
+    if published is None or not published.figures:
+        beside = file.path.with_suffix(".trials.toml").name
+        raise ConfigError(f"--uncertainty: {file.path.name} has no published figures in {beside}")
+    with show_progress(uncertainty.flight_count(published), "drawing boats") as step:
+        text = uncertainty.fly_uncertainty(
+            file, published, cores or processor_count(), lambda: step(1)
+        )
+    write_text(uncertainty.table_path(published), text, "--uncertainty")
 
 
 def write_document(text: str, html: Path | None, pdf: Path | None) -> None:

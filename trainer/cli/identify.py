@@ -1,4 +1,9 @@
-"""The analyst's programs: experiments designed, ships identified, lanes made into tracks."""
+"""The analyst's programs: experiments designed, ships identified, lanes made into tracks.
+
+``main`` lists the commands ``prbs``, ``identify``, ``decca`` and ``steering``. Each turns its
+options into a record, calls the package ``identify``, and shows the report. Imports stand in
+functions, because scipy takes long to load, and ``--help`` needs none of it.
+"""
 
 import sys
 from pathlib import Path
@@ -46,7 +51,6 @@ strength_option = click.option(
     "--prior-strength",
     type=Number(0.0, 100.0),
     default=0.5,
-    show_default=True,
     help="Widths of what books say of a ship, times this; 0 for no book.",
 )
 model_options = combine_options(
@@ -137,7 +141,7 @@ def sensor(name: str, default: float, text: str) -> Any:
     """Return an option for the standard deviation of a sensor."""
     limits = Number(0.0, 100.0)
     flag = f"--noise-{name.replace('_', '-')}"
-    return click.option(flag, name, type=limits, default=default, show_default=True, help=text)
+    return click.option(flag, name, type=limits, default=default, help=text)
 
 
 sensor_options = combine_options(
@@ -148,24 +152,19 @@ sensor_options = combine_options(
 
 
 sequence_options = combine_options(
-    click.option(
-        "--amplitude", type=POSITIVE_NUMBER, default=5.0, show_default=True, help="Degrees."
-    ),
+    click.option("--amplitude", type=POSITIVE_NUMBER, default=5.0, help="Degrees."),
     click.option("--bits", type=click.IntRange(2, 12), help="Of the register."),
     click.option("--hold", type=POSITIVE_NUMBER, help="Seconds of a bit. [default: T1/3; L/U]"),
-    click.option("--periods", type=click.IntRange(1, 50), default=1, show_default=True),
-    click.option("--seed", type=click.IntRange(1, 4095), default=1, show_default=True),
+    click.option("--periods", type=click.IntRange(1, 50), default=1),
+    click.option("--seed", type=click.IntRange(1, 4095), default=1),
     click.option(
         "--by",
         type=click.Choice(("rudder", "course")),
         default="rudder",
-        show_default=True,
         help="Order rudder angles, or courses that the autopilot steers, near north.",
     ),
     click.option("--zigzag", type=ZigzagAngles(), metavar="HELM/HEADING", help="Instead."),
-    click.option(
-        "--seconds", type=POSITIVE_NUMBER, default=600.0, show_default=True, help="Of a zig-zag."
-    ),
+    click.option("--seconds", type=POSITIVE_NUMBER, default=600.0, help="Of a zig-zag."),
 )
 
 
@@ -194,7 +193,6 @@ sequence_options = combine_options(
     "--unrest",
     type=Number(0.0, 10.0),
     default=0.02,
-    show_default=True,
     help="Yaw rate that the sea alone makes, rms deg/s.",
 )
 @strength_option
@@ -223,7 +221,7 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     if ships.is_ship(vessel):
         ships.design_trials(ships.path_of(vessel), options)
         return
-    file = load_vessel(vessel)  # what is no boat, or is not there, is told first
+    file = load_vessel(vessel)  # first, because its error is the most telling
     speed = _only_speed(vessel, options["speeds"])
     from trainer.identify.pages import experiment as page
 
@@ -332,11 +330,7 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
     help="Fit the record shipped as an example; with FOLDER, a copy of it there.",
 )
 @outputs
-def identify(
-    files: tuple[Path, ...],
-    example: str | None,
-    **options: Any,
-) -> None:
+def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> None:
     """Identify a ship from a record of helm and motion (LISPID).
 
     FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
@@ -381,11 +375,7 @@ def identify(
 @click.option("--at", "knots", type=AHEAD_SPEED_TYPE, help="Speed, knots.")
 @click.option("--ship", type=TOML_FILE, metavar="FILE", help="A ship's file instead.")
 def new(
-    record: Path,
-    output: Path | None,
-    length: float | None,
-    knots: float | None,
-    ship: Path | None,
+    record: Path, output: Path | None, length: float | None, knots: float | None, ship: Path | None
 ) -> None:
     """Write a study of a record with comments, to be corrected; never over another file.
 

@@ -1,7 +1,9 @@
 """Keywords of the Python face, read as the options of the same command.
 
-Each keyword is the name of an option, such as ``step_speed`` for ``--step-speed``. The command's
-own parser checks it: limits, choices, defaults and messages are those of the command line.
+``trainer.manoeuvre(step_speed=5)`` and its like come here, so that a call and a command accept the
+same and say the same. Each keyword is the name of an option, such as ``step_speed`` for
+``--step-speed``. The command's own parser checks it: limits, choices, defaults and messages are
+those of the command line.
 """
 
 from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence

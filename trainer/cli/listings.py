@@ -1,14 +1,23 @@
-"""Commands that list what is shipped and sent, and the schemas of files for editors."""
+"""Commands that list what is shipped and sent, and that make and check an exercise.
+
+``main`` has them. Each prints lines that fit a terminal, or with ``--json`` the same for programs.
+"""
 
 import json
+import math
+import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.options import EXERCISE_NAME, TOML_FILE
-from trainer.cli.types import Commands
+from trainer.cli.answers import json_of, show_progress, write_text
+from trainer.cli.options import EXERCISE_NAME, HTML_FILE, TOML_FILE, cores_option
+from trainer.cli.types import Commands, File
+
+if TYPE_CHECKING:
+    from trainer.config.course import Lesson
 
 MAX_LINE_COLUMNS: Final = 79  # [columns] of a line at most
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
@@ -17,16 +26,29 @@ as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the
 @click.command()
 @as_json_option
 def exercises(*, as_json: bool) -> None:
-    """List the shipped exercises, in the order of the course.
+    """List the shipped lessons and exercises, in the order of the course.
 
     \b
     Example:  trainer exercises
-    """
-    from trainer.config.course import course
 
-    titles = {lesson.name: lesson.title for lesson in course()}
-    lines = [f"{name:24}{title}" for name, title in titles.items()]
-    click.echo(json.dumps(titles, indent=1) if as_json else "\n".join(lines))
+    Each has its place in the course, its title, its length, and what is worked by hand. As JSON
+    the exercises alone are listed, because lessons have no marks.
+    """
+    from trainer.config.course import course, lessons
+
+    if as_json:
+        click.echo(json.dumps({each.name: each.title for each in course()}, indent=1))
+        return
+    for heading, listed in (("Lessons, step by step:", lessons()), ("Exercises:", course())):
+        click.echo("\n".join((heading, *map(exercise_line, listed), "")))
+
+
+def exercise_line(each: "Lesson") -> str:
+    """Return name, place, title, length and what is in hand, in columns."""
+    place = "" if math.isinf(each.place) else f"{each.place:g}"
+    title = each.title.removeprefix(f"Lesson {place}: ")
+    in_hand = each.in_hand.replace(", ", ",")
+    return f"{each.name:20}{place:>2} {title:28}{each.length:>7} {in_hand}".rstrip()
 
 
 @click.command()
@@ -140,7 +162,7 @@ def check(file: str) -> None:
 
 @exercise.command()
 @click.argument("file", type=EXERCISE_NAME)
-@click.option("--seeds", type=click.IntRange(1, 1000), default=20, show_default=True)
+@click.option("--seeds", type=click.IntRange(1, 1000), default=20)
 def baseline(file: str, seeds: int) -> None:
     """Fly an exercise with nobody aboard and with its reference crew. Keep their marks beside it.
 
@@ -156,6 +178,64 @@ def baseline(file: str, seeds: int) -> None:
     study = exercise_page.study_exercise(file, seeds)
     click.echo("\n".join(exercise_page.baseline_lines(study)))
     click.echo(f"kept in {exercise_page.save_baseline(study)}")
+
+
+@exercise.command()
+@click.argument("names", type=EXERCISE_NAME, nargs=-1, metavar="[NAME]...")
+@click.option("--seeds", type=click.IntRange(1, 1000), default=10, show_default=True)
+@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write the evidence as a page.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+@cores_option
+def validate(
+    names: tuple[str, ...], seeds: int, html: Path | None, *, as_json: bool, cores: int | None
+) -> None:
+    """Say whether the marks of exercises order skill, by graded and by silly crews.
+
+    \b
+    Example:  trainer exercise validate stern-plane-jam --seeds 3
+              trainer exercise validate ./drill.toml --html drill.validation.html
+
+    NAME is a path, or the name of a shipped exercise; without one all shipped ones are flown, which
+    takes minutes. Exit code 1 when the marks of an exercise do not order skill.
+    """
+    import trainer
+    from trainer.analysis.guide.programme import processor_count
+    from trainer.analysis.validation import validate_exercises, validation_data
+    from trainer.analysis.validation_page import exercise_text, summary_text, validation_page
+
+    chosen, found = tuple(dict.fromkeys(names or trainer.exercises())), []
+    with show_progress(seeds * len(chosen), "flying") as step:
+        for each in validate_exercises(chosen, seeds, cores or processor_count(), step):
+            found.append(each)
+            if not as_json:
+                click.echo(exercise_text(each))
+    if html is not None:
+        write_text(html, validation_page(found), "--html")
+    click.echo(json_of(validation_data(found)) if as_json else summary_text(found))
+    sys.exit(1 if any(each.faults for each in found) else 0)
+
+
+@exercise.command()
+@click.argument("file", type=EXERCISE_NAME)
+@click.option("--peer", is_flag=True, help="For who sat beside the trainee, not for an assessor.")
+@click.option("-o", "--output", type=File(".html", ".toml"), required=True)
+def form(file: str, output: Path, *, peer: bool) -> None:
+    """Write an exercise's evaluation form: a page to print, or TOML to fill in.
+
+    \b
+    Example:  trainer exercise form stern-plane-jam -o form.html
+              trainer exercise form stern-plane-jam --peer -o jones.toml
+
+    `trainer debrief FILE --form jones.toml` keeps a filled one beside the recording, and lays its
+    marks beside the program's.
+    """
+    from trainer.debrief.forms import form_page, form_text
+    from trainer.session.options import RunOptions
+    from trainer.session.plan import plan_run
+
+    plan, kind = plan_run(RunOptions(exercise=file)), "peer" if peer else "assessor"
+    write_text(output, (form_page if output.suffix == ".html" else form_text)(plan, kind), "-o")
+    click.echo(output)
 
 
 @click.command()

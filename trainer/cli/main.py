@@ -1,4 +1,9 @@
-"""The command line: its commands, its versions, and how it tells what is wrong."""
+"""The command line: its commands, its versions, and its messages about errors.
+
+``main`` is the program ``trainer``. A user's mistake (ConfigError, UsageError) ends in one line on
+stderr and exit code 2; what the machine lacks, such as room on a disk or memory, in one line and
+exit code 1.
+"""
 
 import io
 import os
@@ -10,6 +15,8 @@ import click
 from trainer import __version__
 from trainer.cli import (
     bench,
+    check_cases,
+    conform,
     estimate,
     export,
     guide,
@@ -63,6 +70,8 @@ COMMAND_SECTIONS: Final = {
     ),
     "This machine, and others": (
         bench.bench,
+        check_cases.check_cases,
+        conform.conform,
         vessel.evaluate,
         listings.instruments,
         schema.schema,
@@ -87,7 +96,10 @@ def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> 
         ctx.exit()
 
 
-@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+HELP_SETTINGS: Final = {"help_option_names": ["-h", "--help"], "show_default": True}
+
+
+@click.group(cls=Commands, context_settings=HELP_SETTINGS)
 @click.option(
     "--version",
     is_flag=True,

@@ -1,4 +1,8 @@
-"""Commands that were removed, and what to type now. The list stays for one release."""
+"""Commands that were removed, and what to type now. The list stays for one release.
+
+``main`` asks it before it reads a command line, so that an old script is told the new command, and
+not that there is none.
+"""
 
 from collections.abc import Sequence
 from typing import Final

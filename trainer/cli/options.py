@@ -1,4 +1,9 @@
-"""Options that several commands share, and the options of a run made of them."""
+"""The options that several commands share, and the record of a run made of them.
+
+Every command takes its options from here, so that an option has one name, one default and one help
+text. ``record_of`` makes a frozen record of click's dictionary, because no other package knows the
+command line.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -29,7 +34,7 @@ HTML_FILE: Final = File(".html")
 PDF_FILE: Final = File(".pdf")
 VESSEL_NAME: Final = Name("vessels")
 SEA_NAME: Final = Name("seas")
-EXERCISE_NAME: Final = Name("exercises")
+EXERCISE_NAME: Final = Name("lessons", "exercises")
 STUDY_NAME: Final = Name("studies")
 cores_option = click.option(
     "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
@@ -60,13 +65,20 @@ def combine_options(*options: Decorator) -> Decorator:
 
 def sea_option(text: str, default: str | None = None) -> Decorator:
     """Return the option that chooses a sea."""
-    return click.option("--sea", type=SEA_NAME, default=default, metavar="NAME|PATH", help=text)
+    return click.option(
+        "--sea",
+        type=SEA_NAME,
+        default=default,
+        show_default=False,  # ``text`` says it
+        metavar="NAME|PATH",
+        help=text,
+    )
 
 
 def seed_option(text: str) -> Decorator:
     """Return the option of the seed of random numbers."""
     seeds = click.IntRange(0, 2**53 - 1)
-    return click.option("--seed", type=seeds, default=1, show_default=True, help=text)
+    return click.option("--seed", type=seeds, default=1, help=text)
 
 
 method_options = combine_options(
@@ -86,27 +98,21 @@ method_options = combine_options(
         "--trig",
         type=click.Choice(("exact", "report")),
         default="exact",
-        show_default=True,
         help="Exact, or the 1969 approximations of the compact sets.",
     ),
 )
 
 exercise_options = combine_options(
-    click.option("--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP),
+    click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP),
     method_options,
     sea_option("calm, sea-state-1 to sea-state-6, or a file."),
     click.option(
         "--integrator",
         default="adams2",
-        show_default=True,
         help="euler, adams2 to adams4, best2, heun, abm2 to abm4, hamming4, o30c31, bdf2, bdf3, "
         "rk2 to rk4, rkv, or a multistep method as 'a=1;b=1.5,-0.5'.",
     ),
-    click.option(
-        "--step",
-        type=float,
-        help="Step in s. [default: the vessel file's, 0.5 for bb2]",
-    ),
+    click.option("--step", type=float, help="Step in s. [default: the vessel file's, 0.5 for bb2]"),
     click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable."),
     seed_option("Seed of all random numbers."),
     click.option(
@@ -119,29 +125,19 @@ exercise_options = combine_options(
 
 time_options = combine_options(
     click.option(
-        "--duration",
-        type=Duration(),
-        help="Simulated time: 120, 10m, 1h. [default: until quit]",
+        "--duration", type=Duration(), help="Simulated time: 120, 10m, 1h. [default: until quit]"
     ),
-    click.option(
-        "--speed",
-        type=Speed(),
-        default="1",
-        show_default=True,
-        help="Of time: 0.1 to 100, or max.",
-    ),
+    click.option("--speed", type=Speed(), default="1", help="Of time: 0.1 to 100, or max."),
     click.option(
         "--overrun",
         type=click.Choice(("catch-up", "slip", "freeze")),
         default="catch-up",
-        show_default=True,
         help="What happens when a tick ends too late.",
     ),
     click.option(
         "--priority",
         type=click.Choice(("realtime", "normal")),
         default="realtime",
-        show_default=True,
         help="Whether time is kept by a real-time priority and locked memory, where permitted.",
     ),
     click.option("--frozen", is_flag=True, help="Start with time frozen, until the order run."),
@@ -149,10 +145,7 @@ time_options = combine_options(
         "--verbose", is_flag=True, help="End with duty cycle, lateness, priority and memory."
     ),
     click.option(
-        "--csv",
-        "csv_path",
-        type=CSV_FILE,
-        help="Write the state of each tick to this file.",
+        "--csv", "csv_path", type=CSV_FILE, help="Write the state of each tick to this file."
     ),
 )
 
@@ -171,13 +164,17 @@ trainee_options = combine_options(
         "--trainee",
         multiple=True,
         metavar="NAME",
-        help="Who is trained, kept in the recording alone; may be given again.",
+        help="Who is trained, kept on this machine; may be given again.",
+    ),
+    click.option(
+        "--familiarisation",
+        is_flag=True,
+        help="To get to know the simulator: kept with the trainee's recordings, without marks.",
     ),
     click.option(
         "--width",
         type=click.Choice(RATING_WIDTHS),
         default="qualified",
-        show_default=True,
         help="Of the bands that it is judged by; basic is half as wide again.",
     ),
 )
@@ -214,14 +211,12 @@ nmea_options = combine_options(
         "--nmea-baud",
         type=click.IntRange(50, 4_000_000),
         default=38400,
-        show_default=True,
         help="Of its serial ports.",
     ),
     click.option(
         "--nmea-rate",
         type=click.FloatRange(0.1, 50.0),
         default=2.0,
-        show_default=True,
         metavar="HZ",
         help="Sets of sentences a second.",
     ),
@@ -243,7 +238,6 @@ nmea_options = combine_options(
     click.option(
         "--origin",
         default="25,-45",
-        show_default=True,
         metavar="LAT,LON",
         help="Where on the Earth the boat begins, in degrees, north and east positive.",
     ),
@@ -261,11 +255,7 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
             help="A station on a serial port or pyserial URL; may be given again.",
         ),
         click.option(
-            "--baud",
-            type=click.IntRange(50, 4_000_000),
-            default=9600,
-            show_default=True,
-            help="Of the serial ports.",
+            "--baud", type=click.IntRange(50, 4_000_000), default=9600, help="Of the serial ports."
         ),
         click.option(
             "--listen",
@@ -294,8 +284,10 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
 
 
 certificate_options = combine_options(
-    click.option("--cert", type=ANY_FILE, help="Certificate of the pages, for https."),
-    click.option("--key", type=ANY_FILE, help="Its key."),
+    click.option(
+        "--cert", "--web-cert", "cert", type=ANY_FILE, help="Certificate of the pages, for https."
+    ),
+    click.option("--key", "--web-key", "key", type=ANY_FILE, help="Its key."),
 )
 
 web_run_options = combine_options(
@@ -320,8 +312,7 @@ web_serve_options = combine_options(
 
 
 connect_options = combine_options(
-    connect_option,
-    click.option("--token", help="The word that this session asks for."),
+    connect_option, click.option("--token", help="The word that this session asks for.")
 )
 
 

@@ -1,4 +1,8 @@
-"""The engineer's programs of 1969, on a vessel file or on recorded runs."""
+"""The engineer's programs of 1969, on a vessel file or on recorded runs.
+
+Each command has the name of its predecessor in its help, such as EC470. The programs themselves are
+in ``analysis/programs``; here are their options.
+"""
 
 import sys
 from pathlib import Path
@@ -31,7 +35,6 @@ mean_options = combine_options(  # which average motions into the linear coeffic
             f"--mean-{name}",
             type=MEAN_MOTION_TYPE,
             default=0.0,
-            show_default=True,
             help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
         )
         for name, unit in {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}.items()
@@ -47,15 +50,10 @@ mean_options = combine_options(  # which average motions into the linear coeffic
     "--until",
     type=Number(0.0, min_open=True),
     default=120.0,
-    show_default=True,
     help="Seconds looked at, from the start.",
 )
 @click.option(
-    "--allow",
-    type=Number(0.0, 1000.0),
-    default=5.0,
-    show_default=True,
-    help="Percent change of change that passes.",
+    "--allow", type=Number(0.0, 1000.0), default=5.0, help="Percent change of change that passes."
 )
 @outputs
 def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -> None:
@@ -84,11 +82,16 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 
 @click.command()
 @click.argument("run", type=CSV_FILE)
-@click.option("--column", default="theta", show_default=True, metavar="NAME", help="What to fit.")
+@click.option("--column", default="theta", metavar="NAME", help="What to fit.")
+@click.option("--from", "begin", type=Number(), default=0.0, help="First second.")
 @click.option(
-    "--from", "begin", type=Number(), default=0.0, show_default=True, help="First second."
+    "--to",
+    "end",
+    type=Number(),
+    default=1e9,
+    show_default=False,
+    help="Last second. [default: the run's]",
 )
-@click.option("--to", "end", type=Number(), default=1e9, help="Last second. [default: the run's]")
 @click.option("--about", type=Number(), help="Rest value. [default: the first row's]")
 @click.option(
     "--vessel", type=VESSEL_NAME, metavar="VESSEL", help="Start from this boat's roots ..."
@@ -98,7 +101,6 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
     "--plane",
     type=click.Choice(("vertical", "horizontal")),
     default="vertical",
-    show_default=True,
     help="A cubic's roots (w, q, theta, z, u) or a quartic's (v, p, r, phi).",
 )
 @click.option(

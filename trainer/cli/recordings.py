@@ -1,4 +1,8 @@
-"""Commands about recordings."""
+"""The commands about recordings: replay, export to tables, debrief, and what a crew has flown.
+
+``main`` has them. They work on the file alone, during a run or years later; the session need not be
+there.
+"""
 
 import sys
 from pathlib import Path
@@ -15,6 +19,7 @@ from trainer.cli.options import (
     RATING_WIDTHS,
     RECORDING_FILE,
     RRD_FILE,
+    TOML_FILE,
     VESSEL_HELP,
     VESSEL_NAME,
 )
@@ -106,6 +111,13 @@ def export(
 @click.option(
     "--change-back", multiple=True, metavar="NAME", help="Take such a change back; all: all."
 )
+@click.option(
+    "--form",
+    "forms",
+    type=TOML_FILE,
+    multiple=True,
+    help="Keep a filled form beside the recording. May be given again.",
+)
 @click.option("--fly", is_flag=True, help="Put the boat into the page, to be taken over there.")
 @click.option("--text", is_flag=True, help="Print the marks and what each minute cost.")
 @click.option("--json", "json", is_flag=True, help="Print the figures as JSON.")
@@ -130,6 +142,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
         as_text,
         change_marks,
         debrief_file,
+        keep_filled_forms,
     )
 
     if (file is None) is not last:
@@ -138,6 +151,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     boat = page_text(None, path, "instructor") if how["fly"] else ""
     request = DebriefRequest(how["branch"], how["width"], how["reference_from"], boat)
     change_marks(path, request, how["change"], how["change_back"])
+    keep_filled_forms(path, how["forms"])
     if how["text"] and how["json"]:
         raise click.UsageError("--text and --json print two things: say one of them")
     printed = as_json if how["json"] else as_text if how["text"] else None
@@ -147,16 +161,26 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
 @click.command()
 @click.argument("places", type=RECORDING_FILE, nargs=-1)
 @click.option("--trainee", metavar="NAME", help="What this trainee has done.")
+@click.option("--progress", is_flag=True, help="With --trainee: the way through the course.")
+@click.option("--csv", "csv_path", type=CSV_FILE, help="All runs of a class, or of the trainee.")
 @click.option("--forget", metavar="NAME", help="Remove this name everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 def recordings(
-    places: tuple[Path, ...], *, trainee: str | None, forget: str | None, as_json: bool
+    places: tuple[Path, ...],
+    *,
+    trainee: str | None,
+    progress: bool,
+    csv_path: Path | None,
+    forget: str | None,
+    as_json: bool,
 ) -> None:
     """List recordings: when, what, who was trained, and what it came to.
 
     \b
     Example:  trainer recordings
               trainer recordings --trainee "A. Jones"
+              trainer recordings --trainee "A. Jones" --progress
+              trainer recordings --csv class.csv
               trainer recordings ~/drills --forget "A. Jones"
 
     PLACES are folders and recordings; without any it is the folder where recordings are kept.
@@ -166,7 +190,16 @@ def recordings(
         raise click.UsageError("--trainee and --forget are two things: say one")
     from trainer.debrief import history
 
-    if forget is not None:
+    if progress and trainee is None:
+        raise click.UsageError("--progress says whose: add --trainee NAME")
+    if csv_path is not None or progress:
+        from trainer.debrief import progress_words
+
+        if csv_path is not None:
+            progress_words.write_class(csv_path, trainee)
+        if progress and trainee is not None:
+            progress_words.print_progress(trainee)
+    elif forget is not None:
         history.print_forgotten(places, forget)
     elif trainee is not None:
         history.print_history(places, trainee, as_json=as_json)

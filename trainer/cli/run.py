@@ -1,4 +1,8 @@
-"""Commands that take a boat to sea, attach to its session, and serve its pages."""
+"""The commands that take a boat to sea, and attach to its session.
+
+``trainer run`` on a terminal starts a session in a process of its own and shows its console
+(``console/own_session``); headless, or without a terminal, it runs the session itself.
+"""
 
 import math
 import socket
@@ -46,6 +50,7 @@ STATION_ROLES = (
     "observer",
     "visitor",
     "scope",
+    "trainee",
 )  # see stations.roles
 
 
@@ -59,6 +64,7 @@ STATION_ROLES = (
 @rerun_options
 @port_options(listen=None, socket=None)
 @web_run_options
+@click.option("--train", is_flag=True, help="Train alone: nothing hidden is told, lessons lead.")
 @teletype_option
 def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
@@ -68,13 +74,14 @@ def run(*, teletype: bool, **options: Any) -> None:
 
     \b
     Example:  trainer run
-              trainer run periscope-depth
+              trainer run periscope-depth --train
               trainer run --web
               trainer run --headless --duration 1h --speed max --csv out.csv
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
-    On a terminal you see the instructor's console; F1 shows its help. Without any option you first
-    choose an exercise; Enter alone sails freely. You may type orders at any time.
+    On a terminal you see the instructor's console; F1 shows its help. Without any option you are
+    first asked whether you train or instruct. Who trains (--train) works the boat alone, led by
+    lessons, and is told nothing that is to be found out. You may type orders at any time.
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat or
     the exercise is lost, or the recording failed, 2 wrong input.
     """
@@ -132,7 +139,9 @@ def set_out(
     if address:
         asked = replace(without_console(asked), listen=address, token=(word,), until_left=True)
     elif not (teletype or elsewhere) and has_terminal():
-        sys.exit(on_screen(asked, asked if asked.given else choose(asked), begin))
+        sys.exit(
+            on_screen(asked, choose(asked) if asked.given <= {"train", "trainee"} else asked, begin)
+        )
     begin(asked)
 
 
@@ -140,28 +149,42 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
     """Begin a session and show its console here; return the exit code."""
     from trainer.console import own_session
 
+    role = "trainee" if chosen.train else "instructor"
+
     def serve_at(where: str) -> NoReturn:
-        begin(replace(without_console(chosen), socket=where, until_left=True))
+        begin(replace(without_console(trained(chosen)), socket=where, until_left=True))
 
     from trainer.session.stations.roles import ANY_ROLE, read_tokens
 
     tokens = read_tokens(chosen.token)
-    token = tokens.get("instructor", tokens.get(ANY_ROLE))
+    token = tokens.get(role, tokens.get(ANY_ROLE))
     if own_session.can_fork():
-        return own_session.sail(serve_at, chosen.socket, token)
+        return own_session.sail(serve_at, chosen.socket, token, role)
     begun = [chosen.exercise] if chosen.exercise and not asked.exercise else []
-    return own_session.sail_beside([*sys.argv[1:], *begun], token)
+    begun += ["--frozen"] if trained(chosen).frozen and not asked.frozen else []
+    return own_session.sail_beside([*sys.argv[1:], *begun], token, role)
 
 
 def choose(asked: RunOptions) -> RunOptions:
     """Return the options with an exercise chosen at the terminal. End without a choice."""
-    from trainer.config.course import course
-    from trainer.console.exercise_choice import choose_exercise
+    from trainer.config.course import course, lessons
+    from trainer.config.progress import read_progress
+    from trainer.console.exercise_choice import I_TRAIN, ask_side, choose_exercise
 
-    chosen = choose_exercise(course())
+    side = I_TRAIN if asked.train else ask_side()
+    trains = side == I_TRAIN
+    offered = [*lessons(), *course()] if trains else course()
+    progress = read_progress(asked.trainee[0]) if asked.trainee else None
+    chosen = side and choose_exercise(offered, trains=trains, progress=progress)
     if chosen is None:
         sys.exit(0)
+    asked = replace(asked, train=trains)
     return replace(asked, exercise=chosen, given=frozenset({"exercise"})) if chosen else asked
+
+
+def trained(asked: RunOptions) -> RunOptions:
+    """Return the options of a session for who trains: an exercise waits for his "run"."""
+    return replace(asked, frozen=asked.frozen or bool(asked.train and asked.exercise))
 
 
 def take_to_sea(options: RunOptions) -> NoReturn:
@@ -203,13 +226,13 @@ def debriefing() -> "DebriefSource":
         lines += [f"cost most: {each.told}" for each in debrief.costs]
         times += [None if each.tick is None else each.tick * debrief.step for each in debrief.costs]
         if card.verdict is None:
-            return Judgement("", card.total, tuple(lines), uncounted, tuple(times))
+            return Judgement("", card.total, tuple(lines), uncounted, tuple(times), debrief.aids)
         if card.verdict.reason:
             end = float(debrief.trajectory.seconds[-1])  # a loss ends the exercise
             lines = [card.verdict.reason, *lines]
             times = [end if card.verdict.outcome == "lost" else None, *times]
         outcome = card.verdict.outcome
-        return Judgement(outcome, card.total, tuple(lines), uncounted, tuple(times))
+        return Judgement(outcome, card.total, tuple(lines), uncounted, tuple(times), debrief.aids)
 
     def write(path: Path, branch: int) -> Path:
         from trainer.debrief.page import DebriefRequest, debrief_file, default_page_path
@@ -217,7 +240,9 @@ def debriefing() -> "DebriefSource":
         debrief_file(path, None, None, DebriefRequest(branch))
         return default_page_path(path, branch)
 
-    return DebriefSource(judge, write)
+    return DebriefSource(
+        judge, write, ("-m", "trainer.debrief.evaluator"), ("-m", "trainer.debrief.progress")
+    )
 
 
 @click.command()

@@ -1,4 +1,9 @@
-"""The command that prints JSON Schemas of files, for editors."""
+"""The command ``trainer schema``: JSON Schemas by which editors check files.
+
+A schema is made by the module that reads the kind of file, in a function of its name
+(``vessel_schema``). The module is imported when its schema is asked for, because some take long to
+load.
+"""
 
 import json
 from importlib import import_module
@@ -16,6 +21,7 @@ SCHEMA_MODULES: Final = {  # the module that makes the schema of a kind of file
     "study": "analysis.sweep.study",
     "identification": "identify.record.study",
     "ship": "config.ship",
+    "case": "config.check_case",
 }
 
 

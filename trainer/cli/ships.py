@@ -1,4 +1,8 @@
-"""Ships that are not linear, for the commands that identify and sail them."""
+"""What the commands ``identify`` and ``manoeuvre`` do with ships that are not linear.
+
+Both commands take a boat or such a ship as the same argument; they ask ``is_ship``, and leave a
+ship to this module.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -74,9 +78,7 @@ def sensors_asked(options: dict[str, Any]) -> "Sensors":
     from trainer.config.sensors import Sensors
 
     return Sensors(
-        sway_kn=options["sway"],
-        yaw_rate_deg_s=options["yaw_rate"],
-        heading_deg=options["heading"],
+        sway_kn=options["sway"], yaw_rate_deg_s=options["yaw_rate"], heading_deg=options["heading"]
     )
 
 
@@ -108,3 +110,24 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         write_text(options["html"], page.sheet(result))
     show_report(result.report, page.render, lambda: page.panels(result), options)
     return 0 if result.report.settled else 1
+
+
+def print_figures(vessel: str, *, as_json: bool) -> None:
+    """Print the published figures of a ship beside ours; UsageError for options of boats."""
+    boats = [f"--{option}" for option in options_given() if option not in ("vessel", "as_json")]
+    if boats:
+        raise click.UsageError(
+            f"{vessel} is a ship, and {', '.join(sorted(boats))} of boats' guides"
+        )
+    from trainer.analysis.guide.trials import load_published
+    from trainer.boat import compilation
+    from trainer.cli.answers import json_of
+    from trainer.config.ship import load_ship
+    from trainer.identify.ships import published
+
+    ship = load_ship(path_of(vessel))
+    figures = load_published(published.figures_path(ship))
+    with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
+        compared = published.compare_ship(ship, figures)
+    text = published.render(ship, figures, compared)
+    click.echo(json_of(list(published.figures_of(compared))) if as_json else text)

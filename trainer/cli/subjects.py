@@ -1,4 +1,7 @@
-"""The subject of a study: what makes its members and flies them."""
+"""Which program makes and flies the members of a study, by the study's kind.
+
+Sweeps (``analysis``) know no identification, which stands above them. So the choice is made here.
+"""
 
 from collections.abc import Callable, Mapping
 from typing import Final

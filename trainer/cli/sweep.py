@@ -1,4 +1,8 @@
-"""The command ``trainer sweep``: a study of many members."""
+"""The command ``trainer sweep``: a study of many members.
+
+``analysis/sweep`` flies the members, each a run of the study; here options are read and progress is
+shown.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -51,11 +55,7 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
     if member is not None:
         _show_member(open_job(job), job, member, as_json=options["as_json"])
         return
-    from trainer.analysis.sweep.report import (
-        panels,
-        render,
-        report_of,
-    )
+    from trainer.analysis.sweep.report import panels, render, report_of
     from trainer.analysis.sweep.results import check_pyarrow
 
     check_pyarrow()
@@ -69,12 +69,7 @@ def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Fly the members and return a table of pyarrow; show progress on a terminal."""
     from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.sweep.job import open_job
-    from trainer.analysis.sweep.sweep import (
-        RESUME_NOTE,
-        carry_out,
-        cluster_crew,
-        process_crew,
-    )
+    from trainer.analysis.sweep.sweep import RESUME_NOTE, carry_out, cluster_crew, process_crew
 
     crew = process_crew(options["jobs"] or processor_count())
     if options["scheduler"] is not None:

@@ -1,4 +1,8 @@
-"""Commands that examine a vessel file, and that find its compact set."""
+"""The commands that examine a vessel file, and that find its compact set of coefficients.
+
+``main`` has them: ``vessel``, ``check``, ``gains``, ``reduce``, ``sea`` and ``evaluate``. The
+figures come from ``analysis``; here options are read and answers shown.
+"""
 
 import sys
 from dataclasses import asdict
@@ -30,9 +34,7 @@ def vessel() -> None:
 
 @vessel.command()
 @click.argument("file", type=TOML_FILE)
-@click.option(
-    "--from", "source", type=VESSEL_NAME, default="bb2", show_default=True, help=VESSEL_HELP
-)
+@click.option("--from", "source", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP)
 @click.option(
     "--length",
     type=Number(0.3, 400.0),
@@ -57,22 +59,33 @@ def new(file: Path, source: str, length: float | None, name: str | None) -> None
 @click.command()
 @click.argument("vessel", type=VESSEL_NAME)
 @method_options
-def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -> None:
+@click.option("--wide", is_flag=True, help="Beyond the coefficients' range and at the surface too.")
+def evaluate(
+    vessel: str, equations: str | None, rates: str | None, trig: str, *, wide: bool
+) -> None:
     """Accelerations for states read as JSON lines: the check interface.
 
     \b
     Example:  trainer evaluate bb2 --equations full --rates exact < states.jsonl
+              trainer evaluate bb2 --wide < states.jsonl
 
     Each line of input is an object with u v w p q r phi theta psi delta_r delta_s delta_b u_c
     (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
-    the twelve rates.
+    the twelve rates. Without --wide they are the equations of 1969 alone, in deep water, whatever
+    the state is. With it any state may be given, going astern, at any attitude or surfaced: each
+    line has z as well, and the water is calm.
     """
     from trainer.analysis.programs.evaluate import evaluate_lines as rates_of
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     for line in rates_of(
-        file, equations or file.own_equations, rates or "exact", trig, sys.stdin or ()
+        file,
+        equations or file.own_equations,
+        rates or "exact",
+        trig,
+        sys.stdin or (),
+        wide=wide,
     ):
         click.echo(line)
 
@@ -135,9 +148,7 @@ def gains(vessel: str) -> None:
 
 @click.command()
 @click.argument("name", type=SEA_NAME, metavar="SEA")
-@click.option(
-    "--vessel", type=VESSEL_NAME, default="bb2", show_default=True, help="The boat in it."
-)
+@click.option("--vessel", type=VESSEL_NAME, default="bb2", help="The boat in it.")
 @click.option(
     "--depth",
     "depths",

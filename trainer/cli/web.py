@@ -1,15 +1,15 @@
-"""The command that serves the pages of a session."""
+"""The command ``trainer web``: it serves the pages of a session that runs already.
+
+``run`` starts the same server for a session of its own, by this command with ``--owner``. The
+libraries of the server are an extra, so they are looked for before anything starts.
+"""
 
 from pathlib import Path
 from typing import Final
 
 import click
 
-from trainer.cli.options import (
-    WEB_ADDRESS,
-    certificate_options,
-    connect_option,
-)
+from trainer.cli.options import WEB_ADDRESS, certificate_options, connect_option
 from trainer.config.extras import require_library
 
 PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries of the extra
@@ -21,12 +21,17 @@ PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries
     "--web",
     "address",
     default=WEB_ADDRESS,
-    show_default=True,
     metavar="HOST:PORT",
     help="Where the pages are; beyond this machine only for a session with --token.",
 )
 @certificate_options
-@click.option("--open/--no-open", "opens", default=True, help="Open them in a browser here.")
+@click.option(
+    "--open/--no-open",
+    "opens",
+    default=True,
+    show_default=False,
+    help="Open them in a browser here.",
+)
 # A session that begins the pages itself passes them the number of its listening socket.
 @click.option("--owner", type=int, hidden=True)
 def web(

@@ -1,6 +1,8 @@
 """The table [ballast] of a vessel file: its keys, and whether they fit together.
 
-Units are those of the file. Every boat has the same named places; one that it lacks is left out.
+``vessel`` reads it, and ``boat/assemble`` fits the tanks. Every boat has the same named places
+(tanks, air bank, pumps), because the core's record has them; a file leaves out those that its boat
+lacks. Units are those of the file.
 """
 
 from dataclasses import dataclass
@@ -13,7 +15,6 @@ from trainer.config.schema import (
     Rows,
     Table,
     required,
-    tables_of,
     within,
 )
 from trainer.core.ballast.tanks import (
@@ -35,17 +36,17 @@ def _centre() -> Any:
 
 def _volume(meaning: str) -> Any:
     """Return a volume [m3]."""
-    return required(Quantity("m3", within(1e-7, 1e5), meaning))
+    return required("m3", within(1e-7, 1e5), meaning)
 
 
 def _share(meaning: str) -> Any:
     """Return a filling [-]."""
-    return required(Quantity("-", within(0, 1), meaning))
+    return required("-", within(0, 1), meaning)
 
 
 def _area(unit: str, meaning: str) -> Any:
     """Return an effective area [unit], discharge coefficient included."""
-    return required(Quantity(unit, within(0, 1e6), f"effective area of {meaning}"))
+    return required(unit, within(0, 1e6), f"effective area of {meaning}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +56,7 @@ class BlownTank:
     name: str = required(Choice(BLOWN_TANKS, "which"))
     capacity_m3: float = _volume("what it holds")
     centre_m: tuple[float, float, float] = _centre()
-    height_m: float = required(Quantity("m", within(1e-3, 50), "flood port to vent"))
+    height_m: float = required("m", within(1e-3, 50), "flood port to vent")
     start_fill: float = _share("filling at which weight and cg of [vessel] hold")
     flood_port_m2: float = _area("m2", "its flood ports")
     vent_cm2: float = _area("cm2", "its vent")
@@ -88,52 +89,42 @@ class Bank:
 
     name: str = required(Choice(BANKS, "which"))
     volume_m3: float = _volume("of its bottles")
-    pressure_mpa: float = required(
-        Quantity("MPa", within(0, 100), "absolute pressure at the start")
-    )
+    pressure_mpa: float = required("MPa", within(0, 100), "absolute pressure at the start")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Air:
     """The air itself, and what compresses it."""
 
-    temperature_c: float = required(Quantity("degC", within(-5, 40), "of the air throughout"))
-    compressor_kg_s: float = required(Quantity("kg/s", within(0, 100), "charging rate; 0: none"))
+    temperature_c: float = required("degC", within(-5, 40), "of the air throughout")
+    compressor_kg_s: float = required("kg/s", within(0, 100), "charging rate; 0: none")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pumps:
     """Rates of the pumps."""
 
-    trim_kg_s: float = required(Quantity("kg/s", within(0, 1e4), "trim transfer, either way"))
-    drain_kg_s: float = required(Quantity("kg/s", within(0, 1e4), "trim-and-drain, at the surface"))
-    depth_control_kg_s: float = required(
-        Quantity("kg/s", within(0, 1e4), "depth control, likewise")
-    )
-    shutoff_depth_m: float = required(
-        Quantity("m", within(0.1, 12000), "deepest they pump out against")
-    )
+    trim_kg_s: float = required("kg/s", within(0, 1e4), "trim transfer, either way")
+    drain_kg_s: float = required("kg/s", within(0, 1e4), "trim-and-drain, at the surface")
+    depth_control_kg_s: float = required("kg/s", within(0, 1e4), "depth control, likewise")
+    shutoff_depth_m: float = required("m", within(0.1, 12000), "deepest they pump out against")
 
 
 @dataclass(frozen=True, kw_only=True)
 class HoverControl:
     """The law by which the depth-control tank keeps depth by itself."""
 
-    frequency_rad_s: float = required(Quantity("rad/s", within(1e-4, 1), "natural frequency"))
-    depth_rate_m_s: float = required(
-        Quantity("m/s", within(1e-4, 10), "largest depth rate it asks for")
-    )
+    frequency_rad_s: float = required("rad/s", within(1e-4, 1), "natural frequency")
+    depth_rate_m_s: float = required("m/s", within(1e-4, 10), "largest depth rate it asks for")
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullBuoyancy:
     """The change of the hull's buoyancy with depth; all numbers may be 0."""
 
-    compressibility_kg_m: float = required(
-        Quantity("kg/m", within(0, 1e5), "buoyancy lost with depth")
-    )
+    compressibility_kg_m: float = required("kg/m", within(0, 1e5), "buoyancy lost with depth")
     reference_depth_m: float = required(
-        Quantity("m", within(0, 12000), "where the buoyancy of [vessel] holds")
+        "m", within(0, 12000), "where the buoyancy of [vessel] holds"
     )
     layer_depth_m: tuple[float, ...] = required(
         Quantities(
@@ -199,21 +190,3 @@ def ballast_remarks(ballast: Ballast, displaced: float) -> list[str]:
         for row in ballast.pumped
         if row.name.startswith("trim") and row.capacity_m3 < least
     ]
-
-
-BALLAST_RECORDS: Final = {
-    "ballast": Ballast,
-    "[ballast.blown]": BlownTank,
-    "[ballast.pumped]": PumpedTank,
-    "[ballast.compartments]": Compartment,
-    "[ballast.banks]": Bank,
-    "ballast.air": Air,
-    "ballast.pumps": Pumps,
-    "ballast.hover": HoverControl,
-    "ballast.sea": HullBuoyancy,
-}
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/ballast.md shows them."""
-    return tables_of(BALLAST_RECORDS)

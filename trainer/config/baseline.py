@@ -16,15 +16,11 @@ from trainer.config.schema import Choice, Quantity, Text, read_record, required,
 
 BASELINE_SCHEMA: Final = "baseline/1"
 BASELINE_SUFFIX: Final = ".baseline.toml"  # ends the name of its file; no run depends on it
+# fmt: off
 UNFLOWN_KEYS: Final = (
-    "name",
-    "lesson",
-    "briefing",
-    "instructor",
-    "stated",
-    "note",
-    "visitors",
+    "name", "lesson", "briefing", "instructor", "stated", "note", "visitors",
 )  # keys that fly nothing
+# fmt: on
 MARK_QUANTITY: Final = Quantity("%", within(0, 100), "marks")
 
 
@@ -35,8 +31,8 @@ class BaselineHeading:
     schema: str = required(Choice((BASELINE_SCHEMA,), "form of the file"))
     exercise: str = required(Text(64, "digest of what the exercise flies and judges"))
     core: str = required(Text(80, "digest of the core"))
-    seed: float = required(Quantity("-", within(0, 1e15), "of the marks"))
-    seeds: float = required(Quantity("-", within(1, 1e4), "flown for mean and deviation"))
+    seed: float = required("-", within(0, 1e15), "of the marks")
+    seeds: float = required("-", within(1, 1e4), "flown for mean and deviation")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,9 +42,7 @@ class Totals:
     total: float = required(MARK_QUANTITY)
     outcome: str = required(Text(40, "won, lost or not reached, at the exercise's seed"))
     mean: float = required(MARK_QUANTITY)
-    deviation: float = required(
-        Quantity("%", within(0, 100), "standard deviation by the sea alone")
-    )
+    deviation: float = required("%", within(0, 100), "standard deviation by the sea alone")
     least: float = required(MARK_QUANTITY)
 
 

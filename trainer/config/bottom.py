@@ -1,9 +1,13 @@
-"""The ground as an exercise's table [bottom] has it: flat, a slope or a grid."""
+"""The ground of an exercise, table [bottom]: flat, a slope or a grid.
+
+``boat/world/bottom`` takes its depth and slope under the boat. ``soundings`` reads the grids. A
+slope becomes a grid of one cell, so that all who ask for a depth have one form to read.
+"""
 
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -35,11 +39,11 @@ class BottomTable:
     """The table [bottom] as it stands in the file."""
 
     depth_m: float | None = optional(
-        Quantity("m", above(0, 12000), "of the water over a plane, at the exercise's origin")
+        "m", above(0, 12000), "of the water over a plane, at the exercise's origin"
     )
-    slope_percent: float | None = optional(Quantity("%", within(0, 100), "of that plane; else 0"))
+    slope_percent: float | None = optional("%", within(0, 100), "of that plane; else 0")
     deepens_deg: float | None = optional(
-        Quantity("deg", within(0, 360), "direction in which it falls away, clockwise from north")
+        "deg", within(0, 360), "direction in which it falls away, clockwise from north"
     )
     grid: str | None = optional(
         Text(200, "path of an ESRI ASCII grid or GeoTIFF, instead of depth_m")
@@ -54,9 +58,7 @@ class BottomTable:
             2,
         )
     )
-    tide_m: float = with_default(
-        0.0, Quantity("m", within(-20, 20), "water over the depths charted")
-    )
+    tide_m: float = with_default(0.0, "m", within(-20, 20), "water over the depths charted")
     kind: str = with_default(
         "sand", Choice(tuple(FRICTION_BY_KIND), "friction 0.3, 0.4 or 0.6; else sand")
     )
@@ -66,7 +68,7 @@ class BottomTable:
     )
     bottoming: bool | None = optional(Flag("the boat is to be laid down on it; else false"))
     breakout_t: float = with_default(
-        0.0, Quantity("t", within(0, 1000), "lift that mud holds a boat with; else 0")
+        0.0, "t", within(0, 1000), "lift that mud holds a boat with; else 0"
     )
 
 
@@ -170,12 +172,17 @@ def land_near(bottom: Bottom, north: float, east: float) -> float:
 
 def is_charted(bottom: Bottom, north: float, east: float) -> bool:
     """Return whether a place is on the grid. A plane has no end, so every place is."""
-    if bottom.known is None:
-        return True
+    return bool(charted_at(bottom, north, east))
+
+
+def charted_at(bottom: Bottom, north: Any, east: Any) -> Any:
+    """Return whether places [m], numbers or arrays, are on the grid."""
     grid = bottom.known
+    if grid is None:
+        return north == north  # noqa: PLR0124  each is
     rows, columns = grid.values.shape
     i, j = (north - grid.south) / grid.cell[0], (east - grid.west) / grid.cell[1]
-    return bool(0.0 <= i <= rows - 1 and 0.0 <= j <= columns - 1)
+    return (i >= 0.0) & (i <= rows - 1) & (j >= 0.0) & (j <= columns - 1)
 
 
 def depths_at(bottom: Bottom, north: Numbers, east: Numbers) -> Numbers:

@@ -1,7 +1,8 @@
 """Tables of casualties: what can break, how badly and how fast.
 
-One table is shipped, and users write their own. An entry of a user's table is completed by the
-shipped entry of its kind. The meaning and limits of a severity depend on the kind.
+Exercises name them, and ``boat/casualties`` puts them into the state. One table is shipped, and
+users write their own. An entry of a user's table is completed by the shipped entry of its kind. The
+meaning and limits of a severity depend on the kind.
 """
 
 import math
@@ -26,10 +27,8 @@ from trainer.config.files import (
 from trainer.config.schema import (
     KeyForm,
     NumberLimits,
-    Quantity,
     Text,
     above,
-    key_rows,
     optional,
     read_record,
     required,
@@ -54,15 +53,11 @@ HEADING_FIELDS: Final[Mapping[str, FieldKind]] = {
 KNOWN_KEYS: Final = (*HEADING_FIELDS, "casualty")
 STANDARD_LIST: Final = "standard"
 CASUALTY_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
+# fmt: off
 PARAMETER_KEYS: Final = (
-    "hole_m2",
-    "noise_m",
-    "noise_deg",
-    "noise_kn",
-    "bias_m",
-    "bias_deg",
-    "bias_kn",
+    "hole_m2", "noise_m", "noise_deg", "noise_kn", "bias_m", "bias_deg", "bias_kn",
 )
+# fmt: on
 
 
 @dataclass(frozen=True)
@@ -158,19 +153,19 @@ class CasualtyEntry:
     """One casualty as its table says it, in the table's units."""
 
     kind: str = required(KindWord())
-    severity: float = required(Quantity("-", within(-10, 10), "unless ordered otherwise"))
-    ramp_s: float = required(Quantity("s", within(0, 3600), "time to come on"))
-    clear_ramp_s: float = required(Quantity("s", within(0, 3600), "time to go when cleared"))
+    severity: float = required("-", within(-10, 10), "unless ordered otherwise")
+    ramp_s: float = required("s", within(0, 3600), "time to come on")
+    clear_ramp_s: float = required("s", within(0, 3600), "time to go when cleared")
     description: str = required(Text(75, "for the list"))
-    hole_m2: float | None = optional(Quantity("m2", above(0, 10), "flooding, leak: the hole"))
-    noise_m: float | None = optional(Quantity("m", above(0, 1000), "depth-gauge, sounder: noisy"))
-    noise_deg: float | None = optional(Quantity("deg", above(0, 180), "gyro-noisy"))
-    noise_kn: float | None = optional(Quantity("kn", above(0, 50), "log-noisy"))
+    hole_m2: float | None = optional("m2", above(0, 10), "flooding, leak: the hole")
+    noise_m: float | None = optional("m", above(0, 1000), "depth-gauge, sounder: noisy")
+    noise_deg: float | None = optional("deg", above(0, 180), "gyro-noisy")
+    noise_kn: float | None = optional("kn", above(0, 50), "log-noisy")
     bias_m: float | None = optional(
-        Quantity("m", within(-1000, 1000), "depth-gauge, sounder: reads so much more")
+        "m", within(-1000, 1000), "depth-gauge, sounder: reads so much more"
     )
-    bias_deg: float | None = optional(Quantity("deg", within(-180, 180), "gyro-biased"))
-    bias_kn: float | None = optional(Quantity("kn", within(-50, 50), "log-biased"))
+    bias_deg: float | None = optional("deg", within(-180, 180), "gyro-biased")
+    bias_kn: float | None = optional("kn", within(-50, 50), "log-biased")
 
 
 @dataclass(frozen=True)
@@ -194,6 +189,16 @@ class Casualty:
     def measure(self) -> SeverityMeasure:
         """Return what its severity is."""
         return SEVERITY_MEASURES[self.kind]
+
+
+def clause_of(description: str) -> str:
+    """Return what happens as a clause, with ``{0}`` where an amount stands.
+
+    "The stern planes run to this angle and jam: 1 full rise" is "the stern planes run to {0} and
+    jam".
+    """
+    says, _, _ = description.partition(": 1 ")
+    return (says[:1].lower() + says[1:]).replace("this angle", "{0}")
 
 
 def load_casualties(*paths: str) -> Mapping[str, Casualty]:
@@ -319,18 +324,3 @@ def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
         }
         for entry in casualties.values()
     ]
-
-
-def key_table() -> str:
-    """Return the Markdown table of every key, as docs/casualties.md shows it."""
-    return "\n".join(key_rows(CasualtyEntry, "casualty.NAME")) + "\n"
-
-
-def kind_table() -> str:
-    """Return the Markdown table of every kind, as docs/casualties.md shows it."""
-    rows = ["| kind | severity | is |", "|---|---|---|"]
-    for kind in KINDS:
-        measure = SEVERITY_MEASURES[kind]
-        limits = "1" if measure.sudden else str(measure.limits)
-        rows.append(f"| `{kind}` | {limits} | {measure.meaning} |")
-    return "\n".join(rows) + "\n"

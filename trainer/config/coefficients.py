@@ -1,15 +1,13 @@
-"""The coefficients of a boat, read from its vessel file."""
+"""The coefficients of a boat, read from the table [coefficients] of its vessel file.
+
+``vessel`` reads a file's table by it. They are those of Report 2510, dimensionless. Names are
+checked against the core's table of terms, so that a misspelt one is refused with the nearest that
+exists.
+"""
 
 from collections.abc import Mapping
 
-from trainer.config.files import (
-    ConfigError,
-    Place,
-    as_table,
-    collecting,
-    nearest,
-    raise_problems,
-)
+from trainer.config.files import ConfigError, Place, as_table, collecting, nearest, raise_problems
 from trainer.config.schema import Quantity, within
 from trainer.core.terms import COEFFICIENTS, LENGTH_POWERS
 
@@ -47,8 +45,7 @@ def _coefficient(key: str, value: object, place: Place, known: list[str]) -> flo
 
 
 def _flatten(
-    table: Mapping[str, object],
-    place: Place,
+    table: Mapping[str, object], place: Place
 ) -> tuple[list[tuple[str, str, object]], list[str]]:
     """Return (axis or '', key, value) of each entry, and what is wrong with the axes."""
     entries: list[tuple[str, str, object]] = []
@@ -65,9 +62,7 @@ def _flatten(
 
 
 def read_compensation(
-    table: object,
-    place: Place,
-    extra: tuple[str, ...],
+    table: object, place: Place, extra: tuple[str, ...]
 ) -> dict[str, dict[str, float]]:
     """Return factor [-] by coefficient for each compact equation set; ConfigError with all faults.
 

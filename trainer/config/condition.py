@@ -1,6 +1,7 @@
 """The quantities of the state that a condition may name, and their units.
 
-``derived`` reads conditions such as ``depth > 100`` and ``speed_kn < 4``.
+Triggers, marks and crew rules have conditions such as ``depth > 100`` and ``speed_kn < 4``.
+``derived`` reads them, and adds quantities that are made from several of these.
 """
 
 import math

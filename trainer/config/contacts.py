@@ -1,13 +1,15 @@
 """The ships of an exercise (``[[contact]]``), their types, and the rules for encounters.
 
-A type has the sizes of one usual ship of its kind, and is no particular ship. The table
-``[contacts]`` has the rules.
+``world`` reads them with the other tables of an exercise, and ``boat/world/contacts`` moves the
+ships. A type has the sizes of one usual ship of its kind, so that an author need not look them up.
+The table ``[contacts]`` has the rules: when an encounter is called, what a collision does.
 """
 
 import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -68,6 +70,11 @@ class ShipType:
     ais: int
     small: bool = False  # it carries a transponder of class B
     status: str = "under way"  # as such a ship usually is
+
+    @cached_property
+    def half_diagonal(self) -> float:
+        """Return the distance [m] of its corners from its middle, seen from above."""
+        return 0.5 * math.hypot(self.length, self.beam)
 
     @property
     def turn(self) -> float:
@@ -158,12 +165,10 @@ class ContactRow:
     )
     speed_kn: float | tuple[float, ...] | None = optional(LegSpeeds(GROUND_SPEED))
     course_deg: float | None = optional(
-        Quantity("deg", within(0, 360), "with one point: how it lies or goes; else north")
+        "deg", within(0, 360), "with one point: how it lies or goes; else north"
     )
     starts_s: float | None = optional(
-        Quantity(
-            "s", within(0, MAX_TIME_S), "lies until then; else it has its speed from the start"
-        )
+        "s", within(0, MAX_TIME_S), "lies until then; else it has its speed from the start"
     )
     status: str | None = optional(
         Choice(
@@ -204,10 +209,8 @@ class Contact:
     @property
     def speeds(self) -> tuple[float, ...]:
         """Return the speed [m/s] on each leg; one for a ship with one point."""
-        stated_speed = self.row.speed_kn or 0.0
-        leg_speeds = (
-            stated_speed if isinstance(stated_speed, tuple) else (stated_speed,) * self.legs
-        )
+        stated = self.row.speed_kn or 0.0
+        leg_speeds = stated if isinstance(stated, tuple) else (stated,) * self.legs
         return tuple(speed * KNOT for speed in leg_speeds)
 
     @property
@@ -231,10 +234,12 @@ class Encounters:
 
     cpa_m: float = with_default(
         500.0,
-        Quantity("m", within(1, 20_000), "closest approach below which it is called; else 500"),
+        "m",
+        within(1, 20_000),
+        "closest approach below which it is called; else 500",
     )
     warn_s: float = with_default(
-        600.0, Quantity("s", within(1, 3600), "called when it is less far ahead; else 600")
+        600.0, "s", within(1, 3600), "called when it is less far ahead; else 600"
     )
     collision: str = with_default(
         "freeze", Choice(("freeze", "end", "call"), "what a collision does; else freeze")
@@ -246,7 +251,6 @@ class Encounters:
 
 
 CONTACT_ROWS: Final = Rows(ContactRow, ("note",), 0, MAX_CONTACTS, "ships near, below")
-CONTACT_RECORDS: Final[Mapping[str, type[Any]]] = {"[contact]": ContactRow, "contacts": Encounters}
 
 
 def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...]:

@@ -1,10 +1,21 @@
-"""The shipped exercises in the order in which a crew learns: the first lesson first."""
+"""The shipped exercises in the order in which a crew learns: the first lesson first.
+
+``trainer exercises``, the console's list, the pages and the order ``next`` all follow it. The order
+is that of the key ``lesson`` in the files, so that an exercise brings its own place.
+"""
 
 import math
 from typing import Final, NamedTuple
 
-from trainer.config.files import parse_toml, read_text, shipped_names, shipped_path
+from trainer.config.files import (
+    LESSONS_FOLDER,
+    parse_toml,
+    read_text,
+    shipped_names,
+    shipped_path,
+)
 
+HAND_AXES: Final = 4  # all that a crew may have in hand
 STANDARD_VESSEL: Final = "bb2"  # the boat of an exercise that names none
 
 
@@ -18,6 +29,19 @@ class Lesson(NamedTuple):
     seconds: float | None = None  # its length, None where it has no end
     hand: tuple[str, ...] = ()  # what the crew works by hand
     vessel: str = STANDARD_VESSEL  # the boat
+    steps: int = 0  # that lead through it
+
+    @property
+    def length(self) -> str:
+        """Return how long it is, in minutes, in steps without an end by the clock."""
+        if self.seconds is None:
+            return f"{self.steps} steps" if self.steps else ""
+        return f"{self.seconds / 60.0:.0f} min"
+
+    @property
+    def in_hand(self) -> str:
+        """Return what is worked by hand, in words."""
+        return "all" if len(self.hand) == HAND_AXES else ", ".join(self.hand)
 
 
 def course() -> list[Lesson]:
@@ -26,6 +50,11 @@ def course() -> list[Lesson]:
     The files are not checked, because the checks load the core, which takes long.
     """
     return sorted(lesson(name) for name in shipped_names("exercises"))
+
+
+def lessons() -> list[Lesson]:
+    """Return the shipped lessons that lead step by step, before the course; ConfigError."""
+    return sorted(lesson(name) for name in shipped_names(LESSONS_FOLDER))
 
 
 def lesson(name: str) -> Lesson:
@@ -42,4 +71,5 @@ def lesson(name: str) -> Lesson:
         seconds=None if length is None else float(length),
         hand=tuple(map(str, table.get("hand", ()))),
         vessel=str(table.get("vessel", STANDARD_VESSEL)),
+        steps=len(table.get("steps", ())),
     )

@@ -1,4 +1,7 @@
-"""A current of an exercise or a sea file: uniform, by depth, or a tide."""
+"""The current of an exercise or a sea file: uniform, by depth, or a tide.
+
+``boat/world/current`` moves the water by it at each tick. Speeds in the file are in knots.
+"""
 
 import itertools
 from collections.abc import Mapping
@@ -16,7 +19,6 @@ from trainer.config.schema import (
     read_record,
     record_schema,
     required,
-    tables_of,
     with_default,
     within,
 )
@@ -84,25 +86,25 @@ class Profile:
 class Tide:
     """A current that turns: its tip runs round an ellipse, about a mean that stays."""
 
-    major_kn: float = required(Quantity("kn", DRIFT_LIMITS_KN, "strongest"))
+    major_kn: float = required("kn", DRIFT_LIMITS_KN, "strongest")
     minor_kn: float = with_default(
-        0.0, Quantity("kn", within(-10, 10), "weakest; above 0 it turns clockwise, 0: to and fro")
+        0.0, "kn", within(-10, 10), "weakest; above 0 it turns clockwise, 0: to and fro"
     )
-    towards_deg: float = required(Quantity("deg", SET_LIMITS_DEG, "true, where the strongest sets"))
+    towards_deg: float = required("deg", SET_LIMITS_DEG, "true, where the strongest sets")
     period_h: float = with_default(
         LUNAR_TIDE_PERIOD_H,
-        Quantity("h", within(1, 1000), f"once round; else {LUNAR_TIDE_PERIOD_H:g}"),
+        "h",
+        within(1, 1000),
+        f"once round; else {LUNAR_TIDE_PERIOD_H:g}",
     )
     phase_h: float = with_default(
-        0.0, Quantity("h", within(-1000, 1000), "since the strongest at the start; else 0")
+        0.0, "h", within(-1000, 1000), "since the strongest at the start; else 0"
     )
     mean_set_deg: float | None = optional(
-        Quantity(
-            "deg", SET_LIMITS_DEG, "true, where the water goes to on the whole; with its drift"
-        )
+        "deg", SET_LIMITS_DEG, "true, where the water goes to on the whole; with its drift"
     )
     mean_drift_kn: float | None = optional(
-        Quantity("kn", DRIFT_LIMITS_KN, "what is left over a whole period; else nothing is")
+        "kn", DRIFT_LIMITS_KN, "what is left over a whole period; else nothing is"
     )
 
 
@@ -110,25 +112,18 @@ class Tide:
 class Current:
     """One of the forms, and how fast an order changes it. Sets are towards."""
 
-    set_deg: float | None = optional(
-        Quantity("deg", SET_LIMITS_DEG, "true, where the water goes to")
-    )
-    drift_kn: float | None = optional(Quantity("kn", DRIFT_LIMITS_KN, "its speed over ground"))
+    set_deg: float | None = optional("deg", SET_LIMITS_DEG, "true, where the water goes to")
+    drift_kn: float | None = optional("kn", DRIFT_LIMITS_KN, "its speed over ground")
     table: tuple[tuple[float, ...], ...] | None = optional(
         Profile("by depth: `[depth, set, drift]`, depths rising; straight between, ends held")
     )
     tide: Tide | None = optional(Table(Tide, "by time, below"))  # noqa: RUF009  (a frozen description)
     ramp_s: float = with_default(
         MIN_CHANGE_TIME_S,
-        Quantity(
-            "s",
-            within(MIN_CHANGE_TIME_S, 3600),
-            f"of an order's change; else {MIN_CHANGE_TIME_S:g}",
-        ),
+        "s",
+        within(MIN_CHANGE_TIME_S, 3600),
+        f"of an order's change; else {MIN_CHANGE_TIME_S:g}",
     )
-
-
-CURRENT_RECORDS: Final = {"current": Current, "current.tide": Tide}
 
 
 def read_current(value: object, place: Place, _path: Path) -> Current:
@@ -142,17 +137,15 @@ def read_current(value: object, place: Place, _path: Path) -> Current:
 def _problem(current: Current) -> str:
     """Return why the keys make no current, "" where they do."""
     keys = [item.name for item in fields(Current) if item.name != "ramp_s"]
-    present_keys = [key for key in keys if getattr(current, key) is not None]
-    forms = [name for name, own in CURRENT_FORMS.items() if any(key in present_keys for key in own)]
+    present = [key for key in keys if getattr(current, key) is not None]
+    forms = [name for name, own in CURRENT_FORMS.items() if any(key in present for key in own)]
     if len(forms) != 1:
-        have = f"has {', '.join(present_keys)}" if present_keys else "has none of them"
+        have = f"has {', '.join(present)}" if present else "has none of them"
         return f"{have}: give one of {', '.join(CURRENT_FORMS)}"
     (form,) = forms
-    lacking = [key for key in CURRENT_FORMS[form] if key not in present_keys]
+    lacking = [key for key in CURRENT_FORMS[form] if key not in present]
     if lacking:
-        return (
-            f"has {present_keys[0]} and lacks {lacking[0]}: give one of {', '.join(CURRENT_FORMS)}"
-        )
+        return f"has {present[0]} and lacks {lacking[0]}: give one of {', '.join(CURRENT_FORMS)}"
     return _tide_problem(current.tide) if current.tide else ""
 
 
@@ -169,11 +162,6 @@ def _tide_problem(tide: Tide) -> str:
         lacking = next(key for key in mean if key not in mean_keys)
         return f"tide has {mean_keys[0]} and lacks {lacking}: give both, or neither"
     return ""
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/world.md shows them."""
-    return tables_of(CURRENT_RECORDS)
 
 
 def current_schema() -> dict[str, Any]:

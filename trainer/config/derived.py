@@ -1,4 +1,8 @@
-"""Conditions of an exercise, on quantities of the state and on others made from it."""
+"""Conditions of an exercise, on quantities of the state and on others made from it.
+
+Casualties, reference crews, marks and plans have such conditions: one quantity is compared with a
+number, in a unit that its name may say (``speed_kn <= 4.5``).
+"""
 
 import re
 from collections.abc import Mapping
@@ -133,15 +137,6 @@ def _number(text: str, whole: str, place: Place) -> float:
         raise ConfigError(
             place.problem(f"condition {quote(whole)}: {quote(text)} is no number")
         ) from None
-
-
-def quantity_table() -> str:
-    """Return the Markdown table of every quantity, as docs/casualties.md shows it."""
-    rows = ["| quantity | units | is |", "|---|---|---|"]
-    rows += [
-        f"| `{name}` | {', '.join(q.units)} | {q.meaning} |" for name, q in STATE_QUANTITIES.items()
-    ]
-    return "\n".join(rows) + "\n"
 
 
 @dataclass(frozen=True, kw_only=True)

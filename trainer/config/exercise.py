@@ -1,6 +1,8 @@
 """Exercise files, checked when they are loaded.
 
-What a file leaves out is as in a run without an exercise.
+What a file leaves out is as in a run without an exercise. ``session/plan`` makes a run of an
+exercise, and a debrief judges the run by the same rules. All faults of a file are told at once, so
+that its author mends them in one go.
 """
 
 # long: one file format, with its tables and their readers
@@ -27,7 +29,7 @@ from trainer.config.files import (
     read_text,
     relative_name,
 )
-from trainer.config.reference_crew import CREW_TABLES, Crew, CrewRow, Helmsman, Planesman, read_crew
+from trainer.config.reference_crew import CREW_TABLES, Crew, read_crew
 from trainer.config.schema import (
     Choice,
     Choices,
@@ -41,15 +43,15 @@ from trainer.config.schema import (
     optional,
     read_record,
     required,
-    tables_of,
     within,
 )
-from trainer.config.score_rules import ScoreRow, ScoreRule, read_rules
+from trainer.config.score_rules import ScoreRule, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
 from trainer.config.sound_rows import Readers, sound_rows
-from trainer.config.stated import StatedRow, StatedValue, read_stated
+from trainer.config.stated import StatedValue, read_stated
+from trainer.config.steps import Step, read_steps
 from trainer.config.words import EQUATION_SETS
-from trainer.config.world import WORLD_READERS, WORLD_RECORDS, WorldTables, read_world
+from trainer.config.world import WORLD_READERS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import MAX_TIME_S, ScheduledOrder
 from trainer.io.orders.table import UNSCHEDULED_WORDS
@@ -60,7 +62,7 @@ AUTOMATIC_ORDERS_BY_AXIS: Final[Mapping[str, tuple[str, ...]]] = {
     "rudder": ("course", "course-by", "course-to", "rudder auto", "autopilot on"),
     "planes": ("depth", "periscope", "planes auto", "stern auto", "bow auto", "autopilot on"),
     "speed": ("speed", "autopilot on"),
-    "ballast": ("hover", "trim auto"),
+    "ballast": ("autopilot on", "hover", "trim auto"),
 }
 AUTOMATIC_ORDERS: Final = tuple(
     dict.fromkeys(name for names in AUTOMATIC_ORDERS_BY_AXIS.values() for name in names)
@@ -72,6 +74,7 @@ MANNED_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an o
     "speed": ("speed",),
     "pitch": ("planes", "ballast"),
 }
+AIDS: Final = ("ghost", "predictor")
 EXERCISE_TABLES: Final = (
     "initial",
     "sea",
@@ -80,6 +83,7 @@ EXERCISE_TABLES: Final = (
     "limits",
     "scores",
     "stated",
+    "steps",
     *CREW_TABLES,
     *WORLD_READERS,
 )
@@ -108,6 +112,9 @@ class ExerciseHeading:
     hand_from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "since when; else 0"))
     allowed: tuple[str, ...] | None = optional(
         Choices(AUTOMATIC_ORDERS, "automatic orders that are allowed all the same")
+    )
+    aids: tuple[str, ...] | None = optional(
+        Choices(AIDS, "aids that are allowed; else none with [[scores]], both without")
     )
     guard_depth_m: float | None = optional(
         Quantity("m", above(0, 12000), "before it the boat levels by itself, planes in hand")
@@ -196,25 +203,6 @@ class ExerciseLimits:
 ORDER_ROWS: Final = Rows(OrderRow, ("note",), 0, 500, "scheduled orders, below")
 CASUALTY_ROWS: Final = Rows(CasualtyRow, ("note",), 0, 20, "what breaks, below")
 
-EXERCISE_RECORDS: Final = {
-    "": ExerciseHeading,
-    "initial": StartState,
-    "[orders]": OrderRow,
-    "[casualties]": CasualtyRow,
-    "limits": ExerciseLimits,
-    "[scores]": ScoreRow,
-    **WORLD_RECORDS,
-    "[crew]": CrewRow,
-    "planesman": Planesman,
-    "helmsman": Helmsman,
-    "[stated]": StatedRow,
-}
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/exercises.md shows them."""
-    return tables_of(EXERCISE_RECORDS)
-
 
 KNOWN_KEYS: Final = (*(item.name for item in fields(ExerciseHeading)), "note", *EXERCISE_TABLES)
 
@@ -254,6 +242,14 @@ class Exercise:
     crew: Crew
     world: WorldTables
     stated: tuple[StatedValue, ...]
+    steps: tuple[Step, ...]
+
+    @property
+    def aids(self) -> tuple[str, ...]:
+        """Return the aids that are allowed."""
+        if self.heading.aids is not None:
+            return self.heading.aids
+        return () if self.scores else AIDS
 
     def schedule_of(self, seed: int) -> list[ScheduledOrder]:
         """Return the orders and timed casualties of a seed's run, in order of time."""
@@ -341,10 +337,10 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
             parts[name] = read_record(record, content, place.inside(name), ("note",))
     with collecting(problems):
         if "sea" in table:
-            parts["sea"] = _sea(table["sea"], path)
+            parts["sea"] = sea_given(table["sea"], path)
     timed: list[ScheduledOrder] = []
     with collecting(problems):
-        timed += _orders(table, place)
+        timed += read_orders(table, place)
     with collecting(problems):
         broken, parts["armed"], parts["drawn"] = _casualties(table, place, parts["casualties"])
         timed += broken
@@ -355,10 +351,15 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     with collecting(problems):
         parts["stated"] = read_stated(table, place)
     with collecting(problems):
+        parts["steps"] = read_steps(table, place)
+    with collecting(problems):
         parts["world"] = read_world(table, path)
     with collecting(problems):
         parts["lost"] = compile_losses(_texts(table, "lost"), place)
     problems += _unmanned(table, place)
+    if "ghost" in _texts(table, "aids") and not table.get("crew"):
+        message = "the ghost is the run of the reference crew, and there is no [[crew]]"
+        problems.append(place.wrong("aids", table["aids"], message))
     if _texts(table, "hand"):
         problems += _without_win(parts.get("scores", ()), place)
     raise_problems(problems)
@@ -398,7 +399,7 @@ def _without_win(rules: tuple[ScoreRule, ...], place: Place) -> list[str]:
     return [place.problem('[[scores]] have no part = "task": nothing wins this exercise')]
 
 
-def _sea(value: object, path: Path) -> SeaFile:
+def sea_given(value: object, path: Path) -> SeaFile:
     """Return a sea given by name or path, or as a table of its own."""
     if isinstance(value, str):
         return load_sea(relative_name(path, value))
@@ -406,7 +407,7 @@ def _sea(value: object, path: Path) -> SeaFile:
     return SeaFile(path=path, text="", name="the exercise's sea", sea=sea)
 
 
-def _orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrder]:
+def read_orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrder]:
     """Return the orders and their times; ConfigError with all that are not orders."""
     problems: list[str] = []
     orders = []

@@ -1,4 +1,7 @@
-"""Libraries that the plain install lacks, and the extra that brings each."""
+"""Libraries that the plain install lacks, and the extra of the package that brings each.
+
+Whatever needs such a library asks here first, so that its user reads what to install.
+"""
 
 from importlib.util import find_spec
 from typing import Final

@@ -1,7 +1,7 @@
 """JSON Schemas of the files that users write, made of the readers' own records.
 
-Editors complete keys and underline faults by them. Whether keys fit together is checked only by
-the readers.
+``trainer schema`` prints them. Editors complete keys and underline faults by them. Whether keys fit
+together is checked only by the readers.
 """
 
 from dataclasses import fields
@@ -26,6 +26,7 @@ from trainer.config.reference_crew import CREW_RULE_ROWS, Helmsman, Planesman
 from trainer.config.schema import describe_kind, file_schema, object_schema, record_schema
 from trainer.config.score_rules import SCORE_ROWS
 from trainer.config.stated import STATED_ROWS
+from trainer.config.steps import STEP_ROWS
 from trainer.config.world import WORLD_SCHEMAS
 from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 
@@ -113,6 +114,7 @@ def exercise_keys() -> dict[str, dict[str, Any]]:
         **{name: record_schema(record, ("note",)) for name, record in tables.items()},
         **{name: describe_kind(kind) for name, kind in rows.items()},
         "stated": describe_kind(STATED_ROWS),
+        "steps": describe_kind(STEP_ROWS),
         "sea": {"anyOf": [{"type": "string"}, sea_table_schema()]},
         **{name: schema() for name, schema in WORLD_SCHEMAS.items()},
     }

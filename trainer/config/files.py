@@ -26,7 +26,7 @@ MAX_FILE_BYTES = 1_000_000  # [byte]
 # tomllib takes minutes over one dotted key of a hundred thousand parts.
 MAX_LINE_LETTERS = 10_000  # [characters]
 MAX_QUOTED_LETTERS = 60  # [characters] of a value in a message
-MAX_PROBLEMS = 20  # problems of one file that are told
+MAX_PROBLEMS = 20  # problems of one file that a message lists
 SHIPPED_PREFIX: Final = "configs/"  # what the keys of shipped files begin with
 # Shipped files that old recordings and sweeps have read, and that say nothing more.
 ABANDONED_FILES: Final = frozenset({"configs/terms_2510.toml"})
@@ -39,6 +39,8 @@ OWN_FILE_EXAMPLES: Final = {  # what one of a kind is called, and an example of 
     "vessels": ("vessel", "./boat.toml"),
 }
 
+# exercises that lead a trainee step by step lie in a folder of their own
+LESSONS_FOLDER: Final = "lessons"
 _remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", default=None)
 _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
 TABLE_HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
@@ -188,13 +190,21 @@ def _without_companions(names: Iterable[str]) -> tuple[str, ...]:
 
 def shipped_path(kind: str, name: str) -> Path:
     """Return the path of a shipped file, '' being the top folder's kind. ConfigError if none is."""
+    kind = _folder_of(kind, name)
     names = shipped_names(kind)
     if name not in names:
         raise ConfigError(
             f"no shipped file {name!r} among {kind or 'configs'}{nearest(name, names)}; "
-            f"there are: {', '.join(names)}",
+            f"there are: {', '.join(names)}"
         )
     return _shipped_folder(kind) / f"{name}.toml"
+
+
+def _folder_of(kind: str, name: str) -> str:
+    """Return the folder of a shipped file: exercises that are lessons have their own."""
+    if kind == "exercises" and name in shipped_names(LESSONS_FOLDER):
+        return LESSONS_FOLDER
+    return kind
 
 
 def is_path(name: str) -> bool:
@@ -206,7 +216,7 @@ def path_named(name_or_path: str, kind: str) -> Path:
     """Return where a file of ``kind`` is, a shipped one by its name. ConfigError if none is."""
     if is_path(name_or_path):
         return Path(name_or_path)
-    names = shipped_names(kind)
+    names = shipped_names(_folder_of(kind, name_or_path))
     if name_or_path not in names:
         one, example = OWN_FILE_EXAMPLES[kind]
         raise ConfigError(

@@ -33,7 +33,6 @@ from trainer.config.schema import (
     optional,
     read_record,
     required,
-    tables_of,
     with_default,
     within,
 )
@@ -41,7 +40,7 @@ from trainer.config.schema import (
 LENGTH_LIMITS_M: Final = within(0.3, 400.0)  # [m]
 END_SHARE: Final = 0.03  # [-] of the length: a first or last station within it is at the end
 POINTED_END_SHARE: Final = 0.2  # [-] of the greatest breadth: an end that is wider is blunt
-MAX_TRAILING_EDGE: Final = 1.1  # [-] of the length: as far aft may a trailing edge lie
+MAX_TRAILING: Final = 1.1  # [-] of the length from the nose: no trailing edge lies further aft
 # [-] least share of a panel's normal in the plane that it is to serve
 MIN_NORMAL_SHARE: Final = 0.1
 STERN_CONTROL, RUDDER_CONTROL, BOW_CONTROL, X_CONTROL = "stern", "rudder", "bow", "x"
@@ -98,9 +97,9 @@ class Stations:
 class HullForm:
     """The bare hull, by stations or by a nose, a middle and a tail."""
 
-    length: float = required(Quantity("m", LENGTH_LIMITS_M, "over all"))
+    length: float = required("m", LENGTH_LIMITS_M, "over all")
     reference_length: float | None = optional(
-        Quantity("m", LENGTH_LIMITS_M, "L of the coefficients; else length")
+        "m", LENGTH_LIMITS_M, "L of the coefficients; else length"
     )
     stations: tuple[tuple[float, ...], ...] | None = optional(
         Stations("[x, breadth, height] or with the centre above the axis; x rising, ends near zero")
@@ -133,13 +132,13 @@ class HullForm:
 class Mass:
     """The submerged boat's mass, with the water in its free-flooding spaces."""
 
-    mass: float | None = optional(Quantity("kg", above(0.0, 1e9), "else neutral: rho V"))
+    mass: float | None = optional("kg", above(0.0, 1e9), "else neutral: rho V")
     cg_from_nose: float | None = optional(_number("m", 0.0, 400.0, "else the volume's centroid"))
     cg_below_axis: float = with_default(0.0, _number("m", -50.0, 50.0, "else 0"))
     cb_above_cg: float | None = optional(_number("m", -50.0, 50.0, "else 0.05 heights"))
-    Ix: float | None = optional(Quantity("kg m2", above(0.0, 1e13), "else mass (0.36 breadth)^2"))
-    Iy: float | None = optional(Quantity("kg m2", above(0.0, 1e13), "else mass (0.25 L)^2"))
-    Iz: float | None = optional(Quantity("kg m2", above(0.0, 1e13), "else Iy"))
+    Ix: float | None = optional("kg m2", above(0.0, 1e13), "else mass (0.36 breadth)^2")
+    Iy: float | None = optional("kg m2", above(0.0, 1e13), "else mass (0.25 L)^2")
+    Iz: float | None = optional("kg m2", above(0.0, 1e13), "else Iy")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +155,7 @@ class Water:
 class Speed:
     """The speed that the boat is made for, and its resistance."""
 
-    design_kn: float = required(Quantity("kn", above(0.0, 50.0), "for resistance and the bells"))
+    design_kn: float = required("kn", above(0.0, 50.0), "for resistance and the bells")
     roughness: float = with_default(
         0.0004, _number("-", 0.0, 0.005, "added to friction; else 0.0004")
     )
@@ -172,7 +171,7 @@ class Speed:
 class Propeller:
     """One propeller aft. Without it thrust is drag at command speed, ahead and astern."""
 
-    diameter: float = required(Quantity("m", above(0.0, 20.0), "of the propeller"))
+    diameter: float = required("m", above(0.0, 20.0), "of the propeller")
     KT: tuple[float, ...] = with_default(
         (0.45, -0.36, -0.09), Quantities(_number("-", -10.0, 10.0, "of J^0, J, J^2"), 3, 3)
     )
@@ -215,7 +214,7 @@ class Panels:
     tip_radius: float = required(_size("from the axis, or from axis_up"))
     root_radius: float | None = optional(_number("m", 0.0, 400.0, "else that of the hull there"))
     le_tip: float | None = optional(_number("m", -400.0, 400.0, "else trailing edges in line"))
-    moving_area: float | None = optional(Quantity("m2", above(0.0, 1e4), "else the whole panel"))
+    moving_area: float | None = optional("m2", above(0.0, 1e4), "else the whole panel")
     flap_ratio: float = with_default(
         1.0, _number("-", 0.05, 1.0, "chord of a flap over the whole; 1")
     )
@@ -301,7 +300,10 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
 
 
 def list_defaults(file: HullFile) -> tuple[str, ...]:
-    """Return the keys, and the whole tables, that the file leaves out."""
+    """Return the keys, and the whole tables, that the file leaves out.
+
+    The estimate's page and the boat's file name them, because a default is a guess about this boat.
+    """
     names = []
     for name, record in HULL_TABLES.items():
         table = file.tables.get(name)
@@ -430,10 +432,8 @@ def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str
         if at is not None and at < 0.0:
             yield place.wrong(key, at, "must not be ahead of the nose: must be 0 m or more")
     trailing = panels.le_root + panels.root_chord
-    if trailing > MAX_TRAILING_EDGE * length:
-        message = (
-            f"trailing edge at {trailing:g} m, must be at most {MAX_TRAILING_EDGE * length:g} m"
-        )
+    if trailing > MAX_TRAILING * length:
+        message = f"trailing edge at {trailing:g} m, must be at most {MAX_TRAILING * length:g} m"
         yield place.wrong("le_root", panels.le_root, message)
     if panels.root_radius is not None:
         span = panels.tip_radius - panels.root_radius
@@ -441,8 +441,3 @@ def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str
         if panels.moving_area is not None and panels.moving_area > area > 0.0:
             message = f"must be at most the panel's area, {area:.4g} m2"
             yield place.wrong("moving_area", panels.moving_area, message)
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/own-hull.md shows them."""
-    return tables_of({**HULL_TABLES, "[surfaces]": Panels})

@@ -1,4 +1,8 @@
-"""The file of an identified Nomoto ship, read and written."""
+"""The file of a ship in Nomoto's form, read and written.
+
+``trainer identify`` writes it. Manoeuvres sail such a ship, and exercises have them as contacts.
+``boat/world/nomoto`` has the law.
+"""
 
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -7,9 +11,7 @@ from typing import Final
 from trainer.config.files import ConfigError, Place, parse_toml, read_text
 from trainer.config.schema import (
     Choice,
-    Quantity,
     Text,
-    key_rows,
     optional,
     read_record,
     required,
@@ -32,26 +34,22 @@ class NomotoFile:
 
     schema: str = required(Choice((NOMOTO_SCHEMA,), "form of the file"))
     name: str = required(Text(79, "name shown"))
-    length_m: float = required(Quantity("m", within(0.1, 600), "length"))
-    speed_kn: float = required(Quantity("kn", within(0.01, 60), "speed it was identified at"))
-    K_per_s: float = required(Quantity("1/s", within(-100, 100), "gain, rudder to yaw rate"))
-    T1_s: float = required(Quantity("s", TIME_LIMITS_S, "larger time constant"))
-    T2_s: float = required(
-        Quantity("s", TIME_LIMITS_S, "smaller time constant; 0 for a first-order ship")
-    )
-    T3_s: float = required(Quantity("s", TIME_LIMITS_S, "time constant of the numerator"))
-    kappa_s2: float | None = optional(Quantity("s^2", within(-1e9, 1e9), "of |r| r; else 0"))
-    H1_s: float | None = optional(
-        Quantity("s", TIME_LIMITS_S, "of r in Bech's H(r), instead of kappa")
-    )
-    H2_s2: float | None = optional(Quantity("s^2", within(-1e9, 1e9), "of |r| r; else 0"))
-    H3_s3: float | None = optional(Quantity("s^3", within(-1e12, 1e12), "of r^3; else 0"))
-    K_v_m_s: float | None = optional(Quantity("m/s", within(-1e4, 1e4), "gain to sway; else 0"))
-    T3v_s: float | None = optional(Quantity("s", TIME_LIMITS_S, "numerator of sway; else 0"))
-    neutral_deg: float | None = optional(Quantity("deg", within(-30, 30), "residual helm; else 0"))
-    rudder_limit_deg: float = required(Quantity("deg", within(0.1, 90), "limit of the rudder"))
-    rudder_rate_deg_s: float = required(Quantity("deg/s", within(0.01, 1000), "rate of the rudder"))
-    step_s: float = required(Quantity("s", within(0.001, 10), "step of computation"))
+    length_m: float = required("m", within(0.1, 600), "length")
+    speed_kn: float = required("kn", within(0.01, 60), "speed it was identified at")
+    K_per_s: float = required("1/s", within(-100, 100), "gain, rudder to yaw rate")
+    T1_s: float = required("s", TIME_LIMITS_S, "larger time constant")
+    T2_s: float = required("s", TIME_LIMITS_S, "smaller time constant; 0 for a first-order ship")
+    T3_s: float = required("s", TIME_LIMITS_S, "time constant of the numerator")
+    kappa_s2: float | None = optional("s^2", within(-1e9, 1e9), "of |r| r; else 0")
+    H1_s: float | None = optional("s", TIME_LIMITS_S, "of r in Bech's H(r), instead of kappa")
+    H2_s2: float | None = optional("s^2", within(-1e9, 1e9), "of |r| r; else 0")
+    H3_s3: float | None = optional("s^3", within(-1e12, 1e12), "of r^3; else 0")
+    K_v_m_s: float | None = optional("m/s", within(-1e4, 1e4), "gain to sway; else 0")
+    T3v_s: float | None = optional("s", TIME_LIMITS_S, "numerator of sway; else 0")
+    neutral_deg: float | None = optional("deg", within(-30, 30), "residual helm; else 0")
+    rudder_limit_deg: float = required("deg", within(0.1, 90), "limit of the rudder")
+    rudder_rate_deg_s: float = required("deg/s", within(0.01, 1000), "rate of the rudder")
+    step_s: float = required("s", within(0.001, 10), "step of computation")
 
     @property
     def bend(self) -> tuple[float, float, float]:
@@ -97,8 +95,3 @@ def nomoto_text_of(ship: NomotoFile, source: str, deviations: dict[str, float]) 
     lines += [f'source = "{source}"', "", "[deviations]  # standard deviations, by the record"]
     lines += [f"{name} = {value:.3g}" for name, value in deviations.items()]
     return "\n".join(lines) + "\n"
-
-
-def key_table() -> str:
-    """Return the Markdown table of the keys, as docs/identification.md shows it."""
-    return "\n".join(key_rows(NomotoFile, "nomoto")).replace("### `[nomoto]`\n\n", "") + "\n"

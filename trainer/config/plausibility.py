@@ -1,7 +1,8 @@
 """Checks whether the numbers of a vessel file fit together.
 
-Each function returns its problems as texts. The limits are wide, because they are to catch feet,
-pounds and misplaced points, not poor boats.
+``vessel`` refuses a file by them, and ``trainer check`` tells the rest. Each function returns its
+problems as texts. The limits are wide, because they are to catch feet, pounds and misplaced points,
+not poor boats.
 """
 
 import math
@@ -21,6 +22,7 @@ from trainer.config.vessel_records import (
     ThrustSet,
     WaveStrips,
 )
+from trainer.units import KNOT
 
 FEET_PER_METRE = 3.2808
 POUNDS_PER_KILOGRAM = 2.2046
@@ -37,6 +39,8 @@ STRIP_SLACK = 0.01  # of the strips' mass
 STRIP_CENTRE = 0.005  # [-] of the length, of their centre
 STRIP_ADDED = 0.02  # of their added masses, and their centres
 STRIP_END = 0.6  # [-] of the length
+# a hard turn of BB2, in which its propeller's torque is told on both sides of the handover
+HANDOVER_ETA, HANDOVER_SPEED_KN = 2.0, 10.0  # [-], [kn] command speed
 # gains that take the boat back where the coefficient beside them has the sign given
 RESTORING_GAINS: Final = {
     "stern_pitch": ("M_ds", -1.0),
@@ -83,17 +87,17 @@ def _mass_problems(hull: Hull, fluid: Fluid) -> list[str]:
         hint = "; are these feet?" if low <= in_metres <= high else ""
         problems.append(
             f"length = {hull.length:g} m, mass = {hull.mass:g} kg: mass/(rho/2 L^3) is "
-            f"{mass_prime:.3g}, must be {low:g} to {high:g}{hint}",
+            f"{mass_prime:.3g}, must be {low:g} to {high:g}{hint}"
         )
     ratio = hull.weight / (hull.mass * fluid.g)
     if abs(ratio - 1) > WEIGHT_SLACK:
         problems.append(
             f"weight = {hull.weight:g} N: must be mass times g = {hull.mass * fluid.g:g} N within "
-            f"{WEIGHT_SLACK:.0%}{_weight_hint(ratio, fluid.g)}",
+            f"{WEIGHT_SLACK:.0%}{_weight_hint(ratio, fluid.g)}"
         )
     if not 0.5 <= hull.buoyancy / hull.weight <= 2:
         problems.append(
-            f"buoyancy = {hull.buoyancy:g} N: must be weight = {hull.weight:g} N within a factor 2",
+            f"buoyancy = {hull.buoyancy:g} N: must be weight = {hull.weight:g} N within a factor 2"
         )
     return problems
 
@@ -123,14 +127,14 @@ def _inertia_problems(hull: Hull) -> list[str]:
         if not low <= gyradius <= high:
             problems.append(
                 f"{name} = {inertia:g} kg m2: sqrt({name}/mass)/L is {gyradius:.3g}, "
-                f"must be {low:g} to {high:g}",
+                f"must be {low:g} to {high:g}"
             )
         # The triangle inequality of moments of inertia: no body exceeds it.
         others = sum(inertias.values()) - inertia
         if inertia > others * (1 + INERTIA_SLACK):
             problems.append(
                 f"{name} = {inertia:g} kg m2: must not exceed the sum of the other two, "
-                f"{others:g} kg m2, by more than {INERTIA_SLACK:.0%}",
+                f"{others:g} kg m2, by more than {INERTIA_SLACK:.0%}"
             )
     for pair in ("xy", "yz", "xz"):
         product: float = getattr(hull, f"I{pair}")
@@ -138,16 +142,12 @@ def _inertia_problems(hull: Hull) -> list[str]:
         if abs(product) >= limit:
             problems.append(
                 f"I{pair} = {product:g} kg m2: must be below {limit:.4g} kg m2 either way, "
-                f"the root of I{pair[0]} I{pair[1]}",
+                f"the root of I{pair[0]} I{pair[1]}"
             )
     return problems
 
 
-def added_mass_problems(
-    coefficients: Mapping[str, float],
-    hull: Hull,
-    fluid: Fluid,
-) -> list[str]:
+def added_mass_problems(coefficients: Mapping[str, float], hull: Hull, fluid: Fluid) -> list[str]:
     """Return the accelerations whose virtual mass or inertia would not be positive."""
     mass = hull.mass / (0.5 * fluid.rho * hull.length**3)
     per_inertia = 1 / (0.5 * fluid.rho * hull.length**5)
@@ -188,12 +188,8 @@ def propulsion_problems(propulsion: Propulsion) -> list[str]:
 
 
 def engine_problems(propulsion: Propulsion) -> list[str]:
-    """Return the keys that an engine's limit lacks, or has twice."""
+    """Return the keys that an engine's limits lack."""
     torque, power = propulsion.torque_limit_n_m, propulsion.shaft_power_w
-    if torque is not None and power is not None:
-        return [
-            f"torque_limit_n_m = {torque:g} N m, shaft_power_w = {power:g} W: give one of the two"
-        ]
     name, value = ("torque_limit_n_m", torque) if power is None else ("shaft_power_w", power)
     if value is None:
         return []
@@ -213,6 +209,8 @@ def envelope_problems(envelope: Envelope) -> list[str]:
         problems.append("tail_y, tail_z: need tail_place as well")
     if envelope.sail_place is None and (envelope.sail_y or envelope.sail_added_mass):
         problems.append("sail_y, sail_added_mass: need sail_place as well")
+    if envelope.sail_lift_place is None and envelope.sail_lift:
+        problems.append("sail_lift: needs sail_lift_place as well")
     if envelope.strip_width and not sum(envelope.strip_width) > 0.0:
         problems.append(f"strip_width = {list(envelope.strip_width)}: one must be above 0")
     return problems
@@ -227,13 +225,13 @@ def run_problems(run: RunDefaults, hull: Hull) -> list[str]:
     elif not slowest <= run.start_speed_kn <= fastest:
         problems.append(
             f"start_speed_kn = {run.start_speed_kn:g} kn: must be within speed_range_kn, "
-            f"{slowest:g} to {fastest:g} kn",
+            f"{slowest:g} to {fastest:g} kn"
         )
     for key, depth in list(_depths(hull).items())[:1]:
         if run.start_depth_m > depth:
             problems.append(
                 f"start_depth_m = {run.start_depth_m:g} m: must be at most {key} = "
-                f"{depth:g} m of [vessel]",
+                f"{depth:g} m of [vessel]"
             )
     return problems
 
@@ -364,6 +362,33 @@ def stated_remarks(hull: Hull, fluid: Fluid) -> list[str]:
     ]
 
 
+def torque_remarks(coefficients: Mapping[str, float], hull: Hull, fluid: Fluid) -> list[str]:
+    """Return the step of the propeller's torque beyond the coefficients' range.
+
+    In their range it is K_star u^2 + K_star_eta u^2 (eta - 1), beyond it K_star u_c|u_c|. The two
+    are the same at eta = 1 alone; told is HANDOVER_ETA, at HANDOVER_SPEED_KN of command speed.
+    """
+    u_c = HANDOVER_SPEED_KN * KNOT
+    u = u_c / HANDOVER_ETA
+    inside = coefficients["K_star"] * u * u + coefficients["K_star_eta"] * u * (u_c - u)
+    beyond = coefficients["K_star"] * u_c * u_c
+    stiffness = hull.cg[2] * hull.weight - hull.cb[2] * hull.buoyancy
+    if inside == beyond or stiffness <= 0.0:
+        return []
+    scale = 0.5 * fluid.rho * hull.length**3
+    step = scale * (beyond - inside)
+    moments = (
+        f"{scale * inside / 1e3:.4g} kN m by the coefficients, {scale * beyond / 1e3:.4g} kN m"
+    )
+    text = (
+        f"[coefficients] K_star, K_star_eta: at eta = {HANDOVER_ETA:g} and turns for "
+        f"{HANDOVER_SPEED_KN:g} kn the propeller's torque is {moments} beyond their range, "
+        f"where it is K_star u_c|u_c|: "
+        f"{math.degrees(step / stiffness):+.2g} deg of heel while one hands over to the other"
+    )
+    return [text]
+
+
 def thrust_remarks(sets: tuple[ThrustSet, ...]) -> list[str]:
     """Return what is unusual, not wrong, about thrust rows sorted by falling eta_min."""
     at_self_propulsion = [row for row in sets if row.eta_min <= 1]
@@ -374,7 +399,7 @@ def thrust_remarks(sets: tuple[ThrustSet, ...]) -> list[str]:
         if abs(total) > 1e-6:
             remarks.append(
                 f"sets: a + b + c = {total:.3g} in the row of eta = 1, not 0: "
-                "command speed is not the speed reached",
+                "command speed is not the speed reached"
             )
     if sets[-1].eta_min > 0:
         remarks.append(f"sets: no row for eta below {sets[-1].eta_min:g}")

@@ -1,7 +1,12 @@
-"""Thrust rows of a vessel file: those ahead, those astern, and whether they join."""
+"""Thrust rows of a vessel file: those ahead, those astern, and whether they join.
 
-import math
-from collections.abc import Sequence
+``vessel`` reads them. Thrust is a quadratic in u and the command speed uc, with one row of a, b, c
+for each range of uc/u (Report 2510). Where two rows meet they must give one thrust, or the boat
+would jerk.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 from trainer.config.vessel_records import ThrustSet
@@ -9,7 +14,8 @@ from trainer.config.vessel_records import ThrustSet
 ASTERN_BOLLARD: Final = -0.77  # [-] thrust turning astern over that ahead, B4-70 (docs/envelope.md)
 DRAG_ASTERN: Final = 1.2  # [-] axial drag astern over that ahead, estimate
 MIN_ETA: Final = -100.0  # [-] eta
-JOINT_TOLERANCE: Final = 1e-9  # [-] relative; numbers as typed are to be the same
+MAX_JUMP: Final = 0.05  # [-] of the bollard thrust, between rows where they meet
+MIN_TOLD_JUMP: Final = 1e-3  # [-] rows printed to three digits may differ by so much
 
 
 class ThrustRows(NamedTuple):
@@ -64,23 +70,59 @@ def row_problems(rows: Sequence[ThrustSet]) -> list[str]:
     return problems
 
 
-def thrust_problems(thrust: ThrustRows) -> list[str]:
-    """Return where rows do not join, and whether an astern bell drives the boat ahead."""
+class RowJoint(NamedTuple):
+    """A place where two rows meet, and the force that each makes there."""
+
+    where: str
+    one: float  # [-] of rho/2 L^2 times that speed squared
+    other: float
+
+
+def _row_joints(thrust: ThrustRows) -> Iterator[RowJoint]:
+    """Yield where neighbouring rows meet.
+
+    Rows i and j with a break at eta = e are to have a_i + b_i e + c_i e^2 = a_j + b_j e + c_j e^2;
+    with the boat at rest it is c that is to be the same.
+    """
+    for way, rows in zip(ThrustRows._fields, thrust, strict=True):
+        for upper, lower in pairwise(rows):
+            e = upper.eta_min
+            at_most = max(1.0, e * e)  # u and u_c are both within the largest command speed
+            one, other = ((row.a + row.b * e + row.c * e * e) / at_most for row in (upper, lower))
+            yield RowJoint(f"eta = {e:g}, going {way}", one, other)
     ahead, (back, check) = thrust
-    stopped = _row_at_rest(ahead)
-    joints = (
-        ("a", "u_c = 0, going ahead", stopped, ahead[-1]),
-        ("a", "u_c = 0, going astern", back, check),
-        ("c", "u = 0, turning astern", ahead[-1], back),
-        ("c", "u = 0, turning ahead", ahead[0], check),
-    )
+    yield RowJoint("u = 0, turning astern", ahead[-1].c, back.c)
+    yield RowJoint("u = 0, turning ahead", ahead[0].c, check.c)
+
+
+def _row_jumps(thrust: ThrustRows, force: float) -> Iterator[tuple[float, str]]:
+    """Yield each jump as a share of the bollard thrust [-], and in words with its kN.
+
+    ``force`` [N] is rho/2 L^2 times the largest command speed squared.
+    """
+    bollard = thrust.ahead[0].c or max(abs(row.a) for row in thrust.ahead)
+    for joint in _row_joints(thrust):
+        jump = abs(joint.one - joint.other)
+        share = jump / (abs(bollard) or jump) if jump else 0.0
+        text = f"{force * jump / 1e3:.4g} kN, {share:.1%} of the bollard thrust"
+        yield share, f"sets: the rows do not join at {joint.where}: the thrust jumps by {text}"
+
+
+def joint_remarks(thrust: ThrustRows, force: float) -> list[str]:
+    """Return the jumps between rows that are seen and allowed, as ``_row_jumps`` has them."""
+    jumps = _row_jumps(thrust, force)
+    return [text for share, text in jumps if MIN_TOLD_JUMP < share < MAX_JUMP]
+
+
+def thrust_problems(thrust: ThrustRows, force: float) -> list[str]:
+    """Return where rows do not join, and whether an astern bell drives the boat ahead.
+
+    ``force`` [N] is as in ``_row_jumps``.
+    """
+    ahead, _ = thrust
+    jumps = _row_jumps(thrust, force)
     problems = [
-        f"sets: {key} = {getattr(one, key):g} and {getattr(other, key):g} do not join at {where}: "
-        "must be the same"
-        for key, where, one, other in joints
-        if not math.isclose(
-            getattr(one, key), getattr(other, key), rel_tol=JOINT_TOLERANCE, abs_tol=1e-15
-        )
+        f"{text}: must be below {MAX_JUMP:.0%}" for share, text in jumps if share >= MAX_JUMP
     ]
     bollard = ahead[-1].c
     if bollard > 0.0 or (bollard == 0.0 and ahead[0].c > 0.0):

@@ -12,7 +12,6 @@ from trainer.config.files import ConfigError, Place, collecting, nearest, raise_
 from trainer.config.schema import (
     Choice,
     Flag,
-    Quantity,
     Rows,
     Text,
     above,
@@ -29,7 +28,7 @@ from trainer.io.orders.schedule import MAX_TIME_S
 
 MARK_ORDER: Final = "mark"  # of a ship that is seen
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
-UNSEEN_QUANTITIES: Final = ("heavy", "speed_over_ground")  # no gauge shows them
+UNSEEN_QUANTITIES: Final = ("heavy", "speed_over_ground", "north", "east")  # by any gauge
 CREW_HANDS: Final = ("planesman", "helmsman")
 HAND_SWITCHES: Final = {
     f"{hand} {word}": (hand, word) for hand in CREW_HANDS for word in ("on", "off")
@@ -42,18 +41,18 @@ class CrewRow:
     """One rule as it stands in the file."""
 
     order: str = required(Text(80, "as a crew types it; also planesman on, helmsman off and so on"))
-    at_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "time from the start"))
+    at_s: float | None = optional("s", within(0, MAX_TIME_S), "time from the start")
     when: str | None = optional(Text(79, "conditions, with and, as the gauges show it"))
     ordered: str | None = optional(Choice(CREW_AXES, "each time that the crew is ordered one"))
-    after_s: float | None = optional(Quantity("s", within(0, 3600), "this long after that; else 0"))
+    after_s: float | None = optional("s", within(0, 3600), "this long after that; else 0")
     then: bool | None = optional(Flag("true: not before the rule above has been carried out"))
-    from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "with when: not before"))
-    to_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "with when: not later"))
+    from_s: float | None = optional("s", within(0, MAX_TIME_S), "with when: not before")
+    to_s: float | None = optional("s", within(0, MAX_TIME_S), "with when: not later")
     every_s: float | None = optional(
-        Quantity("s", above(0, 3600), "with when: again after this time, as long as it holds")
+        "s", above(0, 3600), "with when: again after this time, as long as it holds"
     )
     mean_s: float | None = optional(
-        Quantity("s", above(0, 600), "with when: of the mean of the gauges over this time")
+        "s", above(0, 600), "with when: of the mean of the gauges over this time"
     )
 
 
@@ -61,62 +60,34 @@ class CrewRow:
 class Planesman:
     """How the reference crew works its planes, after ``planesman on``."""
 
-    answer_s: float = with_default(
-        4.0, Quantity("s", within(0, 600), "from an order to the first move")
-    )
-    look_s: float = with_default(5.0, Quantity("s", above(0, 60), "from look to look"))
-    mean_s: float = with_default(
-        0.0, Quantity("s", within(0, 60), "depth as the mean over this time")
-    )
-    bubble_deg_per_m: float = with_default(
-        0.5, Quantity("deg/m", within(0, 10), "angle for an error")
-    )
-    bubble_s: float = with_default(
-        6.0, Quantity("deg/(m/s)", within(0, 60), "angle against depth rate")
-    )
-    bubble_deg_max: float = with_default(7.0, Quantity("deg", above(0, 30), "largest angle"))
-    leave_m: float = with_default(
-        14.0, Quantity("m", within(0, 100), "before it, off an ordered angle")
-    )
-    stern_per_bubble: float = with_default(
-        1.5, Quantity("-", within(0, 10), "stern planes for an angle")
-    )
-    stern_s: float = with_default(
-        10.0, Quantity("s", within(0, 60), "stern planes against pitch rate")
-    )
-    stern_deg_max: float = with_default(25.0, Quantity("deg", within(0, 90), "largest"))
-    stern_off_deg: float = with_default(
-        2.0, Quantity("deg", within(0, 30), "less is not worth an order")
-    )
-    bow_within_m: float = with_default(
-        6.0, Quantity("m", within(0, 100), "bow planes inside this error")
-    )
-    bow_deg_per_m: float = with_default(
-        1.5, Quantity("deg/m", within(0, 20), "bow planes for an error")
-    )
-    bow_s: float = with_default(
-        0.0, Quantity("deg/(m/s)", within(0, 90), "bow planes against the rate")
-    )
-    bow_deg_max: float = with_default(20.0, Quantity("deg", within(0, 90), "largest"))
-    bow_step_deg: float = with_default(3.0, Quantity("deg", above(0, 30), "in steps of this"))
+    answer_s: float = with_default(4.0, "s", within(0, 600), "from an order to the first move")
+    look_s: float = with_default(5.0, "s", above(0, 60), "from look to look")
+    mean_s: float = with_default(0.0, "s", within(0, 60), "depth as the mean over this time")
+    bubble_deg_per_m: float = with_default(0.5, "deg/m", within(0, 10), "angle for an error")
+    bubble_s: float = with_default(6.0, "deg/(m/s)", within(0, 60), "angle against depth rate")
+    bubble_deg_max: float = with_default(7.0, "deg", above(0, 30), "largest angle")
+    leave_m: float = with_default(14.0, "m", within(0, 100), "before it, off an ordered angle")
+    stern_per_bubble: float = with_default(1.5, "-", within(0, 10), "stern planes for an angle")
+    stern_s: float = with_default(10.0, "s", within(0, 60), "stern planes against pitch rate")
+    stern_deg_max: float = with_default(25.0, "deg", within(0, 90), "largest")
+    stern_off_deg: float = with_default(2.0, "deg", within(0, 30), "less is not worth an order")
+    bow_within_m: float = with_default(6.0, "m", within(0, 100), "bow planes inside this error")
+    bow_deg_per_m: float = with_default(1.5, "deg/m", within(0, 20), "bow planes for an error")
+    bow_s: float = with_default(0.0, "deg/(m/s)", within(0, 90), "bow planes against the rate")
+    bow_deg_max: float = with_default(20.0, "deg", within(0, 90), "largest")
+    bow_step_deg: float = with_default(3.0, "deg", above(0, 30), "in steps of this")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Helmsman:
     """How the reference crew works its rudder, after ``helmsman on``."""
 
-    answer_s: float = with_default(
-        4.0, Quantity("s", within(0, 600), "from an order to the first move")
-    )
-    look_s: float = with_default(4.0, Quantity("s", above(0, 60), "from look to look"))
-    rudder_per_error: float = with_default(0.6, Quantity("-", within(0, 10), "rudder for an error"))
-    rudder_s: float = with_default(
-        10.0, Quantity("s", within(0, 60), "rudder against rate of turn")
-    )
-    rudder_deg_max: float = with_default(15.0, Quantity("deg", within(0, 90), "largest"))
-    rudder_off_deg: float = with_default(
-        1.0, Quantity("deg", within(0, 30), "less is not worth an order")
-    )
+    answer_s: float = with_default(4.0, "s", within(0, 600), "from an order to the first move")
+    look_s: float = with_default(4.0, "s", above(0, 60), "from look to look")
+    rudder_per_error: float = with_default(0.6, "-", within(0, 10), "rudder for an error")
+    rudder_s: float = with_default(10.0, "s", within(0, 60), "rudder against rate of turn")
+    rudder_deg_max: float = with_default(15.0, "deg", within(0, 90), "largest")
+    rudder_off_deg: float = with_default(1.0, "deg", within(0, 30), "less is not worth an order")
 
 
 @dataclass(frozen=True, kw_only=True)

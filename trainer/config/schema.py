@@ -1,6 +1,9 @@
 """Records described by their fields: unit, limits and meaning, and reading one from a table.
 
-A record is a frozen, keyword-only dataclass whose fields carry their kind as metadata.
+Every reader of files in the trainer is made of it. Every table of every configuration file is such
+a record: a frozen, keyword-only dataclass whose fields carry their kind as metadata. From this one
+description come the check of a file and its messages, the JSON Schema for editors, and the tables
+of keys in the documents.
 """
 
 import math
@@ -259,8 +262,12 @@ class Choices:
 
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the words; ConfigError if one is unknown or given twice."""
-        if not isinstance(value, list) or any(item not in self.words for item in value):
-            raise ConfigError(place.wrong(key, value, f"must list some of {', '.join(self.words)}"))
+        listed = value if isinstance(value, list) else [value]
+        unknown = [str(item) for item in listed if item not in self.words]
+        if unknown or not isinstance(value, list):
+            like = nearest(unknown[0], self.words) if unknown else ""
+            text = f"must list some of {', '.join(self.words)}{like}"
+            raise ConfigError(place.wrong(key, value, text))
         if len(set(value)) < len(value):
             raise ConfigError(place.wrong(key, value, "must not name one twice"))
         return tuple(value)
@@ -354,19 +361,24 @@ class Table:
         return read_record(self.record, value, place.inside(key), self.documentary)
 
 
-def required(kind: Kind) -> Any:
-    """Return a necessary dataclass field holding ``kind``."""
-    return field(metadata={"kind": kind})
+def required(*kind: Any) -> Any:
+    """Return a necessary field of a kind, or of a quantity's unit, limits and meaning."""
+    return field(metadata=_metadata(kind))
 
 
-def optional(kind: Kind) -> Any:
-    """Return a dataclass field holding ``kind``, or None where the file does not say."""
-    return field(default=None, metadata={"kind": kind})
+def optional(*kind: Any) -> Any:
+    """Return a field as ``required``, or None where the file does not say."""
+    return field(default=None, metadata=_metadata(kind))
 
 
-def with_default(value: Any, kind: Kind) -> Any:
-    """Return a dataclass field holding ``kind``, or ``value`` where the file does not say."""
-    return field(default=value, metadata={"kind": kind})
+def with_default(value: Any, *kind: Any) -> Any:
+    """Return a field as ``required``, or ``value`` where the file does not say."""
+    return field(default=value, metadata=_metadata(kind))
+
+
+def _metadata(kind: tuple[Any, ...]) -> dict[str, Kind]:
+    """Return what ``kind_of`` reads; most fields are quantities, so their three words suffice."""
+    return {"kind": Quantity(*kind) if len(kind) > 1 else kind[0]}
 
 
 def kind_of(item: Field[Any]) -> Kind:
@@ -438,10 +450,7 @@ def find_infinite(value: object, key: str, place: Place, depth: int = 0) -> list
 
 
 def read_record(
-    record: type[Record],
-    table: object,
-    place: Place,
-    documentary: Iterable[str],
+    record: type[Record], table: object, place: Place, documentary: Iterable[str]
 ) -> Record:
     """Return ``table`` as a ``record``, leaving out documentary keys; ConfigError with all faults.
 
@@ -467,16 +476,3 @@ def read_record(
                 values[item.name] = kind_of(item).read(item.name, content[item.name], place)
     raise_problems(problems)
     return record(**values)
-
-
-def tables_of(records: Mapping[str, type[Any]]) -> str:
-    """Return the Markdown tables that document each key of each record. "" is above all tables."""
-    text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in records.items())
-    return text.replace("### `[]`", "### Above all tables") + "\n"
-
-
-def key_rows(record: type[Any], table: str) -> list[str]:
-    """Return the lines of a Markdown table that document each key of ``record``."""
-    items: tuple[Field[Any], ...] = fields(record)
-    rows = [f"| `{item.name}` | {' | '.join(kind_of(item).form[:3])} |" for item in items]
-    return [f"### `[{table}]`", "", "| key | unit | range | meaning |", "|---|---|---|---|", *rows]

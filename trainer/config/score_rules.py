@@ -1,6 +1,12 @@
-"""The measures by name, and the tables ``[[scores]]`` that are checked against them."""
+"""The measures by name, and the tables ``[[scores]]`` that are checked against them.
 
-from collections.abc import Mapping
+A measure is one number of a run, such as ``overshoot``; a rule says what is measured, and which
+values earn all marks and none. ``exercise`` reads rules here, and ``debrief/measures`` has the
+function of each measure. The formula stands beside the name, in words, because a crew is shown how
+its marks came about.
+"""
+
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -38,7 +44,9 @@ WINDOW_KEYS: Final = ("since", "from_s", "to_s", "when")
 VALUE_LIMITS: Final = within(-1e9, 1e9)
 # These answer no casualty: the instructor gives them, or they are only words.
 INSTRUCTOR_ORDERS: Final = (
-    frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"}) | CREW_TALK
+    frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"})
+    | frozenset({"ghost", "predictor"})
+    | CREW_TALK
 )
 MARK_PARTS: Final = ("task", "answer", "keeping")
 ANSWER_ORDERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTOR_ORDERS))
@@ -69,13 +77,14 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
     ),
     "time-to": ScoreMeasure(
         "s",
-        "time until {q} is within {b} of {t} and stays there to the end",
+        "time until {q} is within {b} of {t}, for 30 s or to the end",
         "when it is",
         needs=("quantity", "target", "band"),
     ),
     "reach": ScoreMeasure(
         "s",
-        "time until {q} is within {b} of {t} and stays there; no value if it was there at once",
+        "time until {q} is within {b} of {t}, for 30 s or to the end; no value if it was "
+        "there at once",
         "when it is",
         needs=("quantity", "target", "band"),
     ),
@@ -97,7 +106,7 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
     ),
     "in-band": ScoreMeasure(
         "%",
-        "share of the ticks with {q} within {b} of {t}",
+        "share of the ticks with {q} within {b} of {t}; with a condition of 30 s at least",
         "the furthest from it",
         needs=("quantity", "band"),
         may=("target",),
@@ -113,6 +122,11 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
         "the fastest",
         may=("quantity",),
         quantities=tuple(SURFACES),
+    ),
+    "hand-travel": ScoreMeasure(
+        "deg/min",
+        "sum of what planes and rudder moved from tick to tick, worked by hand, by the time",
+        "the fastest",
     ),
     "distance": ScoreMeasure("m", "sum of the way over the ground from tick to tick", "the last"),
     "closest-approach": ScoreMeasure(
@@ -202,6 +216,11 @@ class ScoreRow:
     )
 
 
+# Each exercise by hand has this rule, or one of its own with this name. Its width is an estimate:
+# reference crews move planes and rudder by up to 20 deg/min, hunting ones by 60 and more.
+QUIET_HANDS: Final = ScoreRow(
+    name="Quiet hands", measure="hand-travel", full=30.0, zero=90.0, part="keeping"
+)
 SCORE_ROWS: Final = Rows(ScoreRow, ("note",), 0, 50, "how the crew is judged, below")
 
 
@@ -238,8 +257,18 @@ class ScoreRule:
         return 1.0 if self.score.weight is None else self.score.weight
 
 
+def with_quiet_hands(rules: tuple[ScoreRule, ...], hand: Collection[str]) -> tuple[ScoreRule, ...]:
+    """Return the rules, with QUIET_HANDS where an exercise by hand lacks it."""
+    if not (rules and hand) or any(rule.score.name == QUIET_HANDS.name for rule in rules):
+        return rules
+    return (*rules, ScoreRule(score=QUIET_HANDS, measured=None, conditions=(), casualty=None))
+
+
 def understand_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> ScoreRule:
-    """Return the rule of a table; ConfigError with all that is wrong in it."""
+    """Return the rule of a table, the names in it understood; ConfigError with all faults.
+
+    Whether its keys go with its measure is checked only where an exercise file is read.
+    """
     problems: list[str] = []
     measured = None
     conditions: tuple[Condition, ...] = ()
@@ -313,7 +342,7 @@ def read_rules(
 
 
 def _read_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> ScoreRule:
-    """Return one rule; ConfigError with all that is wrong in it."""
+    """Return one rule, its names understood and its keys fit for its measure; ConfigError."""
     problems: list[str] = []
     with collecting(problems):
         rule = understand_rule(score, place, known)

@@ -1,6 +1,7 @@
 """Sea files: a name or path becomes a checked, complete, immutable record.
 
 What a file leaves out comes from the shipped sea-defaults file; no default stands in code.
+``exercise`` and the command line read seas here; ``sea_settings`` gives the boat its numbers.
 """
 
 import math
@@ -28,9 +29,7 @@ from trainer.config.files import (
 from trainer.config.schema import (
     Choice,
     Kind,
-    Quantity,
     Text,
-    key_rows,
     optional,
     read_record,
     required,
@@ -65,22 +64,18 @@ class Sea:
     """
 
     sea_state: float | None = optional(
-        Quantity("-", within(0, 8), "degree of the sea by WMO code 3700; 0: calm")
+        "-", within(0, 8), "degree of the sea by WMO code 3700; 0: calm"
     )
-    wind_kn: float | None = optional(
-        Quantity("kn", within(0.01, 100), "wind that has fully raised the sea")
-    )
-    height_m: float | None = optional(Quantity("m", within(0, 25), "significant height"))
+    wind_kn: float | None = optional("kn", within(0.01, 100), "wind that has fully raised the sea")
+    height_m: float | None = optional("m", within(0, 25), "significant height")
     period_s: float | None = optional(
-        Quantity("s", within(0.1, 30), "period of the peak; not with pierson-moskowitz")
+        "s", within(0.1, 30), "period of the peak; not with pierson-moskowitz"
     )
     spectrum: str = required(
         Choice(("pierson-moskowitz", "bretschneider", "jonswap"), "how energy lies over frequency")
     )
-    gamma: float = required(Quantity("-", within(1, 10), "how much jonswap's peak is raised"))
-    direction_deg: float = required(
-        Quantity("deg", within(0, 360), "true, where the waves come from")
-    )
+    gamma: float = required("-", within(1, 10), "how much jonswap's peak is raised")
+    direction_deg: float = required("deg", within(0, 360), "true, where the waves come from")
     generator: str = required(
         Choice(
             WAVE_GENERATORS,
@@ -89,7 +84,7 @@ class Sea:
     )
     suction: str = required(Choice(ON_OFF, "second-order upward force"))
     taper: str = required(Choice(ON_OFF, "no waves below five hull diameters"))
-    ramp_s: float = required(Quantity("s", within(0, 3600), "time in which a change comes about"))
+    ramp_s: float = required("s", within(0, 3600), "time in which a change comes about")
 
 
 SEA_KEYS: Final = tuple(item.name for item in fields(Sea))
@@ -252,8 +247,3 @@ def step_problem(wanted: Numbers, step: float) -> str:
         f"{turn:.3g} rad in {step:g} s, at most {STEEPEST_TURN:g}; take {shorter}"
         'generator = "cosines"'
     )
-
-
-def key_table() -> str:
-    """Return the Markdown table of every key, as docs/seas.md shows it."""
-    return "\n".join(key_rows(Sea, "sea")) + "\n"

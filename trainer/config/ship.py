@@ -1,6 +1,7 @@
 """The file of a ship: dimensions, columns of records, and a fit's result.
 
-One form serves both ways: what is written before a fit, and what a fit writes, which sails.
+``trainer identify`` reads and writes it, and exercises sail it. One form serves both ways: what is
+written before a fit, and what a fit writes, which sails.
 """
 
 import math
@@ -33,7 +34,6 @@ from trainer.config.schema import (
     read_record,
     record_schema,
     required,
-    tables_of,
     with_default,
     within,
 )
@@ -69,23 +69,23 @@ class ShipHeading:
 class Dimensions:
     """A ship and its propeller."""
 
-    length_m: float = required(Quantity("m", within(0.1, MAX_LENGTH_M), "between perpendiculars"))
-    propeller_diameter_m: float = required(Quantity("m", within(0.01, 15), "of one propeller"))
-    wake_fraction: float = required(Quantity("-", within(0, 0.8), "w: the propeller meets (1-w) u"))
+    length_m: float = required("m", within(0.1, MAX_LENGTH_M), "between perpendiculars")
+    propeller_diameter_m: float = required("m", within(0.01, 15), "of one propeller")
+    wake_fraction: float = required("-", within(0, 0.8), "w: the propeller meets (1-w) u")
     thrust: tuple[float, ...] = required(
         Quantities(Quantity("-", within(-5, 5), "K_T = k0 + k1 J + k2 J^2"), 3, 3)
     )
     advance_m: float | None = optional(
-        Quantity("m", within(0.001, 100), "a turn, from which further terms count the speed")
+        "m", within(0.001, 100), "a turn, from which further terms count the speed"
     )
-    beam_m: float | None = optional(Quantity("m", within(0.05, 100), "for the prior"))
-    draught_m: float | None = optional(Quantity("m", within(0.01, 40), "for the prior"))
-    block_coefficient: float | None = optional(Quantity("-", within(0.3, 0.95), "for the prior"))
-    rudder_area_m2: float | None = optional(Quantity("m^2", above(0, 500), "for the prior"))
-    rudder_height_m: float | None = optional(Quantity("m", above(0, 30), "for the prior"))
-    rudder_limit_deg: float = with_default(35.0, Quantity("deg", within(1, 90), "limit; else 35"))
+    beam_m: float | None = optional("m", within(0.05, 100), "for the prior")
+    draught_m: float | None = optional("m", within(0.01, 40), "for the prior")
+    block_coefficient: float | None = optional("-", within(0.3, 0.95), "for the prior")
+    rudder_area_m2: float | None = optional("m^2", above(0, 500), "for the prior")
+    rudder_height_m: float | None = optional("m", above(0, 30), "for the prior")
+    rudder_limit_deg: float = with_default(35.0, "deg", within(1, 90), "limit; else 35")
     rudder_rate_deg_s: float = with_default(
-        2.32, Quantity("deg/s", within(0.01, 1000), "rate; else 2.32, of a full-size ship")
+        2.32, "deg/s", within(0.01, 1000), "rate; else 2.32, of a full-size ship"
     )
 
 
@@ -93,9 +93,9 @@ class Dimensions:
 class Roll:
     """A ship whose roll is fitted too."""
 
-    gm_m: float = required(Quantity("m", above(0, 20), "metacentric height"))
+    gm_m: float = required("m", above(0, 20), "metacentric height")
     radius_m: float | None = optional(
-        Quantity("m", above(0, 50), "of gyration, with the water; else 0.38 of the beam")
+        "m", above(0, 50), "of gyration, with the water; else 0.38 of the beam"
     )
 
 
@@ -110,7 +110,7 @@ class RecordSettings:
         Choice(("none",), "said where velocities are over ground, and the water stood still")
     )
     interval_s: float | None = optional(
-        Quantity("s", within(1e-4, 3600), "from row to row, instead of the times")
+        "s", within(1e-4, 3600), "from row to row, instead of the times"
     )
 
 
@@ -128,8 +128,8 @@ class FitResult:
     """The fit that a file holds."""
 
     model: str = required(Choice(("linear", "mavmm", "abkowitz", "mmg"), "model"))
-    speed_kn: float = required(Quantity("kn", within(0.01, 60), "at which manoeuvres begin"))
-    revolutions_per_s: float = required(Quantity("1/s", within(-50, 50), "that keep it there"))
+    speed_kn: float = required("kn", within(0.01, 60), "at which manoeuvres begin")
+    revolutions_per_s: float = required("1/s", within(-50, 50), "that keep it there")
 
 
 COLUMN_ROWS: Final = Rows(ShipColumn, ("note",), 0, len(SHIP_CHANNELS), "columns, below")
@@ -315,10 +315,3 @@ def ship_schema() -> dict[str, Any]:
     }
     keys = {**heading["properties"], **tables, "columns": describe_kind(COLUMN_ROWS), **named}
     return file_schema("ship", keys, (*heading["required"], "dimensions"))
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/nonlinear-ships.md shows them."""
-    whole: dict[str, type[Any]] = {"": ShipHeading, **SHIP_TABLES, "[columns]": ShipColumn}
-    del whole["sensors"]
-    return tables_of(whole)

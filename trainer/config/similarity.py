@@ -22,35 +22,6 @@ LENGTH_POWERS: Final = {  # of the length, by unit
     "MPa": 1.0,
     "W": 3.5,
 }
-KNOWN_UNITS: Final = (  # that a vessel file has
-    "W",
-    "kg m2",
-    "N m",
-    "m3",
-    "kg",
-    "N",
-    "kg/s",
-    "m2",
-    "cm2",
-    "mm2",
-    "m",
-    "s",
-    "kn",
-    "m/s",
-    "-",
-    "deg",
-    "degC",
-    "m/s2",
-    "kg/m3",
-    "1/s",
-    "deg/s",
-    "rad/s",
-    "rad s/m",
-    "1/m",
-    "rad/m",
-    "deg/s2",
-    "rad/(m s)",
-)
 UNIT_PATTERN: Final = re.compile(r"([A-Za-z-]+?)\^?(\d?)")
 PRESSURE_REASON: Final = (
     "kept: a hull of the same shape and steel bears the same pressure; estimate"
@@ -151,18 +122,3 @@ def formula(power: float) -> str:
     if power == 0.0:
         return "as it is"
     return "L" if power == 1.0 else f"L^{power:g}"
-
-
-def law_table() -> str:
-    """Return the Markdown table of the laws, as docs/vessel-files.md shows it."""
-    by_power: dict[float, list[str]] = {}
-    for unit in KNOWN_UNITS:
-        by_power.setdefault(power_of(unit), []).append(unit)
-    rows = ["| follows the length as | units |", "|---|---|"]
-    for power, units in sorted(by_power.items(), reverse=True):
-        rows.append(f"| {formula(power)} | {', '.join(units)} |")
-    rows += ["", "| key | law, where it is not that of the unit |", "|---|---|"]
-    rows += [
-        f"| `[{table}] {key}` | {law.reason} |" for (table, key), law in LAW_EXCEPTIONS.items()
-    ]
-    return "\n".join(rows) + "\n"

@@ -1,6 +1,7 @@
-"""Soundings on a grid, from ESRI ASCII or GeoTIFF, kept as a text.
+"""Soundings on a grid, read from ESRI ASCII or GeoTIFF, and carried as a text.
 
-A recording holds that text, so that a replay needs neither the file nor its reader.
+``bottom`` reads an exercise's chart by it. The table [bottom] of an exercise names the file. A
+recording holds the text, so that a replay needs neither the file nor its reader.
 """
 
 import base64
@@ -23,30 +24,26 @@ Numbers = NDArray[np.float64]
 
 MAX_CELLS: Final = 4_000_000  # at most
 MAX_FILE_BYTES: Final = 100_000_000  # of a file, at most
+# fmt: off
 GRID_KEYWORDS: Final = (
-    "ncols",
-    "nrows",
-    "xllcorner",
-    "xllcenter",
-    "yllcorner",
-    "yllcenter",
-    "cellsize",
+    "ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize",
     "nodata_value",
 )
+# fmt: on
 DEFAULT_NODATA_VALUE: Final = -9999.0  # at a sample without a value, where the file names no other
 HEADER_LINE: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
 SOUNDINGS_PREFIX: Final = "soundings/1 "  # what the text of a grid begins with
 SCALE_TAG, TIE_POINT_TAG, GEO_KEYS_TAG, NODATA_TAG = 33550, 33922, 34735, 42113  # tags
 # Keys of the tag GEO_KEYS_TAG.
 RASTER_TYPE_KEY, GEOGRAPHIC_KEY, PROJECTED_KEY, LINEAR_UNIT_KEY = 1025, 2048, 3072, 3076
-PIXEL_IS_POINT, WGS84_CODE, USER_DEFINED_CODE, METRE_CODE = 2, 4326, 32767, 9001
+PIXEL_IS_POINT, WGS84_CODE, USER_DEFINED_CODE, METRE_CODE = 2, 4326, 32767, 9001  # of GeoTIFF
 # Compressions that tifffile does not read without another library.
 UNREAD_COMPRESSIONS: Final = {5: "LZW", 6: "old JPEG", 7: "JPEG", 34887: "LERC"}
 CONVERT_COMMAND: Final = "gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
-WARP_COMMAND: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
+WARP_HINT: Final = "gdalwarp -t_srs EPSG:4326 IN.tif OUT.tif"
 LATTICE_KNOTS: Final = 33  # of the lattice on which the chart is computed, each way
 Position = Callable[[float, float], tuple[float, float]]
-METRES_PER_DEGREE: Final = 111_132.0  # [m] of a degree of latitude, about
+M_PER_DEGREE: Final = 111_132.0  # [m] of a degree of latitude, about
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,15 +105,15 @@ def read_ascii(data: bytes, path: Path) -> Grid:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong)") from None
-    said, at = _keywords(text, path)
-    rows, columns = (_count(said, name, path) for name in ("nrows", "ncols"))
-    cell = _number(said, "cellsize", path)
+    header, at = _keywords(text, path)
+    rows, columns = (_count(header, name, path) for name in ("nrows", "ncols"))
+    cell = _number(header, "cellsize", path)
     if cell <= 0.0:
-        raise _wrong(path, "cellsize", said["cellsize"], "must be above 0")
+        raise _wrong(path, "cellsize", header["cellsize"], "must be above 0")
     _refuse_large(rows, columns, path)
     values = _samples(text[at:], rows * columns, path).reshape(rows, columns)[::-1]
-    absent = _number(said, "nodata_value", path, DEFAULT_NODATA_VALUE)
-    west, south = (_low(said, axis, cell, path) for axis in "xy")
+    absent = _number(header, "nodata_value", path, DEFAULT_NODATA_VALUE)
+    west, south = (_low(header, axis, cell, path) for axis in "xy")
     return Grid(
         np.where(values == absent, np.nan, values), west, south, (cell, cell), degrees=False
     )
@@ -124,50 +121,52 @@ def read_ascii(data: bytes, path: Path) -> Grid:
 
 def _keywords(text: str, path: Path) -> tuple[Mapping[str, str], int]:
     """Return what the keywords say, and where the samples begin."""
-    said: dict[str, str] = {}
+    header: dict[str, str] = {}
     at = 0
     while (match := HEADER_LINE.match(text, at)) and match[1].lower() not in ("nan", "inf"):
         name = match[1].lower()
         if name not in GRID_KEYWORDS:
             raise ConfigError(f"{path}: {match[1]}: no such keyword{nearest(name, GRID_KEYWORDS)}")
-        if name in said:
+        if name in header:
             raise ConfigError(f"{path}: {match[1]} is given twice")
-        said[name], at = match[2], match.end()
-    return said, at
+        header[name], at = match[2], match.end()
+    return header, at
 
 
-def _number(said: Mapping[str, str], name: str, path: Path, usual: float | None = None) -> float:
+def _number(header: Mapping[str, str], name: str, path: Path, usual: float | None = None) -> float:
     """Return the number of a keyword; ConfigError if it is lacking or none."""
-    if name not in said and usual is not None:
+    if name not in header and usual is not None:
         return usual
-    if name not in said:
+    if name not in header:
         raise ConfigError(f"{path}: lacks {name.upper()}: is it an ESRI ASCII grid?")
     try:
-        number = float(said[name])
+        number = float(header[name])
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise _wrong(path, name, said[name], "must be a finite number")
+        raise _wrong(path, name, header[name], "must be a finite number")
     return number
 
 
-def _count(said: Mapping[str, str], name: str, path: Path) -> int:
+def _count(header: Mapping[str, str], name: str, path: Path) -> int:
     """Return a number of rows or columns; ConfigError if it is none."""
-    number = _number(said, name, path)
+    number = _number(header, name, path)
     if number != int(number) or number < 1:
-        raise _wrong(path, name, said[name], "must be a whole number above 0")
+        raise _wrong(path, name, header[name], "must be a whole number above 0")
     return int(number)
 
 
-def _low(said: Mapping[str, str], axis: str, cell: float, path: Path) -> float:
+def _low(header: Mapping[str, str], axis: str, cell: float, path: Path) -> float:
     """Return where the first sample is on an axis, by the corner or the centre of its cell."""
-    ends = [end for end in ("corner", "center") if f"{axis}ll{end}" in said]
-    other = [end for end in ("corner", "center") if f"{'y' if axis == 'x' else 'x'}ll{end}" in said]
+    ends = [end for end in ("corner", "center") if f"{axis}ll{end}" in header]
+    other = [
+        end for end in ("corner", "center") if f"{'y' if axis == 'x' else 'x'}ll{end}" in header
+    ]
     if len(ends) != 1 or ends != other:
         raise ConfigError(
             f"{path}: give XLLCORNER and YLLCORNER, or XLLCENTER and YLLCENTER, both of one kind"
         )
-    low = _number(said, f"{axis}ll{ends[0]}", path)
+    low = _number(header, f"{axis}ll{ends[0]}", path)
     return low + 0.5 * cell if ends == ["corner"] else low
 
 
@@ -206,8 +205,8 @@ def _refuse_large(rows: int, columns: int, path: Path) -> None:
         raise ConfigError(f"{path}: {rows} x {columns} samples: at least 2 x 2")
 
 
-def _wrong(path: Path, name: str, value: object, told: str) -> ConfigError:
-    return ConfigError(f"{path}: {name.upper()} = {value}: {told}")
+def _wrong(path: Path, name: str, value: object, fault: str) -> ConfigError:
+    return ConfigError(f"{path}: {name.upper()} = {value}: {fault}")
 
 
 # GeoTIFF
@@ -285,16 +284,14 @@ def _refuse_elsewhere(keys: Mapping[int, int], path: Path) -> None:
     """Raise ConfigError unless a grid is in plain metres or in degrees of WGS 84."""
     projected, geographic = keys.get(PROJECTED_KEY), keys.get(GEOGRAPHIC_KEY, WGS84_CODE)
     if projected not in (None, USER_DEFINED_CODE):
-        raise ConfigError(
-            f"{path}: is in EPSG:{projected}; plain metres or EPSG:4326: {WARP_COMMAND}"
-        )
+        raise ConfigError(f"{path}: is in EPSG:{projected}; plain metres or EPSG:4326: {WARP_HINT}")
     if keys.get(LINEAR_UNIT_KEY, METRE_CODE) != METRE_CODE:
         raise ConfigError(
-            f"{path}: its unit is EPSG:{keys[LINEAR_UNIT_KEY]}, not the metre: {WARP_COMMAND}"
+            f"{path}: its unit is EPSG:{keys[LINEAR_UNIT_KEY]}, not the metre: {WARP_HINT}"
         )
     if projected is None and geographic != WGS84_CODE:
         raise ConfigError(
-            f"{path}: is in EPSG:{geographic}; plain metres or EPSG:4326: {WARP_COMMAND}"
+            f"{path}: is in EPSG:{geographic}; plain metres or EPSG:4326: {WARP_HINT}"
         )
 
 
@@ -310,9 +307,7 @@ def on_the_plane(grid: Grid, position: Position) -> Grid:
     """
     rows, columns = grid.values.shape
     (south, north), (west, east) = _extent(grid, position)
-    cell = max(
-        grid.cell[0] * METRES_PER_DEGREE, math.sqrt((north - south) * (east - west) / MAX_CELLS)
-    )
+    cell = max(grid.cell[0] * M_PER_DEGREE, math.sqrt((north - south) * (east - west) / MAX_CELLS))
     shape = int((north - south) / cell) + 1, int((east - west) / cell) + 1
     _refuse_large(*shape, Path("the grid on the plane"))
     latitude, longitude = _positions(position, (south, west), cell, shape)
@@ -327,9 +322,9 @@ def _extent(grid: Grid, position: Position) -> tuple[tuple[float, float], tuple[
     rows, columns = grid.values.shape
     north = grid.south + (rows - 1) * grid.cell[0], grid.south
     east = grid.west + (columns - 1) * grid.cell[1], grid.west
-    across = METRES_PER_DEGREE * math.cos(math.radians(latitude))
+    across = M_PER_DEGREE * math.cos(math.radians(latitude))
     return (
-        ((north[1] - latitude) * METRES_PER_DEGREE, (north[0] - latitude) * METRES_PER_DEGREE),
+        ((north[1] - latitude) * M_PER_DEGREE, (north[0] - latitude) * M_PER_DEGREE),
         ((east[1] - longitude) * across, (east[0] - longitude) * across),
     )
 

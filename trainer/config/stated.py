@@ -14,7 +14,6 @@ from trainer.config.derived import Condition, compile_conditions
 from trainer.config.files import ConfigError, Place, collecting, quote, raise_problems
 from trainer.config.schema import (
     Choice,
-    Quantity,
     Rows,
     Text,
     Texts,
@@ -47,20 +46,12 @@ TEXT_UNITS: Final[Mapping[str, tuple[str, float]]] = {
     "deg/s": ("turn", math.radians(1.0)),
     "t": ("mass", 1000.0),
 }
+# fmt: off
 SMALL_NUMBERS: Final = (
-    "one",
-    "two",
-    "three",
-    "four",
-    "five",
-    "six",
-    "seven",
-    "eight",
-    "nine",
-    "ten",
-    "eleven",
+    "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven",
     "twelve",
 )
+# fmt: on
 NUMBER_WORDS: Final[Mapping[str, float]] = {
     **dict.fromkeys(("half", "half a", "half an"), 0.5),
     **dict.fromkeys(("a", "an"), 1.0),
@@ -128,16 +119,16 @@ class StatedRow:
         Texts(Text(80, "more orders, as in a file of orders: 95 negative flood"), 8)
     )
     when: str | None = optional(Text(79, "conditions, with and, that first hold at at_s"))
-    from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "not before; else 0"))
-    to_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "not later; else the end"))
+    from_s: float | None = optional("s", within(0, MAX_TIME_S), "not before; else 0")
+    to_s: float | None = optional("s", within(0, MAX_TIME_S), "not later; else the end")
     quantity: str | None = optional(Text(40, "instead of when: depth_m, speed_kn, as in scores"))
     measure: str | None = optional(
         Choice(STATED_MEASURES, "of the quantity: at at_s, or its least or greatest")
     )
-    at_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "with when, or value"))
-    value: float | None = optional(Quantity("-", within(-1e9, 1e9), "in the quantity's unit"))
+    at_s: float | None = optional("s", within(0, MAX_TIME_S), "with when, or value")
+    value: float | None = optional("-", within(-1e9, 1e9), "in the quantity's unit")
     within: float | None = optional(
-        Quantity("-", within(0, 1e6), "s or the quantity's unit; else 2 % of it, a step at least")
+        "-", within(0, 1e6), "s or the quantity's unit; else 2 % of it, a step at least"
     )
 
 

@@ -1,4 +1,8 @@
-"""CSV files as other programs write them: separators, decimal signs, units, times."""
+"""CSV files as other programs write them: separators, decimal signs, units, times.
+
+Records for identification and runs for ``trainer compare`` and ``fit`` are read by it. What a cell
+means is decided by its whole column, because one cell alone is ambiguous: 1,234 is two numbers.
+"""
 
 import csv
 import io
@@ -50,22 +54,12 @@ UNIT_SPELLINGS: Final = (  # of units, and ours
     (re.compile(r"[\s*]+|\^"), ""),
     (re.compile("s-1$"), "/s"),
 )
+# fmt: off
 HEADING_UNITS: Final = (
-    "s",
-    "ms",
-    "min",
-    "h",
-    "rad",
-    "deg",
-    "rad/s",
-    "deg/s",
-    "deg/min",
-    "m/s",
-    "kn",
-    "1/s",
-    "rps",
+    "s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn", "1/s", "rps",
     "rpm",
 )
+# fmt: on
 Rows = list[tuple[int, list[str]]]
 
 

@@ -1,10 +1,11 @@
 """Vessel files: a name or path becomes a checked, complete, immutable record.
 
 What a file leaves out comes from the shipped defaults file; no default stands in code.
+``boat/assemble`` makes the records of the core of it.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,14 @@ from trainer.config.files import (
     read_text,
     shipped_path,
 )
-from trainer.config.propulsion import DRAG_ASTERN, ThrustRows, thrust_of, thrust_problems
-from trainer.config.schema import Choice, Kind, Text, find_infinite, kind_of, read_record
+from trainer.config.propulsion import (
+    DRAG_ASTERN,
+    ThrustRows,
+    joint_remarks,
+    thrust_of,
+    thrust_problems,
+)
+from trainer.config.schema import Choice, Kind, Text, find_infinite, read_record
 from trainer.config.vessel_records import (
     Autopilot,
     CompactTerms,
@@ -40,6 +47,7 @@ from trainer.config.vessel_records import (
     WaveStrips,
 )
 from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
+from trainer.units import KNOT
 
 VESSEL_SCHEMA = Choice(("gertler-hagen-2510/1",), "form of the coefficients")
 HEADING_FIELDS: Mapping[str, Kind] = {
@@ -48,20 +56,12 @@ HEADING_FIELDS: Mapping[str, Kind] = {
     "scale": Text(200, "full, or that of a model"),
 }
 # Keys and tables that tell where numbers come from: no run and no message depends on them.
+# fmt: off
 DOCUMENTARY_TABLES = (
-    "source",
-    "nondimensional",
-    "calibration",
-    "derived",
-    "reduction",
-    "estimate",
-    "terms",
-    "validity",
-    "errata",
-    "extra",
-    "equivalent_2510_nonlinear",
-    "notes",
+    "source", "nondimensional", "calibration", "derived", "reduction", "estimate", "terms",
+    "validity", "errata", "extra", "equivalent_2510_nonlinear", "notes",
 )
+# fmt: on
 DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
     "": ("kind", "scale"),
     "vessel": ("body_height", "body_width", "note"),
@@ -209,7 +209,10 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     thrust = _thrust(parts)
     remarks = {
         "vessel": plausibility.stated_remarks(parts["vessel"], parts["fluid"]),
-        "propulsion": plausibility.thrust_remarks(thrust.ahead),
+        "propulsion": [
+            *plausibility.thrust_remarks(thrust.ahead),
+            *joint_remarks(thrust, _thrust_scale(parts)),
+        ],
         "wave_strips": _strip_remarks(parts),
         "ballast": _tank_remarks(parts),
     }
@@ -243,6 +246,12 @@ def _thrust(parts: Mapping[str, Any]) -> ThrustRows:
     return thrust_of(parts["propulsion"].sets, DRAG_ASTERN if astern is None else astern)
 
 
+def _thrust_scale(parts: Mapping[str, Any]) -> float:
+    """Return rho/2 L^2 times the largest command speed squared [N]."""
+    largest = parts["propulsion"].max_ordered_speed_kn * KNOT
+    return float(0.5 * parts["fluid"].rho * (parts["vessel"].length * largest) ** 2)
+
+
 def _strip_remarks(parts: Mapping[str, Any]) -> list[str]:
     """Return which added masses of the strips are not those of the coefficients."""
     table = parts.get("wave_strips")
@@ -257,9 +266,7 @@ def with_deepest_order(hull: Hull) -> Hull:
 
 
 def _fill_defaults(
-    given: Mapping[str, Any],
-    defaults: Mapping[str, Any],
-    inside: str,
+    given: Mapping[str, Any], defaults: Mapping[str, Any], inside: str
 ) -> tuple[dict[str, Any], list[str]]:
     """Return ``given`` completed by ``defaults``, and the names of the keys added."""
     table = dict(given)
@@ -328,7 +335,7 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
         "envelope": plausibility.envelope_problems(parts["envelope"]),
     }
     if not problems["propulsion"]:
-        problems["propulsion"] = thrust_problems(_thrust(parts))
+        problems["propulsion"] = thrust_problems(_thrust(parts), _thrust_scale(parts))
     if "autopilot" in parts:
         problems["autopilot"] = plausibility.autopilot_problems(
             parts["autopilot"], parts["coefficients"]
@@ -346,23 +353,3 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
 def _placed(found: Mapping[str, list[str]], place: Place) -> list[str]:
     """Return problems with file and table in front."""
     return [place.inside(name).problem(text) for name, texts in found.items() for text in texts]
-
-
-def documentary_keys() -> dict[str, tuple[str, ...]]:
-    """Return by table the keys that are for the reader only."""
-    keys = dict(DOCUMENTARY_KEYS)
-    for table, record in VESSEL_RECORDS.items():
-        for item in fields(record):
-            inner = getattr(kind_of(item), "documentary", ())
-            if inner:
-                keys[f"{table}.{item.name}"] = inner
-    return keys
-
-
-def documentary_list() -> str:
-    """Return the Markdown list of what is for the reader only, as docs/vessel-files.md has it."""
-    lines = [f"- `[{name}]`, all of it." for name in DOCUMENTARY_TABLES]
-    for table, keys in documentary_keys().items():
-        where = f"`[{table}]`" if table else "Above all tables"
-        lines.append(f"- {where}: {', '.join(f'`{key}`' for key in keys)}.")
-    return "\n".join(lines)

@@ -1,6 +1,8 @@
 """The tables of a vessel file. Each record has keys with their unit, limits and meaning.
 
-Units are those of the file. The coefficients are in trainer.config.coefficients.
+Units are those of the file. The coefficients are in trainer.config.coefficients. ``vessel`` reads
+files by them. Unit, limits and meaning of a key stand here once, and serve the reader, its
+messages, the JSON Schema and docs/vessel-files.md.
 """
 
 from collections.abc import Mapping
@@ -17,7 +19,6 @@ from trainer.config.schema import (
     above,
     optional,
     required,
-    tables_of,
     within,
 )
 from trainer.core.terms import EXTRA_TERMS
@@ -161,7 +162,7 @@ class Propulsion:
         Quantity("N m", within(1e-3, 1e8), "the engine's most; needs KQ and propeller_diameter")
     )
     shaft_power_w: float | None = optional(
-        Quantity("W", within(1e-2, 1e9), "or its power at max_ordered_speed_kn, which gives it")
+        Quantity("W", within(1e-2, 1e9), "the most the shaft takes; alone: it gives the torque too")
     )
 
 
@@ -238,6 +239,12 @@ class Envelope:
         Quantities(Quantity("m", within(-200, 200), "x and z of the sail's middle; no sail"), 2, 2)
     )
     sail_y: float | None = optional(Quantity("-", within(0, 10), "its cross-flow drag; 0"))
+    sail_lift: float | None = optional(
+        Quantity("-", within(0, 10), "its lift slope, hull's share too, as in Y_v; 0")
+    )
+    sail_lift_place: tuple[float, float] | None = optional(
+        Quantities(Quantity("m", within(-200, 200), "x and z of where that lift acts"), 2, 2)
+    )
     sail_added_mass: float | None = optional(
         Quantity("kg", within(0, 1e9), "its share of the added mass in sway; 0")
     )
@@ -376,23 +383,3 @@ class Scope:
     extension_m: float = required(Quantity("m", above(0, 30), "head over the sail's top, all out"))
     raise_s: float = required(Quantity("s", within(0.1, 600), "time from all in to all out"))
     speed_kn_max: float = required(Quantity("kn", above(0, 60), "at which the mast may be out"))
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/vessel-files.md shows them."""
-    records = {
-        "fluid": Fluid,
-        "vessel": Hull,
-        "propulsion": Propulsion,
-        "[propulsion.sets]": ThrustSet,
-        "control_surfaces": Surfaces,
-        "envelope": Envelope,
-        "compact": CompactTerms,
-        "run": RunDefaults,
-        "autopilot": Autopilot,
-        "free_surface": FreeSurface,
-        "[free_surface.rows]": SurfaceRow,
-        "wave_strips": WaveStrips,
-        "scope": Scope,
-    }
-    return tables_of(records)

@@ -1,4 +1,7 @@
-"""A vessel file written out: every key with its unit, its law and its meaning."""
+"""``trainer vessel new``: a vessel file written out, every key with unit and meaning.
+
+The numbers are those of a shipped boat, at another length by Froude's law (``similarity``).
+"""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -28,7 +31,7 @@ from trainer.config.vessel import (
 from trainer.core.terms import COEFFICIENTS
 
 MAX_LINE_COLUMNS: Final = 100
-COPY_FACTOR: Final = 1.0  # factor of a copy
+SAME_SIZE: Final = 1.0  # factor of a copy
 PRIME_NOTE: Final = "[-] times rho/2, the power of L and the motion told behind each; absent: zero"
 DEPTH_KEYS: Final = ("max_depth_m", "test_depth_m")  # the first given is the deepest to be ordered
 LAWS_NOTE: Final = """\
@@ -89,10 +92,8 @@ class TemplateWriter:
         """Return the comment on a key: unit, law and meaning."""
         unit, limits, meaning, _ = kind.form
         law = law_of(table, key, kind)
-        words = (
-            f"{unit}, {formula(law.power)}" if law.power and self._factor != COPY_FACTOR else unit
-        )
-        reason = f"; {law.reason}" if law.reason and self._factor != COPY_FACTOR else ""
+        words = f"{unit}, {formula(law.power)}" if law.power and self._factor != SAME_SIZE else unit
+        reason = f"; {law.reason}" if law.reason and self._factor != SAME_SIZE else ""
         if isinstance(kind, NamedNumbers):
             meaning = kind.each.meaning  # its names stand below
         elif unit == "word":
@@ -145,8 +146,8 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
     ):  # a set that the source lacks is none of the copy's
         if table_name not in content:
             table.pop(table_name, None)
-    factor = COPY_FACTOR if length is None else length / file.hull.length
-    if factor != COPY_FACTOR:
+    factor = SAME_SIZE if length is None else length / file.hull.length
+    if factor != SAME_SIZE:
         table = scaled_vessel(table, factor)
         table["vessel"]["length"] = length
         table["scale"] = "full"
@@ -154,7 +155,7 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
             "scaled_from": f"{path.name}: {file.name}, {file.hull.length:g} m",
             "law": "Froude's similarity, docs/vessel-files.md",
         }
-    table["name"] = name or (file.name if factor == COPY_FACTOR else f"{path.stem} at {length:g} m")
+    table["name"] = name or (file.name if factor == SAME_SIZE else f"{path.stem} at {length:g} m")
     return "\n".join((*_opening(path, file.hull.length, length), *_body(table, factor))) + "\n"
 
 

@@ -1,4 +1,9 @@
-"""The words of files and the command line for methods, models and channels."""
+"""Words that files and the command line share: equation sets, models, channels.
+
+They stand apart from the modules that use them, so that ``--help`` lists the words of a choice
+without loading any of those. Equation sets: ``full`` is the report's whole equations, ``modified``
+and ``basic`` are compact ones, ``longitudinal`` is of the vertical plane alone.
+"""
 
 from typing import Final
 

@@ -1,4 +1,8 @@
-"""The world around the boat in an exercise. Each of its tables has its own reader."""
+"""The world around the boat in an exercise: current, ground and other ships.
+
+Each of its tables has its own reader; here they are read together, for ``boat/world``. They are
+checked together, because a ship's way must have water under it.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -10,7 +14,6 @@ import numpy as np
 
 from trainer.config.bottom import Bottom, BottomTable, depths_at, is_charted, read_bottom
 from trainer.config.contacts import (
-    CONTACT_RECORDS,
     Contact,
     contacts_schema,
     encounters_schema,
@@ -35,8 +38,6 @@ WORLD_SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "current": current_schema,
     "bottom": lambda: record_schema(BottomTable, ("note",)),
 }
-# The records whose keys docs/exercises.md lists.
-WORLD_RECORDS: Final[Mapping[str, type[Any]]] = {**CONTACT_RECORDS, "bottom": BottomTable}
 MIN_WATER_DRAUGHTS: Final = 1.2  # [-] depth on a ship's way over its draught (docs/world.md)
 SOUNDING_SPACING_M: Final = 20.0  # [m] between the places of a way that are sounded
 WorldTables = Mapping[str, Any]  # records, by the names of their tables

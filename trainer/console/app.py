@@ -1,4 +1,9 @@
-"""The screen of one role: rows of drawings, an order line, keys and dialogs."""
+"""The screen of one role in a terminal, as a Textual application.
+
+It shows the drawings of the role's layout (``layouts``), takes keys (``keys``) and typed orders
+(``entry``), and opens dialogs. All that it knows of the session is in ``model``; what has
+changed is drawn ten times a second.
+"""
 
 import math
 import re
@@ -25,6 +30,7 @@ from trainer.console.dialogs import (
     sea_choice,
 )
 from trainer.console.drawing.chart import strip
+from trainer.console.drawing.evaluation import evaluation
 from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.drawing.panels import flowed, foot, key_at, top
 from trainer.console.entry import Entry, OrderNames, hint
@@ -68,8 +74,17 @@ FIRST_POLL_S: Final = 0.004  # [s] between looks for the first figures
 FUNCTION_KEY_PATTERN: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
 CHART_SPANS_S: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 TIME_SPEEDS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of the keys
-ROLE_PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 shows help"}
+ROLE_PROMPTS: Final = {
+    "instructor": "type an order, such as depth 80; F1 shows help",
+    "trainee": "keys move your controls; or type an order, and Enter",
+}
 DEFAULT_PROMPT: Final = "keys move your controls; Enter to type an order"
+# what tells whether something is on, and the orders that switch it on and off
+SWITCHES: Final[Mapping[KeyAction, tuple[tuple[str, str], str, str]]] = {
+    PlainAction.SHOW: (("time", "shown"), "demonstrate", "demonstrate off"),
+    PlainAction.GHOST: (("ghost", "depth"), "ghost on", "ghost off"),
+    PlainAction.PREDICT: (("predictor", "depth"), "predictor 60 s", "predictor off"),
+}
 DIALOG_SUBJECTS: Final[Mapping[str, Callable[[SessionModel], DialogSubject]]] = {
     "help": guide,
     "briefing": briefing,
@@ -97,9 +112,8 @@ class Levers:
         shown = model.picture.number(SURFACE_CHANNELS[surface], f"ordered_{surface}")
         if shown is None:
             return ""
-        if (
-            model.refused != self.refused
-        ):  # most likely beyond its limit: the keys begin again from what the boat shows
+        # An order was refused, most likely for its limit: begin again from what the boat shows.
+        if model.refused != self.refused:
             self.refused = model.refused
             self.asked.clear()
         most = model.ranges.get(surface, math.inf)
@@ -140,7 +154,8 @@ class Console(App[str], inherit_bindings=False):
         (36, "-tall"),
         (50, "-high"),
     ]
-    # not those of the library: Ctrl-Q is what wakes a terminal that Ctrl-S has stopped
+    # None of the library's: its Ctrl-Q would end the console, but users press Ctrl-Q to wake a
+    # terminal that Ctrl-S has stopped.
     BINDINGS: ClassVar[list[BindingType]] = []
 
     def __init__(self, model: SessionModel, *, own: bool = False) -> None:
@@ -159,6 +174,7 @@ class Console(App[str], inherit_bindings=False):
         self._early: list[events.Key] = []  # typed before there is a line to type them into
         self._ended, self._released = model.endings, model.releases
         self._foot = footer(model.role)
+        self._briefed = ""  # the exercise whose briefing was shown
 
     def get_default_screen(self) -> Screen[None]:
         """Return a screen that has the role's style from its first drawing."""
@@ -177,6 +193,8 @@ class Console(App[str], inherit_bindings=False):
             yield Pane(partial(log, self.model), "log", wheel=self._scroll)
             if self._post.aside:
                 yield Vertical(*map(self._pane, self._post.aside), id="aside")
+        if self.model.instructs:
+            yield Pane(partial(evaluation, self.model), "evaluation")
         yield Pane(self._line, "line", moving=True, click=self._travel)
         prompt = ROLE_PROMPTS.get(self.model.role, DEFAULT_PROMPT)
         yield Entry(self._names, self._quick(), prompt, self._submit)
@@ -201,6 +219,9 @@ class Console(App[str], inherit_bindings=False):
             key = self._keys.get(event.key)
             if key is not None:
                 self.act(key.act)
+                return
+            if self.model.trains and event.character and event.character.isalpha():
+                self.query_one(Entry).begin(event.character)  # no Enter before an order
                 return
         await super().on_event(event)
 
@@ -284,6 +305,9 @@ class Console(App[str], inherit_bindings=False):
                 words = self._levers.pump(tank, tonnes, self.model)
             case PlainAction.REPEAT:
                 words = self._repeat()
+            case PlainAction() if act in SWITCHES:
+                (channel, name), *orders = SWITCHES[act]
+                words = orders[picture.word(channel, name) not in ("", "no")]
             case PlainAction.AGAIN if picture.word("time", "replay") == "yes":
                 words = "take over"
         return words
@@ -357,13 +381,29 @@ class Console(App[str], inherit_bindings=False):
             self.bell()
         if self.model.endings > self._ended and not self._typing:
             self._ended = self.model.endings
-            if self.model.instructs:
+            if self.model.instructs or self.model.trains:
                 self._open(EndView(self.model), lambda: not self.model.outcome)
+        self._lead_in()
         releases, self._released = self.model.releases - self._released, self.model.releases
         if releases > 0 and not self.model.instructs and len(self.screen_stack) == 1:
             self._open(briefing(self.model), lambda: not self.model.outcome)
         while self.model.answers and len(self.screen_stack) == 1:
             self._open(answer(*self.model.answers.pop(0)))
+
+    def _lead_in(self) -> None:
+        """Show who trains the briefing before time runs; give what comes and goes its room."""
+        model = self.model
+        evaluated = bool(model.attainable or model.unevaluated) and not model.outcome
+        self.screen_stack[0].set_class(evaluated, "evaluated")
+        if not model.trains:
+            return
+        self.screen_stack[0].set_class(bool(model.step[0]), "lesson")
+        self.screen_stack[0].set_class("ballast" in model.by_hand, "tanks")
+        title = model.exercise.get("title", "") if model.joined else ""
+        begins = model.picture.frozen and not model.picture.seconds and len(self.screen_stack) == 1
+        if title and title != self._briefed and begins:
+            self._briefed = title
+            self._open(briefing(model), lambda: not model.picture.frozen)
 
     def _ordered_since(self, before: CrewOrder | None) -> bool:
         """Return whether an order has come since that a window would hide."""

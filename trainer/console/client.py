@@ -1,8 +1,8 @@
 """The line to a session, which is dialled again when it is lost.
 
-Role and subscriptions are then sent again. A thread of its own does all this. It keeps what comes
-until the screen takes it, up to MAX_KEPT_ITEMS, so that a screen that is held up loses the oldest
-and holds up nobody.
+``model`` takes what has come. Role and subscriptions are then sent again. A thread of its own does
+all this. It keeps what comes until the screen takes it, up to MAX_KEPT_ITEMS, so that a screen that
+is held up loses the oldest and holds up nobody.
 """
 
 import itertools
@@ -20,17 +20,15 @@ from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
-FIRST_REDIAL_S: Final = (
-    0.25  # [s] until a lost line is dialled again, twice as long each time after
-)
+# [s] until a lost line is dialled again, twice as long each time after
+FIRST_REDIAL_S: Final = 0.25
 MAX_WAIT_S: Final = 4.0  # [s] between two dials
 MAX_KEPT_ITEMS: Final = 2000  # items that have come and that the screen has not taken
 BATCH_LINES: Final = 200  # [lines]
 ROLE_TAG: Final = "1"  # tags of what the client says of itself
 WISH_TAG: Final = "2"
-MAX_ORDER_LETTERS: Final = MAX_LINE_LETTERS - len(
-    sentences.order_sentence("", "999999")
-)  # [characters]
+# [characters]
+MAX_ORDER_LETTERS: Final = MAX_LINE_LETTERS - len(sentences.order_sentence("", "999999"))
 Reach = Callable[[str, threading.Event], Line]
 
 
@@ -71,12 +69,7 @@ class Client:
     """One station's line to its session."""
 
     def __init__(
-        self,
-        url: Callable[[], str],
-        role: str,
-        wishes: Mapping[str, str],
-        *,
-        reach: Reach = dial,
+        self, url: Callable[[], str], role: str, wishes: Mapping[str, str], *, reach: Reach = dial
     ) -> None:
         """Keep a line to ``url()`` for ``role``, with its token and its channels in ``wishes``.
 

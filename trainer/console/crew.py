@@ -1,17 +1,21 @@
-"""Orders to the crew that have not been repeated yet, and what was repeated wrong."""
+"""The orders to the crew that a screen waits to see repeated, and wrong repeats.
+
+Aboard, who gets an order repeats it, so that the giver hears whether it was understood. ``model``
+fills this from the session's facts; ``drawing/crew_orders`` shows it.
+"""
 
 from dataclasses import dataclass, field
 from typing import ClassVar, Final, NamedTuple
 
 # the roles that repeat an order, by its axis; one in words is for the whole crew
 AXIS_ROLES: Final = {
-    "course": ("helm", "pilot"),
-    "speed": ("helm", "pilot"),
-    "depth": ("planes", "pilot", "diving"),
-    "pitch": ("planes", "pilot", "diving"),
+    "course": ("helm", "pilot", "trainee"),
+    "speed": ("helm", "pilot", "trainee"),
+    "depth": ("planes", "pilot", "diving", "trainee"),
+    "pitch": ("planes", "pilot", "diving", "trainee"),
 }
 TELL_WORD: Final = "tell"  # the first word of an order in words, which stands for its axis
-CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")
+CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope", "trainee")
 
 
 class CrewOrder(NamedTuple):

@@ -1,4 +1,9 @@
-"""Dialogs over the console: lists to choose from, and questions before what stays done."""
+"""Dialogs over the console: lists to choose from, and questions before what cannot be undone.
+
+``app`` shows one over the screen, and gives the orders with which it ends. A subject (``Choice``,
+``Question``) takes keys and draws lines without the library of windows (Textual), so that it can be
+tried without a terminal.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -92,7 +97,10 @@ class Choice:
 
     @property
     def order(self) -> str:
-        """Return the order that Enter gives, "" for none."""
+        """Return the order that Enter gives, "" for none.
+
+        What is typed behind the name of the chosen row takes the place of its usual ending.
+        """
         row = self.chosen
         if row is None:
             return f"{self.prefix} {self.typed.strip()}" if self.prefix and self.typed else ""
@@ -212,15 +220,12 @@ class DialogSubject(Protocol):
 
     def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the dialog ends, None while it goes on."""
-        ...
 
     def click(self, column: int, row: int, width: int) -> DialogOutcome | None:
         """Take a click on a place of the drawing. Return how the dialog ends, None as above."""
-        ...
 
     def draw(self, width: int, height: int) -> Lines:
         """Return it as lines."""
-        ...
 
 
 class Dialog(ModalScreen[DialogOutcome]):
@@ -276,9 +281,8 @@ class Question:
     """A question, and the answers by their keys."""
 
     asks: str
-    answers: dict[
-        str, tuple[str, DialogOutcome]
-    ]  # key: what it does in words, and how the dialog ends
+    # key: what it does in words, and how the dialog ends
+    answers: dict[str, tuple[str, DialogOutcome]]
     size: tuple[int, int] = (60, 7)
 
     def press(self, key: str, _character: str | None) -> DialogOutcome | None:

@@ -1,4 +1,8 @@
-"""The line at the bottom where orders are typed: completion, names and history."""
+"""The line at the screen's bottom where orders are typed, with completion and history.
+
+What may follow a word comes from the grammar's own table (``io/orders/table``), so that the
+completion cannot differ from what the session understands.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import ClassVar, Final, NamedTuple

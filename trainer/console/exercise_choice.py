@@ -1,4 +1,8 @@
-"""The choice before a session: sail freely, or one of the exercises."""
+"""The list from which a user chooses an exercise before a session.
+
+``trainer run`` on a terminal asks by ``choose_exercise`` when no exercise was given. It runs before
+there is a session, because the session is made for what is chosen.
+"""
 
 import textwrap
 from collections.abc import Sequence
@@ -9,11 +13,15 @@ from textual.app import App
 from textual.binding import BindingType
 
 from trainer.config.course import Lesson
+from trainer.config.progress import Progress
 from trainer.console.dialogs import HEAD_ROWS, NO_OUTCOME, Choice, ChoiceRow, Dialog, DialogOutcome
 from trainer.console.pane import Lines, fit, line
 
 FREE_SAILING: Final = "Sail freely"
+TITLE_COLUMNS: Final = 38  # [columns] of a title
 BRIEFING_ROWS: Final = 4  # [rows] of what is chosen
+I_TRAIN: Final = "I train"
+I_INSTRUCT: Final = "I instruct"
 NO_TITLE: Final = "No title has these letters. Backspace deletes the last letter."
 
 
@@ -53,18 +61,72 @@ class ExerciseChoice(Choice):
         return [fit(each, width) for each in lines[:height]]
 
 
-def exercise_choice(offered: Sequence[Lesson]) -> ExerciseChoice:
-    """Return the list: sailing freely comes first, so that Enter alone sails."""
+def side_choice() -> ExerciseChoice:
+    """Return the first question: who trains is told nothing that he is to find out."""
+    rows = [
+        ChoiceRow(
+            I_TRAIN,
+            I_TRAIN,
+            "",
+            "Lessons that lead step by step, then exercises with marks. You work the boat alone; "
+            "nothing is told that you are to find out.",
+        ),
+        ChoiceRow(
+            I_INSTRUCT,
+            I_INSTRUCT,
+            "",
+            "The instructor's console: you see all, also what is hidden, break things, go back in "
+            "time; others may join as the crew. Or sail freely.",
+        ),
+    ]
+    advice = ("Press Up or Down; Enter goes on, Esc leaves",)
+    return ExerciseChoice("What do you want?", rows, advice, size=(76, 14))
+
+
+def passed_mark(each: Lesson, progress: Progress | None) -> str:
+    """Return the best marks of a trainee, or that it is done."""
+    runs = progress.of(each.name) if progress else []
+    marks = [run.total for run in runs if run.total is not None]
+    done = "done" if any(run.passed for run in runs) else "begun" if runs else ""
+    best = f"{max(marks):.0f}" if marks else done
+    return f"{best:>5}  " if progress else ""
+
+
+def row_title(each: Lesson) -> str:
+    """Return title, length and what is in hand, in columns."""
+    return f"{each.title:<{TITLE_COLUMNS}} {each.length:>7}  {each.in_hand}".rstrip()
+
+
+def exercise_choice(
+    offered: Sequence[Lesson], *, trains: bool = False, progress: Progress | None = None
+) -> ExerciseChoice:
+    """Return the list. Sailing freely comes first, but last for who trains.
+
+    With a trainee's progress the first that is not passed is chosen.
+    """
     rows = [
         ChoiceRow(
             FREE_SAILING, FREE_SAILING, "", "No exercise: go to sea at once and do as you like."
         )
     ]
-    rows += [
-        ChoiceRow(each.title, each.name, "", " ".join(each.briefing.split())) for each in offered
+    lessons = [
+        ChoiceRow(
+            passed_mark(each, progress) + row_title(each),
+            each.name,
+            "",
+            " ".join(each.briefing.split()),
+        )
+        for each in offered
     ]
+    rows = [*lessons, *rows] if trains else [*rows, *lessons]
     advice = ("Press Up or Down, or type part of a title; Enter begins, Esc leaves",)
-    return ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
+    choice = ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
+    following = progress.following(offered) if progress else None
+    if progress and following:
+        passed = sum(progress.passed(each.name) for each in offered)
+        choice.title = f"{progress.trainee}: {passed} of {len(offered)} passed; next is chosen"
+        choice.moved = [row.words for row in rows].index(following.name)
+    return choice
 
 
 class ExerciseScreen(App[DialogOutcome], inherit_bindings=False):
@@ -83,12 +145,23 @@ class ExerciseScreen(App[DialogOutcome], inherit_bindings=False):
         self.push_screen(Dialog(self._choice), self.exit)
 
 
-def choose_exercise(offered: Sequence[Lesson]) -> str | None:
+def ask_side() -> str | None:
+    """Ask at the terminal who trains and who instructs; return the answer, None to leave."""
+    from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
+
+    forget_size()
+    done = ExerciseScreen(side_choice()).run()
+    return done.orders[0] if done and done.orders else None
+
+
+def choose_exercise(
+    offered: Sequence[Lesson], *, trains: bool = False, progress: Progress | None = None
+) -> str | None:
     """Ask at the terminal. Return the name of an exercise, "" to sail freely, None to leave."""
     from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
 
     forget_size()
-    done = ExerciseScreen(exercise_choice(offered)).run()
+    done = ExerciseScreen(exercise_choice(offered, trains=trains, progress=progress)).run()
     if done is None or done == NO_OUTCOME:
         return None
     (name,) = done.orders

@@ -1,4 +1,8 @@
-"""The window for long texts: help, the briefing of an exercise, long answers."""
+"""Windows with long texts: help, the briefing of an exercise, its end with the marks.
+
+``app`` opens them over the screen. A text is broken into lines when it is drawn, because a window
+may change its width while it is open.
+"""
 
 import re
 import textwrap
@@ -55,6 +59,18 @@ STATION_HELP: Final = (
         "press Enter, or type the order and aye. The repeat moves no control: you do."
     ),
 )
+TRAINEE_HELP: Final = (
+    (
+        "  You work the boat alone: keys move the controls, and you may type an order at any time. "
+        "F12 shows what is to be done; Enter there begins. F2 stops time, and starts it again."
+    ),
+    "",
+    (
+        "  A lesson says each step above the panel, and lights up the instrument to look at. An "
+        "order to the crew is yours to carry out: it stands in blue beside its instrument, NEW "
+        "until you press Enter. again begins from the start, next is the next lesson or exercise."
+    ),
+)
 SIGN_MEANINGS: Final = (
     ">", "ordered",
     "R L", "right, left (rudder)",
@@ -82,9 +98,8 @@ LIMIT_TEXTS: Final = {
     "cpa_m_min": "no nearer than {} m to a ship",
 }
 AXIS_STATIONS: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}
-PASSING_PATTERN: Final = re.compile(
-    "^by hand: | has come$"
-)  # of a greeting: what no briefing needs
+# of a greeting: what no briefing needs
+PASSING_PATTERN: Final = re.compile("^by hand: | has come$")
 PAGE_LETTERS: Final = 60  # [characters] from which a line was broken because the page ended
 SCROLL_STEPS: Final = {
     "up": -1,
@@ -96,7 +111,7 @@ SCROLL_STEPS: Final = {
     "end": 9999,
 }
 CLOSE_KEYS: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark")
-LABEL_COLUMNS: Final = 16  # [columns] of what stands before an explanation
+LABEL_COLUMNS: Final = 16  # [columns] of the label before an explanation
 DEAF_TIME_S: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
 
 
@@ -249,7 +264,7 @@ def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
         ("what wins", "; ".join(model.told.get("wins", []))),
         ("limits", limits_said(exercise.get("limits", ""))),
         ("it is lost at", " or ".join(map(loss_said, model.told.get("lost", [])))),
-        ("by hand", by_hand(exercise.get("hand", ""))),
+        ("by hand", by_hand(exercise.get("hand", ""), alone=model.trains)),
         ("automatic", exercise.get("allowed", "").replace(",", ", ")),
         (
             "free",
@@ -258,11 +273,13 @@ def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
     ]
 
 
-def by_hand(told: str) -> str:
+def by_hand(told: str, *, alone: bool = False) -> str:
     """Return what the crew works, and at which stations; "" for nothing."""
     axes = [axis for axis in told.split(",") if axis]
     if not axes:
         return ""
+    if alone:
+        return ", ".join(axes)
     stations = dict.fromkeys(AXIS_STATIONS[axis] for axis in axes if axis in AXIS_STATIONS)
     pilot = ", or one pilot" if {"helm", "planes"} == set(stations) else ""
     return f"{', '.join(axes)}; needs: {' and '.join(stations)}{pilot}"
@@ -287,6 +304,7 @@ def guide(model: SessionModel) -> TextView:
 
     def text() -> list[Line]:
         first = INSTRUCTOR_HELP if model.instructs else STATION_HELP
+        first = TRAINEE_HELP if model.trains else first
         keys = [labelled_line(key.label, key.does) for key in KEYS[model.role]]
         signs = [
             labelled_line(*pair)
@@ -306,6 +324,8 @@ def guide(model: SessionModel) -> TextView:
 def briefing(model: SessionModel) -> TextView:
     """Return the window with the briefing; the time left goes on in it."""
     keys = {} if model.instructs or not model.exercise else {"r": ("ready", "R says ready")}
+    if model.trains and model.picture.frozen:
+        keys = {"enter": ("run", "Enter begins"), "r": ("run", "")}
     return TextView("Briefing", lambda: briefing_rows(model), keys)
 
 
@@ -332,6 +352,22 @@ NEXT_STEPS: Final = {
 }
 
 
+WRONG_LEAD_S: Final = 15.0  # [s] before a moment that went wrong, from where it is flown again
+
+
+def steps_after(model: SessionModel) -> dict[str, NextStep]:
+    """Return what may follow an exercise at this screen, by its key."""
+    if not model.trains:
+        return NEXT_STEPS
+    steps = {"n": NextStep("next", "the next lesson or exercise"), "a": NEXT_STEPS["a"]}
+    if model.wrong_at is not None:
+        begin = max(model.wrong_at - WRONG_LEAD_S, 0.0)
+        back = max(model.picture.seconds - begin, 1.0)
+        does = f"again, from where it went wrong ({clock(begin)[3:]})"
+        steps["w"] = NextStep(f"again from {back:.0f} s", does, asked=True)
+    return {**steps, "h": NEXT_STEPS["h"], "q": NextStep("quit", "leave")}
+
+
 class EndView(TextView):
     """The window of an exercise that is over: what can follow, and the marks."""
 
@@ -339,6 +375,8 @@ class EndView(TextView):
         super().__init__(
             "Exercise over", self._rows, {key: (each.order, "") for key, each in NEXT_STEPS.items()}
         )
+        if model.trains:
+            self.keys = {}  # they follow from the marks
         self._model = model
         self._since = model.clock()
         self._chosen = ""
@@ -349,22 +387,28 @@ class EndView(TextView):
         if self._model.clock() - self._since < DEAF_TIME_S:
             return None
         before, self._chosen = self._chosen, key
-        if key == "r":  # it stays: the debrief is written next
-            self._model.order(NEXT_STEPS[key].order)
+        steps = steps_after(self._model)
+        if self._model.trains:
+            self.keys = {name: (each.order, "") for name, each in steps.items()}
+        if key == "r" and key in steps:  # it stays: the debrief is written next
+            self._model.order(steps[key].order)
             return None
-        if key in NEXT_STEPS and NEXT_STEPS[key].asked and before != key:
+        if key in steps and steps[key].asked and before != key:
             return None
         return super().press(key, character)
 
     def _rows(self) -> list[Line]:
-        rows = [labelled_line(key.upper(), self._says(key)) for key in NEXT_STEPS]
+        rows = [labelled_line(key.upper(), self._says(key)) for key in steps_after(self._model)]
         marks = self._model.marks_told or ["the marks are being calculated"]
+        if self._model.lesson_done:
+            marks = ["the lesson is done, to its last step; lessons have no marks"]
         rows += [line(), line((f" {self._model.outcome}", "title")), line()]
         return rows + [line((f"   {told}", "plain")) for told in marks]
 
     def _says(self, key: str) -> str:
         """Return what a key does, or that it is to be pressed once more."""
-        if key != self._chosen or key not in NEXT_STEPS:
-            return NEXT_STEPS[key].does
-        once_more = f"{NEXT_STEPS[key].does}: press {key.upper()} once more"
-        return once_more if NEXT_STEPS[key].asked else f"{NEXT_STEPS[key].does}: done"
+        step = steps_after(self._model)[key]
+        if key != self._chosen:
+            return step.does
+        once_more = f"{step.does}: press {key.upper()} once more"
+        return once_more if step.asked else f"{step.does}: done"

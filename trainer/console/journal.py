@@ -1,4 +1,8 @@
-"""The journal of orders, answers and news, and the samples of the strip charts."""
+"""The entries of a screen's log, and the samples of its strip charts.
+
+``model`` keeps them, and drawings read them. A screen keeps its own copy of both, so that it can
+scroll back without asking the session.
+"""
 
 import bisect
 import math
@@ -30,6 +34,7 @@ KIND_SIGNS: Final = {
     "mark": ("*", "good"),
     "order": ("-", "plain"),
     "crew": ("o", "ordered"),
+    "shown": ("~", "good"),
     "exercise": ("-", "ordered"),
     "station": ("-", "dim"),
     "briefing": (" ", "plain"),
@@ -39,7 +44,7 @@ MAX_TRACE_TICKS: Final = 4800  # ticks: 40 minutes at half a second
 
 
 class JournalEntry(NamedTuple):
-    """One thing said or done."""
+    """One line of the log: an order, an answer or an event."""
 
     seconds: float | None  # None: at no time of the boat's
     kind: str
@@ -49,8 +54,8 @@ class JournalEntry(NamedTuple):
 class TimelineMoment(NamedTuple):
     """Something on the time line."""
 
-    seconds: float
-    sign: str
+    seconds: float  # of the boat's time
+    sign: str  # the letter that it has there
     text: str
 
 
@@ -108,6 +113,7 @@ def follows(last: JournalEntry, new: JournalEntry) -> bool:
     """Return whether an order moves the control that the last order moved a moment ago."""
     if last.kind != "order" or new.kind != "order" or last.seconds is None or new.seconds is None:
         return False
+    # the same words before the figure: the same control; without any figure it is no such order
     alike = FIGURE_PATTERN.split(last.text)[0] == FIGURE_PATTERN.split(new.text)[0] != new.text
     return alike and 0.0 <= new.seconds - last.seconds <= MERGE_TIME_S
 
@@ -133,6 +139,7 @@ class Sample(NamedTuple):
 
     actual: float | None
     ordered: float | None
+    ghost: float | None = None  # of the reference crew's run
 
 
 @dataclass
@@ -160,6 +167,15 @@ class Trace:
         whole = {seconds: samples for seconds, samples in rows if seconds < latest} | traced
         self.times = sorted(whole)[-MAX_TRACE_TICKS:]
         self.samples = [whole[seconds] for seconds in self.times]
+
+    def recall_ghost(self, rows: Sequence[tuple[float, Sequence[float | None]]]) -> None:
+        """Put the ghost's values of earlier times beside the samples."""
+        times = [seconds for seconds, _ in rows]
+        for place, (seconds, samples) in enumerate(zip(self.times, self.samples, strict=True)):
+            row = bisect.bisect_right(times, seconds) - 1
+            if row >= 0 and samples and samples[0].ghost is None:
+                pairs = zip(samples, rows[row][1], strict=True)
+                self.samples[place] = tuple(each._replace(ghost=value) for each, value in pairs)
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
         """Return a quantity at times over the last ``span`` [s], None before the first."""

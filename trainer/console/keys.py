@@ -1,7 +1,11 @@
-"""The keys of each role and their actions, once. Screens, help and documents read them."""
+"""The keys of each role and their actions, once. Screens, help and documents read them.
+
+``app`` looks a pressed key up here and does its action, which is data: an order to send, a surface
+to move by some degrees, a dialog to open.
+"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
@@ -72,6 +76,9 @@ class PlainAction(Enum):
     TOGGLE = "freeze time, or let it go on"
     REPEAT = "repeat the order to the crew that is new; without one begin an order"
     AGAIN = "replay, or end the replay that runs"
+    SHOW = "have the way shown, or end that"
+    GHOST = "ghost on or off"
+    PREDICT = "predictor on or off"
     LEAVE = "leave the session, or end one's own"
     RING = "switch the terminal's bell on or off"
 
@@ -135,9 +142,13 @@ REPEAT_KEY: Final = Key(
 )
 TYPE_KEY: Final = Key(("colon",), ":", "", "type an order; Esc comes back", TypingAction(""))
 
+FREEZE_KEY: Final = Key(
+    ("f2", "space"), "F2", "freeze", "stop time, or start it again", PlainAction.TOGGLE
+)
+
 INSTRUCTOR_KEYS: Final = (
     HELP_KEY,
-    Key(("f2", "space"), "F2", "freeze", "stop time, or start it again", PlainAction.TOGGLE),
+    FREEZE_KEY,
     Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", OrderAction("step")),
     Key(("f4",), "F4", "break", "break something, or repair it", DialogAction("casualties")),
     Key(("f5",), "F5", "sea", "change the sea", DialogAction("sea")),
@@ -250,12 +261,15 @@ WATER_KEYS: Final = (
     order_key("c", "K: charge", "compressor on"),
     order_key("k", "", "compressor off"),
 )
-FOOTER_KEYS: Final = (
-    HELP_KEY,
-    REPEAT_KEY,
-    BRIEFING_KEY,
-    LEAVE_KEY,
-)  # named first where there is little room
+# Who trains may begin to type an order at any time, so the bow planes have no letters.
+TRAINEE_BOW_KEYS: Final = (
+    Key(("comma",), ",", ".: bow", "bow 1 degree dive", MoveAction("bow", -1)),
+    Key(("full_stop",), ".", "", "bow 1 degree rise", MoveAction("bow", 1)),
+    Key(("less_than_sign",), "<", "", "bow 5 degrees dive", MoveAction("bow", -5)),
+    Key(("greater_than_sign",), ">", "", "bow 5 degrees rise", MoveAction("bow", 5)),
+)
+# Where a screen has little room, its last line names these keys first.
+FOOTER_KEYS: Final = (HELP_KEY, REPEAT_KEY, BRIEFING_KEY, LEAVE_KEY)
 COMMON_KEYS: Final = (TYPE_KEY, BELL_KEY, *SPAN_KEYS, *LOG_KEYS)
 
 KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
@@ -265,6 +279,20 @@ KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
     "pilot": (*FOOTER_KEYS, *PILOT_KEYS, *TELEGRAPH_KEYS, *COMMON_KEYS),
     "ballast": (*FOOTER_KEYS, *VALVE_KEYS, *WATER_KEYS, *COMMON_KEYS),
     "diving": (*FOOTER_KEYS, *PLANE_KEYS, *VALVE_KEYS, *WATER_KEYS, *COMMON_KEYS),
+    "trainee": (
+        *FOOTER_KEYS,
+        replace(FREEZE_KEY, names=("f2",)),
+        Key(("f5",), "F5", "", "the reference crew's run beside yours, or not", PlainAction.GHOST),
+        Key(("f6",), "F6", "", "where the boat goes as it stands, or not", PlainAction.PREDICT),
+        Key(("f7",), "F7", "the way", "have the way shown, or end that", PlainAction.SHOW),
+        *steering("rudder", ("left", "right"), ("Left", "Right"), ("left", "right")),
+        order_key("m", "amidships", "rudder amidships"),
+        *STERN_KEYS,
+        *TRAINEE_BOW_KEYS,
+        *ZERO_KEYS,
+        *TELEGRAPH_KEYS,
+        *COMMON_KEYS,
+    ),
     "observer": (
         *FOOTER_KEYS,
         Key(("m",), "M", "mark", "mark this moment, with a remark", TypingAction("mark ")),
@@ -313,15 +341,3 @@ def by_name(role: str) -> dict[str, Key]:
     keys_by_name = {name: key for key in KEYS[role] for name in key.names}
     capitals = {name.upper(): key for name, key in keys_by_name.items() if len(name) == 1}
     return capitals | keys_by_name
-
-
-def key_table(role: str) -> str:
-    """Return the Markdown table of a role's keys, as docs/instructor.md shows it."""
-    rows = [f"| `{key.label}` | {key.does} |" for key in KEYS[role]]
-    return "\n".join(["| key | does |", "|---|---|", *rows]) + "\n"
-
-
-def key_tables() -> str:
-    """Return the tables of all roles but those of who looks on or visits."""
-    shown = (role for role in KEYS if role not in ("observer", "scope", "visitor"))
-    return "\n".join(f"#### {role.capitalize()}\n\n{key_table(role)}" for role in shown)

@@ -1,4 +1,8 @@
-"""A screen opened from the command line on a session that runs."""
+"""The start of a screen on a session that runs: ``trainer attach`` and ``trainer run``.
+
+The line to the session is tried first, so that an error is told on a plain terminal and not under a
+screen that closes.
+"""
 
 import gc
 import os

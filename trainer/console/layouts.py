@@ -1,4 +1,7 @@
-"""The layout of each role's screen: its channels, its charts and its rows of drawings."""
+"""What the screen of each role shows: its channels, charts and drawings.
+
+``app`` builds the screen from it, and ``launch`` subscribes to the channels at its rates.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,6 +18,7 @@ Drawing = Callable[[SessionModel, int, int], Lines]
 SMOOTH_RATE: Final = "at 10 hz"
 OFTEN_RATE: Final = "at 5 hz"
 SELDOM_RATE: Final = "at 1 hz"
+AID_NAMES: Final = ("ghost", "predictor")  # channels of every screen
 
 
 @dataclass(frozen=True)
@@ -64,10 +68,7 @@ def charts_named(gauge: str, *names: str) -> tuple[Quantity, ...]:
     return tuple(known[name] for name in names)
 
 
-TANK_PLACES: Final = (
-    Place("levels", tanks.levels),
-    Place("fittings", tanks.fittings),
-)
+TANK_PLACES: Final = (Place("levels", tanks.levels), Place("fittings", tanks.fittings))
 
 LAYOUTS: Final[Mapping[str, Layout]] = {
     post.role: post
@@ -148,6 +149,16 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             (Place("panel", panels.periscope, moving=True),),
         ),
         Layout(
+            "trainee",
+            (
+                *("time", "steering", "engine", "diving", "tanks"),
+                *("air", "valves", "orders", "gauges"),
+            ),
+            charts_named("gauges", "depth", "heading"),
+            (Place("panel", panels.trainee, moving=True),),
+            (Place("levels", panels.trainee_levels), Place("fittings", tanks.fittings)),
+        ),
+        Layout(
             "visitor",
             ("time", "diving", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
@@ -160,4 +171,4 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
 def wishes(post: Layout) -> dict[str, str]:
     """Return the wished rate of each channel. The channel that the charts follow is last."""
     often = {"motion": SMOOTH_RATE, "gauges": SMOOTH_RATE, "ledger": SELDOM_RATE}
-    return {channel: often.get(channel, OFTEN_RATE) for channel in post.channels}
+    return {channel: often.get(channel, OFTEN_RATE) for channel in (*AID_NAMES, *post.channels)}

@@ -1,5 +1,10 @@
-"""A screen's model of its session: values, news, and orders on their way."""
+"""All that a screen knows of its session: values, news, its unanswered orders.
 
+``app`` calls ``hear`` several times a second. It takes the sentences that have come since
+(``io/orders/sentences`` has their kinds), and puts each into its place here. Drawings only read.
+"""
+
+# long: one screen's whole knowledge of a session, sentence by sentence
 import contextlib
 import math
 import time
@@ -23,15 +28,17 @@ MAX_TRACK_PLACES: Final = 4000  # places of the track
 TRACK_PERIOD_S: Final = 2.0  # [s] between them
 NEXT_TIMEOUT_S: Final = 60.0  # [s] for the next exercise to be there
 MAKING_READY: Final = "the next exercise is being made ready"
+GHOST_CHANNEL: Final = "ghost"  # of an aid
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
 
 
 def marks_in_words(fields: str) -> str:
     """Return outcome and total in words, as the session announced them."""
-    outcome, _, total = fields.partition(",")
+    outcome, total, *aids = (*fields.split(","), "")[: max(fields.count(",") + 1, 2)]
     with contextlib.suppress(ValueError):
         total = f"{float(total):.0f} marks of 100"
-    return ", ".join(filter(None, (outcome, total or "no marks")))
+    told = (outcome, total or "no marks", *(f"with {aid}" for aid in aids))
+    return ", ".join(filter(None, told))
 
 
 def gives_crew(words: str) -> bool:
@@ -60,16 +67,29 @@ class CasualtyOffer(NamedTuple):
     says: str
 
 
+class AttainablePoint(NamedTuple):
+    """What a careful crew could still earn at a moment."""
+
+    seconds: float
+    marks: float  # [%]
+    so_far: float  # [%] of a run that ended there
+    outcome: str  # won, lost or open
+
+    @classmethod
+    def of(cls, fields: str) -> "AttainablePoint":
+        """Return the point that a fact tells."""
+        seconds, marks, so_far, outcome = fields.split(",")[:4]
+        return cls(float(seconds), float(marks), float(so_far), outcome)
+
+
 class Talk(Protocol):
     """The line to the session, as the model needs it."""
 
     def order(self, words: str) -> str:
         """Send an order; return its tag, "" when there is no line."""
-        ...
 
     def take(self) -> list[Item]:
         """Return what has come since the last call."""
-        ...
 
 
 @dataclass
@@ -107,11 +127,17 @@ class SessionModel:
     crew: CrewOrders = field(default_factory=CrewOrders)
     ranges: dict[str, float] = field(default_factory=dict)  # of the vessel, and its bells [kn]
     exercise: dict[str, str] = field(default_factory=dict)  # what is to be done, by its keys
-    told: dict[str, list[str]] = field(default_factory=dict)  # and what is said line by line
+    told: dict[str, list[str]] = field(default_factory=dict)  # its repeated keys
     outcome: str = ""  # of an exercise that is over
     endings: int = 0  # of exercises
-    marks_told: list[str] = field(default_factory=list)  # with their reasons, when they are told
+    marks_told: list[str] = field(default_factory=list)  # the marks and their reasons
     releases: int = 0  # of marks to the crew
+    wrong_at: float | None = None  # [s] of the reason that cost most
+    attainable: list[AttainablePoint] = field(default_factory=list)  # for the instructor alone
+    unevaluated: str = ""  # why there are none
+    step: tuple[str, str, str, str] = ("", "", "", "")  # number, how many, instrument, text
+    step_hint: str = ""
+    lesson_done: bool = False  # its last step is over
     rings: int = 0  # how often the bell has been due
     past: PastAnswers = field(default_factory=PastAnswers)
     answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
@@ -126,14 +152,25 @@ class SessionModel:
         self._greeted = 0  # lines of the briefing that came before the line was lost last
         self._over_at = 0.0  # [s] when the exercise was over
         self._early: list[str] = []  # orders that wait for the first line
-        self._own = 0  # orders to the crew that were given here and have not been told yet
-        self._snapshots: list[TimelineMoment] = []  # told so far, of an answer that is to come
+        self._own = 0  # orders to the crew that were given here and have not come back as facts yet
+        self._snapshots: list[TimelineMoment] = []  # facts so far of an answer that is still coming
         self._casualties: list[CasualtyOffer] = []
+        self._ghost = False  # it is shown
 
     @property
     def instructs(self) -> bool:
         """Return whether this is the instructor's screen, who sees the truth."""
         return self.role == "instructor"
+
+    @property
+    def trains(self) -> bool:
+        """Return whether this is the screen of who trains alone."""
+        return self.role == "trainee"
+
+    @property
+    def by_hand(self) -> list[str]:
+        """Return what the exercise has worked by hand."""
+        return list(filter(None, self.exercise.get("hand", "").split(",")))
 
     @property
     def waiting(self) -> int:
@@ -189,7 +226,7 @@ class SessionModel:
             if isinstance(item, Sentence):
                 self._read(item)
             elif isinstance(item, Greeting):
-                # keep what whoever comes is told, the first time
+                # the session sends its briefing again after each new connection
                 if item.text not in self.briefing:
                     self.briefing.append(item.text)
                     self.journal.add(None, "briefing", item.text)
@@ -232,7 +269,7 @@ class SessionModel:
             self.journal.add(None, "lost", f"no connection: {why}")
         self.trouble = "" if self.follows else why
         self._asked.clear()
-        self.crew = CrewOrders(rings=self.crew.rings)  # those that stand are told again
+        self.crew = CrewOrders(rings=self.crew.rings)  # the session sends those that stand again
         self.told.clear()
         self._greeted = len(self.briefing)
         self.picture.forget()
@@ -263,9 +300,16 @@ class SessionModel:
             self._go_on()
         self._catch_up(reading.seconds)
         self._follow(reading)
+        ghost = self.picture.number(GHOST_CHANNEL, "depth") is not None
+        if ghost and not self._ghost:  # its past was not shown while it was off
+            self.ask(f"history {GHOST_CHANNEL} 60 min")
+        self._ghost = ghost
         if self.trace.times[-1:] != [reading.seconds]:
             number = self.picture.number
-            samples = [Sample(number(*each.actual), self.ordered(each)) for each in self.charts]
+            samples = [
+                Sample(number(*each.actual), self.ordered(each), number(GHOST_CHANNEL, each.name))
+                for each in self.charts
+            ]
             self.trace.add(reading.seconds, samples)
         self.furthest = max(self.furthest, reading.seconds)
 
@@ -292,6 +336,10 @@ class SessionModel:
             self.journal.recall(entries)
             for sentence in past.events:
                 self._remember_past(sentence)
+        elif channel == GHOST_CHANNEL:
+            names = [each.name for each in self.charts]
+            ghosts = sorted(past.rows.get(GHOST_CHANNEL, {}).items())
+            self.trace.recall_ghost([(s, [row.number(n) for n in names]) for s, row in ghosts])
         elif channel and not past.wanted - {EVENTS_CHANNEL}:
             rows = past.rows.get(self.gauges, {})
             self.trace.recall([(s, self._sampled(s)) for s in sorted(rows)])
@@ -343,7 +391,7 @@ class SessionModel:
             self._track.append((reading.seconds, north, east))
 
     def _note(self, sentence: Sentence) -> None:
-        """Take a fact, which tells an event or an entry of a list in fields."""
+        """Take a fact: an event, or an entry of a list, in fields."""
         _, time_text, what, subject = sentence.fields
         seconds = float(time_text)
         if what in ("over", "next"):
@@ -353,6 +401,7 @@ class SessionModel:
             # forget what lies after a moment gone back to
             self.marks = [kept for kept in self.marks if kept.seconds <= seconds]
             self.crew.go_back()
+            self.attainable = [each for each in self.attainable if each.seconds <= seconds]
             self._go_on()
             self.furthest = seconds
             if self.instructs:
@@ -363,13 +412,25 @@ class SessionModel:
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
+        elif what in ("step", "step-hint"):
+            self._lead(what, subject)
         elif what in ("exercise", "exercise-over", "marks", "reason"):
             self._brief(seconds, what, subject)
         else:
             self._list(seconds, what, subject)
 
+    def _lead(self, what: str, subject: str) -> None:
+        """Take a step of a lesson, or its hint."""
+        self.rings += 1
+        if what == "step-hint":
+            self.step_hint = subject
+            return
+        number, count, light, text = (*subject.split(",", 3), "", "", "")[:4]
+        self.lesson_done = number == "0"
+        self.step, self.step_hint = ("" if self.lesson_done else number, count, light, text), ""
+
     def _list(self, seconds: float, what: str, subject: str) -> None:
-        """Take an entry of a list: ranges, snapshots, casualties on offer, plans."""
+        """Take an entry of a list: ranges, snapshots, casualties on offer, plans, evaluations."""
         if what == "range":
             # keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"
             key, _, value = subject.partition("=")
@@ -385,6 +446,10 @@ class SessionModel:
             self.plans.clear()
         elif what == "planned":
             self.plans += plan_of(subject)
+        elif what == "attainable":
+            self.attainable.append(AttainablePoint.of(subject))
+        elif what == "no-attainable":
+            self.unevaluated = subject
 
     def _order_crew(self, seconds: float, what: str, subject: str) -> None:
         """Take an order to the crew, or its repeat. The giver of an order does not repeat it."""
@@ -398,15 +463,17 @@ class SessionModel:
         key, equals, value = subject.partition("=")
         if what == "exercise-over":
             if self.outcome:
-                return  # it is told once more
+                return  # sent again, because the line was lost meanwhile
             self.outcome, self._over_at = subject or "ended", seconds
             self.marks_told.clear()
             self.rings += 1
             self.endings += 1
         elif what == "marks":
-            self.marks_told = [marks_in_words(subject)]
+            self.marks_told, self.wrong_at = [marks_in_words(subject)], None
         elif what == "reason":  # its time [s] comes first
-            reason = subject.partition(",")[2]
+            time_text, _, reason = subject.partition(",")
+            if time_text and self.wrong_at is None:
+                self.wrong_at = float(time_text)
             self.marks_told += [reason] if reason not in self.marks_told else []
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
@@ -421,6 +488,9 @@ class SessionModel:
         """Forget an exercise but its file's name, which comes before the other facts."""
         name = self.exercise.get("name")
         self.exercise.clear()
+        self.step, self.step_hint, self.lesson_done = ("", "", "", ""), "", False
+        self.attainable.clear()
+        self.unevaluated = ""
         self.marks.clear()
         self.furthest = 0.0
         del self.briefing[: self._greeted]
@@ -445,7 +515,7 @@ class SessionModel:
             self._show_answer(order, kind, text)
         if kind == "ok":
             self.ended = self.ended or order.words == "quit"
-            # keep what was told in fields before this answer
+            # the facts before this answer are the whole list
             if order.words == "snapshots":
                 self.snapshots, self._snapshots = self._snapshots, []
             elif order.words == "casualties":

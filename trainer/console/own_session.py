@@ -28,10 +28,8 @@ from trainer.io import paths
 POLL_PERIOD_S = 0.004  # [s] between looks at whether it has ended
 END_TIMEOUT_S: Final = 2.0  # [s] for a session that goes on to end all the same
 SUMMARY_TIMEOUT_S: Final = 30.0  # [s] for a session that was ended to say its last words
-FIRST_WORDS: Final = (
-    paths.MAKING_READY,
-    paths.LISTENING_TEXT,
-)  # a session's first words, if it is to be
+# A session that can start says one of these first.
+FIRST_WORDS: Final = (paths.MAKING_READY, paths.LISTENING_TEXT)
 
 
 class Process(ABC):
@@ -138,17 +136,19 @@ class Child(Process):
         os.close(nothing)
 
 
-def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) -> int:
+def sail(
+    serve: Callable[[str], NoReturn], path: str | None, token: str | None, role: str = "instructor"
+) -> int:
     """Show the console of a session of one's own, which ``serve`` runs at a socket.
 
     It listens at ``path``, None for where stations look for it. It goes on only while somebody is
     attached. Return its exit code.
     """
     where = path or str(free_socket())
-    return show_console(OwnSession(Child(lambda: serve(where))), where, token)
+    return show_console(OwnSession(Child(lambda: serve(where))), where, token, role)
 
 
-def sail_beside(words: Sequence[str], token: str | None) -> int:
+def sail_beside(words: Sequence[str], token: str | None, role: str = "instructor") -> int:
     """Show the console of one's own session, which is a separate program.
 
     It is `trainer` and ``words``.
@@ -162,7 +162,7 @@ def sail_beside(words: Sequence[str], token: str | None) -> int:
     variables = {OWN_SESSION_VARIABLE: f"{paths.DEFAULT_HOST}:0 {word}"}
     try:
         return show_console(
-            OwnSession(Program(words, variables)), f"tcp://{paths.DEFAULT_HOST}:", word
+            OwnSession(Program(words, variables)), f"tcp://{paths.DEFAULT_HOST}:", word, role
         )
     finally:
         paths.address_path().unlink(missing_ok=True)
@@ -173,7 +173,9 @@ def can_fork() -> bool:
     return hasattr(os, "fork") and hasattr(socket, "AF_UNIX")
 
 
-def show_console(voyage: "OwnSession", where: str, token: str | None) -> int:
+def show_console(
+    voyage: "OwnSession", where: str, token: str | None, role: str = "instructor"
+) -> int:
     """Show the console of a session that is being started; return its exit code."""
     gc.disable()  # what is imported is no garbage; the session wants the processor
     try:
@@ -185,7 +187,7 @@ def show_console(voyage: "OwnSession", where: str, token: str | None) -> int:
                 paths.leave_address(address, token)  # for this user's stations
             return address
 
-        visit = Visit.prepare(reach, "instructor", token, own=True)
+        visit = Visit.prepare(reach, role, token, own=True)
         gc.freeze()
         gc.enable()
         why = visit.show() if voyage.await_word(*FIRST_WORDS) else ""

@@ -1,8 +1,8 @@
 """Panes of the screen, and the lines in inks that are drawn on them.
 
-Every drawing is a function that returns lines. A pane draws again only what has changed. An ink is
-a name for two colours. What an ink says, a word or a sign says too, so that a screen without colour
-lacks nothing.
+``app`` and the dialogs are made of them. Every drawing is a function that returns lines. A pane
+draws again only what has changed. An ink is a name for two colours. What an ink says, a word or a
+sign says too, so that a screen without colour lacks nothing.
 """
 
 import re
@@ -117,19 +117,6 @@ def plain(lines: Iterable[Line]) -> str:
     return "\n".join("".join(text for text, _ in drawn).rstrip() for drawn in lines)
 
 
-def contrast(one: str, other: str) -> float:
-    """Return the contrast [-] of two colours, 1 to 21, as WCAG 2 defines it."""
-    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
-
-
-def luminance(colour: str) -> float:
-    """Return the relative luminance [-] of #rrggbb, as WCAG 2 defines it."""
-    parts = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
 INK_STYLES: Final = {
     name: Style(color=ink.colour, bgcolor=ink.ground, bold=ink.bold) for name, ink in INKS.items()
 }
@@ -191,7 +178,7 @@ class Pane(Widget):
             self._wheel(lines)
 
     def on_resize(self) -> None:
-        """Draw anew for another size, unless that was shown before this was told."""
+        """Draw anew for another size, unless ``render_line`` has done so already."""
         if self._drawn_for != self.size:
             self.look()
 

@@ -1,4 +1,8 @@
-"""The past of a session before this screen came."""
+"""The past of a session before a screen came, or while its line was lost.
+
+The screen asks for it by the order ``history``, so that its charts and its log do not begin empty.
+The answer comes between two marks, among the present values.
+"""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -13,9 +17,8 @@ EVENTS_CHANNEL: Final = "events"
 HISTORY_ORDER: Final = "history {}"
 
 
-LATE_TIME_S: Final = (
-    15.0  # [s] of the boat's time; a screen that missed less does not ask for its past
-)
+# [s] of the boat's time; a screen that missed less does not ask for its past
+LATE_TIME_S: Final = 15.0
 
 
 Rows = dict[str, dict[float, ChannelReading]]  # by channel and time [s]

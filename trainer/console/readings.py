@@ -1,7 +1,8 @@
 """The latest values of the channels, and their past before this screen came.
 
-A value with a rate is extrapolated from its tick, no further than the next one. A value without is
-interpolated from the last reading but one to the last, and so shows the boat one tick late.
+``model`` keeps them, and drawings read them. A value with a rate is extrapolated from its tick, no
+further than the next one. A value without is interpolated from the last reading but one to the
+last, and so shows the boat one tick late.
 """
 
 import math

@@ -1,4 +1,8 @@
-"""The test whether a terminal can show a screen, made before the screen's library loads."""
+"""Whether this terminal can show a screen, tested before the screen's library is loaded.
+
+``run`` asks, and takes plain lines where it cannot. Loading Textual takes a noticeable time, which
+a run without a screen need not spend.
+"""
 
 import os
 import sys
@@ -6,9 +10,8 @@ from collections.abc import Mapping
 from typing import Final
 
 DUMB_TERMINALS: Final = ("dumb", "unknown")
-OWN_SESSION_VARIABLE: Final = (
-    "TRAINER_OWN_SESSION"  # tells a session beside its console its address and token
-)
+# by it a console gives the session beside it an address and a token
+OWN_SESSION_VARIABLE: Final = "TRAINER_OWN_SESSION"
 ASCII_ONLY: Final = ("C", "POSIX")  # the locales that promise no more
 
 

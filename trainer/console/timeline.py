@@ -1,4 +1,8 @@
-"""The dialog of the time line, which returns to a moment or replays from it."""
+"""The dialog of the time line, which goes back to a moment or replays.
+
+``app`` opens it for the instructor. It only chooses: it ends with an order (``backtrack``,
+``replay``), and the session does what is ordered.
+"""
 
 from dataclasses import dataclass
 from typing import Final

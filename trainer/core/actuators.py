@@ -1,4 +1,8 @@
-"""Control surfaces: lag, rate and angle limits, casualties, and the X-tail's shared planes."""
+"""Control surfaces: lag, rate and angle limits, casualties, and the X-tail's shared planes.
+
+``update`` moves them once a tick, after the forces, towards what the autopilot or the crew
+commands.
+"""
 
 import math
 
@@ -13,7 +17,7 @@ from trainer.core.casualties import (
 from trainer.core.elementary import exponential
 from trainer.core.kernel import Record, part
 
-AMIDSHIPS_ANGLE = math.radians(0.5)  # [rad]
+AMIDSHIPS_ANGLE = math.radians(0.5)  # [rad] a command this small is one amidships
 
 
 @part
@@ -34,10 +38,10 @@ def advance_surface(
 def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
     """Return the angle [rad] towards which a surface moves.
 
-    That is its command, or what a casualty makes of it. ``furthest`` [rad] is how far the rate
-    allows it to move in this tick. ``slot`` is that of the casualty, -1 if the surface is sound.
-    Without follow-up the command says only which way to move; a command amidships, within
-    AMIDSHIPS_ANGLE, stops the surface.
+    That is its command, or what a casualty makes of it. A target ``furthest`` [rad] away is the
+    farthest that the rate can answer in this tick, because the lag covers a share. ``slot`` is that
+    of the casualty, -1 if the surface is sound. Without follow-up the command says only which way
+    to move; a command amidships, within AMIDSHIPS_ANGLE, stops the surface.
     """
     c = vessel[0]
     s = state[0]

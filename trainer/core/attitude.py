@@ -3,7 +3,7 @@
 Within 15 deg of the vertical the rates of heel and heading have no bound. There the matrix of the
 attitude is turned by the body's own rates over the step (Rodrigues' formula), and the angles are
 read from it again. Pitch stays within 90 deg, heel within 180. The state has no quaternion, because
-it would change the bits of every run.
+it would change the bits of every run. ``integrators`` calls it.
 """
 
 import math

@@ -9,6 +9,9 @@ moves over it at v. The ground then pushes with
 w, zeta and mu are this project's estimates, no soil's: they are so soft that Adams' second order
 holds them in steps of up to 1 s, with w h at most 0.5. Twenty tonnes lie 0.1 m deep. Ground that
 holds (mud) pulls likewise at a hull that lies on it, until its lift is the breakout's.
+
+``update`` adds these forces in each tick over charted ground; ``boat/grounding`` tells the crew
+when the boat lies there.
 """
 
 import math
@@ -184,7 +187,11 @@ def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force
 
 @part
 def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers) -> None:
-    """Add what the ground does to a hull that touches it, and count the ticks."""
+    """Add what the ground does to a hull that touches it, and count the ticks.
+
+    The count (the state's ``aground``) tells exercises and the crew that the boat lies on the
+    ground.
+    """
     s = state[0]
     keel = keel_below(vessel)
     s.bottom_load, lies = 0.0, False

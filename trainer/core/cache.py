@@ -9,6 +9,8 @@ A file of machine code has its digests beside it. One that does not fit, or has 
 before numba reads it: numba then finds nothing, and compiles. This is against damage; who may write
 there may as well change the program. Python tells of every file that is opened and renamed (its
 audit events), so that nothing of numba's own is touched.
+
+A recording names the digest of the core that made it, so that a replay by another core is told.
 """
 
 import contextlib

@@ -1,5 +1,9 @@
 """The compact set EC780, [ASSES] (12)-(17), on the constants of (18); errata C1-C20.
 
+It is the short set of equations that [ASSES] made of the full one, so that a computer of 1969 kept
+up with time: the terms that matter, over constants divided beforehand, each acceleration from its
+own equation. ``rates`` uses it where the scheme asks for it.
+
 ``modified`` and ``basic`` differ only in their constants and trigonometry. The terms of the mass
 are gathered by the six components of the acceleration of turning axes. Departures from the report:
 the mass in Y_r is the present one, since tanks change it. A vessel file may keep further terms.
@@ -10,13 +14,13 @@ import math
 
 from trainer.core.full import mass
 from trainer.core.kernel import Numbers, Record, kernel, part
-from trainer.core.kinematics import pitch_roll_cosine, pitch_roll_sine
+from trainer.core.kinematics import Attitude
 from trainer.core.propulsion import thrust
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
 @part
-def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
+def forces(compact: Record, attitude: Attitude, state: Record, force: Numbers) -> None:
     """Write the right sides of (12)-(17) without accelerations to ``force``.
 
     The first three are forces [N], the last three angular accelerations [rad/s2].
@@ -28,8 +32,7 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
     m_x, m_z = m * s.x_g, m * s.z_g
     cross = math.sqrt(v * v + w * w)
     v_cross, u_dr = v * cross, u * s.delta_r
-    sin_th, cos_th = pitch_roll_sine(trig, s.theta), pitch_roll_cosine(trig, s.theta)
-    sin_phi, cos_phi = pitch_roll_sine(trig, s.phi), pitch_roll_cosine(trig, s.phi)
+    sin_phi, cos_phi, sin_th, cos_th = attitude
     heavy = s.weight - c.buoyancy
     righting, tilting = s.z_g * s.weight - c.ZB, s.x_g * s.weight
     athwart, below = cos_th * sin_phi, cos_th * cos_phi
@@ -121,13 +124,37 @@ def further_forces(compact: Record, state: Record, force: Numbers) -> None:
 
 
 @part
+def slip_forces(compact: Record, state: Record, force: Numbers) -> None:
+    """Add the terms of the propeller's slip to ``force``, which (12)-(17) do not have.
+
+    They are u (eta - 1) times the rest: u_c - u, without a division, where eta is u_c/u. A vessel
+    with eta by U has it as the full set does, 0 at U = 0. Of the slip terms of [ASSES] (1)-(6)
+    those by v^2, w^2 and V are not here, because they would need a division.
+    """
+    c = compact[0]
+    s = state[0]
+    u = s.u
+    slip = s.u_c - u
+    if c.eta_whole != 0.0:
+        speed = math.sqrt(u * u + s.v * s.v + s.w * s.w)
+        slip = u * (s.u_c / speed - 1.0) if speed > 0.0 else 0.0
+    drag = c.X_drdr_eta * s.delta_r * s.delta_r + c.X_dsds_eta * s.delta_s * s.delta_s
+    force[AXIAL] += slip * u * drag
+    force[LATERAL] += slip * (c.Y_r_eta * s.r + c.Y_v_eta * s.v + c.Y_dr_eta * u * s.delta_r)
+    force[NORMAL] += slip * (c.Z_q_eta * s.q + c.Z_w_eta * s.w + c.Z_ds_eta * u * s.delta_s)
+    force[ROLLING] += slip * u * c.K_star_eta
+    force[PITCHING] += slip * (c.M_q_eta * s.q + c.M_w_eta * s.w + c.M_ds_eta * u * s.delta_s)
+    force[YAWING] += slip * (c.N_r_eta * s.r + c.N_v_eta * s.v + c.N_dr_eta * u * s.delta_r)
+
+
+@part
 def off_centre(compact: Record, state: Record) -> bool:
     """Return whether the boat has any of y_G, x_B, y_B, I_xy, I_yz, I_xz."""
     return compact[0].off_centre != 0.0 or state[0].y_g != 0.0
 
 
 @kernel
-def off_centre_forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
+def off_centre_forces(compact: Record, attitude: Attitude, state: Record, force: Numbers) -> None:
     """Add the terms of y_G, x_B, y_B, I_xy, I_yz, I_xz in [ASSES] (1)-(6) to ``force``.
 
     The first three are forces [N], the last three angular accelerations [rad/s2].
@@ -136,8 +163,8 @@ def off_centre_forces(compact: Record, trig: int, state: Record, force: Numbers)
     s = state[0]
     p, q, r = s.p, s.q, s.r
     m_y = mass(compact, state) * s.y_g
-    cos_th = pitch_roll_cosine(trig, s.theta)
-    athwart, below = cos_th * pitch_roll_sine(trig, s.phi), cos_th * pitch_roll_cosine(trig, s.phi)
+    sin_phi, cos_phi, sin_th, cos_th = attitude
+    athwart, below = cos_th * sin_phi, cos_th * cos_phi
     heeling = s.y_g * s.weight - c.YB
     force[AXIAL] -= m_y * p * q
     force[LATERAL] += m_y * (r * r + p * p)
@@ -158,7 +185,7 @@ def off_centre_forces(compact: Record, trig: int, state: Record, force: Numbers)
         - c.I_xz * r * q
         - m_y * (s.v * r - s.w * q)
         - c.XB * athwart
-        + heeling * pitch_roll_sine(trig, s.theta)
+        + heeling * sin_th
     )
 
 

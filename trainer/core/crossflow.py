@@ -1,8 +1,9 @@
 """Drag of the flow across the boat, by strips of hull, tail and sail.
 
-The hull has five strips. The form is that of Healey & Lienard and of MSS. The coefficients are
-derived so that pure sway and pure heave give the file's own Y_vav and Z_waw (docs/envelope.md).
-Each strip takes energy from the boat.
+``wide`` adds it where the flow is beyond the range of the equations of 1969. The hull has five
+strips. The form is that of Healey & Lienard and of MSS. The coefficients are derived so that pure
+sway and pure heave give the file's own Y_vav and Z_waw (docs/envelope.md). Each strip takes energy
+from the boat.
 """
 
 import math
@@ -30,11 +31,8 @@ def add_hull_strips(vessel: Record, state: Record, force: Numbers) -> None:
 
 
 @part
-def add_tail_and_sail(vessel: Record, dry: float, state: Record, force: Numbers) -> None:
-    """Add the cross-flow drag of tail and sail [N], [N m].
-
-    ``dry`` [-] is the share of the sail that is above the water.
-    """
+def add_tail_and_sail(vessel: Record, state: Record, force: Numbers) -> None:
+    """Add the cross-flow drag [N], [N m] of tail and sail in the water."""
     c, s = vessel[0], state[0]
     aside, down = s.v + c.tail_x * s.r, s.w - c.tail_x * s.q
     lateral, normal = -c.tail_Y * abs(aside) * aside, -c.tail_Z * abs(down) * down
@@ -43,7 +41,7 @@ def add_tail_and_sail(vessel: Record, dry: float, state: Record, force: Numbers)
     force[PITCHING] -= c.tail_x * normal
     force[YAWING] += c.tail_x * lateral
     aside = s.v + c.strip_x * s.r - c.strip_z * s.p
-    lateral = -(1.0 - dry) * c.strip_Y * math.sqrt(aside * aside + s.w * s.w) * aside
+    lateral = -c.strip_Y * math.sqrt(aside * aside + s.w * s.w) * aside
     force[LATERAL] += lateral
     force[ROLLING] -= c.strip_z * lateral
     force[YAWING] += c.strip_x * lateral

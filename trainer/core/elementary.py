@@ -4,6 +4,8 @@ A library's own versions differ in the last place, so that runs on two machines 
 Errors are at most 2 units in the last place for |angle| <= 1e5, |exponent| <= 700 and every
 positive argument of the logarithm (tested). Reduction after Cody & Waite: the period is subtracted
 in parts that multiply exactly.
+
+All of the core computes with these, as do the sweeps that draw random numbers.
 """
 
 import math

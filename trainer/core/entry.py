@@ -1,4 +1,9 @@
-"""Many ticks in one call, until a quantity passes its mark, as manoeuvres are flown."""
+"""Many ticks in one call, until a quantity passes its mark, as manoeuvres are flown.
+
+A manoeuvre waits for a heading, a pitch or a speed, then gives its next order.
+``analysis/manoeuvres/submarine`` writes that mark to a lookout and calls ``sail``, so that the
+interpreter is not asked between ticks.
+"""
 
 from typing import Final
 

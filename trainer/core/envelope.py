@@ -45,6 +45,9 @@ ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
     "strip_x",  # [m] of the sail
     "strip_z",
     "strip_Y",
+    "lift_x",  # [m] where the sail's lift acts
+    "lift_z",
+    "sail_lift",  # [N s2/m2] Y by u and v, less its sign
     "sail_mass",  # [kg] added mass of the sail in sway
     "sail_height",  # [m] of the sail above the deck
     # control surfaces, in the order of the state
@@ -58,11 +61,14 @@ ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
     ("thrust_astern", (2, 3)),
     # at the surface
     "surface_line",  # [m] depth of the origin, below which nothing of the boat can emerge
+    "station_reach",  # [m] of the station farthest from the origin, along the boat
+    "hull_reach",  # [m] of the hull's side from the origin, at most
     "surface_damping",  # [-] damping ratio of a station that is cut
     "surface_mode",  # [rad/s] fastest mode of the boat afloat at its lightest
     "wave_drag",  # [N s6/m6] by u^6, the hull awash
     # engine
     "torque_limit",  # [1/s2] limit over rho D^5; 0: none
+    "power_limit",  # [1/s3] limit over 2 pi rho D^5; 0: none besides that of torque
     # [-] of n^2, n u/D and (u/D)^2: turning ahead, turning astern while going ahead, both astern
     ("torque", (3, 3)),
     "turns",  # [1/m] revolutions a second for 1 m/s of command speed
@@ -101,7 +107,10 @@ def wide_share(vessel: Record, state: Record) -> float:
 
 @part
 def validity(vessel: Record, state: Record) -> int:
-    """Return how far the equations hold: INSIDE_RANGE, EXTRAPOLATED_RANGE or OUTSIDE_RANGE [-]."""
+    """Return how far the equations hold: INSIDE_RANGE, EXTRAPOLATED_RANGE or OUTSIDE_RANGE [-].
+
+    ``update`` writes it to the state, and consoles warn by it.
+    """
     c, s = vessel[0], state[0]
     cross, square = cross_speed_squared(vessel, state), s.u * s.u
     if s.u < 0.0 or cross > c.handover_from * square:

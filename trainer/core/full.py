@@ -1,5 +1,9 @@
 """The full equations of motion, [GH67] as [ASSES] (1)-(6): programs EB920 and, masked, ZC790.
 
+They have all terms of the coefficients, and compact sets are judged by them. ``rates`` calls
+``forces`` and ``inertia``, adds what acts from outside, and solves for the accelerations. Masked,
+the motion out of the vertical plane is taken out.
+
 Each force function returns the right side of its equation without accelerations, less the velocity
 products of the left side. ``inertia`` writes the factors of the accelerations. Errata A1-A26 are
 applied. The constants contain k = rho/2 and the powers of l.
@@ -8,7 +12,7 @@ applied. The constants contain k = rho/2 and the powers of l.
 import math
 
 from trainer.core.kernel import Numbers, Record, kernel
-from trainer.core.kinematics import pitch_roll_cosine, pitch_roll_sine
+from trainer.core.kinematics import Attitude
 from trainer.core.propulsion import excess_eta, thrust
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
@@ -29,10 +33,11 @@ def sign(a: float) -> float:
 
 
 @kernel
-def axial_force(vessel: Record, trig: int, state: Record) -> float:
+def axial_force(vessel: Record, attitude: Attitude, state: Record) -> float:
     """Return X [N], [ASSES] (1)."""
     c = vessel[0]
     s = state[0]
+    _, _, sin_th, _ = attitude
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     e = excess_eta(vessel, state)
@@ -51,15 +56,16 @@ def axial_force(vessel: Record, trig: int, state: Record) -> float:
         + c.X_ww_eta * w * w
         + (c.X_drdr_eta * s.delta_r * s.delta_r + c.X_dsds_eta * s.delta_s * s.delta_s) * (u * u)
     ) * e
-    weight = -(s.weight - c.buoyancy) * pitch_roll_sine(trig, s.theta)
+    weight = -(s.weight - c.buoyancy) * sin_th
     return body + rotation + coupling + drag + planes + thrust(vessel, state) + weight + slip
 
 
 @kernel
-def lateral_force(vessel: Record, trig: int, state: Record) -> float:
+def lateral_force(vessel: Record, attitude: Attitude, state: Record) -> float:
     """Return Y [N], [ASSES] (2) with errata A1, A2."""
     c = vessel[0]
     s = state[0]
+    sin_phi, _, _, cos_th = attitude
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
@@ -76,9 +82,7 @@ def lateral_force(vessel: Record, trig: int, state: Record) -> float:
     )
     drift = c.Y_star * u * u + c.Y_v * u * v + c.Y_vav * v * cross + c.Y_vw * v * w
     rudder = c.Y_dr * (u * u) * s.delta_r
-    weight = (s.weight - c.buoyancy) * (
-        pitch_roll_cosine(trig, s.theta) * pitch_roll_sine(trig, s.phi)
-    )
+    weight = (s.weight - c.buoyancy) * (cos_th * sin_phi)
     slip = (
         c.Y_r_eta * u * r
         + c.Y_v_eta * u * v
@@ -89,10 +93,11 @@ def lateral_force(vessel: Record, trig: int, state: Record) -> float:
 
 
 @kernel
-def normal_force(vessel: Record, trig: int, state: Record) -> float:
+def normal_force(vessel: Record, attitude: Attitude, state: Record) -> float:
     """Return Z [N], [ASSES] (3) with errata A3-A6."""
     c = vessel[0]
     s = state[0]
+    _, cos_phi, _, cos_th = attitude
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
@@ -110,9 +115,7 @@ def normal_force(vessel: Record, trig: int, state: Record) -> float:
         + c.Z_ww * abs(w) * cross
     )
     planes = c.Z_vv * v * v + (c.Z_ds * s.delta_s + c.Z_db * s.delta_b) * (u * u)
-    weight = (s.weight - c.buoyancy) * (
-        pitch_roll_cosine(trig, s.theta) * pitch_roll_cosine(trig, s.phi)
-    )
+    weight = (s.weight - c.buoyancy) * (cos_th * cos_phi)
     slip = (
         c.Z_q_eta * u * q
         + c.Z_w_eta * u * w
@@ -123,10 +126,11 @@ def normal_force(vessel: Record, trig: int, state: Record) -> float:
 
 
 @kernel
-def rolling_moment(vessel: Record, trig: int, state: Record) -> float:
+def rolling_moment(vessel: Record, attitude: Attitude, state: Record) -> float:
     """Return K [N m], [ASSES] (4) with errata A7, A8."""
     c = vessel[0]
     s = state[0]
+    sin_phi, cos_phi, _, cos_th = attitude
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
@@ -137,19 +141,19 @@ def rolling_moment(vessel: Record, trig: int, state: Record) -> float:
     damping = c.K_p * u * p + c.K_r * u * r + c.K_vq * v * q + c.K_wp * w * p + c.K_wr * w * r
     drift = c.K_star * u * u + c.K_v * u * v + c.K_vav * v * cross + c.K_vw * v * w
     rudder = c.K_dr * (u * u) * s.delta_r
-    cos_th = pitch_roll_cosine(trig, s.theta)
-    weight = (s.y_g * s.weight - c.y_b * c.buoyancy) * cos_th * pitch_roll_cosine(trig, s.phi) - (
+    weight = (s.y_g * s.weight - c.y_b * c.buoyancy) * cos_th * cos_phi - (
         s.z_g * s.weight - c.z_b * c.buoyancy
-    ) * cos_th * pitch_roll_sine(trig, s.phi)
+    ) * cos_th * sin_phi
     slip = c.K_star_eta * u * u * excess_eta(vessel, state)
     return inertia + body + rotation + damping + drift + rudder + weight + slip
 
 
 @kernel
-def pitching_moment(vessel: Record, trig: int, state: Record) -> float:
+def pitching_moment(vessel: Record, attitude: Attitude, state: Record) -> float:
     """Return M [N m], [ASSES] (5) with errata A6, A9-A11."""
     c = vessel[0]
     s = state[0]
+    _, cos_phi, sin_th, cos_th = attitude
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
@@ -168,9 +172,10 @@ def pitching_moment(vessel: Record, trig: int, state: Record) -> float:
         + c.M_ww * abs(w) * cross
     )
     planes = c.M_vv * v * v + (c.M_ds * s.delta_s + c.M_db * s.delta_b) * (u * u)
-    weight = -(s.x_g * s.weight - c.x_b * c.buoyancy) * (
-        pitch_roll_cosine(trig, s.theta) * pitch_roll_cosine(trig, s.phi)
-    ) - (s.z_g * s.weight - c.z_b * c.buoyancy) * pitch_roll_sine(trig, s.theta)
+    weight = (
+        -(s.x_g * s.weight - c.x_b * c.buoyancy) * (cos_th * cos_phi)
+        - (s.z_g * s.weight - c.z_b * c.buoyancy) * sin_th
+    )
     slip = (
         c.M_q_eta * u * q
         + c.M_w_eta * u * w
@@ -181,10 +186,11 @@ def pitching_moment(vessel: Record, trig: int, state: Record) -> float:
 
 
 @kernel
-def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
+def yawing_moment(vessel: Record, attitude: Attitude, state: Record) -> float:
     """Return N [N m], [ASSES] (6) with errata A12-A15."""
     c = vessel[0]
     s = state[0]
+    sin_phi, _, sin_th, cos_th = attitude
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
@@ -199,9 +205,9 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
     )
     drift = c.N_star * u * u + c.N_v * u * v + c.N_vav * v * cross + c.N_vw * v * w
     rudder = c.N_dr * (u * u) * s.delta_r
-    weight = (s.x_g * s.weight - c.x_b * c.buoyancy) * (
-        pitch_roll_cosine(trig, s.theta) * pitch_roll_sine(trig, s.phi)
-    ) + (s.y_g * s.weight - c.y_b * c.buoyancy) * pitch_roll_sine(trig, s.theta)
+    weight = (s.x_g * s.weight - c.x_b * c.buoyancy) * (cos_th * sin_phi) + (
+        s.y_g * s.weight - c.y_b * c.buoyancy
+    ) * sin_th
     slip = (
         c.N_r_eta * u * r
         + c.N_v_eta * u * v
@@ -212,14 +218,14 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
 
 
 @kernel
-def forces(vessel: Record, trig: int, state: Record, force: Numbers) -> None:
+def forces(vessel: Record, attitude: Attitude, state: Record, force: Numbers) -> None:
     """Write X Y Z [N] K M N [N m] to ``force``."""
-    force[AXIAL] = axial_force(vessel, trig, state)
-    force[LATERAL] = lateral_force(vessel, trig, state)
-    force[NORMAL] = normal_force(vessel, trig, state)
-    force[ROLLING] = rolling_moment(vessel, trig, state)
-    force[PITCHING] = pitching_moment(vessel, trig, state)
-    force[YAWING] = yawing_moment(vessel, trig, state)
+    force[AXIAL] = axial_force(vessel, attitude, state)
+    force[LATERAL] = lateral_force(vessel, attitude, state)
+    force[NORMAL] = normal_force(vessel, attitude, state)
+    force[ROLLING] = rolling_moment(vessel, attitude, state)
+    force[PITCHING] = pitching_moment(vessel, attitude, state)
+    force[YAWING] = yawing_moment(vessel, attitude, state)
 
 
 @kernel

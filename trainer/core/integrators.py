@@ -1,6 +1,8 @@
 """One step of the twelve motion variables: linear multistep, predictor-corrector, Runge-Kutta.
 
-Controls are held over the step. [ASSES] III-B, errata D1-D10.
+``update`` calls ``advance`` once a tick, and the scheme says by which method. Past rates and
+motions are kept in the state, because multistep methods look back; after a jump that history is
+made anew. Controls are held over the step. [ASSES] III-B, errata D1-D10.
 """
 
 from trainer.core.attitude import (

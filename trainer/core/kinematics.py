@@ -1,6 +1,13 @@
-"""Euler angles and earth velocities, [ASSES] (7), and the two programs' trigonometry."""
+"""The rates of attitude and place that follow from the boat's own motion, [ASSES] (7).
 
-from trainer.core.elementary import cosine, cosine_and_sine, sine
+Sine and cosine of pitch and roll may be exact, or one of the two approximations of the report's
+compact programs, which a scheme can ask for to compute as they did.
+
+``rates`` calls it in each evaluation, a fleet for its lanes. ``surfaced`` takes the attitude from
+here, always exact, because its equations are not the report's.
+"""
+
+from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Record, part
 
 EXACT_TRIGONOMETRY, POLYNOMIAL_TRIGONOMETRY, LINEAR_TRIGONOMETRY = (
@@ -9,31 +16,33 @@ EXACT_TRIGONOMETRY, POLYNOMIAL_TRIGONOMETRY, LINEAR_TRIGONOMETRY = (
     2,
 )  # trigonometry of pitch and roll
 
-MIN_PITCH_COSINE = 0.02  # smallest |cos theta| used: the equations are singular at 90 degrees
+Attitude = tuple[float, float, float, float]  # [-] sine and cosine of roll, then of pitch
+
+MIN_PITCH_COSINE = 0.02  # [-] of |cos theta|: the equations are singular at 90 degrees
 
 
 @part
-def pitch_roll_sine(trig: int, angle: float) -> float:
-    """Return the sine [-] of pitch or roll [rad] as the equation set takes it.
+def pitch_roll_sine_and_cosine(trig: int, angle: float) -> tuple[float, float]:
+    """Return sine and cosine [-] of pitch or roll [rad].
 
-    Errata C21-C23.
+    ``trig`` says how: exactly, by polynomials, or by straight lines (errata C21-C23).
     """
     if trig == POLYNOMIAL_TRIGONOMETRY:
-        return angle - angle * angle * angle / 6.0
+        square = angle * angle
+        return angle - square * angle / 6.0, 1.0 - square / 2.0 + square * square / 24.0
     if trig == LINEAR_TRIGONOMETRY:
-        return 0.971 * angle
-    return sine(angle)
+        return 0.971 * angle, 1.02 - 0.281 * abs(angle)
+    cos_angle, sin_angle = cosine_and_sine(angle)
+    return sin_angle, cos_angle
 
 
 @part
-def pitch_roll_cosine(trig: int, angle: float) -> float:
-    """Return the cosine [-] of pitch or roll [rad] as the equation set takes it."""
-    if trig == POLYNOMIAL_TRIGONOMETRY:
-        square = angle * angle
-        return 1.0 - square / 2.0 + square * square / 24.0
-    if trig == LINEAR_TRIGONOMETRY:
-        return 1.02 - 0.281 * abs(angle)
-    return cosine(angle)
+def attitude_of(trig: int, state: Record) -> Attitude:
+    """Return sine and cosine [-] of roll and pitch, as the equation set takes them."""
+    s = state[0]
+    sin_phi, cos_phi = pitch_roll_sine_and_cosine(trig, s.phi)
+    sin_th, cos_th = pitch_roll_sine_and_cosine(trig, s.theta)
+    return sin_phi, cos_phi, sin_th, cos_th
 
 
 @part
@@ -45,11 +54,10 @@ def guard_cosine(cos_theta: float) -> float:
 
 
 @part
-def kinematics(trig: int, state: Record) -> None:
+def kinematics(attitude: Attitude, state: Record) -> None:
     """Write the rates of attitude and of place through the water, [ASSES] (7), errata A16-A19."""
     s = state[0]
-    sin_phi, cos_phi = pitch_roll_sine(trig, s.phi), pitch_roll_cosine(trig, s.phi)
-    sin_th, cos_th = pitch_roll_sine(trig, s.theta), pitch_roll_cosine(trig, s.theta)
+    sin_phi, cos_phi, sin_th, cos_th = attitude
     cos_psi, sin_psi = cosine_and_sine(s.psi)
 
     s.thetadot = s.q * cos_phi - s.r * sin_phi

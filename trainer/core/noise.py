@@ -4,7 +4,8 @@ There is no state, and the order of calls does not matter. Threefry-2x32 with 20
 M. Moraes, R. Dror, D. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011), section 4.2
 and Table 2. The key is the seed, high half first. The counter is (tick, stream), each taken modulo
 2^32, so that ticks may be negative. Words are kept in 64-bit integers and masked, so that Python's
-own integers give the same bits.
+own integers give the same bits. So a replay, or a run resumed in its middle, draws the same
+numbers.
 """
 
 import math

@@ -1,6 +1,15 @@
-"""Thrust less drag, and the engine room that answers the telegraph."""
+"""Thrust less drag, and the engine room that answers the telegraph.
+
+The command speed u_c [m/s] stands for the propeller's revolutions, which are it times a constant.
+eta is u_c over the speed of the boat: 1 in steady flight, more while the boat gathers way. Where
+the vessel file gives limits of torque and power, they hold the revolutions.
+
+Both sets of equations take the thrust from here, in each evaluation of the rates; ``update`` moves
+the revolutions once a tick.
+"""
 
 import math
+from typing import Final
 
 from trainer.core.casualties import PROPULSION_LOST, PROPULSION_STUCK, slot_of
 from trainer.core.elementary import exponential
@@ -18,6 +27,8 @@ from trainer.core.envelope import (
     TURNING_ASTERN,
 )
 from trainer.core.kernel import Record, kernel, part
+
+POWER_ROOT_STEPS: Final = 24  # at most: from ten times the root ten are enough
 
 
 @part
@@ -58,7 +69,8 @@ def thrust_astern(vessel: Record, state: Record) -> float:
 def excess_eta(vessel: Record, state: Record) -> float:
     """Return eta - 1 [-].
 
-    It is 0 at u = 0, or at U = 0 for a vessel with eta by U (errata A28, A29).
+    It is 0 at u = 0, or at U = 0 for a vessel with eta by U (errata A28, A29). By it the terms of
+    the propeller's slip act on rudder, planes and hull.
     """
     s = state[0]
     speed = s.u
@@ -79,22 +91,42 @@ def propulsion_target(state: Record) -> float:
 
 
 @part
-def most_revolutions(vessel: Record, way: int, flow: float) -> float:
-    """Return the most revolutions [1/s] that the torque limit allows.
+def within_power(vessel: Record, way: int, flow: float, n: float) -> float:
+    """Return the revolutions [1/s], at most ``n``, that the engine's power allows: P/(2 pi Q).
 
-    The flow is u/D [1/s], 0 or above. The result is the root of q0 n^2 + q1 n u/D + q2 (u/D)^2 =
-    Q/(rho D^5); it is 0 where even a stopped propeller has more torque.
+    The root of n (q0 n^2 + q1 n u/D + q2 (u/D)^2) = P/(2 pi rho D^5) by Newton's method, which
+    comes down to it from above, where power rises ever faster with n.
+    """
+    c = vessel[0]
+    q = c.torque[way]
+    square, linear, fixed = q[BY_N_N], q[BY_N_FLOW] * flow, q[BY_FLOW_FLOW] * flow * flow
+    for _ in range(POWER_ROOT_STEPS):
+        over = n * (n * (square * n + linear) + fixed) - c.power_limit
+        slope = n * (3.0 * square * n + 2.0 * linear) + fixed
+        if over <= 0.0 or slope <= 0.0:
+            break
+        n -= over / slope
+    return n
+
+
+@part
+def most_revolutions(vessel: Record, way: int, flow: float) -> float:
+    """Return the most revolutions [1/s] that the limits of torque and power allow.
+
+    The flow is u/D [1/s], 0 or above. That of torque is the root of q0 n^2 + q1 n u/D +
+    q2 (u/D)^2 = Q/(rho D^5); it is 0 where even a stopped propeller has more torque.
     """
     c = vessel[0]
     q = c.torque[way]
     half, rest = 0.5 * q[BY_N_FLOW] * flow, q[BY_FLOW_FLOW] * flow * flow - c.torque_limit
     square = half * half - q[BY_N_N] * rest
-    return max((math.sqrt(square) - half) / q[BY_N_N], 0.0) if square > 0.0 else 0.0
+    n = max((math.sqrt(square) - half) / q[BY_N_N], 0.0) if square > 0.0 else 0.0
+    return within_power(vessel, way, flow, n) if c.power_limit > 0.0 else n
 
 
 @part
-def within_torque(vessel: Record, wanted: float, state: Record) -> float:
-    """Return the command speed [m/s] that the engine's torque can turn, at most ``wanted``."""
+def within_engine(vessel: Record, wanted: float, state: Record) -> float:
+    """Return the command speed [m/s] that the engine can turn, at most ``wanted``."""
     c = vessel[0]
     u = state[0].u
     if wanted > max(u, 0.0):
@@ -129,5 +161,5 @@ def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
         share = 1.0 - exponential(-h / c.propulsion_lag)
     target = propulsion_target(state)
     if c.torque_limit > 0.0:
-        target = within_torque(vessel, target, state)
+        target = within_engine(vessel, target, state)
     s.u_c += share * (target - s.u_c)

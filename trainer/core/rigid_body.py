@@ -1,4 +1,8 @@
-"""The boat's own mass and weight in the equations: [GH67]'s left sides in vectors."""
+"""The boat's own mass and weight in the equations: [GH67]'s left sides in vectors.
+
+The wide set takes them from here; ``full`` and ``compact`` have theirs written out, term by term as
+the report has them.
+"""
 
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.full import mass

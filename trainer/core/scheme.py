@@ -1,4 +1,9 @@
-"""How a boat is computed: equation set, accelerations, trigonometry, integrator, step."""
+"""How a boat is computed: equation set, accelerations, trigonometry, integrator, step.
+
+A scheme is a record beside that of the boat, so that one boat can be flown by several methods and
+compared. Triggers of casualties and the ground's friction stand in it too, because they are
+constants of a run.
+"""
 
 from collections.abc import Mapping
 from types import MappingProxyType

@@ -1,4 +1,12 @@
-"""Accelerations from forces: the exact solve (EVAL) and the lagged sweep (EVAL 1)."""
+"""Accelerations from forces: the exact solve (EVAL) and the lagged sweep (EVAL 1).
+
+The names are those of [ASSES]. Each of the six equations has accelerations of the others in it. The
+exact solve satisfies all at once. The sweep takes last cycle's value of an acceleration that is not
+renewed yet, which saved time in 1969.
+
+``rates`` and ``wide`` end each evaluation with one of the two; ``trim`` solves its Newton step
+here.
+"""
 
 from typing import Final
 

@@ -1,5 +1,8 @@
 """The ground of a chart under the hull, written into the state before a tick.
 
+``boat/world/bottom`` makes the chart of an exercise's ground; ``Boat`` keeps it, because the tick
+sounds it.
+
 A chart is a row of numbers: [m] north and east of its first sample, rows and columns by the metre,
 1 where it has an end and 0 where it goes on as a plane, its numbers of rows and of columns; then
 the depths [m], the southernmost row first. Between samples the depth is bilinear. Beyond the end it
@@ -82,7 +85,8 @@ def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     """Write the ground under the places along the hull, as they lie now.
 
     Ground more than DISTANT_GROUND_M below the boat is sounded in one tick of SELDOM_MASK + 1 only,
-    because no boat makes so much way in between.
+    because no boat makes so much way in between. ``boat/call`` or, interpreted, ``Boat`` calls it
+    before each tick, ``boat/world/bottom`` once at the start; ``bottom`` makes forces of it.
     """
     s = state[0]
     distant = (

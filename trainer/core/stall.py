@@ -1,8 +1,11 @@
 """Stall of rudder and planes ahead.
 
-The lift beyond an incidence is taken off the equations. The incidence of a surface is its angle and
-that of the flow where it stands; the arm follows from its own coefficients. Derived, not flown by
-others. Where the file gives no angle, nothing stalls.
+The equations of 1969 let lift grow with any angle. What they have beyond the angle of stall is
+taken off here. The incidence of a surface is its angle and that of the flow where it stands; the
+arm follows from its own coefficients. The form is derived here, and no trial has confirmed it.
+Where the file gives no angle, nothing stalls.
+
+``rates`` takes the lost lift off both sets of equations.
 """
 
 from trainer.core.kernel import Numbers, Record, part

@@ -1,4 +1,8 @@
-"""The start of a boat in straight level flight, with orders to go on so."""
+"""The start of a boat in straight level flight, with orders to go on so.
+
+``boat`` and sweeps begin each run by ``level_flight`` and ``set_out``, because a boat that is out
+of trim would begin with a motion that nobody ordered.
+"""
 
 import math
 
@@ -48,7 +52,10 @@ def level_flight(
 
 @kernel
 def order_as_it_goes(vessel: Record, state: Record) -> None:
-    """Order depth, course, speed and surfaces as they are, with everything in hand."""
+    """Order depth, course, speed and surfaces as they are, with everything in hand.
+
+    So nothing moves until somebody orders it.
+    """
     s = state[0]
     s.ordered_depth, s.ordered_psi, s.ordered_speed = s.z, s.psi, s.u
     s.ordered_u_c = s.command_u_c = s.telegraph_answer = s.u_c

@@ -258,6 +258,9 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     ("high", ["high_a1", "high_a2"]),
     "elevation_gain",  # [-] from the low-pass section to an output of variance 1
     "quadrature_gain",
+    # sine and cosine of the sea's direction, and the direction that they are of
+    "direction",  # [rad]
+    ("toward", ["toward_north", "toward_east"]),  # [-]
     ("force_rows", (2, 8, 2)),  # [-] of the wave filter, by bank, for the depth of the tick
     # cosine sum, and the peakedness and seed for which it is made
     "gamma",  # [-]

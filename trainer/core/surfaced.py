@@ -1,10 +1,16 @@
-"""The hull at the surface: lost buoyancy, damping by station, waves along it, wave resistance.
+"""The hull at the surface: lost buoyancy, damping, waves, wave resistance, a dry sail.
 
 The part of the hull above the water is found at stations along an axis of circular sections, whose
-water forces pass through the axis; the sail counts nothing. A station that is cut also loses energy
-to waves, spray and water on deck. That damping ratio is this project's estimate: no decay of a
-surfaced submarine is published. The local water level is that of the sea's components at the
+water forces pass through the axis; the sail displaces nothing. A station that is cut also loses
+energy to waves, spray and water on deck. That damping ratio is this project's estimate: no decay
+of a surfaced submarine is published. The local water level is that of the sea's components at the
 station.
+
+
+The share of the sail in the air feels no water. Its lift and drag across the flow, which the
+coefficients of the deep boat contain, are taken off both sets of equations alike. The lateral force
+that is left acts at half the height that is wet, as the rules for ships have it (IMO's 2008 IS
+Code, MSC.267(85), part A 3.1: a turn heels by KG - d/2). So a boat afloat heels outward.
 """
 
 import math
@@ -13,25 +19,46 @@ from typing import Final
 from trainer.core.ballast.buoyancy import segment
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kinematics import EXACT_TRIGONOMETRY, Attitude, attitude_of
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 HUMP_FROUDE: Final = (
     0.5  # [-] Froude number from which wave resistance grows by u^2 alone, an estimate
 )
+# [-] deepest trough over the significant height: six standard deviations, in one wave of e^18
+TROUGH_SHARE: Final = 1.5
+TRAVEL_SHARE: Final = 2.0  # [-] of the way at the present rates, since the boat may speed up
 
 
 @part
-def is_near_surface(vessel: Record, state: Record) -> bool:
-    """Return whether anything of the boat can be above the water, whatever the attitude."""
+def is_shallow(vessel: Record, state: Record) -> bool:
+    """Return whether anything of the boat could be above the water at some attitude."""
     return bool(state[0].z < vessel[0].surface_line + state[0].sea_height)
 
 
 @part
-def axis_depth(vessel: Record, station: int, scratch: Record, state: Record) -> float:
+def is_near_surface(vessel: Record, h: float, state: Record) -> bool:
+    """Return whether the water's surface can cut the hull within ``h`` [s].
+
+    It can where a trough may reach the station that the pitch lifts highest. The angle stands for
+    its sine, which is never larger: so a boat at periscope depth needs no trigonometry.
+    """
+    if not is_shallow(vessel, state):
+        return False
+    c, s = vessel[0], state[0]
+    pitch = abs(s.theta)
+    room = s.z - c.station_reach * pitch - c.hull_reach - TROUGH_SHARE * s.sea_height
+    rise = abs(s.u) * pitch + abs(s.v) + abs(s.w) + c.station_reach * (abs(s.q) + abs(s.r))
+    return bool(room < TRAVEL_SHARE * h * rise)
+
+
+@part
+def axis_depth(
+    vessel: Record, station: int, attitude: Attitude, scratch: Record, state: Record
+) -> float:
     """Return the depth [m] of the axis at a station, below the water there."""
     c, s = vessel[0], state[0]
-    cos_th, sin_th = cosine_and_sine(s.theta)
-    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    sin_phi, cos_phi, sin_th, cos_th = attitude
     level = s.z + scratch[0].level[station]
     across = c.hull_axis * cos_phi + c.y_b * sin_phi
     return level - c.station_x[station] * sin_th + across * cos_th
@@ -41,9 +68,10 @@ def axis_depth(vessel: Record, station: int, scratch: Record, state: Record) -> 
 def share_above(vessel: Record, scratch: Record, state: Record) -> float:
     """Return the share of the hull's volume above the water [-]."""
     c = vessel[0]
+    attitude = attitude_of(EXACT_TRIGONOMETRY, state)
     share = 0.0
     for i in range(c.station_x.size):
-        depth = axis_depth(vessel, i, scratch, state)
+        depth = axis_depth(vessel, i, attitude, scratch, state)
         share += c.station_share[i] * segment(0.5 - depth / c.hull_diameter)
     return share
 
@@ -51,8 +79,9 @@ def share_above(vessel: Record, scratch: Record, state: Record) -> float:
 @part
 def is_cut(vessel: Record, scratch: Record, state: Record) -> bool:
     """Return whether the water's surface cuts the hull at some station."""
+    attitude = attitude_of(EXACT_TRIGONOMETRY, state)
     for i in range(vessel[0].station_x.size):
-        if axis_depth(vessel, i, scratch, state) < 0.5 * vessel[0].hull_diameter:
+        if axis_depth(vessel, i, attitude, scratch, state) < 0.5 * vessel[0].hull_diameter:
             return True
     return False
 
@@ -61,7 +90,9 @@ def is_cut(vessel: Record, scratch: Record, state: Record) -> bool:
 def dry_sail(vessel: Record, state: Record) -> float:
     """Return the share of the sail's height that is above the water [-]."""
     c, s = vessel[0], state[0]
-    if c.sail_height <= 0.0 or not is_near_surface(vessel, state):
+    if c.sail_height <= 0.0 or not is_shallow(vessel, state):
+        return 0.0
+    if s.z + s.eta_wave >= abs(c.z_sail) + abs(c.x_sail * s.theta):
         return 0.0
     cos_th, sin_th = cosine_and_sine(s.theta)
     top = s.z + s.eta_wave - c.x_sail * sin_th + c.z_sail * cos_th * cosine_and_sine(s.phi)[0]
@@ -69,12 +100,11 @@ def dry_sail(vessel: Record, state: Record) -> float:
 
 
 @part
-def sinking(vessel: Record, station: int, state: Record) -> float:
+def sinking(vessel: Record, station: int, attitude: Attitude, state: Record) -> float:
     """Return the speed [m/s] at which the axis goes down at a station."""
     c, s = vessel[0], state[0]
     x, z = c.station_x[station], c.hull_axis
-    cos_th, sin_th = cosine_and_sine(s.theta)
-    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    sin_phi, cos_phi, sin_th, cos_th = attitude
     aside, down = s.v + x * s.r - z * s.p, s.w - x * s.q
     down += c.y_b * s.p
     return (aside * sin_phi + down * cos_phi) * cos_th - (s.u + z * s.q - c.y_b * s.r) * sin_th
@@ -101,24 +131,24 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
     They are X Y Z [N] and K M N [N m].
     """
     c, s = vessel[0], state[0]
+    attitude = attitude_of(EXACT_TRIGONOMETRY, state)
     heavy, x, above = 0.0, 0.0, 0.0
     for i in range(c.station_x.size):
-        depth = axis_depth(vessel, i, scratch, state) / c.hull_diameter
+        depth = axis_depth(vessel, i, attitude, scratch, state) / c.hull_diameter
         if depth >= 0.5:
             continue
         share = segment(0.5 - depth)
         down = c.station_share[i] * c.buoyancy * share
         if depth > -0.5:
             chord = math.sqrt(1.0 - 4.0 * depth * depth)
-            speed = sinking(vessel, i, state) + scratch[0].rise[i]
+            speed = sinking(vessel, i, attitude, state) + scratch[0].rise[i]
             down -= damping(vessel, i, chord) * speed
         above += c.station_share[i] * share
         heavy += down
         x += down * c.station_x[i]
     if above == 0.0:
         return
-    cos_th, sin_th = cosine_and_sine(s.theta)
-    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    sin_phi, cos_phi, sin_th, cos_th = attitude
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     z = heavy * c.hull_axis
     square = min(s.u * s.u, HUMP_FROUDE * HUMP_FROUDE * c.g * c.ell)
@@ -134,12 +164,69 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
 
 
 @part
-def write_near(vessel: Record, scratch: Record, state: Record) -> None:
-    """Write forces [N] and moments [N m] from outside.
+def take_off(x: float, z: float, lateral: float, force: Numbers) -> None:
+    """Take a lateral force [N] at a place [m] off Y, K and N."""
+    force[LATERAL] -= lateral
+    force[ROLLING] += z * lateral
+    force[YAWING] -= x * lateral
 
-    They are those of this tick with those of the water's surface now.
+
+@part
+def dry_height(vessel: Record, scratch: Record, state: Record) -> float:
+    """Return the height [m] of hull above the water.
+
+    It is the mean over the hull's volume.
+    """
+    c = vessel[0]
+    attitude = attitude_of(EXACT_TRIGONOMETRY, state)
+    height = 0.0
+    for i in range(c.station_x.size):
+        out = 0.5 * c.hull_diameter - axis_depth(vessel, i, attitude, scratch, state)
+        height += c.station_share[i] * min(max(out, 0.0), c.hull_diameter)
+    return height
+
+
+@part
+def take_off_dry_sail(vessel: Record, height: float, state: Record, force: Numbers) -> None:
+    """Take off what the sail's share in the air no longer does, and its heel.
+
+    Its lift and cross-flow drag are meant. Drift and turning heel a deep boat by its sail. What is
+    left of their lateral force acts on the axis of the round sections, because pressure goes
+    through it. Where ``height`` [m] of the hull is out of the water, it acts at half the height
+    that is wet.
+    """
+    dry = dry_sail(vessel, state)
+    if dry + height == 0.0:
+        return
+    c, s = vessel[0], state[0]
+    ahead, cross = max(s.u, 0.0), math.sqrt(s.v * s.v + s.w * s.w)
+    side = ahead * (c.Y_v * s.v + c.Y_r * s.r) + c.Y_vav * s.v * cross
+    heeling = ahead * (c.K_v * s.v + c.K_r * s.r) + c.K_vav * s.v * cross
+    along = s.v + c.lift_x * s.r
+    lift = c.sail_lift * ahead * along
+    take_off(c.lift_x, c.lift_z, -dry * c.sail_lift * abs(s.u) * (along - c.lift_z * s.p), force)
+    aside = s.v + c.strip_x * s.r
+    drag = c.strip_Y * math.sqrt(aside * aside + s.w * s.w) * aside
+    aside -= c.strip_z * s.p
+    by_roll = c.strip_Y * math.sqrt(aside * aside + s.w * s.w) * aside
+    take_off(c.strip_x, c.strip_z, -dry * by_roll, force)
+    side += lift + drag
+    heeling -= c.lift_z * lift + c.strip_z * drag
+    force[ROLLING] -= dry * (heeling + c.hull_axis * side) + 0.5 * height * side
+
+
+@part
+def write_near(vessel: Record, scratch: Record, state: Record) -> None:
+    """Write ``near``: what acts from outside in this tick, and what the surface does now.
+
+    ``rates`` calls it within a step, because the wet part of the hull changes faster than the sea.
+    Forces are in [N], moments in [N m].
     """
     work = scratch[0]
     for i in range(6):
         work.near[i] = work.external[i]
-    add_waterplane(vessel, scratch, state, work.near)
+    height = 0.0
+    if is_near_surface(vessel, 0.0, state):  # a sail stands out before the hull does
+        add_waterplane(vessel, scratch, state, work.near)
+        height = dry_height(vessel, scratch, state)
+    take_off_dry_sail(vessel, height, state, work.near)

@@ -1,5 +1,8 @@
 """The 131 terms of NSRDC Report 2510 [GH67], and those of the compact set.
 
+Readers of vessel files, records, the report's programs and the pages take their coefficients from
+this one table. A compact set keeps only some of them.
+
 V is (v^2 + w^2)^1/2. Where the scan of [ASSES] misleads: the L^3 beside Z_star, Z_w, Z_waw and
 beside the Z eta terms is L^2; IQQ, XW, KWE, KDRDRE, KDSDSE, KXQ, KVR and the pitch equation's MW in
 its Table 19 are XQQ, XWW, XWWE, XDRDRE, XDSDSE, XWQ, XVR and MWW.
@@ -181,8 +184,17 @@ COMPACT_TERMS: Final = (
 )
 # fmt: on
 BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")  # the basic set leaves these out
-# A vessel file may also keep these; they are zero elsewhere.
+# Those of the propeller's slip, eta - 1, that need no division where eta is u_c/u.
 # fmt: off
+SLIP_TERMS: Final = (
+    "X_drdr_eta", "X_dsds_eta",
+    "Y_r_eta", "Y_v_eta", "Y_dr_eta",
+    "Z_q_eta", "Z_w_eta", "Z_ds_eta",
+    "K_star_eta",
+    "M_q_eta", "M_w_eta", "M_ds_eta",
+    "N_r_eta", "N_v_eta", "N_dr_eta",
+)
+# A vessel file may also keep these; they are zero elsewhere.
 EXTRA_TERMS: Final = (
     "X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww",
     "Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw",
@@ -190,5 +202,6 @@ EXTRA_TERMS: Final = (
     "K_pap", "K_qr", "K_pq", "K_r", "K_vq", "K_wp", "K_wr", "K_vw", "K_star",
     "M_pp", "M_qaq", "M_vp",
     "N_rar", "N_avr", "N_qr", "N_wr", "N_wp", "N_vq", "N_vw",
+    *SLIP_TERMS,
 )
 # fmt: on

@@ -1,4 +1,11 @@
-"""Straight level flight: the state in which all accelerations and the depth rate are zero."""
+"""Straight level flight: the state in which all accelerations and the depth rate are zero.
+
+A boat begins in it, and linear models are taken about it. Newton's method seeks seven unknowns for
+seven rates.
+
+``start`` seeks it for each run; ``analysis/programs/neutral`` takes it as the neutral point of a
+speed.
+"""
 
 from trainer.core.kernel import Record, kernel
 from trainer.core.rates import rates
@@ -17,7 +24,10 @@ TRIM_TOLERANCE = 1e-13  # [m/s2], [rad/s2], [m/s]
 
 @kernel
 def nudge(state: Record, by: int, place: int, amount: float) -> None:
-    """Add ``amount`` to one of the seven unknowns."""
+    """Add ``amount`` to one of the seven unknowns.
+
+    It is for a difference quotient, or a step of Newton's.
+    """
     s = state[0]
     if place == 0:
         s.u_c += amount

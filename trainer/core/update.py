@@ -91,17 +91,18 @@ def lost(state: Record) -> int:
 def outside(vessel: Record, scheme: Record, state: Record, scratch: Record) -> None:
     """Write the forces of sea, depth, ground and ships near for the tick.
 
-    Near the surface, write the water's level along the hull too.
+    They are taken as constant in the tick. Near the surface, write the water's level along the hull
+    too.
     """
     s, work = state[0], scratch[0]
     for i in range(6):
         work.external[i] = 0.0
-    near = is_near_surface(vessel, state)
-    work.levels = 1.0 if near else 0.0
-    if near:
+    near = is_near_surface(vessel, scheme[0].h, state)
+    if near or work.levels != 0.0:  # else they are 0, and stay so for rates within the tick
         for i in range(vessel[0].station_x.size):
             work.level[i] = work.rise[i] = 0.0
             work.station[i] = vessel[0].station_x[i]
+    work.levels = 1.0 if near else 0.0
     wave_forces(vessel, scratch, state, work.external)
     surface_forces(vessel, state, work.external)
     add_compression(vessel, state, work.external)

@@ -1,7 +1,8 @@
 """Constants of one boat, dimensional, computed once from its prime coefficients.
 
 ``VESSEL`` carries the full set [GH67]; ``COMPACT`` the constants of the compact set by the mapping
-of program EC790, [ASSES] equation (18) with its errata C10-C18.
+of program EC790, [ASSES] equation (18) with its errata C10-C18. ``boat/assemble`` makes both
+records from a vessel file.
 """
 
 from collections.abc import Mapping
@@ -14,7 +15,13 @@ from trainer.core.ballast.tanks import BALLAST_FIELDS
 from trainer.core.envelope import ENVELOPE_FIELDS
 from trainer.core.kernel import Numbers, Record, record_dtype
 from trainer.core.state import STRIP_COUNT
-from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS, LENGTH_POWERS, THRUST_KEYS
+from trainer.core.terms import (
+    COMPACT_TERMS,
+    EXTRA_TERMS,
+    LENGTH_POWERS,
+    SLIP_TERMS,
+    THRUST_KEYS,
+)
 
 INVERTED_NAMES: Final = {"K_pdot": "T4", "M_qdot": "T5", "N_rdot": "T6"}  # as [ASSES] (18) has them
 
@@ -165,7 +172,8 @@ COMPACT: Final = record_dtype(
     *THRUST_KEYS,
     *(INVERTED_NAMES.get(name, name) for name in COMPACT_TERMS),
     "ZB",  # [N m] buoyancy times z_b
-    "extended",  # [-] 1: some of the following are kept
+    "extended",  # [-] 1: some of the following, besides those of slip, are kept
+    "slipping",  # [-] 1: some of those of slip are kept
     *EXTRA_TERMS,
     "off_centre",  # [-] 1: some of the following are not zero
     "XB",  # [N m] buoyancy times x_b
@@ -206,5 +214,7 @@ def compact_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
         compact[name] = body[name]
     off_centre = ("x_b", "y_b", "I_xy", "I_yz", "I_xz")
     compact["off_centre"] = float(any(body[name] != 0.0 for name in off_centre))
-    compact["extended"] = np.any([compact[name] != 0.0 for name in EXTRA_TERMS], axis=0)
+    further = [name for name in EXTRA_TERMS if name not in SLIP_TERMS]
+    for flag, names in (("extended", further), ("slipping", SLIP_TERMS)):
+        compact[flag] = np.any([compact[name] != 0.0 for name in names], axis=0)
     return compact

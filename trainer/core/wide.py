@@ -2,7 +2,8 @@
 
 It has the forces of an ideal fluid, linear viscous forces that grow with the size of u, cross-flow
 drag, and control surfaces that reverse astern. docs/envelope.md has derivations, sources and what
-is estimated.
+is estimated. ``rates`` blends it in where the motion leaves the range of the equations of 1969
+(``envelope``), and going astern it is alone.
 """
 
 import math
@@ -24,8 +25,8 @@ def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -
     """Add the forces [N] and moments [N m] of the added masses.
 
     ``dry`` [-] is the share of the sail that is in air. They are Kirchhoff's equations and do no
-    work. They take the place of every product of velocities in the file, which are lift of sail and
-    hull at small angles.
+    work. They take the place of the vessel file's products of velocities, which are lift of sail
+    and hull at small angles.
     """
     c, s = vessel[0], state[0]
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
@@ -48,7 +49,11 @@ def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -
 
 @part
 def add_viscous(vessel: Record, state: Record, force: Numbers) -> None:
-    """Add the linear viscous forces [N] and moments [N m], in proportion to |u|."""
+    """Add the viscous forces [N] and moments [N m] of the whole boat.
+
+    Those in proportion to |u| have other numbers astern. Added as well are the steady ones, of a
+    boat not alike above and below and of the propeller's torque, and the damping of roll.
+    """
     c, s = vessel[0], state[0]
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     way = 0 if u >= 0.0 else 1
@@ -105,7 +110,7 @@ def forces(vessel: Record, state: Record, force: Numbers) -> None:
     add_ideal_fluid(vessel, dry, state, force)
     add_viscous(vessel, state, force)
     add_hull_strips(vessel, state, force)
-    add_tail_and_sail(vessel, dry, state, force)
+    add_tail_and_sail(vessel, state, force)
     add_surfaces(vessel, state, force)
     if state[0].u < 0.0:
         force[AXIAL] += thrust_astern(vessel, state)
@@ -115,7 +120,10 @@ def forces(vessel: Record, state: Record, force: Numbers) -> None:
 
 @part
 def make_symmetric(out: Numbers) -> None:
-    """Make the matrix of added masses symmetric, as an ideal fluid's is."""
+    """Make the matrix of added masses symmetric, as an ideal fluid's is.
+
+    Coefficients of a file need not be, and would then make energy.
+    """
     for i in range(6):
         for j in range(i):
             mean = 0.5 * (out[i, j] + out[j, i])

@@ -4,6 +4,9 @@ The recorded run is flown again with the reference crew aboard, mute. At each mo
 crew takes over and flies the exercise to its end; its marks, with those of the past, are the
 moment's. Where they fall the crew has lost something for good: docs/debrief.md, "What each minute
 cost".
+
+``data`` asks for the curve for a debrief. ``evaluator`` flies moments of its own while the session
+goes on; of this module it uses ``refuse_plan`` and ``point_of``.
 """
 
 import math
@@ -19,9 +22,9 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import RuleProgress
-from trainer.boat.world.contacts import contacts_in
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.debrief.episodes import crew_orders
+from trainer.debrief.judgement import before_gate, marks_given, share_of
 from trainer.debrief.reference import can_fly, join_runs
 from trainer.debrief.rehearsal import (
     ByReference,
@@ -41,11 +44,11 @@ from trainer.io.recording.recording import RecordedOrder
 from trainer.session.plan import Plan
 
 POINT_PERIOD_S: Final = 10.0  # [s] from point to point where little changes
-SHIPS_POINT_PERIOD_S: Final = 30.0  # [s] the same among ships, which cost ten times the time
 FINEST_PERIOD_S: Final = 1.0  # [s] down to which a change is halved
 WORTH_MARKS: Final = 3.0  # [%] of marks from which a change is looked into, and told
 STEADY_MARKS: Final = 0.5  # [%] less from point to point is no fall: rounding, and the sea
 MAX_TRIED_ORDERS: Final = 12  # orders left out one after another to explain one change
+SUSPECT_TIME_S: Final = 10.0  # [s] before a change begins, in which an order may have caused it
 CAUSE_SHARE: Final = 0.5  # [-] of a change that a cause must account for
 COMPARED_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi", "u")  # of a run flown again
 OWN_KINDS: Final = (GiverKind.STATION, GiverKind.PLAN)  # who gives orders of people's own
@@ -66,6 +69,7 @@ class AttainablePoint:
     marks: float  # [%]
     won: bool
     lost: bool
+    card: Scorecard | None = None  # of that run
 
 
 class ChangeCause(Enum):
@@ -76,6 +80,24 @@ class ChangeCause(Enum):
     STEERING = "steering"  # planes or rudder, worked otherwise than by the reference crew
     BETTER = "better"  # than the reference crew did
     RECORD_ENDS = "record-ends"  # before the exercise does
+
+
+class PassedKind(Enum):
+    """The kinds of what passes where the marks fall within a second."""
+
+    LOSS = "loss"  # from there on even the reference crew loses the exercise
+    LIMIT = "limit"  # it breaks a limit, or breaks it by more
+    RULE = "rule"  # it falls short in one score
+
+
+@dataclass(frozen=True)
+class SteepFall:
+    """Falls by more than WORTH_MARKS within FINEST_PERIOD_S each, and what passes there."""
+
+    tick: int  # at the end of the first
+    marks: float  # [%]
+    kind: PassedKind
+    text: str
 
 
 @dataclass(frozen=True)
@@ -89,6 +111,7 @@ class MarkChange:
     order: str = ""  # that was given, or did not come
     tick: int | None = None  # when it was given, or due
     who: str = ""  # gave it
+    falls: tuple[SteepFall, ...] = ()  # the steep ones within it
 
 
 @dataclass(frozen=True)
@@ -141,12 +164,12 @@ class RunExplorer:
         to_world: list[Any] = []
         for tick in range(self.last):
             if tick % stride == 0:
-                state = boat.records.state.copy()
+                state = boat.snapshot()
                 self.departures[tick] = Departure(tick, state, tuple(to_world), crew.aboard(boat))
             given = self.recorded.get(tick, ())
             to_world += world_orders_in(given, tick)
             flight.give_again(given)
-            if not flight.advance():
+            if not flight.fly_to(tick + 1):
                 break
         self._compare(flight.rehearsal().trajectory)
 
@@ -180,12 +203,13 @@ class RunExplorer:
         run, _ = fly(self.plan, here, self.later, speaks_from=tick)
         return run
 
-    def without(self, order: RecordedOrder, begin: int, end: int) -> float:
-        """Return the marks attainable at ``end`` if an order since ``begin`` is left out."""
+    def without(self, order: RecordedOrder, end: int) -> float:
+        """Return the marks attainable at ``end`` if an order before it is left out."""
         orders = {
             tick: [each for each in given if each.id != order.id]
             for tick, given in self.recorded.items()
         }
+        begin = max(tick for tick in self.departures if tick <= order.tick)
         prefix, there = fly(self.plan, self.departures[begin], orders, until=end)
         past = join_runs(self.trajectory, prefix.trajectory)
         if there.tick < end:
@@ -202,7 +226,7 @@ class RunExplorer:
 def point_of(tick: int, card: Scorecard) -> AttainablePoint:
     """Return the point of a run's marks."""
     outcome = card.verdict.outcome if card.verdict else ""
-    return AttainablePoint(tick, card.total or 0.0, outcome == "won", outcome == "lost")
+    return AttainablePoint(tick, card.total or 0.0, outcome == "won", outcome == "lost", card)
 
 
 def orders_by_tick(trajectory: Trajectory) -> OrdersByTick:
@@ -242,9 +266,7 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
 
     The run has been flown again by ``RunExplorer.fly_again``.
     """
-    contacts = contacts_in(run.trajectory.boat)
-    period = SHIPS_POINT_PERIOD_S if contacts and contacts.any else POINT_PERIOD_S
-    stride = max(round(period / run.step), 1)
+    stride = max(round(POINT_PERIOD_S / run.step), 1)
     ticks = sorted({*range(0, run.last, stride), run.last} & {*run.departures, run.last})
     for before, after in pairwise(ticks):
         halve(run, before, after)
@@ -259,14 +281,19 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
     return AttainableCurve(points, tuple(changes))
 
 
-def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
-    """Raise NoCurve for a run without reference crew, end or marks."""
+def refuse_plan(plan: Plan) -> None:
+    """Raise NoCurve for an exercise without reference crew, end or marks."""
     if not plan.crew.rules:
         raise NoCurve("this exercise has no reference crew")
     if not can_fly(plan):
         raise NoCurve("this exercise has no end, or one that is too far away")
     if not plan.judged_by_tasks:
         raise NoCurve("this exercise has no tasks")
+
+
+def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
+    """Raise NoCurve for a run that has no curve."""
+    refuse_plan(plan)
     if int(trajectory.ticks[-1]) < 1 or trajectory.ticks[0] != 0:
         raise NoCurve("the record does not begin at the start")
 
@@ -311,10 +338,71 @@ def join_changes(changes: Iterable[MarkChange]) -> list[MarkChange]:
         last = joined[-1] if joined else None
         alike = (change.cause, change.order, change.tick)
         if last is not None and alike == (last.cause, last.order, last.tick):
-            joined[-1] = replace(last, end=change.end, marks=last.marks + change.marks)
+            marks, falls = last.marks + change.marks, join_falls((*last.falls, *change.falls))
+            joined[-1] = replace(last, end=change.end, marks=marks, falls=falls)
         else:
             joined.append(change)
     return joined
+
+
+def suspects(run: RunExplorer, begin: int, end: int) -> list[RecordedOrder]:
+    """Return the crew's orders that may have caused a change: those nearest to its begin.
+
+    A wrong order costs nothing as long as a careful crew could still put it right, so that orders
+    of some seconds before are among them.
+    """
+    before = begin - round(SUSPECT_TIME_S / run.step)
+    given = [each for each in crew_orders(run.trajectory) if before <= each.tick < end]
+    return sorted(given, key=lambda each: abs(each.tick - begin))[:MAX_TRIED_ORDERS]
+
+
+def steep_falls(run: RunExplorer, begin: int, end: int) -> tuple[SteepFall, ...]:
+    """Return the steep falls between two points, those of one kind as one."""
+    stride = max(round(FINEST_PERIOD_S / run.step), 1)
+    points = [run.points[tick] for tick in sorted(run.points) if begin <= tick <= end]
+    return join_falls(
+        SteepFall(after.tick, before.marks - after.marks, *what_passes(before, after))
+        for before, after in pairwise(points)
+        if after.tick - before.tick <= stride and before.marks - after.marks > WORTH_MARKS
+    )
+
+
+def join_falls(falls: Iterable[SteepFall]) -> tuple[SteepFall, ...]:
+    """Return the falls, those of one score or kind as one.
+
+    It has the words of the steepest.
+    """
+    alike: dict[tuple[PassedKind, str], list[SteepFall]] = defaultdict(list)
+    for fall in falls:
+        alike[fall.kind, fall.text if fall.kind is PassedKind.RULE else ""].append(fall)
+    return tuple(
+        replace(
+            max(group, key=lambda fall: fall.marks),
+            tick=group[0].tick,
+            marks=sum(fall.marks for fall in group),
+        )
+        for group in alike.values()
+    )
+
+
+def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[PassedKind, str]:
+    """Return what has passed between two points, for the reference crew's runs from there.
+
+    A loss comes first, then a limit that leaves less than the marks of the scores, then the score
+    that lost most.
+    """
+    if before.card is None or after.card is None:
+        return PassedKind.RULE, ""
+    verdict = after.card.verdict
+    if verdict and (verdict.void or after.lost) and not before.lost:
+        return PassedKind.LOSS, verdict.reason
+    if verdict and verdict.gate and not after.lost and after.marks < before_gate(verdict):
+        return PassedKind.LIMIT, verdict.gate
+    earned = [
+        {each.name: share_of(each, card) * (marks_given(each) or 0.0) for each in card.scores}
+        for card in (before.card, after.card)
+    ]
+    return PassedKind.RULE, max(earned[0], key=lambda name: earned[0][name] - earned[1][name])
 
 
 def explain(run: RunExplorer, begin: AttainablePoint, end: AttainablePoint) -> MarkChange:
@@ -325,11 +413,10 @@ def explain(run: RunExplorer, begin: AttainablePoint, end: AttainablePoint) -> M
     change = MarkChange(begin.tick, end.tick, end.marks - begin.marks, ChangeCause.BETTER)
     if change.marks > 0.0:
         return change
-    given = [each for each in crew_orders(run.trajectory) if begin.tick <= each.tick < end.tick][
-        :MAX_TRIED_ORDERS
-    ]
-    if begin.tick in run.departures and (end.tick in run.departures or end.tick >= run.last):
-        saved = {each.id: run.without(each, begin.tick, end.tick) - end.marks for each in given}
+    change = replace(change, falls=steep_falls(run, begin.tick, end.tick))
+    given = suspects(run, begin.tick, end.tick)
+    if end.tick in run.departures or end.tick >= run.last:
+        saved = {each.id: run.without(each, end.tick) - end.marks for each in given}
         worst = max(given, key=lambda each: saved[each.id], default=None)
         if worst is not None and saved[worst.id] >= -CAUSE_SHARE * change.marks:
             return replace(

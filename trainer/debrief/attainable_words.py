@@ -1,14 +1,29 @@
-"""What each minute cost: in words, for a terminal, and as figures for programs."""
+"""What each minute cost: in words, for a terminal, and as figures for programs.
+
+``attainable`` finds how many marks could still be earned at each moment. The page, the terminal and
+``--json`` take words and numbers of it from here, so that all three say the same.
+"""
 
 from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.debrief.attainable import AttainableCurve, ChangeCause, MarkChange
+from trainer.debrief.attainable import (
+    AttainableCurve,
+    ChangeCause,
+    MarkChange,
+    PassedKind,
+    SteepFall,
+)
 from trainer.report.svg import clock
 
 TEXT_COLUMNS: Final = 60  # [columns] of the curve in a terminal of 80
+FALL_WORDS: Final = {
+    PassedKind.LOSS: "the reference crew loses ({})",
+    PassedKind.LIMIT: "the reference crew breaks a limit ({})",
+    PassedKind.RULE: 'the reference crew falls short in "{}"',
+}
 TEXT_ROWS_PERCENT: Final = (100.0, 80.0, 60.0, 40.0, 20.0, 0.0)  # [%] of marks, a row each
 
 
@@ -28,7 +43,20 @@ def until_words(curve: AttainableCurve, step: float) -> str:
 
 
 def change_words(change: MarkChange, step: float) -> str:
-    """Return one change of the attainable marks in a sentence."""
+    """Return one change of the attainable marks in words.
+
+    It is one sentence, and one more for each of its steep falls.
+    """
+    return " ".join((_cause_words(change, step), *(_fall_words(f, step) for f in change.falls)))
+
+
+def _fall_words(fall: SteepFall, step: float) -> str:
+    """Return what passes where marks fall within a second, because no order need come there."""
+    what = FALL_WORDS[fall.kind].format(fall.text)
+    return f"At {clock(fall.tick * step)} {fall.marks:.0f} of them: from there even {what}."
+
+
+def _cause_words(change: MarkChange, step: float) -> str:
     begin, end, marks = clock(change.begin * step), clock(change.end * step), abs(change.marks)
     amount = f"{marks:.0f} mark{'' if round(marks) == 1 else 's'}"
     at = "" if change.tick is None else clock(change.tick * step)

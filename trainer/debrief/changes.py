@@ -1,7 +1,7 @@
 """The instructor's changes of marks, each with a reason. The old marks stay beside them.
 
-Changes are kept beside the recording: drill.changes.toml beside drill.trainer. The recording
-itself stays as it was flown.
+``page`` makes them for ``trainer debrief``, and ``data`` judges by them. Changes are kept beside
+the recording: drill.changes.toml beside drill.trainer. The recording itself stays as it was flown.
 """
 
 import json
@@ -13,7 +13,7 @@ from typing import Final
 
 from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, text_if_there
 from trainer.config.schema import Choice, Quantity, Rows, Text, read_record, required, within
-from trainer.debrief.judgement import GATE_CAP, LOST_CAP, WIDTH_FACTORS, before_gate, judge_run
+from trainer.debrief.judgement import LOST_CAP, WIDTH_FACTORS, judge_run, total_of
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.atomic_write import write_whole
@@ -205,9 +205,7 @@ def with_outcome(card: Scorecard, outcome: str) -> Scorecard:
     verdict = card.verdict
     if verdict is None:
         return card
-    caps = {"won": None, "lost": LOST_CAP, "not reached": GATE_CAP if verdict.gate else None}
-    cap, whole = caps[outcome], before_gate(verdict)
-    total = whole if cap is None else min(whole, cap)
+    cap = {"won": None, "lost": LOST_CAP, "not reached": verdict.gate_cap}[outcome]
     reason = "" if outcome == "won" else verdict.reason
     verdict = replace(verdict, outcome=outcome, reason=reason, cap=cap, void=False, free=False)
-    return replace(card, total=total, verdict=verdict)
+    return replace(card, total=total_of(verdict), verdict=verdict)

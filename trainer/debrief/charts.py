@@ -1,4 +1,9 @@
-"""The drawings of a debrief against time: time line and charts, with the reference run."""
+"""The drawings of a debrief against time: time line and charts, with the reference run.
+
+``page`` shows them between the tables of ``sections``. All have one axis of time (``ChartGround``),
+so that a cause and its effect stand one above the other. ``report/svg`` draws; here is decided
+what.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -149,7 +154,7 @@ def _depth(trajectory: Trajectory) -> Chart:
     by_hand = trajectory.columns["stern_by_hand"] * trajectory.columns["bow_by_hand"] != 0.0
     lines = (
         CurveLine(
-            "ordered", told_to_all(trajectory, "depth", "ordered_depth", by_hand), ORDERED_STYLE
+            "ordered", order_in_force(trajectory, "depth", "ordered_depth", by_hand), ORDERED_STYLE
         ),
         CurveLine("actual", trajectory.columns["z"], ACTUAL_STYLE),
     )
@@ -167,10 +172,11 @@ def _clearance(trajectory: Trajectory) -> Chart | None:
     return Chart("clearance", "Water under the keel", "m", lines, limits, least=10.0)
 
 
-def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: RowMask) -> Numbers:
-    """Return the order [SI] to the crew, or else to the autopilot at work.
+def order_in_force(trajectory: Trajectory, axis: str, place: str, by_hand: RowMask) -> Numbers:
+    """Return the order [SI] in force at each tick, NaN where none is.
 
-    In a run without orders to the crew the autopilot's order counts all through.
+    It is the order to the crew; where none stands, the autopilot's, unless the controls are
+    ``by_hand``, when it does nothing. In a run without orders to the crew it counts all through.
     """
     crew, by_boat = trajectory.ordered(axis), trajectory.columns[place]
     if np.isnan(crew).all():
@@ -210,7 +216,7 @@ def _surface(trajectory: Trajectory, surface: str) -> Chart | None:
 def _course(trajectory: Trajectory) -> Chart:
     heading = np.degrees(trajectory.columns["psi"])
     by_hand = trajectory.columns["rudder_by_hand"] != 0.0
-    ordered = told_to_all(trajectory, COURSE_QUANTITY, "ordered_psi", by_hand)
+    ordered = order_in_force(trajectory, COURSE_QUANTITY, "ordered_psi", by_hand)
     lines = (
         CurveLine("ordered", unwrap_ordered_courses(np.degrees(ordered), heading), ORDERED_STYLE),
         CurveLine("actual", heading, ACTUAL_STYLE),

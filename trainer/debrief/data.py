@@ -1,5 +1,10 @@
-"""The data of a debrief, gathered from a recording, and its figures for programs."""
+"""The data of a debrief, gathered from a recording, and its figures for programs.
 
+``page`` draws a debrief from it, and ``history`` lists many. All is computed here, before anything
+is drawn, so that page, terminal and ``--json`` have the same figures.
+"""
+
+# long: one record of a debrief, and all that is gathered for it
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -12,6 +17,7 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
+from trainer.config.reference_crew import Crew
 from trainer.core.cache import same_core
 from trainer.debrief.attainable import AttainableCurve, NoCurve, RunExplorer, attainable_curve
 from trainer.debrief.attainable_words import attainable_figures
@@ -26,12 +32,14 @@ from trainer.debrief.episodes import (
     Deflection,
     Episode,
     ReadBack,
+    aids_used,
     answer_to,
     casualty_episodes,
     crew_orders,
     first_deflection,
     read_backs,
 )
+from trainer.debrief.forms import EvaluationForm, compare_forms, read_forms
 from trainer.debrief.judgement import WIDTH_FACTORS, MarkCost, dearest_costs, judge_run, plain_marks
 from trainer.debrief.reference import Reference, can_fly, fly_reference, join_runs
 from trainer.debrief.rehearsal import fly_rehearsal
@@ -41,10 +49,11 @@ from trainer.debrief.trajectory import Trajectory, read_passage
 from trainer.io.recording.facts import REFERENCE_GIVER, BranchCause, Giver
 from trainer.io.recording.queries import ExcessRows
 from trainer.io.recording.recording import Branch, RecordedEvent, RecordedOrder, Recording
-from trainer.session.header import layout_of, plan_of, trainees_of
+from trainer.session.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
 from trainer.session.plan import Plan
 from trainer.session.world_orders import settle_world
 
+NO_MARKS: Final = Scorecard((), None)
 ECHO_EVENTS: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
 
 
@@ -110,12 +119,24 @@ class DebriefData:
     width: str = "qualified"  # of the bands, as it was judged first
     practice: str = ""  # why it is none of the record: it was wound back
     trainees: tuple[str, ...] = ()
+    familiarisation: bool = False  # a run to get to know the simulator: it has no marks
+    forms: tuple[EvaluationForm, ...] = ()  # filled in by assessors and peers
     read_backs: tuple[ReadBack, ...] = ()
     changes: tuple[Change, ...] = ()  # of the instructor's
     changed: Scorecard | None = None  # the marks after them
     compared: ReferenceComparison | None = None
     excess: tuple[ExcessRows, ...] = ()  # of what the recording has more than was read
     nobody: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # [%] by width, score
+
+    @property
+    def aids(self) -> tuple[str, ...]:
+        """Return the aids that were on at any time of the run."""
+        return aids_used(self.trajectory)
+
+    @property
+    def shown(self) -> bool:
+        """Return whether the reference crew flew it, to show the way."""
+        return is_shown([each for each, _ in self.branches], self.branch)
 
     @property
     def title(self) -> str:
@@ -155,7 +176,9 @@ class DebriefData:
 def gather_debrief(
     recording: Recording, source: Path, number: int | None, width: str | None = None
 ) -> DebriefData:
-    """Return the data of a branch at a width. None: the latest branch, its own width.
+    """Return the data of a branch. None: the latest branch, the width that the run was begun with.
+
+    The ``width`` is of the bands of marks: "qualified", or "basic", half as wide again.
 
     ConfigError if the header cannot be read or there is no such branch.
     """
@@ -166,6 +189,8 @@ def gather_debrief(
     branch = find_branch(branches, source, number)
     wanted = branch.id
     plan = plan_of(header)
+    if is_shown(branches, branch):  # by the reference crew: it counts for no mark
+        plan = replace(plan, scores=(), lost=(), hand=(), crew=Crew())
     boat = Boat(plan.file, plan.method)
     boat.world = world_of(boat, plan.around)
     settle_world(boat, recording, wanted, sys.maxsize)
@@ -174,7 +199,10 @@ def gather_debrief(
         read_passage(recording, wanted, layout_of(header), boat, plan.limits),
         marks=tuple(each for each in events if each.kind == "mark"),
     )
-    changes = tuple(each for each in read_changes(source) if each.branch == wanted)
+    familiarisation = FAMILIARISATION_KEY in header
+    if familiarisation:
+        plan = replace(plan, scores=())
+    changes = tuple(each for each in read_changes(source) if each.branch == wanted and plan.scores)
     nobody = {
         each: nobody_aboard(plan, header, each)
         for each in {width, *(change.what for change in changes if change.name == WIDTH_NAME)}
@@ -186,7 +214,7 @@ def gather_debrief(
         branch=branch,
         branches=tuple((each, last_tick(recording, each)) for each in branches),
         trajectory=trajectory,
-        card=judge_run(trajectory, plan, nobody[width], width),
+        card=NO_MARKS if familiarisation else judge_run(trajectory, plan, nobody[width], width),
         casualties=tuple(
             CasualtyAnswer(each, answer_to(trajectory, each), first_deflection(trajectory, each))
             for each in casualty_episodes(trajectory)
@@ -198,6 +226,8 @@ def gather_debrief(
         width=width,
         practice=practice_of(plan, branches, branch),
         trainees=trainees_of(header),
+        familiarisation=familiarisation,
+        forms=read_forms(source),
         read_backs=read_backs(trajectory),
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
@@ -207,8 +237,11 @@ def gather_debrief(
 
 
 def find_branch(branches: list[Branch], source: Path, number: int | None) -> Branch:
-    """Return a branch by its number, the latest for None. ConfigError if there is none such."""
-    wanted = branches[-1].id if number is None else number
+    """Return a branch by its number, the crew's latest for None.
+
+    ConfigError if there is none such.
+    """
+    wanted = crew_branch(branches).id if number is None else number
     branch = next((each for each in branches if each.id == wanted), None)
     if branch is None:
         numbers = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
@@ -226,7 +259,9 @@ def compare_debrief(
     With ``seconds`` the reference crew also takes over at that time. ConfigError if it cannot.
     ``progress`` is told the points of the curve that are known.
     """
-    reference = fly_reference(debrief.plan, debrief.card, debrief.width)
+    reference = None
+    if not debrief.familiarisation:
+        reference = fly_reference(debrief.plan, debrief.card, debrief.width)
     if reference is None:
         if seconds is not None:
             raise ConfigError("--reference-from: this exercise has no reference crew and no end")
@@ -295,6 +330,16 @@ def _ancestry(branches: list[Branch], branch: Branch) -> Iterator[Branch]:
     while here is not None:
         yield here
         here = None if here.parent is None else by_number.get(here.parent)
+
+
+def is_shown(branches: list[Branch], branch: Branch) -> bool:
+    """Return whether the way was shown on a branch or its ancestry."""
+    return any(each.cause is BranchCause.SHOWN for each in _ancestry(branches, branch))
+
+
+def crew_branch(branches: list[Branch]) -> Branch:
+    """Return the latest branch that the crew flew."""
+    return next(each for each in reversed(branches) if not is_shown(branches, each))
 
 
 def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[str, float]:
@@ -380,6 +425,9 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
         "width": debrief.width,
         "by_hand": list(debrief.plan.hand),
         "practice": bool(debrief.practice),
+        "familiarisation": debrief.familiarisation,
+        "aids": list(debrief.aids),
+        "shown": debrief.shown,
         "seconds": float(debrief.trajectory.seconds[-1]),
         "total": debrief.total,
         "deviation": deviation_of(debrief),
@@ -388,6 +436,11 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
         **_compared(debrief),
         "changes": [asdict(each) | {"branch": int(each.branch)} for each in debrief.changes],
         "changed": debrief.changed and _card(debrief.changed, step),
+        "forms": [asdict(each) for each in debrief.forms],
+        "compared_marks": [
+            asdict(each) | {"mean": each.mean, "spread": each.spread}
+            for each in compare_forms(debrief.forms, debrief.final)
+        ],
         "scores": [_score(each, step) for each in debrief.card.scores],
         "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
         "casualties": [_casualty(each, step) for each in debrief.casualties],

@@ -1,6 +1,8 @@
 """Episodes of a passage: casualties and answers, orders and repeats, ships met, groundings.
 
-All from states and journal: a recording without orders to the crew has none to tell.
+A passage is what was flown to the end of a branch of a recording (``trajectory``). Measures, tables
+and figures ask here. All from states and journal: a recording without orders to the crew has none
+to tell.
 """
 
 import math
@@ -11,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from trainer.config.casualties import Casualty
+from trainer.config.exercise import AIDS
 from trainer.config.files import ConfigError
 from trainer.config.score_rules import COURSE_QUANTITY, INSTRUCTOR_ORDERS
 from trainer.core.casualties import KINDS
@@ -108,6 +111,13 @@ def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
     ]
     stations = [each for each in orders if each.giver.role != INSTRUCTOR_ROLE]
     return tuple(each for each in stations or orders if name_of(each.text) not in INSTRUCTOR_ORDERS)
+
+
+def aids_used(trajectory: Trajectory) -> tuple[str, ...]:
+    """Return the aids that were switched on in a run."""
+    orders = (parse(each.text) for each in trajectory.orders if each.accepted is not False)
+    switched = {each.name for each in orders if isinstance(each, Order) and each.word != "off"}
+    return tuple(aid for aid in AIDS if aid in switched)
 
 
 def answer_to(

@@ -1,4 +1,9 @@
-"""The groundings of a passage: when, how hard, and whether they were meant."""
+"""The groundings of a passage: when, how hard, and whether they were meant.
+
+A passage is what was flown to the end of a branch of a recording (``trajectory``). ``measures``,
+``gates`` and ``judgement`` ask here, because in some exercises a boat shall lie on the ground: then
+only a hard or crooked landing is a fault.
+"""
 
 from collections.abc import Iterator
 from typing import NamedTuple

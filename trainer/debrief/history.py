@@ -1,8 +1,8 @@
 """Recordings and their trainees: the list, a trainee's history, a name forgotten.
 
-The result of a recording is computed once and kept beside it: drill.marks.json beside
-drill.trainer. That file may be removed at any time. It has no names, because names stand in the
-recordings alone.
+``trainer recordings`` prints them. The result of a recording is computed once and kept beside it:
+drill.marks.json beside drill.trainer. That file may be removed at any time. It has no names,
+because names stand in the recordings alone.
 """
 
 import json
@@ -22,15 +22,23 @@ from markupsafe import escape
 
 from trainer import __version__
 from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.progress import forget_progress
 from trainer.debrief.changes import changes_path, read_changes, write_changes
 from trainer.debrief.data import DebriefData, gather_debrief
+from trainer.debrief.forms import EvaluationForm, read_forms, write_forms
 from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
 from trainer.io.atomic_write import write_whole
 from trainer.io.lines import plain
 from trainer.io.paths import RECORDING_SUFFIX, recordings_folder
 from trainer.io.recording.file import RecordingError, erase_header
 from trainer.io.recording.queries import ExcessRows
-from trainer.session.header import TRAINEES_KEY, open_recording, open_whole_recording, trainees_of
+from trainer.session.header import (
+    FAMILIARISATION_KEY,
+    TRAINEES_KEY,
+    open_recording,
+    open_whole_recording,
+    trainees_of,
+)
 
 MARKS_SUFFIX: Final = ".marks.json"  # ends the name of the file
 MARKS_SCHEMA: Final = "marks/1"
@@ -42,8 +50,13 @@ MARK_TYPES: Final[Mapping[str, Any]] = {  # of what is kept
     **dict.fromkeys(("counts", "changed"), bool),
     "seed": int,
     "total": float | int | None,
+    "aids": str,
 }
 REMOVED_NAME: Final = "(name removed)"
+
+
+class NoSuchTraineeError(ConfigError):
+    """No recording has the name."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +70,7 @@ class RecordedResult:
     total: float | None  # [%] None: no marks
     counts: bool  # neither free nor practice
     changed: bool  # by the instructor
+    aids: str = ""  # that were used
 
 
 @dataclass(frozen=True)
@@ -68,6 +82,7 @@ class ListedRecording:
     trainees: tuple[str, ...]
     came: RecordedResult | None
     trouble: str = ""  # why it cannot be read
+    familiarisation: bool = False  # a run to get to know the simulator, without marks
     excess: tuple[ExcessRows, ...] = ()  # of what it has more than is read
 
 
@@ -117,13 +132,18 @@ def list_recording(path: Path) -> ListedRecording:
             header, excess = recording.header(), recording.excess()
     except ConfigError as wrong:
         return ListedRecording(path, "", (), None, str(wrong))
-    started, names = header.get("started", ""), trainees_of(header)
+    listed = ListedRecording(
+        path,
+        header.get("started", ""),
+        trainees_of(header),
+        None,
+        excess=excess,
+        familiarisation=FAMILIARISATION_KEY in header,
+    )
     try:
-        return ListedRecording(
-            path, started, names, kept_result(path) or compute_result(path), "", excess
-        )
+        return replace(listed, came=kept_result(path) or compute_result(path))
     except ConfigError as wrong:
-        return ListedRecording(path, started, names, None, str(wrong), excess)
+        return replace(listed, trouble=str(wrong))
 
 
 def kept_result(path: Path) -> RecordedResult | None:
@@ -163,8 +183,9 @@ def came_of(debrief: DebriefData) -> RecordedResult:
         width=debrief.width,
         outcome=verdict.outcome if verdict else "",
         total=debrief.total,
-        counts=not (debrief.free or debrief.practice),
+        counts=not (debrief.free or debrief.practice or debrief.familiarisation),
         changed=debrief.changed is not None,
+        aids=", ".join(debrief.aids),
     )
 
 
@@ -213,7 +234,7 @@ def trainee_history(own: Iterable[ListedRecording]) -> list[AttemptHistory]:
     """Return a trainee's attempts by exercise and width; recordings come newest first."""
     by_kind: dict[tuple[str, str], list[RecordedResult]] = {}
     for entry in own:
-        if entry.came is not None:
+        if entry.came is not None and not entry.familiarisation:
             by_kind.setdefault((entry.came.exercise, entry.came.width), []).insert(0, entry.came)
     return [
         AttemptHistory(
@@ -240,18 +261,18 @@ def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
                 trainees = trainees_of(recording.header())
         except ConfigError:  # it is no recording, or damaged: it is not ours to change
             continue
-        names.update(trainees)
-        if fold_name(name) not in map(fold_name, trainees):
-            continue
         try:
-            yield from _forget(name, path, trainees)
-            done += 1
+            named = {*trainees, *(form.by for form in read_forms(path))}
+            names |= named
+            if fold_name(name) in map(fold_name, named):
+                yield from _forget(name, path, trainees)
+                done += 1
         except (ConfigError, RecordingError) as wrong:
             troubles.append(str(wrong))
     if troubles:
         raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in troubles))
     if not done:
-        raise ConfigError(
+        raise NoSuchTraineeError(
             f"--forget {quote(name)}: no recording has that name{nearest(name, names)}"
         )
 
@@ -265,9 +286,18 @@ def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
     changes = read_changes(path)
     if changes:
         write_changes(path, [replace(each, reason=without(each.reason)) for each in changes])
+    forms = read_forms(path)
+    if forms:
+        write_forms(path, [_nameless(form, name, without) for form in forms])
     remark_words = f"; also from {remarks} remark{'s' if remarks > 1 else ''}" if remarks else ""
     yield f"{path}: the name is removed{remark_words}"
     yield from _pages(name, path)
+
+
+def _nameless(form: EvaluationForm, name: str, without: Callable[[str], str]) -> EvaluationForm:
+    """Return a filled form without a name, which may be of who filled it in."""
+    by = REMOVED_NAME if fold_name(form.by) == fold_name(name) else form.by
+    return replace(form, by=by, remark=form.remark and without(form.remark))
 
 
 def _remover(name: str) -> Callable[[str], str]:
@@ -322,18 +352,26 @@ def print_list(places: Sequence[Path], *, as_json: bool) -> None:
 
 def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
     """Print a trainee's attempts; ConfigError if no recording has that name."""
-    attempts = trainee_history(of_trainee(list(map(list_recording, found_in(places))), name))
+    own = of_trainee(list(map(list_recording, found_in(places))), name)
+    attempts = trainee_history(own)
     if as_json:
         figures = [asdict(each) | {"mean_of_last": each.mean} for each in attempts]
         click.echo(json.dumps(figures, indent=1))
         return
-    click.echo("\n".join(map(plain, history_lines(attempts))))
+    click.echo("\n".join(map(plain, [*history_lines(attempts), *familiarisation_lines(own)])))
 
 
 def print_forgotten(places: Sequence[Path], name: str) -> None:
     """Remove a name and print where it stood; ConfigError if nowhere, or not removable."""
-    for line in forget_trainee(name, found_in(places)):
-        click.echo(line)
+    removed = forget_progress(name)
+    for path in removed:
+        click.echo(f"{path}: removed")
+    try:
+        for line in forget_trainee(name, found_in(places)):
+            click.echo(line)
+    except NoSuchTraineeError:
+        if not removed:
+            raise
 
 
 def list_lines(found: Iterable[ListedRecording], columns: int | None = None) -> Iterator[str]:
@@ -361,6 +399,8 @@ def _row(each: ListedRecording, came: RecordedResult, width: int | None) -> str:
     """Return the line of a recording that can be read, in ``width`` columns if there is one."""
     star = "*" if came.changed else ""
     free = "" if came.counts else " (practice or free)"
+    free = " (familiarisation)" if each.familiarisation else free
+    free += f" (with {came.aids})" if came.aids else ""
     free += "".join(f" ({one})" for one in each.excess)
     exercise, who = came.exercise or "-", ", ".join(each.trainees) or "-"
     result = f"{came.outcome or '-':11}  {_mark(came.total):>4}{star:1}"
@@ -402,6 +442,14 @@ def history_lines(found: Iterable[AttemptHistory]) -> Iterator[str]:
         )
 
 
+def familiarisation_lines(own: Iterable[ListedRecording]) -> Iterator[str]:
+    """Yield a line for each familiarisation run, the newest first."""
+    for each in own:
+        if each.familiarisation:
+            exercise = (each.came and each.came.exercise) or "without an exercise"
+            yield f"familiarisation  {_day(each.started)}  {exercise}  {each.path.name}"
+
+
 def as_figures(found: Iterable[ListedRecording]) -> list[dict[str, Any]]:
     """Return recordings for programs."""
     return [
@@ -410,6 +458,7 @@ def as_figures(found: Iterable[ListedRecording]) -> list[dict[str, Any]]:
             "started": recording.started,
             "trainees": list(recording.trainees),
             "trouble": recording.trouble,
+            "familiarisation": recording.familiarisation,
             "left_out": [asdict(one) for one in recording.excess],
             **(asdict(recording.came) if recording.came else {}),
         }

@@ -1,10 +1,12 @@
 """Marks of an exercise by hand, and whether it was won, lost or neither.
 
-A task with p marks earns t = 100 max(0, (p - b) / (100 - b)), where b are its marks with nobody
-aboard: only what the crew adds to those counts. An answer to a casualty earns its own t
-times the mean of the tasks. With T the mean of tasks and answers and K that of what was kept,
-total = T (0.7 + 0.3 K / 100). The total is at most 50 where a limit was broken or the boat was laid
-down badly, 25 where the exercise was lost, 0 where the boat was hard aground: docs/debrief.md.
+``data`` and ``reference`` judge runs by ``judge_run``. A task with p marks earns t = 100 max(0, (p
+- b) / (100 - b)), where b are its marks with nobody aboard: only what the crew adds to those
+counts. An answer to a casualty earns its own t times the mean of the tasks. With T the mean of
+tasks and answers, K that of what was kept, and W what the weakest task has of the marks that carry
+it out, 1 at most, total = T (0.7 + 0.3 K / 100) (0.6 + 0.4 W). A broken limit leaves 50 to 100 at
+most, in proportion, a lost exercise 25, a boat hard aground 0. From WON_PERCENT on it is won:
+docs/debrief.md.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,25 +16,25 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.depths import lowest_depth
-from trainer.boat.limits import LIMIT_WORDS
 from trainer.config.derived import Loss
 from trainer.config.score_rules import ScoreRule
+from trainer.debrief.gates import first_for, worst_breach
 from trainer.debrief.groundings import groundings
-from trainer.debrief.measures import limits_of, rows_beyond
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict, score_rules
 from trainer.debrief.ships_met import meet_ships
-from trainer.debrief.trajectory import RowMask, Trajectory, row_stretches
+from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.grammar import name_of
 from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
 
-GATE_TIME_S: Final = 2.0  # [s] for which a limit must be broken before it costs marks
-GATE_CAP, LOST_CAP, HARD_CAP = 50.0, 25.0, 0.0  # [%] most that is left
+LOST_CAP, HARD_CAP = 25.0, 0.0  # [%] most that is left
 TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
+WON_PERCENT: Final = 60.0  # [%] marks from which an exercise is won
 DONE_TASK_PERCENT: Final = 50.0  # [%] marks from which a task is carried out
 SETTLED_PERCENT: Final = 80.0  # [%] of the time
 KEEPING_SHARE: Final = 0.3  # of the total, by how the boat was kept
+WEAKEST_SHARE: Final = 0.4  # of the total, by the weakest task: so none is won without one
 WIDTH_FACTORS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
 FREEING_ORDERS: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
 MAX_NOBODY_PERCENT: Final = 50.0  # [%] with nobody aboard; a task that gives more does not count
@@ -55,9 +57,8 @@ def judge_run(
     )
     keeping = 100.0 if keeping_marks is None else keeping_marks
     verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
-    total = tasks * (1.0 - KEEPING_SHARE + KEEPING_SHARE * keeping / 100.0)
-    total = total if verdict.cap is None else min(total, verdict.cap)
-    return Scorecard(scores, None if verdict.void or verdict.free else total, verdict)
+    none = verdict.void or verdict.free
+    return Scorecard(scores, None if none else total_of(verdict), verdict)
 
 
 def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") -> dict[str, float]:
@@ -121,28 +122,39 @@ def _verdict(
 ) -> Verdict:
     """Return the outcome, by the worst thing that happened.
 
-    A free run comes before all, because it has no marks; a broken limit comes before undone tasks.
+    A free run comes before all, because it has no marks; a loss comes before what was not reached.
     """
-    tasks, keeping = means
     turned = _turned_over(trajectory)
     hard, aground = _aground(trajectory, plan)
     lost = turned or hard or aground or next(_losses(trajectory, plan.lost), "")
     lost = lost or _ended(trajectory, plan) or _collided(trajectory)
-    gate = next(_broken(trajectory), "") or _laid_badly(trajectory, plan)
-    undone = [each.name for each in scores if not _carried_out(each)]
-    cap = HARD_CAP if hard else LOST_CAP if lost else GATE_CAP if gate else None
-    outcome, reason = "won", ""
+    breach = worst_breach(trajectory, plan)
+    cap = breach.cap if breach else None
+    cap = HARD_CAP if hard else LOST_CAP if lost else cap
+    done = {each.name: done_share(each) for each in scores if each.earned is not None}
+    verdict = Verdict(
+        outcome="won",
+        reason="",
+        tasks=means[0],
+        keeping=means[1],
+        weakest=min(done.values()) if len(done) > 1 else 1.0,  # else T itself says it
+        gate=breach.text if breach else "",
+        gate_cap=breach.cap if breach else None,
+        cap=cap,
+        void=bool(turned),
+        free=False,
+    )
     if free := _free(trajectory):
-        outcome, reason = "free", free
-    elif lost:
-        outcome, reason = "lost", lost
-    elif gate:
-        outcome, reason = "not reached", gate
-    elif undone:
-        outcome, reason = "not reached", ", ".join(undone)
-    elif early := _cut_short(trajectory, plan):
-        outcome, reason = "not reached", early
-    return Verdict(outcome, reason, tasks, keeping, gate, cap, bool(turned), bool(free))
+        return replace(verdict, outcome="free", reason=free, free=True)
+    if lost:
+        return replace(verdict, outcome="lost", reason=lost)
+    total, early = total_of(verdict), _cut_short(trajectory, plan)
+    if total >= WON_PERCENT and not early:
+        return verdict
+    undone = ", ".join(name for name, share in done.items() if share < 1.0)
+    by_gate = verdict.gate if total < before_gate(verdict) else ""
+    few = f"{total:.0f} marks, {WON_PERCENT:.0f} win"
+    return replace(verdict, outcome="not reached", reason=by_gate or undone or early or few)
 
 
 def _free(trajectory: Trajectory) -> str:
@@ -156,15 +168,13 @@ def _free(trajectory: Trajectory) -> str:
     return ""
 
 
-def _carried_out(each: RuleScore) -> bool:
-    """Return whether a task was carried out; a task that does not count passes."""
+def done_share(each: RuleScore) -> float:
+    """Return how far a task was carried out, 1 at most. One that does not count passes."""
     if each.earned is None or each.marks is None:
-        return True
-    if each.rule.score.measure == "reach":
-        return each.attained.value is not None
+        return 1.0
     if each.rule.score.measure == "settled":
-        return (each.attained.value or 0.0) >= SETTLED_PERCENT
-    return each.earned >= DONE_TASK_PERCENT
+        return min((each.attained.value or 0.0) / min(SETTLED_PERCENT, each.rule.score.full), 1.0)
+    return min((_own_marks(each) or 0.0) / DONE_TASK_PERCENT, 1.0)
 
 
 def _turned_over(trajectory: Trajectory) -> str:
@@ -191,19 +201,6 @@ def _aground(trajectory: Trajectory, plan: Plan) -> tuple[str, str]:
     return hard, aground
 
 
-def _laid_badly(trajectory: Trajectory, plan: Plan) -> str:
-    """Return that a boat that may lie on the ground came there badly, and when."""
-    bottom = plan.world.get("bottom")
-    if bottom is None or not bottom.bottoming:
-        return ""
-    for grounding in groundings(trajectory):
-        if grounding.at_fault:
-            why = ", ".join(grounding.touch.faults) or "did not come to lie"
-            when = clock(float(trajectory.seconds[grounding.row]))
-            return f"laid on the ground badly at {when}: {why}"
-    return ""
-
-
 def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
     """Yield the conditions that lost the exercise, and when."""
     for loss in losses:
@@ -213,28 +210,6 @@ def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
         row = first_for(holds, loss.seconds, trajectory)
         if row is not None:
             yield f"{loss.text} at {clock(float(trajectory.seconds[row]))}"
-
-
-def _broken(trajectory: Trajectory) -> Iterator[str]:
-    """Yield the limits that were broken for GATE_TIME_S, and when."""
-    for name in limits_of(trajectory):
-        row = first_for(rows_beyond(trajectory, name), GATE_TIME_S, trajectory)
-        if row is not None:
-            sentence = LIMIT_WORDS[name].format(getattr(trajectory.limits, name))
-            yield f"{sentence} at {clock(float(trajectory.seconds[row]))}"
-
-
-def first_for(holds: RowMask, seconds: float, trajectory: Trajectory) -> int | None:
-    """Return the first row from which something holds for so long. None: it never does."""
-    times = trajectory.seconds
-    return next(
-        (
-            first
-            for first, after in row_stretches(holds)
-            if times[after - 1] - times[first] >= seconds - 1e-9
-        ),
-        None,
-    )
 
 
 def _ended(trajectory: Trajectory, plan: Plan) -> str:
@@ -299,12 +274,24 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
     """Yield all causes that cost marks: rules by share in the total, and the gate."""
     best = {each.name: each for each in reference.scores} if reference else {}
     yield from _by_gate(card)
+    yield from _by_weakest(card)
     for rule_score in card.scores:
         lost = 100.0 - (_own_marks(rule_score) or 0.0)
         share = share_of(rule_score, card)
         if rule_score.marks is not None and share and lost > 0.0:
             sentence = _sentence(rule_score, best.get(rule_score.name), share * lost)
             yield MarkCost(share * lost, sentence, rule_score.attained.tick)
+
+
+def _by_weakest(card: Scorecard) -> Iterator[MarkCost]:
+    """Yield what the weakest task took of all marks, because it was not carried out."""
+    verdict = card.verdict
+    if verdict is None or verdict.weakest == 1.0:
+        return
+    weakest = min(card.scores, key=done_share)
+    cost = verdict.tasks * _kept_factor(verdict) * (1.0 - _weakest_factor(verdict))
+    sentence = f"{weakest.name}: it was not carried out, beside its own marks: {_marks(cost)}."
+    yield MarkCost(cost, sentence, weakest.attained.tick)
 
 
 def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
@@ -327,7 +314,21 @@ def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
 
 def before_gate(verdict: Verdict) -> float:
     """Return the total [%] that tasks and keeping make, before any gate."""
-    return verdict.tasks * (1.0 - KEEPING_SHARE + KEEPING_SHARE * verdict.keeping / 100.0)
+    return verdict.tasks * _kept_factor(verdict) * _weakest_factor(verdict)
+
+
+def total_of(verdict: Verdict) -> float:
+    """Return the total [%] that a verdict leaves."""
+    whole = before_gate(verdict)
+    return whole if verdict.cap is None else min(whole, verdict.cap)
+
+
+def _kept_factor(verdict: Verdict) -> float:
+    return 1.0 - KEEPING_SHARE + KEEPING_SHARE * verdict.keeping / 100.0
+
+
+def _weakest_factor(verdict: Verdict) -> float:
+    return 1.0 - WEAKEST_SHARE + WEAKEST_SHARE * verdict.weakest
 
 
 def share_of(each: RuleScore, card: Scorecard) -> float:
@@ -348,7 +349,7 @@ def share_of(each: RuleScore, card: Scorecard) -> float:
         return share * KEEPING_SHARE * verdict.tasks / 100.0
     if each.earned is None:  # nobody aboard has it as well: it earns nothing
         return 0.0
-    return share * (1.0 - KEEPING_SHARE + KEEPING_SHARE * verdict.keeping / 100.0)
+    return share * _kept_factor(verdict)
 
 
 def _sentence(each: RuleScore, best: RuleScore | None, cost: float) -> str:

@@ -1,9 +1,11 @@
 """Measures of a passage: each is one number and its place in the record.
 
-A measure is a function of the passage, of the rows that its rule looks at (one at least), and of
-the rule. Numbers are in the unit of the quantity where a rule names one.
+A passage is what was flown to the end of a branch of a recording (``trajectory``); ``scoring``
+calls a measure by its name. It is a function of the passage, of the rows that its rule looks at
+(one at least), and of the rule. Numbers are in the unit of the quantity where a rule names one.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Final
@@ -15,6 +17,7 @@ from trainer.boat.limits import FULL_BALLAST_SHARE, RECALL_COVER_M
 from trainer.config.score_rules import MeasuredQuantity, ScoreRule
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
+from trainer.core.surfaces import SURFACES
 from trainer.debrief.episodes import answer_to, first_spell
 from trainer.debrief.groundings import groundings
 from trainer.debrief.ships_met import look_out, meet_ships, shown_rows
@@ -33,6 +36,8 @@ LIMIT_QUANTITIES: Final[Mapping[str, MeasuredQuantity]] = {  # by the keys of an
 }
 FALSE_MARK_PENALTY_S: Final = 30.0  # [s] for each mark of a ship where none was seen
 ALREADY_THERE: Final = "the boat was there when it was ordered"
+HELD_TIME_S: Final = 30.0  # [s] in the band from which a target counts as reached
+SLIP_COST: Final = 3.0  # [s] of them for each second outside; an estimate
 SETTLING_WINDOW_S: Final = 120.0  # [s] of a window, in which the boat has to have settled
 
 
@@ -58,24 +63,38 @@ def overshoot(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measure
 
 
 def time_to(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
-    """Return the time [s] until the quantity is in its band for good."""
-    outside = np.flatnonzero(~_inside(trajectory, rows, rule))
-    ticks = trajectory.ticks[rows]
-    first = int(outside[-1]) + 1 if outside.size else 0
+    """Return the time [s] until the quantity is in its band, held for HELD_TIME_S.
+
+    Each second outside takes SLIP_COST of those held, because else a slip of one tick would cost
+    all, and a crew that swings through its band would be there. A quantity that begins in its band
+    first has to leave it. Where the window ends too soon, it has to stay there to the end.
+    """
+    inside, ticks = _inside(trajectory, rows, rule), trajectory.ticks[rows]
+    outside = np.flatnonzero(~inside)
+    if not outside.size:
+        return Measurement(0.0, int(ticks[0]))
+    step, left = trajectory.boat.method.step, int(outside[0])
+    # ticks held, which count up inside the band, down outside it, and never below zero
+    sums = np.cumsum(np.where(inside[left:], 1.0, -SLIP_COST))
+    held = sums - np.minimum(np.minimum.accumulate(sums), 0.0)
+    needed = math.ceil(HELD_TIME_S / step - 1e-9)
+    reached = np.flatnonzero(held > needed)
+    if reached.size:
+        # counted back from the tick at which enough were held
+        there = max(int(reached[0]) - needed, 0)
+        entered = left + int(reached[0]) - np.argmax(held[reached[0] :: -1] == 0.0) + 1
+        return Measurement(there * step, int(ticks[entered]))
+    first = int(outside[-1]) + 1
     if first == ticks.size:
         beyond = abs(float(_off(trajectory, rows, rule)[-1])) - (rule.score.band or 0.0)
         unit = rule.measured.unit if rule.measured else ""
         far = f"{float(f'{beyond:.2g}'):g} {unit}"  # two digits that count
         return Measurement(None, None, f"not in the band at the end, {far} beyond it")
-    seconds = float(ticks[first] - ticks[0]) * trajectory.boat.method.step
-    return Measurement(seconds, int(ticks[first]))
+    return Measurement(float(ticks[first] - ticks[0]) * step, int(ticks[first]))
 
 
 def reach(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
-    """Return the time [s] until the quantity is in its band for good.
-
-    A quantity that began in its band has no such time.
-    """
+    """Return what ``time_to`` does. A quantity that began in its band has no such time."""
     if _inside(trajectory, rows, rule)[0]:
         return Measurement(None, None, ALREADY_THERE)
     return time_to(trajectory, rows, rule)
@@ -106,9 +125,16 @@ def rms(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
 
 
 def in_band(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
-    """Return the share [%] of the ticks at which the quantity is in its band."""
+    """Return the share [%] of the ticks at which the quantity is in its band.
+
+    Where the rule's condition holds for less than HELD_TIME_S (in a short record a quarter of the
+    record), the share is of HELD_TIME_S and not of those ticks: to meet the condition for a moment
+    and be in the band then is next to nothing.
+    """
     worst = int(np.argmax(np.abs(_off(trajectory, rows, rule))))
-    share = 100.0 * float(np.mean(_inside(trajectory, rows, rule)))
+    inside = _inside(trajectory, rows, rule)
+    few = min(round(HELD_TIME_S / trajectory.boat.method.step), trajectory.ticks.size // 4)
+    share = 100.0 * float(inside.sum()) / max(inside.size, few if rule.conditions else 1)
     return Measurement(share, int(trajectory.ticks[rows][worst]))
 
 
@@ -132,10 +158,21 @@ def largest(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measureme
 def activity(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the travel of the surfaces [deg/min]. Without a name it is both pairs of planes."""
     named = (rule.measured.name,) if rule.measured else PLANE_NAMES
+    return _travel(trajectory, rows, dict.fromkeys(named, rows))
+
+
+def hand_travel(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
+    """Return the travel [deg/min] of planes and rudder while each was worked by hand."""
+    by_hand = {name: trajectory.columns[f"{name}_by_hand"] != 0.0 for name in SURFACES}
+    return _travel(trajectory, rows, by_hand)
+
+
+def _travel(trajectory: Trajectory, rows: RowMask, moving: Mapping[str, RowMask]) -> Measurement:
+    """Return the travel [deg/min] of surfaces, each at the rows at which it counts."""
     moved = np.zeros(trajectory.ticks.size)
-    for surface in filter(trajectory.has, named):
+    for surface in filter(trajectory.has, moving):
         angle = np.degrees(trajectory.series(surface))
-        moved[1:] += np.abs(np.diff(angle))
+        moved[1:] += np.where(moving[surface][1:], np.abs(np.diff(angle)), 0.0)
     both = rows & np.concatenate(([False], rows[:-1]))  # from one row looked at to the next
     seconds = float(np.sum(np.diff(trajectory.seconds)[both[1:]]))
     if not seconds:
@@ -264,6 +301,12 @@ def limits_of(trajectory: Trajectory) -> list[str]:
 
 def rows_beyond(trajectory: Trajectory, name: str) -> RowMask:
     """Return at which ticks a limit of the exercise is passed."""
+    beyond: RowMask = excess_beyond(trajectory, name) > 0.0
+    return beyond
+
+
+def excess_beyond(trajectory: Trajectory, name: str) -> Numbers:
+    """Return how far a limit is passed at each tick, in its unit."""
     key, _, end = name.rpartition("_")
     limit = getattr(trajectory.limits, name)
     value = (
@@ -272,8 +315,8 @@ def rows_beyond(trajectory: Trajectory, name: str) -> RowMask:
         else trajectory.measured(LIMIT_QUANTITIES[key])
     )
     value = np.abs(value) if key in ("pitch_deg", "heel_deg") else value
-    beyond: RowMask = value > limit if end == "max" else value < limit
-    return beyond
+    excess: Numbers = value - limit if end == "max" else limit - value
+    return excess
 
 
 def depth_beyond(trajectory: Trajectory) -> Numbers | None:

@@ -1,4 +1,9 @@
-"""``trainer debrief``: a recording in, one HTML page out that needs nothing beside itself."""
+"""``trainer debrief``: a recording in, one HTML page out that needs nothing beside itself.
+
+``cli`` calls ``debrief_file`` for a recording, and ``run`` after an exercise. The sections are made
+by ``sections`` and ``charts`` from ``DebriefData``; here they are put in their order. The same
+record gives the same bytes.
+"""
 
 import contextlib
 import sys
@@ -34,6 +39,7 @@ from trainer.debrief.data import (
     find_branch,
     gather_debrief,
 )
+from trainer.debrief.forms import compared_lines, compared_table, keep_forms
 from trainer.debrief.ships_met import ShipWay, meet_ships, place_of_ship, ways_of_ships
 from trainer.debrief.trajectory import row_stretches
 from trainer.io.lines import plain
@@ -109,6 +115,12 @@ def _parts(debrief: DebriefData) -> Iterator[Markup]:
         yield section("cost", "What cost most", sections.cost(debrief))
     if debrief.changes:
         yield section("changes", "Changed by the instructor", sections.changes(debrief))
+    if debrief.forms:
+        yield section(
+            "forms",
+            "Assessors, peers and the program",
+            compared_table(debrief.forms, debrief.final),
+        )
     yield section("charts", "Ordered and actual", _drawings(debrief))
     if debrief.read_backs:
         yield section("orders", "Orders to the crew", sections.read_backs(debrief))
@@ -195,15 +207,19 @@ def as_json(debrief: DebriefData) -> str:
 
 def as_text(debrief: DebriefData) -> str:
     """Return the marks and what each minute cost, for a terminal of 80 columns."""
-    lines = [f"{debrief.title}: {sections.said_card(debrief.final)}"]
+    aids = "".join(f", with {aid}" for aid in debrief.aids)
+    lines = [f"{debrief.title}: {sections.describe_card(debrief.final)}{aids}"]
     comparison = debrief.compared
-    if comparison is None:
+    if debrief.familiarisation:
+        lines = [f"{debrief.title}: a familiarisation run, without marks"]
+    elif comparison is None:
         lines.append("This exercise has no reference crew to compare with.")
     elif comparison.curve is None:
         lines.append(f"There is no curve: {comparison.no_curve}.")
     else:
         lines += terminal_lines(comparison.curve, debrief.step)
     lines += [each.told for each in debrief.costs]
+    lines += compared_lines(debrief.forms, debrief.final)
     wrapped = (fill(plain(line), TEXT_WIDTH) if len(line) > TEXT_WIDTH else line for line in lines)
     return "\n".join(wrapped)
 
@@ -258,6 +274,14 @@ def change_marks(
     for name in back:
         changes = without_changes(changes, name, branch)
     write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
+
+
+def keep_filled_forms(path: Path, files: Sequence[Path]) -> None:
+    """Keep filled forms beside a recording; ConfigError if one is not of its exercise."""
+    if files:
+        with open_whole_recording(path) as recording:
+            plan = plan_of(recording.header())
+        keep_forms(path, files, plan)
 
 
 def _refuse_other(html: Path) -> None:

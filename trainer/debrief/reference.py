@@ -1,4 +1,10 @@
-"""The reference crew's run of an exercise, and runs joined to one."""
+"""The reference crew's run of an exercise, and runs joined to one.
+
+The reference crew follows rules that the exercise's author wrote. Flown at the same seed, it shows
+what a careful crew could have had (``data``); flown on from a moment of a recorded run, it shows
+what that run could still earn (``attainable``). A passage is such a run as arrays by tick
+(``trajectory``).
+"""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -50,7 +56,10 @@ def nobody_of(card: Scorecard) -> dict[str, float]:
 
 
 def join_runs(before: Trajectory, after: Trajectory) -> Trajectory:
-    """Return a run up to where another begins, and that other."""
+    """Return a run up to where another begins, and that other, as one.
+
+    Whoever gave the orders before counts as giving those after it, because marks are of one crew.
+    """
     rows = before.ticks < after.ticks[0]
     by_instructor = all(each.giver.role == INSTRUCTOR_ROLE for each in crew_orders(before))
     orders = [each for each in before.orders if each.tick < after.ticks[0]]

@@ -1,25 +1,32 @@
 """An exercise flown without a session, by nobody, its reference crew or given orders.
 
-It is flown from its start, or from any moment of another run of it.
+Debriefs and checks of exercises fly runs by it, because a run beside a recorded one needs no
+stations and no clock. It is flown from its start, or from any moment of another run of it.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise
 from typing import Final
 
 import numpy as np
 
 from trainer.boat.boat import Boat
+from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_orders import ordered_fact
-from trainer.boat.depths import collapse_of
+from trainer.boat.depths import collapse_of, is_crushed
+from trainer.boat.flown_ticks import count_before
 from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew
-from trainer.boat.world.encounters import EncounterMonitor
+from trainer.boat.world.contacts import contacts_in
+from trainer.boat.world.encounters import POSE_NAMES, EncounterMonitor, collisions_in, passed_ships
+from trainer.boat.world.hulls import OwnHull, Pose
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.reference_crew import MARK_ORDER, Crew
-from trainer.core.kernel import Record
+from trainer.core.kernel import Numbers, Record
 from trainer.debrief.ships_met import LOOKOUT_ROLE
 from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
@@ -38,9 +45,13 @@ from trainer.session.plan import Plan
 from trainer.session.world_orders import WorldOrders
 
 LOOKOUT_GIVER: Final = Giver(GiverKind.REFERENCE, LOOKOUT_ROLE, LOOKOUT_ROLE)
-COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS])
+COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS], np.int64)
+POSE_PLACES: Final = [PASSAGE_COLUMNS.index(name) for name in POSE_NAMES]
+MAX_STRIDE_TICKS: Final = 4096  # ticks flown at once
+FEW_ROWS: Final = 16  # with ships near, below which one after another takes less time
+HULL_COLUMNS: Final = ("z", "theta", "held_depth")
 
-
+ComeAboard = Callable[[Boat, Crew, CrewReaction | None], ReferenceCrew]
 OrdersByTick = Mapping[int, Sequence[RecordedOrder]]  # recorded orders, to be given again
 
 
@@ -86,9 +97,34 @@ class ByReference:
             self.mute.follow(order for order in parsed if isinstance(order, Order))
         return self.crew.look() if self.crew is not None else []
 
+    def quiet_ticks(self, step: float) -> float:
+        """Return the tick up to which nobody does anything, as long as nobody orders anything."""
+        if self.mute is not None:
+            return 0
+        seconds = math.inf if self.crew is None else self.crew.next_look()
+        return math.ceil(seconds / step) if math.isfinite(seconds) else math.inf
+
+    def first_sight(self, rows: Numbers) -> int:
+        """Return after how many rows the crew may see what it waits for, or all."""
+        if self.crew is None:
+            return len(rows)
+        column = lambda name: rows[:, PASSAGE_COLUMNS.index(name)]  # noqa: E731
+        return self.crew.first_sight(column, rows[:, COLUMN_PLACES.size :])
+
+    def remember(self, tick: int, step: float, readings: Numbers) -> None:
+        """Have the crew know what the gauges read from a tick on."""
+        if self.crew is not None and len(readings):
+            self.crew.gauges.remember(
+                ((tick + i) * step, InstrumentReadings(*row))
+                for i, row in enumerate(readings.tolist())
+            )
+
 
 def fly_rehearsal(
-    plan: Plan, crew: Crew | None = None, reaction: CrewReaction | None = None
+    plan: Plan,
+    crew: Crew | None = None,
+    reaction: CrewReaction | None = None,
+    come_aboard: ComeAboard = ReferenceCrew,
 ) -> Rehearsal:
     """Return the exercise flown from start to end, by its schedule and a crew.
 
@@ -96,11 +132,11 @@ def fly_rehearsal(
     """
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    aboard = ByReference(None if crew is None else ReferenceCrew(boat, crew, reaction))
-    flight = Flight(plan, boat, aboard)
-    for places in due_orders(plan):
-        flight.give_scheduled(places)
-        if not flight.advance():
+    aboard = ByReference(None if crew is None else come_aboard(boat, crew, reaction))
+    flight, due = Flight(plan, boat, aboard), due_orders(plan)
+    for tick, until in stretches(0, last_tick(plan), due):
+        flight.give_scheduled(due.get(tick, ()))
+        if not flight.fly_to(until):
             break
     return flight.rehearsal()
 
@@ -111,13 +147,16 @@ class Flight:
     def __init__(self, plan: Plan, boat: Boat, aboard: ByReference) -> None:
         """Begin where the boat is."""
         self.plan, self.boat, self.aboard = plan, boat, aboard
-        self.journal, self.numbers = Journal(boat), boat.records.state.view(np.float64)
-        self.first = boat.ticks
-        self.rows, self.lost = [self.numbers[COLUMN_PLACES]], ""
-        self.watch = EncounterMonitor.over(boat)
+        self.journal, self.first, self.lost = Journal(boat), boat.ticks, ""
+        self.struck = ""  # the ship that the boat ran into
+        self.stride = 1  # [ticks] flown at once, while nothing has somebody look sooner
+        self.rows = [boat.records.state.view(np.float64)[None, COLUMN_PLACES]]
+        contacts = contacts_in(boat)
+        ends = contacts is not None and contacts.encounters.collision == "end"
+        self.watch = EncounterMonitor(contacts if ends else None, OwnHull.of(boat))
         self.given: list[RecordedOrder] = []  # in this tick so far
 
-    def give_scheduled(self, places: range) -> None:
+    def give_scheduled(self, places: Sequence[int]) -> None:
         """Give the orders at some places of the schedule."""
         for entry in places:
             order = self.plan.schedule[entry].order
@@ -142,23 +181,67 @@ class Flight:
                 fact = ordered_fact(self.boat, order)
             self.given.append(self.journal.repeat(entry, reply, fact))
 
-    def advance(self) -> bool:
-        """Let who is aboard look, and do a tick; return whether the boat goes on."""
-        boat = self.boat
+    def fly_to(self, until: int) -> bool:
+        """Fly to a tick, whoever is aboard at work; return whether the boat goes on."""
         with np.errstate(all="ignore"):
-            self.journal.note(self.aboard.look(self.given, boat.ticks))
-            self.given = []
-            status = boat.tick()
-            self.lost = (
-                boat.failure(status) if status else collapse_of(boat) or self.watch.ended_by(boat)
-            )
-            if not status:
-                self.rows.append(self.numbers[COLUMN_PLACES])
+            while self.boat.ticks < until and not self.lost:
+                orders = self.aboard.look(self.given, self.boat.ticks)
+                self.journal.note(orders)
+                self.given = []
+                self.stride = min(2 * self.stride, MAX_STRIDE_TICKS)
+                quiet = 0 if orders else self.aboard.quiet_ticks(self.plan.method.step)
+                quiet = min(max(self.boat.ticks + 1, quiet), self.boat.ticks + self.stride, until)
+                self._advance(int(quiet))
         return not self.lost
+
+    def _advance(self, until: int) -> None:
+        """Fly on to a tick at which somebody looks again, or to where the boat is lost."""
+        boat, begun = self.boat, self.boat.ticks
+        rows = np.empty((until - begun, COLUMN_PLACES.size + len(InstrumentReadings._fields)))
+        status, rows = boat.fly_and_keep(COLUMN_PLACES, rows, lambda rows: self._keep(begun, rows))
+        self.stride = max(len(rows), 1)
+        failure = boat.failure(status) if status else ""
+        hit = self.struck and f"collision with {self.struck}"
+        self.lost = collapse_of(boat) or hit or failure
+        self.rows.append(rows[:, : COLUMN_PLACES.size])
+        self.aboard.remember(begun + 1, self.plan.method.step, rows[:-1, COLUMN_PLACES.size :])
+
+    def _keep(self, begun: int, rows: Numbers) -> int:
+        """Return after how many rows since a tick somebody has to look, or the boat is lost."""
+        if len(rows) > 1:
+            rows = rows[: self.aboard.first_sight(rows)]
+        count, self.struck = self._end(begun, rows)
+        return count
+
+    def _end(self, begun: int, rows: Numbers) -> tuple[int, str]:
+        """Return how many rows since a tick there are to the loss of the boat, or in all.
+
+        Return the ship too that it then runs into, "" for none.
+        """
+        count = len(rows)
+        if count > 1:
+            columns = (rows[:, PASSAGE_COLUMNS.index(name)] for name in HULL_COLUMNS)
+            crushed = is_crushed(self.boat.file.hull, *columns)
+            count = min(count_before(crushed) + 1, count)
+        contacts, hull = self.watch.contacts, self.watch.hull
+        if contacts is None or hull is None:
+            return count, ""
+        poses = np.vstack([self.rows[-1][-1:], rows[:count, : COLUMN_PLACES.size]])[:, POSE_PLACES]
+        if count < FEW_ROWS:
+            for row, pair in enumerate(pairwise(Pose(*each) for each in poses.tolist()), 1):
+                self.watch.step(contacts, begun + row, *pair)
+                if self.watch.struck:
+                    return row, self.watch.struck
+            return count, ""
+        ticks = np.arange(begun, begun + len(poses), dtype=np.int64)
+        passed = passed_ships(contacts, ticks, poses.T)
+        struck = collisions_in(passed, hull, poses.T)
+        return struck[0] if struck else (count, "")
 
     def rehearsal(self) -> Rehearsal:
         """Return what was flown so far."""
-        columns, count = np.array(self.rows).T, len(self.rows)
+        columns = np.concatenate(self.rows).T
+        count = columns.shape[1]
         trajectory = Trajectory(
             boat=self.boat,
             limits=self.plan.limits,
@@ -190,14 +273,15 @@ def fly(
     mute = since.crew.aboard(boat) if since.crew else None
     flight = Flight(plan, boat, ByReference(mute=mute, speaks_from=speaks_from))
     to_world = list(since.to_world)
-    for tick in range(since.tick, last_tick(plan) if until is None else until):
+    last = last_tick(plan) if until is None else until
+    for tick, next_stop in stretches(since.tick, last, orders):
         now = orders.get(tick, ())
         to_world += world_orders_in(now, tick)
         flight.give_again(now)
-        if not flight.advance():
+        if not flight.fly_to(next_stop):
             break
     crew = flight.aboard.mute
-    return flight.rehearsal(), Departure(boat.ticks, boat.records.state.copy(), to_world, crew)
+    return flight.rehearsal(), Departure(boat.ticks, boat.snapshot(), to_world, crew)
 
 
 def depart(plan: Plan, since: Departure) -> Boat:
@@ -220,17 +304,21 @@ def last_tick(plan: Plan) -> int:
     return round((plan.duration or 0.0) / plan.method.step)
 
 
-def due_orders(plan: Plan) -> Iterator[range]:
-    """Yield for each tick of a plan the places of the orders due.
+def stretches(first: int, last: int, due: Iterable[int]) -> Iterator[tuple[int, int]]:
+    """Return begin and end of each stretch with orders due only at its begin."""
+    return pairwise(sorted({first, *(tick for tick in due if first < tick < last), last}))
 
-    An order is due in the first tick not before its time.
+
+def due_orders(plan: Plan) -> dict[int, list[int]]:
+    """Return the places of the orders due, by tick.
+
+    An order is due in the first tick not before its time, and not before those ahead of it.
     """
-    place = 0
-    for tick in range(last_tick(plan)):
-        begin = place
-        while place < len(plan.schedule) and due_tick(plan, place) <= tick:
-            place += 1
-        yield range(begin, place)
+    due: dict[int, list[int]] = defaultdict(list)
+    ticks = accumulate((due_tick(plan, place) for place in range(len(plan.schedule))), max)
+    for place, tick in enumerate(ticks):
+        due[max(tick, 0)].append(place)
+    return due
 
 
 def due_tick(plan: Plan, place: int) -> int:

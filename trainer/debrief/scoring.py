@@ -1,4 +1,9 @@
-"""Scoring: the rules of an exercise applied to a passage, each with its marks."""
+"""Scoring: the rules of an exercise applied to a passage, each with its marks.
+
+A passage is what was flown to the end of a branch of a recording (``trajectory``). Here is chosen
+which of its ticks a rule looks at; ``measures`` gives the value, which becomes marks in proportion
+between the rule's ``full`` and ``zero``. ``judgement`` makes an exercise's total of them.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,8 +14,6 @@ import numpy as np
 from trainer.config.score_rules import (
     OWN_UNIT,
     SCORE_MEASURES,
-    TIMELESS_MEASURES,
-    WINDOW_KEYS,
     ScoreRule,
 )
 from trainer.debrief import measures
@@ -65,28 +68,6 @@ def unit_of(rule: ScoreRule) -> str:
     return unit if unit != OWN_UNIT or rule.measured is None else rule.measured.unit
 
 
-def measure_rows() -> str:
-    """Return the Markdown table of the measures, as docs/debrief.md shows it."""
-    rows = [
-        "| measure | unit | needs | may have | value | place told |",
-        "|---|---|---|---|---|---|",
-    ]
-    spoken = {"q": "quantity", "t": "target", "b": "band", "by": " by band", "c": "casualty"}
-    spoken["f"] = ", or its distance from target"
-    for name, measure in SCORE_MEASURES.items():
-        timed = () if name in TIMELESS_MEASURES else WINDOW_KEYS
-        cells = (
-            f"`{name}`",
-            measure.unit or "the quantity's",
-            ", ".join(measure.needs) or "nothing",
-            ", ".join((*measure.may, *timed)),
-            measure.formula.format(**spoken, o=" (of the orders named)"),
-            measure.place,
-        )
-        rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join(rows) + "\n"
-
-
 @dataclass(frozen=True)
 class RuleScore:
     """A rule with its measured value and its marks."""
@@ -111,9 +92,11 @@ class Verdict:
 
     outcome: str  # won, lost, not reached or free
     reason: str  # "" where it was won
-    tasks: float  # [%] T
-    keeping: float  # [%] K
+    tasks: float  # [%] mean of tasks and answers, T of ``judgement``
+    keeping: float  # [%] mean of how the boat was kept, K
+    weakest: float  # [-] W: marks of the weakest task over those that carry it out, 1 at most
     gate: str  # the limit that was broken, "" if none was
+    gate_cap: float | None  # [%] most that it leaves
     cap: float | None  # [%] most that is left by gate or loss
     void: bool  # the boat turned over: there are no marks
     free: bool  # the instructor let something be automatic, or broke it by hand: no marks either

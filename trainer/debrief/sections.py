@@ -1,4 +1,8 @@
-"""The tables of a debrief, as HTML."""
+"""The tables of a debrief, as HTML.
+
+``page`` puts them in their order, one function each. What they show was computed in ``data``; here
+it is only rounded and put into words.
+"""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -12,6 +16,7 @@ from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name
 from trainer.debrief.data import CasualtyAnswer, DebriefData, deviation_of
 from trainer.debrief.episodes import ReadBack
+from trainer.debrief.judgement import KEEPING_SHARE, WEAKEST_SHARE
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
 from trainer.debrief.ships_met import Detection, look_out, meet_ships
 from trainer.io.lines import plain
@@ -47,6 +52,10 @@ def format_moment(debrief: DebriefData, tick: int | None) -> str:
 def verdict(debrief: DebriefData) -> Markup:
     """Return the result of the run: the outcome, the marks with their certainty, the crew."""
     card = debrief.final
+    if debrief.familiarisation:
+        return paragraph("A familiarisation run: to get to know the simulator. It has no marks.")
+    if debrief.shown:
+        return paragraph("Flown by the reference crew, to show the way: it counts for no mark.")
     if not card.scores:
         return paragraph("This run has no scoring rules.")
     lines = [*_outcome(debrief), *map(paragraph, _beside_marks(debrief))]
@@ -72,12 +81,14 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
 def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     """Yield the notes about the marks, a sentence or two each."""
     card = debrief.final
+    if debrief.aids:
+        yield f"Flown with {' and '.join(debrief.aids)}."
     if debrief.practice:
         yield f"Practice: this run was wound back ({debrief.practice})."
     if card.verdict is not None:
-        yield made_of(card.verdict)
+        yield explain_total(card.verdict)
     if debrief.changed is not None:
-        yield f"Changed by the instructor; before: {said_card(debrief.card)}."
+        yield f"Changed by the instructor; before: {describe_card(debrief.card)}."
     if debrief.width != "qualified":
         yield f"Judged at {debrief.width} width: bands half as wide again."
     counted = sum(each.marks is not None for each in card.scores)
@@ -100,14 +111,14 @@ def by_hand(debrief: DebriefData) -> str:
     return f"{sentence}."
 
 
-def said_card(card: Scorecard) -> str:
+def describe_card(card: Scorecard) -> str:
     """Return the outcome and the marks of a card, in words."""
     marks = "no marks" if card.total is None else f"{card.total:.0f} of 100 marks"
     return marks if card.verdict is None else f"{card.verdict.outcome}, {marks}"
 
 
-def made_of(verdict: Verdict) -> str:
-    """Return in words how the total came about."""
+def explain_total(verdict: Verdict) -> str:
+    """Return in words how the total came about, by the formula of ``judgement``."""
     words = (
         f"Tasks {verdict.tasks:.0f}, beyond what a boat with nobody aboard gets; "
         f"keeping {verdict.keeping:.0f}"
@@ -116,10 +127,20 @@ def made_of(verdict: Verdict) -> str:
         return f"{words}. The boat turned over: the marks are void."
     if verdict.free:
         return f"{words}. A free run has no marks."
+    words += (
+        f"; total = tasks \N{MULTIPLICATION SIGN} ({1.0 - KEEPING_SHARE:g} + "
+        f"{KEEPING_SHARE:g} keeping / 100)"
+    )
+    if verdict.weakest < 1.0:
+        words += (
+            f" \N{MULTIPLICATION SIGN} ({1.0 - WEAKEST_SHARE:g} + {WEAKEST_SHARE:g} "
+            f"\N{MULTIPLICATION SIGN} {verdict.weakest:.2f}), "
+            "by how far the weakest task was carried out"
+        )
     if verdict.cap is not None:
         why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
         return f"{words}. At most {verdict.cap:.0f}: {why}."
-    return f"{words}; total = tasks \N{MULTIPLICATION SIGN} (0.7 + 0.3 keeping / 100)."
+    return f"{words}."
 
 
 def minutes(debrief: DebriefData) -> Markup:
@@ -147,10 +168,10 @@ def cost(debrief: DebriefData) -> Markup:
     items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
     lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]
     if (comparison := debrief.compared) is not None:
-        sentence = f"The reference crew at this seed: {said_card(comparison.reference.card)}."
+        sentence = f"The reference crew at this seed: {describe_card(comparison.reference.card)}."
         if comparison.from_here is not None:
             since = clock(comparison.from_here.since or 0.0)
-            sentence += f" Taking over at {since}: {said_card(comparison.from_here.card)}."
+            sentence += f" Taking over at {since}: {describe_card(comparison.from_here.card)}."
         lines.append(paragraph(sentence))
     return Markup().join(lines)
 
@@ -161,7 +182,9 @@ def changes(debrief: DebriefData) -> Markup:
         (change.name, _before(debrief, change), change.what, change.reason, change.at)
         for change in debrief.changes
     ]
-    summary = paragraph(f"Before: {said_card(debrief.card)}. Now: {said_card(debrief.final)}.")
+    summary = paragraph(
+        f"Before: {describe_card(debrief.card)}. Now: {describe_card(debrief.final)}."
+    )
     return summary + table(("", "was", "is", "why", "when"), rows, "")
 
 

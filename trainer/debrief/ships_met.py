@@ -1,4 +1,9 @@
-"""The ships that a run met: how near each came, and collisions."""
+"""The ships that a run met: how near each came, and collisions.
+
+A recording holds the boat's states and no ship, so the ships are moved again by the functions of
+the run, which gives the same places. Measures, marks, charts and
+tables ask here. A passage is what was flown to the end of a branch of a recording (``trajectory``).
+"""
 
 import math
 import re
@@ -10,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.world.contacts import contacts_in
-from trainer.boat.world.encounters import EncounterMonitor
-from trainer.boat.world.hulls import OwnHull, Pose
+from trainer.boat.world.encounters import POSE_NAMES, collisions_in, passed_ships
+from trainer.boat.world.hulls import OwnHull
 from trainer.boat.world.scope import Periscope, periscope_of
 from trainer.core.kernel import Numbers
 from trainer.debrief.trajectory import (
@@ -21,9 +26,6 @@ from trainer.debrief.trajectory import (
 )
 
 WAY_ROWS: Final = 400  # rows at which the ways of ships are looked at
-
-
-POSE_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi")
 
 
 BEARING_MARK: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNORECASE)
@@ -91,19 +93,17 @@ def meet_ships(trajectory: Trajectory) -> ShipEncounters:
     nearest = np.full(trajectory.ticks.size, np.inf)
     if contacts is None or not contacts.any:
         return ShipEncounters(nearest)
-    monitor = EncounterMonitor(contacts, OwnHull.of(trajectory.boat))
-    rows = zip(*(trajectory.columns[name].tolist() for name in POSE_COLUMNS), strict=True)
-    poses = [Pose(*row) for row in rows]
-    collisions = []
-    for row in range(1, len(poses)):
-        tick = int(trajectory.ticks[row])
-        monitor.step(contacts, tick, poses[row - 1], poses[row])
-        nearest[row] = monitor.nearest[1]
-        if monitor.struck:
-            collisions.append((tick, monitor.struck))
-    return ShipEncounters(
-        nearest, monitor.closest, tuple(collisions), contacts.encounters.collision
-    )
+    ticks, poses = trajectory.ticks, np.array([trajectory.columns[name] for name in POSE_NAMES])
+    passed = list(passed_ships(contacts, ticks, poses))
+    closest: dict[str, tuple[float, int]] = {}
+    for ship, rows, ranges, *_ in passed:
+        nearest[rows] = np.minimum(nearest[rows], ranges)
+        place = int(ranges.argmin())
+        least = float(ranges[place]), int(ticks[rows[place]])
+        closest[ship.name] = min(least, closest.get(ship.name, least))
+    struck = collisions_in(passed, OwnHull.of(trajectory.boat), poses)
+    collisions = tuple((int(ticks[row]), name) for row, name in struck)
+    return ShipEncounters(nearest, closest, collisions, contacts.encounters.collision)
 
 
 @dataclass(frozen=True)
@@ -132,9 +132,8 @@ def shown_rows(trajectory: Trajectory) -> tuple[RowMask, Numbers]:
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return np.zeros(trajectory.ticks.size, bool), np.zeros(trajectory.ticks.size)
-    stood = [scope.at(tick) for tick in trajectory.ticks.tolist()]
-    out = np.array([mast.out > 0.0 for mast in stood])
-    return out & (eye_heights(trajectory) > 0.0), np.array([float(mast.raised) for mast in stood])
+    out, raised = scope.over(trajectory.ticks)
+    return (out > 0.0) & (eye_heights(trajectory) > 0.0), raised
 
 
 def look_out(trajectory: Trajectory) -> LookOut:

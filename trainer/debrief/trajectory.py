@@ -1,4 +1,9 @@
-"""A passage: one branch of a recording with its past, as arrays by tick."""
+"""A passage: what was flown to the end of a branch, as arrays by tick.
+
+``read_passage`` reads it once from a recording, with the past from which the branch began.
+Measures, marks and charts then work on whole columns, because a loop over the ticks of hours would
+take minutes. Columns have the names that places of the state have in the core, in SI units.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -175,8 +180,7 @@ def eye_heights(trajectory: Trajectory, *, up: bool = False) -> Numbers:
     if scope is None:
         return np.full(trajectory.ticks.size, np.nan)
     x, foot = scope.head(Mast())
-    stood = [scope.at(tick) for tick in trajectory.ticks.tolist()]
-    out = np.array([(scope.raised(mast) if up else mast).out for mast in stood])
+    out = scope.raised(Mast()).out if up else scope.over(trajectory.ticks)[0]
     upright = np.cos(column["theta"]) * np.cos(column["phi"])
     lifted = x * np.sin(column["theta"]) - (foot - out) * upright
     return np.asarray(lifted - column["z"] - column["eta_wave"])

@@ -1,9 +1,10 @@
-"""Rudder experiments are designed for a boat: the helm's times, and their worth.
+"""Rudder experiments for a boat: the helm and its times, flown in a calm.
 
-Model document, section 10. A sequence excites best with an amplitude small enough to stay linear,
+``trainer prbs`` designs an experiment by it, and the Monte-Carlo studies simulate one. Method:
+model document, section 10. A sequence excites best with an amplitude small enough to stay linear,
 with each bit held for 0.2 to 0.5 T1, over 20 to 40 T1, and read at intervals between T2/2 and T1/5.
-It is pseudo-random, from a maximum-length shift register. The boat flies it in a calm, without
-ports or clock, and the flight is kept as a record.
+It is pseudo-random, from a maximum-length shift register. The boat flies it without ports or clock,
+and the flight becomes a record as a real trial does.
 """
 
 import math

@@ -1,4 +1,9 @@
-"""The Python face of identification: a ship fitted to arrays or a file."""
+"""The Python face of identification: a ship fitted to arrays or a file.
+
+``trainer.identify.fit`` is this module's ``fit``, for notebooks and scripts. It turns arrays or a
+file into the same study that ``trainer identify`` carries out, and returns an object with the
+results: ``FittedShip`` of a linear model, ``ManoeuvringShip`` of one that is not linear.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -48,16 +53,11 @@ OPTION_CHOICES: Final = {
     "positive_rudder": ("port", "starboard"),
 }
 MANOEUVRING_FIT_OPTIONS: Final = ("ship", "prior_strength")  # not taken by linear ships
+# fmt: off
 LINEAR_FIT_OPTIONS: Final = (  # not taken by ships that are not linear
-    "length",
-    "speed",
-    "vessel",
-    "outputs",
-    "noise",
-    "method",
-    "start",
-    "fixed",
+    "length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed",
 )
+# fmt: on
 MAX_PRIOR_STRENGTH: Final = 100.0  # [-] times the books' width, as on the command line
 ManoeuvringModel = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
@@ -429,10 +429,8 @@ class ManoeuvringShip(_ShipDisplay):
         """
         trial = _trial_of(frame, self._ship, self._given, 1)  # all rows: the fit alone thins
         sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
-        units, names = (
-            self._given["units"],
-            ("speed", "sway", "yaw_rate", "heading", *ROLL_CHANNELS),
-        )
+        units = self._given["units"]
+        names = ("speed", "sway", "yaw_rate", "heading", *ROLL_CHANNELS)
         series = {
             name: values / factor(name, units.get(name))
             for name, values in zip(names, sailed.T, strict=False)

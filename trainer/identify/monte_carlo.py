@@ -1,4 +1,9 @@
-"""Monte-Carlo studies of identification: simulate, estimate, count how often truth is inside."""
+"""Monte-Carlo studies of identification: simulate, estimate, count how often truth is inside.
+
+``trainer sweep`` runs them for a study file with a table [identification]. Each member is one
+simulated record of a known ship; the estimates of all members show whether the stated 95 %
+intervals hold the truth in 95 % of the cases.
+"""
 
 import math
 from collections.abc import Mapping
@@ -25,7 +30,7 @@ from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.record.measurements import Samples
 from trainer.units import KNOT
 
-CHUNK_RUNS: Final = 25
+CHUNK_RUNS: Final = 25  # runs made by a process before they are kept
 CONVERGED_OUTPUT, GAIN_OUTPUT = "converged", "likelihood gained"
 
 
@@ -46,7 +51,8 @@ class SimulatedRun:
 class Rehearsal:
     """A ship, its instruments, its true values, and an analyst's start.
 
-    ``begin`` has the free parameters that do not start at the truth.
+    A trial is rehearsed with it before anybody sails. ``begin`` has the free parameters that do not
+    start at the truth.
     """
 
     kind: str
@@ -141,7 +147,7 @@ def pose_experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[P
 
 
 class IdentificationSubject:
-    """Members of a sweep, each of which is one simulated experiment."""
+    """What a sweep varies here: each member is one simulated experiment."""
 
     chunk = CHUNK_RUNS
 

@@ -1,4 +1,8 @@
-"""The options of an identification, and the study that they ask for."""
+"""The options of ``trainer identify``, and how they change a study file.
+
+An option overrides the file. Without a file, the columns of the trainer's own recordings are known
+and a plain study is made. The command line and ``trainer.identify.fit`` both pass through here.
+"""
 
 import os
 from dataclasses import dataclass, replace

@@ -1,4 +1,7 @@
-"""A page of HTML: text as the terminal has it, figures, and the data."""
+"""One HTML page of a fit: text, figures as SVG, data as JSON.
+
+``--html`` of ``trainer identify`` writes it. It needs no other file and no network.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
@@ -15,7 +18,10 @@ Part = tuple[str, Markup]  # a screen of the page: its title, and what is on it
 
 
 def screens_of(groups: Mapping[str, Iterable[Panel]]) -> tuple[Screen, ...]:
-    """Return groups of panels as screens, those of many panels as several."""
+    """Return groups of panels as screens, those of many panels as several.
+
+    More than MAX_PANELS on a screen are too small to read.
+    """
     screens = []
     for title, group in groups.items():
         panels = tuple(group)

@@ -1,5 +1,7 @@
 """Messages of AIS (ITU-R M.1371) in the sentences VDM and VDO of NMEA 0183.
 
+``session/nmea/transponders`` sends them.
+
     sentence  = "!AIVDM," parts "," part "," [ sequence ] "," channel "," payload "," fill "*" hh
     payload   = characters of six bits each, the most significant bit first
     fill      = the bits, 0 to 5, that fill up the last character

@@ -1,4 +1,9 @@
-"""Writing a user's file: it is replaced whole, or stays as it was."""
+"""Writing a user's file so that it is replaced whole, or stays as it was.
+
+Whoever writes a file for a user calls it. The new text goes to a temporary file beside it, which
+then takes the name of the old one in one step of the system. So a full disk or a killed program
+leaves no half of a file.
+"""
 
 import contextlib
 import os

@@ -1,10 +1,10 @@
 """The boat's place on the Earth. Its plane lies on WGS 84 at an origin.
 
-A point's north and east are distances on a plane. It is put on the ellipsoid at its distance and
-bearing from the origin, along the geodesic. So distance and bearing from the origin are exact.
-Across that line the plane is too wide by one sixth of (distance/radius)^2: 1 in 24 000 at 100 km.
-North on the plane is north at the origin; east of it the meridians lean by the difference of
-longitude times the sine of the latitude.
+NMEA sentences and exercises' charts use it. A point's north and east are distances on a plane. It
+is put on the ellipsoid at its distance and bearing from the origin, along the geodesic. So distance
+and bearing from the origin are exact. Across that line the plane is too wide by one sixth of
+(distance/radius)^2: 1 in 24 000 at 100 km. North on the plane is north at the origin; east of it
+the meridians lean by the difference of longitude times the sine of the latitude.
 """
 
 import math
@@ -12,10 +12,8 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-ORIGIN_BOUNDS_DEG: Final = (
-    80.0,
-    180.0,
-)  # [deg] of latitude and longitude; at the poles north is no direction
+# [deg] either way of latitude and longitude: at the poles north is no direction
+ORIGIN_BOUNDS_DEG: Final = (80.0, 180.0)
 DEGREES_PATTERN: Final = re.compile(r"\s*([+-]?[0-9]{1,3}(?:\.[0-9]*)?)\s*", re.ASCII)
 
 

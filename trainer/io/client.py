@@ -1,4 +1,8 @@
-"""The client's end of a session: a line by TCP, local socket or serial port."""
+"""The far end of a session's line, by TCP, local socket or serial port.
+
+The console, ``trainer attach`` and the pages' server use it. All three give the same ``Line``, so
+that none of these has to know which it is.
+"""
 
 import contextlib
 import errno
@@ -16,7 +20,7 @@ from trainer.io.serial_line import LinkError, SerialLine
 ANSWER_TIMEOUT_S = 5.0  # [s]  for a session to answer
 TCP_PATTERN = re.compile(r"(?:tcp|socket)://(?:\[([^\]]+)\]|([^:/]+)):([0-9]{1,5})/?")
 OTHER_PATTERN = re.compile(r"/dev/|(?!local:)[a-z0-9+]{2,}:")  # no socket's
-MAX_PORT = 65535
+MAX_PORT = 65535  # of TCP
 LOCAL_PREFIX = "local:"
 PEER_STRUCT = struct.Struct("3i")  # process, user and group at the far end
 OTHER_USER_TEXT = "that session is another user's; ask for a port of it"

@@ -56,8 +56,8 @@ class Connection:
         self.name = name
         self.trouble = ""
         self.dropped = 0
-        self.known = False  # it has said who it is
-        self.guessed = False  # wrong, who it might be
+        self.known = False  # it has taken a role, with its token where one is needed
+        self.guessed = False  # it has given a wrong token
         self.local = False  # it is of this machine and this user
         self.machine = ""  # where it comes from, once that is known
         self.introduce_by = math.inf  # [s]  when that has to be said

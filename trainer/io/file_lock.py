@@ -1,6 +1,7 @@
 """A file that one process at a time holds.
 
-The system releases the lock when the process ends, even if it is killed. So no lock is left behind.
+Sweeps hold one, because two of them must not write one result. The system releases the lock when
+the process ends, even if it is killed. So no lock is left behind.
 """
 
 import contextlib

@@ -27,25 +27,20 @@ class Sender(Protocol):
     @property
     def dropped(self) -> int:
         """Return how many lines were sent and did not get out."""
-        ...
 
     @property
     def trouble(self) -> str:
         """Return why the port is dead. It is "" while it lives or after a proper end."""
-        ...
 
     @property
     def room(self) -> bool:
         """Return whether little waits to go out; who has much to send waits for it."""
-        ...
 
     def send(self, line: str) -> None:
         """Take one line, without its end."""
-        ...
 
     def close(self, patience: float) -> None:
         """Write out what was sent, for at most `patience` [s], and end."""
-        ...
 
 
 class Outbox:
@@ -225,16 +220,13 @@ class Line(Sender, Protocol):
     @property
     def name(self) -> str:
         """Return what the line is called in messages."""
-        ...
 
     @property
     def ended(self) -> bool:
         """Return whether all that came has been taken, and nothing more can come."""
-        ...
 
     def take(self, most: int) -> list[str | OverlongLine]:
         """Return the oldest lines that have come, at most so many."""
-        ...
 
 
 class Port(Protocol):
@@ -243,15 +235,12 @@ class Port(Protocol):
     @property
     def unsent(self) -> int:
         """Return how many lines it was given and could not write whole."""
-        ...
 
     def close(self) -> None:
         """End both directions: a read or a write that waits returns."""
-        ...
 
     def release(self) -> None:
         """Give the port back, once nothing waits for it any more."""
-        ...
 
 
 class JoinedLine:

@@ -1,8 +1,8 @@
 """Bytes from a keyboard, a serial panel, a pipe or a telnet client become lines.
 
-A line ends at CR, LF or CRLF. Backspace and DEL take back a character, Ctrl-U the line so far.
-Telnet's own commands are dropped. Memory has a limit: a line that is too long is dropped once, up
-to the next line end.
+``line`` and ``connection`` read by it. A line ends at CR, LF or CRLF. Backspace and DEL take back a
+character, Ctrl-U the line so far. Telnet's own commands are dropped. Memory has a limit: a line
+that is too long is dropped once, up to the next line end.
 """
 
 import re

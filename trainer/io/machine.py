@@ -1,4 +1,8 @@
-"""The machine of a network address. Limits count connections and wrong tokens by machine."""
+"""The machine behind a network address. Limits count connections and wrong tokens by machine.
+
+``server`` and the pages' server ask it. A machine may have many addresses, above all by IPv6. If
+limits counted addresses, it could pass them by changing its address.
+"""
 
 import ipaddress
 from typing import Final

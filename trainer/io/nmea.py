@@ -1,5 +1,7 @@
 """Sentences of NMEA 0183 (IEC 61162-1): fields framed with a checksum, and read again.
 
+``session/nmea`` sends and takes them.
+
     sentence  = "$" address { "," field } "*" checksum CR LF     at most 82 characters in all
     address   = talker, two letters, and formatter, three; or "P" and a maker's letters
     checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"

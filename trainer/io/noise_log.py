@@ -1,4 +1,9 @@
-"""Logs with a limit, so that nobody can flood them with entries."""
+"""Logs with a limit, so that nobody can flood them.
+
+Entries beyond a limit are counted, and their count is written as one entry later. ``NoiseLog`` is
+for the bad lines of one station and the refusals of the pages' server: 20 entries in 10 s.
+``CrowdLog`` is for all strangers together: 20 entries, then counts that come more and more seldom.
+"""
 
 import math
 from collections.abc import Callable
@@ -8,7 +13,7 @@ from typing import Final
 MAX_ENTRIES: Final = 20  # [entries] written of a period, or of a crowd before it rests
 ENTRY_PERIOD_S: Final = 10.0  # [s]
 ENTRY_RETURN_S: Final = 60.0  # [s] after which a crowd may write one entry more
-MAX_SUM_PAUSE_S: Final = 600.0  # [s] between two sums, if the crowd does not rest
+MAX_SUM_PAUSE_S: Final = 600.0  # [s] between two counts, if the crowd does not rest
 
 
 class NoiseLog:
@@ -32,14 +37,14 @@ class NoiseLog:
         self._held[kind] = self._held.get(kind, 0) + 1
 
     def settle(self) -> None:
-        """If a period is over, begin the next, and tell what was held back."""
+        """If a period is over, begin the next, and log how many were not written."""
         if self._clock() - self._since >= ENTRY_PERIOD_S:
             self.close()
             self._since = self._clock()
             self._passed = 0
 
     def close(self) -> None:
-        """Tell how many entries were held back."""
+        """Log how many entries were not written."""
         for kind, count in self._held.items():
             self._log(kind, sum_up(count))
         self._held.clear()
@@ -57,9 +62,9 @@ class Tally:
     since: float  # [s] when ``places`` was reckoned
     places: float = MAX_ENTRIES
     held: int = 0
-    due: float = math.inf  # [s] when the number of what is held back is told
-    pause: float = ENTRY_PERIOD_S  # [s] before it is told
-    told: float = -math.inf  # [s] when it was told last
+    due: float = math.inf  # [s] when the count of unwritten entries is to be logged
+    pause: float = ENTRY_PERIOD_S  # [s] until it is logged
+    logged: float = -math.inf  # [s] when it was logged last
 
     def admit(self, now: float) -> bool:
         """Return whether an entry is written; else it is counted."""
@@ -69,7 +74,7 @@ class Tally:
             self.places -= 1.0
             return True
         if not self.held:
-            self.pause = ENTRY_PERIOD_S if now - self.told > self.pause else self.pause
+            self.pause = ENTRY_PERIOD_S if now - self.logged > self.pause else self.pause
             self.due = now + self.pause
         self.held += 1
         return False
@@ -90,7 +95,7 @@ class CrowdLog:
 
     @property
     def wait(self) -> float:
-        """Return the time [s] to the next sum, infinity where nothing is held back."""
+        """Return the time [s] to the next count, infinity without one."""
         due = min((tally.due for tally in self._tallies.values()), default=math.inf)
         return max(due - self._clock(), 0.0)
 
@@ -102,18 +107,18 @@ class CrowdLog:
             self._log(kind, text)
 
     def settle(self) -> None:
-        """Tell the sums that are due."""
-        self._tell_sums(self._clock())
+        """Log the counts that are due."""
+        self._log_counts(self._clock())
 
     def close(self) -> None:
-        """Tell how many entries were held back in all."""
-        self._tell_sums(math.inf)
+        """Log how many entries were not written, of all kinds."""
+        self._log_counts(math.inf)
 
-    def _tell_sums(self, until: float) -> None:
-        """Tell the sums that are due until a time [s]."""
+    def _log_counts(self, until: float) -> None:
+        """Log the counts that are due by a time [s]."""
         for kind, tally in self._tallies.items():
             if tally.held and tally.due <= until:
                 count, tally.held = tally.held, 0
-                tally.due, tally.told = math.inf, self._clock()
-                tally.pause = min(2.0 * tally.pause, MAX_SUM_PAUSE_S)  # unless there is rest
+                tally.due, tally.logged = math.inf, self._clock()
+                tally.pause = min(2.0 * tally.pause, MAX_SUM_PAUSE_S)
                 self._log(kind, sum_up(count))

@@ -1,4 +1,8 @@
-"""The default places of a session's socket, its address and its recordings."""
+"""The default places of a session's socket, its address, and its recordings.
+
+Programs find a session of the same user by them without an option. Each operating system has its
+own customs for such places, which ``platformdirs`` knows.
+"""
 
 import os
 import re
@@ -12,12 +16,12 @@ from typing import Final
 import platformdirs
 
 DEFAULT_HOST: Final = "127.0.0.1"
-DEFAULT_PORT: Final = 17800
+DEFAULT_PORT: Final = 17800  # of a session, by TCP
 PAGES_PORT: Final = 17880  # the port of stations in a browser
 RECORDING_SUFFIX: Final = ".trainer"
 
 # What a session says of itself as it starts, for its user and for the program that started it
-MAKING_READY: Final = "making ready:"  # what it was told is right
+MAKING_READY: Final = "making ready:"  # its options are right, and it compiles or waits
 LISTENING_TEXT: Final = "listening at"
 
 _FOLDER_NAME: Final = "submarine-trainer"

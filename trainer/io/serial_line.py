@@ -1,7 +1,8 @@
 """A serial line at any pyserial URL. It opens again by itself after it was unplugged.
 
-Only an Inbox calls `read` and only an Outbox calls `write`, because both may wait. The reading
-thread also opens the line again; while it is down, output is dropped and counted.
+Stations, consoles and NMEA outlets open ports by it. Only an Inbox calls `read` and only an Outbox
+calls `write`, because both may wait. The reading thread also opens the line again; while it is
+down, output is dropped and counted.
 """
 
 import contextlib
@@ -18,9 +19,8 @@ if TYPE_CHECKING:
     import serial
 
 READ_TIMEOUT_S = 0.1  # [s]  a read's longest wait; bounds how long close() takes
-WRITE_TIMEOUT_S = (
-    1.0  # [s]  a write's longest wait; 0 would spin for ever inside pyserial on a full line
-)
+# [s]  a write's longest wait; 0 would spin for ever inside pyserial on a full line
+WRITE_TIMEOUT_S = 1.0
 FIRST_PAUSE_S, MAX_PAUSE_S = 0.25, 4.0  # [s]  between attempts to reopen
 CHUNK_BYTES = 4096  # [bytes]
 MAX_BAUD_RATE = 4_000_000  # [baud]
@@ -65,8 +65,8 @@ class SerialLine:
             return b""
         try:
             data = bytearray(port.read(1))
-            # To ask for more than is there would wait for it. A socket of pyserial tells 1 at most,
-            # hence the loop.
+            # To ask for more than is there would wait for it. A socket of pyserial
+            # never says more than 1, hence the loop.
             while len(data) < CHUNK_BYTES and (waiting := port.in_waiting):
                 data += port.read(waiting)
         except OSError:  # what pyserial raises is one

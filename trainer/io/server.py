@@ -1,8 +1,9 @@
-"""One thread serves all sockets of a session: those that listen and those connected.
+"""The sockets of a session, local and TCP, served by one thread.
 
-It waits for no single client. A client that does not read loses its own lines, one that sends too
-much is read slowly, and the system's keepalive notices one that vanishes; none delays another.
-Listening sockets stand at a TCP port or at a path of this machine.
+``session/ports`` opens the server, and makes a station of each connection. The thread waits for no
+single client. A client that does not read loses its own lines, one that sends too much is read
+slowly, and the system's keepalive notices one that vanishes; none delays another. Sockets listen at
+a TCP port, or at a path of this machine.
 """
 
 import contextlib
@@ -27,11 +28,11 @@ from trainer.io.serial_line import LinkError
 
 LISTEN_BACKLOG = 128  # connections that the system keeps until they are taken
 KNOCK_TIMEOUT_S = 1.0  # [s]  for a session that listens at a path to answer
-MAX_PORT = 65535
+MAX_PORT = 65535  # of TCP
 MAX_CONNECTIONS = 32  # connections
 RESERVED_CONNECTIONS = 8  # more, for lines of this machine and user
-MAX_STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
-MAX_REFUSED_LINES = 8  # clients being told that there is no place; others are cut off at once
+MAX_STRANGERS = 24  # that come by TCP and have not taken a role; the oldest gives way
+MAX_REFUSED_LINES = 8  # clients that are being sent a refusal; others are cut off at once
 REFUSAL_TIMEOUT_S = 1.0  # [s]  for a refused client to take the reason
 FULL_PAUSE_S = 1.0  # [s]  without new connections after the system had no room for one
 CLOSE_GRACE_S = 1.0  # [s]  beyond the patience, for the thread to end
@@ -359,7 +360,7 @@ def prepare_socket(end: socket.socket) -> None:
     end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_OUTGOING_BYTES)
     if end.family not in (socket.AF_INET, socket.AF_INET6):
         return
-    with contextlib.suppress(OSError):  # gone already: the first read tells
+    with contextlib.suppress(OSError):  # it has gone already: the first read will find that out
         end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         end.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         for name, value in KEEPALIVE_OPTIONS:

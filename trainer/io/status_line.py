@@ -1,4 +1,7 @@
-"""The plain console as text: lines of state under headings, 79 ASCII columns."""
+"""The boat in one line of 79 ASCII columns, under headings: the plain console.
+
+It is what a printer or a terminal without a screen shows (``session/stations/display``).
+"""
 
 import math
 from typing import NamedTuple

@@ -1,9 +1,10 @@
 """A recording as tables for other programs: CSV, or Parquet where pyarrow is installed.
 
-Three files: the states at the path given, orders and events beside it, as in `out.csv`,
-`out.orders.csv`, `out.events.csv`. States and orders are those of one branch and the ancestry that
-led to it; events are those of all branches. A `Layout` tells what the bytes of a state mean,
-because this package does not know the boat. All numbers are in SI and radians, with every digit.
+``trainer export`` and ``trainer run --csv`` write by it. Three files: the states at the path given,
+orders and events beside it, as in `out.csv`, `out.orders.csv`, `out.events.csv`. States and orders
+are those of one branch and the ancestry that led to it; events are those of all branches. A
+`Layout` tells what the bytes of a state mean, because this package does not know the boat. All
+numbers are in SI and radians, with every digit.
 """
 
 import csv
@@ -218,7 +219,6 @@ class ColumnSink(Protocol):
 
     def row(self, values: Sequence[float]) -> None:
         """Take the columns of one tick."""
-        ...
 
 
 class CsvFile:

@@ -1,4 +1,8 @@
-"""Lines as UDP datagrams, to one host or a whole network. No receiver is needed."""
+"""Lines as UDP datagrams, to one host or to all of a network.
+
+NMEA outlets send by it (``session/nmea/outlets``). UDP needs no receiver, so nothing here waits or
+fails while nobody listens.
+"""
 
 import socket
 from typing import Final
@@ -6,7 +10,7 @@ from typing import Final
 from trainer.io.lines import line_bytes
 from trainer.io.serial_line import LinkError
 
-MAX_PORT: Final = 65535
+MAX_PORT: Final = 65535  # of UDP
 
 
 class Datagrams:

@@ -1,4 +1,8 @@
-"""Units of columns on a page: degrees for radians."""
+"""Units of columns on a page: degrees for radians.
+
+Flights and recordings are in radians inside; people read degrees. Plots and CSV headings ask here.
+One table for all, so that a column has one unit on every page.
+"""
 
 import math
 from typing import Final
@@ -19,13 +23,13 @@ def page_unit(name: str) -> tuple[float, str]:
     return PAGE_UNITS.get(name, (1.0, "SI"))
 
 
-def figure(value: float | None, of: str) -> str:
-    """Return a number in the page's unit: degrees for radians."""
+def figure(value: float | None, unit: str) -> str:
+    """Return a number of a ``unit`` as text, degrees for radians; "-" for none."""
     if value is None or not math.isfinite(value):
         return "-"
-    return f"{math.degrees(value) if of.startswith('rad') else value:.4g}"
+    return f"{math.degrees(value) if unit.startswith('rad') else value:.4g}"
 
 
-def in_degrees(of: str) -> str:
-    """Return the page's unit of a unit."""
-    return of.replace("rad", "deg")
+def in_degrees(unit: str) -> str:
+    """Return the unit that a page shows for a ``unit``: deg for rad."""
+    return unit.replace("rad", "deg")

@@ -1,6 +1,8 @@
-"""Pages of HTML by Jinja2: every text that is put into one is escaped. A browser prints PDF.
+"""Pages of HTML by Jinja2: every text that is put into one is escaped.
 
-Text of type ``Markup`` is HTML already and is not escaped: pieces made here, charts by ``svg``.
+Debriefs, guides, fits and estimates make their pages with it. A name in a user's file can hold
+anything, and must not become HTML. Text of type ``Markup`` is HTML already and is not escaped:
+pieces made here, charts by ``svg``.
 """
 
 from collections.abc import Iterable, Sequence

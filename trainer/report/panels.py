@@ -1,4 +1,7 @@
-"""Panels as SVG, for pages: drawn without any other library."""
+"""The panels of a plot as SVG for pages, drawn without any other library.
+
+``plots`` says what a panel is and draws the same by matplotlib, for ``--plot``.
+"""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""A page printed as PDF, by a browser found on this machine."""
+"""A page printed as PDF, by a browser found on this machine.
+
+Guides and debriefs are HTML; ``--pdf`` prints them as any reader would see them.
+"""
 
 import os
 import shutil
@@ -11,17 +14,12 @@ from typing import Final
 from trainer.config.files import ConfigError
 from trainer.io.atomic_write import replacing
 
+# fmt: off
 BROWSER_NAMES: Final = (
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-    "microsoft-edge",
-    "microsoft-edge-stable",
-    "msedge",
-    "chromium-headless-shell",
+    "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome",
+    "microsoft-edge", "microsoft-edge-stable", "msedge", "chromium-headless-shell",
 )
+# fmt: on
 
 
 MAC_PATHS: Final = (

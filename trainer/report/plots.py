@@ -1,7 +1,8 @@
 """Plots for paper and screen, by matplotlib where it is installed.
 
-Curves differ by line style as well as colour, and the colours are those of Okabe and Ito (2008),
-so that a plot reads in grey and to the colour-blind. The same panels give the same bytes.
+Programs with ``--plot`` call ``draw_plot``, and ``panels`` draws the same for pages. Curves differ
+by line style as well as colour, and the colours are those of Okabe and Ito (2008), so that a plot
+reads in grey and to the colour-blind. The same panels give the same bytes.
 """
 
 from collections.abc import Sequence

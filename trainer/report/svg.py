@@ -1,4 +1,7 @@
-"""SVG: axes, lines and text, and charts against time made of them."""
+"""SVG: axes, lines and text, and charts against time made of them.
+
+Debriefs, estimates and ``panels`` draw with it. Coordinates are in pixels, downwards from the top.
+"""
 
 import math
 from collections.abc import Callable, Iterator
@@ -11,7 +14,7 @@ from markupsafe import Markup
 
 from trainer.core.kernel import Numbers
 
-ROUND_STEPS: Final = (1.0, 2.0, 2.5, 5.0, 10.0)
+ROUND_STEPS: Final = (1.0, 2.0, 2.5, 5.0, 10.0)  # of an axis, times a power of ten
 ANGLE_STEPS_DEG: Final = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)  # [deg]
 TIME_STEPS_S: Final = (5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 3600.0, 7200.0)  # [s]
 CHART_WIDTH_PX, CHART_HEIGHT_PX = 960.0, 210.0  # [px]

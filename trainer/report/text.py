@@ -1,10 +1,14 @@
-"""Text for a terminal, 79 columns of ASCII: paragraphs, numbers and tables."""
+"""Text for a terminal, 79 columns of ASCII: paragraphs, numbers and tables.
+
+Every program's page is made with it. 79 columns of ASCII fit any terminal and printer, and two
+pages can be compared line by line.
+"""
 
 import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-PAGE_WIDTH: Final = 79
+PAGE_WIDTH: Final = 79  # [columns]
 INDENT: Final = "  "
 
 

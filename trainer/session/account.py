@@ -1,4 +1,8 @@
-"""The summary of a run: the trainee, the timer, and what went wrong."""
+"""The summary at a run's end: its result, how punctual it was, what went wrong.
+
+``run`` calls ``account`` when a session has ended, and ends the program with the exit code that it
+returns. A run without any trouble gets one line; ``--verbose`` adds the load and lateness.
+"""
 
 import math
 import shlex
@@ -16,6 +20,7 @@ from trainer.session.session import Session
 from trainer.session.time.ledger import Summary
 from trainer.units import KNOT
 
+# duty cycle of the report's program on its own machine, by step
 SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 

@@ -1,9 +1,10 @@
 """The agenda: the orders ahead, the exercise's own and those of an instructor.
 
-The exercise's own orders come by its schedule, and by conditions that the core watches. Instructors
-plan theirs in the session. The journal has each plan and each planned order that was given,
-because a jump in time takes the plans back too. The session tells the plans to instructors alone,
-because a plan gives away what the crew will meet.
+``dispatch`` asks what is due, and instructors see what is ahead. The exercise's own orders come by
+its schedule, and by conditions that the core watches. Instructors plan theirs in the session. The
+journal has each plan and each planned order that was given, because a jump in time takes the plans
+back too. The session tells the plans to instructors alone, because a plan gives away what the crew
+will meet.
 """
 
 import math
@@ -23,7 +24,6 @@ from trainer.io.status_line import clock
 from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
 
-PLAN_WORDS: Final = frozenset({"plan", "cancel"})  # journalled, though they move nothing
 MAX_PLANS: Final = 40  # plans that may wait at once, and entries of the list that programs get
 WHEN_PLACE: Final = Place("when", "")
 SPENT_TRIGGERS: Final = STATE_PLACES["triggers_spent"]
@@ -38,7 +38,7 @@ class ComingOrder(NamedTuple):
 
     @property
     def fact(self) -> Fact:
-        """Return the fact that tells this order to programs."""
+        """Return this order as a fact for programs."""
         when = f"{self.when:.3f}" if isinstance(self.when, float) else self.when
         return Fact("planned", f"{self.number or ''},{when},{self.text}")
 
@@ -91,7 +91,7 @@ class Agenda:
     armed: Sequence[ConditionalCasualty] = ()
     planned: dict[int, PlannedOrder] = field(default_factory=dict)
     _last: int = 0  # the number of the newest
-    _told: tuple[object, ...] = ()  # what was so when the instructors were last told
+    _told: tuple[object, ...] = ()  # the plans as they were last sent to instructors
 
     def obey(self, order: Order) -> Reply:
         """Plan an order, or cancel one; return the answer."""
@@ -205,7 +205,7 @@ class Agenda:
 
 
 def ahead_of(armed: ConditionalCasualty) -> ComingOrder:
-    """Return a casualty that waits for a condition. A condition on time is told as a time."""
+    """Return a casualty that waits for a condition or for a time."""
     condition, casualty = armed.condition, armed.casualty
     timed = condition.quantity == "time" and condition.sense > 0.0
     again = ", again each time" if armed.rule == "again" else ""

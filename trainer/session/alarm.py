@@ -1,4 +1,9 @@
-"""A call that wakes the session's thread at a time."""
+"""A timer that wakes the session's thread before its next tick is due.
+
+Otherwise the thread sleeps until the next tick. In a freeze no tick is due, so whoever has a
+deadline of its own sets an alarm: ``attendance`` (a station whose answer is kept back) and
+``command`` (an instructor who does not answer).
+"""
 
 import math
 import threading

@@ -1,4 +1,8 @@
-"""A teletype on a session sends what is typed and prints the answers."""
+"""The command ``trainer attach`` without a screen: a plain terminal as a station.
+
+What is typed goes to the session as lines; its answers are printed. It also serves terminals that
+cannot draw a screen (``console`` has the screens), and input from a pipe.
+"""
 
 import os
 import signal
@@ -17,7 +21,7 @@ from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
 CLOSING_FACTS: Final = ("over", "left", "next")  # facts after which the line is to be gone
-FLUSH_TIMEOUT_S: Final = 2.0  # [s] for what is still to be said at the end
+FLUSH_TIMEOUT_S: Final = 2.0  # [s] for the last lines to go out at the end
 
 
 def attach_to(url: str | None, role: str, token: str | None) -> int:
@@ -29,7 +33,7 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
         line = dial(url or paths.nearest_session(), wake)
     except LinkError as error:
         raise ConfigError(str(error)) from None
-    # said as a program, which is told facts; what is typed is answered in words
+    # A program's sentence makes the session send facts; typed lines still get answers in words.
     line.send(sentences.order_sentence(f"role {role}{f' {token}' if token else ''}"))
     if os.isatty(0):
         line.send("subscribe teletype")

@@ -1,4 +1,9 @@
-"""The stations of a session: each is admitted, briefed, heard, and let go."""
+"""Stations come to a session, are told what it is about, are heard, and leave.
+
+The session calls ``listen`` in the thread that ticks, whenever a line has something to read. It
+takes the waiting lines of each station, at most 32 at once, because the next tick must not be late
+for one talkative station.
+"""
 
 import threading
 from collections.abc import Callable
@@ -9,6 +14,7 @@ from trainer.session.agenda import Agenda
 from trainer.session.alarm import Alarm
 from trainer.session.conduct import Conduct
 from trainer.session.crew import CrewTalk
+from trainer.session.evaluation import Evaluation
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
@@ -45,6 +51,7 @@ class Attendance:
     crew: CrewTalk
     agenda: Agenda
     introduction: Introduction
+    evaluation: Evaluation
     wake: threading.Event
     hear: Callable[[Request], None]  # an order, and takes the steps that it allows
     reception: Reception = field(default_factory=NoReception)
@@ -59,7 +66,7 @@ class Attendance:
             station.line.send(line)
 
     def brief(self, asked: Request) -> LongAnswer:
-        """Answer the order ``briefing``: what is told to whoever comes, once more."""
+        """Answer the order ``briefing``: send once more what a newcomer gets."""
         station = asked.station
         self._introduce(station)
         facts = [] if asked.heard.machine else in_words(self._exercise_facts(station))
@@ -100,9 +107,8 @@ class Attendance:
     def _admit_newcomers(self) -> None:
         """Make stations of the lines that have come since the last call."""
         for station in self.reception.newcomers():
-            if (
-                station.role is not STRANGER_ROLE
-            ):  # who has to say who it is, is told nothing before
+            # a line that still owes a token learns nothing of the session
+            if station.role is not STRANGER_ROLE:
                 self.greet(station)
             self.log.stations.append(station)
             self.log.strangers.log("station", f"{station.line.name} has come")
@@ -122,9 +128,12 @@ class Attendance:
         facts += [("rate", pair) for pair in station.rate]
         self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in facts])
         self.log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.log.note(station, self.conduct.guide.facts)
         self.log.note(station, self.conduct.outcome_for(station.role))
         if station.role is INSTRUCTOR_ROLE:
             self.log.note(station, self.agenda.facts(self.history.place))
+            self.log.note(station, self.evaluation.facts)
+            self.evaluation.hand_over()
         self.log.note_alerts(station)
 
     def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:

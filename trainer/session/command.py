@@ -1,4 +1,9 @@
-"""Which of several instructors orders; the others watch and mark."""
+"""Which of several instructors may give orders; the others watch and mark.
+
+Two instructors who change time or casualties at once would undo each other's work. So one of them
+holds command. Another may ask for it, and gets it when the holder agrees, leaves, or has not
+answered for 10 s. ``dispatch`` asks ``elsewhere`` before it obeys an instructor.
+"""
 
 import time
 from collections.abc import Callable

@@ -1,8 +1,12 @@
-"""The conduct of a session: command, readiness, the end of an exercise, and the next.
+"""The rules of a session: who commands, who is ready, how an exercise ends.
 
-An instructor without command only watches and marks. When an exercise ends, time stands still.
+The session calls ``look`` and ``judge_hull`` after each tick, which end the exercise or freeze time
+where its rules say so. At the end time stands still at all stations, and the marks are made in a
+thread, because judging a recording takes seconds. The instructor gets them first, and releases them
+to the crew. The gates of ``dispatch`` ask here whether an order is barred.
 """
 
+import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -12,14 +16,17 @@ from typing import Final, TypeVar
 from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
-from trainer.config.course import course
+from trainer.config.course import course, lessons
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.session.aids import Aids
 from trainer.session.command import Command
 from trainer.session.control import PRESENT_MOMENT, Control
+from trainer.session.evaluation import begin_aside
 from trainer.session.event_log import EventLog, Rank
 from trainer.session.exercise import (
     EXERCISE_OVER,
     OVER_TEXT,
+    TRAINEE_OVER_TEXT,
     BackgroundTask,
     DebriefSource,
     ExerciseEnd,
@@ -28,17 +35,22 @@ from trainer.session.exercise import (
 )
 from trainer.session.manning import unmanned_axes
 from trainer.session.stations.past import PastReader
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, Role, not_for_visitors
+from trainer.session.stations.roles import (
+    INSTRUCTOR_ROLE,
+    STRANGER_ROLE,
+    TRAINEE,
+    TRAINEE_ROLE,
+    Role,
+    not_for_visitors,
+)
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Station
+from trainer.session.step_guide import StepGuide
 
 ResultT = TypeVar("ResultT")
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too
-NOT_CREW: Final = (
-    INSTRUCTOR_ROLE.name,
-    STRANGER_ROLE.name,
-    "observer",
-    "visitor",
-)  # roles that are not counted when the crew is asked whether it is ready
+PROGRESS_PERIOD_S: Final = 0.2  # [s] between looks whether a trainee's progress is kept
+# roles that are not counted when the crew is asked whether it is ready
+NOT_CREW: Final = (INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE)
 
 
 @dataclass
@@ -57,23 +69,29 @@ class Conduct:
     following: NextExercises = field(default_factory=NextExercises)
     clock: Callable[[], float] = time.monotonic
     ready: list[Station] = field(default_factory=list)
-    begun: bool = False  # time has run
-    deserted: str = ""  # why the session ended before its time
+    begun: bool = False  # time has run since the start
+    deserted: str = ""  # why the session ended before its time: nobody was left to say run
     halted: str = ""  # what the exercise has frozen time for, until it runs again
     compiled_from: int = 0  # the tick, where the run began interpreted
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
+    exercise: str = ""  # its name, "" for none
+    trainees: bool = False  # somebody's progress is kept
     command: Command = field(init=False)
+    guide: StepGuide = field(init=False)
+    aids: Aids = field(init=False)  # made where the screens' output is there, too
     work: BackgroundTask = field(init=False)
     past: PastReader = field(init=False)
 
     def __post_init__(self) -> None:
         self.command = Command(self.log, self.wake, self.clock)
+        self.guide = StepGuide(self.control, self.log, finish=self.end_lesson)
         self.work = BackgroundTask(self.wake)
         history = self.control.history
         history.recording.wake = self.wake
         self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)
-        self._quitting: tuple[Station | None, float] = None, 0.0  # who has said so, and when
+        self._remembered: tuple[int, int] | None = None  # branch and tick
+        self._quitting: tuple[Station | None, float] = None, 0.0  # who said quit, and when [s]
 
     @property
     def duties(self) -> Mapping[str, Duty]:
@@ -107,6 +125,14 @@ class Conduct:
             ending.end("lost", f"lost at {self.control.boat.time:g} s", lost)
             self._stop()
         elif ending.look(self.control.boat):
+            self._stop()
+        elif not ending.over:
+            self.guide.look()
+
+    def end_lesson(self) -> None:
+        """End a lesson after its last step, unless it has a time of its own."""
+        if self.ending.last_tick == math.inf:
+            self.ending.end("ended", f"the last step is over at {self.control.boat.time:g} s")
             self._stop()
 
     def judge_hull(self) -> None:
@@ -162,6 +188,8 @@ class Conduct:
             return "here is the end of the exercise: again from 2 min, or from a moment kept"
         if after_end:
             return ""
+        if role is TRAINEE_ROLE:
+            return TRAINEE_OVER_TEXT
         return OVER_TEXT if role is INSTRUCTOR_ROLE else f"{EXERCISE_OVER}: the instructor goes on"
 
     def unconfirmed(self, station: Station) -> str:
@@ -239,7 +267,7 @@ class Conduct:
             return self.ending.marks
         try:
             return self.debriefing.judge(self.kept, self.control.history.recording.branch)
-        except Exception:  # noqa: BLE001 the summary is told whatever is wrong with the marks
+        except Exception:  # noqa: BLE001 the summary is printed even if the marks fail
             return None
 
     def _stop(self) -> None:
@@ -252,11 +280,36 @@ class Conduct:
         if ending.why:
             self.log.tell("exercise", f"lost: {ending.why}")
         self.show()
+        self.remember()
         if self._unmarked:
             fact = Fact("marks", f"{ending.how},")
             self.log.tell("time", f"no marks: {self._unmarked}", fact=fact)
         elif self.debriefing and self.kept:
             self._begin_judging(self.debriefing.judge, self.kept)
+
+    def remember(self) -> None:
+        """Have a process put this run into the files of its trainees."""
+        recording, boat = self.control.history.recording, self.control.boat
+        place = recording.branch, boat.ticks
+        words = self.debriefing.progress if self.debriefing else ()
+        if not (words and self.kept and self.trainees and boat.ticks) or place == self._remembered:
+            return
+        self._remembered = place
+        recording.flush()
+        how = "done" if self.guide.over else self.ending.how or "left"
+        whole = (*words, str(self.kept), str(recording.branch), how)
+
+        def hear() -> str:
+            process = begin_aside(whole)
+            while process.poll() is None and not self.work.closing.wait(PROGRESS_PERIOD_S):
+                pass  # a session that ends leaves it to itself
+            return process.communicate()[0].decode().strip() if process.poll() is not None else ""
+
+        def tell(text: str) -> None:
+            if text:
+                self.log.tell("exercise", text)
+
+        self._begin("progress", hear, tell)
 
     @property
     def _unmarked(self) -> str:
@@ -297,6 +350,8 @@ class Conduct:
         self.log.tell("exercise", f"marks: {found}", fact=Fact("marks", found.fields))
         change = f'  to change a mark: trainer debrief {self.kept} --change "NAME: WHAT, REASON"'
         self._tell_reasons("exercise", found)
+        if self.log.attended(TRAINEE) and not self.log.attended(INSTRUCTOR_ROLE.name):
+            self._release_marks(found)
         for name in found.uncounted:
             text = f"{name}: does not count"
             self.log.tell("exercise", f"  {text}", fact=Fact("reason", f",{text}"))
@@ -319,11 +374,14 @@ class Conduct:
             return Refused("the exercise is not over: type end exercise first")
         if ending.marks is None:
             return Refused(self._unmarked or "there are no marks yet")
-        ending.released = True
-        fact = Fact("marks", ending.marks.fields)
-        self.log.tell("marks", f"marks: {ending.marks}", fact=fact)
-        self._tell_reasons("marks", ending.marks)
+        self._release_marks(ending.marks)
         return "everybody has the marks"
+
+    def _release_marks(self, marks: Judgement) -> None:
+        """Tell everybody the marks."""
+        self.ending.released = True
+        self.log.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
+        self._tell_reasons("marks", marks)
 
     def _debrief(self, _asked: Request) -> Reply:
         if self.debriefing is None or self.kept is None:
@@ -351,6 +409,9 @@ class Conduct:
 
     def _next(self, asked: Request) -> Reply | LongAnswer:
         name = asked.order.subject
+        trains = asked.station.role is TRAINEE_ROLE
+        if trains and not name and not (name := self._following()):
+            return Refused("this is the last of the course")
         if not name:
             names = [each.name for each in course()]
             return LongAnswer(names, "type next NAME to begin one of these")
@@ -361,7 +422,13 @@ class Conduct:
             name_told = name if station.role is INSTRUCTOR_ROLE else ""
             self.log.note(station, [Fact("next", name_told)])
         self.control.following, self.control.ended = name, True
-        return f"next: {name}"
+        return f"next: {asked.order.subject or 'the one after this'}"
+
+    def _following(self) -> str:
+        """Return the lesson or exercise after this one, "" for none."""
+        names = [each.name for each in (*lessons(), *course())]
+        after = names[names.index(self.exercise) + 1 :] if self.exercise in names else names
+        return after[0] if after else ""
 
     def _no_next(self, name: str) -> str:
         """Return why that exercise cannot follow, "" if it can."""

@@ -1,4 +1,8 @@
-"""The instructor's orders about time and moments."""
+"""The instructor's orders about time (freeze, run, step) and moments (snapshot, backtrack, replay).
+
+``dispatch`` calls ``Control.obey`` for an order that no gate has refused. Whoever goes back in time
+begins a new branch of the recording there: nothing that was flown is lost.
+"""
 
 import math
 from collections.abc import Callable, Sequence

@@ -1,8 +1,14 @@
-"""The words between those who order the crew, the crew, and the instructor.
+"""The talk aboard: orders to the crew, the repeats that acknowledge them, and reports.
 
-The boat's state holds the orders to the crew that stand. This module knows whether each was
-repeated, and whether rightly. The journal holds all that was said, because a jump in time makes
-the talk again from there. Nothing here moves the boat: orders of the watch go the usual road.
+Aboard, whoever gets an order repeats it, so that the giver hears whether it was understood: "depth
+60" is answered by "depth 60 aye". ``CrewTalk`` knows which orders have been repeated, and whether
+rightly; after 10 s without a repeat it sends the order once more. The numbers of the orders stand
+in the boat's state (``boat/crew_orders``), because the panels show them.
+
+``dispatch`` calls ``obey`` and then ``note`` for each order, so ``note`` alone changes the talk:
+after a jump in time ``standing`` calls it again for the journalled orders. Nothing here moves the
+boat. Where the watch itself gives an order, such as rudder amidships when a swing has been met,
+``due_by_hand`` returns it, and ``dispatch`` has it obeyed like any other.
 """
 
 import math
@@ -35,11 +41,8 @@ from trainer.session.stations.station import Fact, Saying
 
 REPEAT_TIMEOUT_S: Final = 10.0  # [s] without a repeat, after which the order is shown again
 RUDDER_AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
-REACHED_MARGINS: Final = {
-    "course": math.radians(5.0),
-    "depth": 1.0,
-    "pitch": math.radians(1.0),
-}  # [rad], [m]: closer than this an order is carried out, and either side is right
+# [rad], [m]: closer than this an order counts as carried out, and neither way is wrong.
+REACHED_MARGINS: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}
 PLANE_AXES: Final = ("stern", "bow", "lever")
 WORKED_AXES: Final = {"course": ("rudder",), "depth": PLANE_AXES, "pitch": PLANE_AXES}
 STEERING_WORDS: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
@@ -67,10 +70,10 @@ class StationOrder(NamedTuple):
 
 @dataclass(frozen=True)
 class CrewOrder:
-    """An order to the crew, and what the crew has said to it."""
+    """An order to the crew, and whether it has been repeated."""
 
     axis: str
-    told: str  # as the crew is told
+    told: str  # the order in words, as the crew reads it
     given: Order
     tick: int
     by: str  # the role that gave it
@@ -137,7 +140,7 @@ class CrewTalk:
         )
         return [(each.tick, Fact("crew-order", each.told)) for each in waiting]
 
-    # What is said
+    # Orders, repeats and reports
 
     def obey(self, order: Order, role: str) -> Reply:
         """Write an order to the crew into the boat's state, or answer a repeat."""
@@ -178,9 +181,8 @@ class CrewTalk:
     def note(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[CrewMessage]:
         """Note an order or repeat with its fact; return the messages that follow."""
         role = giver.role
-        if (
-            order.name in WATER_WORDS and giver != SCHEDULE_GIVER
-        ):  # what that does is nobody's to report
+        # nobody reports on pumps that a schedule has set to work
+        if order.name in WATER_WORDS and giver != SCHEDULE_GIVER:
             self.pumps.note(self.boat, order, role)
             self._look_ahead()
         if order.name not in CREW_WORDS:
@@ -190,7 +192,7 @@ class CrewTalk:
         if fact.news is CrewNews.ORDERED:
             return self._ordered(order, role, tick, fact.order)
         if order.name in ("order", "tell") and not order.word.startswith("clear"):
-            return []  # its answer was never written
+            return []  # it was never answered, as the program ended before
         notes: dict[str, Callable[[], list[CrewMessage]]] = {  # by order word
             "aye": lambda: self._repeated(order, role),
             "allow": lambda: self._freed(order.word),
@@ -279,7 +281,7 @@ class CrewTalk:
         if not words:
             return Repeat(new[0], right=True)
         said = said_order(words)
-        axis = axis_of(said) if said else WORDS_AXIS
+        axis = axis_of(said) if said else WORDS_AXIS  # other words can only repeat words
         matches = [each for each in new if each.axis == axis]
         if not matches:
             return Refused(f'"{words}" repeats no order; the new order is {new[0].says}: say aye')
@@ -336,6 +338,7 @@ class CrewTalk:
         if axis == "course":
             to_go = standing.value - shown.heading
             to_go = to_go if standing.side else math.remainder(to_go, math.tau)
+            # Without an ordered side a course nearly astern may be reached by either way round.
             clear = standing.side or abs(to_go) < math.pi - REACHED_MARGINS[axis]
             return to_go if clear and abs(to_go) > REACHED_MARGINS[axis] else 0.0
         now = -shown.depth if axis == "depth" else float(self.boat.state.theta)
@@ -364,6 +367,7 @@ class CrewTalk:
         """Return whether the swing that is being met has stopped."""
         s = self.boat.state
         rudder = self.boat.toward["rudder"] * float(s.ordered_r)
+        # The rudder is laid against the swing: once the boat turns the rudder's way, it is over.
         return rudder * float(s.psidot) >= 0.0
 
     @property
@@ -457,7 +461,7 @@ def pump_text(by: str, done: str) -> CrewMessage:
 
 def said_order(words: str) -> Order | None:
     """Return the order to the crew that words give, with or without "order" before them."""
-    plain = re.sub(r"\bto\b", " ", words)
+    plain = re.sub(r"\bto\b", " ", words)  # "come right to 090" is "come right 090"
     for text in (plain if plain.startswith("order ") else f"order {plain}", words):
         parsed = parse(text)
         crew_order = to_the_crew(parsed) if isinstance(parsed, Order) else parsed

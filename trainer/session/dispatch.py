@@ -5,9 +5,9 @@
    refuses itself, because a stranger's words go no further than his line.
 2. **Asked.** All else comes to ``Dispatch.hear`` in the thread that ticks, one order at a time.
    ``refusal`` walks the gates in the order of ``ORDER_GATES``: who has command, whether it was
-   meant (``quit``), the visitor's, a boat that is lost, the end of the exercise, what is worked by
-   hand, a replay. The first gate that is shut answers. A call of the Python face, and a plan whose
-   time has come, walk the same gates, but come from no station.
+   meant (``quit``), the visitor's, a boat that is lost, the end of the exercise, time that runs,
+   what is worked by hand, a replay. The first gate that is shut answers. A call of the Python face,
+   and a plan whose time has come, walk the same gates, but come from no station.
 3. **What is due comes before.** The exercise's orders up to this tick are carried out, so that an
    order finds the boat as the exercise has it. They walk no gate: the exercise may order what it
    forbids its crew.
@@ -42,10 +42,11 @@ from trainer.io.recording.facts import (
 )
 from trainer.io.recording.recording import RecordingError
 from trainer.session.crew import CrewMessage
+from trainer.session.demonstration import Demonstration
 from trainer.session.event_log import CREW_KIND
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, roles_with
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 
 Gate = Callable[[Order, Station | None, Parts], str]
@@ -62,6 +63,7 @@ class Obeyer(Enum):
     PAST = "the past"
     RECORD = "the record"
     EXERCISE = "the exercise"
+    AIDS = "the aids"
     COMMAND = "command"
     QUESTION = "a question"
 
@@ -78,7 +80,7 @@ class Rule(NamedTuple):
     @property
     def journalled(self) -> bool:
         """Return whether the order is written into the journal before it acts."""
-        return self.obeyer in (Obeyer.BOAT, Obeyer.CREW, Obeyer.PLANS)
+        return self.obeyer in (Obeyer.BOAT, Obeyer.CREW, Obeyer.PLANS, Obeyer.AIDS)
 
     @property
     def passed_on(self) -> bool:
@@ -87,7 +89,12 @@ class Rule(NamedTuple):
 
 
 WATCH_RULE: Final = Rule(Obeyer.QUESTION, watching=True)
-NEWS_KINDS: Final = {Obeyer.TIME: "time", Obeyer.PAST: "moment"}  # that everybody hears of
+# that everybody hears of
+NEWS_KINDS: Final = {Obeyer.TIME: "time", Obeyer.PAST: "moment", Obeyer.AIDS: "shown"}
+# what is the instructor's, if one is here, and not a trainee's
+GUIDED_OBEYERS: Final = (Obeyer.TIME, Obeyer.PAST, Obeyer.EXERCISE, Obeyer.AIDS)
+# who obeys while the reference crew shows the way
+OPEN_OBEYERS: Final = (Obeyer.LINE, Obeyer.QUESTION, Obeyer.TIME, Obeyer.COMMAND)
 RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
     (
         Rule(Obeyer.LINE, watching=True),
@@ -95,6 +102,7 @@ RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
     ),
     (WATCH_RULE, ("status", "briefing", "casualties", "plans", "log", "who", "history")),
     (WATCH_RULE, ("branches", "snapshots", "mark", "ack")),
+    (WATCH_RULE._replace(in_replay=False, after_end=False), ("what-if",)),
     (Rule(Obeyer.BOAT, in_replay=False, after_end=False), BOAT_ORDERS - CREW_TALK),
     (Rule(Obeyer.CREW, in_replay=False, after_end=False), BOAT_ORDERS & CREW_TALK),
     (Rule(Obeyer.CREW, in_replay=False), CREW_TALK - BOAT_ORDERS),
@@ -110,6 +118,8 @@ RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
     (Rule(Obeyer.RECORD), ("snapshot",)),
     (Rule(Obeyer.EXERCISE, in_replay=False, after_end=False), ("end",)),
     (Rule(Obeyer.EXERCISE), ("release-marks", "debrief", "next", "ready")),
+    (Rule(Obeyer.EXERCISE, after_end=False), ("demonstrate",)),
+    (Rule(Obeyer.AIDS, in_replay=False, after_end=False), ("ghost", "predictor")),
     (Rule(Obeyer.COMMAND, watching=True), ("command",)),
     (Rule(Obeyer.COMMAND), ("give", "keep")),
 )
@@ -145,10 +155,25 @@ def lost_gate(order: Order, _station: Station | None, session: Parts) -> str:
     return f"this boat cannot go on: {failure}; backtrack or reset" if failure else ""
 
 
+def trainee_gate(order: Order, station: Station | None, session: Parts) -> str:
+    """Return that an instructor is here, whose time and exercise it is."""
+    trains = station is not None and station.role is TRAINEE_ROLE
+    guided = ORDERS[order.name].obeyer in GUIDED_OBEYERS
+    if not (trains and guided and session.event_log.attended(INSTRUCTOR_ROLE.name)):
+        return ""
+    return "an instructor is here: time and the exercise are the instructor's"
+
+
 def end_gate(order: Order, station: Station | None, session: Parts) -> str:
     """Return that the exercise is over, after which the boat obeys nobody."""
     role = station.role if station else INSTRUCTOR_ROLE
     return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
+
+
+def frozen_gate(order: Order, _station: Station | None, session: Parts) -> str:
+    """Return that time runs: ``what if`` is asked of a moment that stands still."""
+    runs = order.name == "what-if" and not session.time.frozen
+    return "what if is asked of a moment that stands still: first freeze" if runs else ""
 
 
 def hand_gate(order: Order, _station: Station | None, session: Parts) -> str:
@@ -157,16 +182,25 @@ def hand_gate(order: Order, _station: Station | None, session: Parts) -> str:
 
 
 def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
-    """Return that a replay is running, in which only recorded orders move the boat."""
-    return "" if ORDERS[order.name].in_replay else session.history.flown.barred
+    """Return that a replay is running, or that the way is being shown.
+
+    Only recorded orders, or the reference crew, move the boat then.
+    """
+    flown, rule = session.history.flown, ORDERS[order.name]
+    if flown.shows_way:
+        stays_open = rule.in_replay and rule.obeyer in OPEN_OBEYERS
+        return "" if stays_open or order.name == "demonstrate" else flown.barred
+    return "" if rule.in_replay else flown.barred
 
 
 ORDER_GATES: Final[Sequence[Gate]] = (
     command_gate,
     quit_gate,
     visitor_gate,
+    trainee_gate,
     lost_gate,
     end_gate,
+    frozen_gate,
     hand_gate,
     replay_gate,
 )
@@ -189,7 +223,12 @@ class Dispatch:
 
     session: Parts
     duties: Mapping[str, Duty]  # who answers what is not passed on
-    refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
+    refused: list[str] = field(default_factory=list)  # of the schedule, for the summary
+    way: Demonstration = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.way = Demonstration(self.session, self.carry_out)
+        self.duties = {**self.duties, "demonstrate": self.way.ask}
 
     def hear(self, asked: Request) -> None:
         """Answer what a station has asked or ordered, and tell the others."""
@@ -251,6 +290,8 @@ class Dispatch:
         obeyer = ORDERS[order.name].obeyer
         if obeyer is Obeyer.PLANS:
             return session.agenda.obey(order), fact
+        if obeyer is Obeyer.AIDS:
+            return session.conduct.aids.obey(order, giver), fact
         talk = obeyer is Obeyer.CREW
         tellings = [] if talk else session.crew.wrong_way(order, role)
         answer = session.crew.obey(order, role) if talk else obey_order(session.boat, order)
@@ -289,6 +330,10 @@ class Dispatch:
             reason = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
             if isinstance(answer, Refused):
                 self.refused.append(reason)
+
+    def obey_step(self, order: Order) -> None:
+        """Carry out an order with which a step of a lesson begins."""
+        self._tell_due("lesson", order, self.carry_out(order, SCHEDULE_GIVER))
 
     def obey_plans(self) -> None:
         """Carry out the instructors' plans that act on the next tick."""
@@ -354,19 +399,3 @@ class Dispatch:
             saying = Saying("schedule", wrong or str(answer))
             self.session.event_log.tell("exercise", text, fact=fact, saying=saying)
         return text
-
-
-def order_table() -> str:
-    """Return the Markdown table of the order words, as docs/stations.md shows it."""
-    rows: dict[tuple[str, ...], list[str]] = {}
-    for word, rule in ORDERS.items():
-        holders = roles_with(word)
-        gates = (rule.journalled, rule.in_replay, rule.after_end, rule.watching)
-        marks = ["yes" if is_open else "no" for is_open in gates]
-        everybody = len(holders) == len(ROLES)
-        row = rule.obeyer.value, *marks, "all" if everybody else ", ".join(holders)
-        rows.setdefault(row, []).append(f"`{word}`")
-    heads = "orders", "obeyed by", "journalled", "in a replay", "after the end", "watching", "roles"
-    lines = [heads, ("---",) * len(heads)]
-    lines += [(", ".join(sorted(words)), *row) for row, words in sorted(rows.items())]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"

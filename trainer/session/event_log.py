@@ -1,6 +1,8 @@
-"""The events of a session.
+"""The events of a session: each is recorded, sent to stations, and kept for latecomers.
 
-Each is recorded, sent to the stations whose roles hear of it, and kept for latecomers.
+The parts of a session call ``tell`` for what happened, and ``alert`` for what somebody has to
+acknowledge. The kind of an event decides which roles hear of it (``stations/roles``). An event has
+words for people and, for programs, a fact: no program has to read the words.
 """
 
 import contextlib
@@ -21,12 +23,9 @@ from trainer.session.stations.station import Fact, News, Saying, Station
 
 MAX_KEPT_EVENTS: Final = 500  # of what has happened, for who comes late
 MARK: Final = "mark"  # the kind of a remark that somebody makes by the order ``mark``
-CREW_KIND: Final = "crew"  # the kind of what is said to the crew and by it
-SPOKEN_FACTS: Final = (
-    "wrong-way",
-    "exercise",
-    "report",
-)  # facts of the crew's talk whose news is of another kind than CREW_KIND
+CREW_KIND: Final = "crew"  # the kind of orders to the crew, of repeats and of reports
+# facts of the crew's talk whose news is of another kind than CREW_KIND
+SPOKEN_FACTS: Final = ("wrong-way", "exercise", "report")
 MAX_OPEN_ALERTS: Final = 100  # alerts at most that wait to be seen
 UNSAFE_TEXT: Final = "should the power go, the last orders would be lost; they act and are recorded"
 SAFE_TEXT: Final = "what was ordered is safe should the power go"
@@ -60,8 +59,8 @@ class EventLog:
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
     alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
     ranks: dict[int, Rank] = field(default_factory=dict)  # of the alerts, by their numbers
-    unrecorded: str = ""  # why nothing more is recorded, once that has been told
-    unsafe: bool = False  # it was told that the disk is behind
+    unrecorded: str = ""  # why nothing more is recorded, once that has been announced
+    unsafe: bool = False  # it was announced that the disk is behind
     _alert: int = 0  # the number of the last
     _counts: dict[int, list[dict[str, list[float]]]] = field(default_factory=dict)  # by branch
     _branch: int = field(init=False)  # as it was when last looked at
@@ -84,7 +83,7 @@ class EventLog:
         ``by`` gets only the fact, because it has the answer to its order.
         """
         boat = self.history.boat
-        # a remark is anybody's words: who hears it hears whose
+        # A remark may be anybody's, so its text names who made it.
         said = text
         if kind == MARK and by:
             said = f"mark by {self.signature(by)}: {text}"
@@ -111,7 +110,7 @@ class EventLog:
         self.ranks[self._alert] = rank or KIND_RANKS[kind]
         for kept in (self.alerts, self.ranks):
             kept.pop(self._alert - MAX_OPEN_ALERTS, None)
-        for hear in self.hearers:  # as it is recorded
+        for hear in self.hearers:  # they get it as it is recorded, without the alert's number
             hear(news)
         self._spread(news._replace(text=f"{text} [{self._alert}]"), None)
         for each in self._numbered(self._alert, news):

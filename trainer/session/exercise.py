@@ -27,6 +27,7 @@ from trainer.config.files import ConfigError
 CLOSE_TIMEOUT_S: Final = 20.0  # [s] at the end, for marks and pages
 CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
 EXERCISE_OVER: Final = "the exercise is over"
+TRAINEE_OVER_TEXT: Final = f"{EXERCISE_OVER}: again, again from 2 min, next or quit"
 OVER_TEXT: Final = f"{EXERCISE_OVER}: again, again from 2 min, next, debrief, release marks or quit"
 PHI_PLACE, THETA_PLACE = STATE_PLACES["phi"], STATE_PLACES["theta"]
 
@@ -40,15 +41,18 @@ class Judgement:
     reasons: tuple[str, ...] = ()
     uncounted: tuple[str, ...] = ()  # scores of what did not come: for the instructor
     times: tuple[float | None, ...] = ()  # [s] of the reasons, where they are about a moment
+    aids: tuple[str, ...] = ()  # that were used
 
     def __str__(self) -> str:
         marks = "no marks" if self.total is None else f"{self.total:.0f} marks of 100"
-        return f"{self.outcome}, {marks}" if self.outcome else marks
+        told = (self.outcome, marks, *(f"with {aid}" for aid in self.aids))
+        return ", ".join(filter(None, told))
 
     @property
     def fields(self) -> str:
-        """Return the fields of outcome and total for programs."""
-        return f"{self.outcome},{'' if self.total is None else f'{self.total:.1f}'}"
+        """Return the fields of outcome and total for programs, and of the aids, if any."""
+        total = "" if self.total is None else f"{self.total:.1f}"
+        return ",".join((self.outcome, total, *self.aids))
 
     @property
     def reason_fields(self) -> list[str]:
@@ -68,6 +72,8 @@ class DebriefSource:
 
     judge: Callable[[Path, int], Judgement]
     write: Callable[[Path, int], Path]  # returns the file written
+    evaluator: Sequence[str] = ()  # the command of a process, before the recording
+    progress: Sequence[str] = ()  # the same, before recording, branch, and how it ended
 
 
 @dataclass
@@ -162,7 +168,8 @@ class ExerciseEnd:
 
     def _lost(self, boat: Boat) -> str:
         """Return the condition that loses the exercise now, "" for none."""
-        lost = [each.loss.text for each in self.lost if each.look(boat)]  # all of them count
+        # A list, not the first match: each monitor has to count its ticks at every tick.
+        lost = [each.loss.text for each in self.lost if each.look(boat)]
         heel, pitch = CAPSIZE_ANGLES_RAD
         turned = abs(boat.plain[PHI_PLACE]) > heel or abs(boat.plain[THETA_PLACE]) > pitch
         return lost[0] if lost else ("turned over" if turned else "")
@@ -170,7 +177,11 @@ class ExerciseEnd:
 
 @dataclass
 class BackgroundTask:
-    """Tasks in threads, and the calls that the session's thread makes with their results."""
+    """Tasks in threads, and the calls that the session's thread makes with their results.
+
+    A tick cannot wait for a task that takes seconds, such as marks. A result is handed over as a
+    call, so that only the session's thread ever changes the session.
+    """
 
     wake: Callable[[], object]  # has the session's thread call ``settle``
     done: deque[Callable[[], None]] = field(default_factory=deque)

@@ -1,10 +1,10 @@
 """The first start of a version: at once and interpreted, while another process compiles.
 
-Compiling takes a minute of a processor. The interpreter computes a tick in some milliseconds, with
-the same bits. A run in real time therefore begins without machine code. A process beside it first
-compiles the tick alone, because the run goes over to that; then all that the next start needs. A
-run that wants ticks faster than the interpreter makes them waits for the compiler. All this is
-decided before a kernel is imported.
+``cli/run`` calls it. Compiling takes a minute of a processor. The interpreter computes a tick in
+some milliseconds, with the same bits. A run in real time therefore begins without machine code. A
+process beside it first compiles the tick alone, because the run goes over to that; then all that
+the next start needs. A run that wants ticks faster than the interpreter makes them waits for the
+compiler. All this is decided before a kernel is imported.
 """
 
 import math

@@ -6,6 +6,9 @@ A header holds these texts: ``plan``, the form of the header; ``trainer``, ``cor
 key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
 Some have ``width``, by which it is judged, and ``trainees``, names as JSON; ``nomoto`` is the form
 of the equation by which Nomoto ships went, the first where there is none.
+
+``texts`` makes a recording whole: it can be replayed after its exercise or vessel file has changed.
+``differences`` lists what has changed since and may change bits, before a replay or a resumed run.
 """
 
 import json
@@ -37,6 +40,7 @@ from trainer.config.files import (
     reading_recorded,
     remembering,
 )
+from trainer.config.progress import file_stem
 from trainer.config.soundings import read_as_kept
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest, same_core
@@ -46,15 +50,15 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 
 PLAN_FORMAT: Final = "1"
-PLAN_OPTIONS: Final[
-    Mapping[str, Any]
-] = {  # of the command line, that a plan depends on; their kind
+# of the command line, that a plan depends on; their kind
+PLAN_OPTIONS: Final[Mapping[str, Any]] = {
     **dict.fromkeys(("exercise", "sea", "orders_file", "equations", "rates"), str | None),
     **dict.fromkeys(("vessel", "trig", "integrator"), str),
     **dict.fromkeys(("duration", "step"), int | float | None),
     "seed": int,
 }
 TRAINEES_KEY: Final = "trainees"
+FAMILIARISATION_KEY: Final = "familiarisation"  # there in a run that has no marks
 # form 1 differentiated a rudder that stood still within each step
 NOMOTO_FORM: Final = "2"
 MAX_NAME_LETTERS: Final = 60  # [characters]
@@ -123,6 +127,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
         "width": options.width,
         "nomoto": NOMOTO_FORM,
         **({TRAINEES_KEY: json.dumps(names_of(options.trainee))} if options.trainee else {}),
+        **({FAMILIARISATION_KEY: "yes"} if options.familiarisation else {}),
     }
 
 
@@ -135,6 +140,7 @@ def names_of(given: Iterable[str]) -> list[str]:
                 f"--trainee {quote(name)}: a name has 1 to {MAX_NAME_LETTERS} printable characters"
             )
             raise ConfigError(wrong)
+        file_stem(name)
     return list(dict.fromkeys(names))
 
 
@@ -145,6 +151,11 @@ def trainees_of(header: Mapping[str, str]) -> tuple[str, ...]:
     except (ValueError, RecursionError):
         return ()
     return tuple(trainees) if _are_texts(trainees) else ()
+
+
+def exercise_of(header: Mapping[str, str]) -> str:
+    """Return the name of a recording's exercise, "" for none; ConfigError."""
+    return Path(_part(header, "options").get("exercise") or "").stem
 
 
 def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES) -> Plan:

@@ -4,6 +4,12 @@ A moment is all that is needed to go back: the whole state, the last order that 
 next entry of the exercise's schedule. Who goes back to a moment begins a new branch of the
 recording there, and the old branch stays. A replay flies the old branch again. It begins a new one
 only where somebody takes over.
+
+Each session has one. ``dispatch`` journals orders by it, ``control`` goes back by it, and most
+other parts of a session read the past from it.
+
+A state holds the current and the ships near as they are at its tick, but not the orders by which
+they go on. Those are found by the number of the last order that the state includes (``_to_world``).
 """
 
 import math
@@ -21,7 +27,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.absence import NoRecording
-from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, Giver
+from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
 from trainer.io.recording.recording import (
     Moment,
     RecordedEvent,
@@ -30,7 +36,7 @@ from trainer.io.recording.recording import (
     RecordingError,
 )
 from trainer.session.moments import Moments
-from trainer.session.run_faces import LiveRun, ReplayedRun, Run, order_of
+from trainer.session.run_faces import LiveRun, ReplayedRun, Run, ShownRun, order_of
 from trainer.session.world_orders import WorldOrder, to_world, world_orders
 
 FIRST_BRANCH: Final = 1  # the branch that begins with the run
@@ -40,7 +46,7 @@ MAX_KEPT_MOMENTS: Final = 360  # one hour of them, as docs/recordings.md says
 
 @dataclass(frozen=True)
 class Stretch:
-    """One branch, as the list has it from which an instructor chooses."""
+    """One branch of the recording, as the list has it from which an instructor chooses."""
 
     number: int
     parent: int | None
@@ -63,7 +69,7 @@ class Stretch:
 
 @dataclass
 class History:
-    """The past of one run."""
+    """The past of one run: its journal, the moments kept, the ways back to them."""
 
     boat: Boat
     recording: Recording | NoRecording
@@ -74,7 +80,7 @@ class History:
         default_factory=lambda: Moments(MAX_KEPT_MOMENTS, STATE.itemsize), repr=False
     )
     _period: int = field(init=False)  # [ticks] between the automatic moments
-    # the latest order to the world, by the number of the order that a state includes last
+    # by the number of the last order that a state includes: the latest order to the world by then
     _to_world: dict[int, WorldOrder | None] = field(default_factory=lambda: {0: None}, repr=False)
 
     def __post_init__(self) -> None:
@@ -132,7 +138,10 @@ class History:
         return self._to_world.get(after)
 
     def ticked(self, tick: int) -> bytes:
-        """Keep the state after a tick; return it."""
+        """Keep the state after a tick; return it.
+
+        The run at work decides how: a live one records it, a replay compares it.
+        """
         state = self.boat.plain.tobytes()
         self.flown.keep(tick, state)
         return state
@@ -205,10 +214,13 @@ class History:
 
     def end_of(self, branch: int) -> Moment | Refused:
         """Return the last moment of a branch, without the orders that were given after it."""
-        numbers = [each.id for each in self.recording.branches()]
+        branches = self.recording.branches()
+        numbers = [each.id for each in branches]
         if branch not in numbers:
             known = f"there is 1 to {numbers[-1]}" if numbers else "nothing is recorded"
             return Refused(f"no branch {branch}: {known}; branches lists them")
+        if any(each.id == branch and each.cause is BranchCause.SHOWN for each in branches):
+            return Refused(f"branch {branch} is the reference crew's, which counts for no mark")
         moment = self.recording.moment(branch, self.recording.last_tick(branch))
         return moment or Refused(f"the end of branch {branch} is not recorded")
 
@@ -234,6 +246,11 @@ class History:
         self.recording.fork(moment, why)
         self.flown = LiveRun(self)
         self.automatic.forget_after(self.tick)
+
+    def show_way(self, why: str, run: ShownRun) -> None:
+        """Begin a branch at this moment, on which the reference crew shows the way."""
+        self.recording.fork(self.now(), why, BranchCause.SHOWN)
+        self.flown = run
 
     def show_again(self, moment: Moment) -> int:
         """Go back to a moment and begin a replay there. Return the number of its orders."""

@@ -1,4 +1,9 @@
-"""The names of a state's numbers, today and in recordings of other versions."""
+"""The names of a recorded state's numbers, so that other versions can read them.
+
+A state is recorded as bytes. The recording's header holds its layout, the name of each number in
+order. A later version, whose state has other numbers or another order, reads the numbers by name.
+``changes`` lists, line by line, how a file differs from its recorded text.
+"""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -13,7 +18,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Record
 from trainer.core.state import STATE
 
-MAX_TOLD_LINES: Final = 10  # lines of one file that are told
+MAX_TOLD_LINES: Final = 10  # changed lines of one file that are listed
 MAX_SHOWN_LETTERS: Final = 60  # [characters] of a line or value shown
 SETTING_PATTERN: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
 
@@ -28,7 +33,10 @@ class StateDifference(NamedTuple):
 
 
 def _layout() -> tuple[str, ...]:
-    """Return the name of each number of the state: its own, or its block's with the place in it."""
+    """Return the name of each number: its own, or its block's and place, as ``motion[0]``.
+
+    ``whole`` is the state as one block over the same memory, and names nothing.
+    """
     names = [""] * (STATE.itemsize // 8)
     single: dict[str, int] = {}
     for name, place in (STATE.fields or {}).items():

@@ -1,4 +1,10 @@
-"""The axes that are worked by hand, and the roles that carry orders out."""
+"""What an exercise has worked by hand (rudder, planes, speed, ballast), and by which roles.
+
+Such an axis may not be given to the autopilot, because the crew is to learn to work it. An order to
+the crew, such as a course, has to be carried out by a person, who needs the axis that steers it
+(the rudder). ``dispatch`` refuses orders by these functions, and says who should obey when nobody
+mans the axis.
+"""
 
 import re
 from collections.abc import Callable, Collection
@@ -6,17 +12,17 @@ from typing import Final, NamedTuple
 
 from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS
 from trainer.io.orders.grammar import Order, parse
-from trainer.session.stations.roles import CREW_ROLES, ROLES
+from trainer.session.stations.roles import CREW_ROLES, ROLES, TRAINEE
 
 WORDS_AXIS: Final = "words"  # the axis of an order in words
-STEERING_ROLES: Final = ("helm", "pilot")
-DIVING_ROLES: Final = ("planes", "pilot", "diving")
+STEERING_ROLES: Final = ("helm", "pilot", TRAINEE)
+DIVING_ROLES: Final = ("planes", "pilot", "diving", TRAINEE)
 REPEATING_ROLES: Final = {  # who repeats an order
     "course": STEERING_ROLES,
     "speed": STEERING_ROLES,
     "depth": DIVING_ROLES,
     "pitch": DIVING_ROLES,
-    WORDS_AXIS: CREW_ROLES,
+    WORDS_AXIS: (*CREW_ROLES, TRAINEE),
 }
 # The axes that an exercise may have worked by hand: in words, and an order by hand.
 BY_HAND: Final = {
@@ -69,7 +75,7 @@ def unmanned_axes(hand: Collection[str], attends: Callable[[str], bool]) -> list
     return [
         axis
         for axis in AUTOMATIC_ORDERS_BY_AXIS
-        if axis in hand and not any(map(attends, workers(axis)))
+        if axis in hand and not any(map(attends, (*workers(axis), TRAINEE)))
     ]
 
 

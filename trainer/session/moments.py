@@ -1,4 +1,8 @@
-"""The latest moments of a branch, in memory that is allocated once, at the start."""
+"""The latest moments of a branch, in a ring of memory allocated at the start.
+
+``history`` keeps one moment every 10 s here, to go back to when the recording cannot be read, or
+there is none. The memory is allocated once, because a tick that allocates may be late.
+"""
 
 import struct
 from typing import Final

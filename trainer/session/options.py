@@ -1,4 +1,7 @@
-"""The options of a run from the command line, by name, checked by their types."""
+"""The options of a run, as a record: those of ``trainer run``, ``serve`` and ``resume``.
+
+``cli`` fills it from the command line; ``plan`` and ``run`` read it.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +27,7 @@ class RunOptions:
     seed: int = 1
     width: str = "qualified"  # of the bands that it is judged by
     trainee: tuple[str, ...] = ()  # names
+    familiarisation: bool = False  # these get to know the simulator: there are no marks
     orders_file: Path | None = None
     # its time
     duration: float | None = None  # [s]
@@ -31,6 +35,7 @@ class RunOptions:
     overrun: str = "catch-up"
     priority: str = "realtime"
     frozen: bool = False
+    train: bool = False  # the console is that of who trains alone
     verbose: bool = False  # its summary has duty cycle and lateness
     until_left: bool = False
     # what is kept
@@ -62,4 +67,4 @@ class RunOptions:
     origin: str = "25,-45"
     # beside the options
     given: frozenset[str] = frozenset()
-    note: str = ""  # what the crew is told of how the boat is computed
+    note: str = ""  # a line for newcomers on how the boat is computed

@@ -1,4 +1,9 @@
-"""The server of the pages, a process that is restarted when it dies or hangs."""
+"""The pages' server (``web``) as a process, restarted when it dies or hangs.
+
+It is a separate process, because many browsers would make the ticks late in this one. It writes a
+byte each second as a sign of life. A thread here reads them, and starts another process when they
+stop. The listening socket stays open meanwhile, so that browsers can connect again.
+"""
 
 import contextlib
 import os
@@ -18,9 +23,8 @@ from trainer.session.options import RunOptions
 from trainer.session.ports import refusing
 from trainer.session.stations.roles import read_tokens, refuse_open_door
 
-FIRST_RESTART_S: Final = (
-    0.25  # [s] until a dead server is begun again, twice as long each time after
-)
+# [s] until a dead server is begun again, twice as long each time after
+FIRST_RESTART_S: Final = 0.25
 MAX_WAIT_S: Final = 8.0  # [s] between two restarts
 STEADY_TIME_S: Final = 30.0  # [s] after which a server has done well, and waits are short again
 CLOSE_TIMEOUT_S: Final = 3.0  # [s] for the process to end by itself

@@ -1,4 +1,8 @@
-"""The plan of a run. The command line overrules the exercise, the exercise overrules the vessel."""
+"""The plan of a run: all its settings, decided before it starts.
+
+The command line overrules the exercise, and the exercise overrules the vessel file. ``run`` makes
+the boat and the session by the plan; replays and marks make it again from a recording's header.
+"""
 
 import math
 from collections.abc import Mapping
@@ -17,6 +21,7 @@ from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
 from trainer.config.derived import Loss
 from trainer.config.exercise import (
+    AIDS,
     ConditionalCasualty,
     Exercise,
     ExerciseLimits,
@@ -25,8 +30,9 @@ from trainer.config.exercise import (
 )
 from trainer.config.files import ConfigError, read_text
 from trainer.config.reference_crew import Crew
-from trainer.config.score_rules import ScoreRule
+from trainer.config.score_rules import ScoreRule, with_quiet_hands
 from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
+from trainer.config.steps import Step
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.config.world import WorldTables
 from trainer.core.scheme import RUNGE_KUTTAS
@@ -37,7 +43,7 @@ from trainer.session.options import RunOptions
 from trainer.units import KNOT
 
 STEP_LIMITS = 0.001, 2.0  # [s] of steps that are accepted
-# the key of an exercise's heading, by the option that overrules it
+# For each option that overrules an exercise: the key of the exercise's heading that it overrules.
 OVERRULED_SETTINGS: Final = {
     "vessel": "vessel",
     "equations": "equations",
@@ -63,16 +69,17 @@ class Plan:
     sea: SeaFile
     seed: int
     duration: float | None  # [s]
-    title: str  # "" without an exercise
-    briefing: str
-    initial: StartState
     schedule: list[ScheduledOrder]
     casualties: Mapping[str, Casualty]
-    armed: tuple[ConditionalCasualty, ...]
-    limits: ExerciseLimits
-    scores: tuple[ScoreRule, ...]
+    # Of the exercise. Without one these defaults hold.
+    title: str = ""
+    briefing: str = ""
+    initial: StartState = field(default_factory=StartState)
+    armed: tuple[ConditionalCasualty, ...] = ()
+    limits: ExerciseLimits = field(default_factory=ExerciseLimits)
+    scores: tuple[ScoreRule, ...] = ()
     own_schedule: tuple[ScheduledOrder, ...] = ()  # of the exercise alone, without --orders
-    instructor: str = ""  # what the instructor alone is told
+    instructor: str = ""  # the briefing that only the instructor gets
     hand: tuple[str, ...] = ()  # axes that the crew works
     hand_from: float = 0.0  # [s]
     allowed: tuple[str, ...] = ()  # automatic orders, all the same
@@ -82,6 +89,8 @@ class Plan:
     crew: Crew = field(default_factory=Crew)  # the reference crew
     baseline: Baseline | None = None  # as it was flown and kept
     world: WorldTables = field(default_factory=dict)  # the exercise's own
+    steps: tuple[Step, ...] = ()  # that lead a trainee
+    aids: tuple[str, ...] = AIDS  # that are allowed
 
     @property
     def judged_by_tasks(self) -> bool:
@@ -112,7 +121,10 @@ class Plan:
 
     @property
     def hides(self) -> bool:
-        """Return whether the plan has casualties, which the crew must not know before."""
+        """Return whether the plan has casualties, which the crew must not know before.
+
+        The briefing of an older file is then for the instructor alone.
+        """
         return bool(self.armed) or any(each.order.name == "casualty" for each in self.schedule)
 
     def start(self, boat: Boat) -> None:
@@ -150,37 +162,43 @@ def plan_run(options: RunOptions) -> Plan:
     sea, method = exercise_sea or load_sea(options.sea or "calm"), choose_method(file, chosen)
     if problem := step_problem(sea_settings(sea, file.fluid.g), method.step):
         raise ConfigError(f"{sea.path.name}: {problem}")
-    own_schedule = [
-        *(into_hand(exercise, file) if exercise else ()),
-        *(exercise.schedule_of(int(chosen.seed)) if exercise else ()),
-    ]
+    own_schedule = []
+    if exercise:
+        own_schedule = [*into_hand(exercise, file), *exercise.schedule_of(int(chosen.seed))]
     schedule = [*own_schedule, *read_schedule(options.orders_file)]
-    heading = exercise.heading if exercise else None
-    return Plan(
+    plan = Plan(
         file=file,
         method=method,
         sea=sea,
         seed=int(chosen.seed),
         duration=chosen.duration,
-        title=exercise.heading.name if exercise else "",
-        briefing=exercise.heading.briefing if exercise else "",
-        initial=exercise.initial if exercise else StartState(),
         schedule=sorted(schedule, key=lambda entry: entry.seconds),
         casualties=exercise.casualties if exercise else load_casualties(),
-        armed=exercise.armed if exercise else (),
-        limits=exercise.limits if exercise else ExerciseLimits(),
-        scores=exercise.scores if exercise else (),
+    )
+    if exercise is None:
+        return plan
+    heading = exercise.heading
+    return replace(
+        plan,
+        title=heading.name,
+        briefing=heading.briefing,
+        initial=exercise.initial,
+        armed=exercise.armed,
+        limits=exercise.limits,
+        scores=with_quiet_hands(exercise.scores, heading.hand or ()),
         own_schedule=tuple(sorted(own_schedule, key=lambda entry: entry.seconds)),
-        instructor=(heading and heading.instructor) or "",
-        hand=(heading and heading.hand) or (),
-        hand_from=(heading and heading.hand_from_s) or 0.0,
-        allowed=(heading and heading.allowed) or (),
-        guard=DepthGuard((heading and heading.guard_depth_m) or math.inf),
-        visitors=bool(heading and heading.visitors),
-        lost=exercise.lost if exercise else (),
-        crew=exercise.crew if exercise else Crew(),
-        baseline=kept_baseline(exercise.path) if exercise else None,
-        world=exercise.world if exercise else {},
+        instructor=heading.instructor or "",
+        hand=heading.hand or (),
+        hand_from=heading.hand_from_s or 0.0,
+        allowed=heading.allowed or (),
+        guard=DepthGuard(heading.guard_depth_m or math.inf),
+        visitors=bool(heading.visitors),
+        lost=exercise.lost,
+        crew=exercise.crew,
+        baseline=kept_baseline(exercise.path),
+        world=exercise.world,
+        steps=exercise.steps,
+        aids=exercise.aids,
     )
 
 

@@ -1,4 +1,8 @@
-"""The lines of a session, opened as the command line asks: terminal, serial lines, sockets."""
+"""The ports by which stations reach a session: terminal, serial lines, TCP and local sockets.
+
+``run`` opens those that the command line asks for, and closes them at the end. A port that cannot
+be opened raises ConfigError, which names its option.
+"""
 
 import contextlib
 import math
@@ -19,13 +23,7 @@ from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import Server, parse_address, private_folder
 from trainer.io.status_line import clock
 from trainer.session.options import RunOptions
-from trainer.session.stations.roles import (
-    ROLES,
-    Access,
-    GuessWaits,
-    read_tokens,
-    refuse_open_door,
-)
+from trainer.session.stations.roles import ROLES, Access, GuessWaits, read_tokens, refuse_open_door
 from trainer.session.stations.station import Log, News, Station
 from trainer.session.stations.subscriptions import Sender
 
@@ -58,7 +56,11 @@ class Ports:
     addresses: list[str] = field(default_factory=list)  # where lines come in, the nearest first
 
     def terminal(self, *, unhurried: bool) -> Station:
-        """Return the station of the terminal: a person, who instructs."""
+        """Return the station of the terminal: a person, who instructs.
+
+        In an ``unhurried`` run, which keeps no time, lines are written at once, and a pipe is read
+        first, so that its orders act before the first tick.
+        """
         out = writer(1)
         sender = DirectSender(out, b"\n") if unhurried else Outbox(out, line_end=b"\n")
         inbox = Inbox(reader(0), self.wake)

@@ -1,4 +1,8 @@
-"""The questions to a session, whose answers change nothing of the run."""
+"""The questions to a session, such as ``who``, which change nothing of the run.
+
+``dispatch`` calls the function that ``duties`` has for the order word. The orders ``mark`` and
+``ack`` stand here too: they record an event, but move nothing.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,6 +10,7 @@ from dataclasses import dataclass
 from trainer.boat.casualties import available_casualties, casualty_listing, degrees
 from trainer.io.orders.grammar import Reply
 from trainer.session.agenda import Agenda
+from trainer.session.evaluation import Evaluation
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.shown import ScreenOutput
@@ -21,12 +26,14 @@ class Questions:
     log: EventLog
     agenda: Agenda
     shown: ScreenOutput
+    evaluation: Evaluation
 
     @property
     def duties(self) -> Mapping[str, Duty]:
         """Return the functions that answer the questions, by order word."""
         return {
-            "status": lambda asked: LongAnswer(self.shown.status(asked.station)),
+            "status": self._status,
+            "what-if": self.evaluation.ask,
             "log": lambda asked: LongAnswer(
                 self.log.lately(asked.station.role, int(asked.order.value))
             ),
@@ -37,6 +44,12 @@ class Questions:
             "mark": self._mark,
             "ack": lambda asked: self.log.acknowledge(asked.order, asked.station),
         }
+
+    def _status(self, asked: Request) -> LongAnswer:
+        lines = self.shown.status(asked.station)
+        if asked.station.role is INSTRUCTOR_ROLE:
+            lines.append(self.evaluation.status())
+        return LongAnswer(lines)
 
     def _casualties(self, asked: Request) -> LongAnswer:
         boat = self.history.boat

@@ -1,4 +1,10 @@
-"""The replay of a recording by its orders, comparing states bit by bit."""
+"""The replay of a recording by its orders, comparing states bit by bit.
+
+``trainer replay`` flies each branch again from its first recorded state, gives the recorded orders
+at their ticks, and compares every state. The same program has to arrive at the same bits; what
+differs shows a change of the equations. With another step or vessel (``otherwise``) states cannot
+be the same: then the branch is flown from the plan's start, and the first difference is reported.
+"""
 
 import math
 from collections import deque
@@ -66,7 +72,7 @@ class ReplayFlight:
 
 @dataclass(frozen=True)
 class Course:
-    """The conditions in which the branches of a recording are flown."""
+    """The plan, boat and world with which the branches of a recording are flown."""
 
     plan: Plan
     boat: Boat

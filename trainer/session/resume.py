@@ -1,4 +1,9 @@
-"""A recorded run goes on, after the boat is brought to its last order."""
+"""The order ``trainer resume``: a recorded run goes on where its recording ends.
+
+The boat gets the last recorded state, and the orders that were given after it once more.
+ConfigError if the vessel file, the exercise or the program has changed since, unless the user
+insists, because the run would go on differently from how it began.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,12 +21,7 @@ from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.facts import NO_CREW_FACT
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise import DebriefSource
-from trainer.session.header import (
-    differences,
-    layout_of,
-    plan_of,
-    refusing_damage,
-)
+from trainer.session.header import differences, layout_of, plan_of, refusing_damage
 from trainer.session.history import History
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
@@ -47,7 +47,7 @@ def resume_boat(
             warm_boat(boat)
             set_garbage_aside()
             history = bring_up(recording, plan, boat, layout_of(header))
-            history.noted()  # what is damaged in its past is told before anything begins
+            history.noted()  # a damaged past raises an error here, before anything begins
     except BaseException:
         recording.close()
         raise
@@ -93,6 +93,7 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
     that no order is lost.
     """
     plan.start(boat)  # also what no state holds: the triggers armed
+    recording.leave_shown()
     latest = recording.latest()
     boat.restore(read_state(latest.state, layout, boat.records.state))
     if boat.ticks != latest.tick:

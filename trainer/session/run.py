@@ -1,4 +1,9 @@
-"""A run from its plan to its summary: parts made, joined, started and closed."""
+"""A run from its plan to its summary: parts made, joined, started and closed.
+
+``cli`` calls ``run_boat`` for ``trainer run`` and ``serve``; ``resume`` calls ``fly_session`` with
+a boat brought to where its recording ends. One run may fly several exercises, one after another:
+clock, judge and pages stay (``LastingParts``), all else is made anew for each.
+"""
 
 import contextlib
 import math
@@ -7,6 +12,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -28,6 +34,7 @@ from trainer.io.status_line import course
 from trainer.io.tables import MOTION_COLUMNS, CsvFile, NoFile
 from trainer.session.account import SummaryOptions, account
 from trainer.session.agenda import Agenda
+from trainer.session.aids import GHOST
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
 from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises, problem_with
@@ -113,11 +120,16 @@ def run_boat(
                 given=given_options,
                 record=None,
                 frozen=True,
+                familiarisation=False,  # the next exercise is one
             )
 
 
 def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
     """Run one exercise, or none, to its end."""
+    if options.familiarisation and not options.trainee:
+        raise ConfigError(
+            "--familiarisation: it is kept with a trainee's recordings: --trainee NAME"
+        )
     with remembering() as texts:
         plan = plan_run(options)
     boat = ready_boat(plan, options)
@@ -271,6 +283,9 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
             with quiet, shown as session.progress, time.attended():
                 session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND_NS
+        session.dispatch.way.finish()
+        session.evaluation.finish()
+        session.conduct.remember()
         session.conduct.work.finish()
         session.event_log.strangers.close()
         if not session.control.following:  # else whoever is there comes back for it
@@ -299,18 +314,30 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
     conduct.debriefing, conduct.following = prepared.begun.debriefing, prepared.following
     conduct.scored = bool(plan.scores)
     conduct.visitors = plan.visitors
+    conduct.trainees = bool(options.trainee)
+    conduct.exercise = Path(options.exercise).stem if options.exercise else ""
+    conduct.guide.steps = plan.steps
+    conduct.aids.plan = session.dispatch.way.plan = plan
     conduct.kept = Path(prepared.kept) if prepared.kept else None
     if lives_on(options):
         conduct.ending = ExerciseEnd.of(prepared.boat, plan.lost, plan.duration)
     if prepared.boat.ticks:
         session.event_log.news.extend(recalled_past(prepared.history))
-    if compilation.is_interpreted() and options.note and cache_lasts():
-        await_code(session)
+    words = conduct.debriefing.evaluator if conduct.debriefing else ()
+    evaluate = partial(session.evaluation.begin, words, conduct.kept, plan)
+    if not compilation.is_interpreted():
+        evaluate()
+    elif options.note and cache_lasts():
+        await_code(session, evaluate)
 
 
-def await_code(session: Session) -> None:
+def await_code(session: Session, evaluate: Callable[[], None]) -> None:
     """Go over to machine code between two ticks, once it is there; announce the progress."""
     work, log = session.conduct.work, session.event_log
+
+    def go_over(tick: Callable[[], int]) -> None:
+        session.conduct.go_over(tick)
+        evaluate()
 
     def tell(percent: int) -> None:
         if percent // PERCENT_PER_LINE > percents[-1] // PERCENT_PER_LINE:
@@ -327,7 +354,7 @@ def await_code(session: Session) -> None:
         if tick is None:
             why = "" if work.closing.is_set() else "compiling beside has failed"
             return lambda: log.tell("trouble", why) if why else None
-        return lambda: session.conduct.go_over(tick)
+        return lambda: go_over(tick)
 
     percents = [compilation.tick_progress()]
     work.begin("machine code", task)
@@ -389,8 +416,11 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
         limits=plan.limits,
         lost=plan.lost,
         tasks=tuple(rule.score.name for rule in plan.scores if rule.part != "keeping"),
+        steps=len(plan.steps),
         duration=plan.duration,
         visitors=plan.visitors,
+        aids=plan.aids if plan.crew.rules else tuple(each for each in plan.aids if each != GHOST),
+        way=bool(plan.crew.rules),
     )
 
 

@@ -1,8 +1,10 @@
-"""A live run and a replayed one: two objects with one face.
+"""A live run, a shown one and a replayed one: three objects with one face.
 
-At every tick the session asks its run which orders are due, and hands it the new state. Nothing
-else asks whether it is a replay. A live run records the state. A replayed one takes its orders from
-the recording and compares the states, because a replay that leaves its recording has to say so.
+``history`` holds the one at work. At every tick the session asks its run which orders are due, and
+hands it the new state. Nothing else asks whether it is a replay. A live run records the state. A
+replayed one takes its orders from the recording and compares the states, because a replay that
+leaves its recording has to say so. A shown one is recorded too, with the orders of the reference
+crew.
 """
 
 import math
@@ -11,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 from trainer.boat.boat import Boat
+from trainer.boat.depths import collapse_of
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder
@@ -24,19 +27,15 @@ class Judge(Protocol):
 
     def collide(self, met: EncounterMonitor) -> None:
         """Freeze or end after a collision, as the exercise says."""
-        ...
 
     def tell_ground(self) -> object:
         """Announce contact with the ground."""
-        ...
 
     def judge_hull(self) -> None:
         """Announce grounding or collapse, and freeze or end as the exercise says."""
-        ...
 
     def look(self) -> None:
         """End the exercise if this tick ends it."""
-        ...
 
 
 class Orders(Protocol):
@@ -44,23 +43,18 @@ class Orders(Protocol):
 
     def obey_schedule(self) -> None:
         """Carry out the exercise's scheduled orders."""
-        ...
 
     def obey_plans(self) -> None:
         """Carry out the instructors' plans."""
-        ...
 
     def obey_again(self) -> None:
         """Obey recorded orders again."""
-        ...
 
     def obey_watch(self) -> None:
         """Carry out the orders of those on watch."""
-        ...
 
     def end_replay(self, outcome: str) -> None:
         """Freeze time where a replay has come to its end."""
-        ...
 
 
 class Talk(Protocol):
@@ -68,7 +62,6 @@ class Talk(Protocol):
 
     def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
         """Record an event."""
-        ...
 
 
 class NoTalkRecord:
@@ -90,23 +83,18 @@ class RunHistory(Protocol):
     @property
     def tick(self) -> int:
         """Return the number of ticks done."""
-        ...
 
     def now(self) -> Moment:
         """Return the present moment."""
-        ...
 
     def record(self, tick: int, state: bytes) -> None:
         """Record the state after a tick of a live run."""
-        ...
 
     def include(self, entry: RecordedOrder) -> None:
         """Take it that the present state includes an order of the journal."""
-        ...
 
     def arrive(self, difference: str) -> str:
         """End a replay that has reached its last moment; return its outcome in words."""
-        ...
 
 
 class LiveRun:
@@ -114,6 +102,7 @@ class LiveRun:
 
     barred = ""  # why nobody may order the boat
     replaying = False  # as it is shown
+    shows_way = False  # the reference crew flies it
 
     def __init__(self, history: RunHistory) -> None:
         self._history = history
@@ -128,11 +117,16 @@ class LiveRun:
     ) -> Iterator[tuple[int, ScheduledOrder]]:
         """Yield the entries that act on the next tick or before it, with their places."""
         history = self._history
-        while history.flown is self and history.place < len(schedule):
-            entry = schedule[history.place]
-            if math.ceil(entry.seconds / history.boat.method.step - 1e-9) > history.tick:
-                return
-            yield history.place, entry
+        while history.flown is self and self.next_due(schedule) <= history.tick:
+            yield history.place, schedule[history.place]
+
+    def next_due(self, schedule: Sequence[ScheduledOrder]) -> float:
+        """Return the tick before which the next entry acts, infinity without one."""
+        history = self._history
+        if history.place >= len(schedule):
+            return math.inf
+        seconds = schedule[history.place].seconds
+        return math.ceil(seconds / history.boat.method.step - 1e-9)
 
     def recorded(self, _schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
         """Yield no order, because a live run's orders are not recorded ones."""
@@ -181,11 +175,55 @@ class LiveRun:
         return self._history.now()
 
 
+class ShownRun(LiveRun):
+    """A run on which the reference crew shows the way, up to a tick."""
+
+    barred = "the reference crew shows the way: demonstrate off ends it"
+    shows_way = True
+
+    def __init__(
+        self,
+        history: RunHistory,
+        last_tick: int,
+        speak: Callable[[], None],
+        end: Callable[[], None],
+    ) -> None:
+        super().__init__(history)
+        self.last = last_tick
+        self._speak, self._end = speak, end
+
+    def has_orders(self, _schedule: Sequence[ScheduledOrder]) -> bool:
+        """Return True, because the crew may order something, or the end be there."""
+        return True
+
+    def obey_due(self, orders: Orders) -> bool:
+        """Obey the schedule and then the crew; return whether the way has been shown."""
+        if self._history.tick >= self.last:
+            self._end()
+            return True
+        orders.obey_schedule()
+        self._speak()
+        return False
+
+    def judge(self, _judge: Judge, encounters: EncounterMonitor) -> None:
+        """Show no more of a boat that is lost. What is shown ends no exercise."""
+        if encounters.struck or collapse_of(self._history.boat):
+            self.last = self._history.tick
+
+    def judge_hull(self, judge: Judge) -> None:
+        """Tell of the ground."""
+        judge.tell_ground()
+
+    def watch(self, _orders: Orders) -> None:
+        """Do nothing, because the crew's watch is not theirs."""
+
+
 class ReplayedRun:
     """A run flown again by its recorded orders, and compared with its recorded states."""
 
     barred = "a replay is running: take over first"
     replaying = True
+    shows_way = False
 
     def __init__(self, history: RunHistory, orders: Sequence[RecordedOrder], end: Moment) -> None:
         self._history = history
@@ -203,6 +241,10 @@ class ReplayedRun:
     ) -> Iterator[tuple[int, ScheduledOrder]]:
         """Yield nothing, because the recorded orders include those of the schedule."""
         return iter(())
+
+    def next_due(self, _schedule: Sequence[ScheduledOrder]) -> float:
+        """Return 0, because each tick is compared with the recorded one."""
+        return 0.0
 
     def recorded(self, schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
         """Yield the orders that were given at this tick, and who gave each."""
@@ -268,7 +310,7 @@ class ReplayedRun:
         return self._end
 
 
-Run = LiveRun | ReplayedRun
+Run = LiveRun | ShownRun | ReplayedRun
 
 
 def order_of(entry: RecordedOrder, schedule: Sequence[ScheduledOrder]) -> Order | None:

@@ -1,7 +1,12 @@
-"""The session: boat, clock, recording and stations, joined in the thread that ticks."""
+"""One run: the loop that waits, listens to the stations, and takes the ticks.
+
+``run`` (the module) makes a Session and calls ``run``. All of it happens in one thread, so no two
+orders and no order and tick act at once; the tick waits for no disk and no station.
+docs/architecture.md has the order of what a tick does.
+"""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
 from typing import Final
 
@@ -14,6 +19,7 @@ from trainer.session.dispatch import Dispatch
 from trainer.session.event_log import Rank
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
+from trainer.session.quiet import QuietTicks
 from trainer.session.stations.station import Duty, Fact, Request
 from trainer.session.time.ledger import SECOND_NS
 from trainer.session.time.pacer import WAIT_WOKEN, PacerEvent
@@ -47,17 +53,23 @@ class Session(Parts):
             self.crew,
             self.agenda,
             introduction,
+            self.evaluation,
             self.wake,
             self._hear,
         )
-        questions = Questions(self.history, self.event_log, self.agenda, self.shown)
+        questions = Questions(
+            self.history, self.event_log, self.agenda, self.shown, self.evaluation
+        )
         briefing: Mapping[str, Duty] = {"briefing": self.attendance.brief}
         self.dispatch = Dispatch(self, {**briefing, **questions.duties, **self.conduct.duties})
+        self.conduct.guide.give = self.dispatch.obey_step
+        self.quiet = QuietTicks(self)
         self.standing.go_back()  # a recorded run goes on
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can say run."""
         self._write_row()
+        self.conduct.guide.settle()  # of a lesson that goes on
         self.conduct.judge_hull()  # a recorded run may have ended in a collapse
         self.conduct.look()  # or at its exercise's end
         if any(self.history.flown.due_of_schedule(self.agenda.schedule)):
@@ -73,10 +85,19 @@ class Session(Parts):
             if self.time.pacer.wait(self.wake) is WAIT_WOKEN:
                 self.wake.clear()
                 self.attendance.listen()
+            elif self.quiet.fly(self.last_tick):
+                self._keep_quiet()
             else:
                 self.tick()
             if self.control.steps:
                 self._take_steps()  # those of the schedule, and those still to be taken
+
+    def _keep_quiet(self) -> None:
+        """Write the rows of ticks in which nobody had anything to say; show how far it is."""
+        for row in self.quiet.rows_of(self.rows.columns):
+            self._write(row)
+        if self.progress:
+            self.progress(self.boat.ticks)
 
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
@@ -164,6 +185,7 @@ class Session(Parts):
             rank = Rank.EMERGENCY if passed.too_deep else None
             self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)
         flown.judge(self.conduct, self.monitors.limits.encounters)
+        self.evaluation.look()
         self.dispatch.tell_plans()
         if tick >= self.crew.due:
             self.dispatch.say(self.crew.missing(tick, self.event_log.attended))
@@ -181,10 +203,13 @@ class Session(Parts):
 
     def _write_row(self) -> None:
         """Hand the state to the file of columns; announce at once if that fails."""
-        if not self.rows.columns:
-            return
+        if self.rows.columns:
+            self._write(self.boat.numbers(self.rows.columns))
+
+    def _write(self, row: Sequence[float]) -> None:
+        """Hand a row to the file of columns; announce at once if that fails."""
         recorder = self.rows.recorder
         before = recorder.trouble
-        recorder.row(self.boat.numbers(self.rows.columns))
+        recorder.row(row)
         if recorder.trouble != before:
             self.event_log.tell("trouble", f"NOT RECORDED: {recorder.trouble}")

@@ -1,9 +1,15 @@
-"""The present moment as screens see it, and how time runs."""
+"""The present moment as it is offered to the screens, and how time runs.
 
+A state alone does not say whether time is frozen, how fast it runs, or what was last said to the
+crew. ``ScreenOutput`` adds that to each state, and hands both to the sender (``subscriptions``).
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
+from trainer.session.stations.aids import NO_AIDS, ShownAids
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Station
@@ -21,6 +27,9 @@ class ScreenOutput:
     time: Timekeeping
     crew: CrewTalk
     sending: Sender
+    aids: ShownAids = NO_AIDS
+    seen: Callable[[], object] = bool  # called after a moment that may stand still is shown
+    lesson: str = ""  # the step of a lesson, in place of the words to the crew
     _pace: Pace = field(default_factory=Pace)  # as it was last shown: what changes it shows it
     _reader: StateReader = field(init=False)
 
@@ -29,9 +38,14 @@ class ScreenOutput:
 
     def show(self) -> None:
         """Show the present moment, and how time runs from here on."""
-        now, time, replaying = self.history.now(), self.time, self.history.flown.replaying
-        self._pace = Pace(time.frozen, time.speed, now.branch, replaying, self.crew.told, now.after)
+        now, time, flown = self.history.now(), self.time, self.history.flown
+        told = self.lesson or self.crew.told
+        self._pace = Pace(
+            *(time.frozen, time.speed, now.branch, flown.replaying, told, now.after),
+            *(flown.shows_way, self.aids),
+        )
         self.sending.offer(now.tick, now.state, self._pace)
+        self.seen()
 
     def show_tick(self, tick: int, state: bytes) -> None:
         """Show the state after a tick. How time runs has not changed."""
@@ -39,7 +53,12 @@ class ScreenOutput:
 
     def take_words(self) -> None:
         """Note the last words to the crew, which the next state shows."""
-        self._pace = self._pace._replace(told=self.crew.told)
+        self._pace = self._pace._replace(told=self.lesson or self.crew.told)
+
+    def show_lesson(self, text: str) -> None:
+        """Show the step of a lesson from the next state on, "" for none."""
+        self.lesson = text
+        self.take_words()
 
     def status(self, station: Station) -> list[str]:
         """Return all lines about the boat that a station may know."""

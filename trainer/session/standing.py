@@ -1,8 +1,9 @@
 """The words, repeats and plans that stand on board after each order of the journal.
 
-A jump in time puts back what stood after the last order of its moment. The number of an order is
-enough to find that, because it also says which orders came before, on any branch. The journal is
-read, and its orders are understood anew, only where another process gave them.
+``dispatch`` keeps them after each order. A jump in time puts back what stood after the last order
+of its moment. The number of an order is enough to find that, because it also says which orders came
+before, on any branch. The journal is read, and its orders are understood anew, only where another
+process gave them.
 """
 
 from dataclasses import dataclass, field
@@ -28,7 +29,7 @@ class StandRecord:
     _by_order: dict[int, Stand] = field(default_factory=lambda: {0: EMPTY_STAND}, repr=False)
 
     def keep(self) -> None:
-        """Keep what stands after the last order. Most orders change nothing and share one entry."""
+        """Record the talk and plans after the last order. Most orders share an entry: no change."""
         now = self.crew.talk, self.agenda.plans
         if now != self._latest:
             self._latest = now

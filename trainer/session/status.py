@@ -1,4 +1,8 @@
-"""Everything about the boat in words, for the instructor's order ``status``."""
+"""Everything about the boat in words, for the instructor's order ``status``.
+
+Each function returns some of its lines, at most 79 columns wide. Other roles see only the panels of
+their own station (``shown``).
+"""
 
 import math
 import textwrap

@@ -1,4 +1,9 @@
-"""The preparation of a boat before the clock starts: compiled, and of a stable step."""
+"""The preparation of a boat before the clock starts: compiled, and of a stable step.
+
+``run`` calls these functions, because code that compiles within a tick would stop the boat for
+seconds. As a program (``python -m trainer.session.warm_up``) it compiles for later starts, beside a
+run that flies by the interpreter meanwhile (``first_start``).
+"""
 
 import contextlib
 import gc
@@ -27,7 +32,7 @@ from trainer.units import KNOT
 BOAT_TEXT: Final = "the boat, this once (about a minute)"
 MAX_CPU_TIME_S: Final = 600  # [s] of processor time: whatever happens, it ends
 TICK_NICENESS: Final = 5  # a run is waiting for it, and goes first all the same
-REST_NICENESS: Final = 10
+REST_NICENESS: Final = 10  # of a process that compiles beside a run: the ticks come first
 
 
 def warm_boat(boat: Boat) -> None:

@@ -1,4 +1,8 @@
-"""The orders to the world that hold at a moment: current, ships near, ground."""
+"""The orders to the world that hold at a moment: current, ships near, ground.
+
+Whoever goes back, resumes or replays needs them: a current or a ship is no part of the boat's
+state, and follows from the orders given to the world so far.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,7 +16,10 @@ WorldOrders = Sequence[tuple[int, Order]]  # each with its tick
 
 
 class WorldOrder(NamedTuple):
-    """An order to the world with its tick, and the one before it."""
+    """An order to the world with its tick, and the one before it.
+
+    A chain shares its beginning with the chains of other branches.
+    """
 
     number: int
     tick: int

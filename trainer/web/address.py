@@ -1,4 +1,7 @@
-"""The address of the pages: as text, as a QR code, in a browser."""
+"""The address of the pages: as text, as a QR code, in a browser.
+
+``launch`` prints it when the server starts, so that crews reach the pages by telephone or tablet.
+"""
 
 import contextlib
 import io

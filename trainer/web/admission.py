@@ -1,12 +1,16 @@
-"""The limits of the pages' server: how many connections, how long silent.
+"""The limits of the pages' server on open connections, and on their silence.
 
-A connection takes its place when it is accepted, before TLS and before its first byte, and holds
-it until its socket is closed. It has 10 s to send a whole request, and 10 s after each answer to
-send the next one. A page's line, once it is open, has its own rules (``bridge``).
+They stop a client that opens connections and sends nothing (a slow-loris attack), because each open
+connection takes a file descriptor, of which a process has few. The server's library (uvicorn) has
+no such limits. So ``server`` accepts connections here, and hands each to the library afterwards.
 
-Where all places are taken, the connection that has been silent for longest gives way: silence shuts
-nobody out. Where none is silent, the newcomer is told why there is no place. This machine and all
-others have places of their own, so that neither can shut the other out.
+A connection takes a place when it is accepted, before TLS and before its first byte, and gives it
+back when its socket is closed. It has 10 s to send a whole request, and 10 s after each answer to
+send the next one. A WebSocket, once it is open, has its own limits (``bridge``).
+
+If all places are taken, the connection that has been silent for longest is closed to make room.
+If none is silent, the newcomer gets an HTTP answer 503 with the reason. This machine and all others
+have places of their own, so that neither can shut the other out.
 """
 
 import asyncio
@@ -29,7 +33,7 @@ from trainer.web.gate import SECURITY_HEADERS, Refusals
 MAX_CONNECTIONS: Final = 500
 MAX_CONNECTIONS_HERE: Final = 100  # of those; no other machine can take them
 MAX_CONNECTIONS_OF_MACHINE: Final = 32  # of another one: a browser opens six, and a line a page
-MAX_FAREWELLS: Final = 8  # newcomers that are being told why; beyond it they are cut off
+MAX_FAREWELLS: Final = 8  # newcomers that are being sent the reason; beyond it they are cut off
 REQUEST_TIMEOUT_S: Final = 10.0  # from the first contact, or from an answer, to a whole request
 ANSWER_TIMEOUT_S: Final = 60.0  # for an answer to be made and taken
 FAREWELL_TIMEOUT_S: Final = 2.0
@@ -88,7 +92,7 @@ class CountedSocket(socket.socket):
 
 
 class Visit:
-    """One connection: its machine, and its deadline for a request."""
+    """One open connection: the machine that it comes from, and its deadline for a request."""
 
     def __init__(self, machine: str, silent: dict["Visit", None]) -> None:
         """``silent`` has the connections that owe a request, the longest silent first."""
@@ -130,7 +134,10 @@ class Visit:
         self._call_later(timeout_s, self.cut_off)
 
     def _watch_line(self) -> None:
-        """Cut off a closed line whose browser does not take the rest in time."""
+        """Look every 10 s at an open WebSocket; cut it off once it is closing.
+
+        A browser that does not read the rest would keep a closing connection, and its place.
+        """
         call = self.cut_off if self.is_closing() else self._watch_line
         self._call_later(REQUEST_TIMEOUT_S, call)
 
@@ -154,7 +161,10 @@ class Visit:
 
 
 class WholeRequests:
-    """Passes on whole requests, and sets the deadline of each connection."""
+    """The outermost layer of the application, which waits for a whole request.
+
+    The deadline for a request ends only then, so that a body sent a byte at a time runs into it.
+    """
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -197,7 +207,7 @@ def replay_parts(parts: list[Message], receive: Receive) -> Receive:
 
 
 class Farewell(asyncio.Protocol):
-    """The answer to a newcomer without a place, once it sends its request."""
+    """The connection of a newcomer without a place, who gets the answer 503."""
 
     def __init__(self, why: str) -> None:
         self._answer = turned_away(why)

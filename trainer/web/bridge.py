@@ -1,8 +1,13 @@
-"""A page's line to the session: each text frame is a line, both ways.
+"""The bridge from a page's WebSocket to the session's TCP.
 
-The session knows nothing of browsers: each page is a station there, with a line of its own. So the
-session judges roles, tokens, the rate of orders and lost lines. The bridge stops only what could
-never be an order.
+``server`` calls ``Bridge.carry`` for each page that opens its WebSocket. The bridge dials the
+session once for that page, and copies lines: a text frame of the page is a line to the session, a
+line of the session is a text frame to the page. The session takes the page for one more station, so
+it checks roles, tokens and the rate of orders. The bridge itself refuses only frames that no
+station could send: bytes, more than one line, too long, too many a second.
+
+It adds two things that the session cannot: the tokens that this browser has in its cookies, and the
+address of a debrief's page, because the session knows the file's path alone.
 """
 
 import asyncio
@@ -83,7 +88,7 @@ class DebriefShelf:
 
 
 class RefusedError(Exception):
-    """A frame that could not be an order; the text says why."""
+    """A frame or a page that is not let through; the text says why."""
 
 
 class Allowance:
@@ -125,7 +130,7 @@ class Bridge:
                 reader, writer = await asyncio.open_connection(
                     sock=end, limit=2 * MAX_ANSWER_LETTERS
                 )
-                if page.client and local:
+                if page.client and local:  # the session counts stations by their machine
                     writer.write(f"{carried_for(page.client.host)}\n".encode("ascii"))
                 await self._attend(page, reader, writer, words, shelf)
         except RefusedError as error:
@@ -188,11 +193,9 @@ class Bridge:
             while line := await reader.readline():
                 sentence = line.decode("ascii", "replace").rstrip("\r\n")
                 await page.send_text(sentence)
-                if (
-                    shelf
-                    and DEBRIEF_FACT in sentence
-                    and (more := await asyncio.to_thread(debrief_fact, sentence, shelf))
-                ):
+                if not shelf or DEBRIEF_FACT not in sentence:
+                    continue
+                if more := await asyncio.to_thread(debrief_fact, sentence, shelf):
                     await page.send_text(more)
         except (OSError, ValueError, WebSocketDisconnect, RuntimeError):
             pass

@@ -1,8 +1,10 @@
-"""The gate before the pages refuses foreign names and foreign pages.
+"""The check that each HTTP request comes from a page of this server.
 
-A page of another server can make a browser send requests here. The gate refuses them, because they
-carry that page's origin. Another's name can be made to point here (DNS rebinding). Such requests
-are refused too, because their Host header is none of this server's names.
+``server`` puts ``Gate`` around its application. A page of another server can make a browser send
+requests here (cross-site requests). The gate refuses those whose Origin header is not this server.
+An attacker's host name can also be made to point to this machine (DNS rebinding). The gate refuses
+those requests too, because their Host header is none of this server's names. The answers get
+headers that forbid the browser to load anything from elsewhere (SECURITY_HEADERS).
 """
 
 import asyncio
@@ -28,9 +30,12 @@ Tell = Callable[[str], None]
 
 LOOPBACK_HOSTS: Final = ("127.0.0.1", "localhost", "::1")
 WILDCARD_HOSTS: Final = ("0.0.0.0", "::", "")  # noqa: S104  compared, not listened at
+PAGE_POLICY: Final = (
+    "default-src 'self'; img-src 'self' data:; object-src 'none'; "
+    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
+)
 SECURITY_HEADERS: Final[Mapping[str, str]] = {
-    "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; object-src 'none'; "
-    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
+    "Content-Security-Policy": PAGE_POLICY,
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Permissions-Policy": "camera=(), geolocation=(), microphone=()",
@@ -181,6 +186,11 @@ def hash_of(text: str) -> str:
     """Return the hash of a text, in the form of a Content-Security-Policy."""
     digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
     return f"'sha256-{digest}'"
+
+
+def page_policy(script_map: str) -> str:
+    """Return the policy of a page, which allows its import map inline."""
+    return f"{PAGE_POLICY}; script-src 'self' {hash_of(script_map)}"
 
 
 def policy_of(html: str) -> str:

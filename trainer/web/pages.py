@@ -1,12 +1,10 @@
-"""The pages are made once at the start from templates and catalogues of words.
+"""The HTML of the pages, made once at the server's start from Jinja templates.
 
-Catalogues hold plain text, without contexts and plurals. So a short reader here does the work of a
-library.
+``PAGES`` lists them. What a page says is put into it in every language (``words``), and its script
+chooses one.
 """
 
-import ast
-import re
-from collections.abc import Container
+from collections.abc import Collection, Container
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -17,69 +15,14 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from trainer import __version__
 from trainer.config.contacts import SHIP_TYPES
 from trainer.config.course import course
-from trainer.config.files import ConfigError, read_text
+from trainer.config.course import lessons as step_lessons
 from trainer.io.orders.help import limits_and_units, usage
 from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import FORMS, Form, heading_word
+from trainer.web.words import said_in_page, translated
 
-LOCALE_FOLDER: Final = Path(__file__).parent / "locale"
-CATALOGUE_KEYWORDS: Final = ("msgid", "msgstr")
-CATALOGUE_LINE: Final = re.compile(r'(?:(\w+(?:\[\d+\])?)\s+)?("(?:[^"\\]|\\.)*")')
-VALUE_HOLE: Final = re.compile(r"\{\d\}")  # the place of a value in a text
-
-Catalogue = dict[str, str]  # translated texts, by the English ones
 WEB_FOLDER: Final = Path(__file__).parent
-ASSETS_FOLDER: Final = WEB_FOLDER / "assets"
 LEAD_GROUP, CREW_GROUP, WATCH_GROUP = "Lead", "Crew", "Watch"
-
-
-def catalogues(folder: Path = LOCALE_FOLDER) -> dict[str, Catalogue]:
-    """Return the catalogues by their languages, such as "de"; ConfigError if one is wrong."""
-    return {path.stem: read_catalogue(path) for path in sorted(folder.glob("*.po"))}
-
-
-def read_catalogue(path: Path) -> Catalogue:
-    """Return the entries of a catalogue that are translated; ConfigError for what is none."""
-    catalogue: Catalogue = {}
-    for first, msgid, msgstr, fuzzy in entries(path):
-        if sorted(VALUE_HOLE.findall(msgid)) != sorted(VALUE_HOLE.findall(msgstr)) and msgstr:
-            raise ConfigError(f"{path.name}: line {first}: {msgstr!r}: not the holes of {msgid!r}")
-        if msgid in catalogue:
-            raise ConfigError(f"{path.name}: line {first}: msgid {msgid!r}: is there twice")
-        if msgid and msgstr and not fuzzy:
-            catalogue[msgid] = msgstr
-    return catalogue
-
-
-def entries(path: Path) -> list[tuple[int, str, str, bool]]:
-    """Return the entries of a catalogue: line, msgid, msgstr, and whether it is in doubt."""
-    catalogue_entries: list[tuple[int, str, str, bool]] = []
-    texts: dict[str, str] = {}
-    key, first, fuzzy = "", 0, False
-    for number, line in enumerate([*read_text(path).splitlines(), ""], 1):
-        words = line.strip()
-        if not words and "msgid" in texts:
-            catalogue_entries.append((first, texts["msgid"], texts.get("msgstr", ""), fuzzy))
-        if not words:
-            texts, key, fuzzy = {}, "", False
-        elif words.startswith("#"):
-            fuzzy = fuzzy or (words.startswith("#,") and "fuzzy" in words)
-        else:
-            said, text = read_line(words, f"{path.name}: line {number}")
-            first = number if said == "msgid" else first
-            key = said or key
-            texts[key] = texts.get(key, "") + text
-    return catalogue_entries
-
-
-def read_line(line: str, place: str) -> tuple[str, str]:
-    """Return the keyword of a line, "" where it goes on, and its text; ConfigError."""
-    match = CATALOGUE_LINE.fullmatch(line)
-    if match is None or match[1] not in (None, *CATALOGUE_KEYWORDS):
-        raise ConfigError(
-            f"{place}: {line}: expected {' or '.join(CATALOGUE_KEYWORDS)} and a text in quotes"
-        )
-    return match[1] or "", str(ast.literal_eval(match[2]))
 
 
 @dataclass(frozen=True)
@@ -92,31 +35,49 @@ class Page:
     template: str
     group: str = ""  # under which the first page has it
     says: str = ""  # what is done there, in one line
+    works: str = ""  # what of an exercise's ``hand`` is worked there
 
 
-MISSING_PAGE: Final = Page("missing", "There is no such page", "", "missing.html")
+MISSING_PAGE: Final = Page(
+    "missing",
+    "There is no such page",
+    "",
+    "missing.html",
+    says="The address has no page of this session.",
+)
+MISSING_DEBRIEF: Final = Page(
+    "missing",
+    "There is no such debrief",
+    "",
+    "missing.html",
+    says="The instructor's page has the addresses of the debriefs.",
+)
 # fmt: off
 PAGES: Final = (
     Page("", "Control room", "", "choice.html"),
+    Page(
+        "trainee", "I train", "trainee", "trainee.html",
+        LEAD_GROUP, "Alone: lessons that lead step by step, then exercises with marks",
+    ),
     Page(
         "instructor", "Instructor", "instructor", "instructor.html",
         LEAD_GROUP, "Time, casualties and orders; looks back, judges, debriefs",
     ),
     Page(
         "helm", "Helm", "helm", "steering.html",
-        CREW_GROUP, "Steers the course and orders the engine",
+        CREW_GROUP, "Steers the course and orders the engine", "rudder speed",
     ),
     Page(
         "planes", "Planes", "planes", "steering.html",
-        CREW_GROUP, "Keeps depth and angle with bow and stern planes",
+        CREW_GROUP, "Keeps depth and angle with bow and stern planes", "planes",
     ),
     Page(
         "pilot", "Pilot", "pilot", "steering.html",
-        CREW_GROUP, "Helm and planes, worked by one person",
+        CREW_GROUP, "Helm and planes, worked by one person", "rudder planes speed",
     ),
     Page(
         "ballast", "Ballast", "ballast", "ballast.html",
-        CREW_GROUP, "Tanks, pumps, valves and air",
+        CREW_GROUP, "Tanks, pumps, valves and air", "ballast",
     ),
     Page(
         "diving", "Diving officer", "diving", "diving.html",
@@ -153,6 +114,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.globals |= {"order_words": order_words, "lessons": lessons, "mastheads": mastheads}
+    environment.globals["led_lessons"] = led_lessons
     return environment
 
 
@@ -189,14 +151,25 @@ def lessons() -> list[dict[str, Any]]:
     ]
 
 
+def led_lessons() -> list[dict[str, Any]]:
+    """Return the lessons that lead step by step; their names tell nothing that is hidden."""
+    return [
+        {"name": each.name, "title": each.title, "steps": each.steps} for each in step_lessons()
+    ]
+
+
 def mastheads() -> list[tuple[str, str]]:
     """Return the height [m] of the masthead of each type of ship, the highest first."""
     kinds = sorted(SHIP_TYPES.items(), key=lambda each: -each[1].mast)
     return [(name, f"{ship.mast:g}") for name, ship in kinds]
 
 
-def render(page: Page, **parts: Any) -> str:
-    """Return the HTML of a page."""
+def render(page: Page, said: Collection[str] = (), **parts: Any) -> str:
+    """Return the HTML of a page, with its words in all languages.
+
+    ``said`` is added to it later.
+    """
     template = _environment().get_template(page.template)
-    words = catalogues()
+    plain = template.render(page=page, pages=PAGES, version=__version__, words={}, **parts)
+    words = translated(said_in_page(plain) | {*said})
     return template.render(page=page, pages=PAGES, version=__version__, words=words, **parts)

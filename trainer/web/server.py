@@ -1,4 +1,10 @@
-"""The server of the pages: one process, which carries every page's line to the session."""
+"""The HTTP server of the pages (Starlette, run by uvicorn), as a process.
+
+``launch`` starts it with a socket that listens already. It serves the pages, their files and the
+debriefs, and passes each page's WebSocket to ``bridge``, which joins it to the session. A request
+goes through ``WholeRequests`` (``admission``: it is there in time), then ``Gate`` (``gate``: it
+comes from a page of this server), then Starlette's routes.
+"""
 
 import asyncio
 import logging
@@ -12,12 +18,12 @@ from typing import Final, cast
 import click
 import uvicorn
 from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
-from starlette.routing import Mount, Route, WebSocketRoute
-from starlette.staticfiles import StaticFiles
+from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 from uvicorn.protocols.websockets.auto import AutoWebSocketsProtocol
 
@@ -33,8 +39,11 @@ from trainer.web.admission import (
     allowed_descriptors,
 )
 from trainer.web.bridge import OLDER_PAGE_CODE, Allowance, Bridge, Reach
-from trainer.web.gate import Gate, Refusals, ServerNames, policy_of
-from trainer.web.pages import ASSETS_FOLDER, MISSING_PAGE, PAGES, Page, render
+from trainer.web.gate import Gate, Refusals, ServerNames, page_policy, policy_of
+from trainer.web.packing import Assets
+from trainer.web.pages import MISSING_DEBRIEF, MISSING_PAGE, PAGES, Page, render
+
+Answer = Callable[[Request], Awaitable[Response]]
 
 # How the name of the cookie of a role's token begins.
 TOKEN_COOKIE_PREFIX: Final = "word-"  # noqa: S105
@@ -48,6 +57,8 @@ MAX_FRAME_BYTES: Final = 4096  # [bytes] a longer one is not even read
 MAX_LINE_BYTES_PER_S: Final = 65536  # of a page's line; a lever sends a thousand
 MAX_LINE_BYTES_AT_ONCE: Final = 4 * 1024 * 1024
 PULSE_PERIOD_S: Final = 1.0
+# [s] a year: a file with a hash in its name never changes
+KEPT_FOREVER: Final = "public, max-age=31536000, immutable"
 TOKEN_AGE_S: Final = 7 * 24 * 3600  # [s]
 
 
@@ -83,43 +94,60 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
             return
         await bridge.carry(page, words_of(page.cookies))
 
-    missing = render(MISSING_PAGE)
+    assets = Assets()
+    show_missing = answer_page(MISSING_PAGE, assets, 404)
+    show_missing_debrief = answer_page(MISSING_DEBRIEF, assets, 404)
 
-    async def show_the_way_back(request: Request, _error: Exception) -> Response:
-        if request.url.path.startswith(("/assets", "/debrief")):  # no person types those
+    async def show_missing_page(request: Request, _error: Exception) -> Response:
+        if request.url.path.startswith("/assets"):  # no person types those
             return PlainTextResponse("not found\n", 404)
-        return HTMLResponse(missing, 404)
+        return await show_missing(request)
 
     async def debrief(request: Request) -> Response:
         key, name = request.path_params["key"], request.path_params["name"]
         try:
             html = await asyncio.to_thread(bridge.shelf.find, key, name)
         except (KeyError, OSError, UnicodeDecodeError):
-            return PlainTextResponse(
-                "no such debrief: the instructor's page has its address\n", 404
-            )
+            return await show_missing_debrief(request)
         return HTMLResponse(html, headers={"Content-Security-Policy": policy_of(html)})
 
     pages = Starlette(
         routes=[
             Route("/debrief/{key}/{name}", debrief),
-            *(Route(f"/{page.name}", answer_page(page)) for page in PAGES),
+            *(Route(f"/{page.name}", answer_page(page, assets)) for page in PAGES),
             Route("/word", keep_word, methods=["POST"]),
             WebSocketRoute("/line", line),
-            Mount("/assets", StaticFiles(directory=ASSETS_FOLDER)),
+            Route("/assets/{name}", answer_asset(assets)),
         ],
         middleware=[Middleware(GZipMiddleware, minimum_size=500)],
-        exception_handlers={404: show_the_way_back},
+        exception_handlers={404: show_missing_page},
     )
     return WholeRequests(Gate(pages, ServerNames.at(host), refusals))
 
 
-def answer_page(page: Page) -> Callable[[Request], Awaitable[Response]]:
+def answer_page(page: Page, assets: Assets, status: int = 200) -> Answer:
     """Return a function that answers with a page. The page is made once."""
-    made = render(page)
+    html, script_map = assets.link(render(page))
+    headers = {"Content-Security-Policy": page_policy(script_map)}
 
     async def show(_request: Request) -> Response:
-        return HTMLResponse(made)
+        return HTMLResponse(html, status, headers)
+
+    return show
+
+
+def answer_asset(assets: Assets) -> Answer:
+    """Return a function that answers with a script or a style."""
+
+    async def show(request: Request) -> Response:
+        asset = assets.files.get(request.path_params["name"])
+        if asset is None:
+            raise HTTPException(404)
+        headers = {"Cache-Control": KEPT_FOREVER, "Vary": "Accept-Encoding"}
+        if "gzip" not in request.headers.get("Accept-Encoding", ""):
+            return Response(asset.body, headers=headers, media_type=asset.media_type)
+        headers["Content-Encoding"] = "gzip"
+        return Response(asset.packed, headers=headers, media_type=asset.media_type)
 
     return show
 

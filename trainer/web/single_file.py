@@ -1,4 +1,9 @@
-"""A page as one file: scripts, styles and data inside, nothing from outside."""
+"""A page as one HTML file that needs no server, for ``trainer export-page``.
+
+The file holds the page's scripts and styles, the boat's numbers, and the core as WebAssembly, which
+its script runs in a worker. Scripts of the pages are ES modules, which a browser does not load from
+a file. So ``bundle`` joins the modules into one script.
+"""
 
 import base64
 import hashlib
@@ -8,25 +13,22 @@ import zlib
 from collections.abc import Mapping
 from functools import partial
 from html import escape
-from pathlib import PurePosixPath
 from typing import Any, Final
 
-from trainer.web.pages import ASSETS_FOLDER, PAGES, order_words, render
+from trainer.web.modules import (
+    ASSETS_FOLDER,
+    SCRIPT_TAG,
+    STYLESHEET_TAG,
+    collect_modules,
+    wrap_modules,
+)
+from trainer.web.pages import PAGES, order_words, render
+from trainer.web.words import said_in_script
 
-STYLESHEET_TAG: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
-SCRIPT_TAG: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
-IMPORT_STATEMENT: Final = re.compile(
-    r'^import (?:(\{[^}]*\}) from )?"(\.[^"]+)";$', re.MULTILINE | re.DOTALL
-)
-EXPORT_KEYWORD: Final = re.compile(
-    r"^export (?=(?:async )?(?:const|let|class|function) )", re.MULTILINE
-)
-EXPORTED_NAME: Final = re.compile(
-    r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE
-)
 # A page in a file has no server to link to. So its link is to the boat in its own worker.
 REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER_SCRIPT: Final = "js/tab/worker.js"
+CARD_SCRIPT: Final = "js/tab/card.js"
 # Orders that such a page takes, beside the boat's own rows, which only write numbers.
 # fmt: off
 TAB_ORDERS: Final = frozenset(
@@ -43,57 +45,10 @@ TAB_NOTE: Final = (
 )
 
 
-class UnknownPageError(Exception):
-    """A page that cannot be one file."""
-
-
-def collect_modules(entry: str, seen: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the sources of a module and its imports, which stand first."""
-    sources = {} if seen is None else seen
-    source = (ASSETS_FOLDER / REPLACED_SCRIPTS.get(entry, entry)).read_text(encoding="utf-8")
-    for _, path in IMPORT_STATEMENT.findall(source):
-        wanted = resolve_module(entry, path)
-        if wanted not in sources:
-            collect_modules(wanted, sources)
-    sources[entry] = source
-    return sources
-
-
-def resolve_module(module: str, path: str) -> str:
-    """Return the module that another names by a relative path."""
-    parts: list[str] = []
-    for part in (PurePosixPath(module).parent / path).parts:
-        if part == "..":
-            parts.pop()
-        elif part != ".":
-            parts.append(part)
-    return "/".join(parts)
-
-
 def bundle(entry: str) -> str:
-    """Return one script of a module and all that it imports.
-
-    Each module is a function of its own, whose exports are in a table by its path.
-    """
-    parts = ['"use strict";\n(() => {\nconst M = {};\n']
-    for path, source in collect_modules(entry).items():
-        names = EXPORTED_NAME.findall(source)
-        text = EXPORT_KEYWORD.sub("", IMPORT_STATEMENT.sub(partial(replace_import, path), source))
-        if re.search(r"^(?:import|export)\b", text, re.MULTILINE):
-            raise UnknownPageError(f"{path}: an import or export of a kind that is not known")
-        parts.append(
-            f"M[{json.dumps(path)}] = (() => {{\n{text}\nreturn {{ {', '.join(names)} }};\n}})();\n"
-        )
-    parts.append("})();\n")
-    return "".join(parts)
-
-
-def replace_import(module: str, found: re.Match[str]) -> str:
-    """Return the statement that replaces an import: the same names from the table."""
-    if not found[1]:
-        return ""
-    names = re.sub(r"(\w+) as (\w+)", r"\1: \2", found[1])
-    return f"const {names} = M[{json.dumps(resolve_module(module, found[2]))}];"
+    """Return one script of a module and all that it imports."""
+    sources = collect_modules(entry, REPLACED_SCRIPTS)
+    return f'"use strict";\n(() => {{\nconst M = {{}};\n\n{wrap_modules(sources)}}})();\n'
 
 
 def close_text(text: str) -> str:
@@ -121,11 +76,20 @@ def policy(scripts: list[str], sheet: str) -> str:
     )
 
 
+def said_in_tab() -> set[str]:
+    """Return what such a page says beside what its station's page says."""
+    return {TAB_NOTE, *said_in_script((ASSETS_FOLDER / CARD_SCRIPT).read_text(encoding="utf-8"))}
+
+
 def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> str:
     """Return the station's page with a boat inside."""
-    page = next(each for each in PAGES if each.name == name)
+    page = next(each for each in PAGES if name in (each.name, each.role))
     taken = {row.split(";")[0].split()[0] for row in boat["orders"]} | TAB_ORDERS
-    html = render(page, order_words=partial(order_words, taken), lessons=list)
+    recorded = boat.get("recording") or {}
+    causes = {says.partition("|")[0] for *_, says in recorded.get("causes", ())}
+    html = render(
+        page, said_in_tab() | causes, order_words=partial(order_words, taken), lessons=list
+    )
     sheet = "\n".join(
         (ASSETS_FOLDER / path).read_text(encoding="utf-8") for path in STYLESHEET_TAG.findall(html)
     )
@@ -140,6 +104,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     html = re.sub(r"<title>.*?</title>", lambda _: f"<title>{escape(title)}</title>", html)
     html = html.replace('<meta charset="utf-8">\n', f'<meta charset="utf-8">\n{head}', 1)
     note = f'<aside id="tab-note" class="quiet" aria-label="This page">{escape(TAB_NOTE)}</aside>'
+    note = note if page.name != "kiosk" else ""  # visitors read one sentence at a time
     text = json.dumps(boat, separators=(",", ":"), sort_keys=True)
     blocks = {
         "worker": close_text(bundle(WORKER_SCRIPT)),

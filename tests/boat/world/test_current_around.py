@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.key_tables import TABLES
 from helpers.places import ROOT, environment
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.world.current import CurrentAround, Line, TidalEllipse, current_text, flow_of
-from trainer.config.current import Current, Tide, key_tables
+from trainer.config.current import Current, Tide
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import parse_sea
@@ -321,4 +322,4 @@ def test_a_wrong_current_ends_a_run_with_code_2(words: tuple[str, ...], tmp_path
 
 
 def test_the_page_of_the_world_has_every_key() -> None:
-    assert key_tables() in (ROOT / "docs" / "world.md").read_text(encoding="utf-8")
+    assert TABLES["world"]() in (ROOT / "docs" / "world.md").read_text(encoding="utf-8")

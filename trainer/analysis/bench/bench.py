@@ -167,14 +167,14 @@ def run_paced(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Pace
     step = boat.method.step
     ticks = round(seconds / step)
 
-    def kept(recording: Recording | NoRecording, last_tick: int) -> Summary:
+    def run_with(recording: Recording | NoRecording, last_tick: int) -> Summary:
         with session_of(boat, 1.0, recording, ("teletype",)) as session:
             session.progress = progress
             run_to(session, last_tick)
         return session.time.ledger.summary()
 
-    ledger = kept(temporary(boat), ticks)
-    unrecorded = kept(NoRecording(), 2 * ticks)
+    ledger = run_with(temporary(boat), ticks)
+    unrecorded = run_with(NoRecording(), 2 * ticks)
     percent = 100.0 * ledger.duty_cycle
     return PacedTicks(
         step_s=step,
@@ -294,13 +294,7 @@ def _updates(updates: Iterable[UpdateCost]) -> list[str]:
 def _session_cost(attended: SessionTickCost) -> list[str]:
     """Return what a tick of the session costs, by what attends to it."""
     names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
-    costs = (
-        attended.boat,
-        attended.bare,
-        attended.recorded,
-        attended.subscribed,
-        attended.csv_row,
-    )
+    costs = (attended.boat, attended.bare, attended.recorded, attended.subscribed, attended.csv_row)
     return [
         "",
         "TICK OF A SESSION, HOT ([ns], likewise; modified lagged adams2)",

@@ -1,9 +1,10 @@
 """The time from helm to instrument.
 
-A session in a process of its own has a helmsman at one serial line, and sends the rudder angle by
-NMEA 0183 to another. The helmsman orders the rudder to the other side at instants that are spread
-evenly over a tick, because an order waits for the next tick. The time runs from the first byte of
-the order to the last byte of the sentence that shows the rudder on its way.
+``trainer bench --latency`` measures it. A session in a process of its own has a helmsman at one
+serial line, and sends the rudder angle by NMEA 0183 to another. The helmsman orders the rudder to
+the other side at instants that are spread evenly over a tick, because an order waits for the next
+tick. The time runs from the first byte of the order to the last byte of the sentence that shows the
+rudder on its way.
 """
 
 import contextlib
@@ -57,7 +58,7 @@ class TerminalLine:
 
     descriptor: int
     name: str
-    said: bytes = b""  # what has come and has not been taken
+    received: bytes = b""  # what has come and has not been delays_ns
 
     def say(self, words: str) -> None:
         """Write a line."""
@@ -69,16 +70,16 @@ class TerminalLine:
         if not select.select([self.descriptor], [], [], wait)[0]:
             return False
         with contextlib.suppress(OSError):  # the other end has gone
-            self.said += os.read(self.descriptor, 65536)
+            self.received += os.read(self.descriptor, 65536)
             return True
         return False
 
     def find(self, pattern: Pattern[bytes], until: float) -> Match[bytes] | None:
         """Return the next match; drop it and all before it. None if none comes in time."""
         while True:
-            match = pattern.search(self.said)
+            match = pattern.search(self.received)
             if match:
-                self.said = self.said[match.end() :]
+                self.received = self.received[match.end() :]
                 return match
             if not self.hear(until):
                 return None
@@ -152,15 +153,15 @@ def time_helm(file: VesselFile, seconds: float) -> InstrumentDelay:
             stderr=subprocess.PIPE,
         ) as process:
             try:
-                taken = list(
+                delays_ns = list(
                     time_rudder_orders(helm, instrument, step, round(ORDERS_PER_SECOND * seconds))
                 )
             finally:
                 process.terminate()
             complaint = process.stderr.read().decode() if process.stderr else ""
-    if not taken:
+    if not delays_ns:
         raise ConfigError(f"{file.path.name}: the rudder is not seen to move; {complaint.strip()}")
-    return summarise(taken, step)
+    return summarise(delays_ns, step)
 
 
 def time_rudder_orders(
@@ -194,17 +195,17 @@ def next_rudder_angle(instrument: TerminalLine, until: float) -> float | None:
     return float(match[1]) if match else None
 
 
-def summarise(taken: list[int], step: float) -> InstrumentDelay:
+def summarise(delays_ns: list[int], step: float) -> InstrumentDelay:
     """Return the figures of times [ns] from order to instrument."""
     histogram, width = Histogram(), step / BINS_PER_STEP
-    counts = [0] * (int(max(taken) / SECOND_NS / width) + 1)
-    for time_ns in taken:
+    counts = [0] * (int(max(delays_ns) / SECOND_NS / width) + 1)
+    for time_ns in delays_ns:
         histogram.add(time_ns)
         counts[int(time_ns / SECOND_NS / width)] += 1
-    median = round(statistics.median(taken))  # itself: a bin is wider than what lines may take
+    median = round(statistics.median(delays_ns))  # itself: a bin is wider than what lines may take
     return InstrumentDelay(
         step_s=step,
-        orders=len(taken),
+        orders=len(delays_ns),
         latency=replace(histogram.spread(), p50_ns=median),
         allowed_median_ms=1e3 * (0.5 * step + ALLOWED_DELAY_S),
         bin_ms=1e3 * width,

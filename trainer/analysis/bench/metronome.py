@@ -1,4 +1,7 @@
-"""A bare loop of the session's clock. ``on_time`` measures how late its ticks begin."""
+"""A bare loop of the session's clock, in a process of its own.
+
+``on_time`` starts it. It has no boat and no ports, so that its lateness is the machine's alone.
+"""
 
 import contextlib
 import json

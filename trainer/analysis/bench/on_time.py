@@ -1,7 +1,8 @@
 """The lateness of ticks: bare loops of the clock, and a session in a crowd.
 
-A loop of 100 Hz is timed in a process of its own: alone, beside a busy thread of the same process,
-and beside busy processes, with and without a real-time priority.
+``trainer bench --on-time`` measures it. A loop of 100 Hz is timed in a process of its own: alone,
+beside a busy thread of the same process, and beside busy processes, with and without a real-time
+priority.
 
 The crowd: processes that do nothing but compute, one for each processor; a console on a terminal; a
 file for Rerun, where its library is; a serial line whose other end is not read.
@@ -105,7 +106,7 @@ def open_console(socket: Path) -> Iterator[None]:
         def look() -> None:
             while process.poll() is None:  # what it draws is read until it has ended
                 screen.hear(time.monotonic() + 0.2)
-                screen.said = b""
+                screen.received = b""
 
         looker = threading.Thread(target=look)
         looker.start()
@@ -180,8 +181,8 @@ def measure_loop(seconds: float, *words: str) -> LoopLateness:
     """Return the lateness of a loop in a process of its own."""
     command = [*METRONOME_COMMAND, str(seconds), str(LOOP_STEP_S), *words]
     ran = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
-    said: dict[str, Any] = json.loads(ran.stdout)
-    return LoopLateness(said.pop("granted"), Spread(**said))
+    answer: dict[str, Any] = json.loads(ran.stdout)
+    return LoopLateness(answer.pop("granted"), Spread(**answer))
 
 
 def lines(figures: TickPunctuality) -> list[str]:

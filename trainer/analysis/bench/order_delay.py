@@ -1,4 +1,8 @@
-"""The delay of an order over TCP, to its answer and to its effect."""
+"""The delay of an order over TCP, to its answer and to its effect.
+
+A part of ``trainer bench``. Orders fall anywhere within a tick, as those of people do; an order
+acts on the next tick, so that half a tick is the least mean delay.
+"""
 
 import contextlib
 import itertools
@@ -100,7 +104,7 @@ def send_rudder_orders(port: int, period: float, replies: Histogram) -> int:
     dice = random.Random(1969)  # noqa: S311  instants, not secrets
     with (
         socket.create_connection((LOCAL_HOST, port)) as line,
-        line.makefile(encoding="ascii") as said,
+        line.makefile(encoding="ascii") as incoming,
     ):
         words = itertools.chain(("role helm",), itertools.cycle(RUDDER_ORDERS))
         for tag, order in enumerate(words):
@@ -109,7 +113,7 @@ def send_rudder_orders(port: int, period: float, replies: Histogram) -> int:
                 line.sendall(f"{order_sentence(order, str(tag))}\n".encode("ascii"))
             except OSError:
                 return tag - 1
-            answers = ((parse_sentence(text), str(tag)) for text in said)
+            answers = ((parse_sentence(text), str(tag)) for text in incoming)
             if not any(
                 a and (a.kind, a.tag) == ("TRA", own) and a.fields[0] != "say" for a, own in answers
             ):

@@ -1,4 +1,8 @@
-"""The parts of a bench, by the options that ask for each alone."""
+"""The parts of ``trainer bench``, each with the option that asks for it alone.
+
+``cli/bench`` measures the parts that are asked for. A part that this machine lacks something for
+(Chromium) is left out with the reason, because the others are still worth having.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
@@ -13,9 +17,10 @@ class BenchRequest:
     """The subject of a measurement, and its length."""
 
     file: VesselFile
-    seconds: float
-    minutes: float = 0.25  # of a session in a crowd
+    seconds: float  # [s] of real time for each part that runs in it
+    minutes: float = 0.25  # [min] of a session in a crowd
     attended: float = 60.0  # [s] of a session with pages
+    against: str | None = None  # commit whose tick is timed beside this one's
 
 
 @dataclass(frozen=True)

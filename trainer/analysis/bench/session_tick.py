@@ -1,4 +1,8 @@
-"""The cost of a session's tick, and the delay of an order over TCP."""
+"""The cost of a whole session's tick: recording, subscribers and columns beside the boat.
+
+A part of ``trainer bench``; ``order_delay`` uses its sessions. The boat alone takes a small part of
+a tick; what attends to it is the rest.
+"""
 
 import contextlib
 import math

@@ -24,8 +24,8 @@ HOUR_METHOD: Final = Method("modified", "lagged", "exact", "adams2", 0.5)
 START_SPEED_KN: Final = 10.0  # [kn]
 START_DEPTH_M: Final = 60.0  # [m]
 SEA_NAME: Final = "sea-state-5"
-HOUR_SEED: Final = 1969
-HOUR_TICKS: Final = 7200
+HOUR_SEED: Final = 1969  # of the sea; it stays, so that digests of old and new cores compare
+HOUR_TICKS: Final = 7200  # [ticks] of half a second
 HOUR_ORDERS: Final = """
 60 depth 90
 120 course 075

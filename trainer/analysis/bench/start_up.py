@@ -1,7 +1,8 @@
 """The delay of commands: help, a first start, a later one, the console.
 
-Each is a process of its own, timed from its start by the clock, the least of a few: others can only
-add to it. It is given beside what importing numba alone takes then.
+``trainer bench --starting`` measures it. Each is a process of its own, timed from its start by the
+clock, the least of a few: others can only add to it. It is given beside what importing numba alone
+takes then.
 """
 
 import contextlib
@@ -20,7 +21,7 @@ from trainer.analysis.bench.end_to_end import TRAINER_COMMAND, on_terminal
 from trainer.boat import compilation
 from trainer.core.cache import cache_folder
 
-START_COUNT: Final = 3
+START_COUNT: Final = 3  # starts of each command, of which the fastest counts
 RUN_WORDS: Final = ("run", "--headless", "--duration", "0.5", "--no-record", "--speed")
 SLOW_SPEED: Final = "10"  # of time: a tick is then 50 ms, which the interpreter makes
 SHOWN_NUMBER: Final = re.compile(rb"[0-9]\.[0-9]")  # a depth or a course on the screen
@@ -94,11 +95,11 @@ def time_to_screen() -> float:
         begun = time.perf_counter()
         with on_terminal("run", "--no-record", "--socket", f"{folder}/s") as (screen, process):
             match = screen.find(SHOWN_NUMBER, time.monotonic() + SCREEN_TIMEOUT_S)
-            taken = time.perf_counter() - begun
+            seconds = time.perf_counter() - begun
             process.terminate()
             while process.poll() is None:
                 screen.hear(time.monotonic() + 0.1)
-    return taken if match else float("inf")
+    return seconds if match else float("inf")
 
 
 def lines(figures: StartTimes) -> list[str]:
@@ -111,7 +112,7 @@ def lines(figures: StartTimes) -> list[str]:
         ("a run to its first tick, later", figures.later_run),
     ]
     page = ["", "STARTING (from the start of the process, the least of a few)"]
-    page += [f"  {name:<44}{1e3 * taken:8.0f} ms" for name, taken in rows]
+    page += [f"  {name:<44}{1e3 * seconds:8.0f} ms" for name, seconds in rows]
     if figures.console is not None and figures.console_times_numba is not None:
         times = f"{figures.console_times_numba:.2f} times import numba"
         page.append(

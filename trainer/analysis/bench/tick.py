@@ -1,4 +1,8 @@
-"""The cost of the core's tick back to back: called, and in a compiled loop."""
+"""The cost of the core's tick back to back: called, and in a compiled loop.
+
+A part of ``trainer bench``. Batches are long against the clock's resolution, and the median of them
+counts, because other programs can only make a batch longer.
+"""
 
 import gc
 import statistics
@@ -18,18 +22,15 @@ from trainer.core.kernel import Record, kernel
 from trainer.core.update import update
 from trainer.units import KNOT
 
-BATCH_COUNT: Final = 21
+BATCH_COUNT: Final = 21  # batches: an odd number has a median of its own
 BATCH_NS: Final = 10_000_000  # [ns] a batch takes at least; the clock resolves far better
 STANDARD_METHOD: Final = ("modified", "lagged", "adams2")
 SEA_NAME: Final = "sea-state-5"
+# fmt: off
 CASUALTY_KINDS: Final = (
-    "rudder-slow",
-    "stern-slow",
-    "bow-slow",
-    "depth-gauge-noisy",
-    "gyro-biased",
-    "log-noisy",
+    "rudder-slow", "stern-slow", "bow-slow", "depth-gauge-noisy", "gyro-biased", "log-noisy",
 )
+# fmt: on
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,13 @@
 """The cost of stations in a browser, to people and to the session.
 
-A session sails twice for as long: alone, and with many stations attached at its pages' server. At
-the second a real Chromium opens the helm's page, gives orders over its line and counts pictures.
+``trainer bench --web`` measures it. A session sails twice for as long: alone, and with many
+stations attached at its pages' server. At the second a real Chromium opens the helm's page, gives
+orders over its line and counts pictures.
 """
 
 import contextlib
+import math
+import os
 import re
 import signal
 import tempfile
@@ -39,7 +42,7 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import Page
 
-STATION_COUNT: Final = 30
+STATION_COUNT: Final = 30  # stations attached
 ROLE_CHANNELS: Final = {  # who they are, and what each wants to see
     "helm": ("gauges", "orders", "steering", "engine", "time"),
     "planes": ("gauges", "orders", "diving", "time"),
@@ -144,11 +147,13 @@ class WebFigures:
     looking: PageDelay
     alone: WebTicks
     attended: WebTicks
+    machine_load: float  # [processes] that wanted a processor in the minute before
 
 
 def time_pages(file: VesselFile, seconds: float) -> WebFigures:
     """Return the figures of sessions of ``seconds`` [s] each; NoBrowserError, ConfigError."""
     browser = able_browser()
+    machine_load = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
         folder = Path(name)
         with sailing(file, folder, "alone") as session:
@@ -159,7 +164,7 @@ def time_pages(file: VesselFile, seconds: float) -> WebFigures:
             with attending(session.url):
                 looking = watch_page(session.url, browser, Effort.of(seconds))
                 time.sleep(max(end - time.monotonic(), 0.0))
-        return WebFigures(looking, alone, ticks_of(session, STATION_COUNT))
+        return WebFigures(looking, alone, ticks_of(session, STATION_COUNT), machine_load)
 
 
 def able_browser() -> str:
@@ -293,14 +298,14 @@ def value_at_share(ordered: list[float], share: float) -> float:
 def lines(figures: WebFigures) -> list[str]:
     """Return the figures as lines of a page."""
     seen, alone, attended = figures.looking, figures.alone, figures.attended
-    answer = f"median {seen.answer_median:.1f} ms (5), 95 % {seen.answer_p95:.1f} ms (20)"
-    pixel = f"median {seen.pixel_median:.1f} ms, 95 % {seen.pixel_p95:.1f} ms (150)"
+    answer = f"median {seen.answer_median:.1f} ms (5), 95 % {seen.answer_p95:.1f} ms (10)"
+    pixel = f"median {seen.pixel_median:.1f} ms, 95 % {seen.pixel_p95:.1f} ms (50)"
     script = f"script median {seen.script_median:.2f} ms, 95 % {seen.script_p95:.2f} ms each"
     missed = f"{alone.missed} of {alone.ticks} alone, {attended.missed} of {attended.ticks}"
     return [
         "",
         f"STATIONS IN A BROWSER ({seen.browser}; goals in brackets)",
-        f"  first picture    median {seen.first_picture:.0f} ms of {seen.loads} (1500)",
+        f"  first picture    median {seen.first_picture:.0f} ms of {seen.loads} (500)",
         f"  order to answer  {answer}, {seen.orders} orders",
         f"  order to pixel   {pixel}: its answer is painted",
         f"  pictures         {seen.pictures:.1f} a second (20); {script}",
@@ -308,4 +313,5 @@ def lines(figures: WebFigures) -> list[str]:
         row("  alone", alone.lateness, 26),
         row(f"  {attended.stations} stations", attended.lateness, 26),
         f"  deadlines missed: {missed} with stations (0)",
+        f"  load of the machine in the minute before: {figures.machine_load:.2f} processes",
     ]

@@ -1,8 +1,13 @@
-"""The vessel file of an estimated boat: every number with its unit and its basis."""
+"""The vessel file of an estimated boat: every number with its unit and its basis.
 
+``trainer estimate -o`` writes it. The file flies at once, because the gains are designed here too.
+Its table [estimate] has the standard deviations, from which ``trainer sweep`` draws boats.
+"""
+
+# long: one file, table by table
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -11,16 +16,18 @@ from trainer import __version__
 from trainer.analysis.check import EQUATION_SETS, round_speeds
 from trainer.analysis.estimate.coefficients import (
     PLATE_DRAG,
+    UNFITTED_FACTORS,
     Hull,
     cross_flow_drag,
     hull_of,
     on_both,
+    panel_lift,
     plate_mass,
     resistance,
     revolutions,
     strip_masses,
 )
-from trainer.analysis.estimate.geometry import integral, panels_of_surface
+from trainer.analysis.estimate.geometry import Panel, integral, panels_of_surface
 from trainer.analysis.estimate.uncertainty import (
     Estimate,
     coefficient_origins,
@@ -64,21 +71,19 @@ TELEGRAPH_BELLS: Final = {  # shares of the design speed; own estimates
     "astern_full": -0.6,
 }
 SLOWEST_GAIN_SPEED, FASTEST_GAIN_SPEED = 0.4, 1.2  # [design speeds] between which gains are made
+# fmt: off
 TRIED_STEPS_S: Final = (
-    0.5,
-    0.2,
-    0.1,
-    0.05,
-    0.02,
-    0.01,
-    0.005,
-    0.002,
+    0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002,
 )  # [s] tried, the longest first
+# fmt: on
 MAX_STEP_LENGTHS: Final = 0.1  # lengths run in a step, at most
 MAX_ROLL_STEP_RAD: Final = (
     0.18  # [rad] of a free roll in a step, at most: Adams feeds it by 0.9 % a cycle
 )
 WAVE_STRIPS: Final = 7  # of the hull in waves
+# [lengths] from the centre of gravity to that of the volume: with strips 0.005 off the centre of
+# buoyancy a vessel file is refused
+MAX_TRIM_ARM_LENGTHS: Final = 0.004
 WIDE_STRIPS: Final = 5  # of the hull beyond the range of the coefficients
 START_DEPTH_LENGTHS: Final = 0.85  # [lengths] of the start
 MIN_START_DEPTH_M: Final = 5.0  # [m] of it
@@ -312,9 +317,25 @@ def _envelope(made: Estimate) -> dict[str, Any]:
         table |= {
             "sail_place": [round_to_digits(at), round_to_digits(-up)],
             "sail_y": round_to_digits(PLATE_DRAG * area / s.ell**2),
+            **_sail_lift(made, sails),
             "sail_added_mass": round_to_digits(hull.file.water.rho * mass),
         }
     return table
+
+
+def _sail_lift(made: Estimate, sails: list[Panel]) -> dict[str, Any]:
+    """Return the sails' lift slope and where it acts, by their part of Y_v, N_v and K_v."""
+    part = panel_lift(
+        replace(made.hull, panels=tuple(sails)), UNFITTED_FACTORS | dict(made.constants)
+    )
+    ell = made.hull.ell
+    return {
+        "sail_lift": round_to_digits(-part["Y_v"]),
+        "sail_lift_place": [
+            round_to_digits(ell * part["N_v"] / part["Y_v"]),
+            round_to_digits(-ell * part["K_v"] / part["Y_v"]),
+        ],
+    }
 
 
 def _between(hull: Hull, values: Numbers, fore: float, aft: float) -> float:
@@ -343,7 +364,7 @@ def _run(hull: Hull, step: float) -> dict[str, Any]:
 def _waves(made: Estimate) -> dict[str, Any]:
     """Return the strips for wave forces, none where buoyancy lies off the weight."""
     hull, s = made.hull, made.hull.shape
-    if abs(s.centroid - s.x_G) > 0.004 * s.ell:
+    if abs(s.centroid - s.x_G) > MAX_TRIM_ARM_LENGTHS * s.ell:
         return {}
     across, down = strip_masses(s)
     edges = [s.length * i / WAVE_STRIPS for i in range(WAVE_STRIPS + 1)]

@@ -150,10 +150,8 @@ def panel_masses(hull: Hull) -> CoefficientValues:
         ny, nz = panel.normal
         x, r = panel.place(0.5) / L, panel.arm / L
         panel_mass = 2.0 / L**3 * plate_mass(panel)
-        both, alone = (
-            panel_mass * on_both(panel.radius_ratio),
-            panel_mass * on_panel(panel.radius_ratio),
-        )
+        both = panel_mass * on_both(panel.radius_ratio)
+        alone = panel_mass * on_panel(panel.radius_ratio)
         masses["Y_vdot"] -= both * ny * ny
         masses["Y_rdot"] -= both * ny * ny * x
         masses["N_rdot"] -= both * ny * ny * x * x
@@ -240,10 +238,8 @@ def panel_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     for panel in hull.panels:
         ny, nz = panel.normal
         panel_slope = efficiency(panel, constants) * lift_slope(panel) * panel.area / L**2
-        both, alone = (
-            panel_slope * on_both(panel.radius_ratio),
-            panel_slope * on_panel(panel.radius_ratio),
-        )
+        both = panel_slope * on_both(panel.radius_ratio)
+        alone = panel_slope * on_panel(panel.radius_ratio)
         x, r = panel.place(0.25) / L, panel.arm / L
         # the hull's share beside a sail acts aft of it: its wake on the afterbody
         behind = x - constants["sail_aft"] if panel.sail else x

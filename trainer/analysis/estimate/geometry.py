@@ -1,7 +1,8 @@
 """The hull and its panels as numbers: sections, the equal spheroid, places, areas.
 
-[LAMB] Lamb, Hydrodynamics, art. 114, with Imlay 1961: added masses of a spheroid. x is counted
-aft from the nose, X forward from the centre of gravity, as Report 2510 has it.
+``coefficients`` computes with them, and ``page`` draws them. [LAMB] Lamb, Hydrodynamics, art. 114,
+with Imlay 1961: added masses of a spheroid. x is counted aft from the nose, X forward from the
+centre of gravity, as Report 2510 has it.
 """
 
 import math

@@ -1,4 +1,7 @@
-"""An estimated boat as text for the terminal, and as one drawn page."""
+"""``trainer estimate``: an estimated boat as text for the terminal, and as one drawn page.
+
+``survey`` has the figures. The page draws the hull with its panels, so that a wrong number is seen.
+"""
 
 import math
 from collections.abc import Iterator
@@ -138,17 +141,15 @@ def _centres(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
 
 def draw_bands(bands: tuple[EstimateBand, ...]) -> Markup:
     """Return the bands of figures of one unit as bars, the estimate marked."""
-    drawn_bands = [
-        band for band in bands if band.value is not None and None not in band.bands.values()
-    ]
-    if not drawn_bands:
+    shown = [band for band in bands if band.value is not None and None not in band.bands.values()]
+    if not shown:
         return Markup()
-    ends = [x for band in drawn_bands for pair in band.bands.values() if pair for x in pair]
-    values = [band.value for band in drawn_bands if band.value is not None]
+    ends = [x for band in shown for pair in band.bands.values() if pair for x in pair]
+    values = [band.value for band in shown if band.value is not None]
     low, high = min(*ends, *values, 0.0), max(*ends, *values)
     across = Axis(low, high, BARS_LEFT, BARS_LEFT + BARS_WIDTH)
     parts: list[str] = []
-    for i, band in enumerate(drawn_bands):
+    for i, band in enumerate(shown):
         y = 8.0 + BAR_ROW_PX * i
         parts.append(text("tick end", BARS_LEFT - 8.0, y + 12.0, band.name))
         for style, pair in zip(("core", "outer"), band.bands.values(), strict=True):
@@ -160,7 +161,7 @@ def draw_bands(bands: tuple[EstimateBand, ...]) -> Markup:
                 )
         x = across.at(band.value or 0.0)
         parts.append(rule("estimate", x, y - 3.0, x, y + 17.0))
-    return _bar_chart("Bands of the figures", parts, len(drawn_bands), across, drawn_bands[0].unit)
+    return _bar_chart("Bands of the figures", parts, len(shown), across, shown[0].unit)
 
 
 def _bar_chart(title: str, parts: list[str], rows: int, across: Axis, unit: str) -> Markup:

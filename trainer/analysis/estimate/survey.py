@@ -1,4 +1,8 @@
-"""An estimated boat in figures: margins, critical speeds, a turn with bands, influences."""
+"""An estimated boat in figures: margins, critical speeds, a turn with bands, influences.
+
+``trainer estimate`` shows them. Each is computed for drawn boats as well, and its band is what the
+method's uncertainty makes of it. The influences say which numbers of the drawing matter most.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -38,12 +42,14 @@ TURN_LENGTHS: Final = 60.0  # [lengths] of the turn, at its first speed
 MAX_TURN_TICKS: Final = 20_000  # [ticks] of it, at any step
 MIN_TURN_S: Final = 10.0  # [s]
 INPUT_CHANGE: Final = 0.1  # of an input, up and down
-PLACE_SHIFT_LENGTHS: Final = 0.01  # [lengths] of a place, aft and forward
+PLACE_SHIFT: Final = 0.01  # [lengths] of a place, aft and forward
 SHIFTED_PLACES: Final = ("le_root", "cg_from_nose")  # what is shifted
 FOLLOWING_PLACES: Final = {"le_root": "le_tip"}  # what is shifted with it
 NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "rho", "nu")
-MAX_INPUTS: Final = 10
-REVERSAL_SPEED_SHARE: Final = 0.7  # of the design speed: a stern plane reversal above it is told
+MAX_INPUTS: Final = 10  # inputs shown, those that matter most
+REVERSAL_SPEED_SHARE: Final = (
+    0.7  # of the design speed: a stern plane reversal above it is reported
+)
 MASS_SLACK: Final = 0.02  # of the mass against the displaced
 
 
@@ -263,9 +269,7 @@ def change_hull(file: HullFile, one: HullInput, sign: float) -> HullFile:
             for row in tables["hull"]["stations"]
         ]
         return read_hull(tables, file.path)
-    shift = (
-        sign * PLACE_SHIFT_LENGTHS * file.length if one.place else sign * INPUT_CHANGE * one.value
-    )
+    shift = sign * PLACE_SHIFT * file.length if one.place else sign * INPUT_CHANGE * one.value
     name = str(one.steps[-1])
     if one.steps[0] == "surfaces":
         tables["surfaces"] = [dict(row) for row in tables["surfaces"]]
@@ -299,7 +303,7 @@ def influences(
             one.key,
             one.value,
             one.unit,
-            f"{PLACE_SHIFT_LENGTHS * file.length:.3g} m" if one.place else f"{INPUT_CHANGE:.0%}",
+            f"{PLACE_SHIFT * file.length:.3g} m" if one.place else f"{INPUT_CHANGE:.0%}",
             by_sign.get(-1.0),
             by_sign.get(1.0),
         )

@@ -1,8 +1,9 @@
 """How far each coefficient may be trusted, and draws of whole sets.
 
-A draw varies the constants of the method first, by the covariance of their fit, then each
-coefficient by the rest of its standard deviation. The constants come first because they
-move coefficients together, such as N_v, N_r and Y_v: independent draws would make impossible boats.
+``boat_file`` writes the deviations, ``survey`` makes bands of draws, and ``trainer sweep`` draws
+whole boats. A draw varies the constants of the method first, by the covariance of their fit, then
+each coefficient by the rest of its standard deviation. The constants come first because they move
+coefficients together, such as N_v, N_r and Y_v: independent draws would make impossible boats.
 """
 
 import math
@@ -31,7 +32,7 @@ from trainer.core.terms import TERM_TABLE, THRUST_KEYS
 
 TABLES_PATH: Final = Path(__file__).with_name("constants.toml")
 ETA_DEVIATION: Final = 0.15  # of its parent, a coefficient of eta
-LINEAR_COEFFICIENTS: Final = ("Y_v", "N_v", "Y_r", "N_r", "Z_w", "M_w", "Z_q", "M_q")
+LINEAR_TERMS: Final = ("Y_v", "N_v", "Y_r", "N_r", "Z_w", "M_w", "Z_q", "M_q")
 OWN_SHARE: Final = 0.25  # of the deviation of those, beside the constants
 TWIN_COEFFICIENTS: Final = {
     "N_vdot": "Y_rdot",
@@ -107,6 +108,24 @@ def deviations(hull: Hull, c: Mapping[str, float], mass: float) -> dict[str, flo
         if term.key not in sizes:
             sizes[term.key] = wide * ETA_DEVIATION * scales[term.key.removesuffix("_eta")]
     return sizes
+
+
+def relative_deviation(c: Mapping[str, float], mass: float, key: str) -> float:
+    """Return the standard deviation [-] of a coefficient that no drawing gave.
+
+    It is the estimate's share of the boat's own coefficients, and no more than the coefficient
+    itself; ``mass`` is m'. What the estimate adds for a coefficient near zero is left out.
+    """
+    scales = {
+        **{name: abs(value) for name, value in c.items()},
+        "mass": mass,
+        "munk_y": abs(c["X_udot"] - c["Y_vdot"]),
+        "munk_z": abs(c["X_udot"] - c["Z_wdot"]),
+    }
+    for rule in tables()["deviation"]:
+        if key in rule["keys"]:
+            return float(min(rule["share"] * scales[rule.get("of", key)], scales[key]))
+    return ETA_DEVIATION * scales[key]
 
 
 @cache
@@ -191,9 +210,7 @@ class Estimate:
         """Return one coefficient [-] by the constants drawn and a deviate of its own."""
         sd, common, value = self.sd[key], self.by_constants[key], self.values[key]
         shared = min(1.0, sd / common) if common > 0.0 else 0.0
-        rest = (
-            OWN_SHARE * sd if key in LINEAR_COEFFICIENTS else math.sqrt(max(sd**2 - common**2, 0.0))
-        )
+        rest = OWN_SHARE * sd if key in LINEAR_TERMS else math.sqrt(max(sd**2 - common**2, 0.0))
         drawn = value + shared * (changed - self.estimated[key]) + rest * deviate
         if key in FIXED_SIGN_COEFFICIENTS and drawn * value < MIN_REMAINING_SHARE * value * value:
             return MIN_REMAINING_SHARE * value

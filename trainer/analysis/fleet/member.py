@@ -1,6 +1,8 @@
 """One member of a fleet, flown as it would be alone.
 
-``update`` flies it from order to order.
+``update`` flies it from order to order. ``ensemble`` flies members by it one after the other, and
+``side_by_side`` those that its lanes cannot compute. It is machine code, so that many members fly
+without the interpreter.
 """
 
 from typing import NamedTuple
@@ -31,7 +33,7 @@ class Schedule(NamedTuple):
 
     tick: PlaceArray
     place: PlaceArray
-    value: NDArray[np.float64]
+    value: NDArray[np.float64]  # in the unit of that place of the state
 
 
 class FlightTrack(NamedTuple):

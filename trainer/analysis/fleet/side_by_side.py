@@ -1,8 +1,9 @@
 """Members of a fleet side by side, LANE_COUNT of them at a time.
 
-They fly in stretches, each from one order to the next. A member that lanes cannot compute, or that
-strays, flies that stretch alone. So does one whose centres lie off the middle, or that has products
-of inertia.
+``ensemble`` flies a fleet by it, because lanes cost a fraction of boats one by one. They fly in
+stretches, each from one order to the next. A member that lanes cannot compute, or that strays,
+flies that stretch alone. So does one whose centres lie off the middle, or that has products of
+inertia.
 """
 
 from typing import NamedTuple

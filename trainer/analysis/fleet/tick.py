@@ -32,12 +32,18 @@ from trainer.core.autopilot.depth import keep_depth
 from trainer.core.autopilot.reference import slew_course, slew_depth
 from trainer.core.autopilot.speed import keep_speed
 from trainer.core.autopilot.steering import GAIN_COUNT, fade
-from trainer.core.compact import add_external, forces, further_forces, lagged_rates
+from trainer.core.compact import (
+    add_external,
+    forces,
+    further_forces,
+    lagged_rates,
+    slip_forces,
+)
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.envelope import AHEAD, BY_FLOW_FLOW, BY_N_FLOW, BY_N_N, cross_speed_squared
 from trainer.core.integrators import adams_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
-from trainer.core.kinematics import kinematics
+from trainer.core.kinematics import attitude_of, kinematics
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.stall import incidence
 from trainer.core.update import lost
@@ -75,7 +81,7 @@ def _learning_in_a_calm(_vessel: Record, _gains: Numbers, _state: Record) -> flo
 
 
 @inlined
-def _no_torque_limit(_vessel: Record, wanted: float, _state: Record) -> float:
+def _no_engine_limit(_vessel: Record, wanted: float, _state: Record) -> float:
     """Return the command speed [m/s] as it is wanted: a boat at its limit strays."""
     return wanted
 
@@ -121,7 +127,7 @@ LANE_REPLACEMENTS = {
     "slot_of": _no_slot,
     "fault_of": _no_fault,
     "remember": _history_is_true,
-    "within_torque": _no_torque_limit,
+    "within_engine": _no_engine_limit,
     "pass_notches": _no_waves,
     "law_in_waves": _in_a_calm,
     "learning_in_waves": _learning_in_a_calm,
@@ -134,8 +140,10 @@ _fade = relay_kernel(fade, LANE_REPLACEMENTS)
 _keep_speed = relay_kernel(keep_speed, LANE_REPLACEMENTS)
 _forces = relay_kernel(forces, LANE_REPLACEMENTS)
 _every_force = relay_kernel(further_forces, LANE_REPLACEMENTS)
+_every_slip = relay_kernel(slip_forces, LANE_REPLACEMENTS)
 _add_external = relay_kernel(add_external, LANE_REPLACEMENTS)
 _lagged = relay_kernel(lagged_rates, LANE_REPLACEMENTS)
+_attitude = relay_kernel(attitude_of, LANE_REPLACEMENTS)
 _kinematics = relay_kernel(kinematics, LANE_REPLACEMENTS)
 _adams = relay_kernel(adams_of, LANE_REPLACEMENTS)
 _move_surfaces = relay_kernel(move_surfaces, LANE_REPLACEMENTS)
@@ -143,7 +151,7 @@ _answer_telegraph = relay_kernel(answer_telegraph, LANE_REPLACEMENTS)
 _lost = relay_kernel(lost, LANE_REPLACEMENTS)
 _cross = relay_kernel(cross_speed_squared, LANE_REPLACEMENTS)
 _incidence = relay_kernel(incidence, LANE_REPLACEMENTS)
-TORQUE_LIMIT_SHARE = 1.0 - 1e-9  # [-] of the torque limit; beyond it a boat flies alone
+ENGINE_LIMIT_SHARE = 1.0 - 1e-9  # [-] of the engine's limits; beyond it a boat flies alone
 STEEP_PITCH_RAD = 1.3  # [rad] pitch, somewhat below that at which the angles are turned
 
 
@@ -156,6 +164,15 @@ def _further_forces(compact: Record, state: Record, force: Numbers) -> None:
     f0, f1, f2, f3, f4, f5 = force[0], force[1], force[2], force[3], force[4], force[5]
     _every_force(compact, state, force)
     if compact[0].extended == 0.0:
+        force[0], force[1], force[2], force[3], force[4], force[5] = f0, f1, f2, f3, f4, f5
+
+
+@inlined
+def _slip_forces(compact: Record, state: Record, force: Numbers) -> None:
+    """Add the terms of slip of a lane that has some, likewise."""
+    f0, f1, f2, f3, f4, f5 = force[0], force[1], force[2], force[3], force[4], force[5]
+    _every_slip(compact, state, force)
+    if compact[0].slipping == 0.0:
         force[0], force[1], force[2], force[3], force[4], force[5] = f0, f1, f2, f3, f4, f5
 
 
@@ -201,13 +218,18 @@ def command_controls(h: float, out: Numbers) -> None:
 @kernel
 def compute_forces(trig: int, out: Numbers) -> None:
     """Write the forces."""
-    extended = 0
+    extended = slipping = 0
     for lane in every_lane():
-        _forces(compact_in(out, lane), trig, state_in(out, lane), work_in(out, lane)[0].force)
+        state = state_in(out, lane)
+        _forces(compact_in(out, lane), _attitude(trig, state), state, work_in(out, lane)[0].force)
         extended += 1 if compact_in(out, lane)[0].extended != 0.0 else 0
+        slipping += 1 if compact_in(out, lane)[0].slipping != 0.0 else 0
     if extended > 0:
         for lane in every_lane():
             _further_forces(compact_in(out, lane), state_in(out, lane), work_in(out, lane)[0].force)
+    if slipping > 0:
+        for lane in every_lane():
+            _slip_forces(compact_in(out, lane), state_in(out, lane), work_in(out, lane)[0].force)
     for lane in every_lane():
         work = work_in(out, lane)[0]
         _add_external(compact_in(out, lane), work.external, work.force)
@@ -237,7 +259,7 @@ def compute_rates(trig: int, out: Numbers) -> None:
         shallow = 0.0 if s.z > work.hull_clear else 1.0
         work.strayed += shallow + (0.0 if s.z >= work.tables_clear else 1.0)
         _lagged(compact_in(out, lane), work.force, state_in(out, lane))
-        _kinematics(trig, state_in(out, lane))
+        _kinematics(_attitude(trig, state_in(out, lane)), state_in(out, lane))
 
 
 @kernel
@@ -271,7 +293,10 @@ def advance_command_speed(h: float, out: Numbers) -> None:
         torque = turns * (c.torque[AHEAD, BY_N_N] * turns + c.torque[AHEAD, BY_N_FLOW] * flow)
         torque += c.torque[AHEAD, BY_FLOW_FLOW] * flow * flow
         limited = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer > s.u else 0.0
-        at_limit = 1.0 if torque > c.torque_limit * TORQUE_LIMIT_SHARE else 0.0
+        at_limit = 1.0 if torque > c.torque_limit * ENGINE_LIMIT_SHARE else 0.0
+        power = turns * torque
+        most_power = c.power_limit if c.power_limit > 0.0 else power + 1.0
+        at_limit = 1.0 if power > most_power * ENGINE_LIMIT_SHARE else at_limit
         astern = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer < 0.0 else 0.0
         work_in(out, lane)[0].strayed += limited * at_limit + astern
 

@@ -1,9 +1,14 @@
-"""The guide's contents: everything flown, judged and computed for one boat, and what moved."""
+"""The guide's contents: everything flown, judged and computed for one boat, and what moved.
+
+``cli/guide`` asks for it; ``page`` and ``summary`` show it. A leg is one manoeuvre at one speed,
+flown by every equation set. Each flight that several chapters need is flown once, because flights
+are what a guide waits for.
+"""
 
 import hashlib
 import platform
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from typing import Any, Final
@@ -11,15 +16,15 @@ from typing import Any, Final
 from trainer import __version__
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, reasons
+from trainer.analysis.guide.delays import DelaySheet, measure_delays
 from trainer.analysis.guide.findings import Finding, StepRun
 from trainer.analysis.guide.programme import SET_METHODS, FlightTable, Leg, Task, fly_all
-from trainer.analysis.guide.trials import (
+from trainer.analysis.guide.trials import Published, load_published, numbers_digest, trials_path
+from trainer.analysis.guide.uncertainty import SpreadTable, load_spreads
+from trainer.analysis.guide.validation import (
     TrialComparison,
-    WaveComparison,
-    compare_trials,
-    compare_waves,
-    load_published,
-    trials_path,
+    compare_figures,
+    validation_tasks,
 )
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
@@ -79,7 +84,8 @@ class Guide:
     steps: tuple[StepRun, ...]
     drops: tuple[reasons.DropEffect, ...]
     trials: tuple[TrialComparison, ...]
-    waves: tuple[WaveComparison, ...]
+    doubts: tuple[str, ...]  # why published results are not judged, or not judged rightly
+    delays: tuple[DelaySheet, ...]
     neutral: neutral.NeutralReport
     modes: characteristic.ModesReport
     thrust: thrust.ThrustReport
@@ -101,17 +107,19 @@ class GuideContents:
     guide: Guide
     legs: tuple[Leg, ...]
     flown: FlightTable
+    published: Published | None
+    spreads: SpreadTable | None
 
 
 def guide_tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
     """Return every flight that a guide of these legs needs, each once."""
-    path = trials_path(file)
+    published = _published(file)
     wanted = (
         *(leg.task(file, equations) for leg in legs for equations in SET_METHODS),
         *findings.step_tasks(file),
         *findings.finding_tasks(file),
         *reasons.drop_tasks(file),
-        *(trial.task(file) for trial in (load_published(path)[0] if path else ())),
+        *(validation_tasks(file, published) if published else ()),
     )
     return tuple(dict.fromkeys(wanted))
 
@@ -130,12 +138,16 @@ def assemble_guide(
     """Return the guide from its flights."""
     sheets = tuple(_sheet(file, leg, flown) for leg in legs)
     stepped = findings.step_study(file, flown)
-    checksums = {file.path.name: hashlib.sha256(file.text.encode()).hexdigest()}
-    if path := trials_path(file):
-        checksums[f"{path.stem} (published results)"] = hashlib.sha256(
-            path.read_bytes()
-        ).hexdigest()
-    trials, waves = load_published(path) if path else ((), ())
+    published = _published(file)
+    spreads = load_spreads(file, published) if published else None
+    made_from = {file.path.name: file.text}
+    if published:
+        made_from[f"{published.path.stem} (published results)"] = published.text
+    if spreads:
+        made_from[f"{spreads.file} (u_input)"] = spreads.text
+    checksums = {
+        name: hashlib.sha256(text.encode()).hexdigest() for name, text in made_from.items()
+    }
     speeds = round_speeds(*file.run.speed_range_kn)
     guide = Guide(
         vessel=file.name,
@@ -153,14 +165,38 @@ def assemble_guide(
         findings=findings.study_findings(file, flown, stepped),
         steps=stepped,
         drops=reasons.drop_study(file, flown),
-        trials=tuple(compare_trials(file, trials, flown)),
-        waves=tuple(compare_waves(file, waves)),
+        trials=compare_figures(file, published, flown, spreads.by_figure() if spreads else {})
+        if published
+        else (),
+        doubts=tuple(_doubts(file, published, spreads)) if published else (),
+        delays=measure_delays(file),
         neutral=neutral.report_neutral(file, speeds),
         modes=characteristic.report_modes(file, speeds, characteristic.MeanMotions()),
         thrust=thrust.survey_thrust(file, (0.0, *speeds), thrust.command_speeds(file)),
         passed=passes_all([sheet.passed(VERDICT_SET) for sheet in sheets]),
     )
-    return GuideContents(file, guide, tuple(legs), flown)
+    return GuideContents(file, guide, tuple(legs), flown, published, spreads)
+
+
+def _published(file: VesselFile) -> Published | None:
+    """Return the published figures of a boat; ConfigError if their file is wrong."""
+    path = trials_path(file)
+    return load_published(path) if path else None
+
+
+def _doubts(file: VesselFile, published: Published, spreads: SpreadTable | None) -> Iterator[str]:
+    """Yield in words what is not of this boat, and what mends it."""
+    again = f"trainer guide {file.path.stem} --uncertainty"
+    if spreads is None and published.figures:
+        yield f"No table of u_input: {again} flies it"
+    if spreads and spreads.stale:
+        yield f"{spreads.stale}: {again} flies it again"
+    now = numbers_digest(file)
+    if published.provenance.digest != now:
+        yield (
+            f"Fitted and held out were told of {published.provenance.digest}, the boat is {now}: "
+            f"go through {published.file} and date it"
+        )
 
 
 def _sheet(file: VesselFile, leg: Leg, flown: FlightTable) -> LegSheet:

@@ -1,7 +1,7 @@
 """The findings of the 1969 study, flown again on this boat; the step-size study first.
 
-Each finding is worded as in the model document. Where it does not hold here, the figures of this
-hull say why.
+``contents`` puts them into a guide. Each finding is worded as in the model document. Where it does
+not hold here, the figures of this hull say why.
 
 The manoeuvres of the step-size study have no events, because a longer step would delay an event and
 that delay would count as an error. Controls act at once for the same reason.

@@ -1,4 +1,8 @@
-"""The guide as one HTML page that needs nothing else, a function a chapter."""
+"""The guide as one HTML page that needs nothing else, a function a chapter.
+
+``trainer guide`` writes it from ``contents``. Figures and verdicts are made there; here they become
+tables, charts and sentences.
+"""
 
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -6,12 +10,13 @@ from typing import Final
 
 from markupsafe import Markup
 
+from trainer.analysis.guide import judged_page
 from trainer.analysis.guide.contents import REDUCED_SETS, Guide, GuideContents, LegSheet, tally_set
 from trainer.analysis.guide.findings import ClaimVerdict
 from trainer.analysis.guide.moves import GuideMove
 from trainer.analysis.guide.programme import SET_METHODS, Leg
 from trainer.analysis.guide.summary import format_entry, verdicts_of
-from trainer.analysis.guide.trials import TrialComparison, WaveComparison
+from trainer.analysis.guide.validation import flight_command
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
     NOT_JUDGED,
@@ -61,13 +66,21 @@ COLUMN_NAMES: Final = {
 }
 MAX_MOVES_SHOWN = 300  # rows of the table of changes
 MIN_SHOWN_PERCENT = 0.05  # [%] a smaller effect is 0.0 in the one decimal that is shown
-CHAPTER_TITLES: Final = {
-    "overview": "Overview",
-    "findings": "What was found in 1969",
-    "published": "Published results",
-    "why": "Why the reduced sets differ",
-    "steps": "Steps and methods",
-    "programs": "Neutral angles, modes, thrust",
+CHAPTER_TITLES: Final = {  # in the order of the page
+    "validation": "Published figures",
+    "predicted": judged_page.PREDICTED_TITLE,
+    "findings": "Forces modelled: what was found in 1969",
+    "why": "Forces modelled: why the reduced sets differ",
+    "programs": "Forces modelled: neutral angles, modes, thrust",
+    "steps": "Integration: steps and methods",
+    "software": "Software",
+    "delays": "Transport delay",
+    "published": "Benchmark data",
+    "causes": "Causes of error, sensitivity",
+    "compliance": "Statement of compliance",
+    "subjective": "Subjective checks",
+    "overview": "Manoeuvres: the reduced sets beside the full one",
+    "sources": "Rows of data and commands",
 }
 
 
@@ -76,12 +89,18 @@ def anchor(title: str) -> str:
     return title.replace(" ", "-").replace(",", "")
 
 
-def facts(guide: Guide) -> Markup:
-    """Return what the guide is made from."""
+def software(guide: Guide) -> Markup:
+    """Return what the guide is made from, and by what the program is checked."""
     rows = [("made", guide.made), ("step", f"{guide.step_s:g} s")]
     rows += [("versions", ", ".join(f"{name} {value}" for name, value in guide.versions.items()))]
     rows += [(f"sha256 of {name}", value) for name, value in guide.checksums.items()]
-    return table((), rows, "facts")
+    words = (
+        "The program is compared with others by trainer check-cases, with itself by trainer bench "
+        "--same-bits; trainer conform says what of STCW it has."
+    )
+    return section(
+        "software", CHAPTER_TITLES["software"], table((), rows, "facts"), paragraph(words)
+    )
 
 
 def overview(guide: Guide) -> Markup:
@@ -112,7 +131,9 @@ def overview(guide: Guide) -> Markup:
         "time of an event that its own is not more than a cycle from. Where the full set itself is "
         "lost nothing is judged."
     )
-    return section("overview", "Overview", *totals, paragraph(words), table(heads, rows))
+    return section(
+        "overview", CHAPTER_TITLES["overview"], *totals, paragraph(words), table(heads, rows)
+    )
 
 
 def since_baseline(found: tuple[GuideMove, ...]) -> Markup:
@@ -147,7 +168,7 @@ def findings(guide: Guide) -> Markup:
         )
         if one.rows:
             parts.append(table(one.heads, one.rows, "numbers narrow"))
-    return section("findings", "What was found in 1969", *parts)
+    return section("findings", CHAPTER_TITLES["findings"], *parts)
 
 
 def drops(guide: Guide) -> Markup:
@@ -174,7 +195,7 @@ def drops(guide: Guide) -> Markup:
         "is put to zero in the full set, at the boat's start speed. Those that change nothing by "
         "0.1 % are left out."
     )
-    return section("why", "Why the reduced sets differ", paragraph(words), table(heads, rows))
+    return section("why", CHAPTER_TITLES["why"], paragraph(words), table(heads, rows))
 
 
 def steps(guide: Guide) -> Markup:
@@ -204,67 +225,7 @@ def steps(guide: Guide) -> Markup:
         "against Runge and Kutta at a tenth of the boat's step; full set, controls that act at "
         "once. Up to 1 % is fine, beyond 5 % of no use."
     )
-    return section("steps", "Steps and methods", paragraph(words), table(heads, rows, "steps"))
-
-
-def trials(guide: Guide) -> Markup:
-    """Return published results beside ours."""
-    if not guide.trials:
-        words = "There is no file of published results for this boat."
-        return section("published", "Published results", paragraph(words))
-    words = (
-        "The full set by Runge and Kutta at a fifth of the boat's step. Differences are ours less "
-        "theirs; nothing here is judged."
-    )
-    parts = [*(_trial(one) for one in guide.trials), *(_waves(one) for one in guide.waves)]
-    return section("published", "Published results", paragraph(words), *parts)
-
-
-def _trial(one: TrialComparison) -> Markup:
-    """Return one published manoeuvre."""
-    trial = one.trial
-    heads = ["quantity", "unit", "ours"]
-    for column in trial.columns:
-        heads += [column, "difference", "%"]
-    rows = []
-    for result, ours in zip(trial.results, one.ours, strict=True):
-        cells = [result.quantity, result.unit, "none" if ours is None else f"{ours:.4g}"]
-        for value in result.values:
-            cells += _beside(ours, value)
-        rows.append(cells)
-    source = ". ".join(filter(None, (trial.source, trial.note, one.problem)))
-    heading = Markup("<h3>{}</h3>\n").format(trial.title)
-    return heading + paragraph(source + ".", "soft") + table(heads, rows)
-
-
-def _waves(one: WaveComparison) -> Markup:
-    """Return motion in published waves."""
-    names = ("published", "ours", "difference", "%")
-    heads = ("depth [m]", "quantity", *names, "without flow", "difference", "%")
-    rows = []
-    for row in one.rows:
-        for i, quantity in enumerate(("heave over amplitude [-]", "pitch [deg]")):
-            theirs, ours, plain = row.published[i], row.ours[i], row.without_flow[i]
-            cells = [f"{row.depth_m:.4g}", quantity, f"{theirs:.3g}", f"{ours:.3f}"]
-            cells += [*_beside(ours, theirs)[1:], f"{plain:.3f}", *_beside(plain, theirs)[1:]]
-            rows.append(cells)
-    words = (
-        "Linear, planes fixed, the boat's deep water; the waves push on seven strips of the hull, "
-        "and its lift feels the water's own vertical speed. Without flow it does not."
-    )
-    source = ". ".join(filter(None, (one.waves.source, words, one.problem)))
-    heading = Markup("<h3>{}</h3>\n").format(one.waves.title)
-    return heading + paragraph(source, "soft") + table(heads, rows)
-
-
-def _beside(ours: float | None, value: float | None) -> list[str]:
-    """Return a published value, our difference from it, and that difference in percent."""
-    if value is None:
-        return ["-", "", ""]
-    if ours is None:
-        return [f"{value:.4g}", "", ""]
-    percent = f"{100.0 * (ours - value) / abs(value):+.1f}" if value else ""
-    return [f"{value:.4g}", f"{ours - value:+.3g}", percent]
+    return section("steps", CHAPTER_TITLES["steps"], paragraph(words), table(heads, rows, "steps"))
 
 
 def programs(book: GuideContents) -> Markup:
@@ -297,7 +258,7 @@ def programs(book: GuideContents) -> Markup:
             )
         )
         parts.append(Markup("<pre>{}</pre>\n").format(text))
-    return section("programs", "Neutral angles, modes, thrust", *parts)
+    return section("programs", CHAPTER_TITLES["programs"], *parts)
 
 
 def manoeuvres(book: GuideContents) -> Iterator[Markup]:
@@ -315,7 +276,10 @@ def _leg(book: GuideContents, leg: Leg, sheet: LegSheet) -> Markup:
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
     parameters = format_parameters(sheet.parameters)
     about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
+    task = leg.task(book.file, "full")
+    command = flight_command(book.file, leg.name, task)
     parts = [paragraph(f"{about} [{parameters}; degrees, seconds, knots]", "soft")]
+    parts.append(paragraph(f"The full set alone: {command}", "soft"))
     parts += [paragraph(f"{name}: {problem}") for name, problem in sheet.problems.items()]
     parts += [
         paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost
@@ -369,18 +333,25 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
         "guide.css",
         vessel=guide.vessel,
         verdict=Cell(guide.conclusion, "good" if guide.passed else "bad"),
-        facts=facts(guide),
+        made=guide.made,
         contents=names.items(),
         legs=[(anchor(leg.title), leg.title) for leg in book.legs],
         parts=[
-            overview(guide),
+            judged_page.validation(book),
             *([since_baseline(moves)] if moves is not None else []),
+            judged_page.predicted(book),
             findings(guide),
-            trials(guide),
             drops(guide),
-            steps(guide),
             programs(book),
+            steps(guide),
+            software(guide),
+            judged_page.delays(guide),
+            judged_page.benchmark(book),
+            judged_page.causes(book),
+            *judged_page.statements(),
+            overview(guide),
             *manoeuvres(book),
+            judged_page.sources(book),
         ],
         data=embed_json(asdict(guide)),
     )

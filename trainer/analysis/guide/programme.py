@@ -1,4 +1,9 @@
-"""The programme of the guide: manoeuvres of 1969 and of today, and their processes."""
+"""The programme of the guide: manoeuvres of 1969 and of today, and their processes.
+
+A leg is one manoeuvre at one speed, flown by every equation set; a task is one flight of it. The
+guide, ``check`` and the search for a compact set take their legs from here, so that a set is judged
+by the flights that a reader sees. Flights are spread over processes, because a guide has hundreds.
+"""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -26,6 +31,7 @@ from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
 OWN_RIG: Final = Rig()
+LIMITED_RIG: Final = Rig(engine="limited")
 LONE_PROCESS_S: Final = 4.0  # [s] about as long as it takes to start other processes
 CHUNK_FLIGHTS: Final = 6  # flights handed to a process at once
 SET_METHODS: Final = {  # equation set: accelerations, integrator
@@ -89,6 +95,11 @@ def fly_task(path: Path, task: Task) -> Flight | str:
     if task.zeroed:
         nothing = dict.fromkeys(task.zeroed, 0.0)
         file = replace(file, coefficients={**file.coefficients, **nothing})
+    return fly_boat(file, task)
+
+
+def fly_boat(file: VesselFile, task: Task) -> Flight | str:
+    """Return a boat's flight of a task, or in words why there is none."""
     boat = Submarine(file, task.method, task.rig)
     manoeuvre = within_limits(task.manoeuvre, boat)
     try:
@@ -141,7 +152,8 @@ class Leg:
         """Return what the leg is called."""
         speed = "from rest" if self.manoeuvre.from_rest else f"{self.speed_kn:g} kn"
         depth = "" if self.rig.depth is None else f"{self.rig.depth:g} m deep"
-        return ", ".join(filter(None, (self.name, self.variant, speed, depth)))
+        engine = "engine limited" if self.rig.engine == "limited" else ""
+        return ", ".join(filter(None, (self.name, self.variant, speed, depth, engine)))
 
     def task(self, file: VesselFile, equations: str) -> Task:
         """Return the flight of the leg by one equation set, at the boat's own step.
@@ -230,7 +242,7 @@ def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Le
     """Yield the legs at a depth [m], angles as of 1969; where it is None, some near the surface."""
     deep = (*_legs_by_speed(file), *_legs_of_one_speed(file))
     if depth is not None:
-        yield from (replace(leg, rig=Rig(depth=depth)) for leg in deep)
+        yield from (replace(leg, rig=replace(leg.rig, depth=depth)) for leg in deep)
         return
     yield from deep
     diameter = float(boat.boat.vessel.diameter)
@@ -256,6 +268,16 @@ def both_ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") 
         yield Leg(name, words, speed, replace(manoeuvre, **dict(zip(fields, picked, strict=True))))
 
 
+def turn_rigs(file: VesselFile) -> tuple[Rig, ...]:
+    """Return how a boat turns: by held revolutions, and within the limits of its engine.
+
+    A turn slows the boat, so that the propeller takes more torque than in straight flight.
+    """
+    engine = file.propulsion
+    limited = engine.torque_limit_n_m is not None or engine.shaft_power_w is not None
+    return (OWN_RIG, LIMITED_RIG) if limited else (OWN_RIG,)
+
+
 def _legs_by_speed(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs at several speeds."""
     speeds = round_speeds(*file.run.speed_range_kn)
@@ -271,7 +293,9 @@ def _legs_by_speed(file: VesselFile) -> Iterator[Leg]:
     for speed in (low, high):
         for rudder in RUDDER_ANGLES_DEG:
             turn = replace(find_manoeuvre("turn"), angle_deg=rudder)  # type: ignore[call-arg]
-            yield from both_ways("turn", speed, turn, RUDDER_PLACEHOLDER)
+            legs = tuple(both_ways("turn", speed, turn, RUDDER_PLACEHOLDER))
+            for rig in turn_rigs(file) if speed == high else (OWN_RIG,):
+                yield from (replace(leg, rig=rig) for leg in legs)
     for speed in speeds:
         yield from both_ways("trim", speed, find_manoeuvre("trim"))
 

@@ -1,4 +1,9 @@
-"""The reason of a difference: each dropped coefficient's effect on a turn and a meander."""
+"""The reason of a difference: each dropped coefficient's effect on a turn and a meander.
+
+A compact set lacks terms that the full set has. Where its flights differ, the guide and ``trainer
+reduce`` put each such coefficient to zero in the full set alone, to say which of them makes the
+difference.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

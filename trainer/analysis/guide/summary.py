@@ -1,14 +1,19 @@
-"""The guide on a terminal: 79 columns of ASCII."""
+"""The guide on a terminal: 79 columns of ASCII.
+
+``trainer guide`` prints it beside the HTML page, for somebody who waits for the verdict.
+"""
 
 from collections.abc import Iterator
 from itertools import chain
 
 from trainer.analysis.guide.contents import REDUCED_SETS, Guide, LegSheet, tally_set
 from trainer.analysis.guide.moves import GuideMove
+from trainer.analysis.guide.validation import count_lines, ranked_rows
 from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, WITHIN_TOLERANCE
 from trainer.report.text import INDENT, ascii_text, cut_text, table, wrap
 
 MAX_MOVES_SHOWN = 20  # entries that moved
+MAX_FIGURES_SHOWN = 10  # published figures, the worst
 
 
 def verdicts_of(sheet: LegSheet) -> Iterator[tuple[str, str]]:
@@ -30,7 +35,7 @@ def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
     for one in guide.findings:
         lines += wrap(f"{one.title}: {one.verdict}; {one.words}")
     if guide.trials:
-        lines += ["", f"{len(guide.trials)} published manoeuvres beside ours: in the document"]
+        lines += ["", "PUBLISHED FIGURES", *_figures(guide)]
     if moves is not None:
         lines += ["", *_moves(moves)]
     for equations in REDUCED_SETS:
@@ -39,8 +44,21 @@ def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
             f"{equations}: manoeuvres within tolerance, {counts['manoeuvres']}; of their numbers "
             f"{counts['within']} within, {counts['beyond']} beyond"
         )
-    lines.append(f"{guide.conclusion}.")
+    lines.append(f"The compact set beside the full one: {guide.conclusion}.")
     return "\n".join(lines)
+
+
+def _figures(guide: Guide) -> list[str]:
+    """Return how many published figures are how far off, and the worst of them."""
+    worst = [
+        f"{row.percent:.0f} % {row.figure.quantity} ({one.title}): {row.verdict}, {row.figure.use}"
+        for one, row in ranked_rows(guide.trials)[:MAX_FIGURES_SHOWN]
+    ]
+    return [
+        line
+        for text in (*count_lines(guide.trials), *guide.doubts, *worst)
+        for line in wrap(ascii_text(text))
+    ]
 
 
 def _moves(moves: tuple[GuideMove, ...]) -> list[str]:

@@ -1,79 +1,146 @@
-"""Published results of a boat, from a file beside its own, with ours beside them.
+"""The file of a boat's published figures.
 
-Manoeuvres are flown; motion in regular waves is that of the linear equations.
-
-The file of ``boat.toml`` is ``boat.trials.toml``; those of shipped boats are among ``trials``.
+It says what was measured, by whom, how it was read, and how surely.
+The file of ``boat.toml`` is ``boat.trials.toml``; those of shipped boats are among ``trials``. A
+figure is fitted, where a coefficient was chosen by it, or held out. The file has the digest of the
+boat that this was said of, so that no coefficient changes without somebody saying it again.
 """
 
+import hashlib
+import json
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.guide.programme import FlightTable, Task
+from trainer.analysis.guide.programme import Task
+from trainer.analysis.guide.verdicts import unit_of
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import FIELD_CHOICES, Flight, Manoeuvre
 from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
-from trainer.boat.linear import head_wave_response, head_waves
 from trainer.config.files import (
     ConfigError,
     Place,
     as_table,
     collecting,
+    lines_of,
     nearest,
+    number_problems,
     parse_toml,
     quote,
+    raise_problems,
     read_text,
     shipped_names,
     shipped_path,
 )
-from trainer.config.schema import Choice, Quantities, Quantity, Text, read_record, required, within
+from trainer.config.schema import (
+    Choice,
+    Quantities,
+    Quantity,
+    Text,
+    Texts,
+    above,
+    optional,
+    read_record,
+    required,
+    with_default,
+    within,
+)
 from trainer.config.vessel import VesselFile
 
-TRIAL_KEYS: Final = ("title", "source", "note", "manoeuvre", "speed_m_s", "columns", "results")
 FILE_UNITS: Final = {  # of the file, to SI and radians
     **dict.fromkeys(("m", "s", "m/s", "rad", "rad/s", "-"), 1.0),
     **dict.fromkeys(("deg", "deg/s"), math.radians(1.0)),
 }
+SI_UNITS: Final = {"deg": "rad", "deg/s": "rad/s"}  # of those that have another
+DATA_KINDS: Final = {
+    "sea": "measured on the vessel",
+    "model": "measured on a free-running model",
+    "computed": "computed by others",
+}
+FITTED, HELD_OUT = "fitted", "held out"
 NOTE_FIELD: Final = Text(500, "what it is, and whose")
-SPEED_FIELD: Final = Quantity("m/s", within(0, 50), "at which it begins; 0: from rest")
 PARAMETER_FIELD: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
-VALUE_FIELD: Final = Quantity("-", within(-1e9, 1e9), "as published, in the unit of its result")
+UNCERTAINTY_FIELD: Final = Quantity("-", above(0, 1e9), "one standard deviation, in its unit")
+# fmt: off
+FLOWN_TABLES: Final = (  # what a flight of the full set rests on
+    "fluid", "vessel", "propulsion", "control_surfaces", "coefficients", "envelope", "run",
+)
+# fmt: on
+FIGURE_TABLES: Final = ("fits", "deviations", "trials", "waves")
+MAX_INPUTS: Final = 131
 STEP_SHARE: Final = 0.2  # of the boat's own: the step of Runge and Kutta
+NUMBERED_MEASURE: Final = re.compile(  # of a swing, which a flight may lack
+    r"(time of )?(heading|pitch) (peak|zero|overshoot) \d|time of peak \d, of the first's"
+    r"|(amplitude after|kept over) cycle \d"
+)
 TIMED_READING: Final = re.compile(r"(\w+) after (\d+(?:\.\d*)?) s")
+WAVE_KEYS: Final = ("heave", "pitch_deg")
+TRIAL_LINE: Final = re.compile(r"\s*\[\[\s*trials\s*\]\]")
+FIGURE_LINE: Final = re.compile(r"\s*\{")
+RESULTS_LINE: Final = re.compile(r"\s*results\s*=")
+USE_FIELD: Final = Choice((FITTED, HELD_OUT), "whether a coefficient was chosen by it")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FigureRecord:
+    """One published figure as the file has it, in the units of its source."""
+
+    quantity: str = required(Text(79, "a measure of the manoeuvre, or a column as 'u after 40 s'"))
+    unit: str = required(Choice(tuple(FILE_UNITS), "of value and u"))
+    value: float = required(Quantity("-", within(-1e9, 1e9), "as published, D"))
+    use: str = required(USE_FIELD)
+    u: float | None = optional(UNCERTAINTY_FIELD)
 
 
 @dataclass(frozen=True)
-class PublishedValue:
-    """One quantity as published, in the units of its source."""
+class Figure:
+    """One published figure with its uncertainty, and its line of the file."""
 
     quantity: str
     unit: str
-    values: tuple[float | None, ...]  # by column
+    value: float
+    use: str
+    u: float
+    line: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialHeading:
+    """Where the figures of one manoeuvre come from."""
+
+    title: str = required(NOTE_FIELD)
+    data: str = required(Choice(tuple(DATA_KINDS), "what was done"))
+    source: str = required(NOTE_FIELD)
+    figure: str = required(Text(200, "figure, table or page of the source"))
+    read: str = required(NOTE_FIELD)
+    note: str = with_default("", NOTE_FIELD)
+    speed_m_s: float = required(Quantity("m/s", within(0, 50), "at which it begins; 0: from rest"))
 
 
 @dataclass(frozen=True)
 class Trial:
     """One manoeuvre as published."""
 
-    title: str
-    source: str
-    note: str
+    heading: TrialHeading
+    name: str  # of the manoeuvre
     manoeuvre: Manoeuvre
-    speed: float  # [m/s]
-    columns: tuple[str, ...]  # of the results: trials, computations of others
-    results: tuple[PublishedValue, ...]
+    results: tuple[Figure, ...]
 
-    def task(self, file: VesselFile) -> Task:
-        """Return our flight of it."""
-        return Task(
-            self.manoeuvre,
-            self.speed,
-            Method("full", "exact", "exact", "rk4", STEP_SHARE * file.run.step_s),
-        )
+    def task(self, file: VesselFile, coarser: float = 1.0) -> Task:
+        """Return our flight of it, by a step so many times the usual one."""
+        step = coarser * STEP_SHARE * file.run.step_s
+        method = Method("full", "exact", "exact", "rk4", step)
+        return Task(self.manoeuvre, self.heading.speed_m_s, method)
+
+    def read_flight(self, published: "Published", flight: Flight | str) -> list[float | None]:
+        """Return our figures in the published units; ConfigError if one is none of its measures."""
+        if isinstance(flight, str) or flight.lost:
+            return [None] * len(self.results)
+        measures = {one.name: (one.value, one.unit) for one in self.manoeuvre.measures(flight)}
+        return [_read_figure(published, each, measures, flight) for each in self.results]
 
 
 def _by_depth(unit: str, meaning: str) -> Quantities:
@@ -82,45 +149,83 @@ def _by_depth(unit: str, meaning: str) -> Quantities:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeadWaves:
+class WavesHeading(TrialHeading):
     """Motion in regular waves from ahead as published, planes fixed."""
 
-    title: str = required(NOTE_FIELD)
-    source: str = required(NOTE_FIELD)
-    speed_m_s: float = required(Quantity("m/s", within(0.1, 50), "of the boat"))
+    use: str = required(USE_FIELD)
     period_s: float = required(Quantity("s", within(1, 60), "of the waves"))
     height_m: float = required(Quantity("m", within(0.01, 25), "of the waves"))
     depth_m: tuple[float, ...] = required(_by_depth("m", "depths of the origin"))
     heave: tuple[float, ...] = required(_by_depth("-", "amplitude over the waves'"))
+    u_heave: float = required(UNCERTAINTY_FIELD)
     pitch_deg: tuple[float, ...] = required(_by_depth("deg", "amplitude"))
+    u_pitch_deg: float = required(UNCERTAINTY_FIELD)
 
 
 @dataclass(frozen=True)
-class WaveMotion:
-    """One depth of published waves, and our heave [-] and pitch [deg]."""
+class HeadWaves:
+    """Published motion in regular waves, heave and pitch by depth."""
 
-    depth_m: float
-    published: tuple[float, float]
-    ours: tuple[float, float]
-    without_flow: tuple[float, float]  # the hull's lift does not feel the water's own motion
+    heading: WavesHeading
+    results: tuple[Figure, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Provenance:
+    """When the figures were called fitted or held out, and of which boat."""
+
+    judged: str = required(Text(10, "day"))
+    digest: str = required(Text(16, "of the vessel file's numbers on that day"))
+    nothing_found: str = with_default("", NOTE_FIELD)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """Coefficients, and the figures by which they were chosen."""
+
+    coefficients: tuple[str, ...] = required(Texts(Text(20, "name"), MAX_INPUTS))
+    to: str = required(NOTE_FIELD)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deviation:
+    """The standard deviation of some coefficients or masses, which their source tells."""
+
+    inputs: tuple[str, ...] = required(
+        Texts(Text(20, "coefficient, or mass, Ix, Iy, Iz, BG"), MAX_INPUTS)
+    )
+    share: float | None = optional(Quantity("-", above(0, 5), "of the value"))
+    size: float | None = optional(Quantity("-", above(0, 1e9), "in the file's unit"))
+    reason: str = required(NOTE_FIELD)
 
 
 @dataclass(frozen=True)
-class WaveComparison:
-    """Published waves and our motion in them."""
+class Published:
+    """A file of published figures."""
 
-    waves: HeadWaves
-    problem: str  # why there is none
-    rows: tuple[WaveMotion, ...]
+    path: Path
+    text: str
+    provenance: Provenance
+    fits: tuple[Fit, ...]
+    deviations: tuple[Deviation, ...]
+    trials: tuple[Trial, ...]
+    waves: tuple[HeadWaves, ...]
 
+    @property
+    def figures(self) -> tuple[tuple[str, Figure], ...]:
+        """Return every figure with the title that it stands under."""
+        every: tuple[Trial | HeadWaves, ...] = (*self.trials, *self.waves)
+        return tuple((one.heading.title, figure) for one in every for figure in one.results)
 
-@dataclass(frozen=True)
-class TrialComparison:
-    """One trial and our numbers, in the units of its source."""
+    @property
+    def file(self) -> str:
+        """Return its name."""
+        return self.path.name
 
-    trial: Trial
-    problem: str  # why there are none
-    ours: tuple[float | None, ...]  # by result
+    def wrong(self, figure: Figure, text: str) -> ConfigError:
+        """Return the error that ``text`` is wrong with a figure."""
+        name = f"{self.file}: line {figure.line}: "
+        return ConfigError(f"{name}quantity = {quote(figure.quantity)}: {text}")
 
 
 def trials_path(file: VesselFile) -> Path | None:
@@ -133,61 +238,149 @@ def trials_path(file: VesselFile) -> Path | None:
     return shipped_path("trials", name) if is_shipped and name in shipped_names("trials") else None
 
 
-def load_published(path: Path) -> tuple[tuple[Trial, ...], tuple[HeadWaves, ...]]:
-    """Return the trials and the waves of a file. ConfigError with all that is wrong in it."""
-    tables = parse_toml(read_text(path), path.name)
-    lists = [tables.get(name, []) for name in ("trials", "waves")]
-    known = {"trials"} <= set(tables) <= {"trials", "waves"}
-    if not known or not all(isinstance(rows, list) for rows in lists):
-        text = "must hold tables [[trials]], may hold [[waves]], and nothing else"
-        raise ConfigError(f"{path.name}: {text}")
+def numbers_digest(file: VesselFile) -> str:
+    """Return the digest of a vessel file's numbers that its full set flies by."""
+    return tables_digest(file.text, file.path.name, FLOWN_TABLES)
+
+
+def figures_digest(published: Published) -> str:
+    """Return the digest of what the uncertainty of our figures rests on, beside the boat."""
+    return tables_digest(published.text, published.file, FIGURE_TABLES)
+
+
+def tables_digest(text: str, file: str, names: tuple[str, ...]) -> str:
+    """Return the digest of some tables of a file."""
+    tables = parse_toml(text, file)
+    chosen = {name: tables[name] for name in names if name in tables}
+    return hashlib.sha256(json.dumps(chosen, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def load_published(path: Path) -> Published:
+    """Return the figures of a file. ConfigError with all that is wrong in it, by line."""
+    text = read_text(path)
+    tables = parse_toml(text, path.name)
+    lines, keys = _row_lines(text), lines_of(text)
     problems: list[str] = []
+    place = Place(path.name, "")
+    known = ("boat", *ROW_READERS)
+    problems += [
+        place.problem(f"{name} = ...: no such table{nearest(name, known)}")
+        for name in tables
+        if name not in known
+    ]
 
-    def read_all(name: str, read: Callable[[Mapping[str, Any], Place], Any]) -> Iterator[Any]:
-        for i, row in enumerate(tables.get(name, []), start=1):
-            place = Place(path.name, f"{name} {i}")
+    def read_rows(name: str, read: RowReader) -> Iterator[Any]:
+        rows = tables.get(name, [])
+        if not isinstance(rows, list):
+            problems.append(place.wrong(name, rows, f"must be tables [[{name}]]"))
+            return
+        for i, row in enumerate(rows):
+            inside = place.inside(f"{name}[{i}]")
+            own = [keys.get((inside.table, key), 0) for key in WAVE_KEYS]
             with collecting(problems):
-                yield read(as_table(row, place), place)
+                yield read(
+                    as_table(row, inside), inside, lines.get(i, []) if name == "trials" else own
+                )
 
-    published = tuple(read_all("trials", _trial)), tuple(read_all("waves", _waves))
-    if problems:
-        raise ConfigError(*problems)
-    return published
-
-
-def _waves(row: Mapping[str, Any], place: Place) -> HeadWaves:
-    """Return regular waves; ConfigError if they are wrong."""
-    waves = read_record(HeadWaves, row, place, ())
-    for name in ("heave", "pitch_deg"):
-        values = getattr(waves, name)
-        if len(values) != len(waves.depth_m):
-            wanted = f"must have {len(waves.depth_m)} numbers as depth_m has"
-            raise ConfigError(place.wrong(name, list(values), wanted))
-    return waves
+    rows = [tuple(read_rows(name, read)) for name, read in ROW_READERS.items()]
+    boat = as_table(tables.get("boat", {}), place.inside("boat"))
+    if not (rows[2] or rows[3] or problems or boat.get("nothing_found")):
+        problems.append(place.problem("has no [[trials]]: say nothing_found in [boat]"))
+    with collecting(problems):
+        provenance = read_record(Provenance, boat, place.inside("boat"), ())
+    raise_problems(number_problems(problems, text, path.name))
+    return Published(path, text, provenance, *rows)
 
 
-def _trial(row: Mapping[str, Any], place: Place) -> Trial:
-    """Return one trial; ConfigError if it is wrong."""
-    for key in TRIAL_KEYS:
-        if key not in row:
-            raise ConfigError(place.problem(f"lacks {key}"))
-    columns = _words("columns", row["columns"], place)
-    if not isinstance(row["results"], list):
-        raise ConfigError(place.wrong("results", row["results"], "must be a list of results"))
-    return Trial(
-        title=NOTE_FIELD.read("title", row["title"], place),
-        source=NOTE_FIELD.read("source", row["source"], place),
-        note=str(row["note"]),
-        manoeuvre=_manoeuvre(row, place),
-        speed=SPEED_FIELD.read("speed_m_s", row["speed_m_s"], place),
-        columns=columns,
-        results=tuple(_read_result(result, columns, place) for result in row["results"]),
-    )
+def _row_lines(text: str) -> dict[int, list[int]]:
+    """Return the lines, from 1, of the figures of each trial."""
+    lines: dict[int, list[int]] = {}
+    trial, inside = -1, False
+    for number, line in enumerate(text.split("\n"), start=1):
+        if TRIAL_LINE.match(line):
+            trial, inside = trial + 1, False
+        elif RESULTS_LINE.match(line):
+            inside = True
+        elif inside and FIGURE_LINE.match(line):
+            lines.setdefault(trial, []).append(number)
+    return lines
 
 
-def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
+def _deviation(row: Mapping[str, Any], place: Place, _lines: list[int]) -> Deviation:
+    """Return a standard deviation; ConfigError if it is wrong."""
+    deviation = read_record(Deviation, row, place, ())
+    if (deviation.share is None) == (deviation.size is None):
+        raise ConfigError(place.problem("must have share or size, one of them"))
+    return deviation
+
+
+def _waves(row: Mapping[str, Any], place: Place, lines: list[int]) -> HeadWaves:
+    """Return regular waves; ConfigError if they are wrong. ``lines`` are those of their keys."""
+    waves = read_record(WavesHeading, row, place, ())
+    by_name = {
+        "heave": ("-", waves.heave, waves.u_heave),
+        "pitch_deg": ("deg", waves.pitch_deg, waves.u_pitch_deg),
+    }
+    figures = []
+    for i, depth in enumerate(waves.depth_m):
+        for (name, (unit, values, u)), line in zip(by_name.items(), lines, strict=True):
+            if len(values) != len(waves.depth_m):
+                wanted = f"must have {len(waves.depth_m)} numbers as depth_m has"
+                raise ConfigError(place.wrong(name, list(values), wanted))
+            quantity = f"{name.partition('_')[0]} at {depth:.4g} m"
+            figures.append(Figure(quantity, unit, values[i], waves.use, u, line))
+    return HeadWaves(waves, tuple(figures))
+
+
+def _trial(row: Mapping[str, Any], place: Place, lines: list[int]) -> Trial:
+    """Return one trial; ConfigError if it is wrong. ``lines`` are its figures'."""
+    headed = {each.name for each in fields(TrialHeading)}
+    own = {"manoeuvre", "results", "u_D"}
+    problems: list[str] = []
+    with collecting(problems):
+        given = {key: value for key, value in row.items() if key in headed}
+        heading = read_record(TrialHeading, given, place, ())
+    with collecting(problems):
+        manoeuvre = _manoeuvre(row, place, headed | own)
+    by_unit = dict[str, float]()
+    with collecting(problems):
+        by_unit = _by_unit(row.get("u_D", {}), place)
+    rows, figures = row.get("results"), list[Figure]()
+    if not isinstance(rows, list) or not rows:
+        problems.append(place.wrong("results", rows, "must be a list of figures"))
+        rows = []
+    for i, figure in enumerate(rows):
+        line = lines[i] if i < len(lines) else 0
+        with collecting(problems):
+            figures.append(_figure(figure, by_unit, place, line))
+    raise_problems(problems)
+    return Trial(heading, row["manoeuvre"], manoeuvre, tuple(figures))
+
+
+def _by_unit(table: object, place: Place) -> dict[str, float]:
+    """Return the uncertainty of readings by their unit; ConfigError."""
+    by_unit = {}
+    for unit, value in as_table(table, place).items():
+        if unit not in FILE_UNITS:
+            raise ConfigError(place.wrong("u_D", unit, f"no such unit{nearest(unit, FILE_UNITS)}"))
+        by_unit[unit] = UNCERTAINTY_FIELD.read("u_D", value, place)
+    return by_unit
+
+
+def _figure(row: object, by_unit: Mapping[str, float], place: Place, line: int) -> Figure:
+    """Return one figure with its uncertainty; ConfigError with its line."""
+    at = Place(f"{place.file}: line {line}", f"{place.table}.results") if line else place
+    figure = read_record(FigureRecord, row, at, ())
+    u = by_unit.get(figure.unit) if figure.u is None else figure.u
+    if u is None:
+        text = f"has no uncertainty: give it u [{figure.unit}], or the trial u_D of {figure.unit}"
+        raise ConfigError(at.wrong("quantity", figure.quantity, text))
+    return Figure(figure.quantity, figure.unit, figure.value, figure.use, u, line)
+
+
+def _manoeuvre(row: Mapping[str, Any], place: Place, others: set[str]) -> Manoeuvre:
     """Return the manoeuvre that a trial names, with its parameters; ConfigError if it has none."""
-    name = row["manoeuvre"]
+    name = row.get("manoeuvre", "")
     if not isinstance(name, str) or name not in MANOEUVRES:
         advice = f"no such manoeuvre{nearest(str(name), MANOEUVRES)}"
         raise ConfigError(place.wrong("manoeuvre", name, advice))
@@ -195,95 +388,50 @@ def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
     known = {field.name: getattr(manoeuvre, field.name) for field in fields(manoeuvre)}
     field_values = {}
     for key, value in row.items():
-        if key in TRIAL_KEYS:
+        if key in others:
             continue
         if key not in known:
-            raise ConfigError(place.wrong(key, value, f"no such key{nearest(key, known)}"))
-        read: Callable[[str, object, Place], Any] = PARAMETER_FIELD.read
+            text = f"no such key{nearest(key, {*known, *others})}"
+            raise ConfigError(place.wrong(key, value, text))
+        read: Any = PARAMETER_FIELD.read
         if key in FIELD_CHOICES:
             read = Choice(FIELD_CHOICES[key], "as --side, or rise and dive").read
         elif isinstance(known[key], tuple):
-            read = _words
+            read = Texts(Text(20, "axis"), 9).read
         field_values[key] = read(key, value, place)
     return replace(manoeuvre, **field_values)
 
 
-def _words(key: str, value: object, place: Place) -> tuple[str, ...]:
-    """Return a list of words; ConfigError if it is none."""
-    if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
-        raise ConfigError(place.wrong(key, value, "must be a list of words"))
-    return tuple(value)
+RowReader = Callable[[Mapping[str, Any], Place, list[int]], Any]
+ROW_READERS: Final[Mapping[str, RowReader]] = {  # tables of the file, as Published has them
+    "fits": lambda row, place, _lines: read_record(Fit, row, place, ()),
+    "deviations": _deviation,
+    "trials": _trial,
+    "waves": _waves,
+}
 
 
-def _read_result(row: Any, columns: tuple[str, ...], place: Place) -> PublishedValue:
-    """Return one result; ConfigError if it is not a quantity, a unit and a value by column."""
-    if not isinstance(row, list) or len(row) != len(columns) + 2:
-        wanted = f"must be quantity, unit and {len(columns)} values, '' for none"
-        raise ConfigError(place.wrong("results", row, wanted))
-    quantity, unit, *values = row
-    if not isinstance(unit, str) or unit not in FILE_UNITS:
-        raise ConfigError(
-            place.wrong("results", unit, f"unit must be one of {', '.join(FILE_UNITS)}")
-        )
-    numbers = tuple(
-        None if value == "" else VALUE_FIELD.read(f"results, {quote(str(quantity))}", value, place)
-        for value in values
-    )
-    return PublishedValue(str(quantity), unit, numbers)
-
-
-def compare_trials(
-    file: VesselFile, trials: tuple[Trial, ...], flown: FlightTable
-) -> Iterator[TrialComparison]:
-    """Yield the trials with our numbers; ConfigError if a quantity is none of the manoeuvre's."""
-    for trial in trials:
-        flight = flown[trial.task(file)]
-        if isinstance(flight, str) or flight.lost:
-            problem = flight if isinstance(flight, str) else flight.lost
-            yield TrialComparison(trial, problem, (None,) * len(trial.results))
-            continue
-        ours = {one.name: one.value for one in trial.manoeuvre.measures(flight)}
-        yield TrialComparison(trial, "", tuple(_ours(one, ours, flight) for one in trial.results))
-
-
-def _ours(wanted: PublishedValue, ours: Mapping[str, float | None], flight: Flight) -> float | None:
-    """Return our number in the published unit; ConfigError if there is no such quantity."""
+def _read_figure(
+    published: Published,
+    wanted: Figure,
+    measures: Mapping[str, tuple[float | None, str]],
+    flight: Flight,
+) -> float | None:
+    """Return our number in the published unit, None for none; ConfigError if it is wrong."""
     reading = TIMED_READING.fullmatch(wanted.quantity)
-    if wanted.quantity in ours:
-        value = ours[wanted.quantity]
+    if wanted.quantity in measures:
+        value, unit = measures[wanted.quantity]
     elif reading and flight.has(reading[1]):
         begin = flight.marks[0].t if flight.marks else 0.0
-        value = flight.at(begin + float(reading[2]), reading[1])
+        value, unit = flight.at(begin + float(reading[2]), reading[1]), unit_of(reading[1])
+    elif NUMBERED_MEASURE.fullmatch(wanted.quantity):  # a swing that ours does not make
+        return None
     else:
-        raise ConfigError(
-            f"no measure {quote(wanted.quantity)}{nearest(wanted.quantity, ours)}; there are "
-            f"{', '.join(ours)}, and any column as 'u after 40 s'"
+        raise published.wrong(
+            wanted,
+            f"no such measure{nearest(wanted.quantity, measures)}; there are "
+            f"{', '.join(measures)}, and any column as 'u after 40 s'",
         )
+    if SI_UNITS.get(wanted.unit, wanted.unit) != unit:
+        raise published.wrong(wanted, f"unit = {quote(wanted.unit)} does not fit, it is in {unit}")
     return None if value is None else value / FILE_UNITS[wanted.unit]
-
-
-def compare_waves(file: VesselFile, waves: Sequence[HeadWaves]) -> Iterator[WaveComparison]:
-    """Yield published waves with our motion in them, by the full set."""
-    for one in waves:
-        boat = Boat(file, Method("full", "exact", "exact", "rk4", file.run.step_s))
-        if not boat.trimmed(one.speed_m_s):
-            yield WaveComparison(one, f"no straight level flight at {one.speed_m_s:g} m/s", ())
-            continue
-        known = zip(one.depth_m, one.heave, one.pitch_deg, strict=True)
-        rows = tuple(
-            WaveMotion(
-                depth,
-                (heave, pitch),
-                _motion(boat, one, depth, one.speed_m_s),
-                _motion(boat, one, depth, 0.0),
-            )
-            for depth, heave, pitch in known
-        )
-        yield WaveComparison(one, "", rows)
-
-
-def _motion(boat: Boat, waves: HeadWaves, depth: float, speed: float) -> tuple[float, float]:
-    """Return our heave [-] and pitch [deg]; the lift feels the water at ``speed`` [m/s]."""
-    omega = 2.0 * math.pi / waves.period_s
-    heave, pitch = head_wave_response(boat, head_waves(boat, omega, depth, speed), omega)
-    return heave, math.degrees(0.5 * waves.height_m * pitch)

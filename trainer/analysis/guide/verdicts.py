@@ -1,7 +1,15 @@
-"""Two flights of one manoeuvre judged: measures, peaks, zero crossings, change of change."""
+"""Verdicts on the full set by published figures, on a compact one by the full.
 
+The first is that of ASME V&V 20: an error within the uncertainty of its comparison is none that
+was seen. The second judges two flights of one manoeuvre: measures, peaks, zero crossings, change
+of change. The guide and ``trainer reduce`` judge a compact set by it. By change of change the
+report of 1969 judged: how much less or more a quantity has changed at 120 s than by the full set.
+"""
+
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Final
 
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
@@ -13,6 +21,55 @@ BEYOND_TOLERANCE: Final = "BEYOND"
 NOT_JUDGED: Final = "not judged"
 RATE_UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
 TURN_RATES: Final = ("p", "q", "r")
+MAX_JUDGED_SHARE: Final = 0.3  # [-] of a published value: a larger uncertainty judges nothing
+REFINEMENT: Final = 2.0  # [-] from step to step
+FORMAL_ORDER: Final = 4.0  # of Runge and Kutta
+MIN_ORDER: Final = 0.5  # a lower one that was observed is no convergence
+GRID_SAFETY_FACTOR: Final = 1.25  # of three steps, Roache 1998
+EXPANSION_FACTOR: Final = 1.15  # from that band to a standard deviation, ASME V&V 20, section 2
+
+
+class Validity(StrEnum):
+    """What a comparison with a published figure shows, in the manner of ASME V&V 20."""
+
+    NOISE = "below the noise of this comparison"
+    MODEL_ERROR = "model error"
+    ABSENT = "model error: ours does not do it"
+    UNCERTAIN = "too uncertain to judge"
+    NOT_JUDGED = "not judged"
+
+
+MODEL_ERRORS: Final = (Validity.MODEL_ERROR, Validity.ABSENT)
+
+
+def judge_error(error: float | None, u_val: float | None, value: float) -> Validity:
+    """Return the verdict of a simulation's error by its uncertainty and the published value.
+
+    ``error`` is None where the simulated boat does not do what was published, such as a swing.
+    ``u_val`` is None where it is not known.
+    """
+    if u_val is None:
+        return Validity.NOT_JUDGED
+    if error is None:
+        return Validity.ABSENT
+    if u_val > MAX_JUDGED_SHARE * abs(value):
+        return Validity.UNCERTAIN
+    return Validity.NOISE if abs(error) <= u_val else Validity.MODEL_ERROR
+
+
+def step_uncertainty(by_step: Sequence[float]) -> tuple[float, float | None]:
+    """Return the uncertainty by the step and the order observed, None where there is none.
+
+    ``by_step`` has the result by a step, by twice and by four times it. Where these do not converge
+    (events are seen at the starts of cycles) the uncertainty is the larger of their differences.
+    """
+    fine, coarse = by_step[0] - by_step[1], by_step[1] - by_step[2]
+    if fine * coarse > 0.0:
+        order = min(math.log(coarse / fine, REFINEMENT), FORMAL_ORDER)
+        if order >= MIN_ORDER:
+            share = GRID_SAFETY_FACTOR / (REFINEMENT**order - 1.0)
+            return abs(fine) * share / EXPANSION_FACTOR, order
+    return max(abs(fine), abs(coarse)), None
 
 
 @dataclass(frozen=True)

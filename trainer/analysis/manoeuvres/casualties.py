@@ -1,4 +1,8 @@
-"""Casualties as manoeuvres: weight changes, planes or a rudder that jam, and the answer."""
+"""Casualties as manoeuvres: a changed weight, jammed planes or rudder, and the answer.
+
+``trainer manoeuvre`` and the guide fly them without a crew: the answer is ordered a stated time
+after the failure, so that boats and equations can be compared.
+"""
 
 import math
 from collections.abc import Iterator
@@ -13,6 +17,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     Measure,
     Side,
     Watch,
+    heel_measure,
     largest_value,
     part_measure,
     share_measure,
@@ -150,5 +155,5 @@ class RudderJam(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return readings along the way and the largest roll, counted to the side."""
         flight = flight.counted_to(self.side)
-        most = share_measure("largest roll", "rad", largest_value(flight.change("phi")))
+        most = heel_measure("largest roll", largest_value(flight.column("phi")))
         return [most, *readings(flight, flight.time_of("jam") or 0.0, TURNING_COLUMNS)]

@@ -1,4 +1,7 @@
-"""The manoeuvres by name, as an engineer asks for them."""
+"""The manoeuvres by name, with their parameters, as ``trainer manoeuvre`` takes them.
+
+Guides, studies and reductions look a manoeuvre up here. The classes are in the modules beside it.
+"""
 
 import math
 from collections.abc import Mapping
@@ -8,12 +11,7 @@ from typing import Final
 
 from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam, RudderJam
 from trainer.analysis.manoeuvres.flight import Manoeuvre
-from trainer.analysis.manoeuvres.speeds import (
-    Acceleration,
-    Backing,
-    CrashStop,
-    UtmostAcceleration,
-)
+from trainer.analysis.manoeuvres.speeds import Acceleration, Backing, CrashStop, UtmostAcceleration
 from trainer.analysis.manoeuvres.steadiness import PullOut, ReverseSpiral, Spiral
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
 from trainer.analysis.manoeuvres.vehicle import Vehicle, surface_limit

@@ -1,10 +1,11 @@
 """A manoeuvre is flown from its start to its end, or until numbers are lost.
 
-A schedule is a generator that gives its orders to a ``Conn``: between two yields the vehicle moves
-by one cycle, with the controls as ordered before. Events are seen at the starts of cycles, as in
-the program CONTR: up to a cycle after they happen. Two vehicles may see one event a cycle apart,
-and that alone would part their ways. A vehicle flown beside another therefore takes the other's
-time of an event, unless its own is more than a cycle away.
+``trainer manoeuvre``, the guide, sweeps and reductions call ``fly_manoeuvre``. A schedule is a
+generator that gives its orders to a ``Conn``: between two yields the vehicle moves by one cycle,
+with the controls as ordered before. Events are seen at the starts of cycles, as in the program
+CONTR of 1969: up to a cycle after they happen. Two vehicles may see one event a cycle apart, and
+that alone would part their ways. A vehicle flown beside another therefore takes the other's time of
+an event, unless its own is more than a cycle away.
 """
 
 import math
@@ -37,15 +38,11 @@ from trainer.core.kernel import Numbers
 CycleGenerator = Generator[None, None, None]
 TIME_ROUNDING_S = 1e-9  # [s] rounding of a sum of steps
 MAX_FLIGHT_CYCLES = 2_000_000  # [cycles] of a flight
+# fmt: off
 MIRRORED_COLUMNS: Final = (
-    "v",
-    "p",
-    "r",
-    "y",
-    "phi",
-    "psi",
-    "delta_r",
+    "v", "p", "r", "y", "phi", "psi", "delta_r",
 )  # columns that a mirror turns over
+# fmt: on
 FIELD_CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 
@@ -130,10 +127,11 @@ class Conn:
         return passed
 
     def _beside(self, watch: Watch, other: float) -> Generator[None, None, bool]:
-        """Let time pass to the ``other``'s event [s], or to this one's if that comes too early.
+        """Let time pass to the ``other``'s event [s], or to this vehicle's if it is far earlier.
 
-        Return whether this vehicle's event is within a cycle of it. An event that is still to come
-        is foreseen by the rate of the last cycle.
+        Return whether this vehicle's event is within a cycle of the other's. The watch ends 1.5
+        cycles before it, because an event is seen up to a cycle late and times are rounded by half
+        a cycle. An event that is still to come is foreseen by the rate of the last cycle.
         """
         cycle = self.vehicle.step
         yield from self._pass(other - 1.5 * cycle, watch)
@@ -161,13 +159,14 @@ class Conn:
 
     def _pass(self, end: float, watch: Watch | None) -> CycleGenerator:
         """Let time pass to ``end`` [s], or until the watched quantity passes."""
+        # many cycles in one call, in machine code, where the vehicle can: the same numbers, sooner
         if isinstance(self.vehicle, FastVehicle) and self.vehicle.swift:
             self._close()
             rows = self.vehicle.sail(end, watch)
             if len(rows):
                 self._blocks.append(rows)
                 self.seen = tuple(rows[-1].tolist())
-            self.vehicle.sound()
+            self.vehicle.sound()  # LostError, once the rows before are kept
             return
         while self.time < end and not (watch and self.passed(watch)):
             yield
@@ -282,7 +281,7 @@ def fly_manoeuvre(
     conn = Conn(vehicle, others)
     lost, cycles_left = "", MAX_FLIGHT_CYCLES
     try:
-        with np.errstate(all="ignore"):  # what is lost is told by the vehicle
+        with np.errstate(all="ignore"):  # the vehicle itself reports that it is lost
             for _ in manoeuvre.schedule(conn):
                 vehicle.advance()
                 conn.look()

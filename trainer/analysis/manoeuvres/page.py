@@ -1,4 +1,8 @@
-"""A manoeuvre flown for the command line: its report, page, plot and CSV file."""
+"""``trainer manoeuvre``: one manoeuvre flown, with its report, page, plot and CSV file.
+
+``cli/guide`` calls ``fly_boat``; fitted ships come by ``fly_vehicle``. A report
+is a record, from which page and ``--json`` are both made.
+"""
 
 import math
 from collections.abc import Iterator
@@ -158,22 +162,22 @@ def format_measure(one: Measure) -> tuple[str, str]:
 def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
     """Return the panels of what the manoeuvre shows and the vehicle has, events marked."""
     marks = tuple((mark.name, mark.t) for mark in flight.marks)
-    panel_list = []
+    drawn = []
     for name in manoeuvre.shows:
         if name == TRACK_PANEL:
             curve = Curve("track", flight.column("y"), flight.column("x"))
-            panel_list.append(Panel("track", "east [m]", "north [m]", (curve,)))
+            drawn.append(Panel("track", "east [m]", "north [m]", (curve,)))
         elif name == TURNS_PANEL and flight.has("delta_r"):
             curves = tuple(_steady_turns(flight))
-            panel_list.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
+            drawn.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
         elif flight.has(name):
             factor, of = page_unit(name)
             curve = Curve(name, flight.t, factor * flight.column(name))
             lower = name in DEPTH_COLUMNS
-            panel_list.append(
+            drawn.append(
                 Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks, downwards=lower)
             )
-    return tuple(panel_list)
+    return tuple(drawn)
 
 
 def _steady_turns(flight: Flight) -> Iterator[Curve]:

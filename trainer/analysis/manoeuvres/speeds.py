@@ -1,4 +1,8 @@
-"""Changes of speed: in steps, to the utmost, and back to nothing."""
+"""Changes of speed: in steps, to the utmost, and back to nothing.
+
+They are manoeuvres of the ``catalogue``. ``trainer manoeuvre`` and reductions fly them, because
+they show thrust and drag at all ratios of speed and command.
+"""
 
 import math
 from collections.abc import Iterator

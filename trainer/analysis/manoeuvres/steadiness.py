@@ -1,4 +1,10 @@
-"""How steadily a vehicle turns: pull-out, direct spiral and reverse spiral."""
+"""How steadily a vehicle turns: pull-out, direct spiral and reverse spiral.
+
+``catalogue`` offers them. They show whether a boat is stable on its course. After a pull-out a
+stable boat stops turning. In a direct spiral (Dieudonne) the rudder is stepped through its angles,
+and an unstable boat jumps from one branch of the curve to the other; a reverse spiral (Bech) finds
+the part between.
+"""
 
 import math
 from collections.abc import Generator, Iterator

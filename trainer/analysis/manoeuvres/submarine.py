@@ -1,4 +1,9 @@
-"""A boat is a vehicle for manoeuvres, by its own controls or those of 1969."""
+"""A boat as a vehicle for manoeuvres, by its own controls or those of 1969.
+
+``flight`` knows only vehicles; here orders go into a boat's state and its columns come out. What a
+manoeuvre does not use is held: depth by the planes, course by the rudder, speed by the propeller.
+The report of 1969 moved its controls at once, without lag or dead time.
+"""
 
 import math
 from collections.abc import Mapping
@@ -24,25 +29,12 @@ from trainer.core.kernel import Numbers
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.update import lost, outside
 
+# fmt: off
 BOAT_COLUMNS: Final = (
-    "t",
-    "u",
-    "v",
-    "w",
-    "p",
-    "q",
-    "r",
-    "x",
-    "y",
-    "z",
-    "phi",
-    "theta",
-    "psi",
-    "delta_r",
-    "delta_s",
-    "delta_b",
-    "u_c",
+    "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi", "delta_r", "delta_s",
+    "delta_b", "u_c",
 )
+# fmt: on
 CONTROL_SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
 DEPTH_LAWS: Final = {"trainer": OWN_LAW, "report": REPORT_LAW, "literal": REPORT_LITERAL}
 DEEP_WATER_M: Final = 1000.0  # [m] room for any manoeuvre, and away from the surface
@@ -73,6 +65,7 @@ class Rig:
     )
     sea: str = CALM_SEA  # name or path, in force from the start
     seed: int = 1  # of the sea
+    engine: str = "held"  # revolutions "held" whatever they take, or "limited" as the engine's are
 
 
 class _Boat(Boat):
@@ -125,7 +118,8 @@ class Submarine:
         self._lookout = np.zeros(1, entry.LOOKOUT)
         self._lookout["steepest"] = MAX_PITCH_RAD
         vessel = self.boat.records.vessel
-        vessel["torque_limit"] = 0.0  # what holds revolutions holds them, whatever the engine
+        if rig.engine == "held":
+            vessel["torque_limit"] = 0.0  # what holds revolutions holds them, whatever the engine
         if self._at_once:
             vessel["surface_rate"], vessel["surface_lag"] = INSTANT_RATE_RAD_S, 0.0
             vessel["telegraph_dead_time"], vessel["propulsion_lag"] = 0.0, 0.0

@@ -1,4 +1,8 @@
-"""Turns: the rudder is thrown over and held. ``steadiness`` has pull-out and spirals."""
+"""Turns: the rudder is thrown over and held, and the path is measured.
+
+Advance, transfer and tactical diameter are those of sea trials. ``steadiness`` has pull-out and
+spirals. ``catalogue`` offers these manoeuvres; guides and ``trainer estimate`` fly them too.
+"""
 
 import math
 from collections.abc import Iterator
@@ -17,6 +21,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     Measure,
     Side,
     first_time,
+    heel_measure,
     largest_value,
     part_measure,
     peaks_of,
@@ -157,23 +162,26 @@ def steady(flight: Flight) -> list[Measure]:
 def heel(flight: Flight) -> list[Measure]:
     """Return the snap roll, which is the first extreme, the largest and the last heel.
 
-    The last heel is judged if it is steady: a roll that still swings has no last heel.
+    The extremes are sought in what the turn adds to the heel of straight flight, and told with it,
+    because a propeller's torque heels the boat in straight flight as well. The last heel is judged
+    if it is steady: a roll that still swings has no last heel.
     """
     if not flight.has("phi"):
         return []
     begin = flight.time_of("rudder") or 0.0
     after = flight.since(begin)
-    rolls = flight.change("phi")[after]
+    straight, rolls = float(flight.column("phi")[0]), flight.change("phi")[after]
     most = largest_value(rolls)
     tops = [y for _, y in peaks_of(flight.t[after], rolls) if abs(y) > MIN_SNAP_RATIO * abs(most)]
-    snap = tops[0] if tops else None
-    last = share_measure("steady roll", "rad", float(rolls[-1]))
-    if np.ptp(rolls[-max(len(rolls) // TURN_END_PARTS, 1) :]) > SETTLED_HEEL_RATIO * abs(rolls[-1]):
-        last = show_only("steady roll", "rad", float(rolls[-1]))
+    steady_roll = straight + float(rolls[-1])
+    swing = np.ptp(rolls[-max(len(rolls) // TURN_END_PARTS, 1) :])
+    swings = swing > SETTLED_HEEL_RATIO * abs(rolls[-1])
     return [
-        share_measure("snap roll", "rad", snap),
-        share_measure("largest roll", "rad", most),
-        last,
+        heel_measure("snap roll", straight + tops[0] if tops else None),
+        heel_measure("largest roll", straight + most),
+        show_only("steady roll", "rad", steady_roll)
+        if swings
+        else heel_measure("steady roll", steady_roll),
     ]
 
 

@@ -1,5 +1,10 @@
-"""The vehicle of a manoeuvre, and the measures of its flight."""
+"""What a manoeuvre needs of a vehicle, and the form of what is measured.
 
+``flight`` flies whatever has this form. Boats, Nomoto ships and fitted ships are vehicles: each can
+start, take orders, advance and be read. So manoeuvres are written once, and know no submarine.
+"""
+
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple, Protocol, runtime_checkable
@@ -24,9 +29,10 @@ DIRECTION_SIGNS: Final[Mapping[Side | Direction, float]] = {
     DIVE: -1.0,
 }
 ALLOWED_PERCENT: Final = 5.0  # [%] by which two flights may differ
+HEEL_ALLOWANCE_RAD: Final = math.radians(0.1)  # [rad] by which any heel may: none is read finer
 ALLOWED_SECONDS: Final = 5.0  # [s] by which their zero crossings may
 MAX_PEAKS: Final = 6  # peaks, and crossings, of one quantity
-MIN_SWING_RATIO: Final = 2e-3  # [-] of the first swing: a smaller one is not told
+MIN_SWING_RATIO: Final = 2e-3  # [-] of the first swing: a smaller one is not reported
 FAINT_SWING_RATIO: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
 
 
@@ -153,6 +159,13 @@ def share_measure(name: str, unit: str, value: float | None) -> Measure:
 def part_measure(name: str, unit: str, value: float | None, whole: float) -> Measure:
     """Return a measure that may differ by ALLOWED_PERCENT of ``whole``, the largest of its kind."""
     return Measure(name, unit, value, abs(whole) * ALLOWED_PERCENT / 100.0)
+
+
+def heel_measure(name: str, value: float | None) -> Measure:
+    """Return a heel [rad] that may differ by ALLOWED_PERCENT of itself, or HEEL_ALLOWANCE_RAD."""
+    size = 0.0 if value is None else abs(value)
+    allowed = max(size * ALLOWED_PERCENT / 100.0, HEEL_ALLOWANCE_RAD)
+    return Measure(name, "rad", value, None if value is None else allowed)
 
 
 def show_only(name: str, unit: str, value: float | None) -> Measure:

@@ -1,4 +1,8 @@
-"""Manoeuvres in the vertical plane: small disturbances, the meander and the overshoot of 1969."""
+"""Manoeuvres in the vertical plane: small disturbances, the meander and the overshoot of 1969.
+
+They show whether a boat with fixed planes returns to its depth and pitch (meander), and how far it
+goes on after planes are reversed (overshoot). The ``catalogue`` offers them.
+"""
 
 import math
 from collections.abc import Iterator
@@ -24,7 +28,7 @@ from trainer.analysis.manoeuvres.vehicle import (
 )
 
 LEAD_TIME_S: Final = 2.0  # [s] of straight flight
-SHOWN_DECAY_CYCLES: Final = 5  # of a decay that are told
+SHOWN_CYCLES: Final = 5  # of a decay that are reported
 TIME_ROUNDING_S: Final = 1e-9  # [s] rounding
 
 
@@ -158,9 +162,7 @@ class RollDecay(Manoeuvre):
         roll = flight.counted_to(self.side).column("phi")
         zeros = zero_crossings(flight.t, roll)
         begin = zeros[0] if zeros else math.inf
-        crests = [y for t, y in peaks_of(flight.t, roll) if y > 0.0 and t > begin][
-            :SHOWN_DECAY_CYCLES
-        ]
+        crests = [y for t, y in peaks_of(flight.t, roll) if y > 0.0 and t > begin][:SHOWN_CYCLES]
         amplitudes = [math.radians(self.angle_deg), *crests]
         swings = (len(zeros) - 1) // 2  # whole ones between the first and the last zero
         period = (zeros[2 * swings] - begin) / swings if swings > 0 else None

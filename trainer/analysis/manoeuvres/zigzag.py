@@ -1,4 +1,9 @@
-"""Zig-zags: a control thrown over to the other side whenever an angle reaches its mark."""
+"""Zig-zags: a control is thrown to the other side whenever an angle reaches its mark.
+
+``catalogue`` offers them, and experiments for an identification are made of them. The standard
+10/10 and 20/20 with the rudder, and the same with planes and pitch. The overshoot is how far the
+angle goes on after the control was reversed.
+"""
 
 import math
 from abc import abstractmethod
@@ -15,6 +20,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     Side,
     Watch,
     first_time,
+    heel_measure,
     largest_value,
     peaks_of,
     share_measure,
@@ -23,7 +29,7 @@ from trainer.analysis.manoeuvres.vehicle import (
 from trainer.core.kernel import Numbers
 
 LEAD_TIME_S: Final = 2.0  # [s] of straight motion
-SHOWN_PEAKS: Final = 4  # peaks that are told
+SHOWN_PEAKS: Final = 4  # peaks that are reported
 
 
 @dataclass(frozen=True)
@@ -134,8 +140,8 @@ class ZigZag(ThrowOver):
         if flight.has("phi"):
             rolls = flight.column("phi")
             measures += [
-                share_measure("largest roll", "rad", float(rolls.max())),
-                share_measure("smallest roll", "rad", float(rolls.min())),
+                heel_measure("largest roll", float(rolls.max())),
+                heel_measure("smallest roll", float(rolls.min())),
             ]
         return measures
 

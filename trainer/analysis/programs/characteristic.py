@@ -1,8 +1,9 @@
 """Characteristic polynomials, roots, frequency and damping: programs EC140, EC200 and EC320.
 
-Small motions E dx/dt = F x about straight flight at a frozen speed u0, theta0 = w0 = 0; the
-polynomial is det(s E - F). [ASSES] VI with errata E1-E7. With dimensional coefficients,
-R = z_B B - z_G W and lines of normal force and pitching moment, EC140's cubic has
+``trainer modes`` and the guide show them; [ASSES] is the report of 1969 on the programs. Small
+motions E dx/dt = F x about straight flight at a frozen speed u0, theta0 = w0 = 0; the polynomial is
+det(s E - F). [ASSES] VI with errata E1-E7. With dimensional coefficients, R = z_B B - z_G W and
+lines of normal force and pitching moment, EC140's cubic has
 
     A3 = (Z_wdot - m)(M_qdot - Iy) - M_wdot Z_qdot
     A2 = u0 Z_w (M_qdot - Iy) + (Z_wdot - m) u0 M_q - M_wdot u0 (m + Z_q) - u0 M_w Z_qdot
@@ -51,10 +52,10 @@ class MeanMotions(NamedTuple):
     """Averages of the motions for the quasi-linear coefficients, in consistent units."""
 
     v: float = 0.0  # |v|, speed
-    w: float = 0.0
+    w: float = 0.0  # |w|
     p: float = 0.0  # |p|, angular speed
-    q: float = 0.0
-    r: float = 0.0
+    q: float = 0.0  # |q|
+    r: float = 0.0  # |r|
 
 
 STEADY_MOTIONS: Final = MeanMotions()
@@ -103,7 +104,7 @@ def dimensional_constants(file: VesselFile) -> Any:
 def vertical_system(
     file: VesselFile, speed: float, means: MeanMotions = STEADY_MOTIONS
 ) -> LinearSystem:
-    """Return EC140's motions w, q, theta at ``speed``; x_G is left out, as there."""
+    """Return EC140's motions w, q, theta at ``speed`` [m/s]; x_G is left out, as there."""
     c = dimensional_constants(file)
     Zw = speed * c.Z_w + c.Z_waw * means.w + c.Z_waq * means.q
     Mw = speed * c.M_w + c.M_waw * means.w
@@ -125,7 +126,7 @@ def vertical_system(
 def horizontal_system(
     file: VesselFile, speed: float, means: MeanMotions = STEADY_MOTIONS
 ) -> LinearSystem:
-    """Return EC200's motions v, p, r, phi at ``speed``."""
+    """Return EC200's motions v, p, r, phi at ``speed`` [m/s]."""
     c = dimensional_constants(file)
     u, m = speed, c.mass
     E = [
@@ -341,8 +342,8 @@ def _quasi_linear_or_none(report: ModesReport) -> list[str]:
     if not means:
         return []
     units = {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}
-    said = ", ".join(f"|{name}| {value:.4g} {units[name]}" for name, value in means.items())
-    lines = ["", *wrap(f"QUASI-LINEAR COEFFICIENTS x 1000 (EC320; mean {said})", "")]
+    averages = ", ".join(f"|{name}| {value:.4g} {units[name]}" for name, value in means.items())
+    lines = ["", *wrap(f"QUASI-LINEAR COEFFICIENTS x 1000 (EC320; mean {averages})", "")]
     for names in (VERTICAL_COEFFICIENTS, HORIZONTAL_COEFFICIENTS):
         rows = [
             (f"{speed.speed_kn:.4g}", *(f"{1e3 * speed.adjusted[name]:.4f}" for name in names))

@@ -1,7 +1,8 @@
 """Every constant of a boat as the core gets it. These are the listings of EB920 and EC790.
 
-A constant is named by its symbol in the core's record, in SI units and radians. It comes from a key
-of the vessel file, or from the defaults file, or is derived from other constants.
+``trainer check`` lists them. A constant is named by its symbol in the core's record, in SI units
+and radians. It comes from a key of the vessel file, or from the defaults file, or is derived from
+other constants.
 """
 
 import tomllib
@@ -25,7 +26,6 @@ FILE_ORIGIN, DEFAULT_ORIGIN, DERIVED_ORIGIN, ABSENT_ORIGIN = "file", "default", 
 DIMENSION_UNITS: Final = {2: "kg/m", 3: "kg", 4: "kg m", 5: "kg m2"}
 INVERSE_UNITS: Final = {3: "1/m2", 4: "1/m", 5: "-"}  # the same over a moment of inertia
 MOMENT_AXES: Final = "KMN"  # whose compact constants are over a moment of inertia
-BLOCK_NAMES: Final = ("whole", "limit", "added")  # other names of numbers that are listed already
 SURFACE_NAMES: Final = ("rudder", "stern planes", "bow planes")
 MASS_UNITS: Final = {**dict.fromkeys("123", "kg"), **dict.fromkeys("456", "kg m2")}
 # what the places of an array are, where they have names
@@ -144,6 +144,8 @@ ENVELOPE_SOURCES: Final = {
     **_sources("kg/m", tail_Y="envelope.tail_y", tail_Z="envelope.tail_z"),
     **_sources("m", strip_x="envelope.sail_place", strip_z="envelope.sail_place"),
     **_sources("kg/m", strip_Y="envelope.sail_y"),
+    **_sources("m", lift_x="envelope.sail_lift_place", lift_z="envelope.sail_lift_place"),
+    **_sources("kg/m", sail_lift="envelope.sail_lift"),
     **_sources("kg", sail_mass="envelope.sail_added_mass"),
     **_sources("m", sail_height="= vessel"),
     **_sources("-", astern_effect="envelope.plane_effect_astern"),
@@ -151,11 +153,12 @@ ENVELOPE_SOURCES: Final = {
     **_sources("-", stall_slope="envelope.stall_slope"),
     **_sources("m", stall_arm="= coefficients"),
     **_sources("kg/m", plane_drag="= coefficients", thrust_astern="= propulsion.sets"),
-    **_sources("m", surface_line="= vessel"),
+    **_sources("m", surface_line="= vessel", station_reach="= vessel", hull_reach="= vessel"),
     **_sources("-", surface_damping="envelope.surface_damping"),
     **_sources("rad/s", surface_mode="= vessel, coefficients"),
     **_sources("N s6/m6", wave_drag="= vessel.length"),
     **_sources("1/s2", torque_limit="= propulsion.torque_limit_n_m"),
+    **_sources("1/s3", power_limit="= propulsion.shaft_power_w"),
     **_sources("-", torque="= propulsion.KQ"),
     **_sources("1/m", turns="propulsion.rps_per_mps"),
     **_sources("m", screw="propulsion.propeller_diameter"),

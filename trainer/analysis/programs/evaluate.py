@@ -3,6 +3,7 @@
 One JSON object a line. In: u v w [m/s] p q r [rad/s] phi theta psi delta_r delta_s delta_b [rad]
 u_c [m/s]; optional x y z [m] (0), x_g y_g z_g [m] weight [N] (the vessel's) and last_udot ...
 last_rdot [m/s2, rad/s2] (0), which only lagged accelerations look at. Out: the same with dots.
+With the wide set z must be there: the boat is where it is, in calm water.
 """
 
 import json
@@ -26,6 +27,7 @@ from trainer.config.vessel import VesselFile
 from trainer.core.rates import rates as write_rates
 from trainer.core.scheme import equations_alone
 from trainer.core.state import MOTION, RATES
+from trainer.core.update import outside
 
 NECESSARY_KEYS = (*MOTION[:9], "delta_r", "delta_s", "delta_b", "u_c")
 BALANCE_KEYS = ("x_g", "y_g", "z_g", "weight")
@@ -36,28 +38,43 @@ MAX_ANGLE_RAD = 1e5  # [rad] the core's sine is accurate up to here
 
 
 def evaluate_lines(
-    file: VesselFile, equations: str, rates: str, trig: str, lines: Iterable[str]
+    file: VesselFile,
+    equations: str,
+    rates: str,
+    trig: str,
+    lines: Iterable[str],
+    *,
+    wide: bool = False,
 ) -> Iterator[str]:
-    """Yield the rates of each line's state, blank lines skipped; ConfigError naming a bad line."""
+    """Yield the rates of each line's state, blank lines skipped; ConfigError naming a bad line.
+
+    ``wide`` has stall, the wide set beyond the coefficients' range, and the surface, as in a
+    session; else the equations are those of 1969 alone, in deep water.
+    """
     records = fit_out(file, Method(equations, rates, trig, "adams2", 1.0))
-    yield from evaluate_states(replace(records, scheme=equations_alone(records.scheme)), lines)
+    if not wide:
+        records = replace(records, scheme=equations_alone(records.scheme))
+    yield from evaluate_states(records, lines)
 
 
 def evaluate_states(records: Records, lines: Iterable[str]) -> Iterator[str]:
     """Yield the rates of each line's state. A key that a line lacks is as in the records."""
-    state = records.state
+    state, scheme = records.state, records.scheme
+    needed = NECESSARY_KEYS if scheme[0].envelope == 0 else (*NECESSARY_KEYS, "z")
     at_rest = state.copy()
     for number, line in enumerate(lines, start=1):
         if not line.strip():
             continue
         try:
-            values = _read(line)
+            values = _read(line, needed)
         except ConfigError as wrong:
             raise ConfigError(*(f"line {number}: {text}" for text in wrong.problems)) from None
         state[:] = at_rest  # a line must not depend on the lines before it
         for key, value in values.items():
             state[LAST_RATE_KEYS.get(key, key)] = value
         with np.errstate(all="ignore"):  # what overflows is reported below
+            if scheme[0].envelope != 0:
+                outside(records.vessel, scheme, state, records.scratch)
             write_rates(*records)
         rates = state["rates"][0]
         if not np.isfinite(rates).all():
@@ -67,7 +84,7 @@ def evaluate_states(records: Records, lines: Iterable[str]) -> Iterator[str]:
         yield "{" + ", ".join(f'"{name}": {value:.17g}' for name, value in entries) + "}"
 
 
-def _read(line: str) -> dict[str, float]:
+def _read(line: str, needed: tuple[str, ...]) -> dict[str, float]:
     """Return the numbers of one line by key; ConfigError with all that is wrong in it."""
     short = ascii(line.strip())
     short = short if len(short) <= MAX_QUOTED_LETTERS else short[: MAX_QUOTED_LETTERS - 3] + "..."
@@ -83,7 +100,7 @@ def _read(line: str) -> dict[str, float]:
     if not line.lstrip().startswith("{"):
         raise ConfigError(f"must be one JSON object with keys and numbers: {short}")
     keys = [key for key, _ in pairs]
-    problems = [f"lacks {key}" for key in NECESSARY_KEYS if key not in keys]
+    problems = [f"lacks {key}" for key in needed if key not in keys]
     twice = {key: None for key in keys if keys.count(key) > 1}
     problems += [f"{format_key(key)} is given twice" for key in twice]
     numbers = {}

@@ -1,10 +1,11 @@
 """Damped sinusoids fitted to a response by least squares: program EC310.
 
-[ASSES] VI with errata E4, E6: y = sum a_i exp(s_i t) + sum b_j exp(-alpha_j t) cos(beta_j t + c_j),
-one real mode and one pair in the vertical plane, two and one in the horizontal. Starting roots are
-those of the boat (EC140, EC200), or of the response itself by a matrix pencil where no boat is
-given; the starting amplitudes follow from them linearly (EC120, EC150, EC330). Then all numbers are
-adjusted together by Levenberg's and Marquardt's method.
+``cli/programs`` has the command; [ASSES] is the report of 1969 on the programs. [ASSES] VI with
+errata E4, E6: y = sum a_i exp(s_i t) + sum b_j exp(-alpha_j t) cos(beta_j t + c_j), one real mode
+and one pair in the vertical plane, two and one in the horizontal. Starting roots are those of the
+boat (EC140, EC200), or of the response itself by a matrix pencil where no boat is given; the
+starting amplitudes follow from them linearly (EC120, EC150, EC330). Then all numbers are adjusted
+together by Levenberg's and Marquardt's method.
 """
 
 import math
@@ -20,22 +21,19 @@ from trainer.core.kernel import Numbers
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, root_text, table
 
-MAX_FIT_ROUNDS: Final = 200
+MAX_FIT_ROUNDS: Final = 200  # rounds, beyond which a fit is told as not settled
 SLOPE_NUDGE: Final = 1e-6  # [-] of a number, for the difference quotients
 ROOT_TOLERANCE: Final = 1e-10  # [-] a step that changes the roots by less is the last
 MAX_ROOT_MOVE: Final = 0.3  # [-] of itself that a root moves in a round: real ones shall not meet
 MAX_STEP_DAMPING: Final = 1e15  # [-] damping of the step beyond which no step helps
 PENCIL_SAMPLES: Final = 800  # of the response, for the pencil's start
 SAMPLES_PER_NUMBER: Final = 3  # of the response, for each number sought
+# fmt: off
 TERM_HEADS: Final = (
-    "",
-    "root\n[1/s]",
-    "std error\n[1/s]",
-    "|s|\n[rad/s]",
-    "damping\nratio",
-    "amplitude",
+    "", "root\n[1/s]", "std error\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "amplitude",
     "phase\n[rad]",
 )
+# fmt: on
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,10 @@
 """Planes for straight level flight, and the speed at which they reverse: program EC470.
 
-[ASSES] EC470 with errata F1-F4: pitch equals the angle of attack, q = 0, weight equals buoyancy,
-x_G = 0, one pair of planes deflected and the other at zero. With t = w/u, h = t/sqrt(1 + t^2) and
-R2 = 2 (z_B B - z_G W)/(rho L^3), normal force and pitching moment vanish where
+``cli/programs`` and the guide show them; a manoeuvre may begin in the full set's ``trim_at``.
+[ASSES] is the report of 1969 on the programs. [ASSES]
+EC470 with errata F1-F4: pitch equals the angle of attack, q = 0, weight equals buoyancy, x_G = 0,
+one pair of planes deflected and the other at zero. With t = w/u, h = t/sqrt(1 + t^2) and R2 = 2
+(z_B B - z_G W)/(rho L^3), normal force and pitching moment vanish where
 
     Z_waw t|t| + Z_ww t^2 + Z_w t + Z_aw |t| + Z_star + Z_d d = 0
     M_waw t|t| + M_ww t^2 + M_w t + M_aw |t| + M_star + M_d d + R2 h/u^2 = 0
@@ -44,7 +46,7 @@ MAX_FLOW_SLOPE: Final = math.tan(
     math.radians(85.0)
 )  # [-] |w|/u looked at; the equations end before
 REAL_ROOT_TOLERANCE: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
-MAX_HALVINGS: Final = 200
+MAX_HALVINGS: Final = 200  # more than a double has bits, whatever the first interval
 MAX_FOLD_ROUNDS: Final = 50  # of a speed at which solutions meet, near the surface
 SAME_SPEED_RATIO: Final = 1e-9  # [-] difference of two speeds
 DRAWN_PITCH_DEG: Final = 20.0  # [deg] of pitch, either way
@@ -273,15 +275,13 @@ def level_flights(file: VesselFile, plane: str, speed: float) -> LevelFlights:
 def remarks(file: VesselFile) -> tuple[str, ...]:
     """Return the assumptions of EC470 that do not hold for the boat."""
     hull = file.hull
-    remark_list = []
+    notes = []
     if hull.weight != hull.buoyancy:
         heavy = 100.0 * (hull.weight - hull.buoyancy) / hull.buoyancy
-        remark_list.append(
-            f"EC470 takes the weight as equal to the buoyancy; it is {heavy:+.2g} % of it"
-        )
+        notes.append(f"EC470 takes the weight as equal to the buoyancy; it is {heavy:+.2g} % of it")
     if hull.cg[0] != 0.0 or hull.cb[0] != 0.0:
-        remark_list.append("EC470 takes x_G and x_B as zero; the trim of the boat itself does not")
-    return tuple(remark_list)
+        notes.append("EC470 takes x_G and x_B as zero; the trim of the boat itself does not")
+    return tuple(notes)
 
 
 def report_neutral(

@@ -1,7 +1,8 @@
 """Weight and balance over all fillings of the tanks: program EC430 [ASSES], erratum F6.
 
-The program has the balance of a boat's own tanks as they are filled, and the limits of all
-fillings. A flooded compartment is one more tank. Free surfaces in a tank are not counted.
+``cli/programs`` has the command; [ASSES] is the report of 1969 on the programs. The program has the
+balance of a boat's own tanks as they are filled, and the limits of all fillings. A flooded
+compartment is one more tank. Free surfaces in a tank are not counted.
 """
 
 import math
@@ -32,8 +33,8 @@ class Weight(NamedTuple):
 
     weight: float  # [N]
     x: float  # [m]
-    y: float
-    z: float
+    y: float  # [m]
+    z: float  # [m]
 
 
 class Balance(NamedTuple):

@@ -1,7 +1,8 @@
 """Thrust less drag over speed and command speed: program ZC300.
 
-[ASSES] ZC300 with errata F5 and A28-A31: T = rho/2 L^2 (a u^2 + b u uc + c uc^2), the row of a, b
-and c by eta = uc/u; the acceleration as printed, T/m, and as flown, T/(m - rho/2 L^3 X_udot).
+``cli/programs`` and the guide show it. [ASSES], the report of 1969, ZC300
+with errata F5 and A28-A31: T = rho/2 L^2 (a u^2 + b u uc + c uc^2), the row of a, b and c by eta =
+uc/u; the acceleration as printed, T/m, and as flown, T/(m - rho/2 L^3 X_udot).
 """
 
 from collections.abc import Iterable, Sequence
@@ -16,14 +17,11 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, titled_table
 from trainer.units import KNOT
 
+# fmt: off
 THRUST_HEADS: Final = (
-    "u\n[kn]",
-    "u_c\n[kn]",
-    "row",
-    "thrust\n[kN]",
-    "T/m\n[m/s2]",
-    "as flown\n[m/s2]",
+    "u\n[kn]", "u_c\n[kn]", "row", "thrust\n[kN]", "T/m\n[m/s2]", "as flown\n[m/s2]",
 )
+# fmt: on
 CURVE_POINTS: Final = 201  # of a curve
 
 
@@ -72,7 +70,7 @@ def row_at(file: VesselFile, u: float, u_c: float) -> int:
 
 
 def thrust(file: VesselFile, u: float, u_c: float) -> float:
-    """Return thrust less drag, in consistent units; drag opposes motion astern too."""
+    """Return thrust less drag [N] at ``u`` and ``u_c`` [m/s]; drag opposes motion astern too."""
     row = (*file.thrust.ahead, *file.thrust.astern)[row_at(file, u, u_c) - 1]
     area = 0.5 * file.fluid.rho * file.hull.length**2
     return area * (row.a * u * u + row.b * u * u_c + row.c * u_c * u_c)

@@ -1,4 +1,9 @@
-"""Candidates fly side by side, one in each process."""
+"""Candidates fly side by side, one in each process.
+
+A candidate is a compact set that the search tries: the full set's coefficients times factors.
+``search`` asks for the differences of many at once, and for slopes; each takes a flight of every
+leg, so they are spread over processes.
+"""
 
 from collections.abc import Sequence
 from functools import partial

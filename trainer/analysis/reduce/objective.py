@@ -1,4 +1,9 @@
-"""How far the flights of a candidate set are from the full set's."""
+"""How far the flights of a candidate set are from the full set's.
+
+A candidate is a compact set that the search tries: the full set's coefficients times factors. A leg
+is one manoeuvre at one speed. ``search`` brings these differences down, ``verdict`` judges by them.
+A difference counts as a multiple of what is allowed, so that metres and degrees can be compared.
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,12 +19,13 @@ from trainer.boat.assemble import body_values, thrust_rows
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
-from trainer.core.terms import BASIC_DROPS, COMPACT_TERMS, EXTRA_TERMS
+from trainer.core.terms import BASIC_DROPS, COMPACT_TERMS, EXTRA_TERMS, SLIP_TERMS
 from trainer.core.vessel import compact_record
 from trainer.units import KNOT
 
 # What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a
-# boat without rudder drag would pass many a test.
+# boat without rudder drag would pass many a test. So does what the propeller does beyond its
+# thrust: other terms can make up for it at one setting of the engine, and not at all.
 CONTROL_COEFFICIENTS: Final = (
     "X_drdr",
     "X_dsds",
@@ -30,6 +36,7 @@ CONTROL_COEFFICIENTS: Final = (
     "M_ds",
     "M_db",
     "N_dr",
+    *SLIP_TERMS,
 )
 FIXED_COEFFICIENTS: Final = ("X_dbdb", "Z_db", "M_db")
 # Those that couple roll with sway and yaw may go: by accelerations of the last cycle they drive a

@@ -1,4 +1,8 @@
-"""A reduction as text for a terminal."""
+"""A reduction as text for a terminal.
+
+``trainer reduce`` prints it: which terms stay and why, which were dropped, and what the set is
+worth.
+"""
 
 from collections.abc import Iterator, Sequence
 from typing import Final

@@ -1,4 +1,10 @@
-"""The programme of a reduction: legs to fit, prove and judge a set by."""
+"""The programme of a reduction: legs to fit, prove and judge a set by.
+
+A leg is one manoeuvre at one speed. A set is fitted to some legs, and proven by those of the guide
+while terms are dropped. It is judged by the guide, by more steady turns than were fitted, and by
+legs that neither has seen, because a set that only fits what it was fitted to is worth nothing.
+``reduction`` takes those to fit to, ``search`` those to prove and ``verdict`` those to judge by.
+"""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -8,7 +14,14 @@ from typing import ClassVar, Final
 import numpy as np
 
 from trainer.analysis.check import round_speeds
-from trainer.analysis.guide.programme import Leg, both_ways, guide_legs, own_method
+from trainer.analysis.guide.programme import (
+    OWN_RIG,
+    Leg,
+    both_ways,
+    guide_legs,
+    own_method,
+    turn_rigs,
+)
 from trainer.analysis.manoeuvres.casualties import (
     UPRIGHT_COLUMNS,
     OutOfBalance,
@@ -53,6 +66,7 @@ LEVEL_COLUMNS: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi
 TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
 USUAL_LENGTHS: Final = 40.0  # of all else
 MIN_FLIGHT_S: Final = 20.0  # [s] besides
+JUDGED_ANGLES: Final = 6  # of the rudder, up to the largest
 MAX_RUDDER_DEG: Final = 30.0  # [deg] the largest, or as far as it goes
 LOAD_SHARE: Final = 0.002  # [-] of the weight, out of balance
 MAX_ANGLE_HALVINGS: Final = 5  # of a control's angle until the full set is not lost
@@ -72,7 +86,11 @@ SLOW_MANOEUVRES: Final = (
 
 @dataclass(frozen=True)
 class _Weave(Manoeuvre):
-    """One control from side to side by the clock, whatever the boat does."""
+    """One control from side to side by the clock, whatever the boat does.
+
+    The full and the compact set so have the same control at the same time, which makes their
+    readings then comparable.
+    """
 
     keep: ClassVar[tuple[str, ...]] = ()
     watched: ClassVar[Mapping[str, str]]  # columns and their units
@@ -146,23 +164,34 @@ def leg_speeds(file: VesselFile) -> tuple[float, ...]:
     return tuple(float(u) for u in np.linspace(max(low, top / 4.0), top, 4))
 
 
-def turn_legs(file: VesselFile) -> tuple[Leg, ...]:
-    """Return steady turns to both sides.
+def turn_legs(file: VesselFile, angles: int = JUDGED_ANGLES) -> tuple[Leg, ...]:
+    """Return steady turns to both sides, where the engine is limited by held revolutions too.
 
-    They have four speeds by three angles up to the largest.
+    They have four speeds by so many angles up to the largest.
     """
     most = min(MAX_RUDDER_DEG, file.surfaces.rudder_limit_deg)
     return tuple(
-        leg
+        replace(leg, rig=rig)
+        for rig in turn_rigs(file)
         for speed in leg_speeds(file)
-        for angle in (most / 3.0, 2.0 * most / 3.0, most)
+        for angle in (most * i / angles for i in range(1, angles + 1))
         for leg in _ways("turn", f"rudder {angle:.3g} deg", speed, Turn(angle_deg=angle), file)
     )
 
 
+def _fitted_turns(file: VesselFile) -> tuple[Leg, ...]:
+    """Return every second angle of the steady turns, by a limited engine at the faster speeds.
+
+    At the slower ones no turn comes to the engine's limit.
+    """
+    fast = leg_speeds(file)[2:]
+    turns = turn_legs(file, JUDGED_ANGLES // 2)
+    return tuple(leg for leg in turns if leg.rig == OWN_RIG or leg.speed_kn in fast)
+
+
 def fit_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that the factors are fitted to."""
-    return flyable_legs(file, (*turn_legs(file), *_weaves(file), *_upright(file)))
+    return flyable_legs(file, (*_fitted_turns(file), *_weaves(file), *_upright(file)))
 
 
 def _weaves(file: VesselFile) -> Iterator[Leg]:
@@ -272,8 +301,8 @@ def _leg(name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: Vess
 
 def flyable_legs(file: VesselFile, legs: tuple[Leg, ...] | list[Leg]) -> tuple[Leg, ...]:
     """Return the legs that the full set can fly. Angles of the planes are smaller where need be."""
-    boat = Submarine(file, own_method(file, "full"))
-    gentled = (_flyable(boat, leg) for leg in legs)
+    boats = {rig: Submarine(file, own_method(file, "full"), rig) for rig in turn_rigs(file)}
+    gentled = (_flyable(boats[leg.rig], leg) for leg in legs)
     return tuple(dict.fromkeys(leg for leg in gentled if leg))
 
 

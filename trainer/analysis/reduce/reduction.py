@@ -1,4 +1,10 @@
-"""A boat's compact set, from a search or from its file, and its worth."""
+"""A boat's compact set, from a search or from its file, and its worth.
+
+``cli/vessel`` calls ``search`` and ``report_reduction`` for ``trainer reduce``. A compact set is
+the full set's coefficients times factors, 0 for a term that is dropped. The leash is the pull of
+each factor towards 1 (``search`` the module): a firm one keeps a coefficient near the hull's data.
+An unfinished search is kept in a file, because a search takes long.
+"""
 
 import contextlib
 import hashlib
@@ -51,12 +57,11 @@ from trainer.io.atomic_write import write_whole
 
 PARTIAL_SUFFIX: Final = ".partial.json"
 FACTOR_DIGITS: Final = 4  # of a factor in the file
-ASTRAY_RATIO: Final = (
-    1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
-)
-FIRM_LEASH: Final = 0.2  # [-] leash that keeps closer to the hull's data, where it can be
-MAX_SEARCHES: Final = 2  # at most
-BASIC_ROUNDS: Final = 6
+# [-] of what is allowed: a set this far off at the top speed is searched for again, flying there
+ASTRAY_RATIO: Final = 1.5
+FIRM_LEASH: Final = 0.2  # [-] leash of that search: four times the usual, nearer to the hull's data
+MAX_SEARCHES: Final = 2  # for one boat: with and without the top speed
+BASIC_ROUNDS: Final = 6  # of fitting the basic set; it stops before where a round gains nothing
 QUICK_ROUNDS: Final = 2  # of the same, of a quick search
 
 
@@ -236,8 +241,8 @@ def _run_search(
 ) -> tuple[SearchState, dict[str, float]]:
     """Return how a search ends, and its factors by term."""
     name = f"{len(aim.legs)} flights{', quick' * aim.quick}"
-    with CandidatePool(file.path, "modified", aim.legs, cores) as crew:
-        at_work = Search(file, "modified", crew, aim)
+    with CandidatePool(file.path, "modified", aim.legs, cores) as pool:
+        at_work = Search(file, "modified", pool, aim)
         standing = log.standing(name) or at_work.begin()
         step(len(at_work.terms) - len(at_work.undecided(standing)))
         while not standing.done:
@@ -264,13 +269,13 @@ def _basic(
     """Return the factors of the basic set: those of the modified one, fitted to less."""
     names = compact_terms(file, "basic")
     start = np.array([modified[name] for name in names])
-    with CandidatePool(file.path, "basic", aim.legs, cores) as crew:
+    with CandidatePool(file.path, "basic", aim.legs, cores) as pool:
         free = [i for i, name in enumerate(names) if start[i] and name not in FIXED_COEFFICIENTS]
-        here = SearchPoint(start, crew.differences([start])[0])
+        here = SearchPoint(start, pool.differences([start])[0])
         for _ in range(QUICK_ROUNDS if aim.quick else BASIC_ROUNDS):
-            table = crew.slopes(here.factors, free, here.differences)
+            table = pool.slopes(here.factors, free, here.differences)
             slopes = Slopes(table, free, leash)
-            next_point = descend_slopes(crew.differences, slopes, here, FIT_STEPS, FIT_LIMIT)
+            next_point = descend_slopes(pool.differences, slopes, here, FIT_STEPS, FIT_LIMIT)
             if next_point.cost >= here.cost:
                 break
             here = next_point

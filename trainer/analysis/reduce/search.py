@@ -1,9 +1,9 @@
 """The search for the fewest terms begins with all and drops one after another.
 
-A round takes the slopes of all differences by all factors and drops, with those, what costs least,
-the factors of the rest fitted anew each time; a term whose loss cannot be made up for is needed.
-Nothing in it is random, and a round depends on its first state alone, so that a search that is
-broken off and continued ends in the same bits.
+``reduction`` calls it for ``trainer reduce``. A round takes the slopes of all differences by all
+factors and drops, with those, what costs least, the factors of the rest fitted anew each time; a
+term whose loss cannot be made up for is needed. Nothing in it is random, and a round depends on its
+first state alone, so that a search that is broken off and continued ends in the same bits.
 
 Factors are fitted by Gauss and Newton: the sum of |difference|^p is brought down for growing p, by
 weights |difference|^(p - 2) on a linear least-squares problem; a leash, which is a penalty, pulls
@@ -27,7 +27,9 @@ from trainer.core.kernel import Numbers
 MIN_FACTOR, MAX_FACTOR = 0.5, 2.0  # [-] factors
 MIN_WEIGHTED_DIFFERENCE: Final = 0.2  # [-] smaller differences weigh as this
 COST_POWERS: Final = (2, 6)  # of a step: the growing p above
+# added to the normal matrix (Levenberg): a large one makes a step short, and down the steepest way
 STEP_DAMPINGS: Final = (0.01, 0.3, 10.0, 300.0)
+DROP_POWER: Final = 4  # of the weighted squares by which a drop is foreseen: between COST_POWERS
 MIN_COST_GAIN: Final = 0.995  # [-] of the cost: a step that brings less is the last
 COST_NORM: Final = 8  # the power of the norm by which points are compared
 
@@ -89,7 +91,7 @@ def normal_matrix(slopes: Slopes, differences: Numbers, power: int) -> tuple[Num
 
 
 def take_step(slopes: Slopes, here: SearchPoint, power: int, damping: float) -> Numbers:
-    """Return the factors after one step."""
+    """Return the factors after one damped step of Gauss and Newton, within their limits."""
     places = slopes.free
     matrix, weights = normal_matrix(slopes, here.differences, power)
     downhill = -slopes.table[:, places].T @ (weights * here.differences)
@@ -135,7 +137,7 @@ def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Num
     gone are zero.
     """
     places = slopes.free
-    matrix, _ = normal_matrix(slopes, here.differences, 4)
+    matrix, _ = normal_matrix(slopes, here.differences, DROP_POWER)
     inverse = np.linalg.inv(matrix)
     which = [places.index(place) for place in gone]
     pull = np.linalg.solve(inverse[np.ix_(which, which)], here.factors[list(gone)])
@@ -147,7 +149,7 @@ def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Num
 
 def cost_rises(slopes: Slopes, here: SearchPoint) -> Numbers:
     """Return the rise [-] of the weighted squares for each free factor alone at zero."""
-    matrix, _ = normal_matrix(slopes, here.differences, 4)
+    matrix, _ = normal_matrix(slopes, here.differences, DROP_POWER)
     return np.asarray(here.factors[slopes.free] ** 2 / np.diag(np.linalg.inv(matrix)))
 
 
@@ -195,15 +197,15 @@ class Search:
     """A boat's compact set on its way to fewer terms."""
 
     def __init__(
-        self, file: VesselFile, equations: str, crew: CandidatePool, aim: SearchAim
+        self, file: VesselFile, equations: str, pool: CandidatePool, aim: SearchAim
     ) -> None:
         """Begin with all terms, each with the full set's coefficient."""
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
-        self._crew, self._aim = crew, aim
+        self._pool, self._aim = pool, aim
         self._proven = np.empty(0), np.empty(0)  # factors, and their differences in the guide
         self._proof = Yardstick(file, legs_of_guide(file))
-        self._rows = Yardstick(file, crew.legs).rows
+        self._rows = Yardstick(file, pool.legs).rows
 
     def begin(self) -> SearchState:
         """Return the state of a search that has not begun."""
@@ -240,7 +242,7 @@ class Search:
 
     def _point(self, factors: Numbers) -> SearchPoint:
         """Return factors with the differences of flights with them."""
-        return SearchPoint(factors, self._crew.differences([factors])[0])
+        return SearchPoint(factors, self._pool.differences([factors])[0])
 
     def _free(self, kept: Sequence[int]) -> list[int]:
         """Return the places of the factors that may change."""
@@ -249,7 +251,7 @@ class Search:
     def _slopes(self, here: SearchPoint, kept: Sequence[int], leash: float) -> Slopes:
         """Return the slopes at a point."""
         free = self._free(kept)
-        return Slopes(self._crew.slopes(here.factors, free, here.differences), free, leash)
+        return Slopes(self._pool.slopes(here.factors, free, here.differences), free, leash)
 
     def _among(self, slopes: Slopes, kept: Sequence[int]) -> Slopes:
         """Return the same slopes with fewer factors free."""
@@ -260,7 +262,7 @@ class Search:
     ) -> SearchPoint:
         """Return the point that a fit by these slopes leads to."""
         return descend_slopes(
-            self._crew.differences, self._among(slopes, kept), here, FIT_STEPS, goal
+            self._pool.differences, self._among(slopes, kept), here, FIT_STEPS, goal
         )
 
     def proof(self, factors: Numbers) -> Numbers:

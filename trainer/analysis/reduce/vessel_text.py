@@ -1,4 +1,8 @@
-"""A reduction is written into a vessel file. All other text of the file stays."""
+"""A reduction is written into a vessel file. All other text of the file stays.
+
+``trainer reduce -o`` writes so. The text is changed and not made anew, because a user's comments
+and order of keys must survive.
+"""
 
 import re
 import textwrap
@@ -7,7 +11,7 @@ from typing import Final
 
 from trainer import __version__
 from trainer.analysis.reduce.search import TermNeed
-from trainer.core.terms import EXTRA_TERMS
+from trainer.core.terms import EXTRA_TERMS, SLIP_TERMS
 
 REDUCTION_TABLES: Final = ("compact", "compensation.modified", "compensation.basic", "reduction")
 
@@ -15,7 +19,7 @@ REDUCTION_TABLES: Final = ("compact", "compensation.modified", "compensation.bas
 TABLE_HEADER: Final = re.compile(r"\s*\[\[?\s*([^\]]+?)\s*\]")
 
 
-LINE_WIDTH: Final = 96
+LINE_WIDTH: Final = 96  # [characters] of the lines written
 
 
 COEFFICIENTS_HEADER: Final = re.compile(r"^\[coefficients", re.MULTILINE)
@@ -81,4 +85,6 @@ def factor_tables(
             need = why[name]
             words = f"without it {need.quantity} in {need.leg}: {need.worst:.3g} of the allowed"
             lines.append(f'{name} = "{words}"')
+        elif name in SLIP_TERMS:
+            lines.append(f'{name} = "the propeller\'s, always kept"')
     return "\n".join(lines) + "\n"

@@ -1,4 +1,9 @@
-"""Finished members on disk: a folder, a file for each chunk, and a manifest."""
+"""Finished members on disk: a folder, a file for each chunk, and a manifest.
+
+A member is one run of a study, a chunk some members that one process flies. ``sweep`` keeps each
+chunk when it is done, so that an interrupted sweep goes on where it was; the manifest says of which
+study they are.
+"""
 
 import contextlib
 import json

@@ -1,7 +1,8 @@
 """The numbers of each member, by the plan of a study.
 
-Every number is a pure function of the study's seed, the variable's name and the member, so that a
-member flown alone has the same numbers, and a new variable leaves those of the others unchanged.
+``study`` reads the plan, and ``job`` asks for the members of each chunk. Every number is a pure
+function of the study's seed, the variable's name and the member, so that a member flown alone has
+the same numbers, and a new variable leaves those of the others unchanged.
 """
 
 import math

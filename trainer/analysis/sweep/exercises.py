@@ -1,4 +1,8 @@
-"""Members that fly an exercise: seas, casualties and scheduled orders, as ``trainer run`` does."""
+"""Members that fly an exercise: seas, casualties and scheduled orders, as ``trainer run`` does.
+
+A member is one run of a study. ``cli/subjects`` chooses this module for a study with a table
+[exercise]. Nobody is aboard: only what the exercise itself orders moves the boat.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -12,19 +16,22 @@ from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
-from trainer.boat.boat import Boat
+from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.helm import obey_order
 from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.config.vessel import read_vessel
-from trainer.debrief.rehearsal import due_orders
+from trainer.debrief.rehearsal import due_orders, last_tick, stretches
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.plan import Plan, into_hand
 
-CHUNK_MEMBERS: Final = 16
+CHUNK_MEMBERS: Final = 16  # members flown by a process before they are kept
+MOTION_PLACES: Final = np.array(
+    [STATE_PLACES["tick" if name == "t" else name] for name in MOTION_COLUMNS], np.int64
+)
 SPOKEN_ORDERS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
 
 
@@ -41,7 +48,8 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
     tables, file = study.varied(drawn), study.file
     if file is None:
         raise ConfigError(f"{study.path.name}: has no boat")
-    file = read_vessel(tables["vessel"], file.text, file.path)
+    if any(variable.steps[0] == "vessel" for variable in study.variables):
+        file = read_vessel(tables["vessel"], file.text, file.path)
     exercise = read_exercise(tables["exercise"], study.path)
     duration = exercise.heading.duration_s
     if duration is None:
@@ -81,23 +89,23 @@ def go_out(plan: Plan) -> Outing:
     """Return the exercise flown from its start to its end; ConfigError if it cannot begin."""
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    step = plan.method.step
-    rows, refused, lost = [boat.numbers(MOTION_COLUMNS)], "", ""
+    table, refused, status = np.empty((last_tick(plan) + 1, len(MOTION_COLUMNS))), "", 0
+    table[0] = boat.records.state.view(np.float64)[MOTION_PLACES]
+    due = due_orders(plan)
     with np.errstate(all="ignore"):
-        for places in due_orders(plan):
-            for order in (plan.schedule[place].order for place in places):
+        for tick, until in stretches(0, last_tick(plan), due):
+            for place in due.get(tick, ()):
+                order = plan.schedule[place].order
                 reply = obey_order(boat, order)
                 if isinstance(reply, Refused) and not refused:
                     refused = f"{order.text}: refused: {reply.reason}"
-            status = boat.tick()
-            if status:
-                lost = boat.failure(status)
+            if status := boat.fly(MOTION_PLACES, table[tick + 1 : until + 1]):
                 break
-            rows.append(boat.numbers(MOTION_COLUMNS))
-    table = np.array(rows)
-    columns = {name: table[:, i] for i, name in enumerate(MOTION_COLUMNS)}
+    lost, step = boat.failure(status) if status else "", plan.method.step
+    columns = dict(zip(MOTION_COLUMNS, table[: boat.ticks + 1].T.copy(), strict=True))
+    columns["t"] *= step  # the state counts ticks
     series = Series(Path(plan.file.name), columns)
-    speed = float(table[0, MOTION_COLUMNS.index("u")])
+    speed = float(columns["u"][0])
     return Outing(Flight(speed, plan.file.hull.length, step, series, (), lost), refused)
 
 

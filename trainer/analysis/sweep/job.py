@@ -1,4 +1,9 @@
-"""A job: a study with outputs and files, for the processes that fly it."""
+"""A job: a study with outputs and files, for the processes that fly it.
+
+A member is one run of a study. ``sweep`` makes a job and sends it to processes or to a cluster. It
+holds the texts of all files, because a machine of a cluster has none of them, and must not fly
+another boat of the same name.
+"""
 
 import hashlib
 import json

@@ -1,4 +1,9 @@
-"""Members fly a manoeuvre in fleets where orders are known, else one by one."""
+"""Members fly a manoeuvre in fleets where orders are known, else one by one.
+
+A member is one run of a study. ``cli/subjects`` chooses this module for a study with a table
+[manoeuvre]. A fleet computes many boats at once, but only by orders that are known before; a
+zig-zag waits for an angle, so its boats fly one by one.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping

@@ -1,4 +1,8 @@
-"""The tables of a study of many members: keys, units and limits."""
+"""The tables of a study of many members: keys, units and limits.
+
+``study`` reads files by them. Unit, limits and meaning of a key stand here once, and serve the
+reader, its messages, the JSON Schema and docs/sweeps.md.
+"""
 
 from dataclasses import dataclass
 from typing import Any, Final
@@ -18,14 +22,13 @@ from trainer.config.schema import (
     list_schema,
     optional,
     required,
-    tables_of,
     within,
 )
 from trainer.config.words import EQUATION_SETS, LINEAR_MODELS, OUTPUT_CHANNELS, TRIGONOMETRY_KINDS
 
-MAX_MEMBERS: Final = 10_000_000
-MAX_VALUES: Final = 10_000
-MAX_NUMBER: Final = 1e12
+MAX_MEMBERS: Final = 10_000_000  # members of a study
+MAX_VALUES: Final = 10_000  # values of one variable
+MAX_NUMBER: Final = 1e12  # of any value, so that squares and sums of all members stay finite
 ESTIMATE_DISTRIBUTION: Final = "estimate"  # a distribution: draws of all coefficients together
 SEED_LIMIT: Final = 2**49  # seeds are below it
 
@@ -225,18 +228,3 @@ class VaryRow:
 
 VARY_ROWS: Final = Rows(VaryRow, ("note",), 0, 200, "what is varied, below")
 PARAMETER_ROWS: Final = Rows(ParameterRow, ("note",), 1, 60, "of the model identified, below")
-
-STUDY_RECORDS: Final = {
-    "": StudyHeading,
-    "method": MethodTable,
-    "manoeuvre": ManoeuvreTable,
-    "identification": IdentificationTable,
-    "[parameters]": ParameterRow,
-    "sample": Sample,
-    "[vary]": VaryRow,
-}
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/sweeps.md shows them."""
-    return tables_of(STUDY_RECORDS)

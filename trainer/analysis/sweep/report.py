@@ -1,4 +1,8 @@
-"""A study's result as a page and as a plot: percentiles and tornado."""
+"""A study's result as a page and as a plot: percentiles and tornado.
+
+``cli/sweep`` prints it from the table of results. A tornado has a bar for each variable, the widest
+first: what to measure better before anything else.
+"""
 
 import math
 from collections import Counter
@@ -16,7 +20,7 @@ from trainer.core.kernel import Numbers
 from trainer.report.plots import Bar, BarGroup, Curve, Panel
 from trainer.report.text import INDENT, table, wrap
 
-SPREAD_PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)
+SPREAD_PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)  # [%] of members
 END_SHARE: Final = 0.1  # of the members: what counts as a variable's low and high end
 MIN_SPREAD_MEMBERS: Final = 2  # members that a spread can be told of
 MAX_TROUBLES_SHOWN: Final = 5  # different troubles

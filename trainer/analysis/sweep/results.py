@@ -1,4 +1,8 @@
-"""The results of a sweep: batches as Parquet in a folder, then one file."""
+"""The results of a sweep: batches as Parquet in a folder, then one file.
+
+``chunks`` writes batches and ``sweep`` joins them. The facts of the study lie in the file itself,
+so that a result can be flown again and is never taken for another study's.
+"""
 
 import json
 from collections.abc import Iterable

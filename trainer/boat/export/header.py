@@ -1,4 +1,8 @@
-"""The C header of an exported core, made from the records' dtypes."""
+"""The C header of an exported core, made from the records' dtypes.
+
+``library`` and ``wasm`` write it beside the compiled core. It is made of the dtypes, so that
+offsets in C are those of the records, whatever changes there.
+"""
 
 import inspect
 import re

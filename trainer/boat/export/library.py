@@ -1,4 +1,8 @@
-"""The folder of an exported core: object, library, header, host and card."""
+"""The folder of an exported core: object, library, header, host and card.
+
+``trainer export-core`` calls it, for a host that has no Python. The card says what the host's
+programmer must know: sizes, times, and which boat it is.
+"""
 
 import gzip
 from collections.abc import Iterator
@@ -110,7 +114,10 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
 
 @contextmanager
 def name_trouble() -> Iterator[None]:
-    """Raise ConfigError for an OSError in the block, with the file's name."""
+    """Raise ConfigError for an OSError in the block, with the file's name.
+
+    The user then reads which file could not be written, and no traceback.
+    """
     try:
         yield
     except OSError as error:

@@ -1,9 +1,9 @@
 """The compiled tick as one LLVM module that calls nothing outside itself.
 
-numba compiles the core's own kernel; its text is linked with an entry that any C program can call,
-with the scheme as a constant, so that what the scheme does not choose falls away, and with our own
-versions of the few library functions. Nothing here may change an operation: no contraction, no
-reassociation, so that the bits are the trainer's.
+``library`` and ``wasm`` make their objects of it. numba compiles the core's own kernel; its text is
+linked with an entry that any C program can call, with the scheme as a constant, so that what the
+scheme does not choose falls away, and with our own versions of the few library functions. Nothing
+here may change an operation: no contraction, no reassociation, so that the bits are the trainer's.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence

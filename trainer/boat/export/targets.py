@@ -1,6 +1,8 @@
 """Processors that the core can be compiled for.
 
-There is an object for each, and a library of it.
+There is an object for each, and a library of it. ``library`` and ``wasm`` compile by it. The levels
+are those of x86-64, because code for a newer processor is faster, and does not start on an older
+one.
 """
 
 import os
@@ -29,7 +31,10 @@ STRICT_FLAGS = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
 
 @dataclass(frozen=True)
 class Processor:
-    """The target of an object: the compiler's name, its features, Linux's names of them."""
+    """The processor that an object is for.
+
+    It has the compiler's name, its features, and Linux's names of those that a host must have.
+    """
 
     name: str
     features: str

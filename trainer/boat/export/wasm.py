@@ -1,8 +1,8 @@
 """The core for WebAssembly: one module without imports, for any boat of one method.
 
-What the method settles is constant in it; step, triggers, vessel and state are the host's. It is
-lowered in a process of its own, for a plain processor, so that its bytes do not depend on the
-machine.
+``trainer export-core`` and ``trainer export-page`` take it. What the method settles is constant in
+it; step, triggers, vessel and state are the host's. It is lowered in a process of its own, for a
+plain processor, so that its bytes do not depend on the machine.
 """
 
 import base64
@@ -82,23 +82,23 @@ ROOM_SIZES: Final = (
 
 
 def read(state: Any, scratch: Any) -> int:
-    """Write what the gauges read at this tick."""
+    """Write what the gauges read at this tick: ``trainer_read`` of the module."""
     instruments(carray(state, 1), carray(scratch, 1))
     return 0
 
 
 def insert(kind: float, amount: float, ticks: float, state: Any) -> int:
-    """Begin a casualty; return what ``begin`` does."""
+    """Begin a casualty: ``trainer_begin``. Return 1, or 0 if no slot is free."""
     return begin(int(kind), amount, ticks, carray(state, 1))
 
 
 def clear(kind: float, ticks: float, state: Any) -> int:
-    """End a casualty; return what ``end`` does."""
+    """End a casualty: ``trainer_end``. Return 1, or 0 if there is none of its kind."""
     return end(int(kind), ticks, carray(state, 1))
 
 
 def sea(vessel: Any, step: float, ramp: float, wanted: Any, scratch: Any, state: Any) -> int:
-    """Order the sea whose quantities and taper are at ``wanted``."""
+    """Order the sea whose quantities and taper are at ``wanted``: ``trainer_sea``."""
     numbers = carray(wanted, TAPER + 1)
     order_sea(carray(vessel, 1), step, ramp, numbers, carray(scratch, 1), carray(state, 1))
     return 0
@@ -121,7 +121,11 @@ FUNCTIONS: Final[Mapping[str, WasmFunction]] = {
 
 
 def entry_text(name: str, kernel: str, kinds: tuple[Kind, ...]) -> str:
-    """Return the LLVM text of a function that calls a kernel of numba's."""
+    """Return the LLVM text of a function through which a host calls a kernel.
+
+    A kernel of numba's takes places for its answer and its error besides its arguments. The
+    function answers -1 where the kernel raises.
+    """
     taken = ", ".join(
         f"{'double' if kind is float else 'ptr'} %x{i}" for i, kind in enumerate(kinds)
     )
@@ -273,7 +277,10 @@ def shipped_module(boat: Boat) -> bytes:
 
 
 def boat_misfit(boat: Boat) -> str:
-    """Return why the trainer's module is not for this boat, "" if it is."""
+    """Return why the trainer's own module is not for this boat, "" if it is.
+
+    A module has its method fixed, so another equation set needs another module.
+    """
     card = shipped_card()
     if not same_core(card["core"]):
         return f"of core {card['core']}, not {core_digest()}"

@@ -1,13 +1,15 @@
 """The forces of a ship with hull polynomials, slipstream, wake and rudder, as accelerations.
 
-Rudder, slipstream and wake are those of Yasukawa and Yoshimura 2015 (J Mar Sci Technol 20, 37-52),
-their wake with C1 = 2. Every term is an acceleration in prime units times U^2/L, so that no mass
-is needed. The terms are forward numbers, whose directions are u, v, r, then gamma, l, kappa, c_w
-and gamma_a. A positive rudder turns the ship to starboard here.
+``motion`` sails ships by them, and ``identify`` fits their coefficients. Rudder, slipstream and
+wake are those of Yasukawa and Yoshimura 2015 (J Mar Sci Technol 20, 37-52), their wake with C1 = 2.
+Every term is an acceleration in prime units times U^2/L, so that no mass is needed. The terms are
+forward numbers, whose directions are u, v, r, then gamma, l, kappa, c_w and gamma_a. A positive
+rudder turns the ship to starboard here.
 
-Where the state has roll rate and roll, behind u, v, r and heading, there is a fourth equation, and
-a term may be times either of them. A term's place says both: 0 to 3 is the equation, 4 to 7 the
-same with its term times roll rate, 8 to 11 times roll. Accelerations have a row for each place.
+A ship may also roll: its state then has roll rate and roll behind u, v, r and heading, and roll has
+a fourth equation. A term may be multiplied by roll rate or by roll. A term's place is a number that
+says which equation it is in and by what it is multiplied: 0 to 3 by nothing, 4 to 7 by roll rate,
+8 to 11 by roll. Accelerations have a row for each place.
 """
 
 import math
@@ -157,7 +159,7 @@ LITERAL_VALUES: Final = np.array(TERM_NUMBERS)
 
 @kernel
 def _hold(table: Numbers, row: int, value: float) -> None:
-    """Write a constant."""
+    """Write a constant to a row: a value without derivatives."""
     for i in range(table.shape[1]):
         table[row, i] = 0.0
     table[row, VALUE] = value
@@ -251,5 +253,8 @@ def add_heel(x: Numbers, out: Numbers) -> None:
 
 @inlined
 def states_of(driven: DrivenPlaces) -> int:
-    """Return how many states there are."""
+    """Return how many states there are.
+
+    Each equation has its speed; all but surge and sway have an angle too.
+    """
     return 2 * len(driven) - 2

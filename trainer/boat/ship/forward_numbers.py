@@ -6,7 +6,9 @@ work: 1 column is the value alone, 4 the value and its first three derivatives, 
 
 Equations are written in Python as they stand in their source, by ``Quantity``; that makes a list of
 steps, which ``run_steps`` takes for numbers of any order. Compiled one by one the equations took
-half a minute to compile, the steps take a second.
+half a minute to compile, the steps take a second. This is automatic differentiation in forward
+mode. ``forces`` writes its equations so, because fits of a ship need the slopes of its forces, and
+nobody need derive them.
 """
 
 import math

@@ -2,9 +2,10 @@
 
 A coefficient is named by its equation and its term: ``N_vvr`` is the factor of v'^2 r' in the yaw
 equation, an acceleration in prime units (over U^2/L, in yaw over U^2/L^2). ``mmg`` has the rudder
-in the slipstream; ``abkowitz``, ``mavmm`` and ``linear`` have the rudder's angle. A ship whose
-file has ``[roll]`` has an equation more in any of them, K; K_phi and K_p are in units of the
-stiffness g GM/k^2 and of its root.
+in the slipstream; ``abkowitz``, ``mavmm`` and ``linear`` have the rudder's angle. A ship whose file
+has ``[roll]`` has an equation more in any of them, K; K_phi and K_p are in units of the stiffness g
+GM/k^2 and of its root. ``identify/ships`` fits them and ``motion`` sails them. They differ in how
+much a record must tell: ``linear`` needs least.
 """
 
 from collections.abc import Mapping
@@ -126,8 +127,8 @@ def with_roll(model: ShipModel) -> ShipModel:
 def model_for(ship: ShipFile, name: str, *, wind: bool) -> ShipModel:
     """Return the model with roll and further terms, where a ship's file gives them. ConfigError.
 
-    Further terms are held. Where surge has speed in them the thrust is part of that, and held at
-    nothing.
+    Further terms are held, not fitted. Terms in the speed of surge have the thrust in them, so that
+    the terms of thrust are held at 0 beside them.
     """
     model = model_of(name, wind=wind)
     if ship.roll is not None:

@@ -1,4 +1,8 @@
-"""A ship that is not linear under way: its rudder, its propeller, Runge and Kutta."""
+"""A ship that is not linear under way: its rudder, its propeller, Runge and Kutta.
+
+``world/steered_ship`` moves ships near the boat by it, and ``identify`` fits ships by the same
+kernels, so that a ship sails as it was fitted. Steps are by Runge and Kutta of fourth order.
+"""
 
 import math
 from typing import Final, NamedTuple
@@ -32,15 +36,15 @@ from trainer.units import KNOT
 
 # A state beyond these is no ship's: numbers run away, or the equations, which divide by speed, end.
 MIN_SHIP_SPEED: Final = 0.01  # [m/s]
-MAX_SHIP_SPEED: Final = 1000.0
+MAX_SHIP_SPEED: Final = 1000.0  # [m/s] beyond it the numbers are lost
 MAX_TURN_RATE: Final = 10.0  # [rad/s]
 MAX_ROLL: Final = 1.5  # [rad] of roll
-STAGE_TIMES: Final = (0.0, 0.5, 0.5, 1.0)
-STAGE_WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)
+STAGE_TIMES: Final = (0.0, 0.5, 0.5, 1.0)  # [steps] of the four stages of Runge and Kutta
+STAGE_WEIGHTS: Final = (1.0, 2.0, 2.0, 1.0)  # of their rates, over six
 STEP_SHARE: Final = 0.025  # [L/U] of a step
 ROLL_PHASE_STEP: Final = 0.5  # [rad] of roll's own period in a step
 MAX_NEWTON_STEPS: Final = 60  # to the sway, rudder and revolutions of straight motion
-NEWTON_TOLERANCE: Final = 1e-10
+NEWTON_TOLERANCE: Final = 1e-10  # [SI] accelerations left where a start counts as steady
 NONE_FREE: Final = np.empty((0, 1), np.int64)
 
 

@@ -1,4 +1,9 @@
-"""The ground of an exercise under the boat: a chart that each tick sounds."""
+"""The ground of an exercise under the boat: a chart that each tick sounds.
+
+``world`` puts it round the boat. ``Boat`` gets the chart once and has it sounded before each tick,
+in machine code as soon as that is ready, because compiled ticks cannot call Python. ``limits``,
+``grounding`` and the stations ask here how far the keel is above the ground.
+"""
 
 import math
 from collections.abc import Sequence
@@ -38,6 +43,15 @@ def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> floa
     return least - numbers[Z] - keel * math.cos(numbers[THETA]) * math.cos(numbers[PHI])
 
 
+def heights_of_keel(rows: Numbers, length: float, keel: float) -> Numbers:
+    """Return the same in many states, a row each, but for the last bits."""
+    z, theta, phi = (rows[:, place] for place in (Z, THETA, PHI))
+    lean = length * np.sin(theta)
+    least = np.min([rows[:, BOTTOM_PLACE + i] + x * lean for i, x in enumerate(STATIONS)], axis=0)
+    height = least - z - keel * np.cos(theta) * np.cos(phi)
+    return np.where(rows[:, BOTTOM_PLACE] == 0.0, math.inf, height)
+
+
 def chart_of(bottom: Bottom) -> Numbers:
     """Return the ground as ``core.soundings`` reads it."""
     grid = bottom.depth
@@ -71,7 +85,7 @@ def refuse_start(boat: Any, bottom: Bottom) -> None:
 
 
 class Ground:
-    """The ground of an exercise. Its numbers are written by the tick itself, in machine code."""
+    """The ground of an exercise. It never acts, because ``Boat`` sounds it before each tick."""
 
     acts = False
 
@@ -95,7 +109,7 @@ class Ground:
         """Do nothing: no order changes the ground."""
 
     def write(self, _state: Any) -> None:
-        """Write nothing: the tick does."""
+        """Write nothing: ``Boat`` sounds the chart instead."""
 
 
 def ground_of(boat: Any, tables: WorldTables) -> Ground:

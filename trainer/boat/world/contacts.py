@@ -1,16 +1,19 @@
 """The ships near: where each is, what the instructor changes, what is seen.
 
-Where they are follows from the exercise, the orders with their ticks, and the tick alone. So a
-replay has them where they were, and a tick of the past has them as they were then. A ship that
-drifts goes its way through the water, and the current of FLOATING carries its way along.
+``world`` has them round the boat. Where they are follows from the exercise, the orders with their
+ticks, and the tick alone. So a replay has them where they were, and a tick of the past has them as
+they were then. A ship that drifts goes its way through the water, and the current of FLOATING
+carries its way along.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.boat.world.current import CurrentAround
 from trainer.boat.world.hulls import Pose
@@ -20,6 +23,7 @@ from trainer.boat.world.steered import SteerableShip, SteeredContact, SteeredNom
 from trainer.boat.world.steered_ship import SteeredShip
 from trainer.boat.world.tracks import (
     Piece,
+    ShipMotion,
     Situation,
     Stretch,
     Way,
@@ -45,7 +49,9 @@ from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
+Ticks = NDArray[np.int64]
 STRAIGHT_ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
+BLOCK_TICKS: Final = 256  # ticks of ships computed at once
 EMPTY_PIECE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 # from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
 Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
@@ -100,52 +106,64 @@ class Ship:
 class ContactFleet:
     """All ships from one order to the next. Any thread may read it, because nothing alters it."""
 
-    def __init__(self, ships: Mapping[str, Ship], water: Water) -> None:
+    def __init__(self, ships: Mapping[str, Ship], water: Water, step: float) -> None:
         """Hold ships by their names, in the water that carries those that drift."""
         self.ships = dict(ships)
         self.order = tuple(self.ships.values())
+        self.step = step
         self._water = water
-        self._drift = np.array([float(ship.drifts) for ship in self.order])
-        self._steered = [(i, each.steered) for i, each in enumerate(self.order) if each.steered]
-        self._latest: tuple[float, float, Numbers] = math.inf, -math.inf, np.empty((10, 0))
+        self._drifting = [i for i, ship in enumerate(self.order) if ship.drifts]
+        self._latest: tuple[int, list[list[ShipMotion]]] = 0, []  # first tick, motions by tick
 
-    def at(self, time: float) -> Situation:
-        """Return where all are at a time [s], in one pass."""
-        begins, ends, pieces = self._latest
-        if not begins <= time < ends:
-            begins, ends, pieces = self._latest = self._pieces(time)
-        moment = situation(pieces, time)
-        if self._steered:
-            moment = moment._replace(
-                set_north=moment.set_north.copy(), set_east=moment.set_east.copy()
-            )
-        for i, steered in self._steered:
+    def motions(self, tick: int) -> list[ShipMotion]:
+        """Return how all go at a tick. Their ways are computed for BLOCK_TICKS at once."""
+        begins, block = self._latest
+        if not begins <= tick < begins + len(block):
+            begins = tick - tick % BLOCK_TICKS
+            ways = np.array(self._ways(np.arange(begins, begins + BLOCK_TICKS, dtype=np.int64)))
+            block = [[ShipMotion(*row) for row in rows] for rows in ways.T.tolist()]
+            self._latest = begins, block
+        if not self._drifting:
+            return block[tick - begins]
+        motions, carried = list(block[tick - begins]), self._carried(tick * self.step)
+        for i in self._drifting:  # orders may change the current, and so it is in no block
+            motions[i] = ShipMotion(*map(operator.add, motions[i], carried))
+        return motions
+
+    def over(self, ticks: Ticks) -> Situation:
+        """Return where all are over ticks, a row for each ship."""
+        ways = self._ways(ticks)
+        if self._drifting:
+            carried = np.array([self._carried(tick * self.step) for tick in ticks.tolist()]).T
+            for column, by in zip(ways, carried, strict=True):
+                column[self._drifting] += by
+        return ways
+
+    def _carried(self, time: float) -> tuple[float, ...]:
+        """Return what the water adds by a time [s] to a ship that drifts."""
+        (north, east), current = self._water(time)
+        return north, east, 0.0, 0.0, 0.0, *current
+
+    def _ways(self, ticks: Ticks) -> Situation:
+        """Return where all would be over ticks if no water carried them, a row each."""
+        if not self.order:
+            return Situation(*np.empty((len(Situation._fields), 0, ticks.size)))
+        times = ticks.astype(np.float64) * self.step
+        pieces = np.stack([ship.way.over(times) for ship in self.order], axis=1)
+        ways = Situation(*(column.copy() for column in situation(pieces, times)))
+        for i, ship in enumerate(self.order):
+            if ship.steered:
+                self._steer(ship.steered, times, Situation(*(column[i] for column in ways)))
+        return ways
+
+    def _steer(self, steered: SteeredContact, times: Numbers, row: Situation) -> None:
+        """Write how a ship that answers its rudder goes into its row."""
+        for k, time in enumerate(times.tolist()):
             now = steered.at(time)
-            for column, value in zip(moment, now[:5], strict=False):
-                column[i] = value
-            moment.set_north[i] = -now.sway * math.sin(now.course)
-            moment.set_east[i] = now.sway * math.cos(now.course)
-        return self._carried(moment, time) if self._drift.any() else moment
-
-    def _carried(self, there: Situation, time: float) -> Situation:
-        """Return where ships are, those that drift carried by the water."""
-        (north, east), (set_north, set_east) = self._water(time)
-        drift = self._drift
-        return there._replace(
-            north=there.north + north * drift,
-            east=there.east + east * drift,
-            set_north=there.set_north + set_north * drift,
-            set_east=there.set_east + set_east * drift,
-        )
-
-    def _pieces(self, time: float) -> tuple[float, float, Numbers]:
-        """Return from when to when no ship's piece changes, and the pieces."""
-        pieces = [ship.way.at(time) for ship in self.order]
-        if not pieces:
-            return -math.inf, math.inf, np.empty((10, 0))
-        begun = [piece.begins for piece in pieces if piece.begins <= time]
-        ends = min(piece.ends for piece in pieces)
-        return max(begun, default=-math.inf), ends, np.array(pieces).T.copy()
+            for column, value in zip(row, now[:5], strict=False):
+                column[k] = value
+            row.set_north[k] = -now.sway * math.sin(now.course)
+            row.set_east[k] = now.sway * math.cos(now.course)
 
 
 class Contacts:
@@ -157,7 +175,7 @@ class Contacts:
         self.step = float(boat.method.step)
         self.given = tuple(ships)
         self._boat = boat
-        self._first = ContactFleet(ships_of(ships, self.step), self.water)
+        self._first = ContactFleet(ships_of(ships, self.step), self.water, self.step)
         self._fleets: tuple[tuple[int, ContactFleet], ...] = ((0, self._first),)
         self._pull = ShipPull(boat) if encounters.force == "on" else None
 
@@ -173,6 +191,9 @@ class Contacts:
 
     def fleet(self, tick: int) -> ContactFleet:
         """Return the ships that there are at a tick."""
+        begins, fleet = self._fleets[-1]
+        if begins <= tick:  # nearly always
+            return fleet
         for begins, fleet in reversed(self._fleets):
             if begins <= tick:
                 return fleet
@@ -180,12 +201,19 @@ class Contacts:
 
     def at(self, tick: int) -> Situation:
         """Return where the ships are at a tick, in the order of the fleet."""
-        return self.fleet(tick).at(tick * self.step)
+        motions = self.fleet(tick).motions(tick)
+        return Situation(*np.array(motions).reshape(-1, len(Situation._fields)).T)
+
+    def stretches(self, ticks: Ticks) -> Iterator[tuple[Ticks, ContactFleet]]:
+        """Yield each fleet of some ticks, with the places of its ticks among them."""
+        begins = np.array([begin for begin, _ in self._fleets])
+        chosen = np.maximum(np.searchsorted(begins, ticks, side="right") - 1, 0)
+        for i in np.unique(chosen).tolist():
+            yield np.flatnonzero(chosen == i), self._fleets[i][1]
 
     def seen(self, tick: int) -> tuple[ContactState, ...]:
         """Return every ship at a tick, with what can be seen of it."""
-        fleet = self.fleet(tick)
-        places = fleet.at(tick * self.step)
+        fleet, places = self.fleet(tick), self.at(tick)
         columns = *places[:2], *places.over_ground(), places.course, places.turning
         rows = zip(*(column.tolist() for column in columns), strict=True)
         return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
@@ -234,12 +262,13 @@ class Contacts:
         if self._pull is None:
             return
         tick = int(state["tick"])
-        rows = zip(self.fleet(tick).order, *(each.tolist() for each in self.at(tick)), strict=True)
-        ships = [(ship.type, *row[:4]) for ship, *row in rows]
+        fleet = self.fleet(tick)
+        rows = zip(fleet.order, fleet.motions(tick), strict=True)
+        ships = [(ship.type, *motion[:4]) for ship, motion in rows]
         state["ship_force"][:] = self._pull.on(Pose.of(state), ships)
 
     def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
-        self._fleets = (*self._fleets, (tick, ContactFleet(ships, self.water)))
+        self._fleets = (*self._fleets, (tick, ContactFleet(ships, self.water, self.step)))
         return reply
 
     def _add(self, order: Order, tick: int, ships: dict[str, Ship]) -> Reply:
@@ -357,7 +386,7 @@ def way_of(contact: Contact) -> Way:
 
 
 def _on(ship: Ship, start: Piece, path: Sequence[Stretch]) -> Ship:
-    """Return the ship on another way from the beginning of a piece on."""
+    """Return the ship on another way, which begins where a piece of the old one does."""
     return replace(ship, way=lay_way(start.begins, start, path))
 
 

@@ -1,7 +1,8 @@
 """The current around a boat: uniform, by depth or a tide, until an order.
 
-It is water over ground, told by where it goes to. At a depth z it is written as the line of the
-rows above and below, ``water + shear z``; above the first row and below the last it is theirs.
+``world`` makes it of the exercise's table, and writes it into the state before each tick, in which
+the core moves the boat with it. A current goes towards its bearing, over the ground. Between two
+depths of a table it is a straight line, ``water + shear z``, because the hull spans some depths.
 """
 
 import math
@@ -20,7 +21,7 @@ from trainer.units import KNOT
 Line = tuple[float, float, float, float]  # water north, east [m/s] and shear north, east [1/s]
 Flow = Callable[[float, float], Line]  # from time [s] and depth [m]
 HOUR_S: Final = 3600.0  # [s]
-STILL_WATER: Final[Line] = (0.0, 0.0, 0.0, 0.0)
+STILL_WATER: Final[Line] = (0.0, 0.0, 0.0, 0.0)  # no current at any depth
 SHIP_DRIFT_DEPTH_M: Final = 5.0  # [m] depth of the water that carries ships
 TIDE_SPAN_S: Final = (
     60.0  # [s] of a tide that three points integrate to 1e-13 of the way, and better

@@ -1,34 +1,60 @@
 """Closest approach and collision: what is foreseen, what is called, what was measured.
 
-Foreseen along straight lines while these hold, else on the arcs that both are on. Measured from
-tick to tick, on straight lines between: ranges are from the boat's origin to the ship's middle.
+``limits`` calls them out in a run, and debriefs ask again. Foreseen along straight lines while
+these hold, else on the arcs that both are on. Measured from tick to tick, on straight lines
+between: ranges are from the boat's origin to the ship's middle.
 """
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, NamedTuple
+from operator import itemgetter
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.world.contacts import Contacts, Ship, contacts_in
+from trainer.boat.world.contacts import Contacts, Ship, Ticks, contacts_in
 from trainer.boat.world.hulls import OwnHull, Pose, ships_overlap
-from trainer.boat.world.tracks import Situation, situation
+from trainer.boat.world.tracks import ShipMotion, Situation, situation
 from trainer.config.contacts import Encounters
 from trainer.config.files import raise_problems
 from trainer.core.kernel import Numbers
+from trainer.core.state import STATE
 
 MIN_RELATIVE_SPEED: Final = 0.1  # [m/s] below which it is the range now, without a time
 ARC_DEVIATION_SHARE: Final = 0.1  # [-] of the limit: arcs that leave straight lines by more count
 ARC_TIMES_S: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead at which places on arcs are compared
 MIN_TURN_RATE: Final = math.radians(0.1)  # [rad/s] of the boat; below, waves yaw it
 MEAN_PERIOD_S: Final = 20.0  # [s] of the mean of the boat's course and turn, which waves swing
+POSE_NAMES: Final = ("x", "y", "z", "phi", "theta", "psi")
 RECALL_CLEAR_S: Final = 30.0  # [s] without an approach to be called, after which one is news again
+_PLACES: Final = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
+HELD_PLACE: Final = _PLACES["held_position"]
+read_pose: Final = itemgetter(*(_PLACES[name] for name in POSE_NAMES))
 RECALL_CHANGE_SHARE: Final = 0.2  # [-] of the limit: change of closest approach called again
 
 
+class TickColumns(Protocol):
+    """The states after ticks in a row, by the names of their numbers.
+
+    ``flown_ticks.FlownTicks`` is one; the world does not import the boat, which imports the world.
+    """
+
+    ticks: Ticks
+
+    def __getitem__(self, name: str) -> Numbers:
+        """Return a number of the state at each tick."""
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+
+
 class OwnMotion(NamedTuple):
-    """The boat's place, course and speed over the ground, and rate of turn [SI]."""
+    """The boat's place, course and speed over the ground, and rate of turn [SI].
+
+    Closest approaches are foreseen from it.
+    """
 
     north: float
     east: float
@@ -46,15 +72,29 @@ class OwnMotion(NamedTuple):
         speed, turning = math.hypot(north, east), float(state["psidot"])
         return cls(float(state["x"]), float(state["y"]), math.atan2(east, north), speed, turning)
 
+    def velocity(self) -> tuple[float, float]:
+        """Return the velocity [m/s] over the ground, north and east."""
+        return self.speed * math.cos(self.course), self.speed * math.sin(self.course)
+
 
 class ShipPlot(NamedTuple):
-    """All ships as they bear from the boat [SI], an array each."""
+    """A ship as it bears from the boat [SI]."""
 
-    bearing: Numbers
-    range: Numbers
-    closest: Numbers  # foreseen
-    until: Numbers  # [s] from now; below zero: past, NaN: there is no such time
-    turning: NDArray[np.bool_]  # whether straight lines do not hold
+    north: float  # of the boat
+    east: float
+    closest: float  # foreseen
+    until: float  # [s] from now; below zero: past, NaN: there is no such time
+    turning: bool  # whether straight lines do not hold
+
+    @property
+    def bearing(self) -> float:
+        """Return the true bearing [rad]."""
+        return math.atan2(self.east, self.north) % math.tau
+
+    @property
+    def range(self) -> float:
+        """Return the range [m]."""
+        return math.hypot(self.north, self.east)
 
 
 def refuse_touching(boat: Any) -> None:
@@ -81,72 +121,115 @@ def refuse_touching(boat: Any) -> None:
 
 
 def closest_approach(
-    north: Numbers, east: Numbers, v_north: Numbers, v_east: Numbers
-) -> tuple[Numbers, Numbers]:
+    north: float, east: float, v_north: float, v_east: float
+) -> tuple[float, float]:
     """Return closest approach [m] and time to it [s] along straight lines.
 
     Place and velocity are relative. Without relative speed it is the range, and the time is NaN.
     """
     square = v_north * v_north + v_east * v_east
-    moves = square >= MIN_RELATIVE_SPEED * MIN_RELATIVE_SPEED
-    until = np.where(moves, -(north * v_north + east * v_east) / np.where(moves, square, 1.0), 0.0)
-    closest = np.hypot(north + v_north * until, east + v_east * until)
-    return closest, np.where(moves, until, np.nan)
+    if square < MIN_RELATIVE_SPEED * MIN_RELATIVE_SPEED:
+        return math.hypot(north, east), math.nan
+    until = -(north * v_north + east * v_east) / square
+    return math.hypot(north + v_north * until, east + v_east * until), until
 
 
-def plot_ships(own: OwnMotion, there: Situation, limit: float) -> ShipPlot:
-    """Return how ships bear from the boat; ``limit`` [m] decides whether straight lines hold."""
+def plot_ship(own: OwnMotion, ship: ShipMotion, limit: float) -> ShipPlot:
+    """Return how a ship bears from the boat; ``limit`` [m] decides whether straight lines hold."""
     own = own if abs(own.turning) >= MIN_TURN_RATE else own._replace(turning=0.0)
-    north, east = there.north - own.north, there.east - own.east
-    v_north, v_east = there.velocity()
-    v_north -= own.speed * math.cos(own.course)
-    v_east -= own.speed * math.sin(own.course)
-    closest, until = closest_approach(north, east, v_north, v_east)
-    bend = 0.5 * (abs(own.speed * own.turning) + np.abs(there.speed * there.turning))
-    turning = bend * until * until >= ARC_DEVIATION_SHARE * limit
-    turning &= until > 0.0
-    if turning.any():
-        chosen = Situation(*(each[turning] for each in there))
-        closest[turning], until[turning] = on_arcs(own, chosen)
-    return ShipPlot(
-        np.arctan2(east, north) % math.tau, np.hypot(north, east), closest, until, turning
-    )
+    north, east = ship.north - own.north, ship.east - own.east
+    (v_north, v_east), by = ship.velocity(), own.velocity()
+    closest, until = closest_approach(north, east, v_north - by[0], v_east - by[1])
+    bend = 0.5 * (abs(own.speed * own.turning) + abs(ship.speed * ship.turning))
+    turning = until > 0.0 and bend * until * until >= ARC_DEVIATION_SHARE * limit
+    if turning:
+        closest, until = on_arcs(own, ship)
+    return ShipPlot(north, east, closest, until, turning)
 
 
-def on_arcs(own: OwnMotion, there: Situation) -> tuple[Numbers, Numbers]:
-    """Return closest approach [m] and time to it [s], if boat and ships keep turning."""
-    mine = _ahead(Situation(*(np.array([each]) for each in (*own, 0.0, 0.0))))
-    theirs = _ahead(there)
-    apart = np.hypot(theirs.north - mine.north, theirs.east - mine.east)
-    first = apart.argmin(axis=1)
-    return apart[np.arange(first.size), first], ARC_TIMES_S[first]
+def on_arcs(own: OwnMotion, ship: ShipMotion) -> tuple[float, float]:
+    """Return closest approach [m] and time to it [s], if boat and ship keep turning."""
+    (north, east), theirs = _ahead(own), _ahead(ship)
+    by_north, by_east = ship.set_north * ARC_TIMES_S, ship.set_east * ARC_TIMES_S
+    apart = np.hypot(theirs[0] + by_north - north, theirs[1] + by_east - east)
+    first = int(apart.argmin())
+    return float(apart[first]), float(ARC_TIMES_S[first])
 
 
-def _ahead(now: Situation) -> Situation:
-    """Return where ships will be at each time of ARC_TIMES_S, a row each."""
-    curvature = now.turning / np.where(now.speed > 0.0, now.speed, 1.0)
-    none = np.zeros_like(now.north)
-    pieces = np.array([none, none, *now[:3], curvature, now.speed, none])
-    then = situation(pieces[:, :, None], ARC_TIMES_S)
-    by_north, by_east = now.set_north[:, None] * ARC_TIMES_S, now.set_east[:, None] * ARC_TIMES_S
-    return then._replace(north=then.north + by_north, east=then.east + by_east)
+def _ahead(now: OwnMotion | ShipMotion) -> tuple[Numbers, Numbers]:
+    """Return where boat or ship will be at each time of ARC_TIMES_S, through its water."""
+    if now.turning == 0.0:
+        way = now.speed * ARC_TIMES_S
+        return now.north + way * math.cos(now.course), now.east + way * math.sin(now.course)
+    curvature = now.turning / (now.speed if now.speed > 0.0 else 1.0)
+    pieces = np.array([0.0, 0.0, *now[:3], curvature, now.speed, 0.0])
+    return situation(pieces[:, None], ARC_TIMES_S)[:2]
 
 
-def passing_ranges(
-    contacts: Contacts, tick: int, before: tuple[float, float], now: tuple[float, float]
-) -> tuple[tuple[Ship, ...], Numbers]:
-    """Return the ships and each one's least range [m] in the step to a tick.
+class PassedShip(NamedTuple):
+    """One ship, and its least ranges in the steps to some rows of a passage."""
 
-    ``before`` and ``now`` are the boat's places; both move on straight lines in the step.
+    ship: Ship
+    rows: Ticks
+    ranges: Numbers  # [m]
+    starts: Numbers  # north, east [m] and course [rad] of the ship where each step begins
+    ends: Numbers
+
+
+def passed_ships(contacts: Contacts, ticks: Ticks, poses: Numbers) -> Iterator[PassedShip]:
+    """Yield the ships that there were in a passage, by their fleets.
+
+    ``poses`` [6, ticks] are the boat's. Boat and ships move on straight lines in a step.
     """
-    fleet = contacts.fleet(tick - 1)
-    start, end = fleet.at((tick - 1) * contacts.step), fleet.at(tick * contacts.step)
+    for places, fleet in contacts.stretches(ticks[1:] - 1):
+        rows = places + 1
+        start, end = (fleet.over(ticks[rows - back]) for back in (1, 0))
+        ranges = passing_ranges(start, end, poses[:2, rows - 1], poses[:2, rows])
+        starts, ends = (np.array(each[:3]) for each in (start, end))
+        for i, ship in enumerate(fleet.order):
+            yield PassedShip(ship, rows, ranges[i], starts[:, i], ends[:, i])
+
+
+def collisions_in(
+    passed: Iterable[PassedShip], hull: OwnHull, poses: Numbers
+) -> list[tuple[int, str]]:
+    """Return each collision of a passage: its row and the ship. It is one until the hulls part."""
+    touched: dict[int, set[str]] = {}
+    for each in passed:
+        depth = np.minimum(poses[2, each.rows - 1], poses[2, each.rows])
+        for k in np.flatnonzero(~hull.far(each.ranges, depth, each.ship.type)).tolist():
+            row = int(each.rows[k])
+            both = Pose(*poses[:, row - 1].tolist()), Pose(*poses[:, row].tolist())
+            if _meets(hull, each.ship, both, (each.starts[:, k], each.ends[:, k])):
+                touched.setdefault(row, set()).add(each.ship.name)
+    new = {row: touched[row] - touched.get(row - 1, set()) for row in sorted(touched)}
+    return [(row, min(names)) for row, names in new.items() if names]
+
+
+def passing_ranges(start: Situation, end: Situation, before: Numbers, now: Numbers) -> Numbers:
+    """Return the least ranges [m] of ships in steps, a row each.
+
+    ``before`` and ``now`` are the boat's places north and east [m] where the steps begin and end.
+    """
     north, east = start.north - before[0], start.east - before[1]
     by_north, by_east = end.north - now[0] - north, end.east - now[1] - east
     square = by_north * by_north + by_east * by_east
     along = -(north * by_north + east * by_east) / np.where(square > 0.0, square, 1.0)
     share = np.clip(along, 0.0, 1.0)
-    return fleet.order, np.hypot(north + share * by_north, east + share * by_east)
+    north, east = north + share * by_north, east + share * by_east
+    ranges: Numbers = np.sqrt(north * north + east * east)
+    return ranges
+
+
+def passing_range(start: ShipMotion, end: ShipMotion, before: Pose, now: Pose) -> float:
+    """Return the least range [m] of a ship in one step, as ``passing_ranges`` does."""
+    north, east = start[0] - before[0], start[1] - before[1]
+    by_north, by_east = end[0] - now[0] - north, end[1] - now[1] - east
+    square = by_north * by_north + by_east * by_east
+    along = -(north * by_north + east * by_east) / (square if square > 0.0 else 1.0)
+    share = 0.0 if along < 0.0 else min(along, 1.0)
+    north, east = north + share * by_north, east + share * by_east
+    return math.sqrt(north * north + east * east)
 
 
 @dataclass
@@ -163,6 +246,10 @@ class EncounterMonitor:
     touching: set[str] = field(default_factory=set)
     _pose: Pose | None = None  # of the boat in the tick before
     _past: list[Pose] = field(default_factory=list, repr=False)  # of the last MEAN_PERIOD_S
+    mean_ticks: int = field(init=False)  # in MEAN_PERIOD_S
+
+    def __post_init__(self) -> None:
+        self.mean_ticks = round(MEAN_PERIOD_S / self.contacts.step) if self.contacts else 0
 
     @classmethod
     def over(cls, boat: Any) -> "EncounterMonitor":
@@ -180,84 +267,160 @@ class EncounterMonitor:
     def settle(self, boat: Any) -> None:
         """Take the boat as it is, after a jump in time. No range is measured over the jump."""
         self.struck, self.nearest = "", ("", math.inf)
-        self._pose = Pose.of(boat.state) if self.contacts else None
+        self._pose = Pose(*boat.numbers(POSE_NAMES)) if self.contacts else None
         for memory in (self.closest, self.called, self.clear_since, self.touching, self._past):
             memory.clear()
 
     def look(self, boat: Any) -> list[str]:
         """Return what there is to call out after a tick."""
         self.struck, self.nearest = "", ("", math.inf)
-        contacts, before, tick = self.contacts, self._pose, boat.ticks
-        if contacts is None or not contacts.fleet(tick).order:
+        contacts, before = self.contacts, self._pose
+        if contacts is None:
+            return []
+        tick = boat.ticks
+        fleet = contacts.fleet(tick)
+        if not fleet.order:
             self._pose = None
             return []
-        now = self._pose = Pose.of(boat.state)
+        now = self._pose = Pose(*read_pose(boat.plain))
         news = [] if before is None else self.step(contacts, tick, before, now)
-        news += self._calls(boat, contacts)
+        news += self._calls(boat, fleet.order, fleet.motions(tick), now)
         return [f"tick {tick} ({boat.time:g} s): {text}" for text in news]
 
-    def ended_by(self, boat: Any) -> str:
-        """Return by what collision the exercise ends after a tick, "" if it goes on."""
-        self.look(boat)
-        ends = self.struck and self.rules.collision == "end"
-        return f"collision with {self.struck}" if ends else ""
+    def ranges(self, flown: TickColumns) -> Numbers:
+        """Return the least ranges [m] of the ships at some ticks, a row each."""
+        if self.contacts is None or self._pose is None:
+            return np.empty((0, len(flown)))
+        way, before = self._ways(self.contacts, flown), self._pose
+        start = Situation(*(column[:, :-1] for column in way))
+        end = Situation(*(column[:, 1:] for column in way))
+        here = np.array((flown["x"], flown["y"]))
+        return passing_ranges(start, end, np.column_stack((before[:2], here[:, :-1])), here)
+
+    def _ways(self, contacts: Contacts, flown: TickColumns) -> Situation:
+        """Return how the ships go at some ticks, and at the tick before them."""
+        begun = int(flown.ticks[0]) - 1
+        return contacts.fleet(begun).over(np.append(begun, flown.ticks))
+
+    def quiet_ticks(self, flown: TickColumns, ranges: Numbers) -> int:
+        """Return after how many ticks there may be something to call, or all of them.
+
+        ``ranges`` [m] are those of the ships in these ticks.
+        """
+        contacts, hull, before = self.contacts, self.hull, self._pose
+        if contacts is None or hull is None or not contacts.fleet(int(flown.ticks[0]) - 1).order:
+            return len(flown)
+        unready = len(self._past) != self.mean_ticks or flown["held_position"].any()
+        if before is None or unready or self.called or self.touching:
+            return 0
+        depths = np.minimum(flown["z"], np.append(before.depth, flown["z"][:-1]))
+        fleet = contacts.fleet(int(flown.ticks[0]) - 1)
+        mask = self._may_call(flown, self._ways(contacts, flown), self.mean_ticks * contacts.step)
+        for ship, its in zip(fleet.order, ranges, strict=True):
+            mask |= ~hull.far(its, depths, ship.type)
+        return int(mask.argmax()) if mask.any() else len(flown)
+
+    def _may_call(self, flown: TickColumns, way: Situation, seconds: float) -> NDArray[np.bool_]:
+        """Return at which ticks a closest approach may have to be called.
+
+        ``seconds`` [s] are those of the boat's mean motion.
+        """
+        rules = self.rules
+        past = np.array(self._past)[:, (0, 1, 5)].T
+        now = np.array((flown["x"], flown["y"], flown["psi"]))
+        north, east, turned = (now - np.hstack((past, now))[:, : len(flown)]) / seconds
+        theirs = Situation(*(column[:, 1:] for column in way))
+        v_north, v_east = theirs.velocity()
+        v_north, v_east = v_north - north, v_east - east
+        off_north, off_east = theirs.north - now[0], theirs.east - now[1]
+        square = np.maximum(v_north * v_north + v_east * v_east, MIN_RELATIVE_SPEED**2)
+        until = -(off_north * v_north + off_east * v_east) / square
+        apart = np.hypot(off_north + v_north * until, off_east + v_east * until)
+        spin = np.abs(np.remainder(turned * seconds + math.pi, math.tau) - math.pi) / seconds
+        spin = np.where(spin < 0.999 * MIN_TURN_RATE, 0.0, spin)
+        bend = 0.5 * (np.hypot(north, east) * spin + np.abs(theirs.speed * theirs.turning))
+        # a little sooner than the words of one tick, because these numbers are rounded otherwise
+        turning = bend * until * until >= 0.999 * ARC_DEVIATION_SHARE * rules.cpa_m
+        near = (until < 1.001 * rules.warn_s) & (apart < 1.001 * rules.cpa_m)
+        result: NDArray[np.bool_] = ((until > -1e-6) & (turning | near)).any(axis=0)
+        return result
+
+    def pass_over(self, flown: TickColumns) -> None:
+        """Take these ticks as seen, in which there was nothing to call."""
+        contacts = self.contacts
+        if contacts is None or self._pose is None:
+            return
+        fleet, ranges = contacts.fleet(int(flown.ticks[0]) - 1), self.ranges(flown)
+        if not fleet.order:
+            self._pose = None
+            return
+        for ship, its in zip(fleet.order, ranges, strict=True):
+            first = int(its.argmin())
+            if its[first] < self.closest.get(ship.name, (math.inf, 0))[0]:
+                self.closest[ship.name] = float(its[first]), int(flown.ticks[first])
+        last = int(ranges[:, -1].argmin())
+        self.nearest = fleet.order[last].name, float(ranges[last, -1])
+        poses = np.array([flown[name] for name in POSE_NAMES]).T[-len(self._past) :]
+        self._past = [*self._past, *(Pose(*row) for row in poses.tolist())][-len(self._past) :]
+        self._pose = self._past[-1]
 
     def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
         """Keep each ship's least range in the step to a tick. Return new collisions."""
         self.struck, self.nearest = "", ("", math.inf)
-        ships, ranges = passing_ranges(contacts, tick, before[:2], now[:2])
-        for ship, apart in zip(ships, ranges.tolist(), strict=True):
-            if apart < self.closest.get(ship.name, (math.inf, 0))[0]:
-                self.closest[ship.name] = apart, tick
+        fleet, hull, closest = contacts.fleet(tick - 1), self.hull, self.closest
+        depth, struck = min(before.depth, now.depth), set()
+        ways = zip(fleet.order, fleet.motions(tick - 1), fleet.motions(tick), strict=True)
+        for ship, start, end in ways:
+            apart, name = passing_range(start, end, before, now), ship.name
+            if name not in closest or apart < closest[name][0]:
+                closest[name] = apart, tick
             if apart < self.nearest[1]:
-                self.nearest = ship.name, apart
+                self.nearest = name, apart
+            if hull is None or hull.far(apart, depth, ship.type):
+                continue
+            if _meets(hull, ship, (before, now), (np.array(start[:3]), np.array(end[:3]))):
+                struck.add(name)
+        if not (struck or self.touching):
+            return []
         # a collision is news once, until the hulls part
-        struck = self._struck(contacts, tick, before, now, ranges)
-        news = [f"COLLISION with {name}, {_words(ships, name)}" for name in struck - self.touching]
-        self.struck = min(struck - self.touching, default="")
-        self.touching = struck
-        return sorted(news)
+        new = struck - self.touching
+        self.struck, self.touching = min(new, default=""), struck
+        return sorted(f"COLLISION with {name}, a {fleet.ships[name].kind}" for name in new)
 
-    def _struck(
-        self, contacts: Contacts, tick: int, before: Pose, now: Pose, ranges: Numbers
-    ) -> set[str]:
-        """Return the ships that the boat touches in the step to a tick."""
-        hull, fleet = self.hull, contacts.fleet(tick - 1)
-        if hull is None:
-            return set()
-        depth = min(before.depth, now.depth)
-        near = [
-            (i, ship)
-            for i, ship in enumerate(fleet.order)
-            if not hull.far(float(ranges[i]), depth, ship.type, 0.0)
-        ]
-        if not near:
-            return set()
-        times = (tick - 1) * contacts.step, tick * contacts.step
-        start, end = (np.array(fleet.at(time)[:3]) for time in times)
-        return {
-            ship.name
-            for i, ship in near
-            if _meets(hull, ship, (before, now), (start[:, i], end[:, i]))
-        }
-
-    def _calls(self, boat: Any, contacts: Contacts) -> list[str]:
+    def _calls(
+        self, boat: Any, ships: Sequence[Ship], motions: Sequence[ShipMotion], now: Pose
+    ) -> list[str]:
         """Return each closest approach that is to be called now."""
-        rules, tick = self.rules, boat.ticks
-        fleet, boat_motion = contacts.fleet(tick), self._own(boat)
-        seen = plot_ships(boat_motion, contacts.at(tick), rules.cpa_m)
-        ahead = (seen.until >= 0.0) & (seen.until < rules.warn_s)
-        soon = ahead & (seen.closest < rules.cpa_m)
-        over = ~ahead | (seen.closest > (1.0 + RECALL_CHANGE_SHARE) * rules.cpa_m)
-        self._forget([ship.name for i, ship in enumerate(fleet.order) if over[i]], boat.time)
+        rules, soon = self.rules, []
+        own, (own_north, own_east) = self._own(boat, now)
+        bends = abs(own.turning) >= MIN_TURN_RATE
+        over = []  # of the ships called, because only those can be news again
+        for ship, motion in zip(ships, motions, strict=True):
+            v_north, v_east = motion.velocity()
+            north, east = motion[0] - own[0], motion[1] - own[1]
+            v_north, v_east = v_north - own_north, v_east - own_east
+            called = ship.name in self.called
+            if north * v_north + east * v_east > 0.0:  # it goes away
+                over += [ship.name] if called else []
+                continue
+            closest, until = closest_approach(north, east, v_north, v_east)
+            if bends or motion.turning:
+                closest, until = plot_ship(own, motion, rules.cpa_m)[2:4]
+            ahead = 0.0 <= until < rules.warn_s
+            if called and not (ahead and closest <= (1.0 + RECALL_CHANGE_SHARE) * rules.cpa_m):
+                over.append(ship.name)
+            if ahead and closest < rules.cpa_m:
+                soon.append((ship, plot_ship(own, motion, rules.cpa_m)))
+        if self.clear_since or over:
+            self._forget(over, boat.time)
         news = []
-        for i in np.flatnonzero(soon).tolist():
-            name, closest = fleet.order[i].name, float(seen.closest[i])
+        for ship, plot in soon:
             # whether a closest approach [m] has not been called yet, or has changed
-            before = self.called.get(name)
-            if before is None or abs(closest - before) > RECALL_CHANGE_SHARE * self.rules.cpa_m:
-                self.called[name] = closest
-                news.append(_call(fleet.order[i], ShipPlot(*(each[i] for each in seen))))
+            before = self.called.get(ship.name)
+            change = math.inf if before is None else abs(plot.closest - before)
+            if change > RECALL_CHANGE_SHARE * rules.cpa_m:
+                self.called[ship.name] = plot.closest
+                news.append(_call(ship, plot))
         return news
 
     def _forget(self, over: list[str], time: float) -> None:
@@ -267,20 +430,23 @@ class EncounterMonitor:
             if time - since >= RECALL_CLEAR_S:
                 self.called.pop(name, None)
 
-    def _own(self, boat: Any) -> OwnMotion:
-        """Return the boat's mean motion of the last MEAN_PERIOD_S, because waves swing it."""
-        motion = OwnMotion.of(boat.state)._replace(turning=0.0)
-        self._past.append(Pose.of(boat.state))
-        count = round(MEAN_PERIOD_S / boat.method.step)
-        if boat.state["held_position"] or len(self._past) <= count:
-            return motion
-        first, last = self._past[-count - 1], self._past[-1]
-        self._past = self._past[-count:]
+    def _own(self, boat: Any, now: Pose) -> tuple[OwnMotion, tuple[float, float]]:
+        """Return the boat's mean motion of the last MEAN_PERIOD_S, because waves swing it.
+
+        Return its velocity [m/s] too, north and east.
+        """
+        self._past.append(now)
+        count = self.mean_ticks
+        if boat.plain[HELD_PLACE] or len(self._past) <= count:
+            own = OwnMotion.of(boat.state)._replace(turning=0.0)
+            return own, own.velocity()
+        first = self._past[-count - 1]
+        del self._past[:-count]
         seconds = count * boat.method.step
-        north, east = (last.north - first.north) / seconds, (last.east - first.east) / seconds
-        turned = math.remainder(last.heading - first.heading, math.tau)
+        north, east = (now.north - first.north) / seconds, (now.east - first.east) / seconds
+        turned = math.remainder(now.heading - first.heading, math.tau)
         course, speed = math.atan2(east, north), math.hypot(north, east)
-        return motion._replace(course=course, speed=speed, turning=turned / seconds)
+        return OwnMotion(now.north, now.east, course, speed, turned / seconds), (north, east)
 
     def account(self) -> str:
         """Return the closest that each ship has been, in words."""
@@ -305,18 +471,13 @@ def _meets(
     return False
 
 
-def _words(ships: tuple[Ship, ...], name: str) -> str:
-    """Return what kind of ship has a name."""
-    return next(f"a {ship.kind}" for ship in ships if ship.name == name)
-
-
 def _call(ship: Ship, seen: ShipPlot) -> str:
     """Return the words of a closest approach foreseen."""
-    minutes, seconds = divmod(round(float(seen.until)), 60)
+    minutes, seconds = divmod(round(seen.until), 60)
     time_text = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
-    bearing = round(math.degrees(float(seen.bearing))) % 360
+    bearing = round(math.degrees(seen.bearing)) % 360
     turning = ", turning" if seen.turning else ""
     return (
-        f"CLOSEST APPROACH: {ship.name} {float(seen.closest):.0f} m in {time_text}{turning}; "
-        f"now {bearing:03d} at {float(seen.range):.0f} m"
+        f"CLOSEST APPROACH: {ship.name} {seen.closest:.0f} m in {time_text}{turning}; "
+        f"now {bearing:03d} at {seen.range:.0f} m"
     )

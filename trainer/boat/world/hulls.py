@@ -1,7 +1,9 @@
 """The boat's hull and sail as spheres, and ships as boxes: whether they touch.
 
-The hull is eleven spheres along its axis, the sail three above the deck. Of a ship the box is as
-long, wide and deep as the ship, and as high as its house.
+``encounters`` and the debrief's rehearsals find collisions by it; ``contacts`` and ``ship_force``
+take the pose from here, because a ship near pulls at the boat as it lies. The hull is eleven
+spheres along its axis, the sail three above the deck. Of a ship the box is as long, wide and deep
+as the ship, and as high as its house.
 """
 
 import math
@@ -84,13 +86,15 @@ class OwnHull:
         return bool((sum(each * each for each in beyond) <= self.radii * self.radii).any())
 
     def looks(self, way: float, ship: ShipType) -> int:
-        """Return how often to look on a relative way [m] to miss no ship."""
+        """Return how often to look on a relative way [m] to miss no ship.
+
+        In one tick boat and ship may pass through each other.
+        """
         return max(math.ceil(way / (STEP_BEAM_SHARE * ship.beam)), 1)
 
-    def far(self, range_m: float, depth: float, ship: ShipType, way: float) -> bool:
-        """Return whether range, depth and relative way [m] leave no chance of a touch."""
-        around = self.reach + 0.5 * math.hypot(ship.length, ship.beam) + way
-        return range_m > around or depth - self.reach - way > ship.draught
+    def far(self, range_m: Any, depth: Any, ship: ShipType) -> Any:
+        """Return whether range and depth [m], numbers or arrays, leave no chance of a touch."""
+        return (depth - self.reach > ship.draught) | (range_m > self.reach + ship.half_diagonal)
 
 
 def axes_of(pose: Pose) -> Numbers:

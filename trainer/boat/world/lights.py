@@ -1,6 +1,7 @@
 """The lights of ships by night, by rules 20 to 30 of the collision regulations.
 
-What is here is what can be seen from outside: colour, sector, place on the ship and range.
+``contacts`` shows them to the periscope. What is here is what can be seen from outside: colour,
+sector, place on the ship and range.
 """
 
 import math
@@ -13,6 +14,7 @@ from trainer.config.contacts import SHIP_TYPES, ShipType
 LARGE_LENGTH_M, MEDIUM_LENGTH_M = 50.0, 12.0  # [m] lengths at which the rules change
 SIDELIGHT_SECTOR: Final = math.radians(112.5)  # [rad] from ahead to the end of a sidelight's sector
 LIGHT_SPACING_M: Final = 2.0  # [m] between two lights over each other
+MASTHEAD_SPACING_M: Final = 4.5  # [m] of the two white lights of a large ship: annex I, 2 (a), (k)
 
 
 class Light(NamedTuple):
@@ -35,6 +37,7 @@ def _range(ship: ShipType, large: float, medium: float, small: float) -> float:
 
 
 def _sides_and_stern(ship: ShipType) -> Iterator[Light]:
+    """Yield the sidelights and the sternlight of a ship that makes way."""
     nm = _range(ship, 3.0, 2.0, 1.0)
     height, out, aft = 0.5 * ship.height, 0.5 * ship.beam, -0.5 * ship.length
     yield Light("green", 0.0, SIDELIGHT_SECTOR, 0.0, out, height, nm)
@@ -46,6 +49,7 @@ def _sides_and_stern(ship: ShipType) -> Iterator[Light]:
 
 
 def _all_round(ship: ShipType, colour: str, below: float, ahead: float = 0.0) -> Light:
+    """Return a light that is seen from everywhere, ``below`` [m] the masthead."""
     nm = _range(ship, 3.0, 2.0, 2.0)
     return Light(colour, 0.0, math.tau, ahead, 0.0, ship.mast - below, nm)
 
@@ -54,7 +58,7 @@ def _under_way(ship: ShipType) -> Iterator[Light]:
     # yield one white light ahead, and from 50 m on a second, higher one aft of it
     nm = _range(ship, 6.0, 5.0 if ship.length >= 20.0 else 3.0, 2.0)
     large = ship.length >= LARGE_LENGTH_M
-    forward = ship.mast - 4.5 if large else ship.mast
+    forward = ship.mast - MASTHEAD_SPACING_M if large else ship.mast
     yield Light("white", -SIDELIGHT_SECTOR, SIDELIGHT_SECTOR, 0.25 * ship.length, 0.0, forward, nm)
     if large:
         yield Light(
@@ -67,7 +71,7 @@ def _anchored(ship: ShipType) -> Iterator[Light]:
     """Yield a white light forward, and from 50 m on a lower one aft."""
     yield _all_round(ship, "white", 0.0, 0.4 * ship.length)
     if ship.length >= LARGE_LENGTH_M:
-        yield _all_round(ship, "white", 4.5, -0.4 * ship.length)
+        yield _all_round(ship, "white", MASTHEAD_SPACING_M, -0.4 * ship.length)
 
 
 def _two(upper: str, lower: str) -> Callable[[ShipType], Iterator[Light]]:

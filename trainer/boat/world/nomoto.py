@@ -1,6 +1,8 @@
 """A Nomoto ship moves by one equation, in a manoeuvre or met at sea.
 
-Section 12.3 of the model identification, without differentiating the rudder:
+``steered`` sails contacts by it, and ``analysis`` manoeuvres. Such a ship is known by a gain K and
+time constants alone, as identification finds them. Section 12.3 of the model identification,
+without differentiating the rudder:
 
     r' = (lag - (T1 + T2) r + K T3 delta)/(T1 T2), lag' = K delta - K H(r)    delta to port, K < 0
 

@@ -1,7 +1,8 @@
 """The periscope: its mast and optics, and the ships that are seen from its head.
 
-How it stands follows from the orders with their ticks alone. Refraction bends light round the
-earth: N. Bowditch, American Practical Navigator (2019), tables 8 and 12, as a larger earth has it.
+``world`` has it in the boat's surroundings; stations, marks and debriefs see by it. How it stands
+follows from the orders with their ticks alone. Refraction bends light round the earth: N. Bowditch,
+American Practical Navigator (2019), tables 8 and 12, as a larger earth has it.
 """
 
 import math
@@ -10,10 +11,13 @@ from collections.abc import Iterable, Sequence
 from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
-from trainer.boat.world.contacts import ContactState, contacts_in
+import numpy as np
+
+from trainer.boat.world.contacts import ContactState, Ticks, contacts_in
 from trainer.config.vessel_records import Scope
 from trainer.config.world import WorldTables
 from trainer.core.casualties import instruments
+from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import height_above_water
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
@@ -23,7 +27,7 @@ EARTH_RADIUS_M: Final = (
 )  # [m] radius of an earth round which light would be straight
 ARC_MINUTE: Final = math.radians(1.0 / 60.0)
 LOW_POWER: Final = 1.5  # [-] powers
-HIGH_POWER: Final = 6.0
+HIGH_POWER: Final = 6.0  # [-] magnification
 VIEW_WIDTHS: Final = {
     LOW_POWER: math.radians(32.0),
     HIGH_POWER: math.radians(8.0),
@@ -43,12 +47,15 @@ class Mast(NamedTuple):
     up: bool = False
     out: float = 0.0  # [m]
     train: float = 0.0  # [rad] off the bow, clockwise
-    power: float = LOW_POWER
+    power: float = LOW_POWER  # [-]
     raised: int = 0  # how often it has been ordered up
 
 
 class Eye(NamedTuple):
-    """Place of the head [m], its height over the waves, and the boat's heading [rad]."""
+    """The head of the periscope, as the place from which one looks.
+
+    It has its place [m], its height over the waves, and the boat's heading [rad].
+    """
 
     north: float
     east: float
@@ -127,7 +134,10 @@ def _lamps(target: ContactState, aspect: float, distance: float, eye: float) -> 
 
 
 def stadimeter_range(height: float, sight: Sight, power: float) -> float | None:
-    """Return the distance [m] that a height [m] gives. None: its angle is too small."""
+    """Return the distance [m] that a height [m] gives. None: its angle is too small.
+
+    A stadimeter measures the angle between waterline and masthead, in its own steps.
+    """
     step = STADIMETER_STEPS[power]
     steps = round((sight.top - sight.bottom) / step)
     return height / (steps * step) if steps else None
@@ -154,7 +164,10 @@ class Periscope:
         return self._stood[-1].raised > 0
 
     def write(self, state: Any) -> None:
-        """Write nothing; note that the head is out of the water."""
+        """Write nothing; note that the head is out of the water.
+
+        Marks count how long it has shown, since a head that shows is seen.
+        """
         tick = int(state["tick"])
         while self._shown and self._shown[-1].start >= tick:
             self._shown.pop()
@@ -193,6 +206,18 @@ class Periscope:
         way = rate * self._step * max(tick - last.tick, 0)
         out = last.out + way if last.up else last.out - way
         return last._replace(tick=tick, out=min(max(out, 0.0), self._fitted.extension_m))
+
+    def over(self, ticks: Ticks) -> tuple[Numbers, Numbers]:
+        """Return how far the mast is out [m] at ticks, and its number of raises."""
+        stood = np.array([(each.tick, each.up, each.out, each.raised) for each in self._stood])
+        places = np.searchsorted(stood[:, 0], ticks, side="right") - 1
+        begun, up, out, raised = stood[np.maximum(places, 0)].T
+        if self._fitted is None:
+            return out, raised
+        rate = self._fitted.extension_m / self._fitted.raise_s
+        way = rate * self._step * np.maximum(ticks - begun, 0)
+        out = np.where(up > 0.0, out + way, out - way)
+        return np.clip(out, 0.0, self._fitted.extension_m), raised
 
     def raised(self, mast: Mast) -> Mast:
         """Return the mast as it stands once it is all out."""

@@ -1,11 +1,11 @@
 """The pull of ships near on the boat, an estimate within a factor of two.
 
-A ship under way is a slender body, a line of sources along its length on the surface, after
-S. Wang, "Dynamic effects of ship passage on moored vessels" (1975), as W. Seelig gives it (NFESC
-TR-6027-OCN, 2001); the surface is a rigid wall, which doubles its section. The water's own
-acceleration where the boat is pushes on the boat's displaced and added mass. What the boat's own
-way and the ship's waves add is left out, and no measurement with a submarine was found: hence the
-factor.
+``contacts`` writes it into the state before each tick. A ship under way is a slender body, a line
+of sources along its length on the surface, after S. Wang, "Dynamic effects of ship passage on
+moored vessels" (1975), as W. Seelig gives it (NFESC TR-6027-OCN, 2001); the surface is a rigid
+wall, which doubles its section. The water's own acceleration where the boat is pushes on the boat's
+displaced and added mass. What the boat's own way and the ship's waves add is left out, and no
+measurement with a submarine was found: hence the factor.
 
 The nearest MAX_PULLING_SHIPS ships pull, within PULL_REACH of their mean length and the boat's,
 less and less over the last third.
@@ -25,7 +25,7 @@ SOURCE_COUNT: Final = 24  # along a ship
 STATION_COUNT: Final = 11  # along the boat's axis
 PULL_REACH: Final = 1.5  # [-] mean lengths
 FULL_PULL_REACH: Final = 1.0  # [-] mean lengths, up to which the pull is whole
-MAX_PULLING_SHIPS: Final = 4
+MAX_PULLING_SHIPS: Final = 4  # ships that pull the boat at once, the nearest
 SOURCE_PLACES: Final = (
     np.arange(SOURCE_COUNT) + 0.5
 ) / SOURCE_COUNT - 0.5  # [-] of a ship's length

@@ -1,6 +1,6 @@
 """A ship that is not linear, steered to a course.
 
-The law is this project's:
+``contacts`` moves such a ship by it. The law is this project's:
 
     rudder = neutral - (psi - psi ordered) - 2 L/U r        to starboard, within the file's limits
 

@@ -1,9 +1,11 @@
 """The waves round the boat: the same sea that moves it, in space.
 
-The cosine sum is exact everywhere. The filters give one elevation, above the boat. There the waves
-round it are those that another boat would meet: run d [m] with the waves, and the bank's clock
-goes back by 2 k d radians of the peak wave while its outputs turn by k d on. Groups then travel at
-half the speed of their waves. What is to come is known, since noise is a function of the step.
+``session/stations/plot`` sends them to the periscope's view; nothing here moves the boat. The core
+has the sea at one point, above the boat, from two sources. The cosine sum is exact everywhere. The
+filters (a bank of resonators, driven by noise) give the elevation above the boat alone. At a place
+d [m] further along the waves' way, it is what the bank gave 2 k d radians of the peak wave earlier,
+turned by k d, where k is the wave's number: groups then travel at half the speed of their waves, as
+in deep water. What is to come is known too, since noise is a function of the step.
 """
 
 import math
@@ -41,8 +43,8 @@ class Swell(NamedTuple):
     number: float  # [1/m] of the peak wave
     omega: float  # [rad/s]
     towards: float  # [rad] off the bow, where the waves go
-    ahead: float  # [m/s] through the water
-    right: float
+    ahead: float  # [m/s] of the boat through the water
+    right: float  # [m/s]
     clock: float  # [-] internal steps since the middle one of the groups
     drift: float  # [rad] by which the groups' outputs have been turned
     groups: Waves  # outputs [-] of the filters by internal step
@@ -84,7 +86,10 @@ class Swell(NamedTuple):
 
 
 def pack_numbers(values: Numbers, count: int) -> str:
-    """Return numbers from -1 to 1 in so many digits each."""
+    """Return numbers from -1 to 1 in so many digits each.
+
+    Such a text is short enough to be sent to a station's page many times a second.
+    """
     most = len(PACKING_DIGITS) ** count
     whole = np.clip(np.floor((values + 1.0) * 0.5 * most), 0, most - 1).astype(int)
     places = [len(PACKING_DIGITS) ** place for place in reversed(range(count))]
@@ -94,7 +99,10 @@ def pack_numbers(values: Numbers, count: int) -> str:
 
 
 def interpolate_values(values: Waves, place: float) -> complex:
-    """Return what lies between two of the values, by the core's cubic."""
+    """Return what lies between two of the values, by the core's cubic.
+
+    Another one would make waves beside the boat that do not fit those that move it.
+    """
     first = min(max(math.floor(place), 1), values.size - 3)
     f = place - first
     before, after, beyond = f + 1.0, f - 1.0, f - 2.0
@@ -167,7 +175,11 @@ def _endless(at: Callable[[str], float]) -> Waves:
 
 
 def _of_banks(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
-    """Return the outputs of both banks; the four next to now are the core's own."""
+    """Return the outputs of both banks of filters round the present step.
+
+    The four steps next to it are copied from the state, where the core has them with all that came
+    before; further ones are computed from the noise of MEMORY_STEPS.
+    """
     middle = int(at("sea_steps")) - 3
     peaked, seed = at("sea_peaked"), int(at("seed"))
     shares = math.sqrt(1.0 - peaked), math.sqrt(peaked)

@@ -1,7 +1,8 @@
 """The ways of ships in closed form: straights, turn circles, even acceleration.
 
-A way is cut into pieces that each have one curvature and one acceleration. Where a ship is at a
-time follows from the piece of that time alone, so there is no state to keep.
+``contacts`` moves ships without a rudder of their own by it. A way is cut into pieces that each
+have one curvature and one acceleration. Where a ship is at a time follows from the piece of that
+time alone, so there is no state to keep.
 """
 
 import itertools
@@ -53,9 +54,32 @@ class Way(NamedTuple):
                 return piece
         return self.pieces[-1]
 
+    def over(self, times: Numbers) -> Numbers:
+        """Return the pieces of times [s], a column each."""
+        table = np.array(self.pieces)
+        places = np.searchsorted(table[:, 1], times, side="right")  # by their ends
+        return table[np.minimum(places, len(table) - 1)].T
+
+
+class ShipMotion(NamedTuple):
+    """One ship at one moment, as a situation has many."""
+
+    north: float  # [m]
+    east: float  # [m]
+    course: float  # [rad] through the water
+    speed: float  # [m/s] through the water
+    turning: float  # [rad/s]
+    set_north: float  # [m/s] of the current that carries it
+    set_east: float  # [m/s]
+
+    def velocity(self) -> tuple[float, float]:
+        """Return the velocity [m/s] over the ground, north and east."""
+        north, east = self.speed * math.cos(self.course), self.speed * math.sin(self.course)
+        return north + self.set_north, east + self.set_east
+
 
 class Situation(NamedTuple):
-    """Place, course, speed and rate of turn [SI] of ships, an array each.
+    """Place, course, speed and rate of turn [SI] of many ships, an array each.
 
     Course and speed are through the water of those that it carries, else over the ground.
     """

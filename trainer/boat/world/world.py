@@ -1,7 +1,8 @@
 """The world of one run has parts, which write a few numbers into the state.
 
-It is written before each tick, and is a pure function of the exercise, of the orders given to it
-with their ticks, and of the state. So whoever flies the same orders again gets the same numbers.
+The parts are ground, ships near, current and periscope. ``Boat`` asks the world before each tick.
+What it writes is a pure function of the exercise, of the orders given to it with their ticks, and
+of the state. So whoever flies the same orders again gets the same numbers.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -38,7 +39,10 @@ class WorldPart(Protocol):
 
 @dataclass
 class World:
-    """All parts, by the names of the orders that they obey."""
+    """All parts, by the names of the orders that they obey.
+
+    ``changed`` is the boat's own: it asks again whether any part acts.
+    """
 
     parts: Mapping[str, WorldPart] = field(default_factory=dict)
     changed: Callable[[], object] = field(default=lambda: None, repr=False, compare=False)

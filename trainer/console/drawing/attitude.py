@@ -1,4 +1,8 @@
-"""The attitude of the boat: from its side with its pitch, from astern."""
+"""The boat from its side (pitch) and from astern (heel), drawn in Braille dots.
+
+``layouts`` has it on the instructor's screen. A drawing takes the model, and the columns and rows
+that there are; it returns lines and changes nothing.
+"""
 
 import math
 from collections.abc import Sequence

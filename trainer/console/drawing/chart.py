@@ -1,4 +1,8 @@
-"""Strip charts, drawn in dots, and the track from above."""
+"""Strip charts, drawn in dots, and the track from above.
+
+A character of Braille has two by four dots, so that a terminal draws curves four times finer than
+its rows. All drawings take the model, columns and rows, and return lines (``pane``).
+"""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -6,6 +10,7 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Final
 
+from trainer.console.drawing.aids import interpolated_way, way_ahead
 from trainer.console.drawing.crew_orders import in_feet
 from trainer.console.drawing.values import NO_VALUE, course, number
 from trainer.console.model import Quantity, SessionModel
@@ -14,18 +19,21 @@ from trainer.console.readings import CIRCULAR_FIELDS
 from trainer.units import FOOT
 
 DOTS_ACROSS: Final = 2  # dots in a character
-DOTS_DOWN: Final = 4
+DOTS_DOWN: Final = 4  # [dots] of a Braille character
 BRAILLE_BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
-EMPTY_BRAILLE: Final = 0x2800
+EMPTY_BRAILLE: Final = 0x2800  # the character without dots, in Unicode
 SCALE_COLUMNS: Final = 6  # [columns] for the numbers at the side
 DASH_SIGN: Final = "╌"
+GHOST_SIGN: Final = "··"
+GHOST_DOTS: Final = 4  # [dots] from one to the next of the ghost's line
+AHEAD_DOTS: Final = 2  # the same, of what is to come
 TICK_SPACINGS_S: Final = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
 MIN_TICK_COLUMNS: Final = 9  # [columns] between marks at least
 MIN_AXIS_ROWS: Final = 4  # [rows] of a chart from which on it has an axis of time
-SCALE_STEPS: Final = (1.0, 2.0, 5.0)
+SCALE_STEPS: Final = (1.0, 2.0, 5.0)  # of a scale, times a power of ten
 MIN_CHART_COLUMNS: Final = 10  # [columns]
 MIN_SIDE_M: Final = 400.0  # [m] across the shorter side
-RANGE_MARGIN: Final = 1.15
+RANGE_MARGIN: Final = 1.15  # [-] of the track, so that none of it lies on the edge
 NOSE_DOTS: Final = 5.0  # [dots] of the stroke ahead of the boat
 # A character is about twice as high as wide, and has 2 by 4 dots: dots are square.
 Point = tuple[float, float]  # [m] north, east
@@ -84,24 +92,43 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
     columns, rows = width - SCALE_COLUMNS - 1, height - 1
     if rows < 1 or columns < MIN_CHART_COLUMNS:
         return [title][:height]
-    series = model.trace.series(quantity, span, columns * DOTS_ACROSS)
-    size = unit_of(drawn, model)[1]
+    way, size = way_ahead(model, drawn.name), unit_of(drawn, model)[1]
+    reach = way[-1][0] if way else 0.0
+    past = round(columns * span / (span + reach))  # the columns up to now
+    series = model.trace.series(quantity, span, past * DOTS_ACROSS)
     actual = [scaled_value(each.actual, size) if each else None for each in series]
     ordered = [scaled_value(each.ordered, size) if each else None for each in series]
+    ghost = [scaled_value(each.ghost, size) if each else None for each in series]
+    coming: list[float | None] = [
+        value / size for value in interpolated_way(way, (columns - past) * DOTS_ACROSS)
+    ]
     if drawn.actual[1] in CIRCULAR_FIELDS:
         heading_error = (
             model.picture.number("orders", f"{drawn.crew}_error") if drawn.crew else None
         )
         actual = unwrap(actual)
         ordered = beside_headings(ordered, actual, heading_error)
-    low, high = limits([*actual, *ordered], drawn.least)
-    axis = [time_axis(span, columns)] if rows >= MIN_AXIS_ROWS else []
+        ghost = nearest_headings(ghost, actual)
+        coming = nearest_headings(coming, actual[-1:] * len(coming))
+    low, high = limits([*actual, *ordered, *ghost, *coming], drawn.least)
+    axis = [time_axis(span, past, columns - past)] if rows >= MIN_AXIS_ROWS else []
     plot = Plot(low, high, columns, rows - len(axis))
-    return [title, *plot.lines(actual, ordered, drawn), *axis]
+    ahead = [*[None] * len(actual), *coming]
+    return [title, *plot.lines(actual, ordered, drawn, ghost, ahead), *axis]
 
 
-def time_axis(span: float, columns: int) -> Line:
-    """Return marks of time below a chart, with the present at the right end."""
+def nearest_headings(
+    headings: Sequence[float | None], beside: Sequence[float | None]
+) -> list[float | None]:
+    """Return headings [deg] counted on so that each lies nearest to another one."""
+    return [
+        value if value is None or near is None else near + beside_zero(value - near)
+        for value, near in zip(headings, beside, strict=True)
+    ]
+
+
+def time_axis(span: float, columns: int, ahead: int = 0) -> Line:
+    """Return marks of time below a chart, with what is ahead after the present."""
     step = next(
         (s for s in TICK_SPACINGS_S if s / span * (columns - 1) >= MIN_TICK_COLUMNS),
         TICK_SPACINGS_S[-1],
@@ -116,7 +143,7 @@ def time_axis(span: float, columns: int) -> Line:
         if start >= 0 and start + len(text) <= taken:
             signs[start : start + len(text)] = text
             taken = min(start, column)
-    return line((f"{'':>{SCALE_COLUMNS}}└{''.join(signs)}", "dim"))
+    return line((f"{'':>{SCALE_COLUMNS}}└{''.join(signs)}{'╌' * ahead}", "dim"))
 
 
 def ago_text(seconds: float) -> str:
@@ -132,8 +159,10 @@ def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> L
     ordered = says(scaled_value(model.ordered(drawn), size))
     ordered_text = "" if ordered == NO_VALUE else f" {DASH_SIGN}{DASH_SIGN} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
-    inks = ("heading", "heading-value", "heading-ordered")
-    name_line = line(*zip((f" {name} ", actual, ordered_text), inks, strict=True))
+    ghost = says(scaled_value(model.picture.number("ghost", drawn.name), size))
+    ghost_text = "" if ghost == NO_VALUE else f" {GHOST_SIGN} {ghost}"
+    inks = ("heading", "heading-value", "heading-ordered", "heading-dim")
+    name_line = line(*zip((f" {name} ", actual, ordered_text, ghost_text), inks, strict=True))
     right = line((f"{unit}  {minutes(span)} ", "heading-dim"))
     return beside(name_line, right, width, "heading")
 
@@ -238,15 +267,31 @@ class Plot:
         self._columns, self._rows = columns, rows
 
     def lines(
-        self, actual: Sequence[float | None], ordered: Sequence[float | None], drawn: Quantity
+        self,
+        actual: Sequence[float | None],
+        ordered: Sequence[float | None],
+        drawn: Quantity,
+        ghost: Sequence[float | None] = (),
+        ahead: Sequence[float | None] = (),
     ) -> Lines:
-        """Return the rows, numbers at the side."""
+        """Return the rows, numbers at the side.
+
+        The ghost and the way ahead are drawn in dots.
+        """
         down = drawn.name == "depth"
         sheet = Sheet(self._columns, self._rows)
         self._trace(sheet, actual, down=down)
-        dashed = self._dashes(ordered, down=down)
+        layers = [
+            (sheet, "plain"),
+            (self._dashes(ordered, down=down), "ordered"),
+            (self._dots(ahead, AHEAD_DOTS, down=down), "good"),
+            (self._dots(ghost, GHOST_DOTS, down=down), "dim"),
+        ]
         return [
-            (*self._scale(row, drawn, down=down), *merge(sheet.text(row), dashed.text(row)))
+            (
+                *self._scale(row, drawn, down=down),
+                *merge(*((layer.text(row), ink) for layer, ink in layers)),
+            )
             for row in range(self._rows)
         ]
 
@@ -273,6 +318,14 @@ class Plot:
                 sheet.dot(x, self._place(value, sheet.down, down=down))
         return sheet
 
+    def _dots(self, values: Sequence[float | None], every: int, *, down: bool) -> Sheet:
+        """Return values in dots, one every so many."""
+        sheet = Sheet(self._columns, self._rows)
+        for x, value in enumerate(values):
+            if value is not None and x % every == 0:
+                sheet.dot(x, self._place(value, sheet.down, down=down))
+        return sheet
+
     def _scale(self, row: int, drawn: Quantity, *, down: bool) -> Line:
         """Return the number at the side of a row: the ends of the range."""
         if row not in (0, self._rows - 1):
@@ -283,11 +336,14 @@ class Plot:
         return line((f"{text:>{SCALE_COLUMNS}}┊", "dim"))
 
 
-def merge(dots: str, dashes: str) -> tuple[Run, ...]:
-    """Return a row of dots with dashes where there is no dot."""
+def merge(*layers: Run) -> tuple[Run, ...]:
+    """Return a row in inks, of each place the first layer that has something."""
     runs: list[Run] = []
-    for dot, dash in zip(dots, dashes, strict=True):
-        text, ink = (dash, "ordered") if dash != " " and dot == " " else (dot, "plain")
+    inks = [ink for _, ink in layers]
+    for signs in zip(*(row for row, _ in layers), strict=True):
+        text, ink = next(
+            (each for each in zip(signs, inks, strict=True) if each[0] != " "), (" ", inks[0])
+        )
         if runs and runs[-1][1] == ink:
             runs[-1] = runs[-1][0] + text, ink
         else:

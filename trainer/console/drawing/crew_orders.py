@@ -1,4 +1,9 @@
-"""Orders to the crew beside the instruments, with the distance to what is ordered."""
+"""Orders to the crew beside the instruments, with the distance to what is ordered.
+
+Helm and planes are worked by these orders, so each instrument has its own beside it. ``dials``,
+``gauges``, ``chart`` and ``panels`` place them. An order is marked NEW until the crew has repeated
+it.
+"""
 
 from collections.abc import Sequence
 from typing import Final
@@ -109,10 +114,7 @@ def pitch_order(model: SessionModel) -> tuple[str, str]:
         return _both(text, ", at depth")
     if error is None or abs(error) < REACHED_MARGIN:
         return _both(text, "" if error is None else ", on it")
-    return (
-        f"{text}, {to_go(error)} to go {_way(error)}",
-        f"{text}, {to_go(error)} {_way(error)}",
-    )
+    return (f"{text}, {to_go(error)} to go {_way(error)}", f"{text}, {to_go(error)} {_way(error)}")
 
 
 def _pair(model: SessionModel, axis: str) -> tuple[float | None, float | None]:
@@ -154,8 +156,10 @@ def order_beside(model: SessionModel, axis: str, automatic: str, room: int) -> L
 
 
 def order_line(model: SessionModel, width: int) -> Line:
-    """Return the new orders until they are repeated, newest first; else the last words told."""
+    """Return the new orders until they are repeated, newest first; else the last words."""
     crew = model.crew
+    if model.picture.word("time", "shown") == "yes":
+        return fit(line((f" {told_words(model)}", "good")), width)
     if crew.wrong:
         return fit(line((f" REPEATED WRONG: {crew.wrong} ", "warning")), width)
     new = crew.all_to_repeat(model.role)
@@ -167,7 +171,7 @@ def order_line(model: SessionModel, width: int) -> Line:
     if new:
         says = new[0].says
         return fit(line((f" NEW ORDER  {says} ", "new"), (f"  {REPEAT_HINT}", "key")), width, "bar")
-    words = told_words(model)
+    words = "" if model.step[0] else told_words(model)
     return fit(line((f" told: {words}" if words else "", "ordered")), width)
 
 

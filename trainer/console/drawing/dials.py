@@ -1,4 +1,8 @@
-"""The instruments of the stations: large numbers, scales of surfaces, the engine telegraph."""
+"""The instruments of the stations: large numbers, scales of surfaces, the engine telegraph.
+
+``panels`` puts them together for each station. A drawing takes the model, and the columns and rows
+that there are; it returns lines and changes nothing.
+"""
 
 from collections.abc import Sequence
 from typing import Final, NamedTuple
@@ -240,7 +244,7 @@ def telegraph(model: SessionModel, width: int) -> Lines:
 
 
 def bells_in_knots(model: SessionModel) -> str:
-    """Return the turns of the bells [kn] that the vessel has told."""
+    """Return the turns of the bells [kn], which the session has sent."""
     texts = []
     for way, bells in (("ahead", AHEAD_BELLS), ("astern", ASTERN_BELLS[::-1])):
         turns = [model.ranges[f"{way} {name}"] for name in bells if f"{way} {name}" in model.ranges]

@@ -1,4 +1,9 @@
-"""The log of what was said and done, the line of time, and the ledger."""
+"""Drawings of the log, of the time line, and of the ledger of the ticks.
+
+``app`` has log and time line on every screen, and ``layouts`` the ledger and casualties on the
+instructor's. A drawing takes the model, and the columns and rows that there are; it returns lines
+and changes nothing.
+"""
 
 from trainer.console.drawing.values import course, no_value_reason, number
 from trainer.console.journal import TimelineMoment, clock, wrap_entry
@@ -6,7 +11,7 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 MIN_TIMELINE_COLUMNS = 24  # [columns] of a time line
-SHIP_NAME_COLUMNS = 9
+SHIP_NAME_COLUMNS = 9  # [columns]
 SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
 SHIPS_HEADING = " ship      brg  range crs kn   cpa  sec"
 

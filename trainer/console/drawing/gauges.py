@@ -1,4 +1,9 @@
-"""The instructor's state at a glance: the boat and its attitude, tanks, the sea, casualties."""
+"""The instructor's state at a glance: the boat and its attitude, tanks, the sea, casualties.
+
+``layouts`` has it on the instructor's screen, who alone sees true values; a gauge that is wrong
+stands beside them. A drawing takes the model, and the columns and rows that there are; it returns
+lines and changes nothing.
+"""
 
 from trainer.console.drawing.crew_orders import crew_line
 from trainer.console.drawing.values import (
@@ -13,7 +18,7 @@ from trainer.console.drawing.values import (
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, first_fitting, fit, line
 
-MOTION_COLUMNS = 27  # [columns] of what the boat does; the rest is what it is told to
+MOTION_COLUMNS = 27  # [columns] of what the boat does; the rest is what is ordered
 TANK_LABELS = (
     ("main", ("forward", "mid", "aft")),
     ("neg", ("negative",)),
@@ -84,7 +89,7 @@ def angle(model: SessionModel, name: str, *sides: str) -> Line:
 
 
 def plane(model: SessionModel, name: str, channel: str) -> Line:
-    """Return a surface, what it is told, and by whom."""
+    """Return the angle of a surface, its order, and who orders it."""
     picture = model.picture
     actual = picture.smooth(channel, name, model.clock())
     ordered = surface(name, picture.number(channel, f"ordered_{name}"))

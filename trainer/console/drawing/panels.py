@@ -1,8 +1,14 @@
-"""The first line of a screen, and what each station shows above its charts."""
+"""The first line of a screen, and what each station shows above its charts.
 
+``layouts`` names the panel of each role; ``app`` draws the first line and the keys. A drawing takes
+the model, and the columns and rows that there are; it returns lines and changes nothing.
+"""
+
+import textwrap
 from collections.abc import Sequence
 from typing import Final
 
+from trainer.console.drawing.aids import aid_rows
 from trainer.console.drawing.crew_orders import order_line
 from trainer.console.drawing.dials import (
     angles,
@@ -14,6 +20,7 @@ from trainer.console.drawing.dials import (
     speed_log,
     telegraph,
 )
+from trainer.console.drawing.tanks import levels
 from trainer.console.journal import clock
 from trainer.console.model import MAKING_READY, SessionModel
 from trainer.console.pane import Line, Lines, beside, fit, length, line
@@ -21,6 +28,11 @@ from trainer.console.pane import Line, Lines, beside, fit, length, line
 LARGE_NUMBER_ROWS: Final = 9  # [rows] with room for large numbers
 LARGE_GAUGE_ROWS: Final = 7  # the same for the repeaters, which have fewer lines below
 KEY_GAP_COLUMNS: Final = 1  # [columns] between keys
+LIT_LABELS: Final = {  # of the instruments that a step of a lesson lights up
+    **{name: (name,) for name in ("depth", "heading", "speed", "pitch", "rudder", "stern", "bow")},
+    "bell": ("astern",),
+}
+LABEL_INKS: Final = ("dim", "heading")
 SILENCE_TIMEOUT_S: Final = 2.0  # [s] without values of a running session, beside two ticks
 
 
@@ -55,6 +67,7 @@ def trouble(model: SessionModel) -> str:
     last = picture.reading(model.gauges)
     step = last.seconds / last.tick if last.tick else 0.0
     silent = model.clock() - last.arrived
+    # values come once a tick, so a slow exercise may be silent for two ticks longer
     if picture.frozen or not picture.pace or silent < SILENCE_TIMEOUT_S + 2.0 * step / picture.pace:
         return ""
     return f"NO DATA for {silent:.0f} s: the session does not answer"
@@ -69,6 +82,8 @@ def pace(model: SessionModel) -> Line:
     parts.append((f" {speed}", "bar"))
     if picture.word("time", "replay") == "yes":
         parts.append(("  REPLAY", "key"))
+    if picture.word("time", "shown") == "yes":
+        parts.append(("  THE WAY SHOWN", "key"))
     held = picture.word("time", "held")
     if held:
         parts.append((f"  HELD: {held}", "key"))
@@ -138,6 +153,7 @@ def helm(model: SessionModel, width: int, height: int) -> Lines:
     lines = [
         *dials(model, [compass(model), speed_log(model), depth_gauge(model)], width),
         order_line(model, width),
+        *aid_rows(model, width),
         scale(model, "rudder", "steering", width),
         *telegraph(model, width),
         angles(model, width),
@@ -161,11 +177,60 @@ def pilot(model: SessionModel, width: int, height: int) -> Lines:
     lines = [
         *dials(model, [depth_gauge(model), compass(model), speed_log(model)], width),
         order_line(model, width),
+        *aid_rows(model, width),
         *surfaces(model, width),
         *telegraph(model, width),
         angles(model, width),
     ]
     return [fit(each, width) for each in lines[:height]]
+
+
+def trainee(model: SessionModel, width: int, height: int) -> Lines:
+    """Return a lesson's step, and below it the panel of what is in hand."""
+    steps = step_rows(model, width)
+    if "ballast" in model.by_hand:  # small, because the tanks below need the room
+        drawn = [*instruments(model, width, large=False), *surfaces(model, width)]
+        drawn.append(angles(model, width))
+    else:
+        drawn = pilot(model, width, height)
+    drawn = [*steps, *lit(drawn, LIT_LABELS.get(model.step[2], ()))]
+    return [fit(each, width) for each in drawn[:height]]
+
+
+def trainee_levels(model: SessionModel, width: int, height: int) -> Lines:
+    """Return the tanks, their heading lit up where a step asks to look there."""
+    lines = levels(model, width, height)
+    if model.step[2] == "tanks" and lines:
+        lines[0] = tuple((text, "new") for text, _ in lines[0])
+    return lines
+
+
+def step_rows(model: SessionModel, width: int) -> Lines:
+    """Return the present step of a lesson and its hint, nothing without one."""
+    number, count, _, text = model.step
+    if not number:
+        return []
+    head = f" step {number} of {count} "
+    first, *more = textwrap.wrap(text, max(width - 2, 20), initial_indent=" " * len(head))
+    rows = [line((head, "new"), (f" {first.strip()}", "value"))]
+    rows += [line((f" {each}", "value")) for each in more]
+    hint = textwrap.wrap(f"hint: {model.step_hint}", max(width - 2, 20)) if model.step_hint else []
+    return [*rows, *(line((f" {each}", "warning")) for each in hint), line()]
+
+
+def lit(lines: Sequence[Line], labels: Sequence[str]) -> Lines:
+    """Return a drawing with the labels of an instrument lit up."""
+    return [
+        tuple(
+            (text, "new")
+            if ink in LABEL_INKS and text.strip().startswith(tuple(labels))
+            else (text, ink)
+            for text, ink in each
+        )
+        if labels
+        else each
+        for each in lines
+    ]
 
 
 def gauges(model: SessionModel, width: int, height: int) -> Lines:
@@ -200,7 +265,7 @@ def instruments(model: SessionModel, width: int, *, large: bool) -> Lines:
     drawn = (
         dials(model, shown, width) if large else [small_dial(model, each, width) for each in shown]
     )
-    return [*drawn, order_line(model, width)]
+    return [*drawn, order_line(model, width), *aid_rows(model, width)]
 
 
 def surfaces(model: SessionModel, width: int) -> Lines:

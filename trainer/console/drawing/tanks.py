@@ -1,4 +1,8 @@
-"""Tanks as bars, the air banks, and how the levers of the valves stand."""
+"""Tanks as bars, the air banks, and how the levers of the valves stand.
+
+``layouts`` has them on the screens of ballast, diving officer and instructor. A drawing takes the
+model, and the columns and rows that there are; it returns lines and changes nothing.
+"""
 
 from typing import Final
 
@@ -25,7 +29,7 @@ FLOODED_FIELDS: Final = ("flood_forward", "flood_centre", "flood_aft")
 BANK_LABELS: Final = (("main", "main bank"), ("emergency", "emergency"))
 VALVE_NAMES: Final = ("forward", "mid", "aft", "negative")
 NAME_COLUMNS: Final = 15  # [columns]
-NUMBER_COLUMNS: Final = 21
+NUMBER_COLUMNS: Final = 21  # [columns] of the figures behind a bar
 
 
 def bar(share: float | None, width: int) -> str:

@@ -1,4 +1,7 @@
-"""Values in words and signs, as a control room says them."""
+"""Values in words and signs, as a control room says them.
+
+Every drawing words its values by them, so that one value reads alike in all places.
+"""
 
 from typing import Final
 

@@ -21,14 +21,15 @@ NO_ASCENT, ASCENT_RISING, ASCENT_AFLOAT = 0, 1, 2  # of the state's ``ascent``
 EMERGENCY_OPENING: Final = 2.0  # [-] of a blow valve
 
 DEGREE: Final = math.pi / 180.0
-ASCENT_BUBBLE: Final = 10.0 * DEGREE  # [rad] bow up
+ASCENT_BUBBLE: Final = 10.0 * DEGREE  # [rad] bow up: a bubble is a pitch, in a submarine's words
 EXTRA_BUBBLE: Final = 5.0 * DEGREE  # [rad] at speed
 EXTRA_BUBBLE_SPEEDS: Final = (9.0 * KNOT, 10.0 * KNOT)  # [m/s] from which to which it is added
-BUBBLE_RATE: Final = 1.5 * DEGREE  # [rad/s]
+BUBBLE_RATE: Final = 1.5 * DEGREE  # [rad/s] at which that pitch is taken up and given back
 AFT_BLOW_PITCH: Final = 5.0 * DEGREE  # [rad] pitch below which the after group is not blown
 MIN_PITCH_GAIN, MIN_PITCH_RATE_GAIN = 1.5, 8.0  # [-], [s] least gains on pitch and its rate
 MAX_STERN_ANGLE: Final = 25.0 * DEGREE  # [rad] of the stern planes
 
+# a boat slower and more level than this for so long has come to rest: the ascent is over
 QUIET_TIME_S: Final = 30.0  # [s]
 QUIET_RATE: Final = 0.3  # [m/s] of depth
 QUIET_PITCH: Final = 5.0 * DEGREE
@@ -139,9 +140,10 @@ def lay_amidships(state: Record) -> None:
 
 @part
 def go_on_from(state: Record, surface: int, law: float) -> None:
-    """Make the depth ``law`` [rad] of a plane follow the plane, against a jump.
+    """Keep the depth ``law`` [rad] of a plane ready during an ascent.
 
-    Once the ascent is over, the integral takes the angle that is left, as the plane's trim.
+    It follows the angle of the plane, so that depth keeping takes over without a jump. Once the
+    ascent is over, the integral takes the angle that is left, as the plane's trim.
     """
     s = state[0]
     stand_by(state, surface, law, False)  # noqa: FBT003 a fact

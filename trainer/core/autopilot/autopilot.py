@@ -3,15 +3,11 @@
 The angle of a plane is the sum of gains times the errors in depth, depth rate, pitch and pitch
 rate, plus an integral. For the rudder the errors are those in course and yaw rate, and sway. The
 gains are interpolated over speed. The depth law of [ASSES] stands beside it for comparison.
+``update`` calls ``autopilot`` once a tick, before the forces. What is "in hand" the crew commands
+itself; its law then only stands by and follows, so that the autopilot can take over without a jump.
 """
 
-from trainer.core.autopilot.ascent import (
-    NO_ASCENT,
-    come_up,
-    go_on_from,
-    lay_amidships,
-    watch_blow,
-)
+from trainer.core.autopilot.ascent import NO_ASCENT, come_up, go_on_from, lay_amidships, watch_blow
 from trainer.core.autopilot.course import course_law, keep_course
 from trainer.core.autopilot.depth import keep_depth, plane_law
 from trainer.core.autopilot.reference import slew_course, slew_depth
@@ -76,7 +72,11 @@ def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None
 
 @part
 def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
-    """Write the commanded rudder, planes and revolutions of this tick."""
+    """Write the commanded rudder, planes and revolutions of this tick.
+
+    The references move first, then each keeper commands its part. A failed autopilot leaves all as
+    it is. ``gains`` is work space: it is filled for the present speed.
+    """
     s = state[0]
     if vessel[0].gain_count > 0.0:
         scheduled_gains(vessel, abs(s.u), gains)
@@ -95,5 +95,8 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
 
 @kernel
 def stand_by_all(vessel: Record, h: float, state: Record, scratch: Record) -> None:
-    """Make the autopilot follow what is in hand, ready for a bumpless change."""
+    """Make the autopilot follow what is in hand, ready for a change without a jump.
+
+    A boat that is started calls it once, before the first tick.
+    """
     autopilot(vessel, h, state, scratch[0].gains)

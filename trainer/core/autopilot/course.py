@@ -1,6 +1,11 @@
 """Course keeping by the rudder.
 
-Its angle is the sum of gains times course error, yaw rate and sway, plus an integral.
+Its angle is the sum of gains times course error, yaw rate and sway, plus an integral. The integral
+learns the rudder that holds a straight course. It rests in a turn, whose lasting error would wind
+it up.
+
+``autopilot`` calls it in each tick while nobody has the rudder in hand; a fleet does so for its
+lanes.
 """
 
 from trainer.core.autopilot.reference import within
@@ -24,7 +29,8 @@ def course_law(state: Record, gains: Numbers) -> float:
 def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command the rudder.
 
-    Going astern it is put over the other way, and the integral learns nothing.
+    Going astern it is put over the other way, because the flow meets it from behind. The integral
+    then learns nothing, since its angle is that of a boat going ahead.
     """
     s = state[0]
     law = course_law(state, gains)

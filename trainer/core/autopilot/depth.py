@@ -9,6 +9,9 @@ waves' own band alone (see ``waves``).
 Going astern the planes work the other way round: the stern planes level the boat, and the bow
 planes keep the depth. Slower than LEAST_ASTERN the planes hold nothing and stay amidships; the
 tanks must keep the depth.
+
+``autopilot`` calls it in each tick, for those planes that nobody has in hand; ``boat/pilot`` tells
+the crew what the law has given up.
 """
 
 from typing import Final

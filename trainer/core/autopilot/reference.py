@@ -1,8 +1,8 @@
-"""The reference of the autopilot: ordered depth and course, slewed to them.
+"""The reference that depth and course keeping follow on the way to their orders.
 
-It moves as fast as the boat can follow, so that the errors stay small and the integrals do not wind
-up. The reference is never far from the boat, so that a boat that was driven off returns at the
-allowed rate, and not with all surfaces hard over.
+It moves to the ordered depth or course as fast as the boat can follow, so that the errors stay
+small and the integrals do not wind up. The reference is never far from the boat, so that a boat
+that was driven off returns at the allowed rate, and not with all surfaces hard over.
 """
 
 import math
@@ -10,7 +10,7 @@ import math
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.vessel import DEPTH_SLEW, SLEW_ACCELERATION, SLEW_COUNT, SLEW_RATE
 
-DEPTH_AXIS, COURSE_AXIS = 0, 1  # axes
+DEPTH_AXIS, COURSE_AXIS = 0, 1  # which of the two references
 
 LEASH_SHARE = 0.25  # [-]
 APPROACH_TICKS = 4.0  # [ticks] time constant of the last approach, too slow to hunt
@@ -21,7 +21,7 @@ def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h
     """Return the next rate of a reference ``distance`` short of its order.
 
     It is at most ``fastest``, changes by at most ``gentlest`` per second, and is slow enough to
-    stop.
+    stop at the order. All are in metres (depth) or radians (course), and seconds.
     """
     size = abs(distance)
     wanted = min(fastest, math.sqrt(gentlest * size), size / (APPROACH_TICKS * h))

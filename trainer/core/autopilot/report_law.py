@@ -1,6 +1,7 @@
-"""The depth law of [ASSES], for comparison.
+"""The depth law of [ASSES], for comparison with this project's own.
 
-It gives both pairs of planes one angle and has no integral.
+It gives both pairs of planes one angle and has no integral. ``depth`` asks for it where an order
+has chosen it (the state's ``depth_law``), so that a flight can be set beside the report's.
 """
 
 import math
@@ -12,6 +13,7 @@ from trainer.core.elementary import cosine, sine
 from trainer.core.kernel import Record, kernel
 from trainer.units import FOOT
 
+# the numbers of the law in ``report_law``, in SI
 REPORT_DEPTH: Final = 0.008 / FOOT  # [rad/m]
 REPORT_PITCH: Final = 3.5  # [-]
 REPORT_CLIMB: Final = 0.012 / FOOT  # [rad s/m]

@@ -2,6 +2,10 @@
 
 The numbers of a section are b0, b1, b2, a1, a2 [-]. It keeps two memories and its output. Each
 section passes a constant unchanged.
+
+The planesman (``waves``) passes the law of its planes through notches, because waves shall not move
+planes. Hovering (``ballast/hover``) passes the depth error through notches and then the low-pass,
+because waves shall not move pumps.
 """
 
 from typing import Final
@@ -38,7 +42,10 @@ def notch(omega: float, h: float, zeros: float, poles: float) -> Section:
 
 @part
 def low_pass(omega: float, h: float, damping: float) -> Section:
-    """Return the section of a low-pass at ``omega`` [rad/s] with this damping ratio [-]."""
+    """Return the section of a low-pass at ``omega`` [rad/s] with this damping ratio [-].
+
+    Hovering alone smooths its depth error by it, because the pump follows slow errors only.
+    """
     c = warped(omega, h)
     square = c * c
     a0 = 1.0 + 2.0 * damping * c + square

@@ -1,10 +1,11 @@
 """Speed keeping: revolutions for the ordered speed, and a trim that is learnt.
 
-While the boat answers to the propeller, at its own surge rate, there is nothing to learn: its
-acceleration makes up for the error that remains. What is to be learnt passes two low-passes. A gate
-on the error is not used, because the acceleration in waves sums to zero over a cycle, but not
-through a gate. The law is this project's own; times and limits are estimates, except for what
-docs/autopilot.md shows.
+The command speed of the propeller is the ordered speed plus this trim, because drag of planes and
+sea makes the boat slower than its revolutions would in calm, straight flight. While the boat
+answers to the propeller, at its own surge rate, there is nothing to learn: its acceleration makes
+up for the error that remains. What is to be learnt passes two low-passes. A gate on the error is
+not used, because the acceleration in waves sums to zero over a cycle, but not through a gate. The
+law is this project's own; times and limits are estimates, except for what docs/autopilot.md shows.
 """
 
 from typing import Final
@@ -37,7 +38,10 @@ def follow_speed(h: float, state: Record) -> None:
 
 @part
 def largest_trim(state: Record) -> float:
-    """Return the largest trim [m/s] that is allowed, either way."""
+    """Return the largest trim [m/s] that is allowed, either way.
+
+    The trim is what the command speed has more than the ordered speed.
+    """
     share, rest = MAX_SPEED_TRIM
     return share * abs(state[0].ordered_speed) + rest
 

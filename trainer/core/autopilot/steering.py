@@ -1,6 +1,7 @@
 """The common parts of depth and course keeping: gains by speed, integrals, surfaces in hand.
 
-A surface in hand is followed, so that the autopilot takes it over at the angle where it stands.
+A surface in hand is followed, so that the autopilot takes it over at the angle where it stands. The
+difference between that angle and the autopilot's own is the hand-over; it fades afterwards.
 """
 
 from typing import Final
@@ -16,7 +17,7 @@ from trainer.core.vessel import (
     STERN_GAINS,
 )
 
-OWN_LAW, REPORT_LAW, REPORT_LITERAL = 0, 1, 2  # depth laws
+OWN_LAW, REPORT_LAW, REPORT_LITERAL = 0, 1, 2  # depth laws: this project's, then [ASSES]'s two
 RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record
 
 GAIN_COUNT: Final = len(GAINS)
@@ -104,7 +105,10 @@ def steer(vessel: Record, state: Record, surface: int, law: float, step: float) 
 
 @part
 def fade(vessel: Record, h: float, state: Record) -> None:
-    """Reduce the hand-overs of the surfaces that are steered, as they fade in ``h`` [s]."""
+    """Make the hand-overs of steered surfaces smaller, by ``h`` [s] of their fading.
+
+    They fade with the way that is run, since planes act by it.
+    """
     s = state[0]
     left = exponential(-h * max(s.u, MIN_DIVISOR_SPEED) / (HANDOVER_LENGTHS * vessel[0].ell))
     for surface in range(3):

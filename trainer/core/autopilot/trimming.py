@@ -6,6 +6,9 @@ tanks. The pumps are those that the crew uses, and they work as fast as for the 
 integral of the stern planes levels the boat, so that the angle which remains is that of level
 flight. The law is this project's own; its limits are estimates, taken per mass and length of the
 boat on which they were flown.
+
+``autopilot`` calls it in each tick while the trim is not in hand, because planes that carry weight
+have less left for the depth.
 """
 
 import math

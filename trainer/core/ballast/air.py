@@ -6,7 +6,7 @@ adiabatic bank has, and the same once the heat is back.
 
 A tank is a box with the flood port at its foot and the vent at its top, both at the pressure of the
 sea. Its air moves towards the volume at which it balances the water outside; the ports limit how
-fast.
+fast. ``ballast`` works the blown tanks by it in each tick in which any of them can change.
 """
 
 import math

@@ -33,6 +33,8 @@ def balance(vessel: Record, state: Record) -> None:
     weight, x, y, z = 0.0, 0.0, 0.0, 0.0
     for i in range(TANKS_END):
         more = (s.water[i] - c.start[i]) * c.g
+        if more == 0.0:
+            continue
         weight += more
         x += more * (c.x[i] - c.x_g)
         y += more * (c.y[i] - c.y_g)
@@ -65,6 +67,39 @@ def flood_breach(vessel: Record, tank: int, depth: float, h: float, state: Recor
 
 
 @part
+def is_quiet(vessel: Record, state: Record) -> bool:
+    """Return whether no tank has a hole, and no blown tank has anything to do.
+
+    The tick then passes the tanks by, which saves their trigonometry.
+    """
+    s = state[0]
+    busy = False
+    for i in range(s.breach.size):
+        busy |= s.breach[i] > 0.0
+    for i in range(NEGATIVE_TANK + 1):
+        busy |= at_work(vessel, i, state)
+    return not busy
+
+
+@part
+def flow_through_holes(vessel: Record, h: float, state: Record) -> None:
+    """Advance the tanks that are open to the sea by ``h`` [s]."""
+    c = vessel[0]
+    s = state[0]
+    cos_th, sin_th = cosine_and_sine(s.theta)
+    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
+    for i in range(TRIM_FORWARD, TANKS_END):
+        if s.breach[i - TRIM_FORWARD] > 0.0 and c.capacity[i] > 0.0:
+            depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
+            flood_breach(vessel, i, depth, h, state)
+    for i in range(NEGATIVE_TANK + 1):
+        if at_work(vessel, i, state):
+            depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
+            work_blown_tank(vessel, i, depth, h, state)
+
+
+@part
 def advance_ballast(vessel: Record, h: float, state: Record) -> None:
     """Advance pumps, leaks, air and water by ``h`` [s] as ordered; then weight and balance.
 
@@ -74,18 +109,9 @@ def advance_ballast(vessel: Record, h: float, state: Record) -> None:
     s = state[0]
     if c.fitted == 0.0:
         return
-    cos_th, sin_th = cosine_and_sine(s.theta)
-    cos_phi, sin_phi = cosine_and_sine(s.phi)
-    down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     work_pumps(vessel, h, state)
-    for i in range(TRIM_FORWARD, TANKS_END):
-        if s.breach[i - TRIM_FORWARD] > 0.0 and c.capacity[i] > 0.0:
-            depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
-            flood_breach(vessel, i, depth, h, state)
-    for i in range(NEGATIVE_TANK + 1):
-        if at_work(vessel, i, state):
-            depth = s.z + down_x * c.x[i] + down_y * c.y[i] + down_z * c.z[i]
-            work_blown_tank(vessel, i, depth, h, state)
+    if not is_quiet(vessel, state):
+        flow_through_holes(vessel, h, state)
     if s.compressor > 0.0:
         compress(vessel, h, state)
     balance(vessel, state)

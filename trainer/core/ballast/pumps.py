@@ -2,6 +2,8 @@
 
 An order is what is still to be moved [kg]. It counts down to zero, so that a leak belongs to no
 order. A pump lets sea water in at its own rate at any depth; out, its rate falls with depth.
+
+``ballast`` calls it once a tick.
 """
 
 import math

@@ -33,7 +33,7 @@ TRIM_PUMP, DRAIN_PUMP, DEPTH_CONTROL_PUMP = 0, 1, 2
 ATMOSPHERIC_PRESSURE: Final = 101325.0  # [Pa] outside, and in a tank or compartment vented inboard
 DISCHARGE_COEFFICIENT: Final = 0.6  # [-] of a sharp-edged hole
 
-HULL_STATIONS: Final = 5  # of the hull, for its buoyancy at the surface
+HULL_STATIONS: Final = 5  # places along the hull at which its buoyancy at the surface is found
 MAX_DENSITY_LAYERS: Final = 4  # most points of the density profile
 
 BALLAST_FIELDS: Final[tuple[Field, ...]] = (

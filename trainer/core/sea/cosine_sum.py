@@ -87,10 +87,22 @@ def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
 
 
 @part
-def advance_sum(vessel: Record, h: float, state: Record) -> None:
+def find_direction(scratch: Record, state: Record) -> None:
+    """Write the parts [-] of the sea's direction north and east, if it has turned.
+
+    Both are 0 in an empty work space, and never in one that is filled.
+    """
+    work, direction = scratch[0], state[0].sea_direction
+    if work.direction != direction or work.toward_north == 0.0 == work.toward_east:
+        work.direction = direction
+        work.toward_north, work.toward_east = cosine_and_sine(direction)
+
+
+@part
+def advance_sum(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Advance by ``h`` [s] the numbers from which the phases above the boat follow."""
     s = state[0]
-    cos_wind, sin_wind = cosine_and_sine(s.sea_direction)
+    cos_wind, sin_wind = scratch[0].toward_north, scratch[0].toward_east
     number = s.sea_omega * s.sea_omega / vessel[0].g
     s.sea_turned += s.sea_omega * h
     north, east = s.through_north, s.through_east

@@ -8,6 +8,9 @@ All sections are of second order:
 Euler substitution. The table's frequencies hold at 35, 40 and 45 knots of wind; elsewhere w_L =
 0.90 g/U and w_H = 0.50 g/U. Within 1 knot to either side of a wind of the table, one leads over
 into the other.
+
+``sea`` runs it where a sea asks for the report's own generator, so that its runs can be flown
+again.
 """
 
 import math

@@ -33,6 +33,9 @@ less. Suction gives no moment.
 The waves of the filter have a pair of outputs of their own for the force. It has the energy that is
 left at the depth, with the length of the waves that are left there: an estimate. On a boat afloat
 it has the length of the peak wave, as the water's levels have: an estimate too.
+
+``update`` calls ``wave_forces`` once a tick, and ``boat/linear`` for gains that know the waves.
+``ballast/hover`` and ``analysis/seaway`` ask for the mean suction alone.
 """
 
 import math
@@ -53,7 +56,7 @@ from trainer.core.state import (
     STRIP_ROWS,
     YAWING,
 )
-from trainer.core.surfaced import share_above
+from trainer.core.surfaced import is_shallow, share_above
 
 TAPER_DIAMETERS: Final = (
     4.0,
@@ -198,15 +201,16 @@ def strip_sum(scratch: Record, row: int, inside: float, kind: int, j: int) -> fl
 
 @part
 def at_strips(
-    scratch: Record, kind: int, first: int, even: float, odd: float
+    scratch: Record, at: tuple[int, float], kind: int, first: int, even: float, odd: float
 ) -> tuple[float, float]:
     """Return the sums over the strips of C_i and S_i [m/s2].
 
-    They follow from C and S at the origin, ``even`` and ``odd`` [m/s2]. ``first`` is 0 for the sums
-    of the shares, 2 for those of the shares times x in lengths.
+    They follow from C and S at the origin, ``even`` and ``odd`` [m/s2]. ``at`` is the wave's
+    ``strip_row``. ``first`` is 0 for the sums of the shares, 2 for those of the shares times x in
+    lengths.
     """
     work = scratch[0]
-    row, inside = strip_row(work.kappa)
+    row, inside = at
     c = strip_sum(scratch, row, inside, kind, first)
     s = strip_sum(scratch, row, inside, kind, first + 1)
     if work.kappa < 0.0:
@@ -237,12 +241,13 @@ def add_component(scratch: Record, omega: float, rise: float, swing: float) -> N
     """
     work = scratch[0]
     work.kappa = omega * omega / work.g * work.ell * work.along
-    heave, surge = at_strips(scratch, 0, 0, rise, swing)
-    pitch, yaw = at_strips(scratch, 0, 2, rise, swing)
-    heave_added, _ = at_strips(scratch, 1, 0, rise, swing)
-    pitch_added, _ = at_strips(scratch, 1, 2, rise, swing)
-    _, sway_added = at_strips(scratch, 2, 0, rise, swing)
-    _, yaw_added = at_strips(scratch, 2, 2, rise, swing)
+    at = strip_row(work.kappa)
+    heave, surge = at_strips(scratch, at, 0, 0, rise, swing)
+    pitch, yaw = at_strips(scratch, at, 0, 2, rise, swing)
+    heave_added, _ = at_strips(scratch, at, 1, 0, rise, swing)
+    pitch_added, _ = at_strips(scratch, at, 1, 2, rise, swing)
+    _, sway_added = at_strips(scratch, at, 2, 0, rise, swing)
+    _, yaw_added = at_strips(scratch, at, 2, 2, rise, swing)
     work.pull[SURGE] -= work.along * surge
     work.pull[SWAY] -= work.across * surge
     work.pull[SWAY_ADDED] -= work.across * sway_added
@@ -267,7 +272,7 @@ def filter_number(vessel: Record, number: float, scratch: Record, state: Record)
     """
     c, s = vessel[0], state[0]
     work = scratch[0]
-    if work.levels == 0.0:
+    if not is_shallow(vessel, state):
         return s.push_number
     covered = 2.0 * (work.depth + c.hull_axis) / c.hull_diameter - 1.0
     return number + min(max(covered, 0.0), 1.0) * (s.push_number - number)

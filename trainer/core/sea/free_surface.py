@@ -1,7 +1,8 @@
 """The boat near a calm surface: its effect on Z_star and M_star, and what emerges.
 
 Near the surface [ASSES] keeps all deep coefficients but those two, which are tables of depth and
-speed. It gives no values; the vessel file does.
+speed. It gives no values; the vessel file does. Those two are the force and moment of a hull at no
+angle to the flow. ``boat/limits`` warns by the heights of sail and deck.
 """
 
 from typing import Final

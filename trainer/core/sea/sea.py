@@ -14,11 +14,12 @@ from typing import Final
 from trainer.core.elementary import cosine_and_sine, exponential, logarithm
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.noise import SEA_FILTER, gaussian
-from trainer.core.sea.cosine_sum import advance_sum, prepare_sum, sum_elevation
+from trainer.core.sea.cosine_sum import advance_sum, find_direction, prepare_sum, sum_elevation
 from trainer.core.sea.filter_1969 import advance_filter, filter_noise, prepare_filter
 from trainer.core.sea.wave_filter import advance_clock, begin_filter, read_outputs
 from trainer.core.state import SEA_QUANTITIES
 
+# places of the SEA_QUANTITIES in an order, and of the taper after them
 HEIGHT, OMEGA, GAMMA, DIRECTION, COSINES, SUCTION = range(6)
 OLD, PEAKED, TAPER = range(6, len(SEA_QUANTITIES) + 1)
 FULL_TURN: Final = 6.283185307179586
@@ -113,7 +114,7 @@ def advance_filters(g: float, h: float, scratch: Record, state: Record) -> None:
     """
     s = state[0]
     number = s.sea_omega * s.sea_omega / g
-    north, east = cosine_and_sine(s.sea_direction)
+    north, east = scratch[0].toward_north, scratch[0].toward_east
     run = h * (s.through_north * north + s.through_east * east)
     s.sea_drift = wrap_angle(s.sea_drift + number * run)
     turn_cos, turn_sin = cosine_and_sine(s.sea_drift)
@@ -148,13 +149,14 @@ def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> Non
     if s.sea_height == 0.0:
         s.eta_wave = 0.0
         return
+    find_direction(scratch, state)
     unit = 0.0
     if s.sea_cosines < 1.0:
         advance_filters(vessel[0].g, h, scratch, state)
         unit += math.sqrt(1.0 - s.sea_cosines) * filtered(state)
     if s.sea_cosines > 0.0:
         prepare_sum(s.sea_gamma, s.seed, scratch)
-        advance_sum(vessel, h, state)
+        advance_sum(vessel, h, scratch, state)
         unit += math.sqrt(s.sea_cosines) * sum_elevation(scratch, state)
     s.eta_wave = 0.25 * s.sea_height * unit
 
@@ -163,7 +165,10 @@ def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> Non
 def write_elevations(
     vessel: Record, h: float, scratch: Record, state: Record, out: Numbers
 ) -> None:
-    """Advance the sea, and nothing else, tick by tick; write the elevations [m]."""
+    """Advance the sea, and nothing else, tick by tick; write the elevations [m].
+
+    ``analysis/seaway`` compares their spectrum with the ordered one.
+    """
     s = state[0]
     for i in range(out.size):
         advance_sea(vessel, h, scratch, state)

@@ -1,10 +1,12 @@
-"""ARMAX models, section 9 of the model identification.
+"""ARMAX models of one reading by the rudder, fitted by maximum likelihood (MI 9).
 
 y_t + a1 y_(t-1) + ... = b1 u_(t-1) + ... + e_t + c1 e_(t-1) + ..., n coefficients each, and d1 to
 dn in the first n equations where the initial state is estimated.
 
-They are fitted by maximum likelihood, which minimises V = 1/2 sum eps^2 (9). A model of order 2
-contains a first-order ship: see ``without_wind``.
+Such a model is a difference equation with noise and knows nothing of ships, so it shows which order
+a record supports before a ship's model is chosen. ``judge/orders`` fits rising orders by it. A fit
+minimises V = 1/2 sum eps^2 (9). A model of order 2 contains a first-order ship: see
+``without_wind``.
 """
 
 import math
@@ -21,8 +23,8 @@ from trainer.core.kernel import Numbers
 
 POLYNOMIAL_KINDS: Final = ("a", "b", "c", "d")
 CANCELLED_DISTANCE: Final = 0.15  # [-] of a zero from a pole that it nearly cancels
-MAX_ROUNDS: Final = 100
-MAX_HALVINGS: Final = 25
+MAX_ROUNDS: Final = 100  # rounds of a search, beyond which it has not settled
+MAX_HALVINGS: Final = 25  # of a step that makes the errors larger
 LOSS_TOLERANCE: Final = 1e-10  # [-] relative decrease of the loss expected from a further step
 # [-] of the zeros of C: on the unit circle an error of the start would never die out
 MAX_ZERO_RADIUS: Final = 0.9995
@@ -35,7 +37,10 @@ NO_FIXED_VALUES: Final[Mapping[str, float]] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Armax:
-    """A model of order n. ``d`` is () where the initial state is taken as zero."""
+    """The coefficients of a model of order n.
+
+    ``d`` is () where the initial state is taken as zero.
+    """
 
     a: tuple[float, ...]
     b: tuple[float, ...]
@@ -129,7 +134,7 @@ class ArmaxFit:
 
 @dataclass(frozen=True)
 class _Search:
-    """A record, the order of the model, and which coefficients are sought."""
+    """One search: the record, the order of the model, and which coefficients are sought."""
 
     y: Numbers
     u: Numbers
@@ -326,7 +331,10 @@ def _account(search: _Search, end: _DescentEnd) -> ArmaxFit:
 
 
 def detrend(series: Numbers, treatment: str) -> Numbers:
-    """Return the series as it is, or less its mean or its straight line."""
+    """Return the series as it is, or less its mean or its straight line.
+
+    The model has no constant term, so that a mean that stays in would look like dynamics.
+    """
     if treatment == "none":
         return series
     if treatment == "mean":
@@ -336,7 +344,10 @@ def detrend(series: Numbers, treatment: str) -> Numbers:
 
 
 def remove_delay(y: Numbers, u: Numbers, samples: int) -> tuple[Numbers, Numbers]:
-    """Return output and input with a dead time taken out: y earlier by ``samples``."""
+    """Return output and input with a dead time taken out: y earlier by ``samples``.
+
+    The model itself has a delay of one sample only.
+    """
     if samples == 0:
         return y, u
     return y[samples:], u[:-samples]

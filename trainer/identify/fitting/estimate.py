@@ -1,4 +1,10 @@
-"""Estimation: a minimiser, started from several places, and the best minimum."""
+"""The search for the best fit: a minimiser is started from several places.
+
+A cost with many parameters has more than one minimum, and a search ends in the nearest. So further
+starts are drawn about the first until several in a row are no better, and the best end is taken.
+``judge/fitted`` calls it for a study, ``monte_carlo`` for simulated records. The steps themselves
+are in ``minimise``.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -35,6 +41,7 @@ Minimiser = Callable[[Cost, Numbers, SearchOptions], SearchResult]
 def powell(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
     """Return the minimum by Powell's directions, no gradient used; needs scipy.
 
+    ``--method direct`` takes it, because the report of 1974 had a minimiser without gradient too.
     Each coordinate is measured by its own standard deviation at the start where that is known.
     """
     require_library("scipy", "identify")
@@ -182,11 +189,9 @@ def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numb
     """
     problem = stretch_cost(cost, theta)
     size = np.diag(problem.information(np.zeros(len(theta))))
-    has_information = np.isfinite(size) & (size > 0.0)
-    known = np.where(
-        has_information, starts.width / np.sqrt(np.where(has_information, size, 1.0)), 0.0
-    )
-    bounded = np.where(has_information, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
+    informed = np.isfinite(size) & (size > 0.0)
+    known = np.where(informed, starts.width / np.sqrt(np.where(informed, size, 1.0)), 0.0)
+    bounded = np.where(informed, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
     # three widths in turn, because minima lie at a distance that nobody knows before
     free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW_WIDTH * known, known
     widths = [np.where(problem.bounded, bounded, one) for one in free]

@@ -1,7 +1,9 @@
 """The likelihood of a record under a model with noise covariances, its gradient and information.
 
-Model document, 6.1, 6.3 and 8.1. Where a model is impossible (a covariance not positive definite)
-the cost is infinite, so that a search turns back.
+It is the cost that ``trainer identify`` minimises where ``noise`` is "covariance". The sums over
+the samples are compiled, in ``kernels/likelihood`` and ``kernels/sensitivity``. Model document,
+6.1, 6.3 and 8.1. Where a model is impossible (a covariance not positive definite) the cost is
+infinite, so that a search turns back.
 """
 
 import math
@@ -27,7 +29,10 @@ PIECE_ROWS: Final = 256  # rows that are multiplied at once
 
 
 def possible(sampled: SampledSystems) -> bool:
-    """Return whether the system is finite and P(t0) of the first row positive semidefinite."""
+    """Return whether the system is finite and P(t0) of the first row positive semidefinite.
+
+    A search may try parameters that are no model; it turns back where this is false.
+    """
     return bool(is_possible(*sampled.at(0)))
 
 

@@ -1,9 +1,10 @@
 """Minimisers of a cost: scoring with the information, then scipy's with the exact gradient.
 
-They move in coordinates without bounds: variances, correlations and lags are transformed, and all
-other parameters are not. In these coordinates the cost becomes flat towards the ends of a range. A
-search may therefore stop on a slope that only looks flat, and so each end is judged apart: it must
-be a minimum, and a variance that went to zero is lifted again where the cost would fall.
+``estimate`` takes the best of several searches. They move in coordinates without bounds: variances,
+correlations and lags are transformed, and all other parameters are not. In these coordinates the
+cost becomes flat towards the ends of a range. A search may therefore stop on a slope that only
+looks flat, and so each end is judged apart: it must be a minimum, and a variance that went to zero
+is lifted again where the cost would fall.
 """
 
 import math
@@ -32,7 +33,7 @@ MIN_CURVATURE: Final = 1e-9  # [-] least eigenvalue of the scaled second derivat
 END_MARGIN: Final = 1e-3  # [-] to an end of a lag or correlation
 MIN_BOUNDED_INFORMATION: Final = 1e-6  # [-] of a bounded coordinate: with less it is at an end
 POLISH_ROUNDS: Final = 12  # of polishing, each judged
-POLISH_METHODS: Final = ("BFGS", "trust-exact")  # scipy's, in turn
+POLISHERS: Final = ("BFGS", "trust-exact")  # scipy's, in turn
 # parts of a step, tried in turn; both ways, because a direction of curvature has no sign
 STEP_LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)
 MIN_COST_GAIN: Final = 1e-4  # [-] of cost that such a step must gain
@@ -427,9 +428,7 @@ def settle_minimum(
         if verdict.better is not None:
             eta, more = search_by_scoring(problem, verdict.better, search)
         else:
-            eta, more = scipy_search(
-                problem, eta, POLISH_METHODS[turn % len(POLISH_METHODS)], search
-            )
+            eta, more = scipy_search(problem, eta, POLISHERS[turn % len(POLISHERS)], search)
         steps += more
         verdict = judge_minimum(problem, eta)
     return judge_place(problem, eta, steps, verdict)

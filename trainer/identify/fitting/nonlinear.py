@@ -1,8 +1,10 @@
-"""Large manoeuvres from linear constants and the helm of steady turns (MI 12).
+"""Large manoeuvres from linear constants and the helm of steady turns (model document 12).
 
-H(r) = H1 r + H2 |r| r + H3 r^3 is the helm that holds the yaw rate r: Bech's reversed spiral. With
-H1 = 1/K, H2 = -kappa, H3 = 0 it is r - kappa K |r| r = K delta: kappa > 0 damps the stable ship
-(K < 0) and closes the loop of the unstable one (K > 0). All in SI, rad and s.
+``judge/validation`` asks for ``trainer identify --kappa``, ``--bech`` and ``--spiral``. Numbers in
+brackets are equations of the model document (MI). H(r) = H1 r + H2 |r| r + H3 r^3 is the helm that
+holds the yaw rate r: Bech's reversed spiral. With H1 = 1/K, H2 = -kappa, H3 = 0 it is r - kappa K
+|r| r = K delta: kappa > 0 damps the stable ship (K < 0) and closes the loop of the unstable one (K
+> 0). All in SI, rad and s.
 """
 
 import math
@@ -30,7 +32,10 @@ CURVE_SHAPES: Final = ((0,), (0, 1), (0, 2), (0, 1, 2))  # terms of H(r) that tu
 
 @dataclass(frozen=True)
 class BentShip:
-    """A ship with linear constants and kappa, or with ``H`` for 1/K, -kappa, 0."""
+    """A ship whose helm of steady turns bends with the yaw rate.
+
+    It has linear constants and kappa, or ``H`` for 1/K, -kappa, 0.
+    """
 
     K: float  # [1/s]
     T1: float  # [s]
@@ -186,10 +191,8 @@ class _Records:
     @property
     def start(self) -> Numbers:
         """Return the numbers to begin from (p,): the ship's own."""
-        names, numbers = (
-            (*LINEAR_NAMES, *CURVE_NAMES, "kappa"),
-            (*self.ship.numbers[:7], self.ship.kappa),
-        )
+        names = (*LINEAR_NAMES, *CURVE_NAMES, "kappa")
+        numbers = (*self.ship.numbers[:7], self.ship.kappa)
         numbers_by_name = dict(zip(names, numbers, strict=True))
         rates = [record.column("yaw_rate") for record in self.records]
         starts = [x for rate in rates for x in (rate[~np.isnan(rate)][0], self.ship.delta_0)]

@@ -1,8 +1,8 @@
 """Predictors by sample, and their losses: output error, innovations, several steps (MI 6.2-6.5).
 
-Every cost is minus a log-likelihood. Where the model does not give the errors' covariance, the best
-one is put in its place. So the second derivatives of a cost are the inverse covariance of the
-estimates (MI 8.3).
+``study_problem`` chooses one by the study's noise. Every cost is minus a log-likelihood. Where the
+model does not give the errors' covariance, the best one is put in its place. So the second
+derivatives of a cost are the inverse covariance of the estimates (MI 8.3).
 """
 
 import math
@@ -105,7 +105,10 @@ def filter_samples(system: SampledSystem, samples: Samples, limits: Numbers) -> 
 
 
 def loss_1(errors: Numbers) -> float:
-    """Return V1 = (1/n) log det of the sum of error error' (6.3)."""
+    """Return V1 = (1/n) log det of the sum of error error' (6.3).
+
+    The page compares it one step ahead with that by rudder alone.
+    """
     whole = errors[~np.isnan(errors).any(axis=1)]
     sign, size = np.linalg.slogdet(whole.T @ whole)
     return float(size) / len(whole) if len(whole) and sign > 0.0 else math.nan
@@ -141,7 +144,10 @@ def settled_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
 
 
 def own_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
-    """Return the gains (b, x, y) that the model gives."""
+    """Return the gains (b, x, y) that the model gives.
+
+    A user's own system may state its gain.
+    """
     del problem
     gain = sampled.as_complex().gain
     return None if gain is None or not np.isfinite(gain).all() else gain

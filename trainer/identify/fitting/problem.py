@@ -1,4 +1,9 @@
-"""The problem of estimation: some of a model's parameters, from some samples."""
+"""The problem of estimation: which parameters of a model are sought, from which samples.
+
+A ``Problem`` joins a plant (model, ship, outputs), samples of one or several runs, and start
+values. All costs, minimisers and judges take one. ``theta`` (f,) has the free parameters alone,
+each divided by its ``scale``, because a search moves best where all numbers are of one size.
+"""
 
 import math
 from collections.abc import Sequence

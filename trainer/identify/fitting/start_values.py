@@ -1,8 +1,8 @@
 """Where an estimate starts: the parameters of a model before its record is fitted.
 
-Model 1's ship comes from a vessel file or the study, that of the other models from a regression on
-the record. Errors of readings start as the scatter of neighbouring samples, disturbances as those
-that would make a tenth of the motion.
+``study_problem`` asks. Model 1's ship comes from a vessel file or the study, that of the other
+models from a regression on the record. Errors of readings start as the scatter of neighbouring
+samples, disturbances as those that would make a tenth of the motion.
 """
 
 import math
@@ -121,7 +121,7 @@ def _regress(plant: Plant, record: Record) -> dict[str, float]:
         return {}
     k = plant.ship.speed / plant.ship.length
     gain, T = first_order(record, "sway" if kind == "2" else "yaw_rate")
-    T2, T3 = T / 8.0, T / 4.0  # of many ships
+    T2, T3 = T / 8.0, T / 4.0  # an estimate from many ships: a start need not be near
     T1 = T + T3 - T2
     if kind == "nomoto1":
         return {"K": gain, "T": T}
@@ -153,10 +153,10 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
     return float(b) / (1.0 - p), -step / math.log(p)
 
 
-def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, float]) -> None:
+def _disturb(plant: Plant, record: Record, values: Numbers, known: Mapping[str, float]) -> None:
     """Write the densities of disturbance that make a tenth of the motion, unless given."""
     model = plant.model
-    names = [name for name in DISTURBANCE_NAMES if name in model.names and name not in told]
+    names = [name for name in DISTURBANCE_NAMES if name in model.names and name not in known]
     if not names:
         return
     for name in names:

@@ -1,4 +1,8 @@
-"""The problem that a study poses: model and ship, runs, free parameters, cost."""
+"""The problem that a study file poses: model, ship, runs, free parameters, cost.
+
+``judge/fitted`` calls it before a fit. The cost follows from the study's ``noise``: the likelihood,
+or a prediction error (output error, innovations, several steps ahead).
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -110,9 +114,9 @@ def _estimated(study: Study, plant: Plant, rows: Sequence[ParameterRow]) -> list
     if study.system is None:
         names: Sequence[str] = free_names(plant, rows)
     else:
-        said = dict.fromkeys(study.system.held, "no")
-        said |= {row.name: row.free for row in rows if row.free is not None}
-        names = [x.name for x in study.system.parameters if said.get(x.name, "yes") == "yes"]
+        estimated = dict.fromkeys(study.system.held, "no")
+        estimated |= {row.name: row.free for row in rows if row.free is not None}
+        names = [x.name for x in study.system.parameters if estimated.get(x.name, "yes") == "yes"]
     return [name for name in names if name in wanted or name not in dropped]
 
 
@@ -175,7 +179,10 @@ def cost_of(problem: Problem, table: ModelTable) -> Cost:
 
 
 def settings(table: ModelTable) -> dict[str, Any]:
-    """Return the model's settings as used, with defaults filled in."""
+    """Return the model's settings as used, with defaults filled in.
+
+    The report shows them, so that a fit can be repeated.
+    """
     return {
         "noise": table.noise or "covariance",
         "measurement": table.measurement or "instantaneous",

@@ -1,8 +1,9 @@
 """Ships that the record of a fit allows beside it, drawn and run (MI 8.5).
 
-Parameters are drawn from N(estimate, covariance). In place of a lever arm its moment is drawn: a
-record determines force and moment of a rudder, and their ratio is not normal. A draw that is no
-model is left out, and the share of such draws is told.
+``pages/identify`` draws them as bands. Parameters are drawn from N(estimate, covariance). In place
+of a lever arm its moment is drawn: a record determines force and moment of a rudder, and their
+ratio is not normal. A draw that is no model is left out, and the page says how many of the draws
+were.
 """
 
 import math
@@ -21,7 +22,7 @@ from trainer.identify.judge.validation import predict_alone
 from trainer.identify.model.derived import quantities
 from trainer.identify.record.measurements import Samples
 
-DRAW_SEED: Final = 1
+DRAW_SEED: Final = 1  # fixed: the same fit gives the same bands
 QUANTITY_DRAWS: Final = 1000  # draws that intervals of gains and time constants are of
 MOTION_DRAWS: Final = 200  # of these draws that are run
 RESPONSE_TIME_CONSTANTS: Final = 6.0  # time constants, that a response is shown for

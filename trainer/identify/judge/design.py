@@ -1,4 +1,9 @@
-"""The worth of a record before it is taken: standard deviations by the information matrix."""
+"""The worth of a record before it is taken: standard deviations by the information matrix.
+
+``trainer prbs`` shows them beside the experiment that it proposes. The inverse of the expected
+information is the smallest covariance that any estimate can have (Cramer and Rao), and maximum
+likelihood reaches it in long records. So no record need be simulated.
+"""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +24,7 @@ from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Plant, Ship
 from trainer.identify.model.steering import SteeringModel
 from trainer.identify.record.measurements import Record, samples_of
 
-HOPELESS_SPREAD: Final = 100.0  # times a parameter's size: known no better, it is not known at all
+MAX_SPREAD: Final = 100.0  # times a parameter's size: known no better, it is not known at all
 SEA_LEVER_LENGTHS: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
 
 
@@ -73,16 +78,12 @@ def prospect(
     problem = problem_of(plant, samples_of(record, outputs), values, free)
     known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
     spread = np.sqrt(np.diag(known.covariance)) / np.maximum(np.abs(problem.start), 1.0)
-    hopeless = [
-        (name,) for name, one in zip(problem.names, spread, strict=True) if one > HOPELESS_SPREAD
-    ]
-    if lost := known.flat or hopeless:
+    vague = [(name,) for name, one in zip(problem.names, spread, strict=True) if one > MAX_SPREAD]
+    if lost := known.flat or vague:
         groups_text = "; ".join(" with ".join(group) for group in lost)
         raise ConfigError(f"such a record cannot separate {groups_text}")
     expected_spread = propagate_covariance(
-        lambda theta: quantities(plant, problem.whole(theta)),
-        problem.start,
-        known.covariance,
+        lambda theta: quantities(plant, problem.whole(theta)), problem.start, known.covariance
     )
     names = quantity_units(model)
     return Prospect(
@@ -95,7 +96,10 @@ def prospect(
 
 
 def _ship(steering: SteeringModel, kind: str) -> dict[str, float]:
-    """Return the model's parameters of the ship; ConfigError if it has a pair of roots."""
+    """Return the model's parameters of the ship.
+
+    ConfigError if it has a pair of complex roots, and so no T1 and T2.
+    """
     if kind == "1":
         return steering.prime
     form = steering.nomoto

@@ -1,4 +1,8 @@
-"""A study carried out: the record read, the model fitted, and what is known afterwards."""
+"""A study carried out: the record read, the model fitted, and what is known afterwards.
+
+``trainer identify`` and ``trainer.identify.fit`` call ``fit_study``. The steps of a long search can
+be saved to a file (``--checkpoint``), from which another run goes on.
+"""
 
 import json
 import math
@@ -43,9 +47,9 @@ from trainer.identify.model.steering import SteeringModel
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study
 
-MAX_STEPS: Final = 200
+MAX_STEPS: Final = 200  # steps, beyond which a search has not settled
 # other starts in a row that must find nothing better, before a fit counts as settled
-DEFAULT_RESTARTS: Final = 12
+USUAL_RESTARTS: Final = 12
 MIN_RESTARTS: Final = 2  # whatever a study says
 NO_MODEL: Final = "these values are no model: a covariance is not positive, or it does not end"
 SCREENING_ROUNDS: Final = 4  # rounds of fitting and rejecting
@@ -140,9 +144,7 @@ def fit_study(
         start = resume_search(kept, problem) if kept.exists() else start
         search = SearchOptions(MAX_STEPS, save_steps(kept, problem, heard))
     table = table_of(study)
-    restarts = (
-        DEFAULT_RESTARTS if table.restarts is None else max(MIN_RESTARTS, int(table.restarts))
-    )
+    restarts = USUAL_RESTARTS if table.restarts is None else max(MIN_RESTARTS, int(table.restarts))
     cost, method = cost_of(problem, table), table.method or "scoring"
     minimum = find_best_minimum(cost, start, method, search, RestartOptions(restarts))
     rejected: list[tuple[int, int]] = []

@@ -1,4 +1,8 @@
-"""ARMAX models of rising order, and which of them the record supports (MI 8.3, 9)."""
+"""ARMAX models of rising order, and which of them the record supports (MI 8.3, 9).
+
+A higher order always fits the record better. Akaike's and Schwarz's criteria and the F test say
+when the gain is no more than chance gives. ``pages/armax`` shows the table.
+"""
 
 import math
 from dataclasses import dataclass

@@ -1,8 +1,9 @@
-"""Numbers that follow from the parameters, by derivatives and by draws (MI 8.3, 8.5).
+"""Numbers that follow from the parameters, by derivatives and by draws (8.3, 8.5).
 
-The delta method takes the numbers as linear in the parameters. Time constants near a double root
-bend sharply, and there only draws give intervals that contain the truth (docs/identification.md has
-the shares).
+``fitted`` and ``pages/results`` call it for time constants, gains and whatever else follows from
+what was estimated. Numbers in brackets are equations of the model document (MI). The delta method
+takes the numbers as linear in the parameters. Time constants near a double root bend sharply, and
+there only draws give intervals that contain the truth (docs/identification.md has the shares).
 """
 
 from collections.abc import Callable
@@ -13,8 +14,6 @@ import numpy as np
 from trainer.core.kernel import Numbers
 
 Derived = Callable[[Numbers], Numbers]
-
-DEFAULT_DRAWS: Final = 1000
 TAIL_SHARE: Final = 0.025  # [-] of the draws, left out at each end of an interval
 DIFFERENCE_STEP: Final = 1e-4  # [standard deviations] of each parameter, for the quotients
 

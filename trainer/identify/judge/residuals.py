@@ -1,9 +1,10 @@
 """Residuals of a fit are tested (8.4), and how many parameters a record supports (8.3).
 
-Residuals are (N,) of one output, standardised where there are several outputs. NaN is a sample that
-did not count; pairs with such a sample are left out. For a scalar output V = 1/2 sum eps^2 over N
-samples; p counts coefficients and estimated initial states, but not the noise variance: so the
-report's section 6 counts (MI 8.3).
+``pages`` shows the tests, so that a user sees what a model lacks. Numbers in brackets are of the
+model document (MI). Residuals are (N,) of one output, standardised where there are several outputs.
+NaN is a sample that did not count; pairs with such a sample are left out. For a scalar output V =
+1/2 sum eps^2 over N samples; p counts coefficients and estimated initial states, but not the noise
+variance: so the report's section 6 counts (MI 8.3).
 """
 
 import math
@@ -19,7 +20,7 @@ DEFAULT_LAGS: Final = 10  # samples; as MAX_LAGS that of the report's program (M
 MAX_LAGS: Final = 50  # samples
 BAND_STANDARD_ERRORS: Final = 1.96  # standard errors, 95 %
 MIN_PER_CLASS: Final = 5  # residuals expected in a class, usual for a chi-square test
-MAX_CLASSES: Final = 30
+MAX_CLASSES: Final = 30  # of a histogram: more are no better to read
 SUSPECT_PROBABILITY: Final = 0.01  # [-] probability below which a test has found something
 
 

@@ -1,4 +1,9 @@
-"""Simpler models beside a fit, by the likelihood ratio (MI 8.3)."""
+"""Simpler models beside a fit, by the likelihood ratio (MI 8.3).
+
+``trainer identify --against`` and ``--without`` ask whether a simpler model would do: twice the
+difference of the log-likelihoods is compared with chi-square of the parameters that are fewer.
+``pages/results`` calls it; MI is the model document.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -38,11 +43,9 @@ def compare_without(fitted: ModelFit, names: tuple[str, ...]) -> RivalModel:
     shown_names = [
         name if name in ZERO_PARAMETERS else one for name, one in zip(names, wanted, strict=True)
     ]
-    fixed = [name for name in wanted if name not in fitted.problem.names]
-    if fixed:
-        raise ConfigError(
-            f"--without {fixed[0]}: it was not estimated, so there is nothing to test"
-        )
+    held = [name for name in wanted if name not in fitted.problem.names]
+    if held:
+        raise ConfigError(f"--without {held[0]}: it was not estimated, so there is nothing to test")
     rows = tuple(
         row
         for row in study.parameters

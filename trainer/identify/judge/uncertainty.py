@@ -1,4 +1,9 @@
-"""The certainty of the parameters, and those that the data cannot separate (MI 3.7, 8.3)."""
+"""Standard deviations of parameters, and those that the data cannot separate (MI 3.7, 8.3).
+
+The covariance of the estimates is the inverse of the second derivatives of the cost. Its small
+eigenvalues name the combinations that the record hardly determines. ``inseparable`` finds them
+before any search, so that a fit that cannot succeed is refused with the reason.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Final

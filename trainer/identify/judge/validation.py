@@ -1,4 +1,9 @@
-"""A fitted model on its own record and others, and on drawn ones (MI 8.5)."""
+"""A fitted model run by the rudder alone, on its record and others (MI 8.5).
+
+Numbers in brackets are equations of the model document (MI). A model that follows its own record
+need not follow another, so ``--check`` predicts a record that was not fitted. ``bend_of`` takes the
+curve of steady turns from a record of large manoeuvres.
+"""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -51,7 +56,10 @@ def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) ->
 
 
 def draw_outputs(problem: Problem, theta: Numbers, stream: np.random.Generator) -> Samples:
-    """Return the samples with outputs drawn from the model; missing readings stay missing."""
+    """Return the samples with outputs drawn from the model; missing readings stay missing.
+
+    ``monte_carlo`` makes its records so. ConfigError if the parameters are no model.
+    """
     sampled = problem.sampled(theta)
     if not possible(sampled):
         raise ConfigError("these parameters are no model: a covariance is not positive")

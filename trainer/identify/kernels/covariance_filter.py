@@ -35,7 +35,10 @@ COVARIANCE_TOLERANCE = (
 
 
 class SampledSystem(NamedTuple):
-    """Systems from sample to sample, and their start; or the slopes of these."""
+    """Systems from sample to sample, and their start; or the slopes of these.
+
+    The module's docstring has the shapes.
+    """
 
     mean: Entries
     noise: Entries
@@ -89,7 +92,10 @@ def predict_sample(mean: Entries, z: Entries, out: Entries) -> None:
 
 @part
 def sweep_pivot(J: Entries, pivot: int) -> float:
-    """Return the conditional variance of a pivot, after sweeping it out of symmetric ``J``."""
+    """Return the conditional variance of a pivot, after sweeping it out of symmetric ``J``.
+
+    What is left of J is the covariance of the other rows, given that one.
+    """
     d = J[pivot, pivot]
     inverse = 1.0 / d
     for i in range(J.shape[0]):
@@ -210,11 +216,7 @@ def run_length(which: Places, first: int) -> int:
 
 @kernel
 def show_filter(
-    system: SampledSystem,
-    table: Numbers,
-    which: Places,
-    limits: Numbers,
-    shown: FilterRun,
+    system: SampledSystem, table: Numbers, which: Places, limits: Numbers, shown: FilterRun
 ) -> None:
     """Write to each row of ``shown`` state, prediction, error, error' R^-1 error, flag.
 
@@ -262,11 +264,7 @@ def show_filter(
 
 @kernel
 def run_predictor(
-    system: Predictor,
-    table: Numbers,
-    which: Places,
-    driven: Numbers,
-    out: Entries,
+    system: Predictor, table: Numbers, which: Places, driven: Numbers, out: Entries
 ) -> None:
     """Write states and predictions (n, x+y) of a predictor with a given gain to ``out``.
 

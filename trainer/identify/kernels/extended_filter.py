@@ -9,6 +9,9 @@ and the number of Runge and Kutta's steps in them, then the readings of roll rat
 deviations of the disturbances (one for each acceleration) and of the errors of readings, and the
 first state. The first covariance is zero, because the first state is a parameter: a record cannot
 tell a free first state and its covariance apart. ``extended_slopes`` defines the derivatives.
+``ships/likelihood`` calls ``filter_record`` in a fit and ``sail_record`` to predict. The filter is
+the extended one because the forces are not linear in the state: it is linearised about each
+estimate.
 """
 
 import math

@@ -3,6 +3,8 @@
 Parameters are the last index of each array, because loops over contiguous numbers are fast. Their
 order is: the free coefficients, the logarithms of the disturbances, the logarithms of the errors of
 readings, the first state. An index of length 0 means that no derivatives are wanted.
+``extended_filter`` calls these kernels, because a search for the best parameters needs the exact
+gradient of its likelihood.
 """
 
 from typing import Final, NamedTuple
@@ -63,7 +65,7 @@ class MatrixRoom(NamedTuple):
 def count_reading(
     innovation: Innovation, lines: ReadingSlopes, gradient: Numbers, information: Numbers
 ) -> None:
-    """Add what a reading tells of the parameters."""
+    """Add what a reading tells of the parameters to gradient and information."""
     error, s = innovation.error, innovation.variance
     de, ds = lines.error, lines.variance
     weight = 0.5 / (s * s)
@@ -93,11 +95,7 @@ def _take(driven: DrivenPlaces, m: int, innovation: Innovation, x: Numbers, P: N
 
 @lean
 def take_slopes(
-    driven: DrivenPlaces,
-    m: int,
-    innovation: Innovation,
-    estimate: Estimate,
-    lines: ReadingSlopes,
+    driven: DrivenPlaces, m: int, innovation: Innovation, estimate: Estimate, lines: ReadingSlopes
 ) -> None:
     """Take one reading into state, covariance and both derivatives.
 
@@ -168,12 +166,11 @@ def own_slopes(
 
 
 @lean
-def _horner(
-    driven: DrivenPlaces,
-    part: float,
-    room: MatrixRoom,
-) -> None:
-    """Write I + part A H and its derivatives over H and dH, the transition so far."""
+def _horner(driven: DrivenPlaces, part: float, room: MatrixRoom) -> None:
+    """Write I + part A H and its derivatives over H and dH, the transition so far.
+
+    Repeated from the highest order down it is the power series of exp(A T), by Horner's scheme.
+    """
     A, dA, H, dH = room.A, room.dA, room.phi, room.dphi
     half, turned = room.half, room.turned
     size = states_of(driven)
@@ -193,11 +190,7 @@ def _horner(
 
 
 @lean
-def transition_slopes(
-    driven: DrivenPlaces,
-    T: float,
-    room: MatrixRoom,
-) -> None:
+def transition_slopes(driven: DrivenPlaces, T: float, room: MatrixRoom) -> None:
     """Write the transition and its derivatives over ``T`` [s]."""
     H, dH = room.phi, room.dphi
     dH[:] = 0.0
@@ -209,11 +202,7 @@ def transition_slopes(
 
 
 @lean
-def spread_slopes(
-    driven: DrivenPlaces,
-    room: MatrixRoom,
-    dP: Numbers,
-) -> None:
+def spread_slopes(driven: DrivenPlaces, room: MatrixRoom, dP: Numbers) -> None:
     """Advance ``dP`` to dphi G + (dphi G)' + phi dP phi'.
 
     G is (P + T/2 R1) phi', which ``half`` has; dA is scratch here.
@@ -255,12 +244,7 @@ def noise_slopes(
 
 @lean
 def rate_slopes(
-    system: System,
-    accelerations: Accelerations,
-    x: Numbers,
-    S: Numbers,
-    own: Numbers,
-    out: Numbers,
+    system: System, accelerations: Accelerations, x: Numbers, S: Numbers, own: Numbers, out: Numbers
 ) -> None:
     """Write the derivatives (n, q) of the rates, those of the state ``x`` being ``S``.
 

@@ -26,7 +26,10 @@ Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are der
 
 
 def places(names: str) -> Any:
-    """Return the places of numbers that are passed in one row, each by its name."""
+    """Return the places of numbers that are passed in one row, each by its name.
+
+    Kernels take a ship's numbers as one array; ``ship[BENT.K]`` is then readable.
+    """
     fields = names.split()
     return namedtuple("Places", fields)(*range(len(fields)))  # noqa: PYI024 its fields are data
 

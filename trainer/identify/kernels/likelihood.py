@@ -1,9 +1,10 @@
 """The likelihood of a whole record, without what only its slopes need.
 
-Arrays are as in ``covariance_filter``. Readings are taken one by one, the last first, so that no
-matrix is inverted. Each reading that is present counts by its error given those already taken, and
-J becomes the covariance of the remaining rows given this reading. Only the lower half of J is kept,
-because J is symmetric; the row of a reading that was taken stays as it was.
+``fitting/likelihood`` calls it for each value of a search, so that it has to be fast. Arrays are as
+in ``covariance_filter``. Readings are taken one by one, the last first, so that no matrix is
+inverted. Each reading that is present counts by its error given those already taken, and J becomes
+the covariance of the remaining rows given this reading. Only the lower half of J is kept, because J
+is symmetric; the row of a reading that was taken stays as it was.
 
 Once the covariance has settled the gain is constant. The filter is then a linear recursion, which
 ``_run_settled`` computes for many samples at a time.

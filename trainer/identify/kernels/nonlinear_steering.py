@@ -2,7 +2,7 @@
 
 T1 T2 r'' + (T1 + T2) r' + K H(r) = K (delta + T3 delta'), H(r) = H1 r + H2 |r| r + H3 r^3. The
 state z takes the place of r', so that delta is not differentiated. Numbers are complex, because an
-imaginary step carries a derivative.
+imaginary step carries a derivative. ``fitting/nonlinear`` finds kappa or H(r) by these runs.
 """
 
 from typing import Final

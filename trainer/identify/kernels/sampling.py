@@ -8,6 +8,8 @@ numbers, which are faster.
 A system with states x, inputs u and outputs y is one block matrix ``drift``: its rows are (x, y),
 its columns (x, u, 1): [A B f; C D d]. The sampled system is ``mean``; its columns are (x, u of the
 last sample, u of this one, 1). ``noise`` and ``covariance`` are the covariances of the same rows.
+``model/sampled`` calls ``sample_blocks``, because readings come at moments and motion is
+continuous.
 """
 
 from typing import NamedTuple
@@ -207,10 +209,7 @@ def _part_columns(source: Entries, states: int, by: int, out: Entries) -> None:
 
 @kernel
 def sample_blocks(
-    blocks: ContinuousBlocks,
-    intervals: Numbers,
-    moving: int,
-    out: SampledBlocks,
+    blocks: ContinuousBlocks, intervals: Numbers, moving: int, out: SampledBlocks
 ) -> None:
     """Write the sampled systems, of which the first ``moving`` rows run over the interval.
 

@@ -4,7 +4,8 @@ MI 8.1. Parameters are the last index of each array, because loops over contiguo
 Each sample gives rows: the standardised derivatives of the error and of its covariance. The inner
 products of these rows, summed, are the expected information; the rows with the error and its square
 make the gradient of -log L. The rows of covariance are the same for all samples of a stage: the
-samples in which the gain is constant.
+samples in which the gain is constant. ``fitting/likelihood`` calls ``score_rows`` once for each
+step of a search.
 """
 
 import math
@@ -121,7 +122,10 @@ def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
 
 @part
 def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: Numbers) -> None:
-    """Write the derivatives (p,) of an entry of the next P: dJ - dN K' - K dN' + K dR K'."""
+    """Write the derivatives (p,) of one entry of the next covariance P.
+
+    They are dJ - dN K' - K dN' + K dR K', where K is the gain.
+    """
     i, j = place
     for q in range(value.size):
         value[q] = dJ[i, j, q]

@@ -1,13 +1,17 @@
-"""Matrices of the ship models by their parameters (MI 5), many parameter vectors at once.
+"""The five linear ship models: a kernel for each makes its matrices (MI 5).
 
-Each kernel fills, for every row of ``theta``, the continuous blocks that ``sampling`` takes.
+``model/models.py`` names the parameters and calls these kernels for every cost of a fit, with many
+parameter vectors at once. Each kernel fills, for every row of ``theta``, the continuous blocks that
+``sampling`` takes.
+
 ``ship`` is [L, V, l1, l2, T, output, output, ...] in m, m/s and s; an output is one of the numbers
 below. Outputs are in knots, degrees and deg/s, the rudder in degrees, states in m/s, rad/s and rad.
-A lag and a correlation are the sine of their parameter, a variance is the magnitude of its own, so
-that every real theta is a model (MI 5). An imaginary step passes through sine and magnitude.
+A lag and a correlation are the sine of their parameter, a variance is the magnitude of its own,
+because then every real theta is a model, and a search needs no bounds (MI 5). Sine and magnitude
+let an imaginary step pass, because it carries the derivative by a parameter.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -16,8 +20,8 @@ from trainer.identify.kernels.kernel import kernel, places
 from trainer.identify.kernels.sampling import Complexes
 from trainer.units import DEGREE
 
-BOW_SWAY, STERN_SWAY, SWAY, YAW_RATE, HEADING = 0, 1, 2, 3, 4
-L, V, L1, L2, T, FIRST_OUTPUT = 0, 1, 2, 3, 4, 5
+STERN_SWAY, SWAY, YAW_RATE, HEADING = 1, 2, 3, 4  # outputs; 0 is the bow log
+L, V, L1, L2, T, FIRST_OUTPUT = 0, 1, 2, 3, 4, 5  # places in ``ship``
 STATES, FEWER_STATES = 3, 2  # of all models but one, and of that of first order
 
 # places of the parameters of each model
@@ -38,9 +42,26 @@ NOMOTO_2: Final = places(
     "a1 a2 b1 b2 delta_0 r_0 R1_1 R1_2 R2_r R2_psi x1_0 x2_0 x3_0 P11 P22 P33 lag"
 )
 START: Final = places("P11 P22 P33 P12 P13 P23")  # of the first covariance
-YAW: Final = places("r_0 R2_r R2_psi R2_rpsi")  # of the readings of yaw
 
 KNOTS_PER_M_S = 3600.0 / 1852.0  # [kn/(m/s)] alpha 2
+
+
+class ModelBlocks(NamedTuple):
+    """The systems that a kernel fills, one for each parameter vector, from zeros."""
+
+    drift: Complexes  # (b, x+y, x+u+1), as are the next two in ``sampling``
+    noise: Complexes  # (b, x+y, x+y)
+    start: Complexes  # (b, x, 1+x) the first state and its covariance
+    lag: Complexes  # (b,) [s]
+
+
+class YawReadings(NamedTuple):
+    """Bias of the rate, variances of rate and heading, angle of their correlation."""
+
+    r_0: complex
+    R2_r: complex
+    R2_psi: complex
+    R2_rpsi: complex
 
 
 @kernel
@@ -57,7 +78,7 @@ def _covariance(first: complex, second: complex, angle: complex) -> complex:
 
 @kernel
 def _lag(angle: complex, period: float) -> complex:
-    """Return the time lag [s], T |sin|."""
+    """Return the time lag [s] of the rudder, T |sin|, between 0 and one interval."""
     return period * magnitude(np.sin(angle))
 
 
@@ -98,22 +119,16 @@ def _model_1(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) ->
     speed = ship[V]
     arm = ship[L]
     e = arm / (speed * speed)
-    e11, e12, e21, e22 = (
-        e * t[MODEL_1.m11],
-        e * arm * t[MODEL_1.m12],
-        e * t[MODEL_1.m21],
-        e * arm * t[MODEL_1.m22],
-    )
+    e11, e12 = e * t[MODEL_1.m11], e * arm * t[MODEL_1.m12]
+    e21, e22 = e * t[MODEL_1.m21], e * arm * t[MODEL_1.m22]
     det = e11 * e22 - e12 * e21
     i11, i12, i21, i22 = e22 / det, -e12 / det, -e21 / det, e11 / det
     force = np.empty((2, 5), drift.dtype)
     force[0, 0], force[1, 0] = t[MODEL_1.Y_v] / speed, t[MODEL_1.N_v] / speed
     force[0, 1], force[1, 1] = arm / speed * t[MODEL_1.Y_r], arm / speed * t[MODEL_1.N_r]
     force[0, 2], force[1, 2] = t[MODEL_1.Y_psi], t[MODEL_1.Y_psi] * t[MODEL_1.l_psi]
-    force[0, 3], force[1, 3] = (
-        DEGREE * t[MODEL_1.Y_delta],
-        -DEGREE * t[MODEL_1.Y_delta] * t[MODEL_1.l_delta],
-    )
+    helm = DEGREE * t[MODEL_1.Y_delta]
+    force[0, 3], force[1, 3] = helm, -helm * t[MODEL_1.l_delta]
     force[0, 4], force[1, 4] = t[MODEL_1.Y_0], t[MODEL_1.N_0]
     for j in range(5):
         drift[0, j] = i11 * force[0, j] + i12 * force[1, j]
@@ -128,15 +143,9 @@ def _model_1(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) ->
 
 
 @kernel
-def model_1(
-    theta: Complexes,
-    ship: Numbers,
-    drift: Complexes,
-    noise: Complexes,
-    start: Complexes,
-    lag: Complexes,
-) -> None:
+def model_1(theta: Complexes, ship: Numbers, out: ModelBlocks) -> None:
     """Write the blocks of Model 1: sway and yaw with wind, 34 parameters (MI 5)."""
+    drift, noise, start, lag = out
     for b in range(theta.shape[0]):
         t = theta[b]
         _model_1(t, ship, drift[b], noise[b])
@@ -149,15 +158,9 @@ def model_1(
 
 
 @kernel
-def model_2(
-    theta: Complexes,
-    ship: Numbers,
-    drift: Complexes,
-    noise: Complexes,
-    start: Complexes,
-    lag: Complexes,
-) -> None:
+def model_2(theta: Complexes, ship: Numbers, out: ModelBlocks) -> None:
     """Write the blocks of Model 2: sway alone, 27 parameters (MI 5)."""
+    drift, noise, start, lag = out
     k = ship[V] / ship[L]
     for b in range(theta.shape[0]):
         t = theta[b]
@@ -172,9 +175,8 @@ def model_2(
         drift[b, 0, 1] = drift[b, 1, 2] = 1.0
         drift[b, 3, 0] = KNOTS_PER_M_S
         drift[b, 3, 4] = t[MODEL_2.v_0]
-        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(
-            t[MODEL_2.R1_1], t[MODEL_2.R1_2], t[MODEL_2.R1_12]
-        )
+        noise[b, 0, 1] = _covariance(t[MODEL_2.R1_1], t[MODEL_2.R1_2], t[MODEL_2.R1_12])
+        noise[b, 1, 0] = noise[b, 0, 1]
         noise[b, 0, 2] = noise[b, 2, 0] = t[MODEL_2.R1_13]
         noise[b, 1, 2] = noise[b, 2, 1] = t[MODEL_2.R1_23]
         noise[b, 3, 3] = magnitude(t[MODEL_2.R2_v])
@@ -184,37 +186,26 @@ def model_2(
 
 
 @kernel
-def _yaw_outputs(readings: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) -> None:
-    """Write yaw rate and heading from states 2 and 3.
-
-    ``readings``: bias of the rate, variances of rate and heading, angle of their correlation.
-    """
+def _yaw_outputs(readings: YawReadings, ship: Numbers, drift: Complexes, noise: Complexes) -> None:
+    """Write yaw rate and heading from states 2 and 3."""
     for row in range(STATES, drift.shape[0]):
         if int(ship[FIRST_OUTPUT + row - STATES]) == YAW_RATE:
             drift[row, 1] = 1.0 / DEGREE
-            drift[row, 4] = readings[YAW.r_0]
-            noise[row, row] = magnitude(readings[YAW.R2_r])
+            drift[row, 4] = readings.r_0
+            noise[row, row] = magnitude(readings.R2_r)
         else:
             drift[row, 2] = 1.0 / DEGREE
-            noise[row, row] = magnitude(readings[YAW.R2_psi])
-    if drift.shape[0] == 5:
-        noise[3, 4] = noise[4, 3] = _covariance(
-            readings[YAW.R2_r], readings[YAW.R2_psi], readings[YAW.R2_rpsi]
-        )
+            noise[row, row] = magnitude(readings.R2_psi)
+    if drift.shape[0] == 5:  # both are read
+        noise[3, 4] = _covariance(readings.R2_r, readings.R2_psi, readings.R2_rpsi)
+        noise[4, 3] = noise[3, 4]
 
 
 @kernel
-def model_3(
-    theta: Complexes,
-    ship: Numbers,
-    drift: Complexes,
-    noise: Complexes,
-    start: Complexes,
-    lag: Complexes,
-) -> None:
+def model_3(theta: Complexes, ship: Numbers, out: ModelBlocks) -> None:
     """Write the blocks of Model 3: yaw alone, 24 parameters (MI 5)."""
+    drift, noise, start, lag = out
     k = ship[V] / ship[L]
-    readings = np.empty(4, drift.dtype)
     for b in range(theta.shape[0]):
         t = theta[b]
         drift[b, 0, 2] = -k * k * k * t[MODEL_3.a3]
@@ -226,16 +217,10 @@ def model_3(
         drift[b, 1, 3] = DEGREE * k * k * t[MODEL_3.b1]
         drift[b, 1, 4] = t[MODEL_3.f2]
         noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[MODEL_3.R1_1]), magnitude(t[MODEL_3.R1_2])
-        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(
-            t[MODEL_3.R1_1], t[MODEL_3.R1_2], t[MODEL_3.R1_12]
-        )
-        readings[YAW.r_0] = t[MODEL_3.r_0]
-        readings[YAW.R2_r], readings[YAW.R2_psi], readings[YAW.R2_rpsi] = (
-            t[MODEL_3.R2_r],
-            t[MODEL_3.R2_psi],
-            t[MODEL_3.R2_rpsi],
-        )
-        _yaw_outputs(readings, ship, drift[b], noise[b])
+        noise[b, 0, 1] = _covariance(t[MODEL_3.R1_1], t[MODEL_3.R1_2], t[MODEL_3.R1_12])
+        noise[b, 1, 0] = noise[b, 0, 1]
+        errors = t[MODEL_3.R2_r], t[MODEL_3.R2_psi], t[MODEL_3.R2_rpsi]
+        _yaw_outputs(YawReadings(t[MODEL_3.r_0], *errors), ship, drift[b], noise[b])
         start[b, 0, 0] = t[MODEL_3.x1_0]
         start[b, 1, 0], start[b, 2, 0] = DEGREE * t[MODEL_3.x2_0], DEGREE * t[MODEL_3.x3_0]
         _start_variances(t[MODEL_3.P11 : MODEL_3.lag], start[b])
@@ -243,20 +228,13 @@ def model_3(
 
 
 @kernel
-def nomoto(
-    theta: Complexes,
-    ship: Numbers,
-    drift: Complexes,
-    noise: Complexes,
-    start: Complexes,
-    lag: Complexes,
-) -> None:
+def nomoto(theta: Complexes, ship: Numbers, out: ModelBlocks) -> None:
     """Write the blocks of Nomoto's second-order model, 17 parameters (MI 3.3, rate fed back).
 
     (b1 s + b2)/(s^2 + a1 s + a2), rudder to yaw rate, has no end where the ship is neutral. State 1
     is what the yaw rate still has to gain [rad/s^2]. The rudder acts from its residual helm.
     """
-    readings = np.empty(4, drift.dtype)
+    drift, noise, start, lag = out
     for b in range(theta.shape[0]):
         t = theta[b]
         drift[b, 0, 1] = -t[NOMOTO_2.a2]
@@ -267,13 +245,8 @@ def nomoto(
         drift[b, 0, 4] = -drift[b, 0, 3] * t[NOMOTO_2.delta_0]
         drift[b, 1, 4] = -drift[b, 1, 3] * t[NOMOTO_2.delta_0]
         noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[NOMOTO_2.R1_1]), magnitude(t[NOMOTO_2.R1_2])
-        readings[YAW.r_0] = t[NOMOTO_2.r_0]
-        readings[YAW.R2_r], readings[YAW.R2_psi], readings[YAW.R2_rpsi] = (
-            t[NOMOTO_2.R2_r],
-            t[NOMOTO_2.R2_psi],
-            0.0,
-        )
-        _yaw_outputs(readings, ship, drift[b], noise[b])
+        errors = t[NOMOTO_2.R2_r], t[NOMOTO_2.R2_psi], 0.0  # not correlated
+        _yaw_outputs(YawReadings(t[NOMOTO_2.r_0], *errors), ship, drift[b], noise[b])
         for i in range(3):
             start[b, i, 0] = DEGREE * t[NOMOTO_2.x1_0 + i]
             start[b, i, 1 + i] = magnitude(t[NOMOTO_2.P11 + i])
@@ -281,15 +254,9 @@ def nomoto(
 
 
 @kernel
-def nomoto_first(
-    theta: Complexes,
-    ship: Numbers,
-    drift: Complexes,
-    noise: Complexes,
-    start: Complexes,
-    lag: Complexes,
-) -> None:
+def nomoto_first(theta: Complexes, ship: Numbers, out: ModelBlocks) -> None:
     """Write the blocks of Nomoto's first-order model K/(1 + T s), 12 parameters (MI 3.3)."""
+    drift, noise, start, lag = out
     for b in range(theta.shape[0]):
         t = theta[b]
         drift[b, 0, 0] = -1.0 / t[NOMOTO_1.T]

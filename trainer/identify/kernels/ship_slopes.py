@@ -1,4 +1,9 @@
-"""Derivatives of a ship's forces by its state and its coefficients."""
+"""Derivatives of a ship's forces by its state and its coefficients.
+
+The extended Kalman filter needs both: those by the state for its covariance, those by the
+coefficients for the gradient of the likelihood. ``boat/ship/forces`` computes the accelerations as
+forward numbers (a value with its derivatives); here they become matrices.
+"""
 
 from typing import NamedTuple
 

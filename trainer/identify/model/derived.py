@@ -1,4 +1,9 @@
-"""The parameters of a model give the ship's gains, time constants and stability."""
+"""From the parameters of a fitted model to the ship's gains, time constants and stability.
+
+Parameters are what a fit estimates; a navigator knows a ship by K, T1, T2, T3 and its lever arms.
+The pages show these, and ``judge/propagation`` carries the standard deviations over. Model
+document, sections 3.3 to 3.6.
+"""
 
 import math
 from collections.abc import Callable, Mapping

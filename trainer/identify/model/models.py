@@ -1,8 +1,9 @@
 """The ship models: what their parameters are called, and their matrices by them.
 
-Model document, section 5. The rudder is in degrees and turns the ship to port when positive,
-outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad. Variances are
-taken by magnitude, correlations and the time lag by sine, so that every number gives a model.
+``fitting/problem`` makes a plant of one. Model document, section 5. The rudder is in degrees and
+turns the ship to port when positive, outputs are in knots, degrees and degrees a second, states in
+m/s, rad/s and rad. Variances are taken by magnitude, correlations and the time lag by sine, so that
+every number gives a model.
 """
 
 from collections.abc import Callable, Iterable
@@ -57,8 +58,8 @@ class Parameter:
 class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
-    ``given`` are other numbers that stand for the first parameters: ``follow`` computes these
-    parameters from all of them. ``system`` is a user's own system, which is no ship.
+    A user may name ``given`` numbers, such as K and T of Nomoto, for the first parameters:
+    ``follow`` computes these from all of them. ``system`` is a user's own system, which is no ship.
     """
 
     name: str
@@ -206,12 +207,14 @@ class Plant:
         """Return the systems of the parameter vectors ``theta`` (b, n)."""
         batch, states = len(theta), self.model.states
         rows = states + len(self.outputs)
-        drift = np.zeros((batch, rows, states + self.model.inputs + 1), theta.dtype)
-        noise = np.zeros((batch, rows, rows), theta.dtype)
-        start = np.zeros((batch, states, 1 + states), theta.dtype)
-        lag = np.zeros(batch, theta.dtype)
-        gain = self.model.assemble(theta, self.numbers, drift, noise, start, lag)
-        return Blocks(drift, noise, start, lag, gain)
+        blocks = ship_models.ModelBlocks(
+            np.zeros((batch, rows, states + self.model.inputs + 1), theta.dtype),
+            np.zeros((batch, rows, rows), theta.dtype),
+            np.zeros((batch, states, 1 + states), theta.dtype),
+            np.zeros(batch, theta.dtype),
+        )
+        gain = self.model.assemble(theta, self.numbers, blocks)
+        return Blocks(*blocks, gain)
 
 
 def _parameters(*lines: str) -> tuple[Parameter, ...]:

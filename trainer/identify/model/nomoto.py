@@ -1,7 +1,9 @@
-"""Transfer functions of a steered ship, in the form of Nomoto, and what stability follows.
+"""Transfer functions of a steered ship, in the form of Nomoto, and its stability.
 
-Model identification, section 3. The rudder turns a stable ship to port when positive: K < 0.
-Everything is in whatever system the matrices are in: SI, prime or bis.
+Nomoto's form says how a ship steers in a gain K and a few time constants. ``derived`` brings fitted
+models to it, ``steering`` a vessel file. Model identification, section 3. The rudder turns a stable
+ship to port when positive: K < 0. Everything is in whatever system the matrices are in: SI, prime
+or bis.
 """
 
 import math
@@ -42,12 +44,12 @@ class Nomoto:
     With complex roots ``T1`` and ``T2`` are a complex pair.
     """
 
-    K: float
-    T1: complex
-    T2: complex
-    T3: float
-    K_v: float
-    T3v: float
+    K: float  # [1/s], where the matrices are SI
+    T1: complex  # [s]
+    T2: complex  # [s]
+    T3: float  # [s]
+    K_v: float  # [m/s]
+    T3v: float  # [s]
 
     @property
     def first_order(self) -> float:
@@ -130,15 +132,17 @@ def nomoto(f: Transfer) -> Nomoto:
 
 
 def _ratio(over: float, under: float) -> float:
+    """Return a quotient, infinite or not a number where it divides by zero."""
     if under == 0.0:
         return math.copysign(math.inf, over) if over else math.nan
     return float(over / under)
 
 
 def levers(F: Numbers, g: Numbers) -> tuple[float, float, float, float]:
-    """Return lever arms of sway, yaw and rudder, and the margin (3.4, 3.5).
+    """Return lever arms of sway, yaw and rudder, and the margin of stability (3.4, 3.5).
 
-    The margin is l_r - l_v. They are of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g.
+    The margin is l_r - l_v: above zero the ship keeps a straight course. They are of F = [Y_v, Y_r
+    - m u. N_v, N_r - m x_G u] and g.
     """
     l_v, l_r = _ratio(F[1, 0], F[0, 0]), _ratio(F[1, 1], F[0, 1])
     return l_v, l_r, _ratio(g[1], g[0]), l_r - l_v

@@ -1,5 +1,7 @@
 """A user's own system has matrices that are functions of its parameters.
 
+``study_problem`` fits it by the same searches as the trainer's own models.
+
     dx = (A x + B u + f) dt + dw,  y = C x + D u + d + e      E dw dw' = R1 dt, cov e = R2
     x+ = A x + B u + f + w         where the time is discrete, cov w = R1, cov (w, e) = R12
 
@@ -21,6 +23,7 @@ import numpy as np
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries
+from trainer.identify.kernels.ship_models import ModelBlocks
 from trainer.identify.model.models import Model, Parameter, Plant
 from trainer.identify.model.sampled import COMPLEX_STEP, step_aside
 
@@ -57,7 +60,10 @@ class System:
     how: str  # of derivatives
 
     def only_in(self, matrices: set[str]) -> tuple[str, ...]:
-        """Return the parameters that act on some of these matrices and on no other."""
+        """Return the parameters that act on some of these matrices and on no other.
+
+        A noise model without these matrices cannot estimate them.
+        """
         return tuple(name for name, found in self.touched.items() if found and found <= matrices)
 
     @cached_property
@@ -78,17 +84,10 @@ class System:
                 pairs.append((alone[0], alone[1]))
         return tuple(pairs)
 
-    def assemble(
-        self,
-        theta: Entries,
-        ship: Numbers,
-        drift: Entries,
-        noise: Entries,
-        start: Entries,
-        lag: Entries,
-    ) -> Entries | None:
+    def assemble(self, theta: Entries, ship: Numbers, blocks: ModelBlocks) -> Entries | None:
         """Write the blocks, see kernels.sampling; return the gain (b, x, y) if it has one."""
-        del ship, lag
+        del ship
+        drift, noise, start, _ = blocks
         x, u = self.states, self.states + len(self.inputs)
         bounded = [i for i, one in enumerate(self.parameters) if one.kind != "free"]
         theta = theta.copy()
@@ -132,10 +131,10 @@ class System:
         return units
 
     def tell(self, plant: Plant, values: Numbers) -> Numbers:
-        """Return -Re of the slowest root, T and period of each, and steady gains.
+        """Return what the page tells of the system: time constants, periods and steady gains.
 
-        A real root has period 0. A complex pair has T and period at its first root; both are 0 at
-        its second.
+        First is -Re of the slowest root, then T and period of each root. A real root has period 0.
+        A complex pair has T and period at its first root; both are 0 at its second.
         """
         drift, x = np.nan_to_num(plant.blocks(values[None]).drift[0]), self.states
         A, B, C, D = drift[:x, :x], drift[:x, x:-1], drift[x:, :x], drift[x:, x:-1]

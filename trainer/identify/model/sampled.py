@@ -1,4 +1,10 @@
-"""Continuous systems sampled exactly (MI 7), and derivatives by an imaginary step."""
+"""Continuous systems sampled exactly (model document 7), and derivatives by an imaginary step.
+
+Filters and costs take their matrices from here; MI is the model document. f(x + i h) = f(x) + i h
+f'(x) + O(h^2): with h = 1e-100 the imaginary part is the derivative to the last bit, because
+nothing is subtracted. So every cost has an exact gradient, without formulas of its own for each
+model.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,8 @@
 """Steering of a boat by its vessel file, in Model 1's terms.
 
-The rudder of a vessel file and that of the models have one sign: positive turns to port. Roll is
-left out of the models: what it does to sway and yaw is small.
+``study_problem`` starts from it, and ``trainer prbs`` and ``trainer steering`` show it. The rudder
+of a vessel file and that of the models have one sign: positive turns to port. Roll is left out of
+the models: what it does to sway and yaw is small.
 """
 
 import math
@@ -79,6 +80,9 @@ def find_steering(
 
 
 def limits(file: VesselFile) -> tuple[float, float]:
-    """Return limit [rad] and rate [rad/s] of the rudder."""
+    """Return limit [rad] and rate [rad/s] of the rudder.
+
+    A Nomoto file that is written from a vessel takes them over.
+    """
     surfaces = file.surfaces
     return math.radians(surfaces.rudder_limit_deg), math.radians(surfaces.rate_deg_s)

@@ -1,9 +1,9 @@
 """Systems in TOML files, their matrices made of expressions of parameters.
 
-An expression is read as a tree of numbers, names, + - * / ** and a few functions. Anything else is
-refused and nothing is run as a program, because a file may come from anybody. Values may be
-complex: an imaginary step carries a derivative. A Python file is a program, and is run when it is
-loaded.
+``options`` reads them for ``--system``. An expression is read as a tree of numbers, names, + - * /
+** and a few functions. Anything else is refused and nothing is run as a program, because a file may
+come from anybody. Values may be complex: an imaginary step carries a derivative. A Python file is a
+program, and is run when it is loaded.
 """
 
 import ast
@@ -21,14 +21,12 @@ from trainer.config.schema import (
     Choice,
     Flag,
     KeyForm,
-    Quantity,
     Rows,
     Text,
     Texts,
     optional,
     read_record,
     required,
-    tables_of,
     within,
 )
 from trainer.identify.kernels.kernel import Entries
@@ -168,7 +166,7 @@ class SystemParameter:
     """One parameter of a system."""
 
     name: str = required(Text(20, "a letter, then letters, digits or _"))
-    start: float = required(Quantity("-", within(-1e12, 1e12), "where the search begins"))
+    start: float = required("-", within(-1e12, 1e12), "where the search begins")
     free: bool | None = optional(Flag("is it estimated? else true"))
     unit: str | None = optional(Text(12, "for the page; else none"))
     meaning: str | None = optional(Text(79, "for the reader"))
@@ -277,11 +275,3 @@ class _FileMatrices:
                         out[:, i, j] = entry if isinstance(entry, float) else entry(values)
                 matrices[name] = out
         return matrices
-
-
-SYSTEM_RECORDS: Final = {"": SystemFile, "[parameters]": SystemParameter}
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of a system file's keys, as docs/identification.md shows them."""
-    return tables_of(SYSTEM_RECORDS)

@@ -1,16 +1,15 @@
-"""ARMAX models of rising order, as a page for a terminal and as a plot."""
+"""``trainer identify --armax``: models of rising order, as text and as a plot.
+
+``cli/identify`` prints it. ``fitting/armax`` estimates the models; a user compares orders here, and
+takes the least that leaves white residuals.
+"""
 
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.armax import (
-    FirstOrder,
-    detrend,
-    remove_delay,
-    without_wind,
-)
+from trainer.identify.fitting.armax import FirstOrder, detrend, remove_delay, without_wind
 from trainer.identify.judge.orders import OrderComparison, OrderTrial, try_orders
 from trainer.identify.judge.residuals import describe_tests
 from trainer.identify.model.models import OUTPUT_UNITS
@@ -22,7 +21,7 @@ from trainer.report.plots import Screen
 from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
 
 DEFAULT_MAX_ORDER: Final = 4  # orders
-DEFAULT_LAGS: Final = 10
+DEFAULT_LAGS: Final = 10  # [samples] over which residuals are tested
 
 
 @dataclass(frozen=True)

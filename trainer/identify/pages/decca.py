@@ -1,4 +1,8 @@
-"""A track by Decca as a page for a terminal and as a plot."""
+"""``trainer decca``: the track that Decca lanes give, as text and as a plot.
+
+The position is from the master station [m]; velocities are in knots on the page, in m/s in the
+data.
+"""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +24,10 @@ NUMBER_FORMS: Final = (
 
 @dataclass(frozen=True)
 class DeccaReport:
-    """The answer of ``trainer decca``; NaN, null in JSON, where lanes or neighbours lack."""
+    """The answer of ``trainer decca``, as printed and as ``--json`` has it.
+
+    NaN, null in JSON, is where lanes or neighbours lack.
+    """
 
     source: str
     rows: int

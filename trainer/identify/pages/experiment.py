@@ -1,4 +1,8 @@
-"""A rudder experiment as a page for a terminal and as a plot."""
+"""``trainer prbs`` for a boat: a rudder experiment, flown in a calm and drawn.
+
+It says what a fit to the experiment's record would tell (``judge/design``), and writes the exercise
+that flies it. ``ships/trials`` does the same for ships that are not linear.
+"""
 
 import math
 from dataclasses import asdict, dataclass
@@ -121,7 +125,7 @@ def _largest(values: Any) -> float:
 
 
 def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
-    """Return kind, orders, duration [s] and lines of text of a binary sequence."""
+    """Return kind, orders, duration [s] and further fields of the report, of a sequence."""
     hold = options.hold or suggest_hold(ship, interval)
     sequence = BinarySequence(
         bits=options.bits or suggest_bits(ship, hold),
@@ -137,7 +141,7 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
 
 
 def _zigzag(file: VesselFile, speed: float, angles: tuple[float, float], most: float) -> Any:
-    """Return kind, orders, duration [s] and lines of text of a zig-zag of ``most`` seconds."""
+    """Return the same four of a zig-zag at ``speed`` [m/s] that lasts ``most`` [s] at most."""
     helm, execute = angles
     flight = zigzag_flight(file, speed, angles, most)
     orders = zigzag_orders(flight, helm)

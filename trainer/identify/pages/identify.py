@@ -1,4 +1,7 @@
-"""A fitted ship as a page for a terminal, as plots, and as screens."""
+"""``trainer identify``: a fit of a linear model as text, plots and HTML.
+
+``results`` has the figures; here they are only put into tables, curves and sentences.
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final

@@ -1,4 +1,7 @@
-"""A record by itself, before any fit, as a page and as plots."""
+"""``trainer identify --data-only``: a record by itself, before any fit, as text and as plots.
+
+``cli/identify`` prints it. A wrong unit, sign or gap is seen here, before it spoils a fit.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,7 +20,7 @@ from trainer.units import DEGREE, KNOT
 
 @dataclass(frozen=True)
 class ChannelSummary:
-    """The values of one column in few numbers."""
+    """The values of one column in few numbers, all in its ``unit``."""
 
     name: str
     unit: str

@@ -1,4 +1,8 @@
-"""The answer of ``trainer identify`` about a model, as records for every output."""
+"""A study carried out, and its results as records for text, JSON and HTML.
+
+``carry_out`` is the work of ``trainer identify`` for a linear model: read, fit, judge, compare.
+Every field of ``IdentifyReport`` is a key of ``--json``.
+"""
 
 import math
 from collections.abc import Callable
@@ -42,7 +46,7 @@ from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study, observe_record, studies_of
 from trainer.units import KNOT
 
-SHOWN_LAGS: Final = 10
+SHOWN_LAGS: Final = 10  # [samples] over which residuals are tested and drawn
 
 
 @dataclass(frozen=True)
@@ -164,8 +168,9 @@ class IdentifyReport:
 class Identification:
     """A study carried out: the fit, its results, and the ships that the record allows.
 
-    ``run`` is the predictor's run over the record and ``terms`` the terms of the equations by
-    sample. ``turned`` is the record or the turns from which kappa or H(r) was found.
+    Pages, ``--csv`` and ``trainer.identify.fit`` all take it. ``run`` is the predictor's run over
+    the record and ``terms`` the terms of the equations by sample. ``turned`` is the record or the
+    turns from which kappa or H(r) was found.
     """
 
     fitted: ModelFit

@@ -1,6 +1,7 @@
 """A fit sample by sample: readings, predictions, terms and matrices (MI 13).
 
-They are the listings NPRI 1 to 3 of the report's programs.
+``--csv``, ``--matrices`` and the plots show them. They are what the program of the report of 1974
+printed by its options NPRI 1 to 3. MI is the model document.
 """
 
 import math

@@ -1,4 +1,8 @@
-"""How a ship steers by its file: gains, lever arms, steady turns and the loop."""
+"""``trainer steering``: gains, lever arms, steady turns and the loop of a ship's file.
+
+The spiral is the steady yaw rate over the rudder angle. Where a ship is unstable on its course the
+curve is an S, and the ship jumps between its ends: the loop.
+"""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,8 @@
-"""Columns of a record guessed from a file: by their names, units and numbers."""
+"""Columns of a foreign CSV file guessed: what each is, in which unit.
+
+``trainer identify new`` proposes a study by it. Names are compared with usual ones, then units,
+then numbers; what was only guessed is marked, because its user is to correct it.
+"""
 
 import difflib
 import math
@@ -56,35 +60,17 @@ CHANNEL_PAIRS: Final = (  # channels that tell nothing alone
     ("wind_ahead", "wind_starboard"),
 )
 MIN_NAME_LIKENESS: Final = 0.75  # [-] likeness of two names that are one
+# fmt: off
 UNIT_ENDINGS: Final = (  # of a heading such as psi_deg
-    "deg s",
-    "deg min",
-    "rad s",
-    "m s",
-    "deg",
-    "rad",
-    "kn",
-    "kts",
-    "s",
-    "ms",
-    "min",
-    "rpm",
-    "rps",
+    "deg s", "deg min", "rad s", "m s", "deg", "rad", "kn", "kts", "s", "ms", "min", "rpm", "rps",
 )
 FILLER_WORDS: Final = frozenset(  # words of a heading that tell no channel from another
     (
-        "velo",
-        "velocity",
-        "vel",
-        "angvelo",
-        "hat",
-        "mid",
-        "midship",
-        "actual",
-        "measured",
+        "velo", "velocity", "vel", "angvelo", "hat", "mid", "midship", "actual", "measured",
         "filtered",
     )
 )
+# fmt: on
 MAX_RUDDER_RAD: Final = 1.6  # [rad] no rudder goes so far
 MAX_HEADING_RAD: Final = 7.0  # [rad] a heading beyond it is in degrees
 MAX_SHIP_SPEED_M_S: Final = 12.0  # [m/s] what goes faster is in knots

@@ -1,7 +1,10 @@
 """Decca lanes to sway velocity: program DECCON, section 11 with equations 5.7-5.9 re-derived.
 
-The master station is at the origin, slaves at (u, v) [m] in a plane grid. A lane is counted from
-the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d the lane's width on it.
+``trainer decca`` calls it, for trials whose ships had no log of sway. Decca was a chain of radio
+stations: a receiver counts lanes, hyperbolas between the master and a slave, and two of them cross
+at the ship. The master station is at the origin, slaves at (u, v) [m] in a plane
+grid. A lane is counted from the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d the
+lane's width on it.
 """
 
 import math
@@ -17,13 +20,11 @@ import numpy as np
 from trainer.config.files import ConfigError, Place, collecting, parse_toml, quote, read_text
 from trainer.config.schema import (
     Choice,
-    Quantity,
     Rows,
     Text,
     above,
     optional,
     required,
-    tables_of,
     within,
 )
 from trainer.config.tables import CsvTable, read_table
@@ -47,7 +48,7 @@ LANE_ZONES: Final = {  # the lanes of a zone by their names, from the first to t
 }
 GRID_LIMITS_M: Final = within(-1e7, 1e7)
 PROPAGATION_SPEED_KM_S: Final = 299_700.0  # [km/s] usual of long waves over sea
-MIN_FIXES: Final = 5
+MIN_FIXES: Final = 5  # of a track at least, because velocities come from neighbours
 
 
 class Point(NamedTuple):
@@ -137,7 +138,7 @@ def sharpness(first: Slave, second: Slave, ship: Point) -> float:
     """Return how well two colours cross at a place [-], 0 to 4.
 
     It is the area of their gradients: the sine of the angle at which the lanes cross, times how
-    narrow the lanes are there.
+    narrow the lanes are there. ``track`` takes the best pair.
     """
     distance = math.hypot(*ship) or 1.0
     gradients = []
@@ -186,18 +187,16 @@ class DeccaHeading:
     schema: str = required(Choice(("decca/1",), "form of the file"))
     name: str = required(Text(79, "what was sailed"))
     data: str = required(Text(200, "CSV file of lanes and heading, from this file's folder"))
-    start_east_m: float = required(
-        Quantity("m", GRID_LIMITS_M, "place at the first row, from the master")
-    )
-    start_north_m: float = required(Quantity("m", GRID_LIMITS_M, "likewise"))
+    start_east_m: float = required("m", GRID_LIMITS_M, "place at the first row, from the master")
+    start_north_m: float = required("m", GRID_LIMITS_M, "likewise")
     convergence_deg: float | None = optional(
-        Quantity("deg", within(-180, 180), "true less grid heading; else 0")
+        "deg", within(-180, 180), "true less grid heading; else 0"
     )
     grid_scale: float | None = optional(
-        Quantity("-", within(0.5, 2), "grid distance over true distance; else 1")
+        "-", within(0.5, 2), "grid distance over true distance; else 1"
     )
-    current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
-    current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
+    current_east_kn: float | None = optional("kn", within(-20, 20), "taken off; else 0")
+    current_north_kn: float | None = optional("kn", within(-20, 20), "likewise")
     positive_rudder: str | None = optional(RUDDER_SIGN_CHOICE)
 
 
@@ -206,14 +205,14 @@ class SlaveRow:
     """One slave station."""
 
     colour: str = required(Choice(tuple(LANE_ZONES), "of its lanes"))
-    east_m: float = required(Quantity("m", GRID_LIMITS_M, "place from the master, in the grid"))
-    north_m: float = required(Quantity("m", GRID_LIMITS_M, "likewise"))
-    lane_m: float | None = optional(Quantity("m", above(0, 1e5), "a lane on the base line"))
+    east_m: float = required("m", GRID_LIMITS_M, "place from the master, in the grid")
+    north_m: float = required("m", GRID_LIMITS_M, "likewise")
+    lane_m: float | None = optional("m", above(0, 1e5), "a lane on the base line")
     frequency_khz: float | None = optional(
-        Quantity("kHz", above(0, 1e4), "comparison frequency, instead of lane_m")
+        "kHz", above(0, 1e4), "comparison frequency, instead of lane_m"
     )
     propagation_km_s: float | None = optional(
-        Quantity("km/s", within(2.9e5, 3e5), f"of the waves; else {PROPAGATION_SPEED_KM_S:g}")
+        "km/s", within(2.9e5, 3e5), f"of the waves; else {PROPAGATION_SPEED_KM_S:g}"
     )
 
 
@@ -234,7 +233,7 @@ class ColumnNames:
 class ShipTable:
     """Where the antenna is."""
 
-    antenna_m: float = required(Quantity("m", within(-600, 600), "forward of the point wanted"))
+    antenna_m: float = required("m", within(-600, 600), "forward of the point wanted")
 
 
 SLAVE_ROWS: Final = Rows(SlaveRow, ("note",), 2, 3, "slave stations, below")
@@ -242,13 +241,8 @@ DECCA_TABLES: Final = {"columns": ColumnNames, "ship": ShipTable}
 KNOWN_KEYS: Final = (*(item.name for item in fields(DeccaHeading)), "note", "slaves", *DECCA_TABLES)
 
 
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/identification.md shows them."""
-    return tables_of({"": DeccaHeading, "[slaves]": SlaveRow, **DECCA_TABLES})
-
-
 class DeccaFile(NamedTuple):
-    """Everything a Decca study says."""
+    """Everything a file of a Decca trial says."""
 
     path: Path
     heading: DeccaHeading

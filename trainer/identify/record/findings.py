@@ -1,6 +1,8 @@
 """The faults of a record before any fit, by column and row.
 
-A record that cannot be used is refused with a ConfigError; what may mislead is told in words.
+A gap in time, a stuck reading, an outlier or a rudder of the wrong sign spoils a fit unseen.
+``record/study`` examines every record: one that cannot be used is refused with a ConfigError, and
+what may mislead is reported as a finding.
 """
 
 import math
@@ -39,7 +41,7 @@ HALF_TURN: Final = math.pi
 MIN_SAMPLES: Final = 20  # samples, to judge signs and loops
 SWING_RANGE: Final = (1 / 30, 30.0)  # [-] deviation of heading over rudder's: no trial is beyond
 TURN_RANGE: Final = (0.03, 15.0)  # [-] likewise yaw rate's, per time of a ship length
-PIVOT_RANGE_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
+PIVOT_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
 SPIKE_SCATTERS: Final = 10.0  # [-] usual scatters, by which an outlier leaves its neighbours
 
 
@@ -316,10 +318,8 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
         return
     if sway is not None and (gain := _gain(sway, rate)) is not None:
         ahead = -gain / ship.length_m
-        if not PIVOT_RANGE_LENGTHS[0] < ahead < PIVOT_RANGE_LENGTHS[1]:
-            unit = SPEED_MISTAKES[2 if ahead < 0.0 else 0 if ahead < PIVOT_RANGE_LENGTHS[0] else 1][
-                1
-            ]
+        if not PIVOT_LENGTHS[0] < ahead < PIVOT_LENGTHS[1]:
+            unit = SPEED_MISTAKES[2 if ahead < 0.0 else 0 if ahead < PIVOT_LENGTHS[0] else 1][1]
             text = f"would turn the ship about a point {ahead:.2g} lengths ahead of the middle"
             yield record.finding("sway", f"{text}: {unit}")
     bow, stern, apart = record.bow_sway, record.stern_sway, ship.bow_log_m

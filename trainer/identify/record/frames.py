@@ -1,4 +1,7 @@
-"""Arrays by channel become a record, as a file does."""
+"""Arrays by channel made into a record, for ``trainer.identify.fit``.
+
+A frame is a mapping of arrays or a pandas frame. Names and units are resolved as for a file.
+"""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, cast

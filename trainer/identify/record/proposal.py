@@ -1,6 +1,7 @@
 """A study proposed from a record, for its user to correct.
 
-Columns are guessed by their names, units and numbers.
+Columns are guessed by their names, units and numbers. ``trainer identify new`` writes it, because
+nobody knows the keys of a study by heart.
 """
 
 import json

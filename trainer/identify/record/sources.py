@@ -1,4 +1,8 @@
-"""Records from files, and instruments between a recording's exact state and a record."""
+"""Records from files, and the errors of instruments put on a recording's exact state.
+
+A CSV file or a recording of the trainer becomes a ``Record`` in SI and radians. A recording has the
+exact state, which no ship's instruments read, so a study's [sensors] add errors from its own seed.
+"""
 
 import csv
 import math

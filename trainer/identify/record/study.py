@@ -1,4 +1,8 @@
-"""An identification study from its file: record, ship, model and parameters, checked at load."""
+"""An identification study from its file: record, ship, model and parameters, checked at load.
+
+``load_study`` reads the file, ``observe_record`` the record that it names: signs and units as the
+models have them, thinned, cut to the times asked for, and examined. ``study_records`` has the keys.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -178,6 +182,7 @@ def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dic
 
 
 def _check_once(names: list[str], place: Place, table: str) -> None:
+    """Check that no name stands twice in a table; ConfigError naming the first that does."""
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:
         raise ConfigError(place.inside(table).problem(f"{twice[0]} is given twice"))

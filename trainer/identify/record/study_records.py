@@ -1,21 +1,23 @@
-"""The tables of an identification study: keys, units and limits."""
+"""The tables of an identification study: keys, units and limits.
 
-from dataclasses import dataclass, field
+``study`` reads files by them. Unit, limits and meaning of a key stand here once, and serve the
+reader, its messages, the JSON Schema and docs/identification.md.
+"""
+
+from dataclasses import dataclass
 from typing import Final
 
 from trainer.config.schema import (
     Choice,
     Choices,
-    Quantity,
     Rows,
     Text,
     above,
     optional,
     required,
-    tables_of,
+    with_default,
     within,
 )
-from trainer.config.sensors import Sensors
 from trainer.identify.record.measurements import CHANNEL_UNITS, OUTPUT_CHANNELS, POSITION_CHANNELS
 
 MAX_TIME_S: Final = 1e9  # [s]
@@ -37,13 +39,11 @@ class StudyHeading:
     name: str = required(Text(79, "what is studied"))
     data: str = required(Text(200, "CSV file or recording, from this file's folder"))
     positive_rudder: str | None = optional(RUDDER_SIGN_CHOICE)
-    from_s: float | None = optional(
-        Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
-    )
-    to_s: float | None = optional(Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used"))
-    every: float | None = optional(Quantity("-", within(1, 1000), "takes one sample of so many"))
+    from_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
+    to_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used")
+    every: float | None = optional("-", within(1, 1000), "takes one sample of so many")
     interval_s: float | None = optional(
-        Quantity("s", within(1e-4, 3600), "from row to row, where there is no column of times")
+        "s", within(1e-4, 3600), "from row to row, where there is no column of times"
     )
 
 
@@ -62,16 +62,14 @@ class ColumnRow:
 class Ship:
     """The ship that sailed."""
 
-    length_m: float = required(Quantity("m", within(0.1, 600), "length"))
-    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the record's mean"))
+    length_m: float = required("m", within(0.1, 600), "length")
+    speed_kn: float | None = optional("kn", within(0.01, 60), "else the record's mean")
     bow_log_m: float | None = optional(
-        Quantity("m", within(0, 600), "forward log, ahead of the centre of mass")
+        "m", within(0, 600), "forward log, ahead of the centre of mass"
     )
-    stern_log_m: float | None = optional(
-        Quantity("m", within(0, 600), "aft log, behind the centre of mass")
-    )
+    stern_log_m: float | None = optional("m", within(0, 600), "aft log, behind the centre of mass")
     displacement_m3: float | None = optional(
-        Quantity("m^3", above(0, 1e7), "for derivatives in the other system")
+        "m^3", above(0, 1e7), "for derivatives in the other system"
     )
     vessel: str | None = optional(
         Text(200, "vessel file that acceleration terms and starting values come from")
@@ -83,10 +81,10 @@ class Track:
     """The antenna and the current, between a track of latitudes and longitudes and sway."""
 
     antenna_m: float | None = optional(
-        Quantity("m", within(-600, 600), "forward of the centre of mass; else 0")
+        "m", within(-600, 600), "forward of the centre of mass; else 0"
     )
-    current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
-    current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
+    current_east_kn: float | None = optional("kn", within(-20, 20), "taken off; else 0")
+    current_north_kn: float | None = optional("kn", within(-20, 20), "likewise")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,8 +92,8 @@ class ModelTable:
     """The model and how it is fitted."""
 
     kind: str = required(Choice(STUDY_MODELS, "model"))
-    outputs: tuple[str, ...] = field(
-        default=(), metadata={"kind": Choices(OUTPUT_CHANNELS, "channels fitted; none for own")}
+    outputs: tuple[str, ...] = with_default(
+        (), Choices(OUTPUT_CHANNELS, "channels fitted; none for own")
     )
     file: str | None = optional(Text(200, "system file, or a program, of kind own"))
     system: str | None = optional(Choice(("prime", "bis"), "of the derivatives; else prime"))
@@ -105,16 +103,12 @@ class ModelTable:
     )
     method: str | None = optional(Choice(FIT_METHODS, "minimiser; else scoring"))
     restarts: float | None = optional(
-        Quantity("-", within(0, 100), "others in a row that find no better; else 12")
+        "-", within(0, 100), "others in a row that find no better; else 12"
     )
-    predict_from: float | None = optional(
-        Quantity("-", within(1, 1000), "steps predicted, fewest; else 1")
-    )
-    predict_to: float | None = optional(
-        Quantity("-", within(1, 1000), "steps predicted, most; else 1")
-    )
+    predict_from: float | None = optional("-", within(1, 1000), "steps predicted, fewest; else 1")
+    predict_to: float | None = optional("-", within(1, 1000), "steps predicted, most; else 1")
     reject: float | None = optional(
-        Quantity("-", above(0, 0.5), "probability below which a sample is an outlier; else none")
+        "-", above(0, 0.5), "probability below which a sample is an outlier; else none"
     )
 
 
@@ -123,9 +117,9 @@ class ParameterRow:
     """One parameter: where it starts, and whether it is estimated."""
 
     name: str = required(Text(20, "theta1 ..., as the model has them"))
-    start: float | None = optional(Quantity("-", within(-1e12, 1e12), "else the model's own"))
+    start: float | None = optional("-", within(-1e12, 1e12), "else the model's own")
     free: str | None = optional(Choice(YES_NO, "estimated? else as the model has it"))
-    scale: float | None = optional(Quantity("-", above(0, 1e12), "size of a unit step; else own"))
+    scale: float | None = optional("-", above(0, 1e12), "size of a unit step; else own")
     per_run: str | None = optional(
         Choice(YES_NO, "does each run have its own? else the first state and steady forces have")
     )
@@ -136,11 +130,9 @@ class RunRow:
     """A further record of the same ship, fitted together with the first."""
 
     data: str = required(Text(200, "CSV file or recording of the same columns"))
-    from_s: float | None = optional(
-        Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
-    )
-    to_s: float | None = optional(Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used"))
-    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the ship's"))
+    from_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
+    to_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used")
+    speed_kn: float | None = optional("kn", within(0.01, 60), "else the ship's")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,30 +140,13 @@ class ArmaxTable:
     """ARMAX models of one output by the rudder."""
 
     output: str = required(Choice(OUTPUT_CHANNELS, "channel"))
-    most: float | None = optional(Quantity("-", within(1, 10), "highest order tried; else 4"))
+    most: float | None = optional("-", within(1, 10), "highest order tried; else 4")
     remove: str | None = optional(Choice(MEAN_TREATMENTS, "taken off both series; else mean"))
-    dead_time: float | None = optional(Quantity("-", within(0, 100), "samples; else 0"))
+    dead_time: float | None = optional("-", within(0, 100), "samples; else 0")
     initial: str | None = optional(Choice(YES_NO, "estimate the initial state? else yes"))
-    lags: float | None = optional(Quantity("-", within(1, 50), "of the residual tests; else 10"))
+    lags: float | None = optional("-", within(1, 50), "of the residual tests; else 10")
 
 
 COLUMN_ROWS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNEL_UNITS) + 3, "columns, below")
 RUN_ROWS: Final = Rows(RunRow, ("note",), 0, 50, "further records, below")
 PARAMETER_ROWS: Final = Rows(ParameterRow, ("note",), 0, 60, "parameters, below")
-
-STUDY_RECORDS: Final = {
-    "": StudyHeading,
-    "[columns]": ColumnRow,
-    "[runs]": RunRow,
-    "ship": Ship,
-    "sensors": Sensors,
-    "track": Track,
-    "model": ModelTable,
-    "[parameters]": ParameterRow,
-    "armax": ArmaxTable,
-}
-
-
-def key_tables() -> str:
-    """Return the Markdown tables of every key, as docs/identification.md shows them."""
-    return tables_of(STUDY_RECORDS)

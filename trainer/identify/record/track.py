@@ -1,9 +1,10 @@
-"""Sway velocity from a track over the ground and the heading, section 11.
+"""Sway velocity from a track over the ground and the heading.
 
-A track in a plane grid, or of latitudes and longitudes on the ellipsoid of WGS 84. There the
-velocity north is M dphi/dt, east N cos(phi) dlambda/dt, with the radii of curvature M in the
-meridian and N across it: J. P. Snyder, Map Projections - A Working Manual, U.S. Geological Survey
-Professional Paper 1395 (1987), pages 24-25; the ellipsoid's numbers are of NIMA TR8350.2.
+``study`` and ``decca`` make a record's sway by it. A track in a plane grid, or of latitudes and
+longitudes on the ellipsoid of WGS 84. There the velocity north is M dphi/dt, east N cos(phi)
+dlambda/dt, with the radii of curvature M in the meridian and N across it: J. P. Snyder, Map
+Projections - A Working Manual, U.S. Geological Survey Professional Paper 1395 (1987), pages 24-25;
+the ellipsoid's numbers are of NIMA TR8350.2.
 """
 
 from dataclasses import replace
@@ -37,7 +38,10 @@ def derivative(series: Numbers, interval: float) -> Numbers:
 
 
 def smooth_spencer(series: Numbers) -> Numbers:
-    """Return the series by Spencer's 15 points, exact for cubics. Seven at each end are NaN."""
+    """Return the series by Spencer's 15 points, exact for cubics. Seven at each end are NaN.
+
+    ``trainer decca --smooth`` takes the jitter of lanes out so.
+    """
     smoothed = np.full_like(series, np.nan)
     if len(series) >= len(SPENCER_WEIGHTS):
         smoothed[7:-7] = np.convolve(series, SPENCER_WEIGHTS, mode="valid")
@@ -47,7 +51,10 @@ def smooth_spencer(series: Numbers) -> Numbers:
 def resolve_along(
     east: Numbers | float, north: Numbers | float, course: Numbers | float
 ) -> tuple[Numbers, Numbers]:
-    """Return the parts of (east, north) along a course [rad] and to starboard of it."""
+    """Return the parts of (east, north) along a course [rad] and to starboard of it.
+
+    A velocity so becomes speed ahead and sway.
+    """
     s, c = np.sin(course), np.cos(course)
     return np.asarray(north * c + east * s), np.asarray(east * c - north * s)
 
@@ -94,10 +101,8 @@ def ground_velocity(
     """Return the velocity east and north [m/s] of a track of latitude and longitude [rad]."""
     squared = EARTH_FLATTENING * (2.0 - EARTH_FLATTENING)  # of the eccentricity
     inside = 1.0 - squared * np.sin(latitude) ** 2
-    meridian, across = (
-        EQUATOR_RADIUS_M * (1.0 - squared) / inside**1.5,
-        EQUATOR_RADIUS_M / np.sqrt(inside),
-    )
+    meridian = EQUATOR_RADIUS_M * (1.0 - squared) / inside**1.5
+    across = EQUATOR_RADIUS_M / np.sqrt(inside)
     east = across * np.cos(latitude) * derivative(unwrap_angle(longitude), interval)
     return east, meridian * derivative(latitude, interval)
 
@@ -119,10 +124,8 @@ def with_sway(record: Record, drift: Drift) -> Record:
         return record
     if record.sway is not None:
         raise ConfigError(f"{record.source}: has both {record.name('sway')} and a track: take one")
-    interval, heading = (
-        even_interval(record.t, record.source),
-        unwrap_angle(record.column("heading")),
-    )
+    interval = even_interval(record.t, record.source)
+    heading = unwrap_angle(record.column("heading"))
     east, north = ground_velocity(record.latitude, record.longitude, interval)
     yaw_rate = record.yaw_rate
     rate = derivative(heading, interval) if yaw_rate is None else yaw_rate

@@ -1,6 +1,10 @@
-"""A ship fitted to its records: regression to start, scoring to settle, honest intervals.
+"""A ship that is not linear, fitted: start, search, standard deviations.
 
-docs/nonlinear-ships.md has the figures that the constants and intervals were judged by.
+``results.fit_trials`` calls it for ``trainer identify --model mmg`` and its like. The start is a
+linear regression of smoothed accelerations; the search is Levenberg's, by the expected information
+of the likelihood with the prior; each equation's disturbance is then widened for the coefficients
+fitted in it, because maximum likelihood takes them for known. docs/nonlinear-ships.md has the
+figures that the constants and intervals were judged by.
 """
 
 import math
@@ -21,19 +25,18 @@ from trainer.identify.ships.records import Trial
 # it explains 91.7 to 99.8 % of the yaw rates.
 RUDDER_GUESS: Final = np.array([0.4, -0.7, 0.5, 0.4, 0.0])  # gamma, l, kappa, c_w, gamma_a
 SMOOTHING_WINDOW: Final = 0.3  # [L/U] of the smoothing polynomial
-SMOOTHING_ORDER: Final = 3
+SMOOTHING_ORDER: Final = 3  # of the polynomials of Savitzky and Golay
 RESIDUAL_SHARE: Final = 0.05  # [-] of the acceleration's variance that the regression leaves
 START_NOISE_SHARES: Final = (0.03, 0.05)  # [-] of spread: disturbance in ten samples, and error
 # [-] of a disturbance's logarithm about its start: a factor of two. Without this prior the
 # disturbance of sway went to zero in half of 200 made records, and sway's deviations with it.
 LOG_NOISE_WIDTH: Final = 0.7
 UNREAD_NOISE_WIDTH: Final = 1.0  # the same of the error of a channel that was not read
-MAX_STEPS: Final = 200
+MAX_STEPS: Final = 200  # steps, beyond which a search has not settled
 PROMISE_TOLERANCE: Final = 1e-6  # promise of a further step
 MAX_REFUSALS: Final = 30  # steps tried from one place, each with four times the damping
 MIN_EIGENVALUE: Final = 1e-12  # eigenvalue of the scaled information that counts
 MAX_LOG_STEP: Final = 1.0  # of a logarithm or first state in a step
-COST_MARGIN: Final = 0.1  # of -log L by which another start must not be better
 OTHER_STARTS: Final = 2  # starts beside the regression: a search that settles knows one hill only
 
 
@@ -212,12 +215,10 @@ def _solve_axis(
     places = [model.free.index(name) for name in names]
     weight = 1.0 / max(RESIDUAL_SHARE * float(np.var(target)), 1e-30)
     A, known = terms[:, [model.names.index(name) for name in names]], problem.width[places] ** -2.0
-    normal_matrix = weight * A.T @ A + np.diag(known)
+    normal = weight * A.T @ A + np.diag(known)
     right = weight * A.T @ target + known * problem.mean[places]
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(normal_matrix), 1e-300))
-    solved = (
-        unit * np.linalg.lstsq(normal_matrix * np.outer(unit, unit), unit * right, rcond=1e-12)[0]
-    )
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    solved = unit * np.linalg.lstsq(normal * np.outer(unit, unit), unit * right, rcond=1e-12)[0]
     return dict(zip(names, map(float, solved), strict=True))
 
 
@@ -261,13 +262,19 @@ def _scaled(H: Numbers) -> tuple[Numbers, Numbers, Numbers]:
 
 
 def promise_of(g: Numbers, H: Numbers) -> float:
-    """Return by how much a full step promises to lower the cost."""
+    """Return by how much a full step promises to lower the cost.
+
+    A search has settled where that is next to nothing.
+    """
     unit, sizes, vectors = _scaled(H)
     return 0.5 * float(np.sum((vectors.T @ (unit * g)) ** 2 / sizes))
 
 
 def held_slopes(problem: ShipProblem, a: Numbers) -> tuple[Numbers, Numbers]:
-    """Return gradient and information, without errors of readings held at their floor."""
+    """Return gradient and information, without errors of readings held at their floor.
+
+    Such an error cannot become smaller, so it must not pull the step.
+    """
     _, g, H = problem.slopes(a)
     held = (a <= problem.lowest) & (g > 0.0)
     g[held], H[held], H[:, held] = 0.0, 0.0, 0.0
@@ -378,7 +385,10 @@ def _with_intervals(
 def _known_at(
     problem: ShipProblem, a: Numbers, found: SearchResult, others: tuple[float, ...]
 ) -> ShipFit:
-    """Return the fit with the covariance that the information at ``a`` gives."""
+    """Return the fit with the covariance that the information at ``a`` gives.
+
+    The prior's part is taken off the records' information, to tell one from the other.
+    """
     _, H = held_slopes(problem, a)
     records_information = H.copy()
     places = np.arange(problem.common)

@@ -1,8 +1,9 @@
 """The likelihood of a ship's records with what books say: value, gradient and information.
 
-A parameter vector has the free coefficients, the logarithms of the disturbances of u, v and r and
-of the errors of u, v, r and heading, then a first state for each record; with roll there are a
-disturbance, two errors and two states more. Coefficients and noise are common to all records.
+``fit`` searches its minimum. A parameter vector has the free coefficients, the logarithms of the
+disturbances of u, v and r and of the errors of u, v, r and heading, then a first state for each
+record; with roll there are a disturbance, two errors and two states more. Coefficients and noise
+are common to all records.
 """
 
 import math
@@ -78,7 +79,10 @@ class ShipProblem:
         return System(self.constants, self._terms, values, self._places, self.model.driven)
 
     def penalty(self, a: Numbers) -> float:
-        """Return what the prior adds to -log L."""
+        """Return what the prior adds to -log L.
+
+        It grows as coefficients leave the books' values.
+        """
         away = (a[: self.common] - self.mean) / self.width
         return 0.5 * float(away @ away)
 

@@ -1,4 +1,7 @@
-"""A fitted ship as a page, as a plot, and as a table of coefficients."""
+"""``trainer identify`` of a ship that is not linear: text, plots, HTML and CSV.
+
+``results`` has the figures; here they are only put into tables, curves and sentences.
+"""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,8 @@
-"""Priors of a ship's coefficients, as books have them."""
+"""Usual values of a ship's coefficients from books, as a prior of the fit.
+
+A record of a few manoeuvres does not determine all coefficients of such a model. The prior holds
+those that it leaves open near what ships of such dimensions have; ``--prior-strength`` widens it.
+"""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,8 @@
-"""A ship's file begun from a record, for its user to complete."""
+"""``trainer identify new RECORD --ship FILE``: a ship's file begun, for its user to complete.
+
+The record gives the columns; what only the user knows (dimensions, propeller) is left as a
+question.
+"""
 
 import shlex
 from collections.abc import Collection

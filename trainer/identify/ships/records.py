@@ -1,4 +1,9 @@
-"""Records of ships that are not linear: read, examined, and averaged to samples."""
+"""Records of ships that are not linear: read, examined, and averaged to samples.
+
+Such a fit needs speed, sway and propeller revolutions beside helm and turning. ``Trial`` has them
+as one table in the columns of ``kernels/extended_filter``, SI and radians. There a positive rudder
+turns to starboard, unlike in a record.
+"""
 
 import math
 import zlib
@@ -305,7 +310,10 @@ def _read_by(
 
 
 def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table as extended_filter takes it: with times and steps, then roll."""
+    """Return the table as extended_filter takes it: with times and steps, then roll.
+
+    A step of Runge and Kutta must be short against the ship's own motions.
+    """
     gaps = np.append(np.diff(t), 0.0)
     length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
     # steps are short against a ship's length and against its period of roll; 1e-9 is for rounding

@@ -1,5 +1,11 @@
-"""The report of a fitted ship: coefficients, untold combinations, predictions, innovations."""
+"""The report of a fitted ship: what records determine, and what the prior does.
 
+``cli/ships`` calls ``read_trials`` and ``fit_trials`` for a ship that is not linear; ``fit``
+searches, and ``page`` prints what is found here. The prior is what books say of such a ship: a user
+must see which numbers are the record's own and which are the books'.
+"""
+
+# long: one report, part by part
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -28,12 +34,12 @@ from trainer.identify.ships.priors import prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
 from trainer.units import KNOT
 
-INTERVAL_DEVIATIONS: Final = 1.96
+INTERVAL_DEVIATIONS: Final = 1.96  # [standard deviations] of a 95 % interval
 BOOK_PRIOR_SHARE: Final = 0.9  # [-] share of the prior above which a coefficient is the book's
 FAINT_EIGENVALUE: Final = 1e-3  # [-] of the records' scaled information: below it tells nothing
 MIN_NAMED_PART: Final = 0.3  # [-] of a unit vector: what is smaller is not named
-MAX_DIRECTIONS: Final = 6
-SUSPECT_PROBABILITY: Final = 0.01
+MAX_DIRECTIONS: Final = 6  # combinations shown at most
+SUSPECT_PROBABILITY: Final = 0.01  # [-] of a test of innovations: below it they are not white
 OUTPUT_NAMES: Final = ("surge", "sway", "yaw rate", "heading", "roll rate", "roll")
 OUTPUT_UNITS: Final = ("m/s", "m/s", "deg/s", "deg", "deg/s", "deg")
 OUTPUT_SCALES: Final = np.array([1.0, 1.0, *[180.0 / math.pi] * 4])
@@ -169,7 +175,7 @@ def fit_trials(
     prior, source = prior_of(model, ship)
     strength = options.prior_strength
     problem, begin = pose_problem(model, np.array(ship.constants), trials, prior, strength)
-    doubts = tuple(_strangers(problem, begin))
+    doubts = tuple(_find_other_ships(problem, begin))
     fitted = fit_ship(problem, begin, heard)
     if not math.isfinite(fitted.found.cost):
         raise ConfigError(
@@ -200,7 +206,7 @@ def _between(trial: Trial, begin: float | None, end: float | None) -> Trial:
     return replace(trial, t=trial.t[inside], table=table)
 
 
-def _strangers(problem: ShipProblem, begin: Numbers) -> Iterator[str]:
+def _find_other_ships(problem: ShipProblem, begin: Numbers) -> Iterator[str]:
     """Yield which record may be of another ship; ConfigError if it surely is.
 
     The regression leaves yaw accelerations. With common coefficients it leaves more than with

@@ -1,4 +1,8 @@
-"""Trials of ships that are not linear: what a helm would tell."""
+"""``trainer prbs`` for ships that are not linear: plans, and what each would determine.
+
+Each plan is flown by the ship itself in a calm. The expected information of a fit to that record
+gives the standard deviations, as ``judge/design`` has them for a boat.
+"""
 
 import math
 from collections.abc import Collection, Iterator, Sequence
@@ -121,7 +125,10 @@ class TrialOptions(HelmOptions):
 
 @dataclass(frozen=True)
 class Leg:
-    """One helm, from a speed on, with the revolutions of this speed or of another."""
+    """One trial of a plan.
+
+    It has the helm, the speed at its begin, and the speed that its revolutions hold.
+    """
 
     speed_kn: float
     held_kn: float
@@ -177,7 +184,10 @@ class TrialDesign:
 
 
 class TrialShip(IdentifiedShip):
-    """A ship that begins with the revolutions of a speed of their own."""
+    """A ship that begins at one speed with the revolutions that hold another.
+
+    So its speed changes in the trial, and drag and thrust can be told apart.
+    """
 
     def __init__(self, ship: ShipFile, held: float) -> None:
         """Take the ship, and the speed [m/s] that its revolutions hold."""

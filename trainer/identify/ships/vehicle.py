@@ -1,4 +1,9 @@
-"""An identified ship under the orders of a manoeuvre or a study, with its uncertainty."""
+"""A fitted ship that is not linear, flown by ``trainer manoeuvre``, ``sweep`` and ``prbs``.
+
+Its coefficients are uncertain, so a manoeuvre is flown again by ships drawn from their covariance,
+and each measure has the range of 95 % of them. Beyond the motions that the records covered the
+polynomials say nothing, and the report says where that happens.
+"""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -33,7 +38,7 @@ from trainer.report.text import table, wrap
 
 FLIGHT_COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")
 ROLL_COLUMNS: Final = ("p", "phi")  # columns of a ship with roll, after them
-MAX_DRAWS: Final = 100
+MAX_DRAWS: Final = 100  # ships drawn for the bands of a manoeuvre
 MIN_DRAWS: Final = 20  # of a long manoeuvre,
 MAX_CYCLES: Final = 600_000  # so that all of them together take no more
 MAX_LOST_SHARE: Final = 0.5  # [-] of the draws
@@ -102,7 +107,7 @@ class IdentifiedShip:
 
 
 def draw_ships(ship: ShipFile, count: int) -> Iterator[ShipFile]:
-    """Yield ships drawn from what the records leave open."""
+    """Yield ships drawn from what the records leave open; none without a covariance."""
     if ship.covariance is None:
         return
     known = JointCoefficients(

@@ -62,6 +62,7 @@ PLAN_PATTERN = re.compile(
     r"|when\s+(?P<condition>\S.*?)\s+then)\s+(?P<order>\S.*?)\s*",
     re.IGNORECASE,
 )
+WHAT_IF_PATTERN = re.compile(r"\s*what\s+if\s+(\S.*?)\s*", re.IGNORECASE)
 ORDER_HEADS = {heading_word(form) for form in FORMS}
 
 
@@ -159,6 +160,8 @@ def parse(line: str) -> Order | BadOrder | None:
             return Order("aye", 0.0, "", f"{words} aye".strip(), (), words)
         if plan := PLAN_PATTERN.fullmatch(said):
             return planned_order(plan)
+        if supposed := WHAT_IF_PATTERN.fullmatch(said):
+            return supposed_order(supposed[1])
         words = said
         for pattern, whole in SPLIT_WORDS:  # one in the table
             words = pattern.sub(whole, words)
@@ -196,6 +199,16 @@ def planned_order(said: re.Match[str]) -> Order:
     text = f"{head} {wording} {inner.text}"
     refuse_unreadable(text)
     return Order("plan", value, head, text, (value,), inner.text)
+
+
+def supposed_order(words: str) -> Order:
+    """Return the question what another order would bring; refuses what is none."""
+    inner = parse(words)
+    if not isinstance(inner, Order):
+        raise RefusedError(inner.reason if inner else f"what if {words}: no order")
+    text = f"what if {inner.text}"
+    refuse_unreadable(text)
+    return Order("what-if", 0.0, "", text, (), inner.text)
 
 
 def understood_order(tokens: list[str]) -> Order:

@@ -1,13 +1,14 @@
-"""The order table as help on a terminal and as the page docs/orders.md."""
+"""The answers to the order ``help``, made of the order table, at most 79 columns.
+
+``station`` answers by it, and the pages complete orders with its words. It is made of the table, so
+that no order is without help.
+"""
 
 import difflib
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from trainer.io.orders import sentences
-from trainer.io.orders.grammar import MAX_LINE_LETTERS
-from trainer.io.orders.phrases import phrase_table
 from trainer.io.orders.quantities import NUMBER_KINDS, Number
 from trainer.io.orders.table import (
     BOAT_TOPICS,
@@ -23,86 +24,6 @@ from trainer.io.orders.table import (
 
 HELP_WIDTH = 79  # [characters]
 SESSION_SUBJECTS = "time, moments and stations"
-
-INTRODUCTION_TEXT = f"""# Orders
-
-<!-- Made of the tables of trainer/io/orders and trainer/session/dispatch; a test compares them. -->
-
-After this page you can give any order, in full, cut short, or as it is said in a control room.
-
-An order is one line of at most {MAX_LINE_LETTERS} characters: plain words, in capitals or not. \
-Any word may
-be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
-unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
-What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other; NAME, LABEL and
-CHANNEL are a word of letters, digits and dashes; TOKEN is a word of any characters but `#`, `$`,
-`*` and commas.
-
-A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `600 rudder right 15`.
-"""
-
-
-PHRASES_TEXT = """## Phrases
-
-The words of a control room are understood too. A station means the order of the second column. The
-instructor, the diving officer and a schedule mean the order to the crew of the third column, where
-there is one. Numbers may be words: `zero four five`, `one eighty`, `two hundred`. An unknown phrase
-is refused, with the nearest. `meet her` puts the rudder against the swing, and amidships when the
-swing has stopped; `ease` and `shift` keep the side of the rudder that is on.
-"""
-
-PROGRAMS_TEXT = f"""## Lines of programs
-
-A program sends the same words in a frame, and is answered in frames. The two hexadecimal digits
-after `*` are the exclusive or of all characters between `$` and `*`. A tag of one to six digits may
-stand before the words; every answer to that order carries it. A damaged line is answered without
-a tag, which cannot be trusted either. A line in has at most {MAX_LINE_LETTERS} characters, \
-a line out
-{sentences.MAX_ANSWER_LETTERS}.
-
-The text is the last field and may hold commas; a `$`, a `*` or a character beyond ASCII in it is
-sent as `?`. In a field before others a comma is sent as `;`.
-"""
-
-EXAMPLE_ORDERS = (
-    ("$TRO,[tag,]words*HH", "an order", sentences.order_sentence("rudder left 15")),
-    ("$TRO,[tag,]words*HH", "one with a tag", sentences.order_sentence("rudder left 15", "7")),
-    (
-        "$TRA,[tag,]ok,text*HH",
-        "done, and what holds now",
-        sentences.answer("7", accepted=True, text="rudder left 15, by hand"),
-    ),
-    (
-        "$TRA,[tag,]no,text*HH",
-        "not done, and why",
-        sentences.answer("7", accepted=False, text="this boat has no rudder"),
-    ),
-    (
-        "$TRA,[tag,]say,text*HH",
-        "a line of a long answer, before the last",
-        sentences.say("7", "pitch +0.10   heel +0.00 degrees"),
-    ),
-    (
-        "$TRN,channel,name:unit,...*HH",
-        "names and units on a channel",
-        sentences.names("example", [("depth", "m"), ("course", "deg")]),
-    ),
-    (
-        "$TRS,channel,tick,seconds,value,...*HH",
-        "its values",
-        sentences.state("example", 120, 60.0, ["60.02", "089.9"]),
-    ),
-    (
-        "$TRE,tick,seconds,kind,text*HH",
-        "something that happened",
-        sentences.event(120, 60.0, "order", "helm: rudder left 15"),
-    ),
-    (
-        "$TRF,tick,seconds,what,subject*HH",
-        "a fact of it, for programs",
-        sentences.fact(120, 60.0, "order", "rudder left 15"),
-    ),
-)
 
 
 def help_text(topic: str) -> list[str]:
@@ -171,43 +92,3 @@ def synonyms(patterns: list[str]) -> list[str]:
             if others:
                 lines_by_word[word] = f"{word}: also {', '.join(others)}"
     return list(lines_by_word.values())
-
-
-def page(obeyed_by: Mapping[str, str]) -> str:
-    """Return docs/orders.md; ``obeyed_by`` says of each order word who obeys it."""
-    escaped = [
-        (usage(form).replace("|", "\\|"), name, obeyed_by[name], form.says)
-        for form in FORMS
-        if not form.refusal and (name := form.name or heading_word(form))
-    ]
-    refused = [(usage(form).replace("|", "\\|"), form.refusal) for form in FORMS if form.refusal]
-    return "\n".join(
-        [
-            INTRODUCTION_TEXT,
-            *table(("wording", "order", "obeyed by", "what it does"), escaped),
-            "## Numbers\n",
-            *table(
-                ("in the table", "is"),
-                [(name, limits_and_units(n)) for name, n in NUMBER_KINDS.items()],
-            ),
-            "The boat's own limits are narrower, and are applied later.\n",
-            "## Other spellings\n",
-            *(f"- {same}" for same in synonyms(" ".join(f.pattern for f in FORMS).split())),
-            "",
-            PHRASES_TEXT,
-            *table(("said", "order", "said by instructor or diving officer"), phrase_table()),
-            PROGRAMS_TEXT,
-            *table(
-                ("line", "what it is", "example"),
-                [(line, says, f"`{example}`") for line, says, example in EXAMPLE_ORDERS],
-            ),
-            "## Refused with advice\n",
-            *table(("wording", "answer"), refused),
-        ]
-    )
-
-
-def table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """Return a Markdown table, its first column as code, and a blank line."""
-    lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
-    return [*lines, *(f"| `{row[0]}` | {' | '.join(row[1:])} |" for row in rows), ""]

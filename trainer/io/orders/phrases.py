@@ -80,12 +80,7 @@ PHRASES: Final = (
         "course {side} to {n}",
         "order course {side} {n}",
     ),
-    Phrase(
-        "steady on 045",
-        "steady [up] on [course] COURSE",
-        "course {n}",
-        "order course {n}",
-    ),
+    Phrase("steady on 045", "steady [up] on [course] COURSE", "course {n}", "order course {n}"),
     Phrase("steer 045", "steer [course] COURSE", "course {n}", "order course {n}"),
     Phrase("come to 045", "come to [course] COURSE", "course {n}", "order course {n}"),
     Phrase("steady as she goes", "steady as she goes", "course steady", "order course steady"),
@@ -291,24 +286,3 @@ def chunk_of(rest: list[str]) -> str:
     if rest and rest[0] in TEEN_VALUES:
         return str(TEEN_VALUES[rest.pop(0)])
     return DIGIT_VALUES[rest.pop(0)] if rest and rest[0] in DIGIT_VALUES else ""
-
-
-def phrase_table() -> list[tuple[str, str, str]]:
-    """Return the rows of the table in docs/orders.md: phrase, order, order to the crew."""
-    rows = []
-    for phrase in PHRASES:
-        phrase_meaning = meaning(as_tokens(phrase.example))
-        if phrase_meaning:
-            rows.append(
-                (
-                    phrase.example,
-                    f"`{phrase_meaning.order}`",
-                    phrase_meaning.crew and f"`{phrase_meaning.crew}`",
-                )
-            )
-    return rows
-
-
-def as_tokens(example: str) -> list[str]:
-    """Return an example as the tokens that a line would have."""
-    return re.sub(r"\b(one|two) third", r"\1-third", example.lower()).split()

@@ -1,4 +1,9 @@
-"""The numbers of an order line: their meaning, their units and the grammar's limits."""
+"""The numbers of an order line: their meaning, their units and the grammar's limits.
+
+``grammar`` reads a number by its kind in ``NUMBER_KINDS``, and help, pages and exported cores tell
+the same limits. They are wide, because they stop slips of typing only; the boat's own limits are
+narrower and come later.
+"""
 
 from dataclasses import dataclass
 from decimal import Decimal
@@ -80,6 +85,8 @@ NUMBER_KINDS = {
     "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN_UNIT,), -1000.0, 1000.0),
     "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),
     "PLAN": Number("the number of a plan", (PLAIN_UNIT,), 1.0, 999999.0, decimals=0),
+    "LENGTH": Number("a time to be shown", (SECONDS, MINUTES), 1.0, 3600.0),
+    "REACH": Number("a time ahead", (SECONDS, MINUTES), 10.0, 120.0),
     "LAPSE": Number("a time back", (SECONDS, MINUTES), 0.1, 86400.0),
     "TIME": Number("a time", (SECONDS, MINUTES), 0.0, 86400.0),
     "RATE": Number("a rate", (HERTZ,), 0.1, 50.0),

@@ -1,7 +1,7 @@
 """Files of orders to be given at set times.
 
-A line is `SECONDS ORDER`; blank lines and what follows a "#" are ignored; the lines need not be
-in order of time.
+``session/plan`` reads ``--orders``, and exercise files have the same entries. A line is `SECONDS
+ORDER`; blank lines and what follows a "#" are ignored; the lines need not be in order of time.
 """
 
 import re

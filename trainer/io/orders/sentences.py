@@ -23,16 +23,15 @@ from dataclasses import dataclass
 
 from trainer.io.orders.grammar import MAX_LINE_LETTERS, BadOrder, Order, parse, printable
 
-MAX_ANSWER_LETTERS = (
-    2000  # [characters]  of a line from the session; NMEA's 82 would cut states apart
-)
+# [characters]  of a line from the session; NMEA's 82 would cut states apart
+MAX_ANSWER_LETTERS = 2000
 
 FRAME_PATTERN = re.compile(r"\$([^$*]*)\*([0-9A-Fa-f]{2})")
 TAG_PATTERN = re.compile(r"[0-9]{1,6}")
 UNSAFE_PATTERN = re.compile(r"[^ -~]|[$*]")
 # Of each kind: the commas after which they belong to the text, and the fields it has at least.
 SENTENCE_KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4), "TRF": (3, 4)}
-# Of those that tell when: where the tick stands, and after it the seconds.
+# Sentences with a time: the place of the tick among their fields; the seconds follow it.
 TIME_FIELDS = {"TRS": 1, "TRE": 0, "TRF": 0}
 TICK_PATTERN = re.compile(r"[0-9]{1,18}")
 SECONDS_PATTERN = re.compile(r"[0-9]{1,18}(?:\.[0-9]{1,9})?")
@@ -43,7 +42,10 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "back": "the order that has jumped to this tick; the orders to the crew that wait there follow",
     "branch": "number, parent, begun and last [s], and why it began; all before that to `branches`",
     "exercise-over": "how it ended: lost, or ended; time stands still, the session goes on",
-    "marks": "outcome and total [%]; to the instructor first, to all once they are released",
+    "marks": "outcome, total [%], aids that were used; to all once they are released",
+    "shown": "an order of the reference crew, which shows the way",
+    "attainable": "time [s], marks [%] to be had from it, those so far, outcome, branch, left out",
+    "no-attainable": "why nothing is told of the marks still to be had",
     "reason": "a reason of the marks that were told last, after the time [s] it is about, if any",
     "debrief": "the file that was written",
     "debrief-page": "its address at the pages' server, told to a page where the file is there",
@@ -55,6 +57,9 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "aboard": "role, name of its own, which of `you`, `command`, `ready` it is or has, and line",
     "said": "who has said or done what the next text tells, a role or `schedule`, and its words",
     "past": "begin or end, and the channel: the lines between them are what it has shown so far",
+    "step": "number, how many, instrument to look at, text of a lesson's step; 0: no more",
+    "step-hint": "what helps with the present step",
+    "step-missed": "number of a step that was not done in its time, and `again` or `on`",
     "compiled": "nothing: ticks are computed by machine code from this one on",
     "snapshot": "the name of a moment kept; all of them come before the answer to `snapshots`",
     "casualty": "name, degree and meaning of one that can be had; before that to `casualties`",

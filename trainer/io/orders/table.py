@@ -28,14 +28,14 @@ WORD_SETS = {
     "TANK": "auxiliary|depth-control",
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
-    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor|scope",
+    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor|scope|trainee",
     "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
     "AXIS": "rudder|planes|speed|ballast",
 }
 SESSION_TOPIC = "session"  # what `help` is asked for the other overview
 WHICH_WAY = "say which way: {} or {}"
 WHICH_PLANES = "which planes? say stern planes or bow planes"
-# What people say first, and the order that they are then told of.
+# Words that beginners type, and the order that the answer then suggests.
 MEANT_ORDERS = {
     **dict.fromkeys(("pause", "hold"), "freeze"),
     **dict.fromkeys(("resume", "continue", "go", "start", "play"), "run"),
@@ -76,6 +76,8 @@ UNSCHEDULED_WORDS = frozenset(
         "branches", "snapshots", "mark", "ack", "role", "name", "subscribe", "unsubscribe",
         "detach", "aye", "belay", "allow", "plan", "cancel", "again", "restart", "branch",
         "end", "release-marks", "debrief", "next", "ready", "command", "give", "keep",
+        "demonstrate", "ghost", "predictor",
+        "what-if",
     )
 )
 # fmt: on
@@ -191,8 +193,8 @@ SESSION_TOPICS = (
     Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
     Topic(("branches", "branch"), "branches | branch 1", "what was left behind; back to its end"),
     Topic(("end", "debrief"), "end exercise | release marks | debrief", "and what came of it"),
-    Topic(("again", "restart"), "again | again from here | restart", "the exercise once more"),
-    Topic(("next",), "next | next NAME", "the exercises, or another"),
+    Topic(("again", "restart", "next"), "again | again from here | next", "once more; others"),
+    Topic(("demonstrate", "ghost", "predictor"), "demonstrate | ghost on", "the way shown; aids"),
     Topic(("give", "keep"), "take command | give | keep command", "of several instructors"),
     Topic(
         ("role", "ready"), "role helm | role helm TOKEN | ready", "what a line may do; it is ready"
@@ -204,7 +206,7 @@ SESSION_TOPICS = (
     ),
     Topic(("order", "belay", "allow"), "order course 045 | belay | allow planes", "to the crew"),
     Topic(("tell", "report", "aye"), "tell ready | report ready | aye", "to and from the crew"),
-    Topic(("mark",), "mark good recovery", "mark this moment, with a remark"),
+    Topic(("mark", "what"), "mark good recovery | what if blow all", "a remark; marks with it"),
     Topic(("log", "ack"), "log 20 | ack 3 | ack all", "what has happened; alerts seen"),
     Topic(("briefing",), "briefing", "what the exercise is about"),
     Topic(("who", "name"), "who | name wall", "stations attached; what one is called"),
@@ -325,12 +327,19 @@ FORMS = (
     Form("end exercise", "end the exercise here: time stands still, the session goes on"),
     Form("release marks", "let everybody have the marks", name="release-marks"),
     Form("debrief", "write the debrief of what has been flown so far"),
+    Form("what if ORDER", "the marks still to be had with an order and without", name="what-if"),
     Form("again", "the exercise again, from the start"),
     Form("again from LABEL", "from a moment kept, or from `here`: the end comes at its time"),
     Form("again from LAPSE", "from so long ago"),
     Form("restart", "the exercise again, from the start, and time goes on at once"),
     Form("next", "the exercises there are"),
     Form("next EXERCISE", "end this one, and begin that one at the same stations"),
+    Form("demonstrate", "have the reference crew show the way from here, for 2 min", value=120.0),
+    Form("demonstrate for LENGTH", "for so long; then back to this moment, frozen"),
+    Form("demonstrate off", "end that now"),
+    Form("ghost on|off", "the reference crew's run from the start beside yours, or not"),
+    Form("predictor REACH", "where depth, pitch and heading go, with the controls as they stand"),
+    Form("predictor off", "no longer"),
     Form("take command", "ask for command, where there are several instructors", name="command"),
     Form("give command", "let the instructor who asked have it"),
     Form("keep command", "refuse it"),

@@ -1,1 +1,1 @@
-"""The recording: its file, what is written to it, what it tells of the past."""
+"""The recording of a run: its file, how it is written, how it is queried."""

@@ -1,9 +1,13 @@
-"""Recordings that are no file; with them a run needs no ``if``."""
+"""Stand-ins for a recording where a run has none, so that callers need no ``if``.
+
+They have the methods of ``recording.Recording``. ``NoRecording`` drops everything; ``OrderMemory``
+remembers the orders alone, for the Python face, which lists them.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, Giver
+from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
 from trainer.io.recording.queries import Branch, Moment, RecordedEvent, RecordedOrder
 
 
@@ -46,7 +50,7 @@ class NoRecording:
     def snapshot(self, _name: str, _moment: Moment) -> None:
         """Drop it."""
 
-    def fork(self, _moment: Moment, _why: str) -> int:
+    def fork(self, _moment: Moment, _why: str, _cause: BranchCause = BranchCause.JUMP) -> int:
         """Return the number of the branch that begins; drop its moment."""
         self.branch += 1
         return self.branch
@@ -115,10 +119,10 @@ class OrderMemory(NoRecording):
                 self._orders[-1], accepted=accepted, answer=answer, crew=crew
             )
 
-    def fork(self, moment: Moment, why: str) -> int:
+    def fork(self, moment: Moment, why: str, cause: BranchCause = BranchCause.JUMP) -> int:
         """Forget the orders after a moment; return the number of the new branch."""
         self._orders = [each for each in self._orders if each.id <= moment.after]
-        return super().fork(moment, why)
+        return super().fork(moment, why, cause)
 
     def orders(self, _branch: int, after: int = 0) -> list[RecordedOrder]:
         """Return those after number ``after``."""

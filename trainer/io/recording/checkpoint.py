@@ -100,7 +100,7 @@ class Checkpointer:
 
 
 def _identity(path: Path) -> tuple[int, int]:
-    """Return what tells a file from every other, (0, 0) if there is none."""
+    """Return device and inode of a file, which no other file has; (0, 0) if there is none."""
     try:
         status = path.stat()
     except OSError:

@@ -15,7 +15,7 @@ from typing import Final
 SYNC_PERIOD_S: Final = 0.2  # between looks at what is due
 RETRY_S: Final = 2.0  # until the file is opened that could not be
 QUIET_S: Final = 30.0  # without a sync that was late, before the disk keeps up again
-CLOSE_TIMEOUT_S: Final = 5.0  # for a disk that is at it when the recording ends
+CLOSE_TIMEOUT_S: Final = 5.0  # for a sync under way when the recording ends
 
 NEVER_DUE: Final = math.inf  # [s] when nothing is due
 
@@ -32,14 +32,14 @@ class Syncer:
         """Take the path of the database; `start` begins the thread."""
         self._written_ahead = path.with_name(path.name + "-wal")
         self._lock = threading.Lock()  # held for a moment where what is due changes
-        self._begin = NEVER_DUE  # [s] of the clock, when the disk is to be asked
-        self._due = NEVER_DUE  # [s] when the oldest commit is due that was not yet asked for
-        self._asked = NEVER_DUE  # [s] when that is due which the disk is asked for now
-        self._quiet = -NEVER_DUE  # [s] from when on nothing late counts any more
+        self._begin = NEVER_DUE  # [s] of the clock, when the next sync is to begin
+        self._due = NEVER_DUE  # [s] by when the oldest unsynced commit has to be on the disk
+        self._asked = NEVER_DUE  # [s] by when the sync under way has to be done
+        self._quiet = -NEVER_DUE  # [s] until when a late sync counts as the disk being behind
         self._descriptor = -1
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
-        self.failure: OSError | None = None  # with which it was refused, until all is home
+        self.failure: OSError | None = None  # of the last sync, until its pages are written
 
     def start(self) -> None:
         """Begin the thread. The file is opened now: there may be no descriptors left later."""

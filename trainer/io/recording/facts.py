@@ -1,7 +1,8 @@
 """The facts of a recording that programs decide on, beside its words for people.
 
-They are who gave an order, what it meant to the crew, and why a branch was begun. No program reads
-the words, because they may be reworded or translated.
+``recording`` stores them; debriefs and sessions read them. They are who gave an order, what it
+meant to the crew, and why a branch was begun. No program reads the words, because they may be
+reworded or translated.
 """
 
 from dataclasses import dataclass
@@ -46,7 +47,7 @@ class CrewFact(NamedTuple):
     """The news of an order for the crew, and the crew order concerned."""
 
     news: CrewNews = CrewNews.NOTHING
-    order: str = ""  # as the crew is told it
+    order: str = ""  # the order in words, as the crew reads it
 
 
 class BranchCause(Enum):
@@ -55,6 +56,7 @@ class BranchCause(Enum):
     START = "start"
     JUMP = "jump"  # somebody wound back, or took over
     GAP = "gap"  # the recording was out of reach
+    SHOWN = "shown"  # the reference crew shows the way: no run of the crew's
 
 
 NO_CREW_FACT = CrewFact()

@@ -1,8 +1,8 @@
 """The file of a recording is an SQLite database. One program writes it, and any may read it.
 
-It appears under its name only when it is whole. While it is written it is in WAL mode, because then
-readers see what is committed without holding up the writer, and the commits of a killed program
-stay for the next one.
+``recording`` and ``queries`` open it here. It appears under its name only when it is whole. While
+it is written it is in WAL mode, because then readers see what is committed without holding up the
+writer, and the commits of a killed program stay for the next one.
 """
 
 import contextlib

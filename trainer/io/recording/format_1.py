@@ -1,7 +1,7 @@
 """Recordings of format 1, which tell givers, causes and repeats in English words alone.
 
-Only this module reads those words. To go on with such a recording its file is changed to today's
-format; to read one, its file stays as it is.
+``file`` and ``queries`` ask it of an older file. Only this module reads those words. To go on with
+such a recording its file is changed to today's format; to read one, its file stays as it is.
 """
 
 import itertools

@@ -1,9 +1,10 @@
 """A recording answers questions of the past, through the branches that led to a moment.
 
-When a run is wound back its tick number goes back too. From there a new branch is flown; its past
-is that of its parent up to the moment where it began. State k of a branch stands at the end of
-tick k, before the orders given at tick k. Only the first state of a branch may include orders of
-its own tick, because a run may go back to a moment after them.
+``Recording`` answers by it, and debriefs and resumed runs ask. When a run is wound back its tick
+number goes back too. From there a new branch is flown; its past is that of its parent up to the
+moment where it began. State k of a branch stands at the end of tick k, before the orders given at
+tick k. Only the first state of a branch may include orders of its own tick, because a run may go
+back to a moment after them.
 """
 
 import sqlite3
@@ -25,12 +26,14 @@ from trainer.io.recording.facts import (
 from trainer.io.recording.file import FILE_FORMAT, RecordingError, understanding
 
 NO_END: Final = 2**62  # beyond any tick or order
-ORDER_LEEWAY_TICKS: Final = 1000  # [ticks] that an order may be beyond the last state of its branch
+# [ticks] that an order may lie beyond the last state of its branch: orders are kept at once, states
+# within some seconds, which a killed program does not live to see
+ORDER_LEEWAY_TICKS: Final = 1000
 MAX_ANSWER_BYTES: Final = 100_000_000  # [bytes] of an answer that is held as a whole
 ROW_BYTES: Final = 300  # [bytes] of a row beside its texts
 MAX_BRANCHES_READ: Final = 5_000  # of a file: four days of one after the other make 1,100
 MAX_EVENTS_READ: Final = 50_000  # of a file that somebody debriefs or exports
-MAX_ROWS_COUNTED: Final = 2_000_000  # where more are left out than that, it is told as so many
+MAX_ROWS_COUNTED: Final = 2_000_000  # more left-out rows than this are reported as this many
 DAMAGED_TEXT: Final = "a value is of another kind than is written there"
 Row = tuple[Any, ...]
 E = TypeVar("E", bound=Enum)
@@ -132,7 +135,7 @@ class RecordedEvent:
     who: str
     text: str
     wall: str  # time of day, UTC
-    role: str = ""  # of who said it
+    role: str = ""  # of the speaker
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """A recording is one file of a run: its orders, states and events.
 
-It stores bytes, text and numbers; only its caller knows what they mean. An order is written before
-it acts. Orders, snapshots and forks are committed when the call returns; the rest is gathered, and
-a thread commits it within a second. A process that is killed loses nothing that is committed. One
-whose machine loses power loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and no
-tick older than FLOWN_WITHIN_S: a thread waits for the disk, never the caller. `behind` says if it
-takes longer.
+``session/history`` writes it. It stores bytes, text and numbers; only its caller knows what they
+mean. An order is written before it acts. Orders, snapshots and forks are committed when the call
+returns; the rest is gathered, and a thread commits it within a second. A process that is killed
+loses nothing that is committed. One whose machine loses power loses no order, mark, snapshot or
+fork older than SAFE_WITHIN_S, and no tick older than FLOWN_WITHIN_S: a thread waits for the disk,
+never the caller. `behind` says if it takes longer.
 
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
 recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. Beyond that all of it is
@@ -58,6 +58,8 @@ SAFE_WITHIN_S: Final = 1.0  # in which orders, marks and snapshots are safe from
 # All else is safe in this time, which may be longer: states can be flown again from the orders.
 FLOWN_WITHIN_S: Final = 10.0
 
+SHOWN_REASON: Final = "the way was shown"  # why a branch begins where the crew goes on
+
 Row = tuple[int | str | bytes | None, ...]
 
 BRANCH_INSERT: Final = (
@@ -83,6 +85,7 @@ SNAPSHOT_INSERT: Final = (
     "INSERT INTO snapshots (name, branch, tick, state, after, place, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
+# They are written in this order, because a row may refer to one of an earlier kind.
 STATEMENTS: Final = (
     BRANCH_INSERT,
     ORDER_INSERT,
@@ -91,13 +94,9 @@ STATEMENTS: Final = (
     TIMING_INSERT,
     EVENT_INSERT,
     SNAPSHOT_INSERT,
-)  # written in this order: a row may refer to one of an earlier kind
-PROMISED_STATEMENTS: Final = (
-    BRANCH_INSERT,
-    ORDER_INSERT,
-    ANSWER_UPDATE,
-    SNAPSHOT_INSERT,
-)  # and marks, which are events
+)
+# Rows that are promised to outlive lost power; marks are too, but they are events.
+PROMISED_STATEMENTS: Final = (BRANCH_INSERT, ORDER_INSERT, ANSWER_UPDATE, SNAPSHOT_INSERT)
 MARK_KIND: Final = "mark"  # the kind of such an event
 COUNTED_STATEMENTS: Final = {
     STATE_INSERT: "ticks",
@@ -117,7 +116,7 @@ class Recording(Past):
     branch: int  # the present one
     reachable: bool  # after a gap: ``go_on`` can begin a new branch
     absences: int  # how often it was out of reach
-    wake: Callable[[], object]  # called by the thread where there is something to tell
+    wake: Callable[[], object]  # called by the thread when trouble begins or ends
 
     def __init__(
         self,
@@ -214,7 +213,7 @@ class Recording(Past):
         accepted: bool,  # noqa: FBT001
         crew: CrewFact = NO_CREW_FACT,
     ) -> None:
-        """Take what became of an order, and what it said to the crew."""
+        """Record the answer to an order, and its crew fact."""
         self._put(ANSWER_UPDATE, (answer, int(accepted), crew.news.value, crew.order, order))
 
     def state(self, tick: int, state: bytes) -> None:
@@ -243,16 +242,23 @@ class Recording(Past):
         self._put(SNAPSHOT_INSERT, (name, *moment_columns, wall_time()))
         self.flush()
 
-    def fork(self, moment: Moment, why: str) -> int:
+    def fork(self, moment: Moment, why: str, cause: BranchCause = BranchCause.JUMP) -> int:
         """Begin a new branch at a moment, at once. Return its number, from now on the present."""
         parent = self._owner(moment)
-        self._begin_branch(parent, moment, why, BranchCause.JUMP)
+        self._begin_branch(parent, moment, why, cause)
         self.flush()
         self.branch, self._tick = self._branches, moment.tick
         return self.branch
 
+    def leave_shown(self) -> None:
+        """Begin a branch where one began that shows the way and was cut short."""
+        here = self._branch(self.branch)
+        if here.cause is BranchCause.SHOWN and here.parent is not None:
+            begun = Moment(here.parent, here.tick, here.state, here.after, here.place)
+            self.fork(begun, SHOWN_REASON)
+
     def go_on(self, moment: Moment) -> None:
-        """Go on after a gap in a new branch from a moment. Its cause tells what is missing."""
+        """Go on after a gap in a new branch from a moment. Its cause says what is missing."""
         parent = self.last_branch()
         last = self.last_tick(parent)
         self._gap = self.reachable = False

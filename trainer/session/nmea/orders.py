@@ -71,7 +71,7 @@ class Command:
 
 @dataclass(frozen=True)
 class UnusableSentence:
-    """Why a sentence orders nothing. The same fault has the same words, to be told once."""
+    """Why a sentence orders nothing. The same fault has the same words, so it is logged once."""
 
     reason: str
 
@@ -163,7 +163,10 @@ SENTENCE_READERS: Final[Mapping[str, tuple[int, Callable[[tuple[str, ...]], Mean
 
 
 class NmeaLine:
-    """A line of sentences, for a station."""
+    """A line of sentences, as a station takes it for a line of words.
+
+    It makes orders of the sentences that come in, and drops what is sent for people.
+    """
 
     def __init__(
         self,
@@ -236,7 +239,10 @@ class NmeaLine:
         return None
 
     def _give(self, command: Command) -> str | None:
-        """Return the words of a command, None while it only repeats the last one."""
+        """Return the words of a command, None while it only repeats the last one.
+
+        A controller repeats its command several times a second; the journal must not fill with it.
+        """
         now = self._clock()
         words, given_at = self._given.get(command.control, ("", now))
         if words == command.words and now - given_at < REPEAT_PERIOD_S:

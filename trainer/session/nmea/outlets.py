@@ -1,5 +1,6 @@
 """Outlets of NMEA 0183, as the command line asks: serial, UDP, TCP, a file.
 
+An outlet sends the boat's instruments as sentences to chart plotters, displays and autopilots.
 Each is a subscription, so that no tick waits for it, and a station, so that ``who`` lists it with
 its orders and losses. Orders are taken as the helm's, on serial lines and at ports of this machine
 alone, because the sentences have no room for a token.

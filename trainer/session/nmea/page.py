@@ -1,4 +1,8 @@
-"""The sentences of NMEA 0183 as a table for people, with a sample set."""
+"""The NMEA sentences for people and programs, as ``trainer instruments`` prints them.
+
+``cli/listings`` calls it. It is made of the table by which sentences are sent, and has a sample, so
+that a user can set up a chart plotter without a session.
+"""
 
 from datetime import UTC, datetime
 from typing import Any, Final
@@ -21,17 +25,6 @@ from trainer.units import KNOT
 SAMPLE_TIME: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # fixed, so that docs/nmea.md stays
 
 
-def markdown() -> str:
-    """Return the table of the sentences, as docs/nmea.md shows it."""
-    rows = ["| sentence | tells | fields | source |", "|---|---|---|---|"]
-    rows += [
-        f"| `{heading(instrument)}` | {instrument.says} | {'; '.join(instrument.fields)} "
-        f"| {instrument.source} |"
-        for instrument in INSTRUMENTS
-    ]
-    return "\n".join(rows) + "\n"
-
-
 def page() -> str:
     """Return the sentences for a terminal, a paragraph each."""
     blocks = []
@@ -44,7 +37,7 @@ def page() -> str:
 
 
 def heading(instrument: Instrument) -> str:
-    """Return the address of a sentence, with its page where there are several."""
+    """Return the address of a sentence, with its first field where that tells two apart."""
     page_letter = f",{instrument.fields[0]}" if instrument.name == "PXSC" else ""
     return f"${instrument.address}{page_letter}"
 
@@ -64,7 +57,7 @@ def as_json() -> list[dict[str, Any]]:
 
 
 def sample(file: VesselFile) -> list[str]:
-    """Return the set of a boat in trim at its start, at a fixed time."""
+    """Return the sentences of one tick: of a boat in trim, at a fixed time."""
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", file.run.step_s))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     reader = StateReader(boat, Ledger(boat.method.step).summary)

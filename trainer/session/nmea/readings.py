@@ -1,8 +1,8 @@
 """The fields of NMEA 0183 sentences at one tick, as text in their units.
 
-Depth, heading and speed through the water are read off the gauges, and are as wrong as these are.
-Position, track and speed over the ground are the navigation system's. That has no casualty, nor
-have rate of turn, attitude, surfaces and turns: they are true.
+``sentences`` has a table of them. Depth, heading and speed through the water are read off the
+gauges, and are as wrong as these are. Position, track and speed over the ground are the navigation
+system's. That has no casualty, nor have rate of turn, attitude, surfaces and turns: they are true.
 """
 
 import math
@@ -150,11 +150,7 @@ def read_fields(frame: Frame, chart: Chart, start: datetime) -> dict[str, str]:
 
 
 def describe_fields(
-    values: Mapping[str, object],
-    tick: int,
-    at: datetime,
-    position: tuple[float, float],
-    rung: str,
+    values: Mapping[str, object], tick: int, at: datetime, position: tuple[float, float], rung: str
 ) -> dict[str, str]:
     """Return each field as text by its name; ``at`` is UTC, ``position`` in degrees."""
     texts = {

@@ -1,7 +1,7 @@
 """The set of NMEA 0183 sentences for one tick: names, order and sources.
 
-The order is the one that gpsd answers whole reports to: position, way, depth, attitude, heading.
-The talker is IN, integrated navigation, which every reader takes.
+``outlets`` sends it. The order is the one that gpsd answers whole reports to: position, way, depth,
+attitude, heading. The talker is IN, integrated navigation, which every reader takes.
 """
 
 import math
@@ -37,7 +37,7 @@ SOUNDING_NOTE: Final = "the ground's depth below the transducer, where there is 
 
 @dataclass(frozen=True)
 class Instrument:
-    """One sentence: its address, what it tells, its fields with their units, and from where.
+    """One sentence: its address, its meaning, its fields with units, and where they come from.
 
     A part is what a field tells and the name of its reading, or a word that is always there: the
     field is that up to its comma, none for "-".
@@ -63,7 +63,7 @@ class Instrument:
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Return what each field tells."""
+        """Return the meaning of each field."""
         return tuple(part if isinstance(part, str) else part[0] for part in self.parts)
 
     def fits(self, seen: dict[str, str]) -> bool:
@@ -340,7 +340,10 @@ class InstrumentSet:
 
 
 class SampledDisplay:
-    """A display at a rate of the boat's own time, however fast that goes."""
+    """A display at a rate of the boat's own time, however fast that goes.
+
+    A recorded file needs it, since nobody waits for its lines.
+    """
 
     def __init__(self, shown: InstrumentSet, period: float) -> None:
         """Show frames at least ``period`` [s] apart."""

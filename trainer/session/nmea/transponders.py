@@ -1,7 +1,7 @@
 """The transponders of ships near, as the boat's receiver hears them.
 
-Each reports as often as ITU-R M.1371 says, at times of its own. It is heard while the boat's
-antenna is out of the water, as far as the heights of both antennas allow.
+``sentences`` adds them. Each reports as often as ITU-R M.1371 says, at times of its own. It is
+heard while the boat's antenna is out of the water, as far as the heights of both antennas allow.
 """
 
 import math
@@ -23,15 +23,11 @@ from trainer.units import KNOT
 AIS_NAME: Final = "VDM"  # what it is chosen by, among the sentences
 RADIO_RANGE_FACTOR: Final = 4100.0  # [m] of range for the root of an antenna's height [m]
 STATIC_PERIOD_S: Final = 360.0  # [s] between two reports of name and size
-MIN_TURN_RATE: Final = (
-    math.radians(5.0) / 15.0
-)  # [rad/s] heading leaves its mean over 30 s by 5 deg
-GOLDEN_RATIO: Final = 0.6180339887498949  # spreads the times at which ships report
-REPORT_PERIODS: Final = (  # [kn] up to, [s] between reports of class A, and turning
-    (14.0, 10.0, 10.0 / 3.0),
-    (23.0, 6.0, 2.0),
-    (math.inf, 2.0, 2.0),
-)
+# [rad/s] at which the heading leaves its mean over 30 s by 5 deg (ITU-R M.1371-5, annex 2)
+MIN_TURN_RATE: Final = math.radians(5.0) / 15.0
+GOLDEN_RATIO: Final = 0.6180339887498949  # its multiples spread the ships' times evenly
+# Up to a speed [kn]: the time [s] between reports of class A, and while the ship turns.
+REPORT_PERIODS: Final = ((14.0, 10.0, 10.0 / 3.0), (23.0, 6.0, 2.0), (math.inf, 2.0, 2.0))
 SLOW_PERIOD_S: Final = 180.0  # [s] at anchor, and of class B below 2 kn
 Messages = tuple[list[Field], ...]
 
@@ -121,7 +117,7 @@ class Transponders:
         return sentences
 
     def _report(self, ship: ContactState, now: float) -> PositionReport:
-        """Return what a ship tells of a moment."""
+        """Return a ship's position report of a moment."""
         latitude, longitude = self._chart.position(ship.north, ship.east)
         return PositionReport(
             mmsi=ship.mmsi or 0,
@@ -137,7 +133,7 @@ class Transponders:
 
 
 def particulars(ship: ContactState) -> ShipParticulars:
-    """Return what a ship tells of itself; its antenna is in its middle."""
+    """Return a ship's static report: name, type, size. Its antenna is taken as in its middle."""
     ends, sides = round(0.5 * ship.length), round(0.5 * ship.beam)
     return ShipParticulars(
         ship.mmsi or 0,

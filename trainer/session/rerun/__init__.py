@@ -1,4 +1,5 @@
 """The run in Rerun's viewer or file: the boat, its sea, charts, states and log.
 
-Only ``sdk`` imports rerun. Modules that need ``sdk`` are imported when a user asks for Rerun.
+Rerun (rerun.io) is a library and a viewer of its own for scenes and numbers over time. Only ``sdk``
+imports it. Modules that need ``sdk`` are imported when a user asks for Rerun.
 """

@@ -1,7 +1,9 @@
-"""The subject that the viewer shows, and the batches of columns for it.
+"""The states and events of a run, gathered into arrays as Rerun's viewer takes them.
 
-Ticks go back where a run is wound back, but the viewer's time always goes on. The work of a tick is
-known only after its state has been handed over, so it comes with the next one.
+``feed`` collects what the session hands over, and gives it on in batches, because a call of Rerun's
+library for each tick would cost more than the tick. ``drawing`` makes columns of each batch. Ticks
+go back where a run is wound back, but the viewer's time always goes on. The work of a tick is known
+only after its state has been handed over, so it comes with the next one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -227,7 +229,10 @@ class Changes:
 
 
 class Track:
-    """A maker of the track's pieces, which keeps the last end between blocks."""
+    """A maker of the pieces of the track, the line that the boat leaves behind.
+
+    It keeps the last end between blocks.
+    """
 
     def __init__(self, spacing: float) -> None:
         """Take the distance [m] from place to place."""

@@ -1,4 +1,8 @@
-"""Time series of a block as charts, and states as words under a time line."""
+"""Time series of a block as charts, and states as words under a time line.
+
+``drawing`` sends them to Rerun's viewer. A lane is a time line of words, such as which laws of the
+autopilot are on: a code for each tick, and a word for each code.
+"""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -129,7 +133,10 @@ def _place(name: str, place: str, unit: float = 1.0) -> Series:
 
 
 def _order(place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
-    """Return the series of a standing order, with gaps while the autopilot does not keep it."""
+    """Return the series of a standing order, with gaps while the autopilot does not keep it.
+
+    An order that nobody keeps would look like an error of the boat.
+    """
     return Series("ordered", lambda b: np.where(kept(b) > 0.0, b[place] / unit, np.nan))
 
 

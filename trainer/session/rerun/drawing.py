@@ -1,7 +1,8 @@
 """The drawing of one run, by one table of what there is to see.
 
-The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
-follows the boat in whole squares of its grid, so that the boat is seen to move through it.
+``request`` makes it for a viewer or a file. The world is north, east and down [m], with its origin
+where the run's is. What surrounds the boat follows the boat in whole squares of its grid, so that
+the boat is seen to move through it.
 """
 
 import math
@@ -273,9 +274,8 @@ class Drawing:
         self._begun: set[str] = set()  # lanes that have had a word
         self._changes = Changes()
         self._track = Track(self._size.length / TRACK_PIECES)
-        self._every = max(
-            round(SHIP_PERIOD_S / subject.step), 1
-        )  # ticks from picture to picture of ships
+        # ticks from picture to picture of ships
+        self._every = max(round(SHIP_PERIOD_S / subject.step), 1)
 
     def save(self, path: Path) -> None:
         """Begin a file with what is the same at all times. The file is replaced."""

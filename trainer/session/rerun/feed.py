@@ -1,8 +1,8 @@
-"""Feeds, each of which carries states and news to one outlet by its own thread.
+"""Feeds, each of which carries states and news to Rerun by its own thread.
 
-Handing over is an append. In a run that keeps time the tick never waits: states without room are
-counted and lost. In a run as fast as it goes the tick waits for an outlet that does not keep up, so
-that nothing is lost.
+An outlet is a viewer or a file (``request``). Handing over is an append. In a run that keeps time
+the tick never waits: states without room are counted and lost. In a run as fast as it goes the tick
+waits for an outlet that does not keep up, so that nothing is lost.
 """
 
 import math
@@ -28,26 +28,23 @@ MAX_TICK_WAIT_S: Final = 2.0  # [s] that a tick of a run without time waits for 
 class Sink(Protocol):
     """The far end of a feed. Its methods may wait, and raise when they cannot go on."""
 
-    name: str  # in what is told of it
+    name: str  # in messages about it
     period: float  # [s] from batch to batch
     patience: float  # [s] that it has for what is left at the end
     needed: bool  # a run has failed where it has
 
     def open(self) -> None:
         """Get ready."""
-        ...
 
     def write(self, batch: Batch) -> None:
         """Take a batch, and bring it out."""
-        ...
 
     def close(self) -> None:
         """End."""
-        ...
 
 
 class Feed:
-    """One outlet with its thread."""
+    """One outlet with its thread, which carries to it what the session hands over."""
 
     def __init__(self, sink: Sink, step: float) -> None:
         """Carry to ``sink``, from a run with that step [s]."""

@@ -1,6 +1,7 @@
 """Rerun as the command line asks for it: a file, a viewer, a recording's file.
 
-No failure stops a run.
+``run`` opens the log of a run here, and ``trainer export --rrd`` writes that of a recording. No
+failure stops a run, because a picture is never worth an exercise.
 """
 
 import gc
@@ -82,8 +83,8 @@ def open_log(
 class RrdFile:
     """A file for the viewer. Its pieces are few and large, because each has a head."""
 
-    period = 20.0
-    patience = 30.0
+    period = 20.0  # [s] between two pieces
+    patience = 30.0  # [s] for the rest at the end
     needed = True
 
     def __init__(self, path: Path, drawing: "Drawing") -> None:
@@ -100,8 +101,8 @@ class RrdFile:
 class Viewer:
     """A viewer that listens already, or is opened. It stays open after the run."""
 
-    period = 1.0
-    patience = 2.0
+    period = 1.0  # [s] between two batches
+    patience = 2.0  # [s] for the rest at the end
     needed = False
 
     def __init__(self, host: str, port: int, drawing: "Drawing", *, there: bool) -> None:

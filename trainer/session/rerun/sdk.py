@@ -1,8 +1,8 @@
 """The import of Rerun's library, which takes a second and may be missing.
 
-Two things of it are switched off. Its log would write over the console, and exceptions tell its
-errors anyway. Its clean-up at the end of the program would wait for a viewer that hangs, and who
-opened an outlet closes it.
+``drawing`` takes the library from here. Two things of it are switched off. Its log would write over
+the console, and exceptions tell its errors anyway. Its clean-up at the end of the program would
+wait for a viewer that hangs, and who opened an outlet closes it.
 """
 
 import os

@@ -1,8 +1,8 @@
 """The boat as a shape: hull, sail and moving surfaces, by its vessel file.
 
-It is a picture and no drawing of the hull. Lengths and heights are the file's, or estimated from
-the displacement where it gives none. Surfaces stand where their lift acts by the coefficients. Body
-axes: x forward, y starboard, z down, from the body's origin [m].
+``drawing`` shows it. It is a picture and no drawing of the hull. Lengths and heights are the
+file's, or estimated from the displacement where it gives none. Surfaces stand where their lift acts
+by the coefficients. Body axes: x forward, y starboard, z down, from the body's origin [m].
 """
 
 import math
@@ -95,7 +95,10 @@ class Fin:
     plane: str  # whose deflection turns it beside the rudder's
 
     def angle(self, block: Block) -> Numbers:
-        """Return how far [rad] it is turned about its outward axis."""
+        """Return how far [rad] it is turned about its outward axis.
+
+        Fins of an X-tail are turned by rudder and stern planes at once.
+        """
         port, down = self.turn
         _, y, z = np.sign(self.outward)
         turned: Numbers = z * port * block["delta_r"] + y * down * block[self.plane]

@@ -1,12 +1,13 @@
 """The briefing of a station about exercise and vessel: lines for people, facts for programs.
 
-The crew hears nothing that names what is hidden, when it comes or what cures it. So it hears no
-scores and no file's name, and of the losing conditions only those that its own gauges show.
+``attendance`` sends it to whoever takes a role. The crew hears nothing that names what is hidden,
+when it comes or what cures it. So it hears no scores and no file's name, and of the losing
+conditions only those that its own gauges show.
 """
 
 import math
 import textwrap
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, fields
 from typing import Final
 
@@ -22,9 +23,8 @@ from trainer.session.stations.panels import TONNE_KG
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, refusal
 from trainer.units import KNOT
 
-OPEN_QUANTITIES: Final = frozenset(
-    {"depth", "pitch", "heel", "speed", "showing", "time"}
-)  # no secrets
+# a losing condition on one of these is no secret: gauges of the crew show it
+OPEN_QUANTITIES: Final = frozenset({"depth", "pitch", "heel", "speed", "showing", "time"})
 WINNING_TEXT: Final = (
     "each order carried out in time and kept; every danger mastered; no limit passed"
 )
@@ -38,6 +38,7 @@ BRIEFING_TITLES: Final = {
     "hand": "by hand",
     "hand-from": "by hand from [s]",
     "allowed": "allowed",
+    "aids": "aids allowed",
     "limits": "limits",
     "wins": "won by",
     "lost": "lost by",
@@ -46,37 +47,7 @@ BRIEFING_TITLES: Final = {
 NO_ROLE_TEXT: Final = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
 AUTOPILOT_EXAMPLES: Final = ("depth 80", "course 090", "rudder left 15")
 STATION_EXAMPLES: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
-RANGE_KEYS: Final = {  # keys of the fact `range`
-    "length": "of the hull [m]",
-    "mass": "of the boat with the water in it [t]",
-    "rudder": "largest angle either way [deg]",
-    "stern": "that of the stern planes [deg]",
-    "bow": "that of the bow planes [deg]",
-    "depth": "the greatest depth that may be ordered [m]",
-    "test-depth": "test depth [m]; for instructor, diving officer and observer",
-    "periscope": "periscope depth [m]",
-    "speed": "turns at most, ahead [kn]",
-    "astern": "turns at most, astern [kn]",
-    "bell": "a bell as it is ordered, a colon and its turns [kn]; one fact each",
-    "tank": "a tank, a colon and what it holds [t]; one fact each",
-    "trim-arm": "distance between the centres of the trim tanks [m]",
-}
 TEST_DEPTH_ROLES: Final = ("instructor", "diving", "observer")  # test depth
-EXERCISE_KEYS: Final = {  # keys of the fact `exercise`
-    "name": "the exercise's file; for the instructor",
-    "title": "its title",
-    "line": "a line of its briefing; one fact each",
-    "hand": "the axes that are worked by hand now",
-    "hand-from": "when they come into hand [s]; for the instructor",
-    "allowed": "automatic orders and axes that are allowed all the same",
-    "free": "`yes`: the instructor has allowed what was in hand; there are no marks",
-    "limits": "the gate: names and values, `depth_m_max:105,pitch_deg_max:15`",
-    "lost": "a condition that loses it; one fact each",
-    "wins": "what wins it; one fact each",
-    "visitors": "`yes`: a visitor may begin it again; there is a kiosk",
-    "duration": "its length [s]",
-    "left": "what is left of it [s], at the time of the fact",
-}
 
 
 @dataclass(frozen=True)
@@ -87,12 +58,15 @@ class Briefing:
     title: str = ""  # the crew's
     text: tuple[str, ...] = ()
     instructor: tuple[str, ...] = ()  # for the instructor alone
-    hides: bool = False  # an older file, whose text tells what breaks
+    hides: bool = False  # an older file, whose text gives away what will break
     limits: ExerciseLimits = field(default_factory=ExerciseLimits)
     lost: tuple[Loss, ...] = ()
     tasks: tuple[str, ...] = ()
+    steps: int = 0  # of a lesson, which nothing wins
     duration: float | None = None  # [s]
     visitors: bool = False  # may begin it again
+    aids: tuple[str, ...] = ()  # that are allowed
+    way: bool = False  # there is a reference crew to show it
 
     def heading(self, role: Role) -> tuple[str, ...]:
         """Return title and text as a role is told them."""
@@ -119,9 +93,13 @@ class Briefing:
         for loss in self.lost:  # the crew may know what its gauges show
             if instructs or OPEN_QUANTITIES.issuperset(each.quantity for each in loss.conditions):
                 yield "lost", loss.text
-        yield from (("wins", each) for each in (self.tasks if instructs else (WINNING_TEXT,)))
-        if self.visitors:
-            yield "visitors", "yes"
+        wins = self.tasks if instructs else (WINNING_TEXT,)[: 0 if self.steps else 1]
+        yield from (("wins", each) for each in wins)
+        yes = {"visitors": self.visitors, "way": self.way}
+        yield from ((key, "yes") for key, given in yes.items() if given)
+        yield from (("aids", ",".join(self.aids)) for _ in self.aids[:1])
+        if self.steps:
+            yield "steps", str(self.steps)
         if self.duration is not None:
             yield "duration", f"{self.duration:g}"
             yield "left", f"{max(self.duration - seconds, 0.0):g}"
@@ -201,9 +179,3 @@ def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
     fore, aft = (TANKS.index(name) for name in ("trim_forward", "trim_aft"))
     if c.capacity[fore] and c.capacity[aft]:
         yield "trim-arm", f"{float(c.x[fore] - c.x[aft]):g}"
-
-
-def key_table(fact: str, keys: Mapping[str, str]) -> str:
-    """Return the Markdown table of a fact's keys, as docs/stations.md shows it."""
-    rows = [f"| `{key}` | {says} |" for key, says in keys.items()]
-    return "\n".join([f"| {fact} | is |", "|---|---|", *rows]) + "\n"

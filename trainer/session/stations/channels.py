@@ -1,4 +1,10 @@
-"""The channels by name, and the fields that only the instructor sees."""
+"""The table of all channels by name, and the fields that only the instructor sees.
+
+A channel is a group of values that is sent together, such as ``gauges``. A station subscribes to
+those that its role may see. A field is a name, a unit, its decimals, and a function that reads its
+value off a frame (``view``). Fields of the crew's instruments stand in ``panels``, ships and
+periscope in ``plot``.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -10,6 +16,7 @@ from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import MAX_CASUALTIES
 from trainer.session.stations import panels
+from trainer.session.stations.aid_channels import AID_CHANNELS
 from trainer.session.stations.panels import (
     TONNE_KG,
     Channel,
@@ -31,7 +38,10 @@ EVENTS_CHANNEL: Final = "events"  # what happens, when it happens
 
 
 def rate_unless_held(held: str, rate: str) -> Callable[[Frame], Value]:
-    """Return a reader of a rate [SI]. It reads 0 while that part of the boat is held."""
+    """Return a reader of a rate [SI]. It reads 0 while that part of the boat is held.
+
+    A held boat sails on unseen, so its rate in the state is not what a display shows.
+    """
     return lambda frame: 0.0 if frame[held] else frame[rate]
 
 
@@ -197,19 +207,10 @@ INSTRUCTOR_CHANNELS: Final = (
 
 CHANNELS: Final[Mapping[str, Channel]] = {
     channel.name: channel
-    for channel in (*panels.PANEL_CHANNELS, *PERISCOPE_CHANNELS, *INSTRUCTOR_CHANNELS)
-}
-
-
-def tables() -> str:
-    """Return the Markdown tables of the channels, as docs/stations.md shows them."""
-    return "\n".join(f"{table(channel)}\n" for channel in CHANNELS.values())
-
-
-def table(channel: Channel) -> str:
-    """Return the table of one channel."""
-    rows = [f"### `{channel.name}`", "", f"{channel.says[0].upper()}{channel.says[1:]}.", ""]
-    rows += ["| field | unit |", "|---|---|"]
-    return "\n".join(
-        [*rows, *(f"| `{field.name}` | {field.unit or 'word'} |" for field in channel.fields)]
+    for channel in (
+        *panels.PANEL_CHANNELS,
+        *PERISCOPE_CHANNELS,
+        *AID_CHANNELS,
+        *INSTRUCTOR_CHANNELS,
     )
+}

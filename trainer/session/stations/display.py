@@ -1,4 +1,8 @@
-"""Displays of frames: sentences for programs, words for readers, columns for a teletype."""
+"""How a channel is written: a sentence for programs, words for people, or columns.
+
+A subscription holds one display, and calls it with each frame that is due. A display returns the
+lines to send.
+"""
 
 import math
 import textwrap
@@ -9,6 +13,7 @@ from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.io.orders import sentences
 from trainer.io.status_line import StatusView, header, state_line
+from trainer.session.stations.aid_channels import AID_CHANNELS
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.panels import Channel
 from trainer.session.stations.view import Frame
@@ -23,7 +28,6 @@ class Display(Protocol):
 
     def lines(self, frame: Frame) -> list[str]:
         """Return the lines to be sent for this frame."""
-        ...
 
 
 class SentenceDisplay:
@@ -89,7 +93,12 @@ def in_words(channel: Channel, frame: Frame) -> list[str]:
 def panel(channels: tuple[str, ...], frame: Frame) -> list[str]:
     """Return the instruments of some channels in words, for the order ``status``."""
     known = (CHANNELS[name] for name in channels if name in CHANNELS)
-    shown = (each for each in known if not all(field.packed for field in each.fields))
+    shown = (
+        each
+        for each in known
+        if not all(field.packed for field in each.fields)
+        and (each not in AID_CHANNELS or any(each.values(frame)))
+    )
     return [line for channel in shown for line in in_words(channel, frame)]
 
 

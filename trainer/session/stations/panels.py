@@ -1,8 +1,8 @@
 """The stations of the control room: gauges, panels, tanks, air and valves.
 
-Depth, heading and speed are read off their gauges, and are as wrong as these are. Angles of
-surfaces, attitude, turns, levels and pressures are shown as they are, because their instruments
-have no casualty.
+``channels`` lists them. Depth, heading and speed are read off their gauges, and are as wrong as
+these are. Angles of surfaces, attitude, turns, levels and pressures are shown as they are, because
+their instruments have no casualty.
 """
 
 import math
@@ -21,9 +21,8 @@ from trainer.units import KNOT
 
 Value = float | str | None  # None: the boat lacks it, or it stands for nothing at present
 TONNE_KG: Final = 1000.0  # [kg]
-LONG_TURN_RAD: Final = math.radians(
-    350.0
-)  # still to go: nearly round, the other way than was ordered
+# still to go: nearly round, the other way than was ordered
+LONG_TURN_RAD: Final = math.radians(350.0)
 VALVE_POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
 
 
@@ -50,7 +49,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Channel:
-    """Fields that are sent together."""
+    """Fields that are sent together, and that a role sees all or none of."""
 
     name: str
     says: str
@@ -393,6 +392,7 @@ PANEL_CHANNELS: Final = (
             word("held", lambda f: "+".join(p for p in FREEZABLE_PARTS if f[f"held_{p}"]) or None),
             Field("branch", "-", 0, lambda frame: float(frame.pace.branch)),
             word("replay", lambda frame: "yes" if frame.pace.replaying else "no"),
+            word("shown", lambda frame: "yes" if frame.pace.shows_way else "no"),
         ),
     ),
 )

@@ -1,8 +1,8 @@
 """The past of a channel, for a station that comes late or returns.
 
-A thread beside the ticks makes it from the recording's states, which it reads by its own
-connection; without a recording from the moments that are kept in memory. Rows are made like the
-live ones, so that a wrong gauge shows what it showed then.
+``conduct`` asks for it. A thread beside the ticks makes it from the recording's states, which it
+reads by its own connection; without a recording from the moments that are kept in memory. Rows are
+made like the live ones, so that a wrong gauge shows what it showed then.
 """
 
 import math
@@ -18,6 +18,7 @@ from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
+from trainer.session.stations.aids import NO_AIDS
 from trainer.session.stations.channels import CHANNELS, EVENTS_CHANNEL, TELETYPE_CHANNEL
 from trainer.session.stations.roles import Role, hears_kind
 from trainer.session.stations.station import Fact, News, Request, Station
@@ -27,21 +28,12 @@ from trainer.session.time.ledger import Ledger
 
 MAX_ROWS: Final = 360  # rows of a channel: one in ten seconds of an hour, as memory keeps moments
 SLICE_ROWS: Final = 12  # rows sent at once
-SLICE_PAUSE_S: Final = (
-    0.01  # [s] between slices, and for room: ticks and other lines have their turn
-)
-RESET_WORDS: Final = (
-    "reset",
-    "restart",
-    "again",
-)  # orders after which nothing of their moment stands
-PRESENT_CHANNELS: Final = (
-    "time",
-    "ledger",
-    "scope",
-    "swell",
-    "lookout",
-)  # of which no state holds all
+# [s] between slices, and for room: ticks and other lines have their turn
+SLICE_PAUSE_S: Final = 0.01
+# orders that undo even what happened at the tick gone back to
+RESET_WORDS: Final = ("reset", "restart", "again")
+# Channels with values that no recorded state holds: they have no past.
+PRESENT_CHANNELS: Final = ("time", "ledger", "scope", "swell", "lookout", "predictor")
 
 TickState = tuple[int, bytes]  # a tick and the state at its end
 
@@ -64,6 +56,7 @@ class PastReader:
     """The answers to the order ``history``."""
 
     def __init__(self, boat: Boat, work: BackgroundTask, log: EventLog) -> None:
+        self.aids = NO_AIDS  # that are on: the ghost was there at all times
         self._log = log
         self._boat = boat
         self._work = work
@@ -115,7 +108,7 @@ class PastReader:
         for number, (tick, state) in enumerate(rows):
             if not self._await_room(station):
                 return
-            for line in shown.lines(reader.frame(Picture(tick, state, Pace()))):
+            for line in shown.lines(reader.frame(Picture(tick, state, Pace(aids=self.aids)))):
                 station.line.send(line)
             if number % SLICE_ROWS == SLICE_ROWS - 1:
                 time.sleep(SLICE_PAUSE_S)

@@ -1,18 +1,17 @@
-"""The ships near, on the instructor's plot and in the periscope's view.
+"""The channels of the ships near: the instructor's plot, and the periscope's view.
 
-A trainee's page gets only angles, and nothing that the horizon hides, because it must not give
-away more than the periscope shows.
+``channels`` lists them. A trainee's page gets only angles, and nothing that the horizon hides,
+because it must not give away more than the periscope shows.
 """
 
 import math
 from collections.abc import Callable
 from functools import lru_cache, partial
+from operator import attrgetter
 from typing import Final, NamedTuple
 
-import numpy as np
-
 from trainer.boat.world.contacts import contacts_in
-from trainer.boat.world.encounters import OwnMotion, plot_ships
+from trainer.boat.world.encounters import OwnMotion, plot_ship
 from trainer.boat.world.scope import (
     OPTICS_SHOWING_M,
     VIEW_WIDTHS,
@@ -50,24 +49,16 @@ def plotted_ships(frame: Frame) -> tuple[int, tuple[PlottedShip, ...]]:
     contacts = contacts_in(frame.boat)
     if contacts is None or not contacts.fleet(frame.tick).order:
         return 0, ()
-    ships, places = contacts.fleet(frame.tick).order, contacts.at(frame.tick)
-    seen = plot_ships(OwnMotion.of(frame), places, contacts.encounters.cpa_m)
-    course, speed = places.over_ground()
-    nearest = np.argsort(seen.range, kind="stable")[:MAX_PLOTTED_SHIPS].tolist()
-    rows = (
-        (
-            ships[i].name,
-            ships[i].kind,
-            seen.bearing[i],
-            seen.range[i],
-            course[i],
-            speed[i],
-            seen.closest[i],
-            seen.until[i],
-        )
-        for i in nearest
-    )
-    return len(ships), tuple(PlottedShip(name, kind, *map(float, row)) for name, kind, *row in rows)
+    ships, places = contacts.fleet(frame.tick), contacts.at(frame.tick)
+    own, limit = OwnMotion.of(frame), contacts.encounters.cpa_m
+    over_ground = zip(*(each.tolist() for each in places.over_ground()), strict=True)
+    plotted = []
+    for ship, motion, way in zip(ships.order, ships.motions(frame.tick), over_ground, strict=True):
+        seen = plot_ship(own, motion, limit)
+        told = seen.bearing, seen.range, *way, seen.closest, seen.until
+        plotted.append(PlottedShip(ship.name, ship.kind, *told))
+    nearest = sorted(plotted, key=attrgetter("range"))[:MAX_PLOTTED_SHIPS]
+    return len(plotted), tuple(nearest)
 
 
 def _of(place: int, read: Callable[[PlottedShip], Value]) -> Callable[[Frame], Value]:

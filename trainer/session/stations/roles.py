@@ -1,8 +1,9 @@
 """The roles: who may order, see and hear what. Tokens admit to them.
 
-The instructor may order and see everything. Everybody else has the controls and channels of one
-place in the control room, sees depth, heading and speed as the gauges show them, and does not hear
-what would give away the truth behind them or what the exercise has in store.
+``dispatch`` and the stations ask. The instructor may order and see everything. Everybody else has
+the controls and channels of one place in the control room, sees depth, heading and speed as the
+gauges show them, and does not hear what would give away the truth behind them or what the exercise
+has in store.
 """
 
 import contextlib
@@ -18,9 +19,8 @@ from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order
 from trainer.io.orders.table import FORMS, heading_word
 
-ALL_ORDERS: Final = frozenset(
-    form.name or heading_word(form) for form in FORMS if not form.refusal
-)  # every order of the grammar
+# every order of the grammar
+ALL_ORDERS: Final = frozenset(form.name or heading_word(form) for form in FORMS if not form.refusal)
 COMMON_ORDERS: Final = frozenset(
     {
         "role",
@@ -39,7 +39,8 @@ COMMON_ORDERS: Final = frozenset(
 )
 CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
 # What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
-ALL_ROLES: Final = (*CREW_ROLES, "observer", "visitor")
+TRAINEE: Final = "trainee"  # who trains alone: all of the crew in one, and time
+ALL_ROLES: Final = (*CREW_ROLES, "observer", "visitor", TRAINEE)
 EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "time": ("time stopped, let go on or made faster; the end", ALL_ROLES),
     "moment": ("gone back to a moment, replayed, taken over", ALL_ROLES),
@@ -48,6 +49,8 @@ EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "crew": ("an order to the crew, its repeat, a report", ALL_ROLES),
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
     "mark": ("a moment marked, with a remark", ("observer",)),
+    "lesson": ("a step of a lesson, its hint, how it has ended", ALL_ROLES),
+    "shown": ("the way shown by the reference crew; an aid switched on or off", ALL_ROLES),
     "marks": ("the marks of an exercise, once they are released", ALL_ROLES),
     "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
     "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", ALL_ROLES),
@@ -59,6 +62,7 @@ EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "trouble": ("late ticks, a port or the recording in trouble", ()),
 }
 PART_VERBS: Final = {"have": "has", "are": "is"}  # the verbs of a part
+AID_NAMES: Final = ("ghost", "predictor")  # channels that are empty while the aids are off
 PANEL_NAMES: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
 # what only the instructor sees
 TRUTH_CHANNELS: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
@@ -77,7 +81,7 @@ MAX_MACHINES: Final = 1000  # machines remembered, the latest
 class RoleControl:
     """One permission: its words, its orders, and who has it beside the instructor.
 
-    The words end in the verb, as in "the rudder is".
+    The words end in the verb, as in "the rudder is", so that a refusal can name whose it is.
     """
 
     says: str
@@ -141,7 +145,7 @@ def _role(name: str, title: str, part: str, *channels: str) -> Role:
         title,
         part,
         COMMON_ORDERS | own_orders,
-        ("teletype", "gauges", "orders", *channels, "time"),
+        ("teletype", "gauges", "orders", *channels, "time", *AID_NAMES),
         heard,
     )
 
@@ -151,10 +155,13 @@ INSTRUCTOR_ROLE: Final = Role(
     "the instructor's",
     "are an instructor",
     COMMON_ORDERS | ALL_ORDERS,
-    ("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *TRUTH_CHANNELS),
+    (
+        *("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *AID_NAMES),
+        *TRUTH_CHANNELS,
+    ),
     frozenset(EVENT_KINDS),
 )
-ROLES: Final[Mapping[str, Role]] = {
+_OTHER_ROLES: Final[Mapping[str, Role]] = {
     role.name: role
     for role in (
         INSTRUCTOR_ROLE,
@@ -179,6 +186,23 @@ ROLES: Final[Mapping[str, Role]] = {
         _role("scope", "the periscope's", "have the periscope", "scope", "swell"),
     )
 }
+
+# All that the crew may order and see, and time, so that nobody else is needed; nothing hidden.
+TRAINEE_ORDERS: Final = frozenset(
+    {
+        *("run", "freeze", "step", "time", "again", "backtrack", "next", "end", "quit"),
+        *("autopilot", "demonstrate", "ghost", "predictor"),
+    }
+)
+TRAINEE_ROLE: Final = Role(
+    TRAINEE,
+    "the trainee's",
+    "are a trainee",
+    TRAINEE_ORDERS.union(*(_OTHER_ROLES[name].commands for name in CREW_ROLES)),
+    ("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *AID_NAMES),
+    frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if TRAINEE in roles),
+)
+ROLES: Final[Mapping[str, Role]] = {**_OTHER_ROLES, TRAINEE: TRAINEE_ROLE}
 
 # A line that has to say a token and has not: it sees and orders nothing.
 STRANGER_ROLE: Final = Role(
@@ -220,37 +244,8 @@ def channel_refusal(role: Role, channel: str) -> str | None:
 
 
 def hears_kind(role: Role, kind: str) -> bool:
-    """Return whether ``role`` is told of what happens of that kind; the instructor of all."""
+    """Return whether ``role`` hears of events of that kind; the instructor hears all."""
     return role is INSTRUCTOR_ROLE or kind in role.events
-
-
-def roles_with(word: str) -> list[str]:
-    """Return the names of the roles that may give an order of that word."""
-    return [name for name, role in ROLES.items() if word in role.commands]
-
-
-def role_table() -> str:
-    """Return the Markdown table of the roles, as docs/stations.md shows it."""
-    lines = ["| role | orders | sees |", "|---|---|---|"]
-    for role in ROLES.values():
-        own_orders = sorted(role.commands - COMMON_ORDERS)
-        orders = (
-            "all"
-            if role is INSTRUCTOR_ROLE
-            else ", ".join(f"`{name}`" for name in own_orders) or "none"
-        )
-        lines.append(f"| {role.name} | {orders} | {', '.join(role.channels)} |")
-    common = ", ".join(f"`{name}`" for name in sorted(COMMON_ORDERS))
-    return "\n".join([*lines, "", f"Every line may say {common}."]) + "\n"
-
-
-def event_table() -> str:
-    """Return the Markdown table of what happens and who hears of it, as docs/stations.md does."""
-    lines = ["| kind | is | heard by the instructor and |", "|---|---|---|"]
-    for kind, (says, roles) in EVENT_KINDS.items():
-        heard = "everybody" if roles == ALL_ROLES else ", ".join(roles) or "nobody else"
-        lines.append(f"| `{kind}` | {says} | {heard} |")
-    return "\n".join(lines) + "\n"
 
 
 # A line comes in with a role or a token.

@@ -1,7 +1,12 @@
-"""A station: one attached line, its rights, its subscriptions and its counts.
+"""A station: one line to the session, with its role, its subscriptions and its counts.
 
-What concerns the line alone is answered here: its role, its subscriptions, help, lines that are no
-order, orders that are not its to give. The rest is handed on, and answered by whoever obeys it.
+A person at a terminal, a screen, a page and a panel are all stations: each sends lines and gets
+lines. ``attendance`` calls ``take`` for the orders that have come. What concerns the line alone is
+answered here: its role, its subscriptions, help, lines that are no order, orders that its role may
+not give. The rest goes to ``dispatch`` as a ``Request``, and its answer comes back by ``answer``.
+
+A line that has ever sent a program's sentence (``$TRO``) also gets facts. What came last, a
+sentence or plain words, decides in which form it is answered.
 """
 
 import math
@@ -57,7 +62,7 @@ class Fact(NamedTuple):
 
 
 class Saying(NamedTuple):
-    """Words without their speaker, and the speaker: a role or ``schedule``."""
+    """What somebody said, and who: a role or ``schedule``. A program shows them apart."""
 
     speaker: str
     words: str
@@ -112,14 +117,6 @@ class WordCounts:
     guesses: int = 0  # wrong tokens
 
 
-def quiet_log(log: Log, access: Access) -> Log:
-    """Return a log of what a line has said, the token not.
-
-    It knows nothing of the station, which is therefore gone as soon as it is dropped.
-    """
-    return lambda kind, text: log(kind, access.hide(text))
-
-
 class Station:
     """One attached line, from its coming to its going."""
 
@@ -145,9 +142,10 @@ class Station:
         self._clock = clock
         self._refilled = clock()
         self._orders_left = float(ORDERS_AT_ONCE)
-        self._flooding = False  # has been told
-        self._quiet_log = quiet_log(log, access)
-        self._noise = NoiseLog(self._quiet_log, clock)
+        self._flooding = False  # it was logged that orders wait
+        # It does not refer to this station, which is therefore freed as soon as it is dropped.
+        self._log_hidden: Log = lambda kind, text: log(kind, access.hide(text))
+        self._noise = NoiseLog(self._log_hidden, clock)
         self._late: LateAnswer | None = None
         self._machine = False  # a program spoke last
         self._program = False  # one has spoken
@@ -294,7 +292,7 @@ class Station:
         return [Request(order, heard, self)]
 
     def _refill(self) -> None:
-        """Add the orders that the time since the last call allows."""
+        """Add the orders that the time since the last call allows (a token bucket)."""
         now = self._clock()
         worth = (now - self._refilled) * ORDERS_A_SECOND
         self._orders_left = min(self._orders_left + worth, ORDERS_AT_ONCE)
@@ -316,7 +314,7 @@ class Station:
 
     def _log_refusal(self, text: str) -> None:
         """Log a refusal. Those of lines without a role go to a log that sums them up."""
-        log = self._noise.log if self.settled else self._quiet_log
+        log = self._noise.log if self.settled else self._log_hidden
         log("refused", f"{self.who}: {text}")
 
     def _answer(self, heard: Message, reply: Reply, *lines: str) -> None:
@@ -428,11 +426,9 @@ class Reception(Protocol):
     @property
     def awaited(self) -> bool:
         """Return whether a run without stations goes on, because one may still come."""
-        ...
 
     def newcomers(self) -> list[Station]:
         """Return the stations that have come since the last call."""
-        ...
 
 
 class NoReception:

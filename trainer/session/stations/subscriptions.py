@@ -1,8 +1,8 @@
 """Subscriptions of lines to channels, and the senders that serve them.
 
-A thread sends the pictures, because the tick that offers one may wait for nobody. A subscription
-gets the latest picture when its rate allows, and those between are passed over. Where no time is
-kept, every picture is sent at once.
+``station`` makes them, and ``shown`` offers each picture. A thread sends the pictures, because the
+tick that offers one may wait for nobody. A subscription gets the latest picture when its rate
+allows, and those between are passed over. Where no time is kept, every picture is sent at once.
 """
 
 import math
@@ -30,7 +30,6 @@ class Recipient(Protocol):
 
     def send(self, line: str) -> None:
         """Take one line."""
-        ...
 
 
 @dataclass(eq=False)
@@ -71,7 +70,7 @@ class Roster:
         self.troubles: deque[str] = deque(maxlen=MAX_KEPT_TROUBLES)
         self._reader = reader
         self._change = threading.Lock()  # of the list, which is replaced and never altered
-        # no tuple: one made of what is left over is hoarded by Python when it is dropped
+        # A list, because CPython keeps a dropped tuple in reserve instead of freeing it.
         self._subscriptions: list[Subscription] = []
 
     @property
@@ -201,19 +200,15 @@ class Sender(Protocol):
     @property
     def troubles(self) -> deque[str]:
         """Return the errors that have ended subscriptions, which the session announces."""
-        ...
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
         """Set the picture to send from now on."""
-        ...
 
     def add(self, subscription: Subscription) -> None:
         """Send to a subscription from now on, the present picture at once."""
-        ...
 
     def strike(self, subscription: Subscription) -> None:
         """Send to it no more."""
-        ...
 
 
 class Subscriptions:

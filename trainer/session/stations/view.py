@@ -1,4 +1,9 @@
-"""The view of one tick for displays, made of a state's bytes."""
+"""The view of one tick, from which the fields of all channels are read.
+
+The thread that ticks hands over a state as bytes (``Picture``), because copying bytes is all that
+it has time for. The thread that sends makes a ``Frame`` of it: its numbers by name, and what the
+boat's gauges show of them.
+"""
 
 import math
 from collections.abc import Callable
@@ -13,6 +18,7 @@ from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.world.bottom import keel_of
 from trainer.core.casualties import instruments
 from trainer.core.state import SOUNDING_COUNT, new_scratch, new_state
+from trainer.session.stations.aids import NO_AIDS, ShownAids
 from trainer.session.time.ledger import Summary
 
 STATE_BYTES: Final = new_state().nbytes
@@ -25,8 +31,10 @@ class Pace(NamedTuple):
     speed: float = 1.0  # [-] infinity: as fast as it goes
     branch: int = 1  # of the recording
     replaying: bool = False
-    told: str = ""  # the last words to the crew
-    after: int = 0  # number of the last order when it was shown: the world depends on them
+    told: str = ""  # the last words to the crew, by the order ``tell``
+    after: int = 0  # the last order, by which orders to the world are found
+    shows_way: bool = False  # the reference crew flies
+    aids: ShownAids = NO_AIDS
 
 
 class Picture(NamedTuple):
@@ -80,7 +88,7 @@ class Frame:
     readings: InstrumentReadings
     pace: Pace
     summary: Callable[[], Summary]
-    kept: dict[str, Any] = field(default_factory=dict)  # what is worth finding once
+    kept: dict[str, Any] = field(default_factory=dict)  # results that several fields share
 
     def __getitem__(self, name: str) -> float:
         return self.numbers[STATE_PLACES[name]]

@@ -1,6 +1,8 @@
-"""The ledger of the ticks: counters, and histograms of their work and lateness.
+"""Counters and histograms of the ticks: how long each worked, and how late it began.
 
-Times are integer nanoseconds. Memory does not grow with the run.
+Times are integer nanoseconds. A histogram has bins whose width grows with the duration (1/32 of
+it), so its memory does not grow with the run. ``pacer`` fills it at each tick; ``status`` and the
+summary of a run read it.
 """
 
 import math
@@ -11,7 +13,7 @@ from typing import Final
 import numpy as np
 
 SECOND_NS: Final = 1_000_000_000  # [ns]
-OCTAVE_BITS = 6
+OCTAVE_BITS = 6  # [bits] of a duration that its bin keeps: the first one and the next five
 OCTAVE_BINS = 32  # [-] histogram bins to a factor of two: a percentile is at most 1/32 too high
 EXACT_BELOW_NS = 2 * OCTAVE_BINS  # [ns] what is below it has a bin of its own
 
@@ -48,13 +50,13 @@ class Histogram:
         self._counts = [0] * (59 * OCTAVE_BINS)  # up to 2^63 ns; a list counts four times as fast
         self._largest = 0
 
-    def add(self, duration: int) -> None:
-        """Count ``duration`` [ns]; a negative one counts as 0."""
+    def add(self, duration: int, count: int = 1) -> None:
+        """Count ``duration`` [ns] so often; a negative one counts as 0."""
         place = duration if duration > 0 else 0  # noqa: FURB136  max() takes as long as all the rest
         if place >= EXACT_BELOW_NS:
             shift = place.bit_length() - OCTAVE_BITS
             place = shift * OCTAVE_BINS + (place >> shift)
-        self._counts[place] += 1
+        self._counts[place] += count
         if duration > self._largest:  # noqa: PLR1730
             self._largest = duration
 
@@ -84,13 +86,13 @@ class Ledger:
         self._worked = 0
         self._work, self._lateness = Histogram(), Histogram()
 
-    def record(self, deadline: int, start: int, work: int) -> None:
-        """Enter one tick [ns]."""
+    def record(self, deadline: int, start: int, work: int, count: int = 1) -> None:
+        """Enter one tick [ns], or so many alike."""
         self.work, self.lateness = work, (lateness := start - deadline)
-        self.ticks += 1
-        self._worked += work
-        self._work.add(work)
-        self._lateness.add(lateness)
+        self.ticks += count
+        self._worked += work * count
+        self._work.add(work, count)
+        self._lateness.add(lateness, count)
 
     def summary(self) -> Summary:
         """Return the state of the ledger."""

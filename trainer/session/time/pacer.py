@@ -1,4 +1,4 @@
-"""Real-time pacing.
+"""The pacing of a run: when each tick is due, and what follows late ones.
 
 Tick k is due at anchor + k h / speed, computed from k in integers, so nothing drifts. A loop reads
 
@@ -14,7 +14,10 @@ Tick k is due at anchor + k h / speed, computed from k in integers, so nothing d
 
 Everything but ``wake`` belongs to the one thread that runs the loop. Times are integer nanoseconds.
 
-The machine's own time, and waiting for it. Times are integer nanoseconds.
+A tick may be late because its work took too long, because other programs held the processor, or
+because the whole process was stopped (Ctrl-Z, a suspended laptop). The first two are lateness, and
+are made up or slipped by a ``Policy``. The last is a gap: time goes on after it as if it had not
+been. The clock and the processor time together tell them apart (``_look``).
 """
 
 import math
@@ -50,15 +53,12 @@ class Clock(Protocol):
 
     def now(self) -> int:
         """Return a time [ns] that never runs backwards."""
-        ...
 
     def cpu(self) -> int:
         """Return the processor time [ns] used by the calling thread."""
-        ...
 
     def wait_until(self, deadline: int, wake: threading.Event) -> int:
         """Return the time [ns] once ``deadline`` is past, 0 if ``wake`` is set before."""
-        ...
 
 
 class MonotonicClock:
@@ -102,10 +102,8 @@ class WaitResult(Enum):
     WOKEN = "woken"
 
 
-WAIT_DUE, WAIT_WOKEN = (
-    WaitResult.DUE,
-    WaitResult.WOKEN,
-)  # Python looks a member up by a function of its own
+# Names of their own, because looking up a member of an Enum calls a Python function each time.
+WAIT_DUE, WAIT_WOKEN = WaitResult.DUE, WaitResult.WOKEN
 
 
 class PacerEventKind(Enum):
@@ -313,9 +311,10 @@ class FreePacer:
         """Start the work of a tick."""
         self._start = self._clock.now()
 
-    def end(self) -> tuple[PacerEvent, ...]:
-        """End the work of a tick; nothing can have happened."""
-        self.ledger.record(self._start, self._start, self._clock.now() - self._start)
+    def end(self, count: int = 1) -> tuple[PacerEvent, ...]:
+        """End the work of a tick, or of so many at once. Nothing can have happened."""
+        work = (self._clock.now() - self._start) // count
+        self.ledger.record(self._start, self._start, work, count)
         return ()
 
 
@@ -326,5 +325,6 @@ def _period(step: Fraction, speed: float) -> Fraction:
 
 
 def _wait_frozen(clock: Clock, wake: threading.Event) -> None:
+    """Wait until ``wake`` is set: in a freeze no tick is due."""
     while clock.wait_until(clock.now() + MAX_NAP_NS, wake):
         pass

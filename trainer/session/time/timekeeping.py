@@ -1,9 +1,9 @@
 """The timekeeping of the ticks: their speed, their slips, and what the system grants them.
 
-The process asks the system for a real-time priority and locked memory, reports the answer, and
-gives them back. All threads get the priority, not only the one that ticks: a ticking thread that
-waits for the interpreter would else wait for whatever keeps its holder off the processor. New
-threads inherit the priority of the thread that starts them.
+``session`` and ``control`` run time by it. The process asks the system for a real-time priority and
+locked memory, reports the answer, and gives them back. All threads get the priority, not only the
+one that ticks: a ticking thread that waits for the interpreter would else wait for whatever keeps
+its holder off the processor. New threads inherit the priority of the thread that starts them.
 """
 
 import contextlib
@@ -36,11 +36,10 @@ SET_TIMER_SLACK: Final = 29  # of prctl
 IN_USE: Final = 1 | 2 | 4  # of mlockall: now and later, but nothing that is merely set aside
 NOT_PERMITTED: Final = "not permitted"
 NOT_AVAILABLE: Final = "not on this system"
-QUIET_TIME_NS: Final = 10 * SECOND_NS  # [ns] without a slip, after which the next one is told
+QUIET_TIME_NS: Final = 10 * SECOND_NS  # [ns] without a slip, after which the next one is announced
 SLIP_TIME_NS: Final = SECOND_NS  # [ns] of slipping until the speed falls
-MIN_OVERRUNS: Final = (
-    5  # [-] overruns in that time; a machine that stumbles once or twice keeps its speed
-)
+# [-] overruns in that time; a machine that stumbles once or twice keeps its speed
+MIN_OVERRUNS: Final = 5
 TICK_SHARE: Final = 0.8  # [-] of the clock that ticks take at the lower speed (docs/timing.md)
 
 
@@ -58,7 +57,7 @@ class PunctualityResult:
 
 
 class NoPunctuality:
-    """No demands, for runs that need no help to be on time, and for tests."""
+    """No demands on the system, for runs without deadlines, and for tests."""
 
     granted: PunctualityResult | None = None
 

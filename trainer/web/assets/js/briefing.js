@@ -1,13 +1,22 @@
 // The briefing: what the exercise is about before it begins, how it stands, and its marks at the end.
 import { CREW } from "./model/order-table.js";
 import { clock, html, one, write } from "./draw.js";
+import { outcomeOf } from "./model/judgement.js";
+import { shortLength } from "./units.js";
+import { say } from "./words.js";
 
-/** @type {Record<string, string>} quantities of limits that have another name among people */
+/** @type {Record<string, string>} quantities of limits, as people say them */
 const NAMES = {
-  cpa: "range to a ship",
-  clearance: "water under the keel",
-  speed_over_ground: "speed over the ground",
+  depth: say("depth"),
+  pitch: say("pitch"),
+  heel: say("heel"),
+  speed: say("speed"),
+  cpa: say("range to a ship"),
+  clearance: say("water under the keel"),
+  speed_over_ground: say("speed over the ground"),
 };
+/** @type {Record<string, string>} */
+const UNITS = { deg: say("deg") };
 
 /** @typedef {import("./model/session.js").Session} Session */
 
@@ -19,15 +28,16 @@ export function furnishBriefing(session) {
   const dialog = /** @type {HTMLDialogElement} */ (one("#briefing"));
   const key = one("#show-briefing");
   if (!CREW.includes(session.role) && session.role !== "observer") return;
+  const trains = session.role === "trainee"; // alone: nobody else begins or goes on
   const [close, ready] = [one("#close-briefing"), one("#ready")];
   let shown = ""; // what it has opened for by itself
   const show = () => {
-    key.hidden = !session.exercise.title && !session.outcome;
-    write(one("#briefing-title"), session.exercise.title ?? "Free sailing");
+    key.hidden = !session.exercise.title && !session.outcome && !trains;
+    write(one("#briefing-title"), session.exercise.title ?? say("Free sailing"));
     one("#briefing-text").replaceChildren(...text(session));
     const begins = session.state === "frozen" && session.seconds === 0;
-    ready.hidden = !begins || !session.may("ready");
-    const why = session.outcome ? "end" : begins && session.exercise.title ? "begin" : "";
+    ready.hidden = !begins || trains || !session.may("ready");
+    const why = session.outcome ? "end" : begins && (session.exercise.title || trains) ? "begin" : "";
     if (why && shown !== `${why} ${session.exercise.title}` && !dialog.open) {
       shown = `${why} ${session.exercise.title}`;
       dialog.show();
@@ -56,22 +66,30 @@ export function furnishBriefing(session) {
 function text(session) {
   const { exercise, told, outcome, judgement } = session;
   const parts = [];
-  if (outcome) parts.push(html("p", { class: "outcome" }, `The exercise is over: ${outcome}.`));
-  if (outcome && !judgement.marks) parts.push(html("p", {}, "The instructor has the marks first."));
-  parts.push(...judgement.lines.map((line) => html("p", {}, line)));
+  if (outcome) parts.push(html("p", { class: "outcome" }, say("The exercise is over: {0}.", outcomeOf(outcome))));
+  if (outcome && exercise.steps) parts.push(html("p", {}, say("Lessons have no marks.")));
+  else if (outcome && !judgement.marks) parts.push(html("p", {}, marksToCome(session)));
+  if (!exercise.steps) parts.push(...judgement.lines.map((line) => html("p", {}, line)));
   parts.push(...(told.line ?? []).map((line) => html("p", {}, line)));
   const facts = [
-    ["By hand", (exercise.hand ?? "").replaceAll(",", ", ")],
-    ["Won by", (told.wins ?? []).join("; ")],
-    ["Lost by", (told.lost ?? []).join("; ")],
-    ["Limits", limitsInWords(exercise.limits)],
-    ["Length", exercise.duration ? clock(Number(exercise.duration)) : ""],
+    [say("By hand"), (exercise.hand ?? "").replaceAll(",", ", ")],
+    [say("Won by"), (told.wins ?? []).join("; ")],
+    [say("Lost by"), (told.lost ?? []).join("; ")],
+    [say("Limits"), limitsInWords(exercise.limits)],
+    [say("Steps"), exercise.steps ?? ""],
+    [say("Length"), exercise.duration ? clock(Number(exercise.duration)) : ""],
   ];
   const rows = facts
     .filter(([, what]) => what)
     .flatMap(([name, what]) => [html("dt", {}, name), html("dd", {}, what)]);
   if (rows.length) parts.push(html("dl", {}, ...rows));
   return parts;
+}
+
+/** @param {Session} session */
+function marksToCome({ role }) {
+  if (role !== "trainee") return say("The instructor has the marks first.");
+  return say("The marks are being calculated; an instructor who is here has them first.");
 }
 
 /** Returns limits such as `depth_m_max:130,pitch_deg_max:15` in words. @param {string} [told] */
@@ -86,5 +104,7 @@ function limit(told) {
   const [unit, end] = parts.splice(-2);
   if (!value) return "";
   const what = NAMES[parts.join("_")] ?? parts.join(" ");
-  return `${what} at ${end === "min" ? "least" : "most"} ${value}${unit === "level" ? "" : ` ${unit}`}`;
+  const far = unit === "m" ? shortLength(Number(value)) : `${value} ${UNITS[unit] ?? unit}`;
+  const bound = unit === "level" ? value : far;
+  return end === "min" ? say("{0} at least {1}", what, bound) : say("{0} at most {1}", what, bound);
 }

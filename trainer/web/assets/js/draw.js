@@ -1,4 +1,6 @@
 // Elements of HTML and SVG, and numbers in words.
+// The words come first of all: they translate what the page has before its elements read it.
+import { decimals } from "./words.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -79,6 +81,6 @@ export function bearing(degrees) {
  * @param {number} [digits]
  */
 export function sided(value, negative, positive, digits = 1) {
-  const size = Math.abs(value).toFixed(digits);
-  return Number(size) === 0 ? size : `${size} ${value < 0 ? negative : positive}`;
+  const size = decimals(Math.abs(value), digits);
+  return Number(Math.abs(value).toFixed(digits)) === 0 ? size : `${size} ${value < 0 ? negative : positive}`;
 }

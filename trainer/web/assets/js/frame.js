@@ -1,80 +1,36 @@
 // What every station's page has: state and time, alerts, palette, sound, and who it is.
-import { RANKS } from "./model/alerts.js";
+import { AlertSounder } from "./alert-sounder.js";
+import "./alert-bar.js";
+import { muteWatch } from "./model/alerts.js";
 import { Sound } from "./sound.js";
+import { furnishChoices } from "./choices.js";
 import { furnishBriefing } from "./briefing.js";
-import { bearing, clock, html, one, svg, write } from "./draw.js";
+import { furnishAids } from "./aids.js";
+import { bearing, clock, one, write } from "./draw.js";
+import { say } from "./words.js";
 
 /**
  * @typedef {import("./model/session.js").Session} Session
  * @typedef {import("./model/alerts.js").Alerts} Alerts
- * @typedef {import("./model/alerts.js").Shown} Shown
  */
 
-const SHAPES = {
-  emergency: "M12 1L23.5 22.5H.5Z",
-  alarm: "M12 1L23.5 22.5H.5Z",
-  warning: "M12 1a11 11 0 1 0 .01 0Z",
-  caution: "M2 2H22V22H2Z",
-};
 const STATES = {
-  connecting: "CONNECTING",
-  role: "ROLE?",
-  running: "RUNNING",
-  frozen: "FROZEN",
-  replay: "REPLAY",
-  lost: "NO LINK",
-  ended: "ENDED",
+  connecting: say("CONNECTING"),
+  role: say("ROLE?"),
+  running: say("RUNNING"),
+  frozen: say("FROZEN"),
+  replay: say("REPLAY"),
+  lost: say("NO LINK"),
+  ended: say("ENDED"),
 };
-const AT_ONCE = 3; // alerts that are shown
 const PALETTES = ["dusk", "day", "night"];
 const FOOT = 0.3048; // [m]
+const BLOWN = ["forward", "mid", "aft", "negative"]; // tanks
+const BANKS = ["main", "emergency"];
+const LEAST_AIR = 1; // [%] of a bank, with which it still gives some
 const KEPT = "palette"; // where the browser keeps the choice
 /** What is told to the crew about the light aboard. @type {Record<string, string>} */
 const RIGGED = { "rig for red": "night", "rig for white": "" };
-
-class AlertBar extends HTMLElement {
-  connectedCallback() {
-    this.setAttribute("role", "log");
-    this.setAttribute("aria-label", "Alerts");
-    this.setAttribute("aria-live", "polite");
-  }
-
-  /** @param {Alerts} alerts */
-  show(alerts) {
-    const shown = alerts.shown;
-    const now = JSON.stringify(shown.map((each) => [each.key, each.words, each.fresh]));
-    if (this.dataset.shown === now) return;
-    this.dataset.shown = now;
-    const urgent = shown.some((each) => each.fresh && RANKS.indexOf(each.rank) < 2);
-    this.setAttribute("aria-live", urgent ? "assertive" : "polite");
-    const more = shown.length - AT_ONCE;
-    this.replaceChildren(
-      ...shown.slice(0, AT_ONCE).map((each) => this.entry(each, alerts)),
-      ...(more > 0 ? [html("span", { class: "alert" }, `+${more}`)] : []),
-    );
-  }
-
-  /** @param {Shown} alert @param {Alerts} alerts */
-  entry(alert, alerts) {
-    const icon = svg(
-      "svg",
-      { viewBox: "0 0 24 24", class: "icon", "aria-hidden": "true" },
-      svg("path", { d: SHAPES[alert.rank] }),
-      svg("path", { d: "M12 8v7M12 18.5v.1", class: "cut" }),
-    );
-    const seen = () => alerts.acknowledge(alert);
-    return html(
-      "span",
-      { class: "alert", "data-rank": alert.rank, "data-new": alert.fresh },
-      icon,
-      html("b", {}, alert.words),
-      html("time", {}, clock(alert.seconds)),
-      alert.fresh && html("button", { type: "button", click: seen }, "Acknowledge"),
-      !alert.fresh && alert.rank !== "caution" && html("span", {}, "seen"),
-    );
-  }
-}
-customElements.define("alert-bar", AlertBar);
 
 /**
  * Furnishes a station's page; returns its sound.
@@ -85,13 +41,16 @@ export function furnish(session, alerts) {
   const sound = new Sound();
   const palette = furnishPalette();
   switchSound(sound);
+  alerts.watches.push(muteWatch(sound, () => alerts.shown));
   showAlerts(alerts, sound);
   ringOrders(session, sound);
+  soundBoat(session, sound);
   rigLight(session, palette);
   for (const what of ["state", "tick", "exercise"]) session.on(what, () => showState(session));
   session.on("older", () => one("#older", document).removeAttribute("hidden"));
   askWord(session);
   furnishBriefing(session);
+  furnishAids(session);
   addEventListener("keydown", (event) => {
     if (event.key.toLowerCase() !== "a" || isTyping(event)) return;
     const first = alerts.shown.find((each) => each.fresh);
@@ -106,21 +65,14 @@ export function furnishPalette() {
   const palette = /** @type {HTMLSelectElement} */ (one("#palette"));
   palette.value = showPalette();
   palette.onchange = () => keepPalette(palette.value);
+  furnishChoices();
   return palette;
 }
 
-/** Shows alerts, and tells new ones. @param {Alerts} alerts @param {Sound} [sound] */
+/** Shows alerts, and sounds new ones until somebody has seen them. @param {Alerts} alerts @param {Sound} [sound] */
 export function showAlerts(alerts, sound) {
-  const bar = /** @type {AlertBar} */ (one("alert-bar"));
-  /** @type {Set<string>} */
-  const sounded = new Set();
-  alerts.addEventListener("change", () => {
-    bar.show(alerts);
-    for (const each of alerts.shown) {
-      if (each.fresh && !sounded.has(each.key)) sound?.alert(each.rank);
-      sounded.add(each.key);
-    }
-  });
+  const bar = /** @type {import("./alert-bar.js").AlertBar} */ (one("alert-bar"));
+  bar.follow(alerts, sound && new AlertSounder(alerts, sound));
 }
 
 /** Strikes the bell for each new order that this station is to repeat. @param {Session} session @param {Sound} sound */
@@ -132,6 +84,25 @@ function ringOrders(session, sound) {
     if (order && order !== last) sound.bell();
     last = order;
   });
+}
+
+/** Lets what this station's instruments show be heard: the telegraph when it is rung, air that flows. @param {Session} session @param {Sound} sound */
+function soundBoat(session, sound) {
+  /** @type {string | null} */
+  let rung = null; // null until the page has heard of the engine
+  session.on("tick", () => {
+    sound.blow(session.state === "running" && airFlows(session));
+    if (!session.readings.latest.has("engine")) return;
+    const bell = session.word("engine.bell");
+    if (bell && rung !== null && bell !== rung) sound.telegraph();
+    rung = bell;
+  });
+}
+
+/** @param {Session} session */
+function airFlows(session) {
+  const blows = BLOWN.some((tank) => ["open", "emergency"].includes(session.word(`valves.blow_${tank}`)));
+  return blows && BANKS.some((bank) => (session.number(`air.${bank}_full`) ?? 0) > LEAST_AIR);
 }
 
 /**
@@ -178,8 +149,8 @@ export function showState(session) {
 /** Returns what the page is doing about its line, "" where all is well. @param {Session} session */
 function describeLink(session) {
   const { why, tries } = session.source;
-  if (session.state === "connecting") return session.alone ? "" : `Dialling ${location.host}`;
-  if (session.state === "lost") return `${why || "no readings"}; try ${tries}`;
+  if (session.state === "connecting") return session.alone ? "" : say("Dialling {0}", location.host);
+  if (session.state === "lost") return say("{0}; try {1}", why || say("no readings"), tries);
   return "";
 }
 
@@ -188,14 +159,21 @@ export function orderedLine(session) {
   const parts = [];
   const [course, depth] = [session.number("orders.course"), session.number("orders.depth")];
   const side = session.word("orders.course_side");
-  if (course !== null) parts.push(`course ${side ? `${side} to ` : ""}${bearing(course)}`);
-  if (depth !== null) parts.push(`depth ${depthOrder(session, depth)}`);
+  if (course !== null) parts.push(courseOrder(bearing(course), side));
+  if (depth !== null) parts.push(say("depth {0}", depthOrder(session, depth)));
   const pitch = session.number("orders.pitch");
   if (pitch !== null) parts.push(pitchOrder(pitch));
   const speed = session.number("orders.speed");
-  if (speed !== null) parts.push(`speed ${speed} kn`);
-  const told = session.word("orders.told");
+  if (speed !== null) parts.push(say("speed {0} kn", speed));
+  const led = session.role === "trainee" && session.exercise.steps; // the step stands elsewhere
+  const told = led ? "" : session.word("orders.told");
   return [parts.join(", "), told].filter(Boolean).join("; ");
+}
+
+/** Returns an ordered course in words. @param {string} to @param {string} side to which it is turned, "" for the nearer */
+function courseOrder(to, side) {
+  if (!side) return say("course {0}", to);
+  return side === "left" ? say("course left to {0}", to) : say("course right to {0}", to);
 }
 
 /** Returns a depth in the unit of its order. @param {Session} session @param {number} metres */
@@ -206,7 +184,8 @@ export function depthOrder(session, metres) {
 
 /** Returns an ordered pitch in words. @param {number} pitch */
 export function pitchOrder(pitch) {
-  return pitch === 0 ? "level" : `bubble ${Math.abs(pitch)} ${pitch < 0 ? "down" : "up"}`;
+  if (pitch === 0) return say("level");
+  return pitch < 0 ? say("bubble {0} down", -pitch) : say("bubble {0} up", pitch);
 }
 
 /** Returns the palette that is asked for or was kept, else that of the browser. */
@@ -242,7 +221,7 @@ function switchSound(sound) {
   key.onclick = () => {
     const on = sound.toggle();
     key.setAttribute("aria-pressed", String(on));
-    write(key, on ? "Sound on" : "Sound off");
+    write(key, on ? say("Sound on") : say("Sound off"));
   };
 }
 

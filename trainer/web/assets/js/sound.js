@@ -10,18 +10,24 @@ const TONES = {
   caution: [],
 };
 const BELL = [1200];
+const HISS = { pitch: 900, level: 0.12, lag: 0.15 }; // of air: [Hz], -, [s]
+const NOISE = 2; // [s] of noise, again and again
 
 export class Sound {
   constructor() {
     this.on = false;
     /** @type {AudioContext | null} */
     this.context = null;
+    this.blows = false; // air flows
+    /** @type {GainNode | null} how loud the air is */
+    this.hiss = null;
   }
 
   /** Switches sounds on or off; returns which. */
   toggle() {
     this.on = !this.on;
     this.context ??= this.on ? new AudioContext() : null;
+    this.blow(this.blows);
     return this.on;
   }
 
@@ -30,9 +36,24 @@ export class Sound {
     this.play(TONES[rank]);
   }
 
-  /** Strikes the telegraph's bell. */
+  /** Strikes the bell once: somebody is called. */
   bell() {
     this.play(BELL);
+  }
+
+  /** Strikes it twice, as the telegraph does when it is rung. */
+  telegraph() {
+    this.play([...BELL, ...BELL]);
+  }
+
+  /** Lets air be heard as it flows into a tank. @param {boolean} flows */
+  blow(flows) {
+    this.blows = flows;
+    const { context } = this;
+    if (!context) return;
+    const loud = flows && this.on;
+    if (loud) this.hiss ??= hissOf(context);
+    this.hiss?.gain.setTargetAtTime(loud ? HISS.level : 0, context.currentTime, HISS.lag);
   }
 
   /** @param {number[]} pitches */
@@ -52,4 +73,18 @@ export class Sound {
       tone.stop(at + LENGTH);
     });
   }
+}
+
+/** Returns how loud a hiss is, which it begins in silence. @param {AudioContext} context */
+function hissOf(context) {
+  const noise = context.createBuffer(1, NOISE * context.sampleRate, context.sampleRate);
+  noise.getChannelData(0).forEach((_, at, samples) => (samples[at] = 2 * Math.random() - 1));
+  const [air, band, level] = [context.createBufferSource(), context.createBiquadFilter(), context.createGain()];
+  Object.assign(air, { buffer: noise, loop: true });
+  band.type = "bandpass";
+  band.frequency.value = HISS.pitch;
+  level.gain.value = 0;
+  air.connect(band).connect(level).connect(context.destination);
+  air.start();
+  return level;
 }

@@ -1,13 +1,22 @@
-// Words in the visitor's language. The English words themselves are the keys of the catalogues,
-// which the server has put into the page.
-import { one, write } from "./draw.js";
+// Words in the language that is chosen. The English words themselves are the keys of the catalogues,
+// which the server has put into the page; a word that a catalogue lacks stays English.
 
 const FIRST = "en";
+const KEPT = "language"; // where the browser keeps the choice
+/** Attributes of the page's HTML that people read or hear: READ_ATTRIBUTES of words.py. */
+const READ = [
+  ...["aria-label", "placeholder", "title", "label", "low", "high"],
+  ...["data-says", "data-short", "data-lower", "data-higher", "word-centre", "word-forward"],
+];
+const page = globalThis.document; // a worker has none
 /** @type {Record<string, Record<string, string>>} */
-const CATALOGUES = JSON.parse(one("#words").textContent ?? "{}");
+const CATALOGUES = JSON.parse(page?.querySelector("#words")?.textContent ?? "{}");
 const LANGUAGES = [FIRST, ...Object.keys(CATALOGUES)];
+/** What the page's HTML says, and where, in English. @type {[{ data: string } | Attr, string][]} */
+const written = page ? [...texts(page), ...attributes(page)] : [];
 
 let language = FIRST;
+let mark = "."; // between a whole number and its decimals
 
 /** Tells `change` when another language is spoken. */
 export const changes = new EventTarget();
@@ -15,6 +24,11 @@ export const changes = new EventTarget();
 /** The language that is spoken, such as `de`. */
 export function spoken() {
   return language;
+}
+
+/** The languages that there are, and each one's own name of itself. @returns {[string, string][]} */
+export function languages() {
+  return LANGUAGES.map((each) => [each, translate(each, "English")]);
 }
 
 /**
@@ -36,13 +50,21 @@ export function figure(value) {
   return new Intl.NumberFormat(language, { maximumFractionDigits: 0 }).format(value);
 }
 
+/** Returns a number with so many digits after the mark that the language writes. @param {number} value @param {number} digits */
+export function decimals(value, digits) {
+  return value.toFixed(digits).replace(".", mark);
+}
+
 /** Speaks a language from now on, the first where it is not known. @param {string | null} wanted */
 export function speak(wanted) {
   language = LANGUAGES.find((each) => each === wanted) ?? FIRST;
-  document.documentElement.lang = language;
-  for (const node of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-say]"))) {
-    node.dataset.say ||= node.textContent?.trim();
-    write(node, say(node.dataset.say ?? ""));
+  mark = new Intl.NumberFormat(language).format(0.5).charAt(1);
+  if (!page) return;
+  page.documentElement.lang = language;
+  for (const [place, english] of written) {
+    const spokenText = english.replace(/\S.*\S|\S/s, (core) => say(core.replace(/\s+/g, " ")));
+    if ("data" in place) place.data = spokenText;
+    else place.value = spokenText;
   }
   changes.dispatchEvent(new Event("change"));
 }
@@ -52,3 +74,40 @@ export function following() {
   const next = LANGUAGES[(LANGUAGES.indexOf(language) + 1) % LANGUAGES.length];
   return { code: next, name: translate(next, "English") };
 }
+
+/** Keeps a language for this browser. @param {string} wanted */
+export function keepLanguage(wanted) {
+  localStorage.setItem(KEPT, wanted);
+}
+
+/** The language that is asked for or was kept, else the browser's own. */
+function chosen() {
+  const asked = new URLSearchParams(location.search).get("lang") ?? localStorage.getItem(KEPT);
+  const own = navigator.languages.map((each) => each.split("-")[0]);
+  return asked ?? own.find((each) => LANGUAGES.includes(each)) ?? FIRST;
+}
+
+/** Returns the texts of the page's HTML. @param {Document} from @returns {[Text, string][]} */
+function texts(from) {
+  const walker = from.createTreeWalker(from.documentElement, NodeFilter.SHOW_TEXT);
+  /** @type {[Text, string][]} */
+  const found = [];
+  while (walker.nextNode()) {
+    const node = /** @type {Text} */ (walker.currentNode);
+    const told = !["SCRIPT", "STYLE"].includes(node.parentElement?.tagName ?? "");
+    if (told && /\p{L}/u.test(node.data)) found.push([node, node.data]);
+  }
+  return found;
+}
+
+/** Returns the attributes of the page's HTML that are read. @param {Document} from @returns {[Attr, string][]} */
+function attributes(from) {
+  return READ.flatMap((name) =>
+    [...from.querySelectorAll(`[${name}]`)].map((each) => {
+      const place = /** @type {Attr} */ (each.getAttributeNode(name));
+      return /** @type {[Attr, string]} */ ([place, place.value]);
+    }),
+  );
+}
+
+if (page) speak(chosen());

@@ -2,6 +2,8 @@
 import { sided, svg } from "../draw.js";
 import { Hull, KEEL, LENGTH } from "./hull.js";
 import { Water } from "./water.js";
+import { inUnit, unit } from "../units.js";
+import { say } from "../words.js";
 
 const KNOT = 0.514444; // [m/s]
 const SPAN = 90; // [m] of water that are shown for a boat of LENGTH
@@ -27,7 +29,7 @@ export class BoatSide extends HTMLElement {
   constructor() {
     super();
     this.length = LENGTH;
-    this.words = { surface: "surface", ordered: "ordered", limit: "limit", metres: "m" };
+    this.words = { surface: say("surface"), ordered: say("ordered"), limit: say("limit"), metres: unit, ground: say("ground") };
     this.water = new Water();
     this.hull = new Hull(this.water.shade);
     this.level = svg("line", { class: "level" });
@@ -117,9 +119,9 @@ export class BoatSide extends HTMLElement {
   describe(now) {
     this.described = now;
     const { depth, pitch } = this.seen;
-    const where = depth === null ? "not known" : `${depth.toFixed(0)} ${this.words.metres}`;
-    const angle = pitch === null ? "" : `, ${sided(pitch, "down", "up", 0)}°`;
-    this.setAttribute("aria-label", `Boat from the side: ${where}${angle}`);
+    const where = depth === null ? say("not known") : `${inUnit(depth).toFixed(0)} ${this.words.metres}`;
+    const angle = pitch === null ? "" : `, ${sided(pitch, say("down"), say("up"), 0)}°`;
+    this.setAttribute("aria-label", say("Boat from the side: {0}", `${where}${angle}`));
   }
 }
 customElements.define("boat-side", BoatSide);

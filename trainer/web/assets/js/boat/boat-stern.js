@@ -1,5 +1,7 @@
 // The boat from astern: heel over a fixed horizon, and how the tail's surfaces are turned.
 import { sided, svg, write } from "../draw.js";
+import { tellScale } from "../gauges/gauge.js";
+import { say } from "../words.js";
 
 const HULL = 38; // radius in the units of the view
 const CHORD = 22; // of rudder and planes; what is seen of it goes with the sine of their angle
@@ -40,9 +42,10 @@ export class BoatStern extends HTMLElement {
     const ticks = SCALE.map((angle) => tick(angle, 92));
     const horizon = svg("path", { d: "M-106 0H-46M46 0H106", class: "level" });
     const view = { viewBox: "-110 -102 220 204", "aria-hidden": "true" };
-    this.replaceChildren(
-      svg("svg", view, horizon, ...ticks, tick(0, 98), this.boat, this.pointer, this.digits),
-    );
+    const parts = [horizon, ...ticks, tick(0, 98), this.boat, this.pointer, this.digits];
+    const picture = svg("svg", view, ...parts);
+    this.replaceChildren(picture);
+    tellScale(this, picture, [220, 204]);
   }
 
   /** @param {Seen} seen */
@@ -57,9 +60,9 @@ export class BoatStern extends HTMLElement {
     const now = performance.now();
     if (now - this.described < WORDS) return;
     this.described = now;
-    const words = sided(heel, "to port", "to starboard", 0);
-    this.setAttribute("aria-label", `Boat from astern: heel ${words}`);
-    write(this.digits, `heel ${sided(heel, "port", "stbd")}`);
+    const words = sided(heel, say("to port"), say("to starboard"), 0);
+    this.setAttribute("aria-label", say("Boat from astern: heel {0}", words));
+    write(this.digits, say("heel {0}", sided(heel, say("port"), say("stbd"))));
   }
 }
 customElements.define("boat-stern", BoatStern);

@@ -1,8 +1,9 @@
 // The water that the boat is in: surface, light, what drifts past, and a ladder of depth.
 import { svg } from "../draw.js";
+import { feet, inUnit } from "../units.js";
 
 const LIT = 90; // [m] that light reaches
-const STEPS = [1, 2, 5, 10, 20, 50, 100]; // [m] of the ladder
+const STEPS = [1, 2, 5, 10, 20, 50, 100, 200].map((each) => each / inUnit(1)); // [m] of the ladder
 const APART = 2.8; // lines of text between two steps at least
 const RIPPLE = 0.22; // [m] of a calm surface
 const SWELL = 0.65; // [rad/s] of a wave of about ten seconds
@@ -13,7 +14,7 @@ const RAYS = ["M-30 0L-62 60H-40L-22 0Z", "M-4 0L-18 74H4L6 0Z", "M22 0L30 52H44
 let made = 0;
 
 /**
- * @typedef {{ surface: string, ordered: string, limit: string, metres: string, ground?: string }} Words
+ * @typedef {{ surface: string, ordered: string, limit: string, metres: string, ground: string }} Words
  * @typedef {{ width: number, height: number, scale: number, top: number, text: number }} View
  * Width and height [px], scale [px/m], the depth at the upper edge [m], the size of text [px].
  */
@@ -160,7 +161,7 @@ export class Water {
     const [earth, says] = /** @type {SVGElement[]} */ ([...this.ground.children]);
     set(earth, { x: 0, y, width, height: Math.max(height - y, 0) });
     set(says, { x: 0.7 * text, y: Math.min(y + 1.2 * text, height - 0.3 * text) });
-    says.textContent = words.ground ?? "ground";
+    says.textContent = words.ground;
   }
 
   /** @param {View} view @param {number} depth @param {"ordered" | "limit"} kind @param {Words} words */
@@ -239,7 +240,7 @@ function stepOf({ scale, text }) {
 
 /** @param {number} depth @param {Words} words */
 function metres(depth, words) {
-  return `${Number(depth.toFixed(1))} ${words.metres}`;
+  return `${Number(inUnit(depth).toFixed(feet ? 0 : 1))} ${words.metres}`;
 }
 
 /** @param {Element} element @param {Record<string, number>} values */

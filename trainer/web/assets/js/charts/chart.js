@@ -1,5 +1,6 @@
 // What charts on a canvas share: their size, their pen, their colours, their words.
 import { html } from "../draw.js";
+import { decimals, say } from "../words.js";
 
 /**
  * @typedef {{ pen: CanvasRenderingContext2D, width: number, height: number, size: number,
@@ -16,7 +17,7 @@ export class Chart extends HTMLElement {
   connectedCallback() {
     if (this.canvas) return;
     this.setAttribute("role", "img");
-    this.setAttribute("aria-label", this.getAttribute("label") ?? "Chart");
+    this.setAttribute("aria-label", this.getAttribute("label") ?? say("Chart"));
     this.canvas = /** @type {HTMLCanvasElement} */ (html("canvas", { "aria-hidden": "true" }));
     this.append(this.canvas);
     new ResizeObserver(() => this.draw()).observe(this);
@@ -56,8 +57,8 @@ export function stroke(pen, [x1, y1, x2, y2]) {
 
 /** Returns a number with a true minus sign. @param {number} value @param {number} digits */
 export function signed(value, digits) {
-  const size = Math.abs(value).toFixed(digits);
-  return value < 0 && Number(size) !== 0 ? `\u2212${size}` : size;
+  const size = decimals(Math.abs(value), digits);
+  return value < 0 && Number(Math.abs(value).toFixed(digits)) !== 0 ? `\u2212${size}` : size;
 }
 
 /**

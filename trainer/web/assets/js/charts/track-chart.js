@@ -1,5 +1,7 @@
 // The track from above: north up, both ways to one scale, with a bar that tells the scale.
 import { Chart, stepOf, stroke } from "./chart.js";
+import { lengthOf } from "../units.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {[north: number, east: number]} Place [m]
@@ -52,15 +54,15 @@ export class TrackChart extends Chart {
   /** @param {Place | undefined} last */
   say(last) {
     const [north, east] = last ?? [0, 0];
-    const [up, across] = [side(north, "south", "north"), side(east, "west", "east")];
-    this.setAttribute("aria-label", `Track, north up: the boat is ${up} and ${across} of the start`);
+    const [up, across] = [side(north, say("south"), say("north")), side(east, say("west"), say("east"))];
+    this.setAttribute("aria-label", say("Track, north up: the boat is {0} and {1} of the start", up, across));
   }
 }
 customElements.define("track-chart", TrackChart);
 
 /** @param {number} metres @param {string} negative @param {string} positive */
 function side(metres, negative, positive) {
-  return `${Math.round(Math.abs(metres))} m ${metres < 0 ? negative : positive}`;
+  return `${lengthOf(Math.abs(metres), 0)} ${metres < 0 ? negative : positive}`;
 }
 
 /** @param {import("./chart.js").Area} area @param {Place[]} places @returns {Map} */
@@ -173,7 +175,7 @@ function north({ pen, width, size, colour }) {
   const at = width - size * 1.4;
   pen.fillStyle = colour("ink-2");
   pen.textAlign = "center";
-  pen.fillText("N", at, size);
+  pen.fillText(say("N"), at, size);
   pen.beginPath();
   pen.moveTo(at, size * 1.8);
   pen.lineTo(at - size * 0.45, size * 3);

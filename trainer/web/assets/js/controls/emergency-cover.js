@@ -1,5 +1,6 @@
 // A push under a cover, for what must not be done by mistake: lift the cover, then push.
 import { html, write } from "../draw.js";
+import { say } from "../words.js";
 
 const OPEN = 5; // [s] until the cover falls shut again
 const GUARD = 0.4; // [s] in which the second tap of two is not a push yet
@@ -14,8 +15,8 @@ class EmergencyCover extends HTMLElement {
 
   connectedCallback() {
     if (this.firstChild) return;
-    const label = this.getAttribute("label") ?? "Emergency";
-    this.#cover.append(html("b", {}, label), html("span", {}, "lift the cover"));
+    const label = this.getAttribute("label") ?? say("Emergency");
+    this.#cover.append(html("b", {}, label), html("span", {}, say("lift the cover")));
     this.#push.append(html("b", {}, label), this.#left);
     this.#cover.onpointerdown = (event) => this.#slide(event);
     this.append(this.#push, this.#cover);
@@ -48,7 +49,7 @@ class EmergencyCover extends HTMLElement {
 
   #count() {
     const left = (this.#until - performance.now()) / 1000;
-    write(this.#left, `push: shuts in ${Math.ceil(left)} s`);
+    write(this.#left, say("push: shuts in {0} s", Math.ceil(left)));
     if (left <= OPEN - GUARD && this.#push.hasAttribute("disabled")) {
       this.#push.removeAttribute("disabled");
       this.#push.focus();

@@ -1,11 +1,12 @@
 // A keypad that makes a number into an order: the number first, then what it is.
 import { html, write } from "../draw.js";
+import { say } from "../words.js";
 
 const DIGITS = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "clear", "0", "back"];
 const LONGEST = 4;
 
 /**
- * `<order-keypad label="...">` with `.keys = [[words, least, most]...]`: event `order`, detail
+ * `<order-keypad label="...">` with `.keys = [[key, words, least, most]...]`: event `order`, detail
  * `{ key, number }`. A key works while the number lies in its range.
  */
 class OrderKeypad extends HTMLElement {
@@ -18,10 +19,10 @@ class OrderKeypad extends HTMLElement {
   connectedCallback() {
     if (this.firstChild) return;
     this.setAttribute("role", "group");
-    this.setAttribute("aria-label", this.getAttribute("label") ?? "Keypad");
+    this.setAttribute("aria-label", this.getAttribute("label") ?? say("Keypad"));
     const digits = DIGITS.map((digit) => {
       const words = { clear: "C", back: "⌫" }[digit] ?? digit;
-      const label = { clear: "Clear", back: "Last digit back" }[digit] ?? digit;
+      const label = { clear: say("Clear"), back: say("Last digit back") }[digit] ?? digit;
       return html(
         "button",
         { type: "button", "aria-label": label, click: () => this.#press(digit) },
@@ -33,13 +34,13 @@ class OrderKeypad extends HTMLElement {
     this.#write();
   }
 
-  /** @param {[string, number, number][]} keys words, least and greatest number */
+  /** @param {[string, string, number, number][]} keys what is ordered, its words, least and greatest number */
   set keys(keys) {
     const now = JSON.stringify(keys);
     if (this.dataset.keys === now) return;
     this.dataset.keys = now;
-    this.#keys = keys.map(([words, least, most]) => {
-      const click = () => this.#order(words);
+    this.#keys = keys.map(([key, words, least, most]) => {
+      const click = () => this.#order(key);
       return [html("button", { type: "button", click }, words), least, most];
     });
     this.#ends.replaceChildren(...this.#keys.map(([key]) => key));
@@ -63,7 +64,7 @@ class OrderKeypad extends HTMLElement {
   }
 
   #write() {
-    write(this.#shown, this.#typed || "none");
+    write(this.#shown, this.#typed || say("none"));
     this.#shown.toggleAttribute("data-typed", this.#typed !== "");
     const number = Number(this.#typed);
     for (const [key, least, most] of this.#keys) {

@@ -1,63 +1,95 @@
-// A lever for rudder or planes: drag it, tap its groove, or use the arrow keys.
-import { html, write } from "../draw.js";
-import { clamp } from "../gauges/gauge.js";
+// A lever for rudder or planes, on one scale with the dial inside it: it is held, not hit.
+import "../gauges/angle-dial.js";
+import { html, svg, write } from "../draw.js";
+import { Fan } from "../gauges/fan.js";
+import { clamp, readable } from "../gauges/gauge.js";
+import { say } from "../words.js";
 
 const USUAL = 30; // [deg]
 const DETENT = 1.5; // [deg] about zero
 const OFTEN = 100; // [ms] between two orders at least
-const MARGIN = 7; // [%] of the slot at either end
+const STEP = 5; // [deg] that a tap on the groove moves the knob towards it
+const HELD = 400; // [ms] after which what is held goes on
+const GOES = 50; // [ms] for each degree that the groove's hold moves on
+const CREEPS = 160; // [ms] the same for a fine key
 /** @type {Record<string, number>} degrees of each key; with Shift five times */
 const KEYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 5, PageDown: -5 };
 
 /**
  * Dispatches `order` (detail: degrees): at most ten a second, the last one always.
- * Attributes: `name`, `label`, `low`, `high`, `upright`.
+ *
+ * `<order-lever name label low high limit face>` holds an `<angle-dial>`, to whose arc it is the
+ * lower rim (face `down`) or the chord (`left`, `right`).
  */
 class OrderLever extends HTMLElement {
   most = USUAL; // [deg] the largest angle either way
+  /** @type {Fan | null} */
+  fan = null;
 
   connectedCallback() {
-    if (this.firstChild) return;
+    if (this.groove) return;
     this.value = 0;
     this.held = false;
     this.sent = -Infinity;
     this.due = 0;
     /** @type {number | null} what a hand has chosen since the order was last shown */
     this.chosen = null;
-    this.mark = html("div", { class: "mark" });
+    this.figure = html("div", { class: "figure", "aria-hidden": "true", hidden: true });
     this.knob = html("div", {
       class: "knob",
       role: "slider",
       tabindex: 0,
       "aria-label": this.getAttribute("label") ?? "",
-      "aria-orientation": this.upright ? "vertical" : "horizontal",
+      "aria-orientation": this.face === "down" ? "horizontal" : "vertical",
       keydown: (event) => this.press(/** @type {KeyboardEvent} */ (event)),
+      pointerdown: (event) => this.drag(/** @type {PointerEvent} */ (event)),
     });
-    this.steps = html("div", { class: "steps", "aria-hidden": "true" });
-    this.groove = html(
-      "div",
-      { class: "slot", pointerdown: (event) => this.grab(/** @type {PointerEvent} */ (event)) },
-      html("div", { class: "groove" }),
-      this.steps,
-      this.mark,
-      this.knob,
-    );
-    const [low, high] = this.ends;
-    this.append(
-      html("span", { class: "end" }, low),
-      this.groove,
-      html("span", { class: "end" }, high),
-    );
+    this.groove = svg("path", { class: "groove" });
+    this.reach = svg("path", {
+      class: "reach",
+      pointerdown: (event) => this.follow(/** @type {PointerEvent} */ (event)),
+    });
+    const rail = svg("svg", { "aria-hidden": "true" }, this.groove, this.reach);
+    this.bed = html("div", { class: "slot" }, rail, this.knob, this.figure);
+    const keys = this.ends.map((word, high) => this.fineKey(word, high ? 1 : -1));
+    this.hand = html("div", { class: "hand", "data-control": true }, keys[1], this.bed, keys[0]);
+    this.append(this.hand);
     this.limit = Number(this.getAttribute("limit") ?? USUAL);
     this.set(0);
+    new ResizeObserver(() => this.lay()).observe(this.bed);
   }
 
-  get upright() {
-    return this.hasAttribute("upright");
+  /** Returns the key at an end, which moves the lever by a degree. @param {string} word @param {1 | -1} way */
+  fineKey(word, way) {
+    const by = () => this.choose((this.value ?? 0) + way);
+    return html(
+      "button",
+      {
+        type: "button",
+        class: `fine ${way > 0 ? "high" : "low"}`,
+        "aria-label": `${this.getAttribute("label")}: 1 ${word}`,
+        pointerdown: (event) =>
+          this.hold(/** @type {PointerEvent} */ (event), () => way * this.limit, 1, CREEPS),
+        click: (event) => {
+          if (/** @type {MouseEvent} */ (event).detail === 0) by(); // by the keyboard
+        },
+      },
+      html("span", { class: "way" }),
+      word,
+    );
+  }
+
+  get face() {
+    return this.getAttribute("face") ?? "right";
   }
 
   get ends() {
-    return [this.getAttribute("low") ?? "left", this.getAttribute("high") ?? "right"];
+    return [this.getAttribute("low") ?? say("left"), this.getAttribute("high") ?? say("right")];
+  }
+
+  /** Whether it takes no orders now. */
+  get idle() {
+    return this.hand?.inert ?? true;
   }
 
   /** The largest angle either way [deg]. */
@@ -69,37 +101,41 @@ class OrderLever extends HTMLElement {
     this.most = most;
     this.knob?.setAttribute("aria-valuemin", String(-most));
     this.knob?.setAttribute("aria-valuemax", String(most));
-    const values = [];
-    for (let value = 0; value <= most; value += 10) values.push(value, -value);
-    const steps = [...new Set(values)].map((value) => {
-      const step = html("span", { class: "step" }, String(Math.abs(value)));
-      this.place(step, value);
-      return step;
-    });
-    this.steps?.replaceChildren(...steps);
+    if (this.fan) this.set(this.value ?? 0);
+  }
+
+  /** Lays the scale out in the room there is, for the lever and its dial. */
+  lay() {
+    const { bed, groove, knob, reach } = this;
+    if (!groove || !knob || !reach || !bed?.clientWidth || !bed.clientHeight) return;
+    const size = /** @type {[number, number]} */ ([knob.offsetWidth, knob.offsetHeight]);
+    this.fan = new Fan(this.face, [bed.clientWidth, bed.clientHeight], readable(this), size);
+    const { fan } = this;
+    const over = 1 + ((this.face === "down" ? size[0] : size[1]) / 2 - 2) / fan.half; // under the whole knob
+    const path = fan.path(-over, over, (share) => fan.knob(share));
+    for (const part of [groove, reach]) part.setAttribute("d", path);
+    const dial = /** @type {any} */ (this.querySelector("angle-dial"));
+    if (dial) dial.fan = fan;
+    this.set(this.value ?? 0);
   }
 
   /** Returns a value in words. @param {number} value */
   words(value) {
     const [low, high] = this.ends;
-    return value === 0 ? "zero" : `${Math.abs(value)} ${value < 0 ? low : high}`;
-  }
-
-  /** @param {HTMLElement} part @param {number} value */
-  place(part, value) {
-    const share = (50 + (50 * value) / this.limit) * (1 - (2 * MARGIN) / 100) + MARGIN;
-    if (this.upright) part.style.top = `${100 - share}%`;
-    else part.style.left = `${share}%`;
+    return value === 0 ? say("zero") : `${Math.abs(value)} ${value < 0 ? low : high}`;
   }
 
   /** Puts the knob to a value. @param {number} value */
   set(value) {
-    if (!this.knob) return;
+    const { fan, figure, knob } = this;
+    if (!knob || !figure) return;
     this.value = clamp(Math.round(value), -this.limit, this.limit) || 0;
-    this.place(this.knob, this.value);
-    write(this.knob, String(Math.abs(this.value)));
-    this.knob.setAttribute("aria-valuenow", String(this.value));
-    this.knob.setAttribute("aria-valuetext", this.words(this.value));
+    const [x, y] = fan?.knob(this.value / this.limit) ?? [0, 0];
+    for (const part of [knob, figure]) Object.assign(part.style, { left: `${x}px`, top: `${y}px` });
+    write(knob, String(Math.abs(this.value)));
+    write(figure, this.value === 0 ? "0" : this.words(this.value));
+    knob.setAttribute("aria-valuenow", String(this.value));
+    knob.setAttribute("aria-valuetext", this.words(this.value));
   }
 
   /** Puts the knob to a value that a hand has chosen, and orders it. @param {number} value */
@@ -124,15 +160,12 @@ class OrderLever extends HTMLElement {
   }
 
   /**
-   * @param {number | null} actual [deg]
    * @param {number | null} ordered [deg]
    * @param {string} [mode] `hand`, or what steers the surface
    * @param {boolean} [waits] whether the order still waits for its answer
    */
-  show(actual, ordered, mode = "hand", waits = false) {
-    if (!this.mark) return;
-    this.mark.hidden = actual === null;
-    if (actual !== null) this.place(this.mark, clamp(actual, -this.limit, this.limit));
+  show(ordered, mode = "hand", waits = false) {
+    if (!this.knob) return;
     this.classList.toggle("automatic", mode !== "hand");
     this.classList.toggle("asking", waits || this.due !== 0);
     if (this.held || this.due || waits) return;
@@ -140,35 +173,89 @@ class OrderLever extends HTMLElement {
     if (ordered !== null && Math.round(ordered) !== this.value) this.set(ordered);
   }
 
-  /** Returns the value at a place of the slot. @param {PointerEvent} event */
+  /** Returns the value at a place of the page. @param {PointerEvent} event */
   read(event) {
-    const box = /** @type {HTMLElement} */ (this.groove).getBoundingClientRect();
-    const along = this.upright
-      ? 1 - (event.clientY - box.top) / box.height
-      : (event.clientX - box.left) / box.width;
-    const value = (((along * 100 - MARGIN) / (1 - (2 * MARGIN) / 100) - 50) / 50) * this.limit;
-    return Math.abs(value) < DETENT ? 0 : value;
+    const box = /** @type {HTMLElement} */ (this.bed).getBoundingClientRect();
+    return (this.fan?.share(event, box) ?? 0) * this.limit;
   }
 
-  /** @param {PointerEvent} event */
-  grab(event) {
-    const { groove } = this;
-    if (!groove || event.button > 0) return;
+  /**
+   * Takes something into a hand until the finger leaves; what it only touches orders nothing.
+   * @param {PointerEvent} event
+   * @param {(moved: PointerEvent) => void} move
+   * @returns {AbortSignal | null} aborted when it leaves, null where no hand may take it
+   */
+  take(event, move) {
+    const part = /** @type {HTMLElement} */ (event.currentTarget);
+    if (event.button > 0 || this.held) return null;
     event.preventDefault();
+    const left = new AbortController();
+    const { signal } = left;
     this.held = true;
-    groove.setPointerCapture(event.pointerId);
-    this.knob?.focus();
-    const move = (/** @type {Event} */ moved) =>
-      this.choose(this.read(/** @type {PointerEvent} */ (moved)));
-    const leave = () => {
-      this.held = false;
-      groove.removeEventListener("pointermove", move);
+    this.chosen = this.value ?? 0;
+    if (this.figure) this.figure.hidden = false;
+    part.setPointerCapture(event.pointerId);
+    const own = (/** @type {(moved: PointerEvent) => void} */ then) => (/** @type {Event} */ moved) => {
+      if (/** @type {PointerEvent} */ (moved).pointerId === event.pointerId) {
+        then(/** @type {PointerEvent} */ (moved));
+      }
     };
-    groove.addEventListener("pointermove", move);
-    for (const end of ["pointerup", "pointercancel"]) {
-      groove.addEventListener(end, leave, { once: true });
-    }
-    move(event);
+    part.addEventListener("pointermove", own(move), { signal });
+    part.addEventListener(
+      "lostpointercapture",
+      own(() => {
+        this.held = false;
+        if (this.figure) this.figure.hidden = true;
+        left.abort();
+      }),
+      { signal },
+    );
+    return signal;
+  }
+
+  /** Moves the knob with the finger, which keeps its place on it. @param {PointerEvent} event */
+  drag(event) {
+    const offset = this.read(event) - (this.value ?? 0);
+    const begun = this.value ?? 0;
+    let moved = false;
+    const move = (/** @type {PointerEvent} */ at) => {
+      const value = this.read(at) - offset;
+      moved ||= Math.round(value) !== begun;
+      if (moved) this.choose(Math.abs(value) < DETENT ? 0 : value);
+    };
+    if (this.take(event, move)) this.knob?.focus();
+  }
+
+  /** Steps towards a finger on the groove, and goes to it while it is held. @param {PointerEvent} event */
+  follow(event) {
+    let wanted = this.read(event);
+    const move = (/** @type {PointerEvent} */ at) => (wanted = this.read(at));
+    if (this.hold(event, () => wanted, STEP, GOES, move)) this.knob?.focus();
+  }
+
+  /**
+   * Steps towards a value, and after a while goes on to it degree by degree.
+   * @param {PointerEvent} event
+   * @param {() => number} wanted [deg]
+   * @param {number} step [deg]
+   * @param {number} every [ms]
+   * @param {(moved: PointerEvent) => void} [move]
+   */
+  hold(event, wanted, step, every, move = () => undefined) {
+    const signal = this.take(event, move);
+    if (!signal) return false;
+    const go = (/** @type {number} */ by) => {
+      const at = this.value ?? 0;
+      this.choose(at + clamp(Math.round(wanted()) - at, -by, by));
+    };
+    go(step);
+    let going = 0;
+    const waits = setTimeout(() => (going = window.setInterval(() => go(1), every)), HELD);
+    signal.addEventListener("abort", () => {
+      clearTimeout(waits);
+      clearInterval(going);
+    });
+    return true;
   }
 
   /** @param {KeyboardEvent} event */

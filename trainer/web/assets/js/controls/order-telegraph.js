@@ -1,14 +1,16 @@
 // The telegraph: ahead is up; the chosen stop in a frame, the engine room's answer beside it.
 import { html } from "../draw.js";
+import { bellOf } from "./bells.js";
+import { say } from "../words.js";
 
 /** @type {Record<string, string>} */
 const SHORT = {
-  flank: "Flank",
-  full: "Full",
-  standard: "Std",
+  flank: say("Flank"),
+  full: say("Full"),
+  standard: say("Std"),
   "two-thirds": "2/3",
   "one-third": "1/3",
-  stop: "STOP",
+  stop: say("STOP"),
 };
 
 /** Dispatches `order` (detail: the bell as it is ordered, such as `ahead full`). */
@@ -37,20 +39,20 @@ class OrderTelegraph extends HTMLElement {
     this.bells = [...bells];
     const sorted = [...bells].sort((a, b) => b[1] - a[1]);
     this.keys = sorted.map(([bell]) => this.key(bell));
-    const [ahead, astern] = ["AHEAD", "ASTERN"].map((way) => html("span", { class: "end" }, way));
+    const [ahead, astern] = [say("AHEAD"), say("ASTERN")].map((way) => html("span", { class: "end" }, way));
     this.replaceChildren(ahead, ...this.keys, astern);
     this.mark();
   }
 
   /** @param {string} bell */
   key(bell) {
-    const short = SHORT[bell.split(" ").at(-1) ?? ""] ?? bell;
+    const short = SHORT[bell.split(" ").at(-1) ?? ""] ?? bellOf(bell);
     return html(
       "button",
       {
         type: "button",
         role: "radio",
-        "aria-label": bell,
+        "aria-label": bellOf(bell),
         "data-bell": bell,
         class: bell.split(" ")[0],
         keydown: (event) => this.press(/** @type {KeyboardEvent} */ (event)),

@@ -1,12 +1,13 @@
 // Keys that choose which part of a page is shown where there is no room for all.
 import { html } from "../draw.js";
+import { say } from "../words.js";
 
 /** `<part-keys part="group">` with `.parts = [[name, words]...]`: sets `data-group` of the body. */
 class PartKeys extends HTMLElement {
   /** @param {[string, string][]} parts */
   set parts(parts) {
     this.setAttribute("role", "group");
-    this.setAttribute("aria-label", this.getAttribute("label") ?? "Shown");
+    this.setAttribute("aria-label", this.getAttribute("label") ?? say("Shown"));
     const key = ([name, words] = ["", ""]) =>
       html("button", { type: "button", "data-name": name, click: () => this.choose(name) }, words);
     this.replaceChildren(...parts.map(key));

@@ -1,6 +1,22 @@
 // A switch of a few positions, such as vent, shut, blow. It gives an order and shows what stands.
 import { html, one, write } from "../draw.js";
+import { say } from "../words.js";
 
+/** @type {Record<string, string>} */
+const WORDS = {
+  vent: say("vent"),
+  flood: say("flood"),
+  shut: say("shut"),
+  blow: say("blow"),
+  off: say("off"),
+  on: say("on"),
+  hand: say("hand"),
+  auto: say("auto"),
+  stop: say("stop"),
+  aft: say("aft"),
+  centre: say("centre"),
+  forward: say("forward"),
+};
 /** What stands in a position: its glyph turns with it, so that a shape says it too. */
 const SHAPES = ["vent", "flood", "shut", "blow", "off", "on", "hand", "auto"];
 
@@ -40,7 +56,7 @@ class PositionSwitch extends HTMLElement {
 
   /** @param {string} position */
   #key(position) {
-    const word = (this.getAttribute(`word-${position}`) ?? position).toUpperCase();
+    const word = (this.getAttribute(`word-${position}`) ?? WORDS[position] ?? position).toUpperCase();
     const shape = SHAPES.includes(position) ? position : "shut";
     return html(
       "button",
@@ -82,7 +98,7 @@ class PositionSwitch extends HTMLElement {
       key.setAttribute("aria-checked", String(position === this.#wanted));
       key.toggleAttribute("data-stands", position === this.#stands);
       key.tabIndex = position === focus ? 0 : -1;
-      write(one(".unseen", key), position === this.#stands ? " (stands)" : "");
+      write(one(".unseen", key), position === this.#stands ? ` ${say("(stands)")}` : "");
     }
   }
 }

@@ -1,5 +1,6 @@
 // Keys of a pump: amounts to choose from, two directions, what is still to move, and Stop.
 import { html, write } from "../draw.js";
+import { decimals, say } from "../words.js";
 
 const AMOUNTS = [1, 2, 5, 10]; // [t]
 const LEAST = 0.05; // [t] below which nothing is left to move
@@ -16,7 +17,7 @@ class PumpKeys extends HTMLElement {
   #amounts = [];
   /** @type {[number, HTMLElement][]} */
   #directions = [];
-  #stop = html("button", { type: "button", class: "stop", click: () => this.#order(0) }, "Stop");
+  #stop = html("button", { type: "button", class: "stop", click: () => this.#order(0) }, say("Stop"));
 
   connectedCallback() {
     if (this.firstChild) return;
@@ -24,7 +25,7 @@ class PumpKeys extends HTMLElement {
     this.setAttribute("role", "group");
     this.setAttribute("aria-label", label);
     this.#amounts = AMOUNTS.map((amount) => this.#choice(amount));
-    const choose = { class: "amounts", role: "radiogroup", "aria-label": `${label}: tonnes` };
+    const choose = { class: "amounts", role: "radiogroup", "aria-label": say("{0}: tonnes", label) };
     this.#directions = [-1, 1].map((sign) => [sign, this.#direction(sign)]);
     this.append(
       this.#left,
@@ -40,8 +41,8 @@ class PumpKeys extends HTMLElement {
     this.#moving = Math.abs(moving) < LEAST ? 0 : moving;
     const way = this.#moving > 0 ? "high" : "low";
     this.toggleAttribute("data-moving", this.#moving !== 0);
-    const words = `${this.#name(way)}: ${Math.abs(this.#moving).toFixed(1)} t to go`;
-    write(this.#left, this.#moving ? words : "nothing to move");
+    const words = say("{0}: {1} t to go", this.#name(way), decimals(Math.abs(this.#moving), 1));
+    write(this.#left, this.#moving ? words : say("nothing to move"));
     this.#stop.toggleAttribute("disabled", this.#moving === 0);
   }
 

@@ -1,5 +1,6 @@
 // A question before something that acts at once.
 import { html } from "../draw.js";
+import { say } from "../words.js";
 
 /**
  * Asks whether to go on; resolves with the answer.
@@ -10,7 +11,7 @@ import { html } from "../draw.js";
  */
 export function ask(title, says, yes) {
   const go = html("button", { value: "yes", class: "yes" }, yes);
-  const back = html("button", { value: "no", autofocus: true }, "No");
+  const back = html("button", { value: "no", autofocus: true }, say("No"));
   const form = html("form", { method: "dialog" }, html("h2", { id: "question" }, title));
   form.append(html("p", {}, says), html("p", { class: "row" }, go, back));
   const dialog = /** @type {HTMLDialogElement} */ (

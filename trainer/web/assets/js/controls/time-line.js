@@ -1,11 +1,13 @@
 // The time line: what has been flown, and a handle that looks back at any moment of it.
 import { clock, html, write } from "../draw.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {{ seconds: number, sign: string, text: string }} Sign
  * @typedef {{ number: number, from: number, to: number, why: string }} Lane a branch that was left
  * @typedef {{ branch: number | null, seconds: number }} Look a moment; branch null is the present one
- * @typedef {{ now: number, end: number, signs: Sign[], lanes: Lane[],
+ * @typedef {{ seconds: number, kind: string, words: string }} Cause
+ * @typedef {{ now: number, end: number, signs: Sign[], causes: Cause[], lanes: Lane[],
  *   replaying: boolean }} Flown
  */
 
@@ -13,17 +15,30 @@ const TICKS = [30, 60, 120, 300, 600, 900, 1800, 3600, 7200]; // [s]
 const LABELS = 11; // on the whole line at most
 const SPOKEN = 2000; // [ms] between changes of what is spoken
 const CLOSE = 0.26; // [s]
-const HINT = "Drag the line to look back. Nothing is overwritten: what was flown stays as a branch.";
-const REPLAY = "A replay runs. Take over, and it goes on from there by your orders.";
+const HINT = say("Drag the line to look back. Nothing is overwritten: what was flown stays as a branch.");
+const REPLAY = say("A replay runs. Take over, and it goes on from there by your orders.");
 const SIGNS = { C: "casualty", c: "cleared", M: "mark", S: "snapshot", o: "order", P: "planned", p: "planned" };
+/** @type {Record<string, string>} what a sign is called */
+const KINDS = {
+  casualty: say("casualty"),
+  cleared: say("cleared"),
+  mark: say("mark"),
+  snapshot: say("snapshot"),
+  order: say("order"),
+  planned: say("planned"),
+};
 const LETTERS = { P: "C" }; // that a sign shows, where it is not its own
 const BARE = "op"; // signs without a letter
 const KEYS = { ArrowLeft: -1, ArrowRight: 1, PageUp: -30, PageDown: 30 }; // [s]
+/** @type {Record<string, string>} */
+const CAUSES = { casualty: say("casualty"), "first order": say("first order"), limit: say("limit") };
 /** What the keys under the line do, in the order in which they stand. */
 const DEEDS = [
-  ["watch", "Watch again from here"],
-  ["take", "Take over here"],
-  ["now", "Return to now"],
+  ["before", say("Cause before")],
+  ["next", say("Next cause")],
+  ["watch", say("Watch again from here")],
+  ["take", say("Take over here")],
+  ["now", say("Return to now")],
 ];
 
 /**
@@ -36,7 +51,7 @@ export class TimeLine extends HTMLElement {
     /** @type {Look | null} */
     this.looking = null;
     /** @type {Flown} */
-    this.flown = { now: 0, end: 600, signs: [], lanes: [], replaying: false };
+    this.flown = { now: 0, end: 600, signs: [], causes: [], lanes: [], replaying: false };
     this.spokenAt = 0;
     this.told = ""; // of the signs that are drawn
     this.left = ""; // of the lanes
@@ -54,7 +69,7 @@ export class TimeLine extends HTMLElement {
       class: "handle",
       role: "slider",
       tabindex: 0,
-      "aria-label": "Moment that is looked at",
+      "aria-label": say("Moment that is looked at"),
       "aria-valuemin": 0,
       "aria-valuemax": 0,
       "aria-valuenow": 0,
@@ -114,6 +129,7 @@ export class TimeLine extends HTMLElement {
   /** @param {string} deed */
   act(deed) {
     if (deed === "now") this.look(null);
+    else if (deed === "next" || deed === "before") this.stepCause(deed === "next");
     else this.dispatchEvent(new CustomEvent("deed", { detail: deed }));
   }
 
@@ -123,8 +139,10 @@ export class TimeLine extends HTMLElement {
     const at = looking?.seconds ?? flown.now;
     this.toggleAttribute("data-looking", looking !== null);
     for (const key of this.keys ?? []) {
-      const takes = flown.replaying && key.dataset.deed === "take";
-      key.toggleAttribute("disabled", looking === null && !takes);
+      const { deed = "" } = key.dataset;
+      const steps = flown.causes.length > 0 && (deed === "next" || deed === "before");
+      const takes = flown.replaying && deed === "take";
+      key.toggleAttribute("disabled", looking === null && !takes && !steps);
     }
     handle?.style.setProperty("left", this.share(at));
     this.toggleAttribute("data-lane", Boolean(looking?.branch));
@@ -156,9 +174,11 @@ export class TimeLine extends HTMLElement {
     const { looking, flown } = this;
     if (!looking) return flown.replaying ? REPLAY : HINT;
     const at = clock(looking.seconds);
-    if (looking.branch) return `Looking at ${at} of branch ${looking.branch}. Nothing is sent.`;
+    if (looking.branch) return say("Looking at {0} of branch {1}. Nothing is sent.", at, looking.branch);
     const ago = clock(flown.now - looking.seconds);
-    return `Looking at ${at}, ${ago} ago. Nothing is sent; the session goes its way.`;
+    const cause = flown.causes.find(({ seconds }) => Math.abs(seconds - looking.seconds) < CLOSE);
+    if (cause) return say("Looking at {0}, {1}: {2}. Nothing is sent.", at, CAUSES[cause.kind], cause.words);
+    return say("Looking at {0}, {1} ago. Nothing is sent; the session goes its way.", at, ago);
   }
 
   /** @param {KeyboardEvent} event */
@@ -184,6 +204,17 @@ export class TimeLine extends HTMLElement {
       const seconds = earlier ? Math.max(...side) : Math.min(...side);
       this.look({ branch: null, seconds });
     }
+  }
+
+  /** Goes to the next cause, from the present to the first one; or to the one before. @param {boolean} later */
+  stepCause(later) {
+    const { causes } = this.flown;
+    const at = this.looking?.seconds ?? (later ? -Infinity : Infinity);
+    const next = later
+      ? causes.find(({ seconds }) => seconds > at + CLOSE)
+      : causes.findLast(({ seconds }) => seconds < at - CLOSE);
+    if (next) this.look({ branch: null, seconds: next.seconds });
+    else if (later && this.looking) this.look(null);
   }
 
   /** Follows a finger or the mouse. @param {PointerEvent} event @param {HTMLElement | undefined} on @param {number | null} branch */
@@ -222,7 +253,7 @@ export class TimeLine extends HTMLElement {
   drawSigns() {
     const drawn = this.flown.signs.map(({ seconds, sign, text }) => {
       const kind = SIGNS[/** @type {keyof typeof SIGNS} */ (sign)] ?? "order";
-      const title = `${clock(seconds)} ${kind}: ${text}`;
+      const title = `${clock(seconds)} ${KINDS[kind]}: ${text}`;
       const letter = LETTERS[/** @type {keyof typeof LETTERS} */ (sign)] ?? sign;
       const node = html("span", { class: `sign ${kind}`, title }, BARE.includes(sign) ? "" : letter);
       node.style.left = this.share(seconds);
@@ -238,10 +269,10 @@ export class TimeLine extends HTMLElement {
 
   /** Returns the lane of a branch that was left: it can be dragged into. @param {Lane} lane */
   lane({ number, from, to, why }) {
-    const says = `Branch ${number}, ${clock(from)} to ${clock(to)}; it began by ${why}`;
+    const says = say("Branch {0}, {1} to {2}; it began by {3}", number, clock(from), clock(to), why);
     const bar = html(
       "button",
-      { type: "button", class: "bar", "aria-label": `Look at the end of branch ${number}`, title: says },
+      { type: "button", class: "bar", "aria-label": say("Look at the end of branch {0}", number), title: says },
       `${number}`,
     );
     bar.style.left = this.share(from);

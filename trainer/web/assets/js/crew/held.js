@@ -1,5 +1,6 @@
 // What the planes hold in the mean: by that an officer sees that the boat is out of trim.
 import { clock, one, sided, write } from "../draw.js";
+import { say } from "../words.js";
 
 const SPAN = 180; // [s]
 
@@ -9,9 +10,9 @@ export function showHeld(session) {
   for (const surface of ["stern", "bow"]) {
     const held = session.history.mean("diving", surface, SPAN);
     const shown = one(`#${surface}-held`);
-    const sides = /** @type {const} */ (["dive", "rise"]);
-    write(shown, held ? `hold ${sided(held.mean, ...sides)}` : "");
+    const sides = /** @type {const} */ ([say("dive"), say("rise")]);
+    write(shown, held ? say("hold {0}", sided(held.mean, ...sides)) : "");
     span = Math.max(span, held?.span ?? 0);
   }
-  write(one("#span"), span > 0 ? `mean of ${clock(span)}` : "");
+  write(one("#span"), span > 0 ? say("mean of {0}", clock(span)) : "");
 }

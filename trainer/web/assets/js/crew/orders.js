@@ -3,6 +3,7 @@ import { ask } from "../controls/question.js";
 import { bearing, clock, html, one, write } from "../draw.js";
 import { depthOrder, pitchOrder } from "../frame.js";
 import { plain } from "../protocol/line.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("../model/session.js").Session} Session
@@ -30,14 +31,14 @@ export function furnishOrders(session, give) {
   const fit = () => {
     const { depth = 2000, speed = 60, periscope } = session.ranges;
     pad.keys = [
-      ["depth, m", 1, depth],
-      ["bubble down", 1, STEEPEST],
-      ["depth, ft", 1, Math.floor(depth / FOOT)],
-      ["bubble up", 1, STEEPEST],
-      ["course left", 0, 360],
-      ["course right", 0, 360],
-      ["course", 0, 360],
-      ["speed, kn", 0, Math.floor(speed)],
+      ["depth, m", say("depth, m"), 1, depth],
+      ["bubble down", say("bubble down"), 1, STEEPEST],
+      ["depth, ft", say("depth, ft"), 1, Math.floor(depth / FOOT)],
+      ["bubble up", say("bubble up"), 1, STEEPEST],
+      ["course left", say("course left"), 0, 360],
+      ["course right", say("course right"), 0, 360],
+      ["course", say("course"), 0, 360],
+      ["speed, kn", say("speed, kn"), 0, Math.floor(speed)],
     ];
     one("[data-range=periscope]").toggleAttribute("hidden", periscope === undefined);
   };
@@ -54,7 +55,7 @@ export function furnishOrders(session, give) {
 
 /** Takes orders as they are typed. @param {Give} give */
 function furnishWords(give) {
-  const form = /** @type {HTMLFormElement} */ (one("#words"));
+  const form = /** @type {HTMLFormElement} */ (one("#typed-order"));
   form.onsubmit = async (event) => {
     event.preventDefault();
     const field = /** @type {HTMLInputElement} */ (one("input", form));
@@ -74,13 +75,13 @@ export function showStanding(session, give) {
   const orders = standing(session);
   const said = session.log.filter(({ kind }) => kind === "crew").slice(-SAID);
   const depth = session.number("orders.depth");
-  write(one("#ordered-depth"), depth === null ? "" : `ordered ${depthOrder(session, depth)}`);
+  write(one("#ordered-depth"), depth === null ? "" : say("ordered {0}", depthOrder(session, depth)));
   const now = JSON.stringify([orders, said]);
   const list = one("#standing");
   if (list.dataset.shown === now) return;
   list.dataset.shown = now;
   list.replaceChildren(...orders.map((order) => line(order, give)));
-  if (!orders.length) list.append(html("li", { class: "quiet" }, "none stands"));
+  if (!orders.length) list.append(html("li", { class: "quiet" }, say("none stands")));
   one("#said").replaceChildren(
     ...said.map(({ seconds, text }) =>
       html("li", {}, html("time", {}, clock(seconds)), ` ${text}`),
@@ -95,9 +96,9 @@ export function showStanding(session, give) {
  */
 function standing(session) {
   const shown = /** @type {[string, (value: number) => string][]} */ ([
-    ["course", (value) => `course ${bearing(value)}`],
-    ["depth", (value) => `depth ${depthOrder(session, value)}`],
-    ["speed", (value) => `speed ${value} kn`],
+    ["course", (value) => say("course {0}", bearing(value))],
+    ["depth", (value) => say("depth {0}", depthOrder(session, value))],
+    ["speed", (value) => say("speed {0} kn", value)],
     ["pitch", (value) => pitchOrder(value)],
   ]);
   /** @type {[string, string, string][]} */
@@ -111,19 +112,19 @@ function standing(session) {
 
 /** @param {Session} session @param {string} axis */
 function state(session, axis) {
-  if (!session.crew.waiting.has(axis)) return "repeated";
-  return session.crew.wrong ? "WRONG REPEAT" : "not repeated yet";
+  if (!session.crew.waiting.has(axis)) return say("repeated");
+  return session.crew.wrong ? say("WRONG REPEAT") : say("not repeated yet");
 }
 
 /** @param {[string, string, string]} order @param {Give} give */
 function line([axis, words, how], give) {
   const belay = () => void give(`belay ${axis}`);
-  const attributes = { type: "button", "aria-label": `Belay ${axis}`, click: belay };
+  const attributes = { type: "button", "aria-label": say("Belay: {0}", words), click: belay };
   return html(
     "li",
     { class: "row" },
     html("b", { class: "ordered grow" }, words),
-    html("span", { "data-wrong": how === "WRONG REPEAT", class: "quiet" }, how),
-    html("button", attributes, "Belay"),
+    html("span", { "data-wrong": how === say("WRONG REPEAT"), class: "quiet" }, how),
+    html("button", attributes, say("Belay")),
   );
 }

@@ -1,5 +1,6 @@
 // The order to the crew that this station is to repeat, with the key that repeats it.
 import { html, write } from "../draw.js";
+import { say } from "../words.js";
 
 /** @typedef {import("../model/session.js").Session} Session */
 
@@ -13,7 +14,7 @@ class RepeatBar extends HTMLElement {
     if (this.firstChild) return;
     this.setAttribute("role", "status");
     this.hidden = true;
-    this.append(html("span", {}, "NEW"), this.#says, this.#wrong, this.#key);
+    this.append(html("span", {}, say("NEW")), this.#says, this.#wrong, this.#key);
   }
 
   /** @param {Session} session */
@@ -32,8 +33,8 @@ class RepeatBar extends HTMLElement {
     const order = session.crew.toRepeat(session.role);
     this.hidden = !order;
     write(this.#says, order?.says ?? "");
-    write(this.#wrong, session.crew.wrong ? `WRONG REPEAT: ${session.crew.wrong}` : "");
-    write(this.#key, order ? `Repeat: ${order.says} aye` : "Repeat");
+    write(this.#wrong, session.crew.wrong ? say("WRONG REPEAT: {0}", session.crew.wrong) : "");
+    write(this.#key, order ? say("Repeat: {0} aye", order.says) : say("Repeat"));
   }
 }
 

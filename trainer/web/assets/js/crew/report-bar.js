@@ -1,7 +1,15 @@
 // What a station says to the instructor: a report in its own words, or one of the usual ones.
 import { html } from "../draw.js";
+import { say } from "../words.js";
 
-const USUAL = ["on course", "on depth", "steady", "no answer from the planes", "no answer from the rudder"];
+/** What is reported most, as the session takes it, and in words. @type {[string, string][]} */
+const USUAL = [
+  ["on course", say("on course")],
+  ["on depth", say("on depth")],
+  ["steady", say("steady")],
+  ["no answer from the planes", say("no answer from the planes")],
+  ["no answer from the rudder", say("no answer from the rudder")],
+];
 
 /** @typedef {import("../model/session.js").Session} Session */
 
@@ -10,16 +18,16 @@ class ReportBar extends HTMLElement {
   /** @param {Session} session */
   bind(session) {
     if (session.alone) return; // nobody would hear it
-    const close = html("button", { type: "button", click: () => dialog.close() }, "Close");
+    const close = html("button", { type: "button", click: () => dialog.close() }, say("Close"));
     const give = (/** @type {string} */ words) => {
       if (!words) return;
       void session.order(`report ${words}`);
       dialog.close();
     };
-    const usual = USUAL.map((words) =>
-      html("button", { type: "button", click: () => give(words) }, words),
+    const usual = USUAL.map(([report, words]) =>
+      html("button", { type: "button", click: () => give(report) }, words),
     );
-    const says = { class: "reports", "aria-label": "Reports to the instructor" };
+    const says = { class: "reports", "aria-label": say("Reports to the instructor") };
     const dialog = /** @type {HTMLDialogElement} */ (html("dialog", says, ...usual, close));
     const form = reportForm(give);
     const open = () => {
@@ -28,18 +36,18 @@ class ReportBar extends HTMLElement {
     };
     dialog.onclose = () => dialog.before(form);
     session.on("state", () => session.live || dialog.close());
-    const key = html("button", { type: "button", class: "open", click: open }, "Report");
+    const key = html("button", { type: "button", class: "open", click: open }, say("Report"));
     this.replaceChildren(key, form, dialog);
   }
 }
 
 /** Returns a field for a report, and its key. @param {(words: string) => void} give */
 function reportForm(give) {
-  const says = { list: "reports", placeholder: "report", "aria-label": "Report", maxlength: 60 };
+  const says = { list: "reports", placeholder: say("report"), "aria-label": say("Report"), maxlength: 60 };
   const field = /** @type {HTMLInputElement} */ (html("input", says));
-  const choices = USUAL.map((words) => html("option", { value: words }));
+  const choices = USUAL.map(([value, label]) => html("option", { value, label }));
   const list = html("datalist", { id: "reports" }, ...choices);
-  const form = html("form", { class: "row" }, field, list, html("button", {}, "Report"));
+  const form = html("form", { class: "row" }, field, list, html("button", {}, say("Report")));
   form.onsubmit = (event) => {
     event.preventDefault();
     give(field.value.trim());

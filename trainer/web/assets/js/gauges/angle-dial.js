@@ -1,78 +1,42 @@
-// Rudder, planes, heel: an arc about zero, twice enlarged; `face` is where its middle looks.
+// Rudder, planes, heel: an arc whose angles lie evenly along its chord, alone or over a lever.
 import { svg, write } from "../draw.js";
-import { Gauge, arc, around, bug, clamp, line, pointer, side, text, turn } from "./gauge.js";
+import { Fan } from "./fan.js";
+import { Gauge, clamp, readable, side, text } from "./gauge.js";
+import { decimals, say } from "../words.js";
 
-/**
- * @typedef {import("./gauge.js").Point} Point
- * @typedef {{ size: Point, centre: Point, at: number, sense: 1 | -1, radius: number, gain: number,
- *   digits: Point, order: Point, low: Point, high: Point }} Face
- */
-
-/** @type {Record<string, Face>} */
-const FACES = {
-  down: {
-    size: [320, 196],
-    centre: [160, 22],
-    at: 180,
-    sense: -1,
-    radius: 126,
-    gain: 2,
-    digits: [160, 62],
-    order: [160, 86],
-    low: [30, 40],
-    high: [290, 40],
-  },
-  flat: {
-    size: [320, 128],
-    centre: [160, -86],
-    at: 180,
-    sense: -1,
-    radius: 190,
-    gain: 1.4,
-    digits: [160, 36],
-    order: [160, 55],
-    low: [30, 18],
-    high: [290, 18],
-  },
-  right: {
-    size: [210, 300],
-    centre: [38, 150],
-    at: 90,
-    sense: -1,
-    radius: 126,
-    gain: 2,
-    digits: [60, 160],
-    order: [60, 184],
-    low: [60, 276],
-    high: [60, 34],
-  },
-};
-FACES.left = mirrored(FACES.right);
 const USUAL = 30; // [deg]
+const BEYOND = 3; // [deg] past the stops that a pointer shows
+const LEAST = 24; // [px] of a side that is worth drawing on
+const FINE = 4; // [px] between ticks at least
+const WIDE = 2.4; // of the text's size: room for a numeral
+const LARGE = 3.6; // of the text's size: the digits, where there is room
+const WORD = 3.7; // of the text's size: room for the word of a side
+const SIDES = 8; // of the text's size: half a scale that has such words
+const SMALL = 1.7; // of the text's size: digits are left out rather than smaller
 
-/** Returns a face as a mirror at its side shows it. @param {Face} face @returns {Face} */
-function mirrored({ size, centre, at, sense, digits, order, low, high, ...same }) {
-  const turned = (/** @type {Point} */ [x, y]) => /** @type {Point} */ ([size[0] - x, y]);
-  const [middle, figure, below] = [centre, digits, order].map(turned);
-  const places = { centre: middle, digits: figure, order: below, low: turned(low), high: turned(high) };
-  return { size, at: 360 - at, sense: sense === 1 ? -1 : 1, ...places, ...same };
-}
-
+/** `<angle-dial face="down|left|right" low high limit sides>` */
 class AngleDial extends Gauge {
   most = USUAL; // [deg] the largest angle either way
+  /** @type {Fan | null} */
+  laid = null;
+  /** @type {[number | null, number | null]} what is shown, and what is ordered */
+  shown = [null, null];
 
   draw() {
-    this.face = FACES[this.getAttribute("face") ?? "down"];
-    this.words = [this.getAttribute("low") ?? "left", this.getAttribute("high") ?? "right"];
-    const { centre, radius, size, digits, order, low, high } = this.face;
+    this.words = [this.getAttribute("low") ?? say("left"), this.getAttribute("high") ?? say("right")];
     this.scale = svg("g");
-    this.pointer = pointer(centre, size[0] > size[1] ? radius - 40 : 84, radius - 1);
-    this.bug = bug(centre, radius + 3);
-    this.figure = text(digits, "digits");
-    this.order = text(order, "order");
-    const ends = [text(low, "label", this.words[0]), text(high, "label", this.words[1])];
-    this.picture(...size, this.scale, ...ends, this.pointer, this.bug, this.figure, this.order);
+    this.pointer = svg("path", { class: "pointer", hidden: true });
+    this.bug = svg("path", { class: "bug", hidden: true });
+    this.faint = svg("path", { class: "ghost", hidden: true });
+    this.figure = text([0, 0], "digits");
+    this.order = text([0, 0], "order");
+    this.picture(null, this.scale, this.faint, this.pointer, this.bug, this.figure, this.order);
     this.limit = this.size("limit", USUAL);
+    if (this.closest("order-lever")) return; // which gives its own scale
+    new ResizeObserver(() => {
+      const box = /** @type {[number, number]} */ ([this.clientWidth, this.clientHeight]);
+      this.fan = new Fan(this.getAttribute("face") ?? "down", box, readable(this));
+    }).observe(this);
   }
 
   /** The largest angle either way [deg], where the stops stand. */
@@ -82,58 +46,111 @@ class AngleDial extends Gauge {
 
   set limit(most) {
     this.most = most;
-    this.scale?.replaceChildren(...this.ticks(most));
+    if (this.laid) this.fan = this.laid;
   }
 
-  /** Returns where a value stands on the arc [deg]. @param {number} value */
-  angle(value) {
-    const { at, sense, gain } = this.face ?? FACES.down;
-    return at + sense * gain * value * Math.min(1, USUAL / this.limit);
+  /** Where values stand. @param {Fan} fan */
+  set fan(fan) {
+    const room = Math.min(...fan.box) >= LEAST;
+    this.laid = room ? fan : null;
+    this.scale?.replaceChildren(...(room ? this.ticks(fan) : []));
+    const { text: size } = fan;
+    this.pointer?.setAttribute("d", `M0 1l${0.6 * size} ${1.7 * size}h${-1.2 * size}Z`);
+    this.faint?.setAttribute("d", `M0 1v${2 * size}`);
+    this.bug?.setAttribute("d", `M0 -2l${0.6 * size} ${-0.9 * size}h${-1.2 * size}Z`);
+    this.digitsAt(fan);
+    this.show(...this.shown);
   }
 
-  /** @param {number} most */
-  ticks(most) {
-    const { centre, radius } = this.face ?? FACES.down;
-    const whole = arc(centre, radius, this.angle(-most - 3), this.angle(most + 3));
+  /** Puts the digits where the arc leaves room, or leaves them out. @param {Fan} fan */
+  digitsAt(fan) {
+    const { box, face, half, inner, text: size } = fan;
+    const room = Math.max(inner[1] - inner[0], 0);
+    const lines = face === "down" ? Math.min(room / 1.9, box[0] / 4) : Math.min(room / 2.4, half / 2);
+    const large = Math.min(lines, LARGE * size);
+    const [x, y] = fan.place(0, (inner[0] + inner[1]) / 2);
+    const small = Math.max(0.42 * large, size);
+    put(this.figure, x, y, large);
+    put(this.order, x, y + 0.5 * large + 0.6 * small, small);
+    for (const part of [this.figure, this.order]) part?.toggleAttribute("hidden", large < SMALL * size);
+  }
+
+  /** @param {Fan} fan */
+  ticks(fan) {
+    const { most } = this;
+    const { text: size, half } = fan;
+    const at = (/** @type {number} */ value) => value / most;
+    const along = (/** @type {number} */ from, /** @type {number} */ to, /** @type {number} */ inside) =>
+      fan.path(at(from), at(to), (share) => fan.point(share, inside));
     /** @type {Element[]} */
-    const parts = [svg("path", { d: whole, class: "arc" })];
+    const parts = [svg("path", { d: along(-most, most, 0), class: "arc" })];
     if (this.hasAttribute("sides")) {
-      const [port, starboard] = [-1, 1].map((way) =>
-        arc(centre, radius + 6, this.angle(way), this.angle(way * most)),
-      );
-      parts.push(svg("path", { d: port, class: "port" }));
-      parts.push(svg("path", { d: starboard, class: "starboard" }));
+      parts.push(svg("path", { d: along(-most, -1, -4), class: "port" }));
+      parts.push(svg("path", { d: along(1, most, -4), class: "starboard" }));
     }
-    for (let value = -Math.floor(most); value <= most; value += 1) {
+    const line = (/** @type {number} */ value, /** @type {number} */ long, /** @type {string} */ style) => {
+      const [[x1, y1], [x2, y2]] = [fan.point(at(value)), fan.point(at(value), long)];
+      parts.push(svg("line", { x1, y1, x2, y2, class: style }));
+    };
+    const step = [1, 5, 10].find((each) => (each * half) / most >= FINE) ?? 10;
+    const numbered = [10, 20, 30].find((each) => (each * half) / most >= WIDE * size) ?? most;
+    for (let value = -Math.floor(most / step) * step; value <= most; value += step) {
       const [major, middle] = [value % 10 === 0, value % 5 === 0];
-      const length = major ? 17 : middle ? 12 : 7;
-      const style = major ? "tick" : "tick minor";
-      parts.push(line(centre, radius - length, radius, this.angle(value), style));
-      const numeral = around(centre, radius - 30, this.angle(value));
-      if (major) parts.push(text(numeral, "numeral", String(Math.abs(value))));
+      line(value, size * (major ? 1.2 : middle ? 0.85 : 0.5), major ? "tick" : "tick minor");
+      const [x, y] = fan.point(at(value), 2 * size);
+      if (value % numbered === 0) parts.push(text([x, y], "numeral", String(Math.abs(value))));
     }
-    for (const end of [-most, most]) {
-      parts.push(line(centre, radius - 18, radius + 9, this.angle(end), "stop"));
-    }
-    return parts;
+    for (const end of [-most, most]) line(end, size * 1.3, "stop");
+    if (this.closest("order-lever")) return parts; // whose keys bear the words
+    return [...parts, ...this.sides(fan)];
+  }
+
+  /** Returns the words of both sides, where there is room for them. @param {Fan} fan */
+  sides(fan) {
+    const { face, half, inner, text: size } = fan;
+    if (half < SIDES * size || inner[1] - inner[0] < WORD * size) return [];
+    return (this.words ?? []).map((word, high) => {
+      const way = high ? 1 : -1;
+      const at = face === "down" ? fan.point(way, WORD * size) : fan.place(0.6 * way * half, (inner[0] + inner[1]) / 2);
+      return text(at, "label", word);
+    });
+  }
+
+  /** Shows the angle of the reference crew's run. @param {number | null} value [deg] */
+  ghost(value) {
+    const { faint, laid, limit } = this;
+    faint?.toggleAttribute("hidden", value === null || !laid);
+    if (value !== null && laid) faint?.setAttribute("transform", laid.stand(clamp(value, -limit, limit) / limit));
   }
 
   /** @param {number | null} value [deg] @param {number | null} [ordered] [deg] */
   show(value, ordered = null) {
-    if (!this.face || !this.words || !this.pointer || !this.bug || !this.figure || !this.order) return;
-    const [low, high] = this.words;
-    const held = value === null ? null : clamp(value, -this.limit - 3, this.limit + 3);
-    turn(this.pointer, held === null ? null : this.angle(held), this.face.centre);
-    const order = ordered === null ? null : clamp(ordered, -this.limit, this.limit);
-    turn(this.bug, order === null ? null : this.angle(order), this.face.centre);
-    this.digits(this.figure, value === null ? "" : Math.abs(value).toFixed(1));
-    this.order.classList.toggle("plain", ordered === null);
-    if (ordered === null) write(this.order, side(value ?? 0, low, high));
-    else write(this.order, `${Math.abs(ordered).toFixed(0)} ${side(ordered, low, high)}`.trim());
+    this.shown = [value, ordered];
+    const { bug, figure, laid, limit, order, pointer, words } = this;
+    if (!words || !pointer || !bug || !figure || !order) return;
+    const [low, high] = words;
+    const stand = (/** @type {SVGElement} */ part, /** @type {number | null} */ to, /** @type {number} */ most) => {
+      part.toggleAttribute("hidden", to === null || !laid);
+      if (to !== null && laid) part.setAttribute("transform", laid.stand(clamp(to, -most, most) / limit));
+    };
+    stand(pointer, value, limit + BEYOND);
+    stand(bug, this.closest("order-lever") ? null : ordered, limit);
+    this.digits(figure, value === null ? "" : decimals(Math.abs(value), 1));
+    order.classList.toggle("plain", ordered === null);
+    if (ordered === null) write(order, side(value ?? 0, low, high));
+    else write(order, `${Math.abs(ordered).toFixed(0)} ${side(ordered, low, high)}`.trim());
     if (value === null) return;
-    const words = `${Math.abs(value).toFixed(0)} degrees ${side(value, low, high)}`;
-    this.tell(value, [-this.limit, this.limit], words);
+    const told = `${say("{0} degrees", Math.abs(value).toFixed(0))} ${side(value, low, high)}`;
+    this.tell(value, [-limit, limit], told);
   }
+}
+
+/** Puts a text to a place, in a size. @param {SVGElement | undefined} part @param {number} x @param {number} y @param {number} tall [px] */
+function put(part, x, y, tall) {
+  if (!part) return;
+  part.style.fontSize = `${tall}px`;
+  part.setAttribute("x", String(x));
+  part.setAttribute("y", String(y));
 }
 
 customElements.define("angle-dial", AngleDial);

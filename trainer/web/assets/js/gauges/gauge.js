@@ -4,6 +4,10 @@ import { svg, write } from "../draw.js";
 const DIGITS = 480; // [ms] between two changes of digits: what flickers cannot be read
 const WORDS = 2000; // [ms] between two changes of what a screen reader is told
 
+const LEAST_TEXT = 11.5; // [px]
+const SOME = 0.66; // [px] for a unit, below which words that may be spared are left out
+const FEW = 0.36; // below which numerals are, too
+
 /** @typedef {[number, number]} Point */
 
 export class Gauge extends HTMLElement {
@@ -25,22 +29,21 @@ export class Gauge extends HTMLElement {
   }
 
   /**
-   * Draws a picture of a size, with the cross of old readings over it.
-   * @param {number} width
-   * @param {number} height
+   * Draws a picture, with the cross of old readings over it.
+   * @param {Point | null} size its units, null for those of the page
    * @param {...Element} parts
    */
-  picture(width, height, ...parts) {
-    const [left, top, right, foot] = [width * 0.2, height * 0.2, width * 0.8, height * 0.8];
-    const cross = `M${left} ${top}L${right} ${foot}M${right} ${top}L${left} ${foot}`;
-    this.append(
-      svg(
-        "svg",
-        { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" },
-        ...parts,
-        svg("path", { d: cross, class: "cross" }),
-      ),
+  picture(size, ...parts) {
+    const [x1, y1, x2, y2] = ["20%", "20%", "80%", "80%"];
+    const picture = svg(
+      "svg",
+      { viewBox: size ? `0 0 ${size[0]} ${size[1]}` : false, "aria-hidden": "true" },
+      ...parts,
+      svg("line", { x1, y1, x2, y2, class: "cross" }),
+      svg("line", { x1, y1: y2, x2, y2: y1, class: "cross" }),
     );
+    this.append(picture);
+    if (size) tellScale(this, picture, size);
   }
 
   /** Changes digits, at most twice a second. @param {Node} node @param {string} text */
@@ -67,6 +70,31 @@ export class Gauge extends HTMLElement {
     this.setAttribute("aria-valuenow", clamp(value, low, high).toFixed(1));
     this.setAttribute("aria-valuetext", words);
   }
+}
+
+/**
+ * Tells a picture's scale [px for a unit] to its style, so that its words keep a size that is read,
+ * and which of them there is room for: `all`, `some` or `few`.
+ * @param {HTMLElement} host
+ * @param {Element} picture
+ * @param {Point} size in its units
+ * @param {() => void} [changed] called when there is other room
+ */
+export function tellScale(host, picture, [wide, high], changed) {
+  new ResizeObserver(([{ contentRect: { width, height } }]) => {
+    const scale = Math.min(width / wide, height / high);
+    if (scale <= 0) return;
+    host.style.setProperty("--scale", scale.toFixed(3));
+    const room = scale < FEW ? "few" : scale < SOME ? "some" : "all";
+    const other = host.dataset.room !== room;
+    host.dataset.room = room;
+    if (other) changed?.();
+  }).observe(picture);
+}
+
+/** Returns the size of an instrument's numerals where it is drawn in pixels. @param {Element} element */
+export function readable(element) {
+  return Math.max(LEAST_TEXT, 0.8 * parseFloat(getComputedStyle(element).fontSize));
 }
 
 /** @param {number} value @param {number} low @param {number} high */

@@ -1,10 +1,12 @@
 // A bar for speed, turns, air: what is, filled from zero; what is ordered, a hollow bug above.
 import { html } from "../draw.js";
 import { Gauge, clamp } from "./gauge.js";
+import { decimals, say } from "../words.js";
 
 class LevelBar extends Gauge {
   draw() {
-    this.unit = this.getAttribute("unit") ?? "";
+    const unit = this.getAttribute("unit") ?? "";
+    this.unit = unit === "rpm" ? say("rpm") : unit;
     this.bar = html("div", { class: "bar" });
     this.mark = html("div", { class: "hollow" });
     this.figure = html("b");
@@ -52,8 +54,8 @@ class LevelBar extends Gauge {
     this.mark.hidden = ordered === null;
     if (ordered !== null) this.mark.style.left = `${this.at(ordered)}%`;
     const digits = (this.high ?? 100) < 50 ? 1 : 0;
-    this.digits(this.figure, value === null ? "" : `${value.toFixed(digits)} ${this.unit}`);
-    if (value !== null) this.tell(value, [this.low ?? 0, this.high ?? 100], `${value.toFixed(digits)} ${this.unit}`);
+    this.digits(this.figure, value === null ? "" : `${decimals(value, digits)} ${this.unit}`);
+    if (value !== null) this.tell(value, [this.low ?? 0, this.high ?? 100], `${decimals(value, digits)} ${this.unit}`);
   }
 }
 

@@ -1,6 +1,7 @@
 // Pitch: the boat to its true angle between two arcs, and below it the bubble, ten times finer.
 import { svg, write } from "../draw.js";
-import { Gauge, arc, around, clamp, line, text } from "./gauge.js";
+import { Gauge, arc, around, clamp, line, text, turn } from "./gauge.js";
+import { decimals, say } from "../words.js";
 
 /** @type {import("./gauge.js").Point} */
 const CENTRE = [190, 108];
@@ -22,12 +23,27 @@ class PitchGauge extends Gauge {
     const hull = Object.values(PARTS).map((d) => svg("path", { d, class: "hull" }));
     this.boat = svg("g", {}, ...hull, svg("path", { d: ENDS, class: "pointer" }));
     this.bug = svg("path", { class: "bug", d: "M0 0l14 -9v18Z" });
+    const [x, y] = CENTRE;
+    this.faint = svg("path", { class: "ghost", d: `M${x - RADIUS} ${y}h40M${x + RADIUS} ${y}h-40`, hidden: true });
     this.bubble = svg("ellipse", { cx: 190, cy: TUBE, rx: 15, ry: 8, class: "bubble" });
     this.figure = text([190, 192], "digits");
-    this.way = text([244, 192], "side begin");
+    this.way = text([254, 192], "side begin");
+    this.allowed = svg("path", { class: "bracket", hidden: true });
     const middle = svg("g", { transform: `translate(${CENTRE})` }, this.boat);
     const words = [this.figure, this.way];
-    this.picture(380, 272, ...arcs(), ...tube(), middle, this.bug, this.bubble, ...words);
+    this.picture([380, 276], ...arcs(), ...tube(), this.allowed, this.faint, middle, this.bug, this.bubble, ...words);
+  }
+
+  /** Draws brackets at the ends of what the exercise allows. @param {number | null} steepest [deg] */
+  allow(steepest) {
+    this.allowed?.toggleAttribute("hidden", steepest === null);
+    const ends = [90, 270].flatMap((middle) => [-1, 1].map((way) => bracket(middle, way, steepest ?? 0)));
+    this.allowed?.setAttribute("d", ends.join(""));
+  }
+
+  /** Shows the pitch of the reference crew's run. @param {number | null} pitch [deg] */
+  ghost(pitch) {
+    if (this.faint) turn(this.faint, pitch === null ? null : -clamp(pitch, -SCALE, SCALE), CENTRE);
   }
 
   /** @param {number | null} pitch [deg] bow up @param {number | null} [ordered] [deg] */
@@ -42,11 +58,12 @@ class PitchGauge extends Gauge {
       const [x, y] = around(CENTRE, RADIUS - 14, 90 - clamp(ordered, -SCALE, SCALE));
       this.bug.setAttribute("transform", `translate(${x} ${y}) rotate(${-ordered})`);
     }
-    this.digits(this.figure, pitch === null ? "" : Math.abs(pitch).toFixed(1));
-    const way = pitch === null ? "" : Math.abs(pitch) < 0.05 ? "level" : pitch < 0 ? "down" : "up";
+    this.digits(this.figure, pitch === null ? "" : decimals(Math.abs(pitch), 1));
+    const way = pitch === null ? "" : Math.abs(pitch) < 0.05 ? say("level") : pitch < 0 ? say("down") : say("up");
     write(this.way, way);
     if (pitch === null) return;
-    const words = `${Math.abs(pitch).toFixed(0)} degrees ${pitch < 0 ? "down" : "up"} by the bow`;
+    const size = Math.abs(pitch).toFixed(0);
+    const words = pitch < 0 ? say("{0} degrees down by the bow", size) : say("{0} degrees up by the bow", size);
     this.tell(pitch, [-DRAWN, DRAWN], words);
   }
 }
@@ -65,10 +82,24 @@ function arcs() {
       const style = major ? "tick" : "tick minor";
       parts.push(line(CENTRE, RADIUS, RADIUS + (major ? 12 : 7), angle, style));
       const numeral = around(CENTRE, RADIUS + 24, angle);
-      if (major) parts.push(text(numeral, "numeral", String(Math.abs(value))));
+      const rank = Math.abs(value) === SCALE || value === 0 ? "numeral" : "numeral spare";
+      if (major) parts.push(text(numeral, rank, String(Math.abs(value))));
     }
   }
   return parts;
+}
+
+/**
+ * Returns one end of the bracket on an arc: across the arc, and back along it.
+ * @param {number} middle where the arc is level [deg]
+ * @param {number} way -1 or 1
+ * @param {number} steepest [deg]
+ */
+function bracket(middle, way, steepest) {
+  const end = middle + way * clamp(steepest, 0, SCALE);
+  const [hook, outer, inner] = [around(CENTRE, RADIUS + 12, end - way * 3), around(CENTRE, RADIUS + 12, end), around(CENTRE, RADIUS - 8, end)];
+  const back = around(CENTRE, RADIUS - 8, end - way * 3);
+  return `M${[hook, outer, inner, back].map((point) => point.map((each) => each.toFixed(1)).join(" ")).join("L")}`;
 }
 
 /** Returns the tube with its scale. */
@@ -78,9 +109,9 @@ function tube() {
     const [x, major] = [190 + value * FINE, value % 5 === 0];
     const [y1, style] = [TUBE + (major ? 8 : 13), major ? "tick" : "tick minor"];
     parts.push(svg("line", { x1: x, x2: x, y1, y2: TUBE + 18, class: style }));
-    if (major) parts.push(text([x, TUBE + 30], "numeral", String(Math.abs(value))));
+    if (major) parts.push(text([x, TUBE + 32], "numeral spare", String(Math.abs(value))));
   }
-  parts.push(text([36, TUBE + 1], "numeral", "aft"), text([346, TUBE + 1], "numeral", "fwd"));
+  parts.push(text([36, TUBE + 1], "numeral spare", say("aft")), text([346, TUBE + 1], "numeral spare", say("fwd")));
   return parts;
 }
 

@@ -2,6 +2,7 @@
 import { clock, html, one, write } from "../draw.js";
 import { objectOf, wordOf } from "../model/orders.js";
 import { Timing } from "./timing.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -38,12 +39,13 @@ function showBroken(desk) {
   const { session } = desk;
   const word = (/** @type {number} */ slot, field = "") => session.word(`casualties.casualty_${slot}${field}`);
   const slots = Array.from({ length: SLOTS }, (_, at) => at + 1).filter((slot) => word(slot));
-  write(one("#broken-count"), slots.length ? `${slots.length} of ${SLOTS}` : "none");
+  write(one("#broken-count"), slots.length ? say("{0} of {1}", slots.length, SLOTS) : say("none"));
   const told = slots.map((slot) => {
     const [name, says, left] = [word(slot), word(slot, "_says"), Number(word(slot, "_left"))];
     const clearing = Number(word(slot, "_target")) === 0;
-    const does = clearing ? "clears" : "grows";
-    return { name, says, when: left > 0 ? `${does} for ${Math.ceil(left)} s` : "" };
+    const lasts = Math.ceil(left);
+    const does = clearing ? say("clears for {0} s", lasts) : say("grows for {0} s", lasts);
+    return { name, says, when: left > 0 ? does : "" };
   });
   const list = one("#broken");
   const now = JSON.stringify(told);
@@ -60,7 +62,7 @@ function brokenRow(desk, { name, says, when }) {
     { class: "broken" },
     html("b", { class: "grow" }, says ? `${name}, ${says}` : name),
     html("span", {}, when),
-    html("button", { type: "button", "aria-label": `Clear ${name}`, click: clear }, "Clear"),
+    html("button", { type: "button", "aria-label": say("Clear {0}", name), click: clear }, say("Clear")),
   );
 }
 
@@ -77,11 +79,11 @@ function showAhead(desk) {
 
 /** @param {Desk} desk @param {import("../model/told.js").Plan} plan */
 function aheadRow(desk, { number, seconds, when, text }) {
-  const moment = Number.isNaN(seconds) ? `when ${when}` : `at ${clock(seconds)}`;
+  const moment = Number.isNaN(seconds) ? say("when {0}", when) : say("at {0}", clock(seconds));
   const words = wordOf(text) === "casualty" ? objectOf(text) : text;
   const click = () => void desk.give(`cancel ${number}`);
-  const own = html("small", {}, "exercise");
-  const key = html("button", { type: "button", "aria-label": `Take away ${words} ${moment}`, click }, "Take away");
+  const own = html("small", {}, say("exercise"));
+  const key = html("button", { type: "button", "aria-label": say("Take away {0} {1}", words, moment), click }, say("Take away"));
   return html("li", { class: "ahead" }, html("b", { class: "grow" }, words), html("span", {}, moment), number ? key : own);
 }
 

@@ -1,6 +1,7 @@
 // Command among several instructors: who has it, who asks for it.
 import { html, one } from "../draw.js";
 import { askAboard, onArrival } from "./log.js";
+import { say } from "../words.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 
@@ -58,13 +59,12 @@ class CommandBar {
     void this.look();
   }
 
-  /** @param {string} words */
-  key(words) {
+  /** @param {string} words the order @param {string} name of the key */
+  key(words, name) {
     const give = () => {
       this.asker = "";
       void this.desk.give(words).then(() => this.look());
     };
-    const name = words[0].toUpperCase() + words.slice(1);
     return html("button", { type: "button", click: give }, name);
   }
 
@@ -73,11 +73,11 @@ class CommandBar {
     const { asker, holder, several } = this;
     bar.hidden = !several;
     if (asker) {
-      const says = html("span", {}, `The instructor at ${asker} asks for command.`);
-      bar.replaceChildren(says, this.key("give command"), this.key("keep command"));
+      const says = html("span", {}, say("The instructor at {0} asks for command.", asker));
+      bar.replaceChildren(says, this.key("give command", say("Give command")), this.key("keep command", say("Keep command")));
     } else if (holder) {
-      const says = `The instructor at ${holder} has command. You watch and mark.`;
-      bar.replaceChildren(html("span", {}, says), this.key("take command"));
-    } else bar.replaceChildren(html("span", {}, "You have command. Other instructors watch."));
+      const says = say("The instructor at {0} has command. You watch and mark.", holder);
+      bar.replaceChildren(html("span", {}, says), this.key("take command", say("Take command")));
+    } else bar.replaceChildren(html("span", {}, say("You have command. Other instructors watch.")));
   }
 }

@@ -2,21 +2,22 @@
 import { clock, html, one } from "../draw.js";
 import { showBeside } from "./desk.js";
 import { valuesTable } from "./pictures.js";
+import { say } from "../words.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 
 const ASKED = 2000; // [ms] between looks at the stations, while the drawer is open
 const LEDGER = {
-  ticks: "Ticks",
-  duty_cycle: "Duty cycle, %",
-  overruns: "Overruns",
-  caught_up: "Caught up",
-  slipped: "Slipped",
-  gaps: "Gaps",
-  late_p50: "Late, half of them, us",
-  late_p99: "Late, 99 of 100, us",
-  late_most: "Late, most, us",
-  work_p99: "Work, 99 of 100, us",
+  ticks: say("Ticks"),
+  duty_cycle: say("Duty cycle, %"),
+  overruns: say("Overruns"),
+  caught_up: say("Caught up"),
+  slipped: say("Slipped"),
+  gaps: say("Gaps"),
+  late_p50: say("Late, half of them, us"),
+  late_p99: say("Late, 99 of 100, us"),
+  late_most: say("Late, most, us"),
+  work_p99: say("Work, 99 of 100, us"),
 };
 
 /** Furnishes the drawer; returns what opens and closes it. @param {Desk} desk */
@@ -45,16 +46,16 @@ export function furnishDrawer(desk) {
 /** @param {Desk} desk */
 async function fill(desk) {
   const others = desk.session.alone ? [] : await sessionsOwn(desk);
-  one("#drawer-body").replaceChildren(section("Moments kept", ...moments(desk)), ...others);
+  one("#drawer-body").replaceChildren(section(say("Moments kept"), ...moments(desk)), ...others);
 }
 
 /** Returns what a session with other stations has. @param {Desk} desk */
 async function sessionsOwn(desk) {
   const { lines } = await desk.session.ask("who");
   return [
-    section("Stations", list(lines, "Nobody")),
-    section("Marks", list(desk.session.judgement.lines, "They come at the end.")),
-    section("Ledger", ledger(desk)),
+    section(say("Stations"), list(lines, say("Nobody"))),
+    section(say("Marks"), list(desk.session.judgement.lines, say("They come at the end."))),
+    section(say("Ledger"), ledger(desk)),
   ];
 }
 
@@ -73,11 +74,11 @@ function moments(desk) {
   const kept = desk.session.kept.filter(({ sign }) => sign === "S");
   const rows = kept.map(({ seconds, text }) => {
     const restore = () => void desk.give(`restore ${text}`);
-    const key = html("button", { type: "button", click: restore }, `Restore ${text}`);
+    const key = html("button", { type: "button", click: restore }, say("Restore {0}", text));
     return html("li", { class: "row" }, html("time", {}, clock(seconds)), key);
   });
   const name = /** @type {HTMLInputElement} */ (html("input", {
-    ...{ "aria-label": "Name of the moment", placeholder: "name: before-jam", maxlength: 40 },
+    ...{ "aria-label": say("Name of the moment"), placeholder: say("name: before-jam"), maxlength: 40 },
     ...{ autocomplete: "off", class: "grow" },
   }));
   const keep = (/** @type {Event} */ event) => {
@@ -85,7 +86,7 @@ function moments(desk) {
     const word = name.value.trim().replace(/\s+/g, "-");
     if (word) void desk.give(`snapshot ${word}`);
   };
-  const form = html("form", { class: "row", submit: keep }, name, html("button", {}, "Keep this moment"));
+  const form = html("form", { class: "row", submit: keep }, name, html("button", {}, say("Keep this moment")));
   return [html("ul", {}, ...rows), form];
 }
 
@@ -107,7 +108,7 @@ export function furnishReading(desk) {
     if (!dialog.open) dialog.showModal();
   };
   one("#close-reading").onclick = () => dialog.close();
-  one("#open-values").onclick = () => show("What the charts show", valuesTable(desk));
+  one("#open-values").onclick = () => show(say("What the charts show"), valuesTable(desk));
   desk.addEventListener("answer", (event) => {
     const { words, lines } = /** @type {CustomEvent} */ (event).detail;
     show(words, html("pre", {}, lines.join("\n")));

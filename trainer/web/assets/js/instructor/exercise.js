@@ -2,9 +2,10 @@
 import { clock, html, one, write } from "../draw.js";
 import { limitsInWords } from "../briefing.js";
 import { showBeside } from "./desk.js";
-import { objectOf } from "../model/orders.js";
+import { causesOf } from "../model/causes.js";
 import { askAboard } from "./log.js";
 import { lapseTo } from "./time.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -16,14 +17,14 @@ import { lapseTo } from "./time.js";
 const LOOKED = 2000; // [ms] between looks at who is aboard, before the start
 const WIDE = 1000; // [px] from which on the window leaves room beside it
 const BACK = "2 min"; // how far `again from` goes where no moment is looked at
-const OUTCOMES = { lost: "LOST", ended: "TIME IS UP" };
+const OUTCOMES = { lost: say("LOST"), ended: say("TIME IS UP") };
 
 /** Furnishes the window of the exercise. @param {Desk} desk @param {(seconds: number) => void} see */
 export function furnishExercise(desk, see) {
   const { session } = desk;
   const pane = new ExerciseWindow(desk, see);
   one("#open-exercise").onclick = () => pane.toggle();
-  const title = () => write(one("#title"), session.exercise.title ?? "Instructor");
+  const title = () => write(one("#title"), session.exercise.title ?? say("Instructor"));
   session.on("exercise", () => {
     title();
     showMission(desk);
@@ -46,9 +47,9 @@ function showMission({ session }) {
   const { told } = session;
   const mission = one("#mission");
   const parts = [
-    ["Win", told.wins?.join(", ")],
-    ["Lose", told.lost?.join(", ")],
-    ["Crew knows", lessonOf(session.exercise.title)?.briefing],
+    [say("Win"), told.wins?.join(", ")],
+    [say("Lose"), told.lost?.join(", ")],
+    [say("Crew knows"), lessonOf(session.exercise.title)?.briefing],
   ].filter(([, says]) => says);
   mission.hidden = parts.length === 0;
   const words = parts.flatMap(([name, says]) => [html("b", {}, `${name}: `), `${says} `]);
@@ -78,6 +79,7 @@ class ExerciseWindow {
     /** @type {View} */
     this.view = "briefing";
     this.offered = ""; // for which start or end it has opened by itself
+    this.begins = false; // the exercise, as soon as time runs
     this.debrief = "";
     this.address = ""; // of the debrief, where this server has it
     this.refusal = ""; // of the last order given at the end
@@ -102,6 +104,9 @@ class ExerciseWindow {
       this.offered = now;
       this.open(outcome ? "end" : "briefing");
     } else if (this.dialog.open) this.draw();
+    const begun = this.begins && state === "running";
+    this.begins = starts;
+    if (begun && this.view === "briefing") this.dialog.close(); // whoever has let time run
   }
 
   /** Time has gone back: there is no end any more. */
@@ -150,7 +155,7 @@ class ExerciseWindow {
     const { body, keys, title } = this[this.view]();
     write(one("#exercise-title"), title);
     replace(one("#exercise-body"), body);
-    replace(one("#exercise-keys"), [...keys, this.key("Close", () => this.dialog.close())]);
+    replace(one("#exercise-keys"), [...keys, this.key(say("Close"), () => this.dialog.close())]);
   }
 
   /** @param {string} words @param {() => void} click @param {boolean} [main] */
@@ -162,28 +167,28 @@ class ExerciseWindow {
     const { session } = this.desk;
     const { exercise, told } = session;
     const stands = session.word("time.time") === "frozen" && !session.outcome;
-    const choose = this.key("Choose another", () => void this.choose());
-    const run = this.key("Run", () => void this.run(), true);
-    const end = this.key("End exercise", () => void this.desk.give("end exercise"));
+    const choose = this.key(say("Choose another"), () => void this.choose());
+    const run = this.key(say("Run"), () => void this.run(), true);
+    const end = this.key(say("End exercise"), () => void this.desk.give("end exercise"));
     const others = session.alone ? [] : [choose, ...(session.outcome ? [] : [end])];
     const keys = [...(stands ? [run] : []), ...others];
     if (!exercise.title) {
-      const says = "The boat sails freely: there is no exercise.";
-      return { title: "No exercise", body: [html("p", {}, says), ...this.aboard()], keys };
+      const says = say("The boat sails freely: there is no exercise.");
+      return { title: say("No exercise"), body: [html("p", {}, says), ...this.aboard()], keys };
     }
     const crew = lessonOf(exercise.title)?.briefing ?? "";
     const lines = (told.line ?? []).filter((line) => !crew.includes(line.trim()));
     const sides = html(
       "div",
       { class: "sides" },
-      column("The crew is told", [crew || "what its stations show"]),
-      column("You alone are told", lines.length ? [lines.join(" ")] : ["nothing more"]),
+      column(say("The crew is told"), [crew || say("what its stations show")]),
+      column(say("You alone are told"), lines.length ? [lines.join(" ")] : [say("nothing more")]),
     );
     const rules = [
-      ["Wins", told.wins?.join(", ")],
-      ["Loses", told.lost?.join(", ")],
-      ["By hand", exercise.hand?.replaceAll(",", ", ")],
-      ["Limits", limitsInWords(exercise.limits)],
+      [say("Wins"), told.wins?.join(", ")],
+      [say("Loses"), told.lost?.join(", ")],
+      [say("By hand"), exercise.hand?.replaceAll(",", ", ")],
+      [say("Limits"), limitsInWords(exercise.limits)],
     ];
     return { title: exercise.title, body: [sides, table(rules), ...this.aboard()], keys };
   }
@@ -193,16 +198,15 @@ class ExerciseWindow {
     if (this.desk.session.alone) return [];
     const crew = this.stations.filter(({ role }) => role !== "instructor");
     const rows = crew.map(({ role, line, ready }) => {
-      return html("li", {}, html("b", {}, role), ` at ${line}: ${ready ? "ready" : "not ready yet"}`);
+      return html("li", {}, html("b", {}, role), ready ? say(" at {0}: ready", line) : say(" at {0}: not ready yet", line));
     });
-    const none = html("li", {}, "No station. The exercise can be flown from here.");
+    const none = html("li", {}, say("No station. The exercise can be flown from here."));
     const list = html("ul", {}, ...(rows.length ? rows : [none]));
-    return [html("section", {}, html("h3", {}, "Aboard"), list)];
+    return [html("section", {}, html("h3", {}, say("Aboard")), list)];
   }
 
   async run() {
-    const answer = await this.desk.give("run");
-    if (answer.ok) this.dialog.close();
+    await this.desk.give("run"); // it closes when time runs
   }
 
   /** Asks for the names of the exercises, and shows the cards. */
@@ -213,16 +217,16 @@ class ExerciseWindow {
 
   choice() {
     const cards = lessons().map((lesson, at) => this.card(lesson, this.names[at]));
-    const back = this.key("Back", () => this.open(this.desk.session.outcome ? "end" : "briefing"));
-    return { title: "Choose an exercise", body: [html("div", { class: "cards" }, ...cards)], keys: [back] };
+    const back = this.key(say("Back"), () => this.open(this.desk.session.outcome ? "end" : "briefing"));
+    return { title: say("Choose an exercise"), body: [html("div", { class: "cards" }, ...cards)], keys: [back] };
   }
 
   /** @param {Lesson} lesson @param {string | undefined} name */
   card({ title, briefing, seconds, hand, vessel }, name) {
     const facts = [
-      seconds === null ? "no end" : `${Math.round(seconds / 60)} min`,
+      seconds === null ? say("no end") : say("{0} min", Math.round(seconds / 60)),
       vessel.toUpperCase(),
-      hand.length ? `by hand: ${hand.join(", ")}` : "automatic",
+      hand.length ? say("by hand: {0}", hand.join(", ")) : say("automatic"),
     ];
     const click = () => void this.begin(name ?? "");
     const parts = [html("b", {}, title), html("small", {}, facts.join(" \u00b7 ")), html("span", {}, briefing)];
@@ -240,25 +244,25 @@ class ExerciseWindow {
   end() {
     const { session } = this.desk;
     const { outcome, judgement } = session;
-    const title = judgement.outcome === "won" ? "WON" : (OUTCOMES[/** @type {keyof typeof OUTCOMES} */ (outcome)] ?? "OVER");
+    const title = judgement.outcome === "won" ? say("WON") : (OUTCOMES[/** @type {keyof typeof OUTCOMES} */ (outcome)] ?? say("OVER"));
     const reasons = judgement.reasons.map((reason) => html("li", { class: "row" }, html("span", { class: "grow" }, reason.text), this.seeKey(reason)));
     const body = [
-      html("p", { class: "big" }, judgement.marks || "No marks yet."),
+      html("p", { class: "big" }, judgement.marks || say("No marks yet.")),
       html("ul", { class: "marks" }, ...reasons),
-      html("h3", {}, "See"),
+      html("h3", {}, say("See")),
       html("div", { class: "row" }, ...this.moments()),
       this.debrief && this.debriefLine(),
     ].filter((part) => part instanceof Node);
     const back = this.desk.moment.looking;
     const keys = [
-      this.key("Release marks", () => void this.order("release marks")),
-      this.key("Debrief", () => void this.order("debrief")),
+      this.key(say("Release marks"), () => void this.order("release marks")),
+      this.key(say("Debrief"), () => void this.order("debrief")),
       ...(this.refusal ? [html("span", { class: "refusal", role: "alert" }, this.refusal)] : []),
-      this.key("Again", () => void this.desk.give("again"), true),
-      this.key(back ? `Again from ${clock(back.seconds)}` : `Again from ${BACK} ago`, () => void this.again()),
-      this.key("Next", () => void this.choose()),
+      this.key(say("Again"), () => void this.desk.give("again"), true),
+      this.key(back ? say("Again from {0}", clock(back.seconds)) : say("Again from {0} ago", BACK), () => void this.again()),
+      this.key(say("Next"), () => void this.choose()),
     ];
-    return { title: `${session.exercise.title ?? "Exercise"}: ${title}`, body, keys };
+    return { title: `${session.exercise.title ?? say("Exercise")}: ${title}`, body, keys };
   }
 
   /** Gives an order; a refusal is shown beside the keys. @param {string} words */
@@ -271,14 +275,14 @@ class ExerciseWindow {
   /** Returns where the debrief is: a key that opens it, or on which machine it lies. */
   debriefLine() {
     const { debrief, address } = this;
-    if (!address) return html("p", { class: "path" }, `The debrief lies on the session's machine: ${debrief}`);
-    const key = html("a", { class: "key", href: address, target: "_blank", rel: "noopener" }, "Open the debrief");
+    if (!address) return html("p", { class: "path" }, say("The debrief lies on the session's machine: {0}", debrief));
+    const key = html("a", { class: "key", href: address, target: "_blank", rel: "noopener" }, say("Open the debrief"));
     return html("p", { class: "path row" }, key, html("span", { class: "grow" }, debrief));
   }
 
   /** Returns a key that looks at the moment of a reason. @param {import("../model/judgement.js").Reason} reason */
   seeKey({ seconds }) {
-    return seconds === null ? null : this.moment(seconds, "See");
+    return seconds === null ? null : this.moment(seconds, say("See"));
   }
 
   /** @param {number} seconds @param {string} words */
@@ -289,15 +293,11 @@ class ExerciseWindow {
     });
   }
 
-  /** Returns keys for what broke, the limits passed, and what was marked. */
+  /** Returns keys for what broke and its first answer, the limits passed, and what was marked. */
   moments() {
     const { session } = this.desk;
-    const signs = session.kept.filter(({ sign }) => sign === "C" || sign === "M");
-    const limits = session.log.filter(({ kind }) => kind === "watch");
-    const found = [
-      ...signs.map(({ seconds, sign, text }) => ({ seconds, words: sign === "C" ? objectOf(text) : text })),
-      ...limits.map(({ seconds, text }) => ({ seconds, words: text.replace(/^.*?: | \[\d+\]$/g, "") })),
-    ];
+    const marks = session.kept.filter(({ sign }) => sign === "M");
+    const found = [...causesOf(session), ...marks.map(({ seconds, text }) => ({ seconds, words: text }))];
     found.sort((a, b) => a.seconds - b.seconds);
     return found.slice(0, 12).map(({ seconds, words }) => this.moment(seconds, words));
   }

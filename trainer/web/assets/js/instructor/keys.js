@@ -4,7 +4,8 @@ import { one } from "../draw.js";
 
 /**
  * @typedef {{ toggleTime: () => void, step: () => void, mark: () => void, span: (by: number) => void,
- *   drawer: () => void, move: (by: number) => void, now: () => void }} Deeds
+ *   drawer: () => void, move: (by: number) => void, cause: (later: boolean) => void,
+ *   now: () => void }} Deeds
  */
 
 const OWN = "button, a, [role='slider'], [role='tab'], summary";
@@ -21,6 +22,8 @@ export function listenToKeys(deeds) {
     "[": () => deeds.span(-1),
     "]": () => deeds.span(1),
     l: deeds.drawer,
+    c: () => deeds.cause(true),
+    C: () => deeds.cause(false),
     Escape: () => (closeWindow() ? undefined : deeds.now()),
   };
   addEventListener("keydown", (event) => {

@@ -1,6 +1,7 @@
 // The log: what has happened, who has ordered it, and what the page was refused; and who is aboard.
 import { clock, html, one, write } from "../draw.js";
 import { paced } from "./desk.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -12,15 +13,16 @@ const SHOWN = 150; // entries
 const PACE = 250; // [ms]
 const CHOOSER = "chooser"; // what the first page is called: nobody is aboard by it
 
-/** Fills the log, newest first. @param {Desk} desk */
-export function showLog({ session }) {
+/** Fills the log up to the moment, newest first. @param {Desk} desk */
+export function showLog({ session, moment }) {
   const list = one("#log");
   const draw = paced(PACE, () => {
     const at = list.scrollTop;
-    list.replaceChildren(...session.log.slice(-SHOWN).reverse().map(entryRow));
+    list.replaceChildren(...moment.log.slice(-SHOWN).reverse().map(entryRow));
     list.scrollTop = at;
   });
   session.on("log", draw);
+  moment.addEventListener("look", draw);
 }
 
 /** @param {Entry} entry */
@@ -42,9 +44,9 @@ export function showAboard(desk) {
     void askAboard(desk).then((stations) => {
       const crew = stations.map(({ role }) => role).filter((role) => role !== "instructor");
       const others = stations.length - crew.length - 1;
-      const also = others > 0 ? [`${others} more instructor${others > 1 ? "s" : ""}`] : [];
-      const there = [...new Set(crew), ...also].join(", ");
-      write(one("#aboard"), there ? `${there} aboard` : "no station aboard");
+      const more = others > 1 ? say("{0} more instructors", others) : say("{0} more instructor", others);
+      const there = [...new Set(crew), ...(others > 0 ? [more] : [])].join(", ");
+      write(one("#aboard"), there ? say("{0} aboard", there) : say("no station aboard"));
     });
   });
   onArrival(desk, ask);

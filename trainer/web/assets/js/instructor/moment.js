@@ -1,10 +1,12 @@
 // The moment that the page shows: the present, or one in the past that is looked at.
 
-import { partAt, shared, way } from "../model/branches.js";
+import { isOnWay, partAt, shared, way } from "../model/branches.js";
+import { joined, within } from "../model/history.js";
 
 /**
  * @typedef {import("../model/session.js").Session} Session
  * @typedef {import("../controls/time-line.js").Look} Look
+ * @typedef {import("../model/history.js").Past} Past
  */
 
 /** Tells values as they are, or as they were. Event: `look`. */
@@ -46,6 +48,28 @@ export class Moment extends EventTarget {
       return history.at(channel, seconds);
     }
     return history.leftAt(partAt(way(branches, branch), seconds), channel, seconds);
+  }
+
+  /** Returns what a channel has shown up to the moment, on the branch that is looked at. @param {string} channel @returns {Past} */
+  past(channel) {
+    const { looking, session } = this;
+    const { branches, history, present } = session;
+    const seen = history.of(channel);
+    if (!looking) return seen;
+    const { branch, seconds } = looking;
+    if (branch === null) return within(seen, -Infinity, seconds);
+    const same = Math.min(shared(branches, branch, present), seconds);
+    return joined(within(seen, -Infinity, same), history.leftOn(way(branches, branch), channel, same, seconds));
+  }
+
+  /** Returns what had happened by the moment, on the branch that is looked at. */
+  get log() {
+    const { looking, session } = this;
+    if (!looking) return session.log;
+    const branch = looking.branch ?? session.present;
+    return session.log.filter(
+      (entry) => entry.seconds <= looking.seconds && isOnWay(session.branches, branch, entry),
+    );
   }
 
   /** Whether a page that came late has not seen this branch. */

@@ -1,8 +1,13 @@
 // The line where orders are typed: completed by Tab or a click, brought back by Up and Down.
 import { html, one } from "../draw.js";
 import { next } from "./completion.js";
+import { mayGive } from "../model/orders.js";
+import { say } from "../words.js";
 
-/** @typedef {import("./desk.js").Desk} Desk */
+/**
+ * @typedef {{ session: import("../model/session.js").Session,
+ *   give(words: string): Promise<{ ok: boolean }> }} Desk who gives what is typed
+ */
 
 const SHOWN = 8; // words that may come next
 const KEPT = 50; // orders that can be brought back
@@ -21,6 +26,9 @@ class OrderLine {
     this.field = /** @type {HTMLInputElement} */ (one("#order"));
     /** @type {import("./completion.js").OrderWords} */
     this.table = JSON.parse(one("#order-words").textContent ?? "{}");
+    const { role } = desk.session;
+    const may = (/** @type {string} */ form) => mayGive(form.replace(/[[\]]/g, ""), role, "running");
+    if (role !== "instructor") this.table.forms = this.table.forms.filter(([form]) => may(form));
     /** @type {string[]} */
     this.given = [];
     this.place = 0;
@@ -57,7 +65,7 @@ class OrderLine {
     const keys = words.slice(0, SHOWN).map((word) =>
       html("button", { type: "button", tabindex: -1, class: "small", click: () => this.take(word) }, word),
     );
-    const more = words.length > SHOWN ? [html("span", {}, `and ${words.length - SHOWN} more`)] : [];
+    const more = words.length > SHOWN ? [html("span", {}, say("and {0} more", words.length - SHOWN))] : [];
     const told = hints.slice(0, 2).map((hint) => html("span", {}, hint));
     one("#completions").replaceChildren(...(this.field.value ? [...keys, ...more, ...told] : []));
   }

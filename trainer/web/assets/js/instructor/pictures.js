@@ -1,28 +1,30 @@
 // Charts, track, attitude and tanks, fed from the readings: of now, or of the moment looked at.
-import { before } from "../model/history.js";
+import { aidsOf, measured, points, scaleOf } from "../charts/plots.js";
+import { before, rowAt } from "../model/history.js";
+import { limitsOf } from "../model/limits.js";
 import { html, one } from "../draw.js";
 import { PLACES } from "./moment.js";
 import { paced } from "./desk.js";
+import { TITLES } from "../tanks/places.js";
 import { shipsOf, shipsThen } from "./ships.js";
+import { inUnit, lengthDigits, unit } from "../units.js";
+import { decimals, say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
  * @typedef {import("../charts/strip-chart.js").StripChart} StripChart
- * @typedef {import("../charts/strip-chart.js").Points} Points
  * @typedef {import("../charts/track-chart.js").TrackChart} TrackChart
  * @typedef {import("../model/motion.js").Motion} Motion
- * @typedef {{ low: number, high: number, step: number }} Scale
  * Elements of other parts, which show what they are given.
  * @typedef {HTMLElement & { show?: (...what: any[]) => void }} Picture
  */
 
 const DRAWN = 250; // [ms] between drawings of the charts
-const MOST = 500; // points of a line, more than a chart has pixels for
 const PLACES_MOST = 1200; // of the track
+/** @type {ReturnType<typeof aidsOf>} */
+const NO_AIDS = { ghost: [], ahead: [] }; // of a moment that is looked at
 const RECENT = 600; // [s] of the track that are drawn full
 export const SPANS = [1, 3, 10, 60]; // [min]
-const STEPS = [1, 2, 5, 10, 20, 50, 100, 200]; // of a chart's grid
-const LINES = 4; // of the grid at least
 
 /** Shows the charts; returns what sets their span. @param {Desk} desk */
 export function showCharts(desk) {
@@ -38,7 +40,7 @@ export function showCharts(desk) {
   moment.addEventListener("look", draw);
   const keys = SPANS.map((minutes) => {
     const attributes = { type: "button", "aria-pressed": String(minutes === span) };
-    return html("button", { ...attributes, click: () => choose(minutes) }, `${minutes} min`);
+    return html("button", { ...attributes, click: () => choose(minutes) }, say("{0} min", minutes));
   });
   one("#spans").append(...keys);
   const choose = (/** @type {number} */ minutes) => {
@@ -61,87 +63,22 @@ function drawChart(desk, chart, span, shaded) {
   const known = session.number(place) !== null || past.times.length === 0;
   chart.hidden = !known;
   if (!known) return;
-  const now = Math.max(session.seconds, 0);
-  const actual = points(session, [place], now - span);
-  const ordered = points(session, orders, now - span);
-  const limit = of === "depth" ? limitOf(session, "depth_m_max") : null;
-  const cursor = moment.looking && moment.looking.branch === null ? moment.looking.seconds : null;
-  const scale = scaleOf(of, session.ranges, [...actual, ...ordered], limit);
-  chart.show({ actual, ordered, now, span, ...scale, shaded, limit, cursor });
+  const now = Math.max(moment.seconds, 0);
+  const pastOf = (/** @type {string} */ channel) => moment.past(channel);
+  const [actual, ordered] = [[place], orders].map((places) => measured(of, points(pastOf, places, now - span)));
+  const deepest = of === "depth" ? limitsOf(session).depth : null;
+  const limit = deepest === null ? null : inUnit(deepest);
+  const { ghost, ahead } = moment.looking ? NO_AIDS : aidsOf(session, pastOf, of, now, span);
+  const scale = scaleOf(of, session.ranges, [...actual, ...ordered, ...ghost, ...ahead], limit);
+  chart.show({ actual, ordered, ghost, ahead, now, span, ...scale, shaded, limit });
 }
 
-/**
- * Returns what the first of some places has told since a time, at most MOST points.
- * @param {Desk["session"]} session
- * @param {string[]} places
- * @param {number} since [s]
- * @returns {Points}
- */
-function points(session, places, since) {
-  const fields = places.map((place) => place.split("."));
-  const times = fields.length ? session.history.of(fields[0][0]).times : [];
-  const first = Math.max(before(times, since) - 1, 0);
-  const every = Math.max(Math.ceil((times.length - first) / MOST), 1);
-  /** @type {Points} */
-  const found = [];
-  for (let at = first; at < times.length; at += 1) {
-    if (at % every && at !== times.length - 1) continue;
-    found.push([times[at], valueAt(session, fields, times[at], at)]);
-  }
-  return found;
-}
-
-/** @param {Desk["session"]} session @param {string[][]} fields @param {number} seconds @param {number} index */
-function valueAt(session, fields, seconds, index) {
-  for (const [channel, field] of fields) {
-    const { times, rows } = session.history.of(channel);
-    const same = Math.abs((times[index] ?? NaN) - seconds) < 1e-6;
-    const row = same ? rows[index] : rows[before(times, seconds + 1e-6) - 1];
-    const value = row?.[field];
-    if (value !== undefined) return value;
-  }
-  return null;
-}
-
-/** Returns a limit of the exercise, null where there is none. @param {Desk["session"]} session @param {string} name */
-export function limitOf(session, name) {
-  const found = (session.exercise.limits ?? "").split(",").find((each) => each.startsWith(`${name}:`));
-  return found ? Number(found.split(":")[1]) : null;
-}
-
-/**
- * Returns the scale of a chart: of the vessel's ranges, or wide enough for what is on it.
- * @param {string} of
- * @param {Record<string, number>} ranges
- * @param {Points} drawn
- * @param {number | null} limit
- * @returns {Scale}
- */
-function scaleOf(of, ranges, drawn, limit) {
-  const reach = ranges[of];
-  if (reach && of !== "depth" && of !== "speed") return round(-reach, reach);
-  if (of === "speed" && ranges.speed) return round(-(ranges.astern ?? 0), ranges.speed);
-  const values = drawn.flatMap(([, value]) => (value === null ? [] : [value]));
-  if (of === "pitch") return round(Math.min(-10, ...values), Math.max(10, ...values));
-  const [least, most] = [Math.min(...values), Math.max(...values)];
-  if (!Number.isFinite(least)) return round(0, 100);
-  const shown = limit !== null && limit < most + 40 ? limit : most;
-  const [low, high] = [Math.max(least - 10, 0), Math.max(most, shown) + 10];
-  return round(low, Math.max(high, low + 40));
-}
-
-/** Returns a scale with a whole number of steps. @param {number} low @param {number} high @returns {Scale} */
-function round(low, high) {
-  const step = STEPS.find((each) => (high - low) / each <= 2 * LINES - 1) ?? STEPS[STEPS.length - 1];
-  return { step, low: Math.floor(low / step) * step, high: Math.ceil(high / step) * step };
-}
-
-/** Returns when anything was broken [s], within a span before now. @param {Desk} desk @param {number} span */
-function broken({ session }, span) {
-  const { times, rows } = session.history.of("casualties");
+/** Returns when anything was broken [s], within a span before the moment. @param {Desk} desk @param {number} span */
+function broken({ moment }, span) {
+  const { times, rows } = moment.past("casualties");
   /** @type {[number, number][]} */
   const found = [];
-  for (let at = before(times, session.seconds - span); at < times.length; at += 1) {
+  for (let at = before(times, moment.seconds - span); at < times.length; at += 1) {
     if (Object.keys(rows[at]).length === 0) continue;
     const last = found.at(-1);
     const follows = last && at > 0 && last[1] >= times[at - 1];
@@ -154,8 +91,8 @@ function broken({ session }, span) {
 /** @param {Desk} desk */
 function drawTrack({ session, moment }) {
   const chart = /** @type {TrackChart} */ (one("track-chart"));
-  const { times, rows } = session.history.of("motion");
-  const until = moment.looking?.branch === null ? before(times, moment.seconds + 1e-6) : times.length;
+  const { times, rows } = moment.past("motion");
+  const until = times.length;
   const every = Math.max(Math.ceil(until / PLACES_MOST), 1);
   /** @type {import("../charts/track-chart.js").Place[]} */
   const places = [];
@@ -189,7 +126,7 @@ export function showAttitude({ session, moment }, motion) {
   const draw = () => {
     const [depth, pitch, bow] = [value("depth"), value("pitch"), value("bow")];
     const ordered = moment.first(...PLACES.depth.slice(1));
-    const limit = limitOf(session, "depth_m_max");
+    const limit = limitsOf(session).depth;
     const speed = moment.number("motion.speed");
     const surface = moment.number("sea.elevation");
     const clearance = moment.number("motion.clearance");
@@ -221,7 +158,7 @@ export function showTanks(desk) {
     );
     one("#tank-orders").replaceChildren(...keys);
     one("#tank-orders").hidden = orders.length === 0;
-    one("#tank-chosen").textContent = tank.replaceAll("_", " ");
+    one("#tank-chosen").textContent = TITLES[tank]?.[0] ?? tank;
   });
 }
 
@@ -230,36 +167,45 @@ function tankOrders(tank) {
   const name = tank.replaceAll("_", "-");
   if (MAIN.includes(name)) {
     return [
-      ["blow", `blow ${name}`],
-      ["blow stop", "blow stop"],
-      ["vent open", `vent ${name} open`],
-      ["vent shut", `vent ${name} shut`],
+      [say("blow"), `blow ${name}`],
+      [say("blow stop"), "blow stop"],
+      [say("vent open"), `vent ${name} open`],
+      [say("vent shut"), `vent ${name} shut`],
     ];
   }
-  if (name === "negative") return [["flood", "negative flood"], ["blow", "negative blow"]];
+  if (name === "negative") return [[say("flood"), "negative flood"], [say("blow"), "negative blow"]];
   if (name.startsWith("trim")) {
-    return [["2 t forward", "pump trim forward 2"], ["2 t aft", "pump trim aft 2"]];
+    return [[say("2 t forward"), "pump trim forward 2"], [say("2 t aft"), "pump trim aft 2"]];
   }
   if (name === "auxiliary" || name === "depth-control") {
-    return [["flood 2 t", `flood ${name} 2`], ["pump 2 t", `pump ${name} 2`]];
+    return [[say("flood 2 t"), `flood ${name} 2`], [say("pump 2 t"), `pump ${name} 2`]];
   }
   return [];
 }
 
+/** @type {Record<string, string>} */
+const NAMES = {
+  depth: say("Depth, {0}", unit),
+  pitch: say("Pitch"),
+  speed: say("Speed, kn"),
+  stern: say("Stern planes"),
+  bow: say("Bow planes"),
+  rudder: say("Rudder"),
+};
 const ROWS = 12; // of the table of values
 const EVERY = 10; // [s]
 
 /** Returns what the charts show, as a table. @param {Desk} desk */
-export function valuesTable({ session }) {
+export function valuesTable({ moment }) {
   const names = /** @type {(keyof typeof PLACES)[]} */ (["depth", "pitch", "speed", "stern", "bow", "rudder"]);
-  const head = html("tr", {}, ...["time, s", ...names].map((name) => html("th", { scope: "col" }, name)));
-  const now = Math.floor(session.seconds / EVERY) * EVERY;
+  const head = html("tr", {}, ...[say("time, s"), ...names.map((name) => NAMES[name])].map((name) => html("th", { scope: "col" }, name)));
+  const now = Math.floor(moment.seconds / EVERY) * EVERY;
   const rows = [];
   for (let at = now; at >= 0 && rows.length < ROWS; at -= EVERY) {
     const cells = names.map((name) => {
       const [channel, field] = PLACES[name][0].split(".");
-      const value = session.history.at(channel, at)?.[field];
-      return html("td", {}, value === undefined ? "" : value.toFixed(1));
+      const value = rowAt(moment.past(channel), at)?.[field];
+      return html("td", {}, value === undefined ? "" : name === "depth" ? lengthDigits(value) : decimals(value, 1));
     });
     rows.push(html("tr", {}, html("th", { scope: "row" }, String(at)), ...cells));
   }

@@ -1,20 +1,22 @@
 // The sea: what it is and what it is becoming, and the orders that change it; and its tab.
 import { bearing, html, one, write } from "../draw.js";
 import { paced } from "./desk.js";
+import { lengthDigits, unit } from "../units.js";
+import { decimals, say } from "../words.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 
 const STATES = 9;
 const ROWS = [
-  ["Height, m", "height"],
-  ["Period, s", "period"],
-  ["From", "from"],
+  [say("Height, {0}", unit), "height"],
+  [say("Period, s"), "period"],
+  [say("From"), "from"],
 ];
 const WATER = [
-  ["Current towards", "set"],
-  ["Drift, kn", "drift"],
-  ["Course over ground", "course_over_ground"],
-  ["Speed over ground, kn", "speed_over_ground"],
+  [say("Current towards"), "set"],
+  [say("Drift, kn"), "drift"],
+  [say("Course over ground"), "course_over_ground"],
+  [say("Speed over ground, kn"), "speed_over_ground"],
 ];
 
 /** Fills the tab of the sea. @param {Desk} desk */
@@ -25,7 +27,7 @@ export function showSea(desk) {
     return { field, cells, line: html("tr", {}, html("th", { scope: "row" }, name), ...cells) };
   });
   const over = html("td");
-  const sail = html("tr", {}, html("th", { scope: "row" }, "Water over the sail, m"), over, html("td"));
+  const sail = html("tr", {}, html("th", { scope: "row" }, say("Water over the sail, {0}", unit)), over, html("td"));
   const water = WATER.map(([name, field]) => {
     const cell = html("td");
     return { field, cell, line: html("tr", {}, html("th", { scope: "row" }, name), cell, html("td")) };
@@ -35,15 +37,16 @@ export function showSea(desk) {
     for (const { field, cells } of rows) {
       ["", "ordered_"].forEach((which, at) => {
         const value = session.number(`sea.${which}${field}`);
-        const says = value === null ? "" : field === "from" ? bearing(value) : value.toFixed(1);
-        write(cells[at], says === "0.0" ? "calm" : says);
+        const says = value === null ? "" : field === "from" ? bearing(value) : field === "height" ? lengthDigits(value) : decimals(value, 1);
+        write(cells[at], value !== null && Number(value.toFixed(1)) === 0 && field !== "from" ? say("calm") : says);
       });
     }
-    write(over, session.number("sea.over_sail")?.toFixed(1) ?? "");
+    const deep = session.number("sea.over_sail");
+    write(over, deep === null ? "" : lengthDigits(deep));
     for (const { field, cell } of water) {
       const value = session.number(`current.${field}`);
       const course = field === "set" || field === "course_over_ground";
-      write(cell, value === null ? "none" : course ? bearing(value) : value.toFixed(1));
+      write(cell, value === null ? say("none") : course ? bearing(value) : decimals(value, 1));
     }
   });
   session.on("tick", fill);

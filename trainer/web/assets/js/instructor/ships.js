@@ -1,6 +1,8 @@
 // The ships near: where each bears, how near it will come and when; and the orders that change them.
 import { bearing, clock, html, one, write } from "../draw.js";
 import { paced } from "./desk.js";
+import { shortLength } from "../units.js";
+import { decimals, say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -11,7 +13,21 @@ import { paced } from "./desk.js";
 const MOST = 8; // ships of the channel
 const DIGITS = 500; // [ms] between changes of digits
 const MILE = 1852; // [m]
+/** @type {Record<string, string>} types of ships in words */
+const TYPES = {
+  tanker: say("tanker"),
+  cargo: say("cargo"),
+  ferry: say("ferry"),
+  fishing: say("fishing"),
+  yacht: say("yacht"),
+  tug: say("tug"),
+};
 const NEW = "new "; // before a type, in the choice of ships
+
+/** Returns a type of ship in words. @param {string} type */
+function typeOf(type) {
+  return TYPES[type] ?? type;
+}
 
 /** Returns the ships near, the nearest first. @param {Desk["session"]} session @returns {Ship[]} */
 export function shipsOf(session) {
@@ -60,7 +76,7 @@ export function showShips(desk) {
       line.hidden = !ship;
       if (!ship) return;
       write(head, ship.name);
-      head.title = ship.type;
+      head.title = typeOf(ship.type);
       line.onclick = () => choice.choose(ship);
       says(ship).forEach((text, column) => write(cells[column], text));
     });
@@ -73,7 +89,7 @@ function furnishOrders(desk) {
   const chosen = /** @type {HTMLSelectElement} */ (one("#ship"));
   /** @type {[string, string][]} */
   const types = JSON.parse(one("#ship-types").textContent ?? "[]");
-  const kinds = types.map(([type]) => html("option", { value: NEW + type }, `a new ${type}`));
+  const kinds = types.map(([type]) => html("option", { value: NEW + type }, say("a new {0}", typeOf(type))));
   /** @type {Ship[]} */
   let near = [];
   const field = (/** @type {string} */ of) => /** @type {HTMLInputElement} */ (one(`#ship-${of}`));
@@ -143,7 +159,7 @@ function newName(type, ships) {
 
 /** Returns the cells of a ship. @param {Ship} ship */
 function says({ bearing: from, range, course, speed, cpa, tcpa }) {
-  const far = (/** @type {number} */ metres) => (metres < MILE ? `${metres} m` : `${(metres / MILE).toFixed(1)} nm`);
-  const until = tcpa === null ? "" : tcpa < 0 ? "past" : clock(tcpa);
-  return [bearing(from), far(range), bearing(course), speed.toFixed(1), far(cpa), until];
+  const far = (/** @type {number} */ metres) => (metres < MILE ? shortLength(metres) : `${decimals(metres / MILE, 1)} nm`);
+  const until = tcpa === null ? "" : tcpa < 0 ? say("past") : clock(tcpa);
+  return [bearing(from), far(range), bearing(course), decimals(speed, 1), far(cpa), until];
 }

@@ -4,6 +4,8 @@ import { signed } from "../charts/chart.js";
 import { difference } from "../model/motion.js";
 import { PLACES } from "./moment.js";
 import { paced } from "./desk.js";
+import { feet, inUnit, lengthDigits, unit } from "../units.js";
+import { decimals, say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -20,40 +22,41 @@ import { paced } from "./desk.js";
  */
 
 const DIGITS = 500; // [ms] between changes of digits
-const planes = (/** @type {number} */ value) => sided(value, "dive", "rise");
-const short = (/** @type {number} */ value) => String(Number(value.toFixed(1)));
-const rudder = (/** @type {number} */ value) => sided(value, "L", "R");
+const planes = (/** @type {number} */ value) => sided(value, say("dive"), say("rise"));
+const short = (/** @type {number} */ value) => decimals(value, Number.isInteger(Number(value.toFixed(1))) ? 0 : 1);
+const shortDepth = (/** @type {number} */ value) => (feet ? lengthDigits(value) : short(value));
+const rudder = (/** @type {number} */ value) => sided(value, say("L"), say("R"));
 
 /** @type {Row[]} */
 const ROWS = [
   {
-    ...{ name: "Depth, m", of: "depth", says: (value) => value.toFixed(1), band: 5, orders: short },
-    ...{ sides: ["shallow", "deep"], gauge: ["gauges.depth", "depth-gauge"] },
+    ...{ name: say("Depth, {0}", unit), of: "depth", says: (value) => lengthDigits(value), band: 5, orders: shortDepth },
+    ...{ sides: [say("shallow"), say("deep")], gauge: ["gauges.depth", "depth-gauge"] },
   },
   {
-    ...{ name: "Heading", of: "heading", says: bearing, band: 5, sides: ["left", "right"] },
+    ...{ name: say("Heading"), of: "heading", says: bearing, band: 5, sides: [say("left"), say("right")] },
     ...{ turns: true, gauge: ["gauges.heading", "gyro"] },
   },
   {
-    ...{ name: "Speed, kn", of: "speed", says: (value) => signed(value, 1), orders: short },
-    ...{ sides: ["slow", "fast"], gauge: ["gauges.speed", "log"] },
+    ...{ name: say("Speed, kn"), of: "speed", says: (value) => signed(value, 1), orders: short },
+    ...{ sides: [say("slow"), say("fast")], gauge: ["gauges.speed", "log"] },
   },
-  { name: "Pitch", of: "pitch", says: (value) => sided(value, "down", "up"), sides: ["down", "up"] },
-  { name: "Heel", of: "heel", says: (value) => sided(value, "port", "stbd") },
-  { name: "Under the keel, m", of: "clearance", says: (value) => value.toFixed(1) },
-  { name: "Sinks, m/s", of: "sinks", says: (value) => signed(value, 2) },
-  { name: "Rudder", of: "rudder", says: rudder, band: 3, sides: ["L", "R"] },
-  { name: "Stern planes", of: "stern", says: planes, band: 3, sides: ["dive", "rise"] },
-  { name: "Bow planes", of: "bow", says: planes, band: 3, sides: ["dive", "rise"] },
-  { name: "Turns, rpm", of: "turns", says: (value) => signed(value, 0) },
-  { name: "Periscope, m", of: "mast", says: (value) => `${value.toFixed(1)} out`, also: shows },
+  { name: say("Pitch"), of: "pitch", says: (value) => sided(value, say("down"), say("up")), sides: [say("down"), say("up")] },
+  { name: say("Heel"), of: "heel", says: (value) => sided(value, say("port"), say("stbd")) },
+  { name: say("Under the keel, {0}", unit), of: "clearance", says: (value) => lengthDigits(value) },
+  { name: say("Sinks, m/s"), of: "sinks", says: (value) => signed(value, 2) },
+  { name: say("Rudder"), of: "rudder", says: rudder, band: 3, sides: [say("L"), say("R")] },
+  { name: say("Stern planes"), of: "stern", says: planes, band: 3, sides: [say("dive"), say("rise")] },
+  { name: say("Bow planes"), of: "bow", says: planes, band: 3, sides: [say("dive"), say("rise")] },
+  { name: say("Turns, rpm"), of: "turns", says: (value) => signed(value, 0) },
+  { name: say("Periscope, {0}", unit), of: "mast", says: (value) => say("{0} out", lengthDigits(value)), also: shows },
 ];
 
 /** Returns how high the periscope's head is, and how long it has shown. @param {Desk["moment"]} moment */
 function shows(moment) {
   const [eye, mast, exposed] = ["eye", "mast", "exposed"].map((name) => moment.number(`lookout.${name}`));
-  const head = mast && eye !== null ? `head ${signed(eye, 1)}, ` : "";
-  return exposed || mast ? `${head}shown ${(exposed ?? 0).toFixed(0)} s` : "";
+  const head = mast && eye !== null ? say("head {0}, ", signed(inUnit(eye), 1)) : "";
+  return exposed || mast ? say("{0}shown {1} s", head, (exposed ?? 0).toFixed(0)) : "";
 }
 
 /** Fills the table, and keeps it filled. @param {Desk} desk */
@@ -70,9 +73,9 @@ export function showState(desk) {
   const fill = () => {
     const { looking, unseen } = moment;
     document.body.toggleAttribute("data-back", looking !== null);
-    const of = looking?.branch ? ` on branch ${looking.branch}` : "";
-    const was = `as it was at ${clock(moment.seconds)}${of}`;
-    write(one("#when"), unseen ? "not seen by this page" : looking ? was : "truth");
+    const at = clock(moment.seconds);
+    const was = looking?.branch ? say("as it was at {0} on branch {1}", at, looking.branch) : say("as it was at {0}", at);
+    write(one("#when"), unseen ? say("not seen by this page") : looking ? was : say("truth"));
     for (const each of rows) fillRow(desk, each);
   };
   session.on("tick", paced(DIGITS, fill));
@@ -93,9 +96,10 @@ function fillRow({ moment, session }, { row, line, cells }) {
   const lies = gaugeLies(session, row) && !moment.looking;
   line.toggleAttribute("data-off", off);
   line.toggleAttribute("data-lies", lies);
-  const says = apart === null || !row.sides ? "" : sided(apart, ...row.sides);
+  const far = apart === null || row.of !== "depth" ? apart : inUnit(apart);
+  const says = far === null || !row.sides ? "" : sided(far, ...row.sides);
   const shown = row.gauge ? session.number(row.gauge[0]) : null;
-  write(cells[2], lies && shown !== null ? `GAUGE \u25cb ${row.says(shown)}` : says === "0.0" ? "" : says || also);
+  write(cells[2], lies && shown !== null ? say("GAUGE {0}", `\u25cb ${row.says(shown)}`) : says === "0.0" ? "" : says || also);
 }
 
 /** Whether the crew's gauge of this is broken. @param {Desk["session"]} session @param {Row} row */

@@ -1,8 +1,10 @@
 // Time: its keys, and the time line, which looks back, watches again and takes over.
 import { html, one, write } from "../draw.js";
 import { lanes } from "../model/branches.js";
+import { causesOf } from "../model/causes.js";
 import { wordOf } from "../model/orders.js";
 import { paced } from "./desk.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -28,7 +30,7 @@ export function furnishTime(desk) {
   one("#step").onclick = () => void desk.give("step");
   const show = () => {
     const stands = session.word("time.time") === "frozen";
-    write(one("#freeze"), stands ? "Run" : "Freeze");
+    write(one("#freeze"), stands ? say("Run") : say("Freeze"));
     one("#freeze").toggleAttribute("disabled", !session.may(stands ? "run" : "freeze"));
     one("#step").toggleAttribute("disabled", !session.may("step"));
     for (const key of keys) {
@@ -52,9 +54,9 @@ export function furnishTimeLine(desk) {
     const left = lanes(session.branches, session.present);
     const replaying = session.state === "replay";
     const signs = [...session.kept, ...planned(session)];
-    line.show({ now, end: endOf(desk, left), signs, lanes: left, replaying });
+    line.show({ now, end: endOf(desk, left), signs, causes: causesOf(session), lanes: left, replaying });
   });
-  for (const what of ["tick", "line", "state", "exercise"]) session.on(what, draw);
+  for (const what of ["tick", "line", "log", "state", "exercise"]) session.on(what, draw);
   session.on("tick", () => learnBranch(desk));
   session.on("fact", (event) => {
     const { what } = /** @type {CustomEvent} */ (event).detail;

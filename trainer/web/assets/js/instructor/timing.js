@@ -1,15 +1,16 @@
 // When a casualty comes: now, so long from now, at a time, or when the boat does something.
 import { clock, html, one, write } from "../draw.js";
+import { say } from "../words.js";
 
 const QUANTITIES = [
-  ["depth", "depth", "m", "80"],
-  ["speed", "speed", "kn", "8"],
-  ["pitch", "pitch, up +", "deg", "5"],
-  ["heel", "heel, stbd +", "deg", "5"],
-  ["depth_rate", "sinking", "m_s", "0.5"],
-  ["turn_rate", "turning, right +", "deg_s", "0.5"],
+  ["depth", say("depth"), "m", "80"],
+  ["speed", say("speed"), "kn", "8"],
+  ["pitch", say("pitch, up +"), "deg", "5"],
+  ["heel", say("heel, stbd +"), "deg", "5"],
+  ["depth_rate", say("sinking"), "m_s", "0.5"],
+  ["turn_rate", say("turning, right +"), "deg_s", "0.5"],
 ];
-const SHOWN = { m_s: "m/s", deg_s: "deg/s" }; // units as people write them
+const SHOWN = { m_s: "m/s", deg: say("deg"), deg_s: say("deg/s") }; // units as people write them
 const FIRST = { in: 30, at: 120 }; // [s] preset
 const TIMED = /^(?:(\d+):)?(\d+(?:[.,]\d+)?)$/; // minutes and seconds, or seconds
 
@@ -39,10 +40,10 @@ export class Timing {
     moment.hidden = how !== "in" && how !== "at";
     for (const name of ["#quantity", "#sense", "#threshold-field"]) one(name).hidden = how !== "when";
     if (!moment.hidden) {
-      moment.setAttribute("aria-label", how === "in" ? "Time from now" : "Time since the start");
+      moment.setAttribute("aria-label", how === "in" ? say("Time from now") : say("Time since the start"));
       moment.value = clock(FIRST[/** @type {keyof typeof FIRST} */ (how)]);
     }
-    write(one("#give"), how === "now" ? "Give now" : "Plan");
+    write(one("#give"), how === "now" ? say("Give now") : say("Plan"));
   }
 
   /** Presets the threshold of the quantity that is chosen. */

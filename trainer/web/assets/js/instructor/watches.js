@@ -1,6 +1,8 @@
 // What calls for the instructor's eyes beside what the session itself tells.
 import { surfaceWatch } from "../model/alerts.js";
-import { limitOf } from "./pictures.js";
+import { limitsOf } from "../model/limits.js";
+import { shortLength } from "../units.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("../model/session.js").Session} Session
@@ -15,9 +17,9 @@ const EMPTY = 1; // [%]
 function depth(session) {
   const is = session.number("motion.depth");
   const greatest = session.ranges["test-depth"] ?? Infinity;
-  const limit = Math.min(limitOf(session, "depth_m_max") ?? Infinity, greatest);
+  const limit = Math.min(limitsOf(session).depth ?? Infinity, greatest);
   if (is === null || is > limit || limit - is > NEAR) return [];
-  return [{ key: "near", rank: "warning", words: `Depth within ${NEAR} m of ${limit} m` }];
+  return [{ key: "near", rank: "warning", words: say("Depth within {0} of {1}", shortLength(NEAR), shortLength(limit)) }];
 }
 
 /** @param {Session} session @returns {Found[]} */
@@ -25,15 +27,15 @@ function air(session) {
   const full = session.number("air.main_full");
   const blows = ["forward", "mid", "aft"].some((tank) => session.word(`valves.blow_${tank}`) === "open");
   if (full === null) return [];
-  if (full <= EMPTY) return [{ key: "empty", rank: "alarm", words: "Main air bank empty" }];
+  if (full <= EMPTY) return [{ key: "empty", rank: "alarm", words: say("Main air bank empty") }];
   if (full >= USED || !blows) return [];
-  return [{ key: "air", rank: "caution", words: `Main air bank below ${USED} %` }];
+  return [{ key: "air", rank: "caution", words: say("{0} below {1} %", say("Main air bank"), USED) }];
 }
 
 export const WATCHES = [
   depth,
   air,
-  surfaceWatch("Stern planes off their order", "diving.stern", "diving.ordered_stern"),
-  surfaceWatch("Bow planes off their order", "diving.bow", "diving.ordered_bow"),
-  surfaceWatch("Rudder off its order", "steering.rudder", "steering.ordered_rudder"),
+  surfaceWatch(say("Stern planes off their order"), "diving.stern", "diving.ordered_stern"),
+  surfaceWatch(say("Bow planes off their order"), "diving.bow", "diving.ordered_bow"),
+  surfaceWatch(say("Rudder off its order"), "steering.rudder", "steering.ordered_rudder"),
 ];

@@ -1,9 +1,12 @@
 // Alerts: what calls for eyes, how urgently, and whether it has been seen.
+import { limitsOf } from "./limits.js";
+import { shortLength } from "../units.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {"emergency" | "alarm" | "warning" | "caution"} Rank
- * @typedef {{ key: string, rank: Rank, words: string, seconds: number, fresh: boolean,
- *   number: string }} Shown one alert; `number` is the session's, "" for one of the page's own
+ * @typedef {{ key: string, kind: string, rank: Rank, words: string, seconds: number, fresh: boolean,
+ *   number: string }} Shown one alert; `number` and `kind` are the session's, "" for one of the page's own
  * @typedef {{ key: string, rank: Rank, words: string }} Found
  * @typedef {import("./session.js").Session} Session
  */
@@ -13,6 +16,10 @@ export const RANKS = ["emergency", "alarm", "warning", "caution"];
 const OFF = 3; // [deg] that a surface may be off its order
 const OFF_FOR = 3; // [s]
 const STEEP = 30; // [deg] of pitch
+const MUTE_TOLD = 2; // of the four ranks, the first ones, whose muting is told
+const NEAR_LIMIT = 0.8; // of a limit of the exercise, from which the crew is cautioned
+/** Kinds of the session's alerts, those of one rank in this order: depth before remarks on the model. */
+const KINDS = ["depth", "watch", "pilot"];
 
 /** Keeps the alerts of a page: those of the session, and what its own gauges show. */
 export class Alerts extends EventTarget {
@@ -20,16 +27,17 @@ export class Alerts extends EventTarget {
   constructor(session, watches = []) {
     super();
     this.session = session;
-    this.watches = [link, steepness, ...watches];
+    this.watches = [link, steepness, nearLimits, ...watches];
     /** @type {Map<string, Shown>} */
     this.own = new Map();
     for (const what of ["tick", "state", "alerts"]) session.on(what, () => this.look());
   }
 
-  /** What is shown: by rank, new before seen, the newest first. */
+  /** What is shown: by rank, new before seen, by kind, the newest first. */
   get shown() {
     const told = [...this.session.alerts.all.values()].map((alert) => ({
       key: `session-${alert.number}`,
+      kind: alert.kind,
       rank: alert.rank,
       words: alert.words,
       seconds: alert.seconds,
@@ -41,6 +49,7 @@ export class Alerts extends EventTarget {
       (a, b) =>
         RANKS.indexOf(a.rank) - RANKS.indexOf(b.rank) ||
         Number(b.fresh) - Number(a.fresh) ||
+        KINDS.indexOf(a.kind) - KINDS.indexOf(b.kind) ||
         b.seconds - a.seconds,
     );
   }
@@ -54,10 +63,13 @@ export class Alerts extends EventTarget {
       if (before) before.words = each.words;
       else {
         const fresh = each.rank !== "caution";
-        this.own.set(each.key, { ...each, seconds: this.session.seconds, fresh, number: "" });
+        this.own.set(each.key, { ...each, kind: "", seconds: this.session.seconds, fresh, number: "" });
       }
     }
-    for (const [key, alert] of this.own) if (!keys.has(key) && !alert.fresh) this.own.delete(key);
+    for (const [key, alert] of this.own) {
+      const ended = !keys.has(key) && (!alert.fresh || alert.seconds > this.session.seconds); // time has gone back
+      if (ended) this.own.delete(key);
+    }
     for (const [key, alert] of this.own) {
       if (!keys.has(key) && alert.rank === "warning") this.own.delete(key);
     }
@@ -77,7 +89,7 @@ export class Alerts extends EventTarget {
 /** @param {Session} session @returns {Found[]} */
 function link(session) {
   if (session.state !== "lost") return [];
-  const words = "No link: readings are old, controls do nothing. It is dialled again.";
+  const words = say("No link: readings are old, controls do nothing. It is dialled again.");
   return [{ key: "link", rank: "warning", words }];
 }
 
@@ -85,7 +97,49 @@ function link(session) {
 function steepness(session) {
   const pitch = session.number("gauges.pitch") ?? session.number("motion.pitch") ?? 0;
   if (Math.abs(pitch) <= STEEP) return [];
-  return [{ key: "pitch", rank: "alarm", words: `Pitch beyond ${STEEP} degrees` }];
+  return [{ key: "pitch", rank: "alarm", words: say("Pitch beyond {0} degrees", STEEP) }];
+}
+
+/** Warns who comes near a limit of the exercise, or passes it, by the gauges. @param {Session} session @returns {Found[]} */
+function nearLimits(session) {
+  const limits = limitsOf(session);
+  return [
+    ...nearLimit("depth", limits.depth, session.number("gauges.depth"), {
+      past: say("Beyond the limit: depth at most {0}", shortLength(limits.depth ?? 0)),
+      near: say("Near the limit: depth at most {0}", shortLength(limits.depth ?? 0)),
+    }),
+    ...nearLimit("pitch", limits.pitch, session.number("gauges.pitch"), {
+      past: say("Beyond the limit: pitch at most {0} degrees", limits.pitch ?? 0),
+      near: say("Near the limit: pitch at most {0} degrees", limits.pitch ?? 0),
+    }),
+  ];
+}
+
+/**
+ * @param {string} name
+ * @param {number | null} limit
+ * @param {number | null} shown by the gauge
+ * @param {{ past: string, near: string }} words
+ * @returns {Found[]}
+ */
+function nearLimit(name, limit, shown, words) {
+  if (limit === null || shown === null || Math.abs(shown) < NEAR_LIMIT * limit) return [];
+  if (Math.abs(shown) > limit) return [{ key: `past ${name}`, rank: "alarm", words: words.past }];
+  return [{ key: `near ${name}`, rank: "caution", words: words.near }];
+}
+
+/**
+ * Returns a watch on the page's own sound: a caution stands while an alarm is muted.
+ * @param {{ on: boolean }} sound
+ * @param {() => Shown[]} shown
+ */
+export function muteWatch(sound, shown) {
+  /** @returns {Found[]} */
+  return () => {
+    const alarmed = shown().some((each) => each.fresh && RANKS.indexOf(each.rank) < MUTE_TOLD);
+    if (sound.on || !alarmed) return [];
+    return [{ key: "muted", rank: "caution", words: say("Sound is off: alarms are not heard") }];
+  };
 }
 
 /**
@@ -128,6 +182,6 @@ export function bankWatch(title, place) {
     const full = session.number(place);
     const [share, rank] = AIR.find(([least]) => full !== null && full < least) ?? [];
     if (!share || !rank) return [];
-    return [{ key: `${title} ${rank}`, rank, words: `${title} below ${share} %` }];
+    return [{ key: `${title} ${rank}`, rank, words: say("{0} below {1} %", title, share) }];
   };
 }

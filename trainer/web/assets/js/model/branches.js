@@ -44,6 +44,17 @@ export function shared(branches, one, other) {
 }
 
 /**
+ * Whether what happened lies on the way to the end of a branch.
+ * @param {Map<number, Branch>} branches
+ * @param {number} branch
+ * @param {{ seconds: number, branch: number }} entry with the branch that was flown when it was told
+ */
+export function isOnWay(branches, branch, entry) {
+  const { seconds } = entry;
+  return partAt(way(branches, entry.branch || branch), seconds) === partAt(way(branches, branch), seconds);
+}
+
+/**
  * Returns the branches that were left, newest first, each from where it differs from the present.
  * @param {Map<number, Branch>} branches
  * @param {number} present

@@ -92,17 +92,29 @@ export class History {
   takeUp(parts, from) {
     const first = this.left.get(partAt(parts, from + SEAM))?.get("motion")?.times ?? [];
     const seen = first.some((at) => at > from && at <= from + SEAM);
+    const channels = parts.flatMap(({ number }) => [...(this.left.get(number)?.keys() ?? [])]);
+    for (const channel of new Set(channels)) joined(this.of(channel), this.leftOn(parts, channel, from, Infinity));
+    return seen;
+  }
+
+  /**
+   * Returns what a channel has shown between two times on branches that were left.
+   * @param {Part[]} parts of the way to the end of one
+   * @param {string} channel
+   * @param {number} from [s]
+   * @param {number} to [s]
+   * @returns {Past}
+   */
+  leftOn(parts, channel, from, to) {
+    /** @type {Past} */
+    const found = { times: [], rows: [] };
     let begun = from;
     for (const { number, until } of parts) {
-      for (const [channel, { times, rows }] of this.left.get(number) ?? []) {
-        const past = this.of(channel);
-        const [low, high] = [before(times, begun + 1e-6), before(times, until + 1e-6)];
-        past.times.push(...times.slice(low, high));
-        past.rows.push(...rows.slice(low, high));
-      }
+      const past = this.left.get(number)?.get(channel);
+      if (past) joined(found, within(past, begun, Math.min(until, to)));
       begun = Math.max(begun, until);
     }
-    return seen;
+    return found;
   }
 
   /** @param {string} channel @param {number} seconds */
@@ -157,8 +169,21 @@ export class History {
   }
 }
 
-/** @param {Past} past @param {number} seconds @returns {Record<string, number> | undefined} */
-function rowAt({ times, rows }, seconds) {
+/** Returns what a past has after one time and up to another. @param {Past} past @param {number} from [s] @param {number} to [s] @returns {Past} */
+export function within({ times, rows }, from, to) {
+  const [low, high] = [before(times, from + 1e-6), before(times, to + 1e-6)];
+  return { times: times.slice(low, high), rows: rows.slice(low, high) };
+}
+
+/** Lays one past after another, and returns it. @param {Past} first @param {Past} next */
+export function joined(first, next) {
+  first.times.push(...next.times);
+  first.rows.push(...next.rows);
+  return first;
+}
+
+/** Returns the row of a past at a time, the last before it. @param {Past} past @param {number} seconds @returns {Record<string, number> | undefined} */
+export function rowAt({ times, rows }, seconds) {
   if (times[0] > seconds + SEAM) return undefined;
   return rows[Math.max(before(times, seconds + 1e-6) - 1, 0)];
 }

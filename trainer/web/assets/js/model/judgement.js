@@ -1,6 +1,24 @@
 // The marks of an exercise, as the session tells them in facts.
+import { say } from "../words.js";
 
 /** @typedef {{ seconds: number | null, text: string }} Reason of marks, and the moment it is about */
+
+/** @type {Record<string, string>} */
+const OUTCOMES = {
+  won: say("won"),
+  lost: say("lost"),
+  "not reached": say("not reached"),
+  "not won": say("not won"),
+  ended: say("ended"),
+};
+
+/** @type {Record<string, string>} */
+const AIDS = { ghost: say("with ghost"), predictor: say("with predictor") };
+
+/** Returns how an exercise has ended, in words. @param {string} outcome as the session tells it */
+export function outcomeOf(outcome) {
+  return OUTCOMES[outcome] ?? outcome;
+}
 
 export class Judgement {
   constructor() {
@@ -28,9 +46,11 @@ export class Judgement {
       this.reasons.push({ seconds: first ? Number(first) : null, text });
       return;
     }
-    const marks = text ? `${Math.round(Number(text))} marks of 100` : "no marks";
+    const [total, ...aids] = rest;
+    const marks = total ? say("{0} marks of 100", Math.round(Number(total))) : say("no marks");
     this.outcome = first;
-    this.marks = first ? `${first}, ${marks}` : marks;
+    const told = first ? [outcomeOf(first), marks] : [marks];
+    this.marks = [...told, ...aids.map((aid) => AIDS[aid] ?? aid)].join(", ");
     this.reasons = [];
   }
 }

@@ -10,6 +10,7 @@ import { Readings, numbers } from "./readings.js";
 import { Stations } from "./stations.js";
 import { entryOf, laidIn, planOf, signOf } from "./told.js";
 import { Vessel } from "./vessel.js";
+import { say } from "../words.js";
 
 const LATE = 15; // [s] of what instruments showed that a page may have missed and need not ask for
 const STALE = 2000; // [ms] without a tick, while time runs, after which readings are old
@@ -21,12 +22,12 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
  * @typedef {import("../protocol/line.js").Sentence} Sentence
  * @typedef {import("../protocol/link.js").Answer} Answer
  * @typedef {import("./readings.js").Reading} Reading
- * @typedef {{ seconds: number, kind: string, text: string, speaker: string, words: string }} Entry
+ * @typedef {{ seconds: number, kind: string, text: string, speaker: string, words: string }} Told
  *   something that happened; where somebody has said it, who (a role, `schedule`) and in which words
+ * @typedef {Told & { branch: number }} Entry with the branch that was flown then, 0 where none is known
  * @typedef {{ seconds: number, sign: string, text: string }} Kept a sign on the time line
  * @typedef {{ number: number, parent: number, begun: number, last: number, why: string }} Branch
  * @typedef {{ name: string, degree: string, says: string }} Casualty
- * @typedef {{ seconds: number, what: string, subject: string }} Told a fact, as the session tells it
  * @typedef {"connecting" | "role" | "running" | "frozen" | "replay" | "lost" | "ended"} State
  *
  * Who brings the session: a web socket, or a worker with a boat of its own.
@@ -119,6 +120,7 @@ export class Session extends EventTarget {
 
   /** Whether controls work: there is a line, the role is ours, and nobody replays. */
   get live() {
+    if (this.word("time.shown") === "yes") return false; // the reference crew moves them
     return this.state === "running" || this.state === "frozen" || this.state === "ended";
   }
 
@@ -168,7 +170,7 @@ export class Session extends EventTarget {
   async give(word) {
     const body = `${this.role} ${word}`;
     const kept = await fetch("/word", { method: "POST", body }).catch(() => null);
-    this.refusal = kept ? "that can be no word" : "the server does not answer";
+    this.refusal = kept ? say("that can be no word") : say("the server does not answer");
     if (kept?.ok) this.source.redial();
     else this.tell("state");
   }
@@ -301,8 +303,9 @@ export class Session extends EventTarget {
     this.recalled.set(reading.channel, rows);
   }
 
-  /** @param {Entry} entry */
-  hearEntry(entry) {
+  /** @param {Told} told */
+  hearEntry(told) {
+    const entry = { ...told, branch: this.present };
     this.saying = "";
     if (this.past.has("events")) this.earlier.push(entry);
     else this.happened(entry);
@@ -317,7 +320,7 @@ export class Session extends EventTarget {
 
   /** Adds an entry of the page's own. @param {string} kind @param {string} words @param {string} [speaker] */
   note(kind, words, speaker = "") {
-    this.happened({ seconds: this.seconds, kind, text: words, speaker, words });
+    this.happened({ seconds: this.seconds, kind, text: words, speaker, words, branch: this.present });
   }
 
   /** @param {number} seconds @param {string} what @param {string} subject */
@@ -365,7 +368,7 @@ export class Session extends EventTarget {
   /** Keeps what leaves a sign on the time line. @param {number} seconds @param {string} what @param {string} subject */
   sign(seconds, what, subject) {
     const sign = signOf(what, subject);
-    if (sign) this.keep(seconds, sign, subject || "marked");
+    if (sign) this.keep(seconds, sign, subject || say("marked"));
   }
 
   /** @param {number} seconds @param {string} sign @param {string} text */

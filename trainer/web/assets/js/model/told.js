@@ -28,7 +28,7 @@ export function signOf(what, subject) {
  * Returns something that happened, as a log has it.
  * @param {string[]} fields
  * @param {string} saying who has said it, and after a comma the words, "" where nobody has
- * @returns {import("./session.js").Entry}
+ * @returns {import("./session.js").Told}
  */
 export function entryOf([, seconds, kind, text], saying) {
   const [speaker, ...words] = saying.split(",");

@@ -1,5 +1,6 @@
 // The page's line to its session. It is dialled again for ever when it is lost.
 import { orderSentence, plain, read } from "./line.js";
+import { say } from "../words.js";
 
 const WAITS = [0.5, 1, 2, 5]; // [s] until a lost line is dialled again; the last stays
 const NO_SESSION = 4001;
@@ -55,13 +56,13 @@ export class Link extends EventTarget {
    * @returns {Promise<Answer>}
    */
   order(words) {
-    if (!this.there) return Promise.resolve({ ok: false, text: "not sent: no line", lines: [] });
+    if (!this.there) return Promise.resolve({ ok: false, text: say("not sent: no line"), lines: [] });
     this.tag = (this.tag % 999_999) + 1;
     const tag = String(this.tag);
     this.socket?.send(orderSentence(plain(words), tag));
     return new Promise((settle) => {
       this.asked.set(tag, { words, lines: [], settle });
-      setTimeout(() => this.answer(tag, false, "no answer"), SILENCE * 1000);
+      setTimeout(() => this.answer(tag, false, say("no answer")), SILENCE * 1000);
     });
   }
 
@@ -101,8 +102,8 @@ export class Link extends EventTarget {
    * @param {string} reason
    */
   lose(code, reason) {
-    this.forget("the line is lost");
-    this.why = reason || (code === NO_SESSION ? "no session" : "the server does not answer");
+    this.forget(say("the line is lost"));
+    this.why = reason || (code === NO_SESSION ? say("no session") : say("the server does not answer"));
     if (code === OLDER_PAGE) this.stopped = true;
     this.dispatchEvent(new Event(code === OLDER_PAGE ? "older" : "lost"));
     const wait = code === REFUSED ? WAITS.at(-1) : WAITS[Math.min(this.tries, WAITS.length) - 1];
@@ -113,7 +114,7 @@ export class Link extends EventTarget {
   redial() {
     if (this.socket) this.socket.onclose = null;
     this.socket?.close();
-    this.forget("the line is dialled anew");
+    this.forget(say("the line is dialled anew"));
     this.open();
   }
 

@@ -14,14 +14,15 @@ import { TankPanel } from "../tanks/panel.js";
 import { furnish, orderedLine } from "../frame.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
 import { one, write } from "../draw.js";
+import { say } from "../words.js";
 
 const CHANNELS = ["gauges", "orders", "tanks", "air", "valves", "time"];
 
 const link = new Link(document.documentElement.dataset.version ?? "");
 const session = new Session(link, "ballast", CHANNELS);
 const watches = [
-  bankWatch("Main air bank", "air.main_full"),
-  bankWatch("Emergency air bank", "air.emergency_full"),
+  bankWatch(say("Main air bank"), "air.main_full"),
+  bankWatch(say("Emergency air bank"), "air.emergency_full"),
 ];
 furnish(session, new Alerts(session, watches));
 for (const bar of ["repeat-bar", "report-bar"]) /** @type {any} */ (one(bar)).bind(session);

@@ -18,21 +18,22 @@ import { giver, seldom, showReadouts } from "./readouts.js";
 import { showInstruments } from "./instruments.js";
 import { showHeld } from "../crew/held.js";
 import { one, write } from "../draw.js";
+import { say } from "../words.js";
 
 const CHANNELS = ["gauges", "orders", "diving", "tanks", "air", "valves", "time"];
 
 const link = new Link(document.documentElement.dataset.version ?? "");
 const session = new Session(link, "diving", CHANNELS);
 const watches = [
-  bankWatch("Main air bank", "air.main_full"),
-  bankWatch("Emergency air bank", "air.emergency_full"),
+  bankWatch(say("Main air bank"), "air.main_full"),
+  bankWatch(say("Emergency air bank"), "air.emergency_full"),
 ];
 furnish(session, new Alerts(session, watches));
 for (const bar of ["repeat-bar", "report-bar"]) /** @type {any} */ (one(bar)).bind(session);
 /** @type {any} */ (one("part-keys[part=part]")).parts = [
-  ["boat", "Boat"],
-  ["crew", "Orders"],
-  ["tanks", "Tanks"],
+  ["boat", say("Boat")],
+  ["crew", say("Orders")],
+  ["tanks", say("Tanks")],
 ];
 const give = giver(session);
 const panel = new TankPanel(session, give);

@@ -11,6 +11,7 @@ import { showCasualties } from "../instructor/casualties.js";
 import { furnishCommand } from "../instructor/command.js";
 import { Desk } from "../instructor/desk.js";
 import { furnishDrawer, furnishReading } from "../instructor/drawer.js";
+import { showEvaluation } from "../instructor/evaluation.js";
 import { furnishExercise } from "../instructor/exercise.js";
 import { listenToKeys } from "../instructor/keys.js";
 import { showAboard, showLog } from "../instructor/log.js";
@@ -25,6 +26,7 @@ import { Alerts } from "../model/alerts.js";
 import { Motion } from "../model/motion.js";
 import { Session } from "../model/session.js";
 import { Link } from "../protocol/link.js";
+import { say } from "../words.js";
 
 const CHANNELS = [
   ...["motion", "gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
@@ -39,6 +41,7 @@ const motion = new Motion(session, POINTERS);
 
 furnish(session, new Alerts(session, WATCHES));
 showState(desk);
+showEvaluation(desk);
 showCasualties(desk);
 showLog(desk);
 showAboard(desk);
@@ -59,6 +62,7 @@ listenToKeys({
   span: showCharts(desk),
   drawer: furnishDrawer(desk),
   move: (by) => line.move(by),
+  cause: (later) => line.stepCause(later),
   now: () => line.look(null),
 });
 furnishTabs();
@@ -72,18 +76,20 @@ motion.start();
 
 /** On a telephone one of four views is seen. */
 function furnishTabs() {
+  /** @type {Record<string, string>} */
+  const words = { Boat: say("Boat"), Charts: say("Charts"), Track: say("Track"), Log: say("Log") };
   const names = new Set([...document.querySelectorAll("[data-tab]")].map(tabOf));
   const choose = (/** @type {string} */ name) => {
     document.body.dataset.view = name;
-    for (const key of one("#tabs").children) {
-      key.setAttribute("aria-pressed", String(key.textContent === name));
+    for (const [at, key] of [...one("#tabs").children].entries()) {
+      key.setAttribute("aria-pressed", String([...names][at] === name));
     }
     for (const panel of document.querySelectorAll("[data-tab]")) {
       panel.toggleAttribute("data-away", tabOf(panel) !== name);
     }
   };
   one("#tabs").append(
-    ...[...names].map((name) => html("button", { type: "button", click: () => choose(name) }, name)),
+    ...[...names].map((name) => html("button", { type: "button", click: () => choose(name) }, words[name])),
   );
   choose("Boat");
 }

@@ -3,13 +3,15 @@ import "../gauges/angle-dial.js";
 import "../gauges/course-ring.js";
 import "../gauges/depth-gauge.js";
 import "../gauges/pitch-gauge.js";
+import { limitsOf } from "../model/limits.js";
 import { Motion } from "../model/motion.js";
 
 const TURNS = 7.1; // [deg/s] the fastest that surfaces and the boat itself turn
 
 /**
  * @typedef {import("../model/session.js").Session} Session
- * @typedef {HTMLElement & { show(...values: (number | null)[]): void }} Gauge
+ * @typedef {HTMLElement & { show(...values: (number | null)[]): void,
+ *   ghost?: (value: number | null) => void }} Gauge
  * @typedef {HTMLElement & {
  *   limit(greatest: number | null, periscope: number | null): void }} DepthGauge
  * @typedef {HTMLElement & { limit: number }} AngleDial
@@ -17,7 +19,7 @@ const TURNS = 7.1; // [deg/s] the fastest that surfaces and the boat itself turn
 
 /**
  * What each instrument shows: its place, where its order stands (the crew's before the
- * autopilot's), and the fastest that it moves in a second.
+ * autopilot's), and the fastest that it moves in a second. The ghost's has the last name of its place.
  * @type {Record<string, [string, string[], number]>}
  */
 const GAUGES = {
@@ -53,14 +55,27 @@ export function showInstruments(session, wanted = (_, stands) => stands) {
   const ordered = (/** @type {string[]} */ orders) =>
     orders.map((place) => wanted(place, session.number(place))).find((to) => to !== null) ?? null;
   motion.addEventListener("frame", () => {
-    for (const { gauge, selector, orders } of gauges) {
+    for (const { gauge, selector, place, orders } of gauges) {
       const rate = selector === "course-ring" ? [session.number("steering.turn_rate")] : [];
       gauge.show(motion.shown[selector] ?? null, ordered(orders), ...rate);
+      gauge.ghost?.(session.number(`ghost.${place.split(".")[1]}`));
     }
   });
   session.on("ranges", () => fit(session));
+  for (const what of ["exercise", "ranges"]) session.on(what, () => showLimits(session));
   motion.start();
   return motion;
+}
+
+/** Draws the limits of the exercise on the instruments. @param {Session} session */
+function showLimits(session) {
+  const limits = limitsOf(session);
+  /** @type {[string, number | null][]} */
+  const drawn = [["depth-gauge", limits.depth], ["pitch-gauge", limits.pitch]];
+  for (const [selector, limit] of drawn) {
+    const gauge = /** @type {any} */ (document.querySelector(selector));
+    gauge?.allow(limit);
+  }
 }
 
 /** Gives dials and gauges the ranges of the vessel. @param {Session} session */

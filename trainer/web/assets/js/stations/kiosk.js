@@ -1,6 +1,7 @@
 // A visitor's dive: the boat sails by itself, one key begins, one lever, one sentence, a result.
 import "../boat/boat-side.js";
 import "../controls/order-lever.js";
+import { Lesson } from "../model/lesson.js";
 import { Link } from "../protocol/link.js";
 import { Motion } from "../model/motion.js";
 import { Pending } from "../model/pending.js";
@@ -39,6 +40,7 @@ const motion = new Motion(session, {
 });
 const side = /** @type {BoatSide} */ (one("boat-side"));
 const pending = new Pending(session, "diving");
+const lesson = new Lesson(session, () => follow());
 
 /** @type {Scene} */
 let scene = "attract";
@@ -71,9 +73,14 @@ async function begin() {
   enter("dive");
 }
 
-/** The whole length of a dive [s]. */
+/** The whole length of a dive [s]; a lesson has none. */
 function length() {
-  return Number(session.exercise.duration) || LASTS;
+  return Number(session.exercise.duration) || (led() ? Infinity : LASTS);
+}
+
+/** Whether the exercise is a lesson, whose steps say what to do. */
+function led() {
+  return Boolean(session.exercise.steps);
 }
 
 /** Orders what the lever says. @param {Event} event */
@@ -115,6 +122,7 @@ function follow() {
   write(one("#angle"), Math.abs(pitch).toFixed(0));
   write(one("#left"), `${Math.floor(left / 60)}:${String(Math.floor(left % 60)).padStart(2, "0")}`);
   write(one("#task"), sentence(depth, pitch));
+  showStep();
   if (session.state === "ended" || left === 0) enter("result");
 }
 
@@ -124,10 +132,24 @@ function sentence(depth, pitch) {
   if (session.word("diving.bow_mode") === "auto") {
     return say("Too fast. The boat levels by itself, then the lever is yours again.");
   }
-  return advise(dive.target, depth, pitch);
+  if (!led()) return advise(dive.target, depth, pitch);
+  return [lesson.step?.text.replaceAll("`", "") ?? "", lesson.hint].join(" ");
+}
+
+/** Shows how far a lesson is, and lights up what to look at. */
+function showStep() {
+  const { number = 0, count = 0, light = "" } = lesson.step ?? {};
+  write(one("#step"), `${number} / ${count}`);
+  for (const each of document.querySelectorAll("[data-shows], order-lever")) {
+    each.toggleAttribute("data-lit", (/** @type {HTMLElement} */ (each).dataset.shows ?? "bow") === light);
+  }
 }
 
 function showResult() {
+  if (led()) write(one("#verdict"), lesson.done ? say("Well done: each step, to the last.") : say("That was it, for this time."));
+  one("#how").hidden = led();
+  one("#trace").toggleAttribute("hidden", led());
+  if (led()) return;
   write(one("#verdict"), dive.verdict);
   write(one("#how"), dive.comparison);
   one("#trace").setAttribute("aria-label", dive.verdict);
@@ -163,6 +185,12 @@ function offerDive() {
   one("#start").hidden = !offered;
   one("#challenge").hidden = crewed;
   one("#crewed").hidden = !crewed;
+  one(".timed").hidden = length() === Infinity;
+  one(".led").hidden = !led();
+  if (!led()) return;
+  write(one("#invitation"), session.exercise.title ?? "");
+  write(one("#challenge"), (session.told.line ?? []).join(" "));
+  write(one("#start"), say("Begin"));
 }
 
 /** Puts everything into the language that is spoken. */
@@ -171,7 +199,7 @@ function translate() {
   const key = one("#language");
   write(key, name);
   key.setAttribute("lang", code);
-  side.words = { surface: say("surface"), ordered: say("ordered"), limit: "", metres: "m" };
+  side.words = { surface: say("surface"), ordered: say("ordered"), limit: "", metres: "m", ground: "" };
   const { length: metres = 70, mass = 4400 } = session.ranges;
   const size = [figure(metres), figure(Math.round(mass / 100) * 100)];
   write(
@@ -189,22 +217,23 @@ function translate() {
 
 /** Puts a lever with words of the language in the place of the one before. */
 function furnishLever() {
-  const words = { name: "planes", label: say("Planes"), low: say("down"), high: say("up") };
-  const how = { limit: LEVER, upright: true, "data-control": true };
+  const words = { low: say("down"), high: say("up"), limit: LEVER, face: "right" };
   const order = (/** @type {Event} */ event) => void work(event);
-  lever().replaceWith(html("order-lever", { ...words, ...how, order }));
+  const dial = html("angle-dial", { ...words, "aria-label": say("Planes") });
+  lever().replaceWith(html("order-lever", { ...words, name: "planes", label: say("Planes"), order }, dial));
 }
 
 function picture() {
   const { depth, pitch, speed, stern, bow } = motion.shown;
-  const ordered = dive.target;
+  const ordered = led() ? session.number("orders.depth") : dive.target;
   side.show(
     scene === "attract"
       ? sailing(performance.now() / 1000)
       : { depth, pitch, speed, stern, bow, ordered, limit: null },
   );
   const given = pending.resolve("lever", session.number("diving.ordered_bow"));
-  lever().show?.(bow, given, session.word("diving.bow_mode"), pending.waits("lever"));
+  lever().show?.(given, session.word("diving.bow_mode"), pending.waits("lever"));
+  /** @type {any} */ (one("angle-dial")).show?.(bow ?? null);
 }
 
 showPalette();

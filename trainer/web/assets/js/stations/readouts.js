@@ -1,6 +1,8 @@
 // Readings as digits, and what was answered to the last order.
 import { bearing, one, sided, write } from "../draw.js";
 import { movesBoat } from "../model/orders.js";
+import { lengthOf } from "../units.js";
+import { decimals, say } from "../words.js";
 
 const BETWEEN = 480; // [ms] between changes of digits, so that they can be read
 
@@ -31,16 +33,17 @@ export function seldom(show) {
 export function showReadouts(session) {
   for (const each of document.querySelectorAll("[data-place]")) {
     const node = /** @type {HTMLElement} */ (each);
-    const { place = "", low, high, unit = "", digits = "1" } = node.dataset;
+    const { place = "", lower: low, higher: high, unit = "", digits = "1" } = node.dataset;
     const value = session.number(place);
     const words = (/** @type {number} */ shown) => {
       if ("bearing" in node.dataset) return bearing(shown);
-      return low && high ? sided(shown, low, high, Number(digits)) : shown.toFixed(Number(digits));
+      return low && high ? sided(shown, low, high, Number(digits)) : decimals(shown, Number(digits));
     };
     if (session.readings.latest.has(place.split(".")[0])) {
       node.closest("[data-readout]")?.toggleAttribute("hidden", value === null);
     }
-    if (value !== null) write(node, `${words(value)}${unit && ` ${unit}`}`);
+    const measured = () => (unit === "m" ? lengthOf(value ?? 0, Number(digits)) : `${words(value ?? 0)}${unit && ` ${unit}`}`);
+    if (value !== null) write(node, measured());
   }
 }
 
@@ -53,10 +56,11 @@ export function giver(session) {
   return async (/** @type {string} */ words) => {
     const answer = await session.order(words);
     session.tell("crew");
-    const later = session.state === "frozen" && movesBoat(words) ? ": acts when time runs" : "";
+    const later = session.state === "frozen" && movesBoat(words);
     const told = [`${words}: ${answer.text}`, ...(answer.lines.length === 1 ? answer.lines : [])].join("; ");
     line.toggleAttribute("data-refused", !answer.ok);
-    write(line, answer.ok ? `${told}${later}` : `Refused: ${told}`);
+    if (!answer.ok) write(line, say("Refused: {0}", told));
+    else write(line, later ? say("{0}: acts when time runs", told) : told);
     return answer.ok;
   };
 }

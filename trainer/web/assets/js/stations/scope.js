@@ -11,6 +11,8 @@ import { bearing, one, write } from "../draw.js";
 import { furnish, isTyping, orderedLine } from "../frame.js";
 import { giver, seldom } from "./readouts.js";
 import { paced } from "../instructor/desk.js";
+import { lengthOf } from "../units.js";
+import { decimals, say } from "../words.js";
 
 /** @typedef {import("../scope/ships.js").Sight} Sight */
 
@@ -22,6 +24,8 @@ const PICTURE = 66; // [ms] between pictures: fifteen a second
 const ORDERS = 330; // [ms] between orders to train
 /** @type {Record<string, number>} [deg] that one key of the arrows trains, by power */
 const STEPS = { 1.5: 1, 6: 0.2 };
+/** @type {Record<string, string>} what the mast does */
+const GOING = { raising: say("raising"), lowering: say("lowering"), stopped: say("stopped"), up: say("up"), down: say("down") };
 const FASTEST = { head: 6, turn: 7.1 }; // [m/s] [deg/s] of the boat
 
 const session = new Session(new Link(document.documentElement.dataset.version ?? ""), "scope", CHANNELS);
@@ -97,7 +101,7 @@ form.onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
   const height = /** @type {HTMLInputElement} */ (one("input", form)).valueAsNumber;
   const answer = await session.order(`scope range ${height}`);
-  write(one("#ranged"), answer.ok ? answer.text : `No range: ${answer.text}`);
+  write(one("#ranged"), answer.ok ? answer.text : say("No range: {0}", answer.text));
 };
 one("#mark").onclick = () => void give(`mark contact ${bearing(bearingNow())}`);
 
@@ -163,9 +167,9 @@ function lightOf(text) {
 /** Returns what is said where nothing is seen. */
 function dark() {
   if (!session.tickAt) return "";
-  if (!fitted()) return "This boat has no periscope";
+  if (!fitted()) return say("This boat has no periscope");
   const going = session.word("scope.going");
-  return going === "raising" ? "Raising" : going === "lowering" ? "Lowering" : "Scope down";
+  return going === "raising" ? say("Raising") : going === "lowering" ? say("Lowering") : say("Scope down");
 }
 
 /** Draws the view as it is now. */
@@ -186,8 +190,8 @@ function draw() {
 
 const show = seldom(() => {
   const mast = session.number("scope.mast");
-  write(one("#ordered"), orderedLine(session) && `Ordered: ${orderedLine(session)}`);
-  write(one("#mast"), mast === null ? "" : `${session.word("scope.going")}, ${mast.toFixed(1)} m out`);
+  write(one("#ordered"), orderedLine(session) && say("Ordered: {0}", orderedLine(session)));
+  write(one("#mast"), mast === null ? "" : say("{0}, {1} out", GOING[session.word("scope.going")] ?? session.word("scope.going"), lengthOf(mast)));
   write(one("#bearing"), fitted() ? bearing(bearingNow()) : "");
   write(one("#train"), fitted() ? sideOf(trained()) : "");
   for (const key of document.querySelectorAll("[data-power]")) {
@@ -199,16 +203,16 @@ const show = seldom(() => {
 
 /** Returns an angle off the bow in words. @param {number} degrees */
 function sideOf(degrees) {
-  const side = degrees > 180 ? `${(360 - degrees).toFixed(1)} left` : `${degrees.toFixed(1)} right`;
-  return degrees === 0 ? "ahead" : side;
+  const side = degrees > 180 ? say("{0} left", decimals(360 - degrees, 1)) : say("{0} right", decimals(degrees, 1));
+  return degrees === 0 ? say("ahead") : side;
 }
 
 /** Returns what is seen, in words. */
 function spoken() {
-  if (["", "down"].includes(session.word("scope.view"))) return dark() || "View through the periscope";
-  const under = session.word("scope.view") === "washed" ? "washed over, " : "";
-  const seen = session.word("scope.sighted").replaceAll(";", ",") || "no ship in sight";
-  return `View through the periscope on ${bearing(bearingNow())}: ${under}${seen}`;
+  if (["", "down"].includes(session.word("scope.view"))) return dark() || say("View through the periscope");
+  const under = session.word("scope.view") === "washed" ? say("washed over, ") : "";
+  const seen = session.word("scope.sighted").replaceAll(";", ",") || say("no ship in sight");
+  return say("View through the periscope on {0}: {1}", bearing(bearingNow()), `${under}${seen}`);
 }
 
 session.on("reading", (event) => {

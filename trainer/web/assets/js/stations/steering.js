@@ -14,24 +14,28 @@ import { furnish, isTyping, orderedLine } from "../frame.js";
 import { gamepad } from "../controls/gamepad.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
 import { showInstruments } from "./instruments.js";
+import { decimals, say } from "../words.js";
 
 /** @type {Record<string, string[]>} */
 const CHANNELS = {
   helm: ["gauges", "orders", "steering", "engine", "time"],
   planes: ["gauges", "orders", "diving", "time"],
   pilot: ["gauges", "orders", "steering", "engine", "diving", "time"],
+  trainee: ["gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves", "time"],
 };
 /** @type {Record<string, string>} the channel of each surface */
 const SURFACES = { rudder: "steering", stern: "diving", bow: "diving" };
 const OFF_ORDER = {
-  rudder: "Rudder off its order",
-  stern: "Stern planes off their order",
-  bow: "Bow planes off their order",
+  rudder: say("Rudder off its order"),
+  stern: say("Stern planes off their order"),
+  bow: say("Bow planes off their order"),
 };
+/** @type {Record<string, [string, string]>} in the words of an order */
+const SIDES = { rudder: ["left", "right"], stern: ["dive", "rise"], bow: ["dive", "rise"] };
 const ANSWERED = 0.05; // of the bell's turns
 
 const { role = "helm" } = document.body.dataset;
-const session = new Session(new Link(document.documentElement.dataset.version ?? ""), role, CHANNELS[role]);
+export const session = new Session(new Link(document.documentElement.dataset.version ?? ""), role, CHANNELS[role]);
 const watches = Object.entries(OFF_ORDER).map(([name, title]) =>
   surfaceWatch(title, `${SURFACES[name]}.${name}`, `${SURFACES[name]}.ordered_${name}`),
 );
@@ -45,7 +49,7 @@ const telegraph = document.querySelector("order-telegraph");
 const bars = [...document.querySelectorAll("repeat-bar, report-bar")];
 for (const bar of bars) bar.bind(session);
 
-const give = giver(session);
+export const give = giver(session);
 /** What is ordered here, by the channel that will show it. @type {Record<string, Pending>} */
 const pending = Object.fromEntries(
   ["steering", "diving", "engine"].map((channel) => [channel, new Pending(session, channel)]),
@@ -55,7 +59,7 @@ for (const lever of levers) {
   const name = lever.getAttribute("name");
   const given = pending[SURFACES[name]];
   lever.addEventListener("order", async (/** @type {CustomEvent<number>} */ { detail }) => {
-    const [low, high] = lever.ends;
+    const [low, high] = SIDES[name];
     const zero = name === "rudder" ? "rudder amidships" : `${name} zero`;
     const words = detail === 0 ? zero : `${name} ${detail < 0 ? low : high} ${Math.abs(detail)}`;
     given.give(name, detail);
@@ -88,14 +92,14 @@ const KEPT = [
 function showAutopilot() {
   const hand = (session.exercise.hand ?? "").split(",");
   const wanted = KEPT.filter(([channel, axis]) => CHANNELS[role].includes(channel) && !hand.includes(axis))
-    .map(([, , ordered, kept, say]) => [session.number(ordered), session.number(kept), say])
+    .map(([, , ordered, kept, wording]) => [session.number(ordered), session.number(kept), wording])
     .filter(([to, at]) => to !== null && to !== at)
-    .map(([to, , say]) => /** @type {(to: number) => string} */ (say)(Number(to)));
+    .map(([to, , wording]) => /** @type {(to: number) => string} */ (wording)(Number(to)));
   const bar = one("#autopilot");
   if (bar.dataset.shown === wanted.join()) return;
   bar.dataset.shown = wanted.join();
   const keys = wanted.map((words) =>
-    html("button", { type: "button", click: () => void give(words) }, `Autopilot: ${words}`),
+    html("button", { type: "button", click: () => void give(words) }, say("Autopilot: {0}", words)),
   );
   bar.replaceChildren(...keys);
 }
@@ -104,8 +108,8 @@ function showAutopilot() {
 const halves = document.querySelector("part-keys");
 if (halves) {
   halves.parts = [
-    ["steer", "Steer"],
-    ["dive", "Dive"],
+    ["steer", say("Steer")],
+    ["dive", say("Dive")],
   ];
 }
 
@@ -116,11 +120,11 @@ const ARROWS = {
   ArrowUp: ["stern", 1],
   ArrowDown: ["stern", -1],
 };
-/** @param {string} name @param {number} by */
-function nudge(name, by) {
+/** Moves a lever by a key. Who trains works the whole boat, whichever part is shown. @param {string} name @param {number} by */
+export function nudge(name, by) {
   const lever = levers.find((each) => each.getAttribute("name") === name);
-  if (!lever?.checkVisibility()) return false;
-  if (!lever.inert) lever.choose(lever.value + by);
+  if (!lever || (role !== "trainee" && !lever.checkVisibility())) return false;
+  if (!lever.idle) lever.choose(lever.value + by);
   return true;
 }
 addEventListener("keydown", (event) => {
@@ -130,7 +134,7 @@ addEventListener("keydown", (event) => {
 });
 gamepad((name, value) => {
   const lever = levers.find((each) => each.getAttribute("name") === name);
-  if (lever && !lever.inert) lever.choose(value * lever.limit);
+  if (lever && !lever.idle) lever.choose(value * lever.limit);
 });
 
 session.on("ranges", () => {
@@ -158,7 +162,7 @@ function showModes() {
   for (const [name, channel] of Object.entries(SURFACES)) {
     const mode = session.word(`${channel}.${name}_mode`);
     const words = document.querySelector(`[data-mode="${name}"]`);
-    if (words) write(words, mode === "hand" ? "by hand" : mode ? "automatic: touch to take" : "");
+    if (words) write(words, mode === "hand" ? say("by hand") : mode ? say("automatic: move it to take") : "");
     const key = document.querySelector(`[data-auto="${name}"]`);
     const axis = name === "rudder" ? "rudder" : "planes";
     const fixed = hand.includes(axis) || hand.includes(name);
@@ -175,16 +179,22 @@ function bell() {
   return [wanted, wanted === told && off <= Math.max(ANSWERED * Math.abs(ordered ?? 0), 1)];
 }
 
+/** Returns a rate of turn in words. @param {number} rate [deg/s] */
+function swings(rate) {
+  const size = decimals(Math.abs(rate), 1);
+  return rate < 0 ? say("swing {0} deg/s left", size) : say("swing {0} deg/s right", size);
+}
+
 const showWords = seldom(() => showReadouts(session));
 session.on("tick", () => {
-  write(one("#ordered"), orderedLine(session) && `Ordered: ${orderedLine(session)}`);
+  write(one("#ordered"), orderedLine(session) && say("Ordered: {0}", orderedLine(session)));
   showModes();
   showAutopilot();
   showWords();
   telegraph?.show(...bell());
   const rate = session.number("steering.turn_rate");
   const swing = document.querySelector("#swing");
-  if (swing) write(swing, rate ? `swing ${Math.abs(rate).toFixed(1)} deg/s ${rate < 0 ? "left" : "right"}` : "");
+  if (swing) write(swing, rate ? swings(rate) : "");
 });
 
 const motion = showInstruments(session, (place, stands) => {
@@ -197,7 +207,7 @@ motion.addEventListener("frame", () => {
     const channel = SURFACES[name];
     const ordered = pending[channel].resolve(name, session.number(`${channel}.ordered_${name}`));
     const mode = session.word(`${channel}.${name}_mode`);
-    lever.show(motion.shown[`#${name}`], ordered, mode, pending[channel].waits(name));
+    lever.show(ordered, mode, pending[channel].waits(name));
   }
 });
 session.start();

@@ -1,20 +1,29 @@
 // The wall: what ten people see from four metres away. It orders nothing.
 import "../boat/boat-side.js";
+import "../charts/track-chart.js";
 import { Alerts } from "../model/alerts.js";
 import { Link } from "../protocol/link.js";
+import { limitsOf } from "../model/limits.js";
+import { paced } from "../instructor/desk.js";
 import { Motion } from "../model/motion.js";
+import { reckon } from "../model/reckoning.js";
 import { Session } from "../model/session.js";
-import { askWord, rigLight, showAlerts, showPalette, showState } from "../frame.js";
+import { bellOf } from "../controls/bells.js";
+import { askWord, depthOrder, rigLight, showAlerts, showPalette, showState } from "../frame.js";
 import { hideStillPointer, keepAwake, moveEachMinute } from "../screen.js";
 import { bearing, html, one, write } from "../draw.js";
+import { lengthDigits, unit } from "../units.js";
+import { decimals, say } from "../words.js";
 
 const CREW = ["gauges", "orders", "diving", "engine", "time"];
 /** What is read, as the crew's gauges show it, and as it is. */
 const READ = {
   gauges: { from: "gauges", channels: CREW, words: "" },
-  motion: { from: "motion", channels: [...CREW, "motion", "sea"], words: "the truth" },
+  motion: { from: "motion", channels: [...CREW, "motion", "sea"], words: say("the truth") },
 };
 const DIGITS = 500; // [ms] between digits that change
+const TRACK = 2000; // [ms] between tracks
+const PLACES = 1200; // of the track
 
 const truth = new URLSearchParams(location.search).has("truth");
 const { from, channels, words } = READ[truth ? "motion" : "gauges"];
@@ -34,18 +43,19 @@ const side = /** @type {import("../boat/boat-side.js").BoatSide} */ (one("boat-s
 
 /** Returns a number as it is written on the wall, a dash where it is not known. @param {string} place */
 function figure(place, digits = 1) {
-  return session.number(place)?.toFixed(digits) ?? "-";
+  const value = session.number(place);
+  return value === null ? "-" : decimals(value, digits);
 }
 
 function showFigures() {
   const heading = session.number(`${from}.heading`);
   const pitch = session.number(`${from}.pitch`);
   const depth = session.number(`${from}.depth`);
-  write(one("#depth"), depth === null ? "-" : depth.toFixed(1));
+  write(one("#depth"), depth === null ? "-" : lengthDigits(depth));
   write(one("#heading"), heading === null ? "-" : bearing(heading));
   write(one("#speed"), figure(`${from}.speed`));
-  write(one("#pitch"), pitch === null ? "-" : Math.abs(pitch).toFixed(1));
-  write(one("#way"), !pitch || Math.abs(pitch) < 0.05 ? "" : pitch < 0 ? "down" : "up");
+  write(one("#pitch"), pitch === null ? "-" : decimals(Math.abs(pitch), 1));
+  write(one("#way"), !pitch || Math.abs(pitch) < 0.05 ? "" : pitch < 0 ? say("down") : say("up"));
   showOrders();
 }
 
@@ -53,15 +63,27 @@ function showFigures() {
 function showOrders() {
   const [course, bell] = [session.number("orders.course"), session.word("engine.bell")];
   const [depth, speed] = [session.number("orders.depth"), session.number("orders.speed")];
-  const unit = session.word("orders.depth_unit");
-  write(one("#ordered-depth"), depth === null ? "" : `ordered ${Number(depth)} ${unit}`);
-  write(one("#ordered-course"), course === null ? "" : `ordered ${bearing(course)}`);
-  write(one("#ordered-speed"), speed === null ? bell.replaceAll("-", " ") : `ordered ${speed} kn`);
+  write(one("#ordered-depth"), depth === null ? "" : say("ordered {0}", depthOrder(session, depth)));
+  write(one("#ordered-course"), course === null ? "" : say("ordered {0}", bearing(course)));
+  write(one("#ordered-speed"), speed === null ? "" : say("ordered {0} kn", speed));
+  write(one("#bell"), bellOf(bell.replaceAll("-", " ")) || "-");
+}
+
+/** Shows the track: as it was, or as it is reckoned from what the crew's gauges show. */
+function showTrack() {
+  const past = session.history.of(from);
+  const every = Math.max(Math.ceil(past.rows.length / PLACES), 1);
+  const flown = past.rows.filter((_, at) => at % every === 0 || at === past.rows.length - 1);
+  const places = truth
+    ? flown.map(({ north, east }) => /** @type {[number, number]} */ ([north, east]))
+    : reckon(past, PLACES);
+  const track = /** @type {import("../charts/track-chart.js").TrackChart} */ (one("track-chart"));
+  track.show(places, session.number(`${from}.heading`), { ordered: session.number("orders.course") });
 }
 
 /** Shows the title that the crew knows, and the marks once they are released. */
 function showExercise() {
-  write(one("#exercise"), session.exercise.title || "Free sailing");
+  write(one("#exercise"), session.exercise.title || say("Free sailing"));
   const { judgement, outcome } = session;
   const panel = one("#marks");
   panel.toggleAttribute("hidden", !outcome || !judgement.marks);
@@ -80,18 +102,13 @@ function giveCommand(event) {
 
 /** The greatest depth that the crew may have, if any. */
 function limit() {
-  const found = /(?:^|,)depth_m_max:([\d.]+)/.exec(session.exercise.limits ?? "");
-  return found ? Number(found[1]) : (session.ranges["test-depth"] ?? null);
+  return limitsOf(session).depth ?? session.ranges["test-depth"] ?? null;
 }
 
 function picture() {
   const { depth, pitch, speed, stern, bow, surface } = motion.shown;
   const ordered = session.number("orders.depth");
-  const metres = session.word("orders.depth_unit") === "ft" ? 0.3048 : 1;
-  side.show({
-    ...{ depth, pitch, speed, stern, bow, surface, limit: limit() },
-    ordered: ordered === null ? null : ordered * metres,
-  });
+  side.show({ depth, pitch, speed, stern, bow, surface, limit: limit(), ordered });
 }
 
 showPalette();
@@ -102,8 +119,10 @@ keepAwake();
 hideStillPointer();
 moveEachMinute(one("main"));
 write(one("#source"), words);
+write(one("#depth-unit"), unit);
 for (const what of ["state", "tick", "exercise"]) session.on(what, () => showState(session));
 for (const what of ["exercise", "marks", "state"]) session.on(what, showExercise);
+session.on("tick", paced(TRACK, showTrack));
 session.on("ranges", () => (side.length = session.ranges.length ?? side.length));
 session.on("older", () => location.reload());
 link.addEventListener("sentence", giveCommand);

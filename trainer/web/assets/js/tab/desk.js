@@ -5,16 +5,20 @@ import { Flight } from "./flight.js";
 import { Grammar, NoOrder } from "./grammar.js";
 import { Pacer } from "./pace.js";
 import { Readings } from "./readings.js";
+import { MOMENT, Task } from "./task.js";
+import { Visitors } from "./visitors.js";
+import { Way } from "./way.js";
 
 /**
  * @typedef {import("./grammar.js").Order} Order
  * @typedef {{ kind: string, tag: string, fields: string[] }} Sentence
  * @typedef {{ ok: boolean, text: string, lines: string[] }} Answer
  * @typedef {{ branches: import("./flight.js").Recorded[], orders: [number, number, string][],
- *   events: [number, number, string, string][], from: string, exercise: [string, string][] }} Recording
+ *   events: [number, number, string, string][], from: string,
+ *   exercise: [string, string][], way?: import("./way.js").Stored } & import("./task.js").Asked} Recording
  * @typedef {import("./core.js").Numbers & import("./readings.js").Fittings &
  *   import("./orders.js").Table & { grammar: import("./grammar.js").Table, ranges: [string, string][],
- *   title: string, recording: Recording | null }} Boat
+ *   title: string, recording: Recording | null, visitors?: import("./visitors.js").Dive }} Boat
  * @typedef {{ now: () => number, later: (call: () => void, wait: number) => void }} Clock
  */
 
@@ -54,6 +58,12 @@ export class Desk {
     this.facts = [];
     this.shownAt = -Infinity;
     this.failure = "";
+    /** @type {Task | null} what a recording is sent for */
+    this.task = null;
+    /** @type {Way | null} as the reference crew shows it */
+    this.way = null;
+    /** @type {Visitors | null} whoever dives at a kiosk */
+    this.visitors = boat.visitors ? new Visitors(this, boat.visitors) : null;
     this.begin();
   }
 
@@ -74,6 +84,8 @@ export class Desk {
     }
     for (const [branch, tick, text] of recording.orders) this.facts.push([branch, tick, "order", text]);
     this.log.push(...recording.events);
+    if (recording.way) this.way = new Way(this, recording.way);
+    this.task = new Task(this, recording);
   }
 
   /** Answers an order. @param {string} words @returns {Answer} */
@@ -95,6 +107,8 @@ export class Desk {
   /** @param {Order} order @param {string[]} lines of a long answer @returns {string} */
   obey(order, lines) {
     if (TALK.includes(order.name)) return this.talk(order, lines);
+    this.way?.guard(order.name);
+    if (this.visitors?.takes(order)) return this.visitors.obey(order);
     if (this.orders.takes(order)) return this.steer(order);
     const duty = TIME[/** @type {keyof typeof TIME} */ (order.name)];
     if (!duty) throw new Refusal(`${order.text}: ${OFFERED}`);
@@ -109,19 +123,33 @@ export class Desk {
     return told;
   }
 
+  /** Gives an order of the exercise itself: where it has nothing to do, nothing is done. @param {Order} order */
+  attempt(order) {
+    try {
+      this.steer(order);
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+    }
+  }
+
   // time
 
   /** Takes a tick; returns whether time goes on. */
   tick() {
     const was = this.flight.replayed;
+    this.way?.speak();
     const status = this.flight.tick();
     if (status) this.failure = `a number is out of all bounds after tick ${this.core.ticks}`;
     if (status) this.event("trouble", `FROZEN: ${this.failure}; backtrack or reset`);
     const arrived = was && !this.flight.replayed;
-    if (arrived) this.event("moment", "the replay is at its end");
-    const goes = !status && !arrived;
+    if (!was) this.task?.play();
+    if (arrived) this.event("moment", this.way?.left ? this.way.end() : "the replay is at its end");
+    const over = this.task?.isOver || this.visitors?.isOver;
+    this.visitors?.guard();
+    const goes = !status && !arrived && !over;
     if (!goes) this.pacer.freeze();
     this.show(!goes);
+    if (this.task?.isOver) this.tellFact("result", this.task.result);
     this.flush();
     return goes;
   }
@@ -139,6 +167,7 @@ export class Desk {
     this.failure = "";
     this.tellBranches();
     this.flight.goBack(branch, tick, order.text);
+    this.task?.play();
     this.tellFact("back", order.text);
     this.tellBranches();
     const [from, to] = [left, this.core.ticks].map((at) => (at * this.core.step).toFixed(1));
@@ -181,6 +210,7 @@ export class Desk {
     const { recording } = this.boat;
     const hint = `${recording?.from}: drag the time line, take over anywhere`;
     if (recording) this.put("TRE", this.core.ticks, "moment", hint);
+    if (this.task) this.tellFact("task", this.task.told);
   }
 
   /** Returns whether a tick of a branch lies in the present's past. @param {number} branch @param {number} tick */
@@ -189,7 +219,7 @@ export class Desk {
   }
 
   brief() {
-    const exercise = this.boat.recording?.exercise ?? [["title", this.boat.title]];
+    const exercise = this.boat.recording?.exercise ?? this.visitors?.exercise ?? [["title", this.boat.title]];
     for (const [key, value] of exercise) this.tellFact("exercise", `${key}=${value}`);
     for (const [key, value] of this.boat.ranges) this.tellFact("range", `${key}=${value}`);
   }
@@ -227,7 +257,7 @@ export class Desk {
   }
 
   tellSnapshots() {
-    for (const [name, { tick }] of this.flight.snapshots) this.put("TRF", tick, "snapshot", name);
+    for (const [name, { tick }] of this.flight.snapshots) if (name !== MOMENT) this.put("TRF", tick, "snapshot", name);
   }
 
   /** Sends what a channel has shown. @param {string} channel @param {number} lapse [s] */
@@ -261,7 +291,8 @@ export class Desk {
     this.shownAt = now;
     const { frozen, speed } = this.pacer;
     const { present: branch, replayed } = this.flight;
-    this.readings.pace = { frozen, speed, branch, replaying: replayed > 0 };
+    const shown = Boolean(this.way?.left);
+    this.readings.pace = { frozen, speed, branch, replaying: replayed > 0 && !shown, shown };
     for (const channel of this.channels) this.put("TRS", channel, this.core.ticks, ...this.row(channel));
   }
 
@@ -348,10 +379,15 @@ const TIME = {
     desk.pacer.run();
     return `replay from ${tick * desk.core.step} s; take over ends it at any moment`;
   },
+  demonstrate: (desk, { word }) => {
+    if (!desk.way) throw new Refusal("this page has no reference crew: it comes with the recording of an exercise");
+    return word === "off" ? desk.way.end() : desk.way.begin();
+  },
   take: (desk, order) => {
     if (order.words !== "take over") throw new Refusal(`${order.text}: ${OFFERED}`);
     if (!desk.flight.replayed) throw new Refusal("no replay is running");
     desk.flight.takeOver("take over");
+    desk.task?.play();
     desk.tellFact("back", "take over"); // what was ordered later is not of this branch
     desk.tellBranches();
     return `taken over at ${desk.core.ticks * desk.core.step} s; branch ${desk.flight.present} begins`;

@@ -135,6 +135,15 @@ export class Flight {
     this.begin(why);
   }
 
+  /** Forgets all that was flown, and begins again where the first branch began. */
+  beginAgain() {
+    const { begun, copies, why } = /** @type {Branch} */ (this.branches.get(1));
+    this.core.state.set(/** @type {Float64Array} */ (copies.get(begun)));
+    this.branches.clear();
+    this.present = 0;
+    this.begin(why);
+  }
+
   /** Flies the way of the present branch again from a tick on. @param {number} tick */
   replay(tick) {
     this.visit(this.present, tick);

@@ -1,4 +1,5 @@
 // The page's line to the boat inside it, in place of one to a session elsewhere.
+import { Card } from "../tab/card.js";
 
 /**
  * @typedef {import("../protocol/link.js").Answer} Answer
@@ -18,6 +19,9 @@ export class Link extends EventTarget {
     this.asked = new Map();
     /** @type {Worker | null} */
     this.worker = null;
+    /** @type {Card | null} of a recording */
+    this.card = null;
+    this.hasWay = false; // the reference crew's run came with it
   }
 
   /** Begins the worker, whose source and boat lie in the page. */
@@ -41,11 +45,21 @@ export class Link extends EventTarget {
       this.there = true;
       this.dispatchEvent(new Event("open"));
     }
-    for (const detail of sentences) this.dispatchEvent(new CustomEvent("sentence", { detail }));
+    for (const detail of sentences) {
+      this.dispatchEvent(new CustomEvent("sentence", { detail }));
+      if (detail.kind === "TRF") this.attend(detail.fields);
+    }
     if (tag && answer) {
       this.asked.get(tag)?.(answer);
       this.asked.delete(tag);
     }
+  }
+
+  /** Shows what a recording is sent for, and how a try went; a debrief tells it around its frame. @param {string[]} fact */
+  attend([, , what, subject]) {
+    if (what === "exercise" && subject === "way=yes") this.hasWay = true;
+    if (what === "task" && self === top) (this.card ??= new Card(this)).offer(subject);
+    if (what === "result") this.card?.tell(subject);
   }
 
   /** @param {string} words @returns {Promise<Answer>} */

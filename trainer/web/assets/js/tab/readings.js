@@ -4,7 +4,7 @@ import { remainder } from "./rows.js";
 /**
  * @typedef {import("./core.js").Core} Core
  * @typedef {string | number | null} Value
- * @typedef {{ frozen: boolean, speed: number, branch: number, replaying: boolean }} Pace
+ * @typedef {{ frozen: boolean, speed: number, branch: number, replaying: boolean, shown: boolean }} Pace
  * @typedef {{ channels: Record<string, [string, string, number][]>, toward: Record<string, number>,
  *   rps: number, bells: [string, number][], tanks: string[], compartments: string[], banks: string[],
  *   valves: string[], capacity: number[], bank_volume: number[], bank_full: number[], gas: number,
@@ -42,7 +42,7 @@ export class Readings {
     this.core = core;
     this.fittings = fittings;
     /** @type {Pace} */
-    this.pace = { frozen: true, speed: 1, branch: 1, replaying: false };
+    this.pace = { frozen: true, speed: 1, branch: 1, replaying: false, shown: false };
     const made = [stations(this), orders(this), ballast(this), truth(this), casualties(this)];
     /** @type {Record<string, () => Value>} */
     this.fields = Object.assign({}, ...made);
@@ -107,6 +107,7 @@ function stations(r) {
     held: () => PARTS.filter((part) => r.get(`held_${part}`)).join("+") || null,
     branch: () => r.pace.branch,
     replay: () => (r.pace.replaying ? "yes" : "no"),
+    shown: () => (r.pace.shown ? "yes" : "no"),
     ...Object.assign({}, ...Object.entries(LETTERS).map(([name, letter]) => surface(r, name, letter))),
   };
 }

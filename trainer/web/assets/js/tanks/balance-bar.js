@@ -1,5 +1,6 @@
 // Forward against aft on one bar: the moment of the trim water.
 import { svg, write } from "../draw.js";
+import { tellScale } from "../gauges/gauge.js";
 
 const SPOKEN = 2000; // [ms] between changes of what the bar says
 const WRITTEN = 480; // [ms] between changes of its digits
@@ -22,19 +23,19 @@ class BalanceBar extends HTMLElement {
     low.textContent = this.getAttribute("low") ?? "";
     high.textContent = this.getAttribute("high") ?? "";
     const steps = [-1, -0.5, 0, 0.5, 1].map((share) => `M${160 + share * 144} 46v12`);
-    this.append(
-      svg(
-        "svg",
-        { viewBox: "0 0 320 76", "aria-hidden": "true" },
-        svg("path", { d: `M16 52H304${steps.join("")}M160 42v20`, class: "scale" }),
-        this.#pointer,
-        this.#bug,
-        this.#digits,
-        low,
-        high,
-        svg("path", { d: "M90 12L230 68M230 12L90 68", class: "cross" }),
-      ),
+    const picture = svg(
+      "svg",
+      { viewBox: "0 0 320 76", "aria-hidden": "true" },
+      svg("path", { d: `M16 52H304${steps.join("")}M160 42v20`, class: "scale" }),
+      this.#pointer,
+      this.#bug,
+      this.#digits,
+      low,
+      high,
+      svg("path", { d: "M90 12L230 68M230 12L90 68", class: "cross" }),
     );
+    this.append(picture);
+    tellScale(this, picture, [320, 76]);
   }
 
   /**

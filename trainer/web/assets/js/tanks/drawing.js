@@ -1,11 +1,14 @@
 // The picture of the tanks as SVG. Parts that change bear a name in `data-part`.
 import { svg } from "../draw.js";
 import { BANKS, BLOWN, MAIN, TITLES } from "./places.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("./places.js").Form} Form
  * @typedef {import("../draw.js").Attributes} Attributes
  */
+
+const BETWEEN = 198; // of the short form: where a word lies between two pipes
 
 /**
  * Returns the whole picture.
@@ -18,7 +21,7 @@ export function drawTanks(form, keys) {
   const none = { class: "none", "data-part": "none", hidden: true };
   return svg(
     "svg",
-    { viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": "Tanks" },
+    { viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": say("Tanks") },
     hatch(),
     svg("path", { d: form.hull, class: "boat" }),
     svg("rect", { x, y, width: w, height: h, rx: h / 6, class: "inner" }),
@@ -28,7 +31,7 @@ export function drawTanks(form, keys) {
     drawTrim(form),
     ...Object.keys(TITLES).map((name) => drawTank(name, form, keys(name))),
     ...Object.keys(TITLES).map((name) => drawWords(name, form)),
-    label("This boat has no tanks", { ...none, x: width / 2, y: height / 2 }),
+    label(say("This boat has no tanks"), { ...none, x: width / 2, y: height / 2 }),
     svg("path", { d: cross(width, height), class: "cross" }),
   );
 }
@@ -172,8 +175,8 @@ function drawDry(/** @type {string} */ name, /** @type {Form} */ form) {
   const [x, y, width, height] = form.dry[name];
   const place = form.short ? Object.keys(form.dry).indexOf(name) : 1;
   const word = {
-    x: x + (width * place) / 2,
-    y: form.short ? form.size[1] - 9 : y + 9,
+    x: form.short && place === 1 ? BETWEEN : x + (width * place) / 2,
+    y: form.short ? form.size[1] - 6 : y + 9,
     class: `word ${["start", "middle", "end"][place]}`,
   };
   return svg(

@@ -3,6 +3,7 @@ import { one, write } from "../draw.js";
 import { Pending } from "../model/pending.js";
 import { BLOWN, MAIN, TITLES } from "./places.js";
 import { ordersTo, ordersToShut, position } from "./levers.js";
+import { decimals, say } from "../words.js";
 
 /**
  * @typedef {import("../model/session.js").Session} Session
@@ -203,6 +204,6 @@ export function showTanks(session) {
   const amount = session.number(`tanks.${name}`);
   if (!name || amount === null) return;
   const whole = session.tanks[name];
-  const of = whole ? ` of ${whole.toFixed(1)}` : "";
-  write(one("#tank"), `${TITLES[name][0]}: ${amount.toFixed(1)}${of} t`);
+  const [title, holds] = [TITLES[name][0], decimals(amount, 1)];
+  write(one("#tank"), whole ? say("{0}: {1} of {2} t", title, holds, decimals(whole, 1)) : `${title}: ${holds} t`);
 }

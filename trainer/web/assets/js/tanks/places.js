@@ -1,4 +1,5 @@
 // Where tanks, pipes and banks stand in the picture of the boat, bow to the right.
+import { say } from "../words.js";
 
 /**
  * @typedef {[number, number, number, number]} Box left, top, width, height
@@ -12,14 +13,14 @@
 
 /** What each tank is called, in full and short. @type {Record<string, [string, string]>} */
 export const TITLES = {
-  aft: ["Aft main", "Aft"],
-  mid: ["Mid main", "Mid"],
-  forward: ["Forward main", "Fwd"],
-  trim_aft: ["Trim aft", "Trim aft"],
-  auxiliary: ["Auxiliary", "Aux."],
-  depth_control: ["Depth control", "Depth c."],
-  negative: ["Negative", "Neg."],
-  trim_forward: ["Trim forward", "Trim fwd"],
+  aft: [say("Aft main"), say("Aft")],
+  mid: [say("Mid main"), say("Mid")],
+  forward: [say("Forward main"), say("Fwd")],
+  trim_aft: [say("Trim aft"), say("Trim aft")],
+  auxiliary: [say("Auxiliary"), say("Aux.")],
+  depth_control: [say("Depth control"), say("Depth c.")],
+  negative: [say("Negative"), say("Neg.")],
+  trim_forward: [say("Trim forward"), say("Trim fwd")],
 };
 /** Tanks that air empties; the last of them lies inside. */
 export const MAIN = ["aft", "mid", "forward"];
@@ -32,7 +33,7 @@ export const MOVED = /** @type {Record<string, [string, number]>} */ ({
   depth_control: ["moving_depth_control", 1],
 });
 /** @type {Record<string, [string, string]>} */
-export const BANKS = { main: ["Main air", "Main"], emergency: ["Emergency air", "Emerg."] };
+export const BANKS = { main: [say("Main air"), say("Main")], emergency: [say("Emergency air"), say("Emerg.")] };
 
 /** @type {Form} for the width of a page */
 export const WIDE = {

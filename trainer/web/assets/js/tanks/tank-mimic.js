@@ -1,13 +1,17 @@
 // The boat's tanks, air banks, valves and pumps, from the side. Each tank is a key: event `choose`.
+import { tellScale } from "../gauges/gauge.js";
 import { write } from "../draw.js";
 import { chevron, drawTanks, sideways } from "./drawing.js";
 import { BANKS, BLOWN, MAIN, MOVED, NARROW, TITLES, WIDE } from "./places.js";
+import { decimals, say } from "../words.js";
 
 const ROOM = 900; // [px] from which on the wide form is drawn
 const FLAT = 2.6; // [-] width by height, above which it is the larger one
 const FLOWS = 4000; // [ms] after which a level that stands still flows no more
 const SPOKEN = 2000; // [ms] between changes of what a tank's label says
 const LOW = [5, 20]; // [%] of a bank: warning, caution
+/** @type {Record<string, string>} how a valve stands */
+const VALVES = { open: say("open"), shut: say("shut"), emergency: say("emerg.") };
 const LEAST = 0.05; // [t] of water where none belongs, or still to move, that is worth a mark
 
 /**
@@ -82,7 +86,9 @@ class TankMimic extends HTMLElement {
     this.#form = form;
     this.#spoken.clear();
     this.classList.toggle("short", form.short);
-    this.replaceChildren(drawTanks(form, (name) => this.#keys(name)));
+    const picture = drawTanks(form, (name) => this.#keys(name));
+    this.replaceChildren(picture);
+    tellScale(this, picture, form.size, () => this.show(this.#shown));
     this.#parts.clear();
     for (const part of this.querySelectorAll("[data-part]")) {
       this.#parts.set(part.getAttribute("data-part") ?? "", /** @type {SVGElement} */ (part));
@@ -137,8 +143,9 @@ class TankMimic extends HTMLElement {
     const share = capacity ? Math.min(Math.max((amount + moving) / capacity, 0), 1) : 0;
     const target = Math.abs(moving) < LEAST ? "" : `M${x} ${(y + h * (1 - share)).toFixed(1)}h${w}`;
     this.#parts.get(`${name} target`)?.setAttribute("d", target);
-    const percent = `${full.toFixed(0)} %`;
-    this.#write(`${name} value`, form.short ? percent : `${amount.toFixed(1)} t  ${percent}`);
+    const bare = this.dataset.room !== "all" && !MAIN.includes(name); // where a sign has no room
+    const percent = `${full.toFixed(0)}${bare ? "" : " %"}`;
+    this.#write(`${name} value`, form.short ? percent : `${decimals(amount, 1)} t  ${percent}`);
     this.#showFlow(name, amount, moving);
     this.#say(name, amount, full, moving);
   }
@@ -177,8 +184,8 @@ class TankMimic extends HTMLElement {
     const now = performance.now();
     if (now - (this.#spoken.get(name) ?? -SPOKEN) < SPOKEN) return;
     this.#spoken.set(name, now);
-    const more = Math.abs(moving) < LEAST ? "" : `, ${Math.abs(moving).toFixed(1)} still to move`;
-    const holds = `${amount.toFixed(1)} tonnes, ${full.toFixed(0)} percent${more}`;
+    const more = Math.abs(moving) < LEAST ? [] : [say("{0} still to move", decimals(Math.abs(moving), 1))];
+    const holds = [say("{0} tonnes, {1} percent", decimals(amount, 1), full.toFixed(0)), ...more].join(", ");
     this.#parts.get(name)?.setAttribute("aria-label", `${TITLES[name][0]}: ${holds}`);
   }
 
@@ -190,7 +197,7 @@ class TankMimic extends HTMLElement {
     const [, , width] = (this.#form ?? NARROW).banks[name];
     const share = Math.min(Math.max(full / 100, 0), 1);
     this.#parts.get(`bank ${name} level`)?.setAttribute("width", (width * share).toFixed(1));
-    this.#write(`bank ${name} value`, `${pressure.toFixed(1)} MPa`);
+    this.#write(`bank ${name} value`, `${decimals(pressure, 1)} MPa`);
     const rank = full < LOW[0] ? "warning" : full < LOW[1] ? "caution" : "none";
     this.#parts.get(`bank ${name}`)?.setAttribute("data-rank", rank);
   }
@@ -202,7 +209,7 @@ class TankMimic extends HTMLElement {
       const stands = String(valves[valve] ?? "");
       const open = stands !== "" && stands !== "shut";
       this.#parts.get(valve)?.setAttribute("data-open", String(open));
-      this.#write(`${valve} word`, stands === "emergency" ? "emerg." : stands);
+      this.#write(`${valve} word`, VALVES[stands] ?? stands);
     }
     const blown = String(valves[`blow_${name}`] ?? "shut") !== "shut";
     this.#parts.get(`${name} air`)?.setAttribute("data-open", String(blown));
@@ -212,7 +219,9 @@ class TankMimic extends HTMLElement {
   #showDry(name, tanks) {
     const amount = number(tanks[name]) ?? 0;
     this.#toggle(name, amount >= LEAST);
-    this.#write(`${name} word`, `FLOODED ${amount.toFixed(1)} t`);
+    const small = this.#form?.short && this.dataset.room !== "all";
+    const told = !small ? decimals(amount, 1) : amount < 1 ? "< 1" : amount.toFixed(0);
+    this.#write(`${name} word`, this.#form?.short ? `${told} t` : say("FLOODED {0} t", told)); // a hatch says it, too
   }
 }
 

@@ -1,0 +1,332 @@
+"""The lessons: flown by a newcomer who does what they say, and by one who does nothing."""
+
+import functools
+import itertools
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from helpers.crewed import Crewed, Typist
+
+from trainer.analysis.exercise_page import check_exercise
+from trainer.analysis.newcomer import READING_TIME_S, StepFlight, fly_steps
+from trainer.config.course import course, lessons
+from trainer.config.exercise import load_exercise, parse_exercise
+from trainer.config.files import ConfigError, shipped_names
+from trainer.console.client import Item
+from trainer.console.drawing.panels import step_rows
+from trainer.console.model import SessionModel
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
+from trainer.session.run import briefing_of
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
+
+NAMES = [each.name for each in lessons()]
+DRILL = """
+schema = "exercise/1"
+name = "Drill"
+briefing = "Steer."
+hand = ["rudder"]
+[[steps]]
+text = "Turn: `rudder right 10`."
+when = ["rudder_deg > 8"]
+within_s = 30
+"""
+
+
+class Talk:
+    """A line that says nothing."""
+
+    def order(self, words: str) -> str:
+        del words
+        return ""
+
+    def take(self) -> list[Item]:
+        return []
+
+
+@functools.cache
+def planned(name: str) -> Plan:
+    return plan_run(RunOptions(exercise=name))
+
+
+@functools.cache
+def flown(name: str) -> list[StepFlight]:
+    return fly_steps(planned(name))
+
+
+def at_sea(crewed: Callable[..., Crewed], plan: Plan) -> tuple[Crewed, Typist]:
+    """Return a session of a lesson with nobody but a trainee in it."""
+    ship = crewed(seconds=None, hand=frozenset(plan.hand), plan=plan)
+    ship.leaves(ship.instructor)
+    return ship, ship.comes("trainee")
+
+
+def fly(ship: Crewed, most: int, act: Callable[[], None] = lambda: None) -> None:
+    """Let time go on until the lesson is over, and have what is done between ticks taken."""
+    ship.session.time.pacer.run()
+    for _ in range(most):
+        if ship.conduct.ending.over:
+            return
+        act()
+        ship.session.tick()
+        ship.session.attendance.listen()
+
+
+def test_six_lessons_come_before_the_course() -> None:
+    assert len(NAMES) == 6
+    assert [each.place for each in lessons()] == [1, 2, 3, 4, 5, 6]
+    assert not set(NAMES) & set(shipped_names("exercises"))
+    assert all(each.steps >= 4 and each.hand for each in lessons())
+    assert not any(each.steps for each in course())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_who_does_what_a_lesson_says_ends_each_of_its_steps_in_a_few_minutes(name: str) -> None:
+    steps = planned(name).steps
+
+    assert [each.done for each in flown(name)] == [True] * len(steps)
+    assert not [each.refused for each in flown(name) if each.refused]
+    for step, flight in zip(steps, flown(name), strict=True):
+        assert flight.seconds > READING_TIME_S or not step.typed, step.row.text
+        assert flight.seconds < 0.8 * step.row.within_s, step.row.text
+
+
+def test_the_six_lessons_take_less_than_a_quarter_of_an_hour() -> None:
+    assert sum(each.seconds for name in NAMES for each in flown(name)) < 15 * 60
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_check_finds_nothing_wrong_in_a_lesson(name: str) -> None:
+    assert any(line.startswith("step ") for line in check_exercise(name))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
+    crewed: Callable[..., Crewed], name: str
+) -> None:
+    ship, trainee = at_sea(crewed, planned(name))
+    done: list[str] = []
+
+    def act() -> None:
+        told = ship.facts(trainee, "step")
+        if told and told[-1] not in done and ship.boat.ticks % 12 == 0:
+            done.append(told[-1])
+            for words in re.findall(r"`([^`]+)`", told[-1]):
+                assert ship.say(trainee, words)[0] == "ok", words
+
+    fly(ship, 3000, act)
+
+    assert ship.conduct.ending.over
+    count = len(planned(name).steps)
+    assert [each.split(",")[0] for each in ship.facts(trainee, "step")] == [
+        *map(str, range(1, count + 1)),
+        "0",
+    ]
+    assert not [text for text in ship.events(trainee, "lesson") if "not done" in text]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_who_does_nothing_is_told_and_is_never_stuck(
+    crewed: Callable[..., Crewed], name: str
+) -> None:
+    ship, trainee = at_sea(crewed, planned(name))
+
+    fly(ship, 8000)
+
+    assert ship.conduct.ending.over
+    told = ship.events(trainee, "lesson")
+    assert any("not done" in text for text in told)
+    assert any(text.startswith("hint: ") for text in told)
+    again = [step for step in planned(name).steps if step.row.missed == "again"]
+    backs = [each for each in told if "once more" in each]
+    assert len(backs) <= 2 * len(again)
+    assert bool(backs) == bool(again)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_texts_of_a_lesson_fit_a_small_terminal(name: str) -> None:
+    for step in planned(name).steps:
+        model = SessionModel(Talk(), "trainee", ())
+        model.step = ("1", "6", "", step.row.text)
+        model.step_hint = step.row.hint or ""
+        assert len(step_rows(model, 80)) <= 6, step.row.text
+
+
+# Lessons of one's own
+
+
+def drill(tmp_path: Path, text: str) -> str:
+    path = tmp_path / "drill.toml"
+    path.write_text(text)
+    return str(path)
+
+
+def refused(tmp_path: Path, *changes: tuple[str, str]) -> str:
+    text = DRILL
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    with pytest.raises(ConfigError) as wrong:
+        check_exercise(drill(tmp_path, text))
+    return str(wrong.value)
+
+
+def test_a_check_flies_what_the_texts_say(tmp_path: Path) -> None:
+    assert "step    Turn: `rudder right 10`." in check_exercise(drill(tmp_path, DRILL))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ("right 10", "left 10", "[steps[0]] when: never ends, flown by a newcomer"),
+        ("`rudder right 10`", "rudder right 10", "have the text say the orders, in backquotes"),
+        ("rudder right 10", "rudder rihgt 10", "did you mean right?"),
+        ("rudder right 10", "rudder right 90", "the boat refuses it"),
+        ("rudder_deg > 8", "rudder_deg > 30", "this boat's rudder goes to 30 deg: it never ends"),
+        ("rudder_deg > 8", "ruder_deg > 8", "no quantity 'ruder_deg'; nearest is rudder_deg"),
+        (
+            '["rudder_deg > 8"]',
+            '["rudder_deg > 8", "rudder_deg < 6"]',
+            "cannot hold at once: it never ends",
+        ),
+        ("within_s = 30", "within_s = 30\nfor_s = 30", "is not less than within_s: it never ends"),
+        ("within_s = 30", 'within_s = 30\nlight = "ruder"', "light = "),
+        ("within_s = 30", 'within_s = 30\nmissed = "back"', "missed"),
+        ("within_s = 30", 'within_s = 30\norders = ["run"]', "has no place in a step"),
+    ],
+)
+def test_a_step_that_nobody_can_end_is_refused_with_its_place(
+    tmp_path: Path, old: str, new: str, why: str
+) -> None:
+    text = refused(tmp_path, (old, new))
+
+    assert why in text
+    assert text.startswith("drill.toml: line ")
+
+
+# What is missed, and what is gone back to
+
+
+@pytest.fixture
+def missed(crewed: Callable[..., Crewed], tmp_path: Path) -> tuple[Crewed, Typist]:
+    steps = 'within_s = 30\nmissed = "again"\norders = ["order course 040"]\n'
+    second = '[[steps]]\ntext = "Amidships."\nwhen = ["rudder_deg < 1"]\nwithin_s = 10\n'
+    text = DRILL.replace("within_s = 30\n", steps) + second
+    return at_sea(crewed, plan_run(RunOptions(exercise=drill(tmp_path, text))))
+
+
+def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_comes(
+    missed: tuple[Crewed, Typist],
+) -> None:
+    ship, trainee = missed
+    fly(ship, 3 * 60 + 40)
+
+    told = [text for text in ship.events(trainee, "lesson") if "step 1: " in text]
+    assert told == [
+        "step 1: not done; once more, from its beginning",
+        "step 1: not done; once more, from its beginning",
+        "step 1: not done; on to the next",
+    ]
+    assert ship.facts(trainee, "step-missed")[:3] == ["1,again", "1,again", "1,on"]
+    assert len(ship.facts(trainee, "crew-order")) >= 3
+    assert ship.session.history.recording.branch == 3
+    assert ship.conduct.ending.over
+
+
+def test_who_begins_anew_has_all_repeats_before_him(missed: tuple[Crewed, Typist]) -> None:
+    ship, trainee = missed
+    for _ in range(2):
+        fly(ship, 3 * 60 + 40)
+        assert ship.say(trainee, "again")[0] == "ok"
+
+    assert ship.facts(trainee, "step-missed").count("1,again") == 4
+
+
+def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=5.0)
+    trainee = ship.comes("trainee")
+    ship.leaves(ship.instructor)
+    ship.conduct.following = type(ship.conduct.following)(barred="")
+    ship.fly(20)
+    assert ship.say(trainee, "next trim-by-hand") == ("ok", "next: trim-by-hand")
+    assert ship.session.control.following == "trim-by-hand"
+
+
+def test_who_goes_back_in_time_is_at_the_step_of_that_time(missed: tuple[Crewed, Typist]) -> None:
+    ship, trainee = missed
+    fly(ship, 10)
+    assert ship.say(trainee, "rudder right 10")[0] == "ok"
+    fly(ship, 20)
+    assert ship.conduct.guide.place == 1
+
+    assert ship.say(trainee, "backtrack 14 s")[0] == "ok"
+    assert ship.conduct.guide.place == 0
+    assert ship.facts(trainee, "step")[-1].startswith("1,2,")
+
+
+# What the trainee is told, and what not
+
+
+def test_who_trains_has_time_and_all_controls_unless_an_instructor_is_there(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    trainee = ship.comes("trainee")
+    assert "an instructor is here" in ship.refused("freeze", trainee)
+    ship.leaves(ship.instructor)
+    for words in ("run", "freeze", "rudder left 5", "blow all", "stern planes dive 3"):
+        assert ship.say(trainee, words)[0] == "ok", words
+    for words in ("casualty stern-stuck", "plans", "casualties", "release marks", "sea state 5"):
+        assert ship.say(trainee, words)[0] == "no", words
+
+
+def test_who_trains_alone_gets_the_marks_at_once_and_an_instructor_first_if_there(
+    crewed: Callable[..., Crewed],
+) -> None:
+    for alone in (True, False):
+        ship = crewed(seconds=5.0)
+        trainee = ship.comes("trainee")
+        if alone:
+            ship.leaves(ship.instructor)
+        ship.fly(20)
+        ending = ship.conduct.ending
+        ship.settle(lambda ending=ending: bool(ending.marks))  # type: ignore[misc]
+        assert bool(ship.facts(trainee, "marks")) is alone
+
+
+def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(
+    crewed: Callable[..., Crewed],
+) -> None:
+    names = [*NAMES, *(each.name for each in course())]
+    for before, after in itertools.pairwise(names):
+        if (before, after) not in ((NAMES[0], NAMES[1]), (NAMES[-1], course()[0].name)):
+            continue
+        ship = crewed(seconds=5.0)
+        trainee = ship.comes("trainee")
+        ship.leaves(ship.instructor)
+        ship.conduct.exercise, ship.conduct.following = (
+            before,
+            type(ship.conduct.following)(barred=""),
+        )
+        ship.fly(20)
+        assert ship.say(trainee, "next") == ("ok", "next: the one after this")
+        assert ship.session.control.following == after
+        assert ship.facts(trainee, "next") == [""]
+
+
+@pytest.mark.parametrize("name", [each.name for each in course()])
+def test_nothing_that_the_instructor_alone_is_told_reaches_who_trains(name: str) -> None:
+    exercise = load_exercise(name)
+    briefing = briefing_of(planned(name), RunOptions(exercise=name))
+    told = [*briefing.heading(ROLES["trainee"]), *map(str, briefing.facts(ROLES["trainee"], 0.0))]
+    hidden = (exercise.heading.instructor or "").splitlines()
+    assert hidden
+    assert not [line for line in hidden if any(line in text for text in told)]
+    assert any(hidden[0] in text for text in briefing.heading(INSTRUCTOR_ROLE))
+
+
+def test_a_file_without_steps_has_none_and_changes_nothing() -> None:
+    text = DRILL.partition("[[steps]]")[0]
+    assert parse_exercise(text, Path("drill.toml")).steps == ()

@@ -1,0 +1,183 @@
+"""Marks that can be trusted: late crews, slips, cliffs, silly crews and hunting hands."""
+
+import functools
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from trainer.analysis.exercise_page import FlownExercise, fly_at
+from trainer.boat.boat import Boat
+from trainer.boat.reference_crew import CrewReaction
+from trainer.config.files import Place, shipped_names
+from trainer.config.reference_crew import Crew, read_crew
+from trainer.debrief.gates import GATE_CAP
+from trainer.debrief.judgement import WON_PERCENT, judge_run
+from trainer.debrief.rehearsal import Departure, OrdersByTick, fly, fly_rehearsal
+from trainer.debrief.scoring import Scorecard
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.facts import REFERENCE_GIVER
+from trainer.io.recording.queries import RecordedOrder
+from trainer.session.manning import in_hand
+
+NAMES = shipped_names("exercises")
+# in these a second counts
+URGENT = ("emergency-deep", "steering-jam", "stern-plane-jam", "rise-jam-shallow")
+HUNTING_S = 4.0  # [s] from twitch to twitch
+
+
+@functools.cache
+def flown(name: str) -> FlownExercise:
+    return fly_at(name)
+
+
+def total(card: Scorecard | None) -> float:
+    assert card is not None
+    return card.total or 0.0
+
+
+def marks_of(name: str, crew: Crew, reaction: CrewReaction | None = None) -> Scorecard:
+    plan = flown(name).plan
+    return judge_run(fly_rehearsal(plan, crew, reaction).trajectory, plan, flown(name).nobody_marks)
+
+
+@functools.cache
+def late(name: str, seconds: float) -> Scorecard:
+    return marks_of(name, flown(name).plan.crew, CrewReaction(late=seconds))
+
+
+@functools.cache
+def jittering(name: str, seed: int) -> Scorecard:
+    return marks_of(name, flown(name).plan.crew, CrewReaction(jitter=8.0, seed=seed))
+
+
+def by_orders(name: str, orders: Sequence[tuple[float, str]]) -> Scorecard:
+    """Return the marks of a crew that gives orders by the clock, as far as they are allowed."""
+    plan = flown(name).plan
+    rules = []
+    for at, text in orders:
+        order = parse(text)
+        assert isinstance(order, Order), text
+        if at < plan.hand_from or in_hand(order, plan.hand, plan.allowed) is None:
+            rules.append({"at_s": at, "order": text})
+    crew = read_crew({"crew": rules}, Place("test", ""))
+    return marks_of(name, crew)
+
+
+@functools.cache
+def hunting(name: str, surface: str) -> Scorecard:
+    """Return the marks of the reference crew whose other hand twitches planes or rudder."""
+    plan, run = flown(name).plan, flown(name).flights["crew"].trajectory
+    sides = {"stern": ("stern planes rise 4", "stern planes dive 4")}.get(
+        surface, ("rudder left 4", "rudder right 4")
+    )
+    step = plan.method.step
+    orders: dict[int, list[RecordedOrder]] = {}
+    for entry in run.orders:
+        orders.setdefault(entry.tick, []).append(entry)
+    twitches = range(round(60.0 / step), int(run.ticks[-1]), round(HUNTING_S / step))
+    for i, tick in enumerate(twitches):
+        twitch = RecordedOrder(0, 1, tick, REFERENCE_GIVER, sides[i % 2], None, None, "")
+        orders.setdefault(tick, []).append(twitch)
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    given: OrdersByTick = orders
+    hunted, _ = fly(plan, Departure(0, boat.records.state.copy()), given)
+    return judge_run(hunted.trajectory, plan, flown(name).nobody_marks)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_crew_40_s_late_is_below_90_and_one_15_s_late_above_it(name: str) -> None:
+    assert total(late(name, 40.0)) < 90.0
+    if name not in URGENT:
+        assert total(late(name, 15.0)) > 90.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_eight_seconds_cost_ten_marks_at_most(name: str) -> None:
+    own = total(flown(name).crew)
+    assert own >= 97.0
+    assert total(late(name, 8.0)) >= own - 10.0
+    for seed in (3, 4):
+        assert total(jittering(name, seed)) >= own - 10.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_hunting_with_planes_or_rudder_costs_something(name: str) -> None:
+    for surface in ("stern", "rudder"):
+        assert total(hunting(name, surface)) <= total(flown(name).crew) - 1.0, surface
+
+
+SILLY = {
+    "hover-by-pump": (
+        [(61.0, "bell ahead one-third")],
+        [(61.0, "bell ahead flank")],
+        [(61.0, "emergency blow")],
+    ),
+    "depth-gauge-failure": (
+        [(200.0, "depth 60"), (200.0, "depth 17.5")],
+        [(200.0, "depth 60"), (200.0, "hover on")],
+    ),
+    "flooding-aft": (
+        [(61.0, "emergency blow")],
+        [(130.0, "emergency blow")],
+        [(61.0, "surface")],
+        [(61.0, "bell ahead flank")],
+    ),
+    "canyon": (
+        [(61.0, "emergency blow")],
+        [(61.0, "surface")],
+        [(61.0, "stern planes rise 10"), (61.0, "bow planes rise 20")],
+    ),
+    "stern-plane-jam": ([(11.0, "bell astern full")],),
+    "rise-jam-shallow": ([(11.0, "bell astern full")], [(61.0, "bell astern full")]),
+    "heavy-boat": ([(11.0, "autopilot on"), (11.0, "depth 60")],),
+    "loss-of-propulsion": ([(61.0, "pump depth-control 5")],),
+    "crossing-traffic": (
+        [(61.0, "bell ahead flank")],
+        [(61.0, "rudder right 30")],
+        [(61.0, "rudder left 30")],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SILLY)
+def test_silly_things_earn_40_at_most(name: str) -> None:
+    for orders in SILLY[name]:
+        assert total(by_orders(name, orders)) <= 40.0, orders
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_outcome_and_marks_agree(name: str) -> None:
+    cards = [flown(name).crew, flown(name).nobody, late(name, 15.0), late(name, 40.0)]
+    for card in (*cards, *(hunting(name, surface) for surface in ("stern", "rudder"))):
+        assert card
+        assert card.verdict
+        assert (card.verdict.outcome == "won") == (total(card) >= WON_PERCENT)
+
+
+def test_one_tick_at_the_end_decides_nothing() -> None:
+    name = "first-depth-change"
+    plan, run = flown(name).plan, flown(name).flights["crew"].trajectory
+    depth = run.columns["z"].copy()
+    depth[-1] += 5.0  # out of the band at the last tick
+    slip = replace(run, columns={**run.columns, "z": depth})
+    card = judge_run(slip, plan, flown(name).nobody_marks)
+    assert total(card) >= total(flown(name).crew) - 3.0
+
+
+def test_what_a_broken_limit_leaves_falls_with_how_far_and_how_long() -> None:
+    name = "first-depth-change"
+    plan, run = flown(name).plan, flown(name).flights["crew"].trajectory
+    caps = []
+    for ticks, degrees in ((3, 16.0), (10, 16.0), (10, 18.0), (120, 18.0), (400, 24.0)):
+        pitch = run.columns["theta"].copy()
+        pitch[200 : 200 + ticks] = np.radians(degrees)  # the limit is 15
+        card = judge_run(replace(run, columns={**run.columns, "theta": pitch}), plan, {})
+        assert card.verdict
+        caps.append(100.0 if card.verdict.cap is None else card.verdict.cap)
+    assert caps[0] == 100.0  # shorter than two seconds
+    assert caps == sorted(caps, reverse=True)
+    assert 95.0 < caps[1] < 100.0
+    assert caps[-1] == GATE_CAP

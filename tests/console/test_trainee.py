@@ -1,0 +1,132 @@
+"""The screen of who trains alone: the step of a lesson, the end of an exercise, typing."""
+
+from helpers.screens import run_aside
+from textual.pilot import Pilot
+
+from trainer.console.app import Console
+from trainer.console.client import Item, RoleTaken
+from trainer.console.drawing.panels import trainee
+from trainer.console.entry import Entry
+from trainer.console.guide import EndView, briefing, steps_after
+from trainer.console.keys import KEYS
+from trainer.console.layouts import LAYOUTS
+from trainer.console.model import SessionModel
+from trainer.console.pane import plain
+from trainer.io.orders.sentences import fact, names, parse_sentence, state
+
+
+class Heard:
+    """A line that says what a test has it say, and keeps what is ordered."""
+
+    def __init__(self, *facts: tuple[str, str, str]) -> None:
+        self.items: list[Item] = [RoleTaken()]
+        for seconds, what, subject in facts:
+            sentence = parse_sentence(fact(1, float(seconds), what, subject))
+            assert sentence
+            self.items.append(sentence)
+        self.orders: list[str] = []
+
+    def order(self, words: str) -> str:
+        self.orders.append(words)
+        return str(len(self.orders))
+
+    def take(self) -> list[Item]:
+        taken, self.items = self.items, []
+        return taken
+
+
+def told(*facts: tuple[str, str, str]) -> tuple[SessionModel, Heard]:
+    line = Heard(*facts)
+    model = SessionModel(line, "trainee", LAYOUTS["trainee"].charts)
+    model.hear()
+    return model, line
+
+
+def time_now(model: SessionModel, line: Heard, tick: int, word: str) -> None:
+    """Let the session tell whether time runs."""
+    for text in (names("time", [("time", "")]), state("time", tick, tick / 2.0, [word])):
+        sentence = parse_sentence(text)
+        assert sentence
+        line.items.append(sentence)
+    model.hear()
+
+
+STEP = ("0.5", "step", "2,6,stern,Dive, now: `stern planes dive 5`.")
+
+
+def test_a_step_stands_above_the_panel_with_its_hint_and_lights_up_its_instrument() -> None:
+    model, _ = told(STEP, ("20.0", "step-hint", "The Down key."))
+
+    lines = trainee(model, 80, 17)
+
+    assert "step 2 of 6  Dive, now: `stern planes dive 5`." in plain(lines)
+    assert "hint: The Down key." in plain(lines)
+    lit = {text.strip() for line in lines for text, ink in line if ink == "new"}
+    assert lit == {"step 2 of 6", "stern"}
+
+
+def test_a_new_step_takes_the_hint_away_and_the_last_one_the_text() -> None:
+    model, _ = told(STEP, ("20.0", "step-hint", "The Down key."), ("30.0", "step", "3,6,,Wait."))
+    assert model.step_hint == ""
+    model, _ = told(STEP, ("40.0", "step", "0"))
+    assert model.lesson_done
+    assert "step" not in plain(trainee(model, 80, 17))
+
+
+def test_after_the_marks_the_way_leads_to_where_it_went_wrong_and_to_the_next() -> None:
+    model, line = told(
+        ("600.0", "exercise-over", "ended"),
+        ("600.0", "marks", "not reached,61.0"),
+        ("600.0", "reason", ",Time to 75 m: 40"),
+        ("600.0", "reason", "210,cost most: too late"),
+        ("600.0", "reason", "400,cost most: too deep"),
+    )
+    time_now(model, line, 1200, "frozen")
+
+    steps = steps_after(model)
+
+    assert steps["w"].order == "again from 405 s"
+    assert "03:15" in steps["w"].does
+    assert steps["n"].order == "next"
+    assert not {"r", "d"} & set(steps)
+    assert "cost most: too late" in plain(EndView(model).draw(80, 24))
+
+
+def test_enter_begins_at_the_briefing_of_who_trains_while_time_stands() -> None:
+    model, line = told()
+    time_now(model, line, 1, "frozen")
+
+    window = briefing(model)
+
+    assert "Enter begins" in plain(window.draw(80, 24))
+    for key in ("enter", "r"):
+        outcome = window.press(key, None)
+        assert outcome
+        assert outcome.orders == ("run",)
+    time_now(model, line, 2, "running")
+    assert "Enter begins" not in plain(briefing(model).draw(80, 24))
+
+
+def test_who_begins_to_type_types_and_no_letter_of_an_order_moves_a_control() -> None:
+    model, line = told()
+    screen = Console(model)
+
+    async def press(pilot: Pilot[str]) -> None:
+        await pilot.pause(0.2)
+        await pilot.press(*"bow", "space", *"planes", "space", *"rise", "space", *"15")
+        await pilot.pause(0.1)
+        assert screen.query_one(Entry).value == "bow planes rise 15"
+        await pilot.press("enter")
+        await pilot.pause(0.1)
+
+    async def run() -> None:
+        async with screen.run_test(size=(80, 24)) as pilot:
+            await press(pilot)
+
+    run_aside(run())
+    assert line.orders[-1] == "bow planes rise 15"
+
+
+def test_letters_that_are_keys_begin_no_order_that_a_lesson_has_typed() -> None:
+    letters = {name for key in KEYS["trainee"] for name in key.names if len(name) == 1}
+    assert {each for each in letters if each.isalpha()} == {"m", "z", "x"}

@@ -1,0 +1,73 @@
+"""The engine turns what its torque and its power allow, and the crew is told at once."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from trainer.boat.boat import Boat
+from trainer.boat.pilot import PilotMonitor
+from trainer.core.envelope import AHEAD
+from trainer.core.propulsion import most_revolutions
+from trainer.units import KNOT
+
+SHAFT_POWER_W, TORQUE_N_M = 5.2e6, 386000.0  # of configs/vessels/bb2.toml
+KQ = (0.063982, -0.032470, -0.021064)
+
+
+def torque(n: float, u: float) -> float:
+    """Return the torque [N m] of BB2's propeller, rho n^2 D^5 K_Q(J)."""
+    j = u / (n * 5.0)
+    return 1025.0 * n * n * 5.0**5 * (KQ[0] + KQ[1] * j + KQ[2] * j * j)
+
+
+@pytest.mark.parametrize("u", [0.0, 2.0, 5.0, 7.0, 8.0, 9.0, 10.0, 11.0])
+def test_revolutions_are_those_of_the_tighter_limit(
+    make_boat: Callable[..., Boat], u: float
+) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    n = float(most_revolutions(boat.records.vessel, AHEAD, u / 5.0))
+    shares = torque(n, u) / TORQUE_N_M, 2.0 * math.pi * n * torque(n, u) / SHAFT_POWER_W
+    assert max(shares) == pytest.approx(1.0, rel=1e-6)
+    assert shares.index(max(shares)) == (1 if u > 8.0 else 0)
+
+
+def test_twenty_knots_take_the_power_that_there_is(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(20.0 * KNOT, 300.0, 0.0)
+    boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
+    for _ in range(1200):
+        assert boat.tick() == 0
+    n, u = float(boat.state.u_c) * 0.22937, float(boat.state.u)
+    assert u / KNOT == pytest.approx(20.0, abs=0.02)
+    assert 2.0 * math.pi * n * torque(n, u) == pytest.approx(SHAFT_POWER_W, rel=2e-3)
+
+
+def test_a_limited_engine_is_told_as_soon_as_it_is_ordered(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat("bb2", "modified", "lagged")
+    boat.start(5.0 * KNOT, 300.0, 0.0)
+    monitor = PilotMonitor.over(boat)
+    boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
+    said: list[str] = []
+    ticks = 0
+    while not said and ticks < 40:
+        assert boat.tick() == 0
+        said, ticks = monitor.look(boat), ticks + 1
+    assert boat.time <= 3.0 + 2.0 * boat.method.step  # the engine room's dead time
+    assert said[0].endswith("ENGINE: limited by torque, short of the 142 rpm ordered")
+    assert list(monitor.times) == ["engine limited by torque"]
+    for _ in range(40):
+        assert boat.tick() == 0
+        assert monitor.look(boat) == []
+
+
+def test_an_engine_that_has_room_is_not_told(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat("bb2", "modified", "lagged")
+    boat.start(5.0 * KNOT, 300.0, 0.0)
+    monitor = PilotMonitor.over(boat)
+    boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 8.0 * KNOT
+    for _ in range(60):
+        assert boat.tick() == 0
+        assert monitor.look(boat) == []
+    assert np.isfinite(boat.state.u_c)

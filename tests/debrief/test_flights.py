@@ -1,0 +1,110 @@
+"""Flights without a session: flown in long stretches, they are those of one tick after another."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trainer.analysis.sweep.exercises import go_out
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import InstrumentReadings
+from trainer.boat.crew_hands import GaugeHistory
+from trainer.boat.helm import obey_order
+from trainer.debrief import rehearsal
+from trainer.debrief.rehearsal import Rehearsal, due_orders, fly_rehearsal, last_tick
+from trainer.io.tables import MOTION_COLUMNS
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
+
+
+def plan_of(name: str) -> Plan:
+    """Return a shipped exercise, nobody else aboard."""
+    return plan_run(RunOptions(exercise=name)).alone()
+
+
+def assert_same(one: Rehearsal, other: Rehearsal) -> None:
+    """Check that two flights are the same to the bit."""
+    for name, column in one.trajectory.columns.items():
+        assert column.tobytes() == other.trajectory.columns[name].tobytes(), name
+    assert one.trajectory.orders == other.trajectory.orders
+    assert one.trajectory.marks == other.trajectory.marks
+    assert (one.lost, one.rules_given) == (other.lost, other.rules_given)
+
+
+# hands at work; rules by gauges and their means; a rate; currents by depth; ships and a periscope
+CREWED = ("stern-plane-jam", "depth-gauge-failure", "periscope-depth", "canyon", "crossing-traffic")
+
+
+@pytest.mark.parametrize("name", CREWED)
+def test_a_crew_that_looks_when_it_must_gives_the_orders_of_one_that_always_looks(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    plan = plan_of(name)
+    flown = fly_rehearsal(plan, plan.crew)
+    monkeypatch.setattr(rehearsal, "MAX_STRIDE_TICKS", 1)
+    assert flown.trajectory.orders
+    assert_same(flown, fly_rehearsal(plan, plan.crew))
+
+
+AHEAD = """
+schema = "exercise/1"
+name = "Ahead"
+briefing = "A ship lies ahead."
+duration_s = 300
+[initial]
+speed_kn = 6
+depth_m = 17.5
+[[contact]]
+name = "anchored"
+type = "tanker"
+points = [[200, 0]]
+course_deg = 90
+[contacts]
+collision = "end"
+"""
+
+
+def test_a_boat_that_is_lost_on_the_way_is_where_it_was_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The hull collapses, or the boat runs into a ship, in the middle of a stretch."""
+    (tmp_path / "ahead.toml").write_text(AHEAD)
+    plans = plan_of("flooding-aft"), plan_of(str(tmp_path / "ahead.toml"))
+    flights = [fly_rehearsal(plan) for plan in plans]
+    monkeypatch.setattr(rehearsal, "MAX_STRIDE_TICKS", 1)
+    for flown, plan in zip(flights, plans, strict=True):
+        assert_same(flown, fly_rehearsal(plan))
+        assert flown.trajectory.boat.ticks == flown.trajectory.ticks[-1]
+    assert [each.lost for each in flights] == ["collapse at 451 m", "collision with anchored"]
+
+
+def test_a_member_of_a_sweep_flies_as_tick_by_tick() -> None:
+    plan = plan_of("course-changes")
+    outing, due = go_out(plan), due_orders(plan)
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    rows = [boat.numbers(MOTION_COLUMNS)]
+    for tick in range(last_tick(plan)):
+        for place in due.get(tick, ()):
+            obey_order(boat, plan.schedule[place].order)
+        assert boat.tick() == 0
+        rows.append(boat.numbers(MOTION_COLUMNS))
+    for name, column in zip(MOTION_COLUMNS, np.array(rows).T, strict=True):
+        assert np.array_equal(outing.flight.series.columns[name], column), name
+
+
+@pytest.mark.parametrize(
+    ("seconds", "rate"), [(0.0, False), (7.0, False), (0.0, True), (9.0, True)]
+)
+def test_sliding_means_of_gauges_are_those_of_a_look(seconds: float, *, rate: bool) -> None:
+    plan = plan_of("depth-changes")
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    gauges = GaugeHistory(boat)
+    gauges.look()
+    ahead = np.random.default_rng(3).normal(50.0, 9.0, (40, 4))
+    slid = gauges.over("depth", seconds, ahead, rate=rate)
+    for tick, row in enumerate(ahead.tolist(), 1):
+        gauges.remember([(tick * boat.method.step, InstrumentReadings(*row))])
+        look = gauges.rate if rate else gauges.mean
+        assert slid[tick - 1] == pytest.approx(look("depth", seconds), abs=1e-9)

@@ -1,0 +1,186 @@
+"""What a trainee has done: kept, drawn, offered on, forgotten; and files that cannot be read."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from helpers.recorded import record
+
+from trainer.cli.main import main
+from trainer.config.course import course, lessons
+from trainer.config.files import ConfigError
+from trainer.config.progress import (
+    Progress,
+    ProgressRun,
+    add_run,
+    file_stem,
+    progress_path,
+    read_progress,
+    trainees_folder,
+)
+from trainer.debrief.attainable import ChangeCause, MarkChange
+from trainer.debrief.progress import costs_of, remember_run
+from trainer.debrief.progress_words import progress_lines
+from trainer.session.header import names_of
+
+pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+ANN = "Ann O Briain"
+LOST = ProgressRun(
+    *("a.trainer", 1, "first-depth-change", "Depth, first steps", "2026-01-01T10:00:00"),
+    *(600.0, "not reached", 40.0),
+    costs={"late": 35.0, "trim": 5.0},
+)
+WON = replace(
+    LOST, recording="b.trainer", started="2026-01-02", outcome="won", total=91.0, costs={}
+)
+LESSON = replace(
+    WON, exercise="wheel-and-course", outcome="done", total=None, recording="c.trainer"
+)
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+
+
+def told(capsys: pytest.CaptureFixture[str], *words: str, code: int = 0) -> str:
+    """Return what a command prints, its complaint too."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["trainer", *words])
+        with pytest.raises(SystemExit) as ended:
+            main()
+    assert (ended.value.code or 0) == code
+    return "".join(capsys.readouterr())
+
+
+def test_a_run_is_kept_with_its_marks_and_what_cost_most(tmp_path: Path) -> None:
+    dive = {100.0: "stern planes dive 10"}
+    path = record(tmp_path / "dive.trainer", "first-depth-change", dive, trainee=(ANN, "Bob"))
+    assert remember_run(path, 1, "ended") == []
+    assert remember_run(path, 1, "ended") == []  # the same run, once more
+    for name in (ANN.upper(), "bob"):
+        (run,) = read_progress(name).runs
+        assert (run.exercise, run.outcome, run.recording) == (
+            *("first-depth-change", "not reached", "dive.trainer"),
+        )
+        assert run.total is not None
+        assert 90.0 < sum(run.costs.values()) < 110.0  # of the 100 that it had at its start
+        assert max(run.costs, key=lambda kind: run.costs[kind]) == "overshoot"
+
+
+def test_a_lesson_has_no_marks_but_is_done(tmp_path: Path) -> None:
+    path = record(tmp_path / "l.trainer", "wheel-and-course", {}, duration=2.0, trainee=(ANN,))
+    remember_run(path, 1, "done")
+    (run,) = read_progress(ANN).runs
+    assert (run.outcome, run.total, run.passed, run.costs) == ("done", None, True, {})
+
+
+def test_kinds_of_loss_follow_from_the_causes_of_the_curve() -> None:
+    cause = ChangeCause
+    changes = [
+        MarkChange(0, 10, -20.0, cause.MISSING, "bell astern full"),
+        MarkChange(10, 20, -7.0, cause.MISSING, "pump trim aft 3"),
+        MarkChange(20, 30, -9.0, cause.STEERING),
+        MarkChange(30, 40, -4.0, cause.ORDER, "rudder left 20"),
+        MarkChange(40, 50, 6.0, cause.BETTER),
+    ]
+    assert costs_of(changes) == {"late": 20.0, "trim": 7.0, "overshoot": 9.0, "wrong way": 4.0}
+
+
+def test_what_cost_most_is_of_the_last_five_runs_with_marks() -> None:
+    runs = [replace(LOST, recording=f"{n}", started=f"2026-01-{n:02d}") for n in range(1, 8)]
+    assert Progress(ANN, tuple(runs)).costs["late"] == 5 * 35.0
+    assert Progress(ANN, (*runs, LESSON)).costs["trim"] == 25.0
+
+
+def test_the_next_is_the_first_that_is_not_passed() -> None:
+    offered = [*lessons(), *course()]
+    progress = Progress(ANN, (LOST, LESSON))
+    following = progress.following(offered)
+    assert following is not None
+    assert following.name == offered[1].name
+    every = tuple(replace(WON, exercise=each.name) for each in offered)
+    assert Progress(ANN, every).following(offered) is None
+
+
+def test_progress_is_drawn_in_eighty_columns(capsys: pytest.CaptureFixture[str]) -> None:
+    long = replace(
+        LOST, recording="d", exercise="heavy-boat", aids="ghost, predictor", counts=False
+    )
+    for run in (LOST, WON, LESSON, long):
+        add_run(ANN, run)
+    text = told(capsys, "recordings", "--trainee", "ann o briain", "--progress")
+    lines = text.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert any(
+        "Depth, first steps" in line and "won" in line and " 91 ▄█ " in line for line in lines
+    )
+    assert next(line.split()[:2] for line in lines if "█████" in line) == ["late", "70"]
+    assert f"1 of {len(lessons())}" in text
+    assert f'--train --trainee "{ANN}"' in lines[-1]
+    drawn = list(progress_lines(Progress(ANN)))
+    assert not any("cost most" in line for line in drawn)  # nothing has cost anything yet
+
+
+def test_a_class_is_a_table_with_a_row_for_each_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    add_run(ANN, LOST)
+    add_run(ANN, WON)
+    add_run("Bob", LOST)
+    (trainees_folder() / "eve.json").write_text("{", encoding="utf-8")
+    table = tmp_path / "class.csv"
+    text = told(capsys, "recordings", "--csv", str(table))
+    assert "3 runs of 2 trainees" in text
+    assert "left out" in text
+    rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines()))
+    assert [(row["trainee"], row["marks"], row["late"]) for row in rows] == [
+        (ANN, "40.0", "35.0"),
+        (ANN, "91.0", "0.0"),
+        ("Bob", "40.0", "35.0"),
+    ]
+
+
+@pytest.mark.parametrize("name", ["a/b", "..", ".hidden", "a\\b", " "])
+def test_a_name_that_is_no_file_name_is_told(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(ConfigError, match="trainee"):
+        names_of([name])
+    assert "--trainee" in told(capsys, "recordings", "--trainee", name, "--progress", code=2)
+    assert file_stem("  Bób  & sons ") == "bób & sons"
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("{", "it is no JSON"),
+        (json.dumps({"schema": "progress/0", "trainee": ANN, "runs": []}), "this version reads"),
+        (json.dumps({"schema": "progress/1", "trainee": ANN, "runs": [{"branch": 1}]}), "a run"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_told_and_set_aside_whole(
+    text: str, why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = progress_path(ANN)
+    path.parent.mkdir(parents=True)
+    path.write_text(text, encoding="utf-8")
+    assert why in told(capsys, "recordings", "--trainee", ANN, "--progress", code=2)
+    assert path.read_text(encoding="utf-8") == text
+    assert "it is kept as" in add_run(ANN, LOST)
+    assert path.with_name(f"{path.name}.damaged").read_text(encoding="utf-8") == text
+    assert read_progress(ANN).runs == (LOST,)
+    assert "damaged" in told(capsys, "recordings", "--trainee", ANN, "--progress")
+
+
+def test_a_forgotten_trainee_leaves_no_file(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in (ANN, "Ann", "Ann O Briain Junior"):
+        add_run(name, LOST)
+    progress_path(ANN).with_name("ann o briain.json.damaged").write_text("{", encoding="utf-8")
+    text = told(capsys, "recordings", "--forget", "ANN o briain")
+    assert text.count("removed") == 2
+    left = {each.name for each in trainees_folder().iterdir()}
+    assert left == {
+        *("ann.json", "ann.lock", "ann o briain junior.json", "ann o briain junior.lock"),
+    }
+    assert "no recording has that name" in told(capsys, "recordings", "--forget", ANN, code=2)

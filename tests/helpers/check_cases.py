@@ -1,0 +1,33 @@
+"""The stored outputs of the shipped check cases, configs/check-cases/*.csv that this trainer flew.
+
+    python -m helpers.check_cases
+
+in the folder of the tests flies every run that has a file, and writes the file anew: after a change
+of the core. It names what is then beyond the spread that a case states.
+"""
+
+from trainer.analysis.check_cases import fly_case, fly_run, outputs_text
+from trainer.config.check_case import case_paths, load_case
+
+
+def renew_outputs() -> list[str]:
+    """Write the outputs of all our runs; return what is beyond its spread."""
+    faults = []
+    for path in case_paths(None):
+        case = load_case(path)
+        for run in case.runs:
+            if run.integrator and run.file:
+                text = outputs_text(case, fly_run(case, run))
+                (path.parent / run.file).write_text(text, encoding="utf-8")
+        faults += [
+            f"{case.name}: {each.run} beside {each.beside}: {one.channel} differs by "
+            f"{one.largest:.3g}, stated {one.spread:g}"
+            for each in fly_case(case).comparisons
+            for one in each.differences
+            if one.channel in each.beyond
+        ]
+    return faults
+
+
+if __name__ == "__main__":
+    print("\n".join(renew_outputs()) or "all within the spreads")

@@ -1,0 +1,187 @@
+"""Pages in more than one browser, by TLS, and on lines that lose packets and break."""
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from helpers.firefox import Tab, firefox
+from helpers.pages import PATIENCE, Served
+from helpers.slow_line import slow_line
+from helpers.wire import make_certificate
+from playwright.sync_api import Browser, Page, expect
+from soak.session_process import Caller
+
+from trainer.web.pages import PAGES
+
+pytestmark = pytest.mark.process
+
+Serve = Callable[..., Served]
+Look = Callable[..., Page]
+STATE = "document.querySelector('#state').textContent"
+IDLE_S = 45.0  # [s] of a kiosk's dive in which nobody touches anything
+SLOW_S = 0.15  # [s] one way
+LOSS = 0.05  # of all packets
+
+
+@pytest.fixture(scope="module")
+def fox(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
+    """Return a tab of one Firefox for the tests of this module."""
+    with firefox(tmp_path_factory.mktemp("fox") / "profile") as tab:
+        yield tab
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [each.name for each in PAGES if each.name not in ("", "kiosk")])
+@pytest.mark.usefixtures("instructor")
+def test_a_page_works_in_firefox(shared: Served, fox: Tab, name: str) -> None:
+    fox.open(f"{shared.url}/{name}?lang=de")
+    fox.await_that(f"{STATE} === 'ANGEHALTEN'")
+    digits = {"wall": "#depth", "scope": "#time", "ballast": "[data-place='gauges.depth']"}
+    place = digits.get(name, ".digits, #truth tbody td")
+    fox.await_that(f"document.querySelector({place!r}).textContent")
+    assert fox.evaluate("document.documentElement.lang") == "de"
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("instructor")
+def test_in_firefox_a_lever_orders_and_a_second_visit_asks_for_the_page_alone(
+    shared: Served, fox: Tab
+) -> None:
+    with slow_line(shared.port) as line:
+        fox.open(f"{line.url}/pilot?lang=en")
+        fox.await_that(f"{STATE} === 'FROZEN'")
+        knob = "document.querySelector('order-lever[name=stern] [role=slider]')"
+        press = "new KeyboardEvent('keydown', { key: 'ArrowUp', bubbles: true })"
+        fox.evaluate(f"String({knob}.dispatchEvent({press}))")
+        fox.await_that("document.querySelector('#answer').textContent.includes('stern rise 1')")
+        line.asked.clear()
+        fox.open(f"{line.url}/pilot?lang=en")
+        fox.await_that(f"{STATE} === 'FROZEN'")
+        assert [each for each in line.asked if not each.startswith("/line")] == ["/pilot?lang=en"]
+
+
+@pytest.mark.slow
+def test_two_instructors_in_two_browsers_hand_over_command(
+    serve: Serve, look: Look, fox: Tab
+) -> None:
+    session = serve("first-depth-change")
+    page = look(session, "instructor", size="desk")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    command = "document.querySelector('#command')"
+    fox.open(f"{session.url}/instructor?lang=en")
+    fox.await_that(f"{command}.textContent.includes('has command. You watch and mark.')")
+    expect(page.locator("#command")).to_contain_text("You have command")
+
+    fox.evaluate(f"String({command}.querySelector('button').click())")
+    page.keyboard.press("Escape")  # the briefing
+    page.get_by_role("button", name="Give command").click()
+    fox.await_that(f"{command}.textContent.includes('You have command')")
+    expect(page.locator("#command")).to_contain_text("has command. You watch and mark.")
+
+    fox.evaluate("String(document.querySelector('#freeze').click())")
+    expect(page.locator("#state")).to_have_text("RUNNING")
+    fox.await_that(f"{STATE} === 'RUNNING'")
+    page.locator("#order").fill("freeze")
+    page.keyboard.press("Enter")
+    expect(page.locator("#log [data-kind=refused]").first).to_contain_text("freeze")
+    expect(page.locator("#state")).to_have_text("RUNNING")  # it only watches now
+
+
+@pytest.mark.slow
+def test_a_kiosk_goes_back_by_itself_after_45_seconds_by_the_clock(serve: Serve, fox: Tab) -> None:
+    session = serve("visitor-dive")
+    scene = "document.body.dataset.scene"
+    fox.open(f"{session.url}/kiosk")
+    fox.await_that("!document.querySelector('#start').hidden")
+    fox.evaluate("String(document.querySelector('#start').click())")
+    fox.await_that(f"{scene} === 'dive'")
+    begun = time.monotonic()
+    time.sleep(IDLE_S - 3.0)
+    assert fox.evaluate(scene) == "dive"
+    fox.await_that(f"{scene} === 'attract'", IDLE_S)
+    assert IDLE_S - 1.0 < time.monotonic() - begun < IDLE_S + 5.0
+
+
+# TLS
+
+
+@pytest.fixture
+def secure(serve: Serve, tmp_path: Path) -> Served:
+    """Return a session whose pages are encrypted, and ask for a word."""
+    cert, key = make_certificate(tmp_path)
+    return serve("--token", "mast", "--web-cert", str(cert), "--web-key", str(key))
+
+
+def test_a_page_by_tls_takes_a_word_and_its_line_is_encrypted(
+    secure: Served, browser: Browser
+) -> None:
+    url = secure.url.replace("http", "https")
+    with browser.new_context(ignore_https_errors=True) as context:
+        page = context.new_page()
+        lines: list[str] = []
+        page.on("websocket", lambda line: lines.append(line.url))
+        page.goto(f"{url}/helm")
+        page.locator("#word input").fill("mast")
+        page.keyboard.press("Enter")
+        expect(page.locator("#state")).to_have_text("FROZEN")
+        (cookie,) = context.cookies(f"{url}/line")
+
+    assert {line.split("/line")[0] for line in lines} == {url.replace("https", "wss")}
+    assert cookie["secure"]
+    assert cookie["httpOnly"]
+
+
+def test_a_browser_that_does_not_know_the_certificate_is_told(
+    secure: Served, browser: Browser
+) -> None:
+    with browser.new_context() as context, pytest.raises(Exception, match="ERR_CERT"):
+        context.new_page().goto(f"{secure.url.replace('http', 'https')}/helm")
+
+
+@pytest.mark.slow
+def test_firefox_comes_in_by_tls(secure: Served, fox: Tab) -> None:
+    fox.open(f"{secure.url.replace('http', 'https')}/helm?lang=en")
+    fox.await_that(f"{STATE} === 'ROLE?'")
+    fox.evaluate("String(document.querySelector('#word input').value = 'mast')")
+    fox.evaluate("String(document.querySelector('#word form').requestSubmit())")
+    fox.await_that(f"{STATE} === 'FROZEN'")
+
+
+# Lines that are slow, lose packets, and break
+
+
+def test_on_a_line_that_is_slow_and_loses_packets_every_order_is_obeyed_once(
+    shared: Served, instructor: Caller, browser: Browser
+) -> None:
+    with slow_line(shared.port, SLOW_S, LOSS) as line, browser.new_context() as context:
+        page = context.new_page()
+        page.goto(f"{line.url}/pilot")
+        expect(page.locator("#state")).to_have_text("FROZEN")
+        knob = page.locator("order-lever[name=stern] [role=slider]")
+        knob.press("Home")
+        for _ in range(10):
+            knob.press("ArrowUp")
+        expect(page.locator("#answer")).to_contain_text("stern rise 10")
+        expect(knob).to_have_attribute("aria-valuenow", "10")
+        expect(page.locator("#state")).to_have_text("FROZEN")
+        assert line.lost
+
+    assert instructor.ask("subscribe diving at 2 hz")[0]
+    end = time.monotonic() + PATIENCE
+    while "10.0" not in instructor.shown.get("diving", ()):
+        assert time.monotonic() < end
+        instructor.ask("who")
+
+
+def test_a_line_that_breaks_is_told_and_dialled_again(shared: Served, browser: Browser) -> None:
+    with slow_line(shared.port, SLOW_S) as line, browser.new_context() as context:
+        page = context.new_page()
+        page.goto(f"{line.url}/helm")
+        expect(page.locator("#state")).to_have_text("FROZEN")
+        for _ in range(3):
+            line.cut()
+            expect(page.locator("#state")).to_have_text("NO LINK")
+            expect(page.locator("alert-bar")).to_contain_text("No link")
+            expect(page.locator("#state")).to_have_text("FROZEN")
+        assert sum(each.startswith("/line") for each in line.asked) >= 4

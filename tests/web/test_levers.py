@@ -1,0 +1,416 @@
+"""Levers that are held, not hit: fingers on glass, one scale with the dial, words that are read."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from typing import Any, Final
+
+import pytest
+from helpers.hands import await_truth, on_groove
+from helpers.pages import SIZES, Served
+from playwright.sync_api import Locator, Page, expect
+from soak.session_process import Caller
+
+from trainer.web.pages import PAGES
+
+Look = Callable[..., Page]
+Serve = Callable[..., Served]
+PHONE: Final = (390, 844)
+# Those at which pages are looked at: phones both ways, a tablet, laptops, a desk.
+LOOKED_AT: Final = (*SIZES.values(), PHONE, (844, 390), (1366, 768))
+LEVERS: Final = (("helm", "rudder"), ("planes", "stern"), ("planes", "bow"))
+CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
+STEP: Final = 5  # [deg] of a tap on the groove
+LEAST_TEXT_PX: Final = 11.0
+each_lever = pytest.mark.parametrize(("name", "lever"), LEVERS, ids=[each[1] for each in LEVERS])
+
+SENT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
+WebSocket.prototype.send = function (line) {
+    if (/TRO,\\d+,(rudder|stern|bow)/.test(line)) window.sent.push(line);
+    send.call(this, line);
+}; }"""
+
+
+def opened(look: Look, session: Served, name: str, size: tuple[int, int] = PHONE) -> Page:
+    """Return a station's page under fingers, that shows readings."""
+    page = look(session, name, has_touch=True)
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(page.locator("order-lever .knob").first).not_to_be_empty()
+    page.wait_for_timeout(300)  # until all is laid out, and the last readings have moved it
+    page.evaluate(SENT)
+    return page
+
+
+class Finger:
+    """One finger on the glass, by the events that a touch screen sends."""
+
+    def __init__(self, page: Page) -> None:
+        """Lay a finger on a page."""
+        self.session = page.context.new_cdp_session(page)
+
+    def send(self, kind: str, *places: tuple[float, float]) -> None:
+        """Send one event of a touch screen."""
+        points = [{"x": x, "y": y, "id": 1} for x, y in places]
+        self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    @contextmanager
+    def down(self, x: float, y: float) -> Iterator[None]:
+        """Hold a finger down at a place while the block lasts."""
+        self.send("touchStart", (x, y))
+        yield
+        self.send("touchEnd")
+
+
+def box_of(found: Locator) -> dict[str, float]:
+    """Return where something is."""
+    box = found.bounding_box()
+    assert box
+    return {"x": box["x"], "y": box["y"], "width": box["width"], "height": box["height"]}
+
+
+def knob_of(page: Page, lever: str) -> Locator:
+    return page.locator(f"order-lever[name={lever}] .knob")
+
+
+def standing(page: Page, lever: str) -> int:
+    """Return what a lever stands at [deg]."""
+    return int(knob_of(page, lever).get_attribute("aria-valuenow") or 0)
+
+
+def travel(page: Page, lever: str) -> float:
+    """Return how far the knob goes from one stop to the other [px]."""
+    return float(page.evaluate(f"2 * document.querySelector('order-lever[name={lever}]').fan.half"))
+
+
+@each_lever
+def test_a_finger_at_the_knobs_edge_orders_nothing_and_keeps_its_place(
+    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+) -> None:
+    page = opened(look, shared, name)
+    before, finger = standing(page, lever), Finger(page)
+    knob, a_degree = box_of(knob_of(page, lever)), travel(page, lever) / 60.0
+    x, y = knob["x"] + knob["width"] - 3.0, knob["y"] + 3.0
+    with finger.down(x, y):
+        page.wait_for_timeout(700)  # longer than a hold on the groove waits
+        assert page.evaluate("sent") == []
+        assert standing(page, lever) == before
+        along = 12 * a_degree
+        for part in range(1, 7):  # towards right, or rise
+            step = along * part / 6.0
+            finger.send("touchMove", (x + step, y) if lever == "rudder" else (x, y - step))
+        for _ in range(100):  # until the page has heard the finger
+            page.wait_for_timeout(100)
+            if abs(standing(page, lever) - before - 12) <= 1:
+                break
+        assert standing(page, lever) == pytest.approx(before + 12, abs=1)
+    await_truth(instructor, f"{CHANNELS[lever]}.ordered_{lever}", f"{standing(page, lever):.1f}")
+    assert len(page.evaluate("sent")) >= 1
+
+
+@each_lever
+@pytest.mark.usefixtures("instructor")
+def test_a_touch_that_leaves_the_knob_where_it_was_takes_no_surface_by_hand(
+    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+) -> None:
+    page = opened(look, shared, name)
+    knob = box_of(knob_of(page, lever))
+    page.touchscreen.tap(knob["x"] + knob["width"] - 2.0, knob["y"] + knob["height"] / 2.0)
+    page.wait_for_timeout(300)
+    assert page.evaluate("sent") == []
+    await_truth(instructor, f"{CHANNELS[lever]}.{lever}_mode", "auto")
+
+
+@each_lever
+def test_a_tap_on_the_groove_steps_towards_it(
+    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+) -> None:
+    page = opened(look, shared, name)
+    knob_of(page, lever).press("Home")
+    for share, wanted in ((0.95, STEP), (0.95, 2 * STEP), (0.05, STEP)):
+        page.touchscreen.tap(*on_groove(page, lever, share))
+        await_truth(instructor, f"{CHANNELS[lever]}.ordered_{lever}", f"{wanted:.1f}")
+        page.wait_for_timeout(600)  # and no further, by itself
+        assert standing(page, lever) == wanted
+
+
+@each_lever
+def test_a_hold_on_the_groove_makes_the_lever_go_to_the_finger(
+    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+) -> None:
+    page = opened(look, shared, name)
+    knob_of(page, lever).press("Home")
+    x, y = on_groove(page, lever, 0.8)
+    with Finger(page).down(x, y):
+        page.wait_for_function(
+            "(lever) => document.querySelector(`order-lever[name=${lever}]`).value > 12", arg=lever
+        )
+        page.wait_for_timeout(1500)  # it is there
+        knob = box_of(knob_of(page, lever))
+        middle = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
+        off = middle[0] - x if lever == "rudder" else middle[1] - y
+        assert abs(off) < travel(page, lever) / 60.0
+        arrived = standing(page, lever)
+    page.wait_for_timeout(300)
+    assert standing(page, lever) == arrived
+    await_truth(instructor, f"{CHANNELS[lever]}.ordered_{lever}", f"{arrived:.1f}")
+
+
+@each_lever
+def test_fine_keys_at_both_ends_move_a_degree_and_go_on_while_they_are_held(
+    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+) -> None:
+    page = opened(look, shared, name)
+    knob_of(page, lever).press("Home")
+    place = f"{CHANNELS[lever]}.ordered_{lever}"
+    for end, share, way in (("high", 1.0, 1), ("low", 0.0, -1)):
+        key = page.locator(f"order-lever[name={lever}] .fine.{end}")
+        box, (x, y) = box_of(key), on_groove(page, lever, share)
+        assert min(box["width"], box["height"]) >= 48.0
+        aside = max(box["x"] - x, x - box["x"] - box["width"], 0.0)
+        below = max(box["y"] - y, y - box["y"] - box["height"], 0.0)
+        assert max(aside, below) < 64.0, f"the {end} key is at the groove's end"
+        key.tap()
+        await_truth(instructor, place, f"{way:.1f}")
+        key.press("Enter")
+        await_truth(instructor, place, f"{2 * way:.1f}")
+        with Finger(page).down(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2):
+            page.wait_for_timeout(1300)
+        held = standing(page, lever)
+        assert 3 < way * held < 12
+        await_truth(instructor, place, f"{held:.1f}")
+        knob_of(page, lever).press("Home")
+        await_truth(instructor, place, "0.0")
+
+
+@each_lever
+@pytest.mark.usefixtures("instructor")
+def test_the_figure_stands_above_the_thumb_while_it_holds(
+    shared: Served, look: Look, name: str, lever: str
+) -> None:
+    page = opened(look, shared, name)
+    figure = page.locator(f"order-lever[name={lever}] .figure")
+    expect(figure).to_be_hidden()
+    knob = box_of(knob_of(page, lever))
+    x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
+    finger = Finger(page)
+    with finger.down(x, y):
+        finger.send("touchMove", (x + 60, y) if lever == "rudder" else (x, y - 60))
+        expect(figure).to_be_visible()
+        expect(figure).to_contain_text(str(abs(standing(page, lever))))
+        shown, moved = box_of(figure), box_of(knob_of(page, lever))
+        assert shown["y"] + shown["height"] <= moved["y"] - 8.0
+        assert shown["y"] >= 0.0
+        size = figure.evaluate("(each) => parseFloat(getComputedStyle(each).fontSize)")
+        assert size >= 16.0
+    expect(figure).to_be_hidden()
+
+
+@each_lever
+@pytest.mark.usefixtures("instructor")
+def test_the_groove_is_three_hundred_pixels_long_on_a_phone(
+    shared: Served, look: Look, name: str, lever: str
+) -> None:
+    page = opened(look, shared, name)
+    assert travel(page, lever) >= 300.0
+    box = box_of(page.locator(f"order-lever[name={lever}] .groove"))
+    assert max(box["width"], box["height"]) >= 300.0
+    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+
+
+# Where the scale of a dial and the knob of its lever stand, by angles; set and read at one moment.
+SCALE: Final = """(name) => {
+  const lever = document.querySelector(`order-lever[name=${name}]`);
+  const dial = lever.querySelector("angle-dial");
+  const place = (part, x, y) => {
+    const at = new DOMPoint(x, y).matrixTransform(part.getScreenCTM());
+    return [at.x, at.y];
+  };
+  const ticks = [...dial.querySelectorAll(".tick:not(.minor)")].map((tick) =>
+    place(tick, tick.x1.baseVal.value, tick.y1.baseVal.value));
+  const pointer = dial.querySelector(".pointer");
+  const found = [-30, -20, -10, 0, 10, 20, 30].map((angle, at) => {
+    lever.set(angle);
+    dial.show(angle);
+    const knob = lever.querySelector(".knob").getBoundingClientRect();
+    return {
+      tick: ticks[at],
+      pointer: place(pointer, 0, 0),
+      knob: [knob.x + knob.width / 2, knob.y + knob.height / 2],
+    };
+  });
+  const panel = lever.closest("section").getBoundingClientRect();
+  return { found, panel: [panel.width, panel.height] };
+}"""
+
+
+@pytest.mark.usefixtures("instructor")
+@pytest.mark.parametrize("size", [PHONE, (768, 1024), (1366, 768), (1920, 1080)])
+def test_the_rudders_lever_is_the_lower_rim_of_an_arc_across_the_panel_on_one_scale(
+    shared: Served, look: Look, size: tuple[int, int]
+) -> None:
+    seen = opened(look, shared, "helm", size).evaluate(SCALE, "rudder")
+    found, (wide, _) = seen["found"], seen["panel"]
+    for each in found:
+        assert each["knob"][0] == pytest.approx(each["tick"][0], abs=1.0)
+        assert each["pointer"][0] == pytest.approx(each["tick"][0], abs=1.5)
+        below = each["knob"][1] - each["tick"][1]
+        assert below == pytest.approx(found[3]["knob"][1] - found[3]["tick"][1], abs=1.5)
+        assert below > 24.0  # the knob does not cover the scale
+    assert found[-1]["tick"][0] - found[0]["tick"][0] >= 0.75 * wide
+    assert found[3]["tick"][1] > found[0]["tick"][1] + 30.0  # an arc, not a ruler
+    steps = [b["tick"][0] - a["tick"][0] for a, b in pairwise(found)]
+    assert max(steps) - min(steps) < 1.0
+
+
+@pytest.mark.usefixtures("instructor")
+@pytest.mark.parametrize("lever", ["stern", "bow"])
+@pytest.mark.parametrize("size", [PHONE, (768, 1024), (1366, 768), (1920, 1080)])
+def test_the_planes_lever_lies_on_the_chord_of_its_dial_twice_as_large_as_it_was(
+    shared: Served, look: Look, lever: str, size: tuple[int, int]
+) -> None:
+    seen = opened(look, shared, "planes", size).evaluate(SCALE, lever)
+    found, (_, high) = seen["found"], seen["panel"]
+    for each in found:
+        assert each["knob"][1] == pytest.approx(each["tick"][1], abs=1.0)
+        assert each["pointer"][1] == pytest.approx(each["tick"][1], abs=1.5)
+        assert each["knob"][0] == pytest.approx(found[0]["knob"][0], abs=0.5)  # a straight groove
+    assert found[0]["tick"][0] == pytest.approx(found[-1]["tick"][0], abs=0.5)  # beside a chord
+    bulge = abs(found[3]["tick"][0] - found[0]["tick"][0])
+    assert bulge > (3.0 if size == PHONE else 20.0)
+    chord = found[0]["tick"][1] - found[-1]["tick"][1]
+    assert chord >= 0.45 * high
+    assert chord >= 262.0  # [px] the dial's chord was 131 on a laptop of 1366 px
+
+
+LARGEST: Final = """() => {
+  const drawn = (each) => {
+    const { width, height } = each.getBoundingClientRect();
+    const view = each.viewBox.baseVal;
+    return view && view.width ? Math.min(width, height * view.width / view.height) : 0;
+  };
+  const others = [...document.querySelectorAll(".gauge > svg")].filter((each) =>
+    each.checkVisibility() && !each.closest("order-lever")).map(drawn);
+  const own = [...document.querySelectorAll("order-lever .groove")].map((each) =>
+    each.getTotalLength());
+  return [Math.min(...own), Math.max(...others)];
+}"""
+
+
+@pytest.mark.usefixtures("instructor")
+@pytest.mark.parametrize("name", ["helm", "planes"])
+def test_the_own_control_is_the_biggest_instrument_of_its_page(
+    shared: Served, look: Look, name: str
+) -> None:
+    for size in (PHONE, (768, 1024), (1366, 768), (1920, 1080)):
+        page = opened(look, shared, name, size)
+        own, other = page.evaluate(LARGEST)
+        assert own > other, f"{name} at {size}: {own:.0f} px, another {other:.0f} px"
+        page.context.close()
+
+
+# Each text that is seen, with its size on the glass: the scale of an SVG counts.
+TEXTS: Final = """() => {
+  const found = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const node = walker.currentNode.parentElement;
+    const words = walker.currentNode.data.trim();
+    const seen = { visibilityProperty: true, opacityProperty: true };
+    if (!words || node.closest(".unseen, option, script, template")) continue;
+    if (!node.checkVisibility(seen)) continue;
+    const { width, height } = node.getBoundingClientRect();
+    if (width < 2 || height < 2) continue;
+    let size = parseFloat(getComputedStyle(node).fontSize);
+    if (node.closest("svg")) {
+      const { a, b, c, d } = node.getScreenCTM();
+      size *= Math.min(Math.hypot(a, b), Math.hypot(c, d));
+    }
+    found.push([size, words]);
+  }
+  return found;
+}"""
+
+
+def parts_of(page: Page) -> int:
+    """Return how many parts a page has of which it shows one at a time, at least one."""
+    keys = "part-keys:not([part=group]) button:visible, #tabs button:visible"
+    return max(page.locator(keys).count(), 1)
+
+
+def show_part(page: Page, part: int) -> None:
+    """Show one of the parts of a page."""
+    keys = page.locator("part-keys:not([part=group]) button:visible, #tabs button:visible")
+    if keys.count():
+        keys.nth(part).evaluate("(each) => each.click()")
+
+
+def small_texts(page: Page) -> list[Any]:
+    """Return the texts that are too small, once the page is laid out and tells scales anew."""
+    end = time.monotonic() + 5.0
+    while True:
+        page.wait_for_timeout(60)
+        texts: list[Any] = page.evaluate(TEXTS)
+        assert texts
+        small = [each for each in texts if each[0] < LEAST_TEXT_PX]
+        if not small or time.monotonic() > end:
+            return small[:5]
+
+
+@pytest.mark.usefixtures("instructor")
+@pytest.mark.parametrize("name", [page.name for page in PAGES], ids=lambda name: name or "first")
+def test_no_drawn_text_is_smaller_than_eleven_pixels_at_any_size(
+    shared: Served, look: Look, name: str
+) -> None:
+    page = look(shared, name)
+    expect(page.locator("[data-state=connecting]")).to_have_count(0)
+    page.wait_for_timeout(700)
+    for width, height in LOOKED_AT:
+        page.set_viewport_size({"width": width, "height": height})
+        for part in range(parts_of(page)):
+            show_part(page, part)
+            assert not small_texts(page), f"{name} at {width}x{height}, part {part}"
+
+
+CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]
+  .filter((each) => each.checkVisibility()).map((each) => {
+    const box = each.getBoundingClientRect();
+    const room = each.closest(".fill").getBoundingClientRect();
+    const canvas = each.querySelector("canvas").getBoundingClientRect();
+    const { left, right } = each.frame(each.begin(), each.series);
+    each.draw();
+    return { row: Math.round(box.top), left: box.left - room.left, right: room.right - box.right,
+      canvas: canvas.width / box.width, plot: (right - left) / box.width, wide: box.width };
+  })"""
+
+
+@pytest.mark.parametrize("vessel", ["bb2", "sdv-mk9"])
+@pytest.mark.parametrize("name", ["instructor", "observer"])
+def test_charts_are_as_wide_as_their_panel(
+    serve: Serve, look: Look, name: str, vessel: str
+) -> None:
+    served = serve("--vessel", vessel)
+    page = look(served, name)
+    if name == "instructor":
+        window = page.locator("#exercise")
+        expect(window).to_be_visible()  # it opens by itself at the start
+        window.evaluate("(each) => each.close()")
+        expect(window).to_be_hidden()
+    for width, height in (PHONE, (768, 1024), (1366, 768), (1920, 1080)):
+        page.set_viewport_size({"width": width, "height": height})
+        expect(page.locator("[data-state=connecting]")).to_have_count(0)
+        words = page.get_by_role("button", name="Charts", exact=True)
+        if words.count() and words.is_visible():
+            words.click()
+        page.wait_for_function("() => document.querySelector('strip-chart')?.series")
+        page.wait_for_timeout(700)
+        charts = page.evaluate(CHARTS)
+        assert len(charts) >= 4
+        for row in {each["row"] for each in charts}:
+            beside = [each for each in charts if each["row"] == row]
+            assert min(each["left"] for each in beside) < 2.0
+            assert min(each["right"] for each in beside) < 2.0, f"{width}x{height}"
+        for each in charts:
+            assert each["canvas"] == pytest.approx(1.0, abs=0.02)
+            assert each["plot"] > 0.75, (width, height, each)

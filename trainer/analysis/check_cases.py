@@ -1,0 +1,235 @@
+"""Check cases flown, and laid beside what other programs give for them.
+
+The first run of a case is the one that all else is laid beside, unless the case says another. A
+difference is told with the spread that the case states; who is right, nobody can read off it.
+"""
+
+import math
+import time
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.helm import obey_order
+from trainer.boat.world.world import world_of
+from trainer.config.check_case import (
+    ANGLE_CHANNELS,
+    CASE_CHANNELS,
+    TIME_COLUMN,
+    CaseRun,
+    CheckCase,
+    load_case,
+    read_outputs,
+)
+from trainer.config.files import ConfigError, nearest
+from trainer.core.kernel import Numbers
+from trainer.debrief.rehearsal import stretches
+from trainer.io.orders.grammar import Refused
+
+STORED_DIGITS: Final = 8  # significant, of outputs in a file of ours
+TURN_DEG: Final = 360.0  # [deg]
+
+
+@dataclass(frozen=True)
+class CaseOutputs:
+    """The outputs of one run, at the times of its case."""
+
+    name: str
+    columns: Mapping[str, Numbers]  # by channel, in its unit
+    ticks: int = 0  # flown; 0: they were read from a file
+    seconds: float = 0.0  # [s] of this machine that the flight took
+    changed: tuple[str, ...] = ()  # channels that are not as the file of this run has them
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The largest difference of a channel between two runs, in its unit."""
+
+    channel: str
+    largest: float
+    at_s: float
+    spread: float  # as the case states it
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One run laid beside another."""
+
+    run: str
+    beside: str
+    stated: bool  # whether the case says the spread of this run, not only of sound runs in general
+    differences: tuple[Difference, ...]
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """Return the channels that differ by more than the spread."""
+        return tuple(each.channel for each in self.differences if each.largest > each.spread)
+
+
+@dataclass(frozen=True)
+class CaseFlight:
+    """A case with all its runs, and what lies between them."""
+
+    case: CheckCase
+    runs: tuple[CaseOutputs, ...]
+    comparisons: tuple[Comparison, ...]  # of the case's own runs
+    others: tuple[Comparison, ...]  # of files from elsewhere
+
+    @property
+    def as_stated(self) -> bool:
+        """Return whether the case's own runs are as its files and its spreads say."""
+        changed = any(run.changed for run in self.runs)
+        return not changed and not any(each.beyond for each in self.comparisons)
+
+
+def fly_cases(paths: Sequence[Path], others: Sequence[Path] = ()) -> list[CaseFlight]:
+    """Return cases flown, files of other programs laid beside them.
+
+    A file NAME.csv or NAME.PROGRAM.csv is of the case NAME; with such files only their cases are
+    flown. ConfigError if a case or file is wrong.
+    """
+    by_case: dict[str, list[Path]] = defaultdict(list)
+    names = [path.stem for path in paths]
+    for other in others:
+        name = other.name.partition(".")[0]
+        if name not in names:
+            raise ConfigError(
+                f"--with {other}: no case {name!r}{nearest(name, names)}; name the file after its "
+                f"case, CASE.csv or CASE.PROGRAM.csv: {', '.join(names)}"
+            )
+        by_case[name].append(other)
+    cases = [load_case(path) for path in paths if not others or path.stem in by_case]
+    return [fly_case(case, by_case[case.name]) for case in cases]
+
+
+def fly_case(case: CheckCase, others: Sequence[Path] = ()) -> CaseFlight:
+    """Return a case with its runs flown or read, others' files laid beside the first."""
+    runs = {run.name: outputs_of(case, run) for run in case.runs}
+    first = case.runs[0].name
+    strangers = [
+        CaseOutputs(path.name, read_outputs(path, case.times, [*case.spread])) for path in others
+    ]
+    return CaseFlight(
+        case=case,
+        runs=(*runs.values(), *strangers),
+        comparisons=tuple(
+            compare(case, runs[run.name], runs[run.beside or first], run.spread)
+            for run in case.runs[1:]
+        ),
+        others=tuple(compare(case, other, runs[first]) for other in strangers),
+    )
+
+
+def outputs_of(case: CheckCase, run: CaseRun) -> CaseOutputs:
+    """Return the outputs of a run: flown, or those of its file."""
+    path = None if run.file is None else case.path.parent / run.file
+    if run.integrator is None and path is not None:
+        return CaseOutputs(run.name, read_outputs(path, case.times, [*case.spread]))
+    flown = fly_run(case, run)
+    if path is None:
+        return flown
+    stored = read_outputs(path, case.times, [*case.spread])
+    changed = [
+        name
+        for name, values in stored.items()
+        if any(map(float.__ne__, map(stored_number, flown.columns[name]), values.tolist()))
+    ]
+    return CaseOutputs(flown.name, flown.columns, flown.ticks, flown.seconds, tuple(changed))
+
+
+def stored_number(value: float) -> float:
+    """Return a number as the file of a run of ours has it."""
+    return float(f"{value:.{STORED_DIGITS}g}")
+
+
+def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
+    """Return a run flown; ConfigError if an order is refused, or the boat lost."""
+    step = run.step_s or 0.0
+    method = Method(
+        case.heading.equations, run.rates or "exact", "exact", run.integrator or "", step
+    )
+    boat = Boat(case.boat, method)
+    boat.world = world_of(boat, case.world)
+    boat.sea = case.sea
+    start = {
+        CASE_CHANNELS[name].state: value / CASE_CHANNELS[name].factor
+        for name, value in case.start.items()
+    }
+    boat.start_from(start, int(case.heading.seed))
+    boat.meet_world()
+    places = np.array([STATE_PLACES[CASE_CHANNELS[name].state] for name in case.spread], np.int64)
+    due: dict[int, list[int]] = defaultdict(list)
+    for i, entry in enumerate(case.orders):
+        due[math.ceil(entry.seconds / step - 1e-9)].append(i)
+    ticks = round(case.heading.duration_s / step)
+    rows = np.empty((ticks + 1, places.size))
+    rows[0] = boat.records.state.view(np.float64)[places]
+    boat.fly(places, rows[:0])  # its machine code is loaded here, and not timed
+    begun = time.perf_counter()
+    with np.errstate(all="ignore"):  # a lost boat is told below
+        for tick, until in stretches(0, ticks, due):
+            _give_orders(case, boat, due.get(tick, ()))
+            if status := boat.fly(places, rows[tick + 1 : until + 1]):
+                raise case.problem(f"run {run.name}: {boat.failure(status)}")
+    spent = time.perf_counter() - begun
+    rows = rows[:: round(case.heading.sample_s / step)]
+    columns = {name: rows[:, i] * CASE_CHANNELS[name].factor for i, name in enumerate(case.spread)}
+    return CaseOutputs(run.name, columns, ticks, spent)
+
+
+def _give_orders(case: CheckCase, boat: Boat, places: Sequence[int]) -> None:
+    """Give orders of a case; ConfigError with the line of one that is refused."""
+    for i in places:
+        order = case.orders[i].order
+        reply = obey_order(boat, order)
+        if isinstance(reply, Refused):
+            raise case.problem(f"[orders[{i}]] order = {order.text!r}: refused: {reply.reason}")
+
+
+def compare(
+    case: CheckCase,
+    outputs: CaseOutputs,
+    beside: CaseOutputs,
+    spread: Sequence[float] | None = None,
+) -> Comparison:
+    """Return the largest differences of the channels that both runs have."""
+    spreads = dict(zip(case.spread, spread or case.spread.values(), strict=True))
+    differences = []
+    for name in outputs.columns:
+        if name not in beside.columns:
+            continue
+        size = np.abs(outputs.columns[name] - beside.columns[name])
+        if name in ANGLE_CHANNELS:
+            size = np.minimum(size % TURN_DEG, TURN_DEG - size % TURN_DEG)
+        place = int(np.argmax(size))
+        at = float(case.times[place])
+        differences.append(Difference(name, float(size[place]), at, spreads[name]))
+    return Comparison(outputs.name, beside.name, spread is not None, tuple(differences))
+
+
+def outputs_text(case: CheckCase, outputs: CaseOutputs) -> str:
+    """Return the CSV text of a run, as files of check cases are written."""
+    lines = [",".join((TIME_COLUMN, *case.spread))]
+    for i, t in enumerate(case.times):
+        row = (f"{outputs.columns[name][i] + 0.0:.{STORED_DIGITS}g}" for name in case.spread)
+        lines.append(",".join((f"{t:.10g}", *row)))
+    return "\n".join(lines) + "\n"
+
+
+def case_figures(flights: Sequence[CaseFlight]) -> dict[str, Any]:
+    """Return the figures of cases by their names, for JSON."""
+    return {
+        flight.case.name: {
+            "as_stated": flight.as_stated,
+            "ticks": {run.name: run.ticks for run in flight.runs},
+            "changed": {run.name: run.changed for run in flight.runs},
+            "comparisons": [asdict(each) for each in (*flight.comparisons, *flight.others)],
+        }
+        for flight in flights
+    }

@@ -1,0 +1,260 @@
+"""Crews of graded skill, made from an exercise's reference crew, and crews that are silly.
+
+``validation`` flies exercises with them, to see whether the marks order skill and give none away.
+A trainee follows the rules of the reference crew with its hands, but late and with faults. A silly
+crew gives orders that know nothing of the exercise. Its marks must be next to none.
+"""
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import InstrumentReadings
+from trainer.boat.crew_hands import GaugeHistory
+from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew, RuleProgress
+from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRow, CrewRule
+from trainer.io.orders.grammar import Order, parse
+from trainer.session.manning import in_hand
+from trainer.session.plan import Plan
+
+GLANCE_S: Final = 5.0  # [s] for which a gauge is misread alike
+GLANCE_COUNT: Final = 997  # misreadings that are drawn; after the last comes the first again
+LATE_SPREAD: Final = 0.2  # [-] of a delay, either way
+MISREAD_TURN_RAD: Final = np.pi / 2.0  # of which a share is misread of the heading
+HAND_ORDER: Final = re.compile(r"(stern planes|bow planes|rudder) (rise|dive|left|right) (\d+)")
+ZERO_WORDS: Final = {"rudder": "amidships", "stern planes": "zero", "bow planes": "zero"}
+OPPOSITE_WORDS: Final = (  # the first that an order has is turned round
+    ("aft", "forward"),
+    ("rise", "dive"),
+    ("left", "right"),
+    ("flood", "pump"),
+)
+FORGOTTEN_ORDER: Final = GivenOrder("", "")
+
+
+@dataclass(frozen=True)
+class Skill:
+    """What a crew does less well than the reference crew."""
+
+    name: str
+    late_s: float = 0.0  # [s] beyond the rules
+    step_deg: int = 1  # in which hands set planes and rudder
+    misread_share: float = 0.0  # [-] of what a gauge shows to the hands, at most
+    forgets: int = 0  # one order in so many is never given
+    wrong_s: float = 0.0  # [s] for which the first order of each control goes the wrong way
+
+    def reaction(self, seed: int) -> CrewReaction:
+        """Return how slow this crew is, its delays spread by LATE_SPREAD."""
+        spread = LATE_SPREAD * self.late_s
+        return CrewReaction(self.late_s - spread, 2.0 * spread, seed)
+
+
+# fmt: off
+# Each grade has more of all faults than the one before it. The figures are an estimate.
+GRADED_CREWS: Final = (
+    Skill("reference crew"),
+    Skill("good", late_s=5.0),
+    Skill("fair", late_s=15.0, step_deg=2, misread_share=0.02),
+    Skill("weak", late_s=30.0, step_deg=3, misread_share=0.035),
+    Skill("beginner", late_s=60.0, step_deg=5, misread_share=0.05, forgets=5, wrong_s=10.0),
+)
+LATE_CREWS: Final = (
+    Skill("late 5 s alone", late_s=5.0),
+    Skill("late 15 s alone", late_s=15.0),
+    Skill("late 30 s alone", late_s=30.0),
+    Skill("late 60 s alone", late_s=60.0),
+)
+FAULTY_CREWS: Final = (
+    Skill("hands in steps of 5 deg alone", step_deg=5),
+    Skill("gauges misread by 5 % alone", misread_share=0.05),
+    Skill("one order in five forgotten alone", forgets=5),
+    Skill("wrong way for 10 s first alone", wrong_s=10.0),
+)
+# fmt: on
+ALL_CREWS: Final = (*GRADED_CREWS, *LATE_CREWS, *FAULTY_CREWS)
+
+
+class MisreadGauges(GaugeHistory):
+    """Gauges that are read wrong at each glance, by a share drawn anew."""
+
+    def __init__(self, boat: Boat, share: float, seed: int) -> None:
+        super().__init__(boat)
+        self.draws = share * np.random.default_rng(seed).uniform(-1.0, 1.0, GLANCE_COUNT)
+
+    def _wrong(self) -> float:
+        return float(self.draws[int(self.boat.time / GLANCE_S) % GLANCE_COUNT])
+
+    def mean(self, name: str, seconds: float) -> float:
+        """Return the mean of a gauge over the last seconds, misread."""
+        return super().mean(name, seconds) * (1.0 + self._wrong())
+
+    def now(self) -> InstrumentReadings:
+        """Return the last readings, the heading misread."""
+        readings = super().now()
+        return readings._replace(heading=readings.heading + self._wrong() * MISREAD_TURN_RAD)
+
+
+class Trainee(ReferenceCrew):
+    """The reference crew of an exercise, with the faults of a skill."""
+
+    def __init__(
+        self, skill: Skill, boat: Boat, crew: Crew, reaction: CrewReaction | None = None
+    ) -> None:
+        """Come aboard. The seed of the reaction draws which glances and orders go wrong, too."""
+        super().__init__(boat, crew, reaction)
+        seed = self.reaction.seed
+        self.skill, self.said = skill, seed
+        self.corrections: dict[str, RuleProgress] = {}  # of what went the wrong way, by control
+        if skill.misread_share:
+            self.gauges = MisreadGauges(boat, skill.misread_share, seed)
+
+    def look(self) -> list[GivenOrder]:
+        """Follow the rules and the hands, and put right what was ordered the wrong way.
+
+        The right order waits in ``corrections`` as one more rule, which is due ``wrong_s`` later.
+        """
+        given = [each for each in super().look() if each is not FORGOTTEN_ORDER]
+        self.followed += [each for each in self.corrections.values() if each not in self.followed]
+        return given
+
+    def _shown(self, quantity: str, mean: float) -> float:
+        # rules read right: of many wrong glances one passes a threshold early, which is no fault
+        if quantity in ("depth", "speed"):
+            return GaugeHistory.mean(self.gauges, quantity, mean)
+        if quantity == "course":
+            return GaugeHistory.now(self.gauges).heading % math.tau
+        return super()._shown(quantity, mean)
+
+    def _carry_out(self, progress: RuleProgress) -> GivenOrder:
+        order = progress.rule.order
+        if order.name in (*CREW_HANDS, MARK_ORDER):
+            return super()._carry_out(progress)
+        self.count(progress)
+        return self._say(order.text)
+
+    def _give(self, text: str) -> GivenOrder:
+        return self._say(coarse_order(text, self.skill.step_deg))
+
+    def _say(self, text: str) -> GivenOrder:
+        """Give an order, or forget it, or give its opposite first."""
+        self.said += 1
+        if self.skill.forgets and self.said % self.skill.forgets == 0:
+            return FORGOTTEN_ORDER
+        control = text.partition(" ")[0]
+        if control in self.corrections:
+            self.corrections[control].over, self.corrections[control].due = True, None
+        right = parse(text)
+        if self.skill.wrong_s and control not in self.corrections and isinstance(right, Order):
+            rule = CrewRule(row=CrewRow(order=text), conditions=(), order=right)
+            self.corrections[control] = RuleProgress(rule, self.boat.time + self.skill.wrong_s)
+            text = opposite_order(text)
+        return super()._give(text)
+
+
+def coarse_order(text: str, step: int) -> str:
+    """Return a hand's order in whole steps [deg]."""
+    match = HAND_ORDER.fullmatch(text)
+    if match is None or step == 1:
+        return text
+    angle = step * round(int(match[3]) / step)
+    return f"{match[1]} {match[2]} {angle}" if angle else f"{match[1]} {ZERO_WORDS[match[1]]}"
+
+
+def opposite_order(text: str) -> str:
+    """Return an order with its side turned round; the order itself if it has none."""
+    for pair in OPPOSITE_WORDS:
+        for word, other in (pair, pair[::-1]):
+            turned = re.sub(rf"\b{word}\b", other, text)
+            if turned != text and isinstance(parse(turned), Order):
+                return turned
+    return text
+
+
+# Silly crews
+
+
+class Moment(Enum):
+    """The moments at which a silly crew orders something."""
+
+    BEGIN = "begin"  # once, BEGIN_S after the start
+    EVENT = "event"  # ANSWER_S after each order to the crew, and each casualty
+    EVER = "ever"  # one of its orders each TWITCH_S, in turn
+
+
+BEGIN_S, ANSWER_S, TWITCH_S = 61.0, 6.0, 4.0  # [s]
+FIRST_TWITCH_S: Final = 60.0  # [s]
+
+
+class SillyPolicy(NamedTuple):
+    """Orders that know nothing of the exercise.
+
+    In a text ``;`` parts orders of one moment; Moment.EVER takes the texts in turn.
+    """
+
+    name: str
+    moment: Moment
+    orders: tuple[str, ...]
+
+
+AUTOMATIC_ORDERS: Final = (
+    "planes auto; rudder auto; autopilot on; trim auto; hover on; depth 60; course 0; speed 8"
+)
+# fmt: off
+SILLY_POLICIES: Final = (
+    SillyPolicy("nobody", Moment.BEGIN, ()),
+    SillyPolicy("run away", Moment.BEGIN, ("bell ahead flank; rudder right 20",)),
+    SillyPolicy("circle right", Moment.BEGIN, ("rudder right 30",)),
+    SillyPolicy("circle left", Moment.BEGIN, ("rudder left 30",)),
+    SillyPolicy("surface", Moment.BEGIN, ("surface",)),
+    SillyPolicy("surface at each event", Moment.EVENT, ("surface",)),
+    SillyPolicy("emergency blow", Moment.BEGIN, ("emergency blow",)),
+    SillyPolicy("emergency blow at each event", Moment.EVENT, ("emergency blow",)),
+    SillyPolicy("all stop", Moment.BEGIN, ("bell stop",)),
+    SillyPolicy("all stop at each event", Moment.EVENT, ("bell stop",)),
+    SillyPolicy("full astern", Moment.BEGIN, ("bell astern full",)),
+    SillyPolicy("full astern at each event", Moment.EVENT, ("bell astern full",)),
+    SillyPolicy("full ahead", Moment.BEGIN, ("bell ahead full",)),
+    SillyPolicy("full ahead at each event", Moment.EVENT, ("bell ahead full",)),
+    SillyPolicy("hover by propeller", Moment.BEGIN, ("bell ahead one-third",)),
+    SillyPolicy("dive", Moment.BEGIN, ("stern planes dive 10; bow planes dive 20",)),
+    SillyPolicy("rise", Moment.BEGIN, ("stern planes rise 10; bow planes rise 20",)),
+    SillyPolicy("flood 5 t", Moment.BEGIN, ("flood depth-control 5",)),
+    SillyPolicy("pump 5 t", Moment.BEGIN, ("pump depth-control 5",)),
+    SillyPolicy("order and take back", Moment.EVENT, ("depth 60; planes manual",)),
+    SillyPolicy("all automatic", Moment.EVENT, (AUTOMATIC_ORDERS,)),
+    SillyPolicy("words only", Moment.EVENT, ("order depth 60; order course 0",)),
+    SillyPolicy("useless answer", Moment.EVENT, ("bow planes rise 1",)),
+    SillyPolicy("hunting", Moment.EVER, (
+        "stern planes dive 4; rudder left 4", "stern planes rise 4; rudder right 4")),
+    SillyPolicy("hunting, hard", Moment.EVER, (
+        "stern planes dive 15; rudder left 15", "stern planes rise 15; rudder right 15")),
+)
+# fmt: on
+
+
+def silly_orders(policy: SillyPolicy, plan: Plan) -> Iterator[tuple[float, Order]]:
+    """Yield times [s] and orders of a silly crew, without what a station would refuse."""
+    for i, seconds in enumerate(_moments(policy.moment, plan)):
+        for text in policy.orders[i % len(policy.orders)].split("; ") if policy.orders else ():
+            order = parse(text)
+            if not isinstance(order, Order):
+                continue
+            if seconds < plan.hand_from or in_hand(order, plan.hand, plan.allowed) is None:
+                yield seconds, order
+
+
+def _moments(moment: Moment, plan: Plan) -> tuple[float, ...]:
+    """Return the times [s] of a moment in a plan that has an end."""
+    end: Any = plan.duration
+    if moment is Moment.BEGIN:
+        return (BEGIN_S,)
+    if moment is Moment.EVER:
+        return tuple(np.arange(FIRST_TWITCH_S, end, TWITCH_S))
+    events = {e.seconds for e in plan.schedule if e.order.name in ("order", "tell", "casualty")}
+    return tuple(sorted(each + ANSWER_S for each in events))

@@ -1,0 +1,230 @@
+"""The command ``trainer exercise validate`` says whether the marks of an exercise order skill.
+
+Crews of graded skill fly it, each at some seeds, and silly crews do. Marks are worth something
+where a better crew has more of them, and a silly one has few: docs/exercises.md, "Do the marks
+order skill?".
+"""
+
+import statistics
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.exercise_page import depends_on_seed, plan_exercise
+from trainer.analysis.trainees import (
+    ALL_CREWS,
+    GRADED_CREWS,
+    LATE_CREWS,
+    SILLY_POLICIES,
+    SillyPolicy,
+    Skill,
+    Trainee,
+    silly_orders,
+)
+from trainer.analysis.workers import worker_pool
+from trainer.boat.boat import Boat
+from trainer.config.baseline import digest_of
+from trainer.config.files import ConfigError, path_named, read_text
+from trainer.core.cache import core_digest
+from trainer.debrief.attainable import orders_beside_crew
+from trainer.debrief.judgement import judge_run, plain_marks
+from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.io.recording.facts import REFERENCE_GIVER
+from trainer.io.recording.queries import RecordedOrder
+from trainer.session.plan import Plan
+
+LEAST_CORRELATION: Final = 0.9  # [-] of marks with skill
+MAX_SILLY_MARKS: Final = 40.0  # [%]
+LEAST_REFERENCE_MARKS: Final = 97.0  # [%] at the exercise's own seed
+SILLY_SEEDS: Final = 3  # at most; a silly crew draws nothing itself
+
+
+@dataclass(frozen=True)
+class SeedTrial:
+    """The marks [%] of all crews at one seed; 0 where a run is void."""
+
+    exercise: str
+    seed: int
+    skilled: Mapping[str, float]  # by the crew's name
+    silly: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Validation:
+    """The marks of one exercise, by crew, and what they are worth."""
+
+    exercise: str
+    seeds: tuple[int, ...]  # its own first
+    skilled: Mapping[str, tuple[float, ...]]  # [%] by the crew's name, for each seed
+    silly: Mapping[str, float]  # [%] the most over the seeds flown
+    correlation: float  # [-] of marks with skill, over the grades
+    late_correlation: float  # [-] the same, of crews that are only late
+    swapped: float  # [-] share of pairs of neighbouring grades in which the worse has more
+    digest: str  # of the exercise's text
+
+    @property
+    def best_silly(self) -> str:
+        """Return the silly crew with the most marks."""
+        return max(self.silly, key=lambda name: self.silly[name])
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """Return what is wrong with the marks, nothing if they order skill."""
+        reference = self.skilled[GRADED_CREWS[0].name][0]
+        nobody, silly = self.silly[SILLY_POLICIES[0].name], self.silly[self.best_silly]
+        found = {
+            f"rank correlation {self.correlation:.2f}, not {LEAST_CORRELATION:g}": (
+                self.correlation < LEAST_CORRELATION
+            ),
+            f"{self.best_silly} has {silly:.0f} marks, not {MAX_SILLY_MARKS:g} at most": (
+                silly > MAX_SILLY_MARKS
+            ),
+            f"nobody aboard has {nobody:.0f} marks, not 0": nobody > 0.0,
+            f"the reference crew has {reference:.0f} marks, not {LEAST_REFERENCE_MARKS:g}": (
+                reference < LEAST_REFERENCE_MARKS
+            ),
+        }
+        return tuple(fault for fault, there in found.items() if there)
+
+
+def rank_correlation(first: Sequence[float], second: Sequence[float]) -> float:
+    """Return Spearman's rank correlation of two rows; equal values share their mean rank.
+
+    It is 0 where a row is all equal, because then nothing is ordered.
+    """
+    ranks = np.array([_ranks(np.asarray(row, float)) for row in (first, second)])
+    off = ranks - ranks.mean(axis=1, keepdims=True)
+    scale = float(np.sqrt(np.prod((off**2).sum(axis=1))))
+    return float((off[0] * off[1]).sum()) / scale if scale else 0.0
+
+
+def _ranks(values: np.ndarray) -> np.ndarray:
+    """Return the rank of each value, from 0; of equal ones the mean of theirs."""
+    below = (values[:, None] > values).sum(axis=1)
+    alike = (values[:, None] == values).sum(axis=1)
+    return np.asarray(below + 0.5 * (alike - 1))
+
+
+def swapped_share(rows: Sequence[Sequence[float]]) -> float:
+    """Return in what share of pairs of neighbouring rows, best first, the worse has more."""
+    pairs = [worse > better for one, next_ in pairwise(rows) for better in one for worse in next_]
+    return statistics.fmean(pairs) if pairs else 0.0
+
+
+def validate_exercises(
+    names: Sequence[str], count: int, cores: int, progress: Callable[[int], object]
+) -> Iterator[Validation]:
+    """Yield the validation of each exercise, flown at ``count`` seeds.
+
+    ConfigError before the first flight if one cannot be validated.
+    """
+    tasks = [task for name in names for task in trial_seeds(name, count)]
+    trials: dict[str, list[SeedTrial]] = defaultdict(list)
+    for trial in _fly_all(tasks, cores):
+        progress(1)
+        trials[trial.exercise].append(trial)
+        if len(trials[trial.exercise]) == count:
+            yield validation_of(trials.pop(trial.exercise))
+
+
+def _fly_all(tasks: list[tuple[str, int, bool]], cores: int) -> Iterator[SeedTrial]:
+    """Yield the trials in the order of the tasks."""
+    if min(cores, len(tasks)) < 2:
+        yield from (fly_trial(*task) for task in tasks)
+        return
+    with worker_pool(min(cores, len(tasks))) as pool:
+        yield from pool.map(fly_trial, *zip(*tasks, strict=True))
+
+
+def trial_seeds(name: str, count: int) -> list[tuple[str, int, bool]]:
+    """Return the exercise with its own seed and others, and whether silly crews fly there.
+
+    ConfigError if it has no end, no reference crew or no marks.
+    """
+    plan = plan_exercise(name)
+    if not plan.crew.rules:
+        raise ConfigError(f"{name}: lacks a reference crew, [[crew]]: there is no skill to grade")
+    if not plan.scores:
+        raise ConfigError(f"{name}: lacks [[scores]]: there are no marks to validate")
+    seeds = [plan.seed, *(seed for seed in range(1, count + 1) if seed != plan.seed)][:count]
+    silly = SILLY_SEEDS if depends_on_seed(name, plan) else 1
+    return [(name, seed, i < silly) for i, seed in enumerate(seeds)]
+
+
+def fly_trial(name: str, seed: int, with_silly: bool) -> SeedTrial:  # noqa: FBT001 (of a task)
+    """Return the marks of all crews at one seed."""
+    plan = plan_exercise(name, seed)
+    alone = fly_rehearsal(plan)
+    nobody = plain_marks(alone.trajectory, plan)
+
+    def marks(flight: Rehearsal) -> float:
+        return judge_run(flight.trajectory, plan, nobody).total or 0.0
+
+    skilled = {crew.name: marks(fly_skilled(plan, crew, seed)) for crew in ALL_CREWS}
+    policies = SILLY_POLICIES if with_silly else ()
+    silly = {each.name: marks(fly_silly(plan, each, alone)) for each in policies}
+    return SeedTrial(name, seed, skilled, silly)
+
+
+def fly_skilled(plan: Plan, skill: Skill, seed: int) -> Rehearsal:
+    """Return an exercise flown by its reference crew with the faults of a skill."""
+    return fly_rehearsal(plan, plan.crew, skill.reaction(seed), partial(Trainee, skill))
+
+
+def fly_silly(plan: Plan, policy: SillyPolicy, alone: Rehearsal) -> Rehearsal:
+    """Return an exercise flown by a silly crew. ``alone`` is it with nobody aboard."""
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    orders = {
+        tick: list(given) for tick, given in orders_beside_crew(alone.trajectory, plan).items()
+    }
+    for seconds, order in silly_orders(policy, plan):
+        tick = round(seconds / plan.method.step)
+        entry = RecordedOrder(0, 1, tick, REFERENCE_GIVER, order.text, None, None, "")
+        orders.setdefault(tick, []).append(entry)
+    return fly(plan, Departure(0, boat.records.state.copy()), orders)[0]
+
+
+def validation_of(trials: Sequence[SeedTrial]) -> Validation:
+    """Return what the trials of one exercise say, its own seed's first."""
+    skilled = {name: tuple(each.skilled[name] for each in trials) for name in trials[0].skilled}
+    name = trials[0].exercise
+    return Validation(
+        exercise=name,
+        seeds=tuple(each.seed for each in trials),
+        skilled=skilled,
+        silly={
+            policy.name: max(each.silly[policy.name] for each in trials if each.silly)
+            for policy in SILLY_POLICIES
+        },
+        correlation=_order(skilled, GRADED_CREWS),
+        late_correlation=_order(skilled, (GRADED_CREWS[0], *LATE_CREWS)),
+        swapped=swapped_share([skilled[grade.name] for grade in GRADED_CREWS]),
+        digest=digest_of(read_text(path_named(name, "exercises"))),
+    )
+
+
+def _order(skilled: Mapping[str, Sequence[float]], crews: Sequence[Skill]) -> float:
+    """Return the rank correlation of marks with skill, of crews from the best to the worst."""
+    pairs = [(-i, mark) for i, crew in enumerate(crews) for mark in skilled[crew.name]]
+    skills, marks = zip(*pairs, strict=True)
+    return rank_correlation(skills, marks)
+
+
+def validation_data(found: Sequence[Validation]) -> dict[str, Any]:
+    """Return validations as figures for JSON."""
+    rows = [
+        {
+            **{key: value for key, value in vars(each).items() if key != "digest"},
+            "exercise_digest": each.digest,
+            "best_silly": each.best_silly,
+            "faults": each.faults,
+        }
+        for each in found
+    ]
+    return {"core": core_digest(), "exercises": rows}

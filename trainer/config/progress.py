@@ -1,0 +1,198 @@
+"""What each trainee has done so far, in one file a trainee.
+
+The files lie beside the folder of recordings. ``debrief/progress`` adds a run when its exercise has
+ended. The menu of ``trainer run`` and ``trainer recordings`` read them. A file that cannot be read
+is never written over: it is set aside under another name, and that is told.
+"""
+
+import contextlib
+import json
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from itertools import count
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
+
+from trainer.config.course import Lesson
+from trainer.config.files import ConfigError, quote
+from trainer.io.atomic_write import write_whole
+from trainer.io.file_lock import holding
+from trainer.io.paths import recordings_folder
+
+PROGRESS_SCHEMA: Final = "progress/1"
+TRAINEES_FOLDER: Final = "trainees"
+LOCK_TIMEOUT_S: Final = 10.0  # [s] for another session to have written
+LOCK_PERIOD_S: Final = 0.05  # [s] between tries
+LATEST_RUNS: Final = 5  # runs of which is told what cost most
+PASSED_OUTCOMES: Final = ("won", "done")
+BARRED_IN_NAMES: Final = frozenset("/\\\0")
+COST_KINDS: Final = ("late", "overshoot", "wrong way", "trim", "other")
+
+
+@dataclass(frozen=True)
+class ProgressRun:
+    """One run of a trainee, and what it came to."""
+
+    recording: str  # the file's name
+    branch: int
+    exercise: str  # its name, "" without one
+    title: str
+    started: str
+    seconds: float
+    outcome: str  # won, lost, not reached; of a lesson: done, ended
+    total: float | None  # [%] None: no marks
+    counts: bool = True  # neither free nor practice
+    aids: str = ""
+    costs: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))  # marks [%]
+
+    @property
+    def passed(self) -> bool:
+        """Return whether the exercise was won, or the lesson done to its last step."""
+        return self.outcome in PASSED_OUTCOMES
+
+
+@dataclass(frozen=True)
+class Progress:
+    """The runs of one trainee, oldest first."""
+
+    trainee: str
+    runs: tuple[ProgressRun, ...] = ()
+
+    def of(self, exercise: str) -> list[ProgressRun]:
+        """Return the runs of one exercise."""
+        return [each for each in self.runs if each.exercise == exercise]
+
+    def passed(self, exercise: str) -> bool:
+        """Return whether any run has passed it."""
+        return any(each.passed for each in self.of(exercise))
+
+    def following(self, offered: Iterable[Lesson]) -> Lesson | None:
+        """Return the first that has not been passed, None after the last."""
+        return next((each for each in offered if not self.passed(each.name)), None)
+
+    @property
+    def costs(self) -> dict[str, float]:
+        """Return the marks [%] that the latest runs lost, by kind."""
+        latest = [each for each in self.runs if each.total is not None][-LATEST_RUNS:]
+        return {kind: sum(each.costs.get(kind, 0.0) for each in latest) for kind in COST_KINDS}
+
+    def with_run(self, run: ProgressRun) -> "Progress":
+        """Return it with one run more, in place of the same one."""
+        place = run.recording, run.branch
+        others = (each for each in self.runs if (each.recording, each.branch) != place)
+        runs = sorted((*others, run), key=lambda each: (each.started, each.branch))
+        return replace(self, runs=tuple(runs))
+
+
+def trainees_folder() -> Path:
+    """Return the folder of the files."""
+    return recordings_folder().parent / TRAINEES_FOLDER
+
+
+def progress_path(name: str) -> Path:
+    """Return the file of a trainee; ConfigError for a name that is no file name."""
+    return trainees_folder() / f"{file_stem(name)}.json"
+
+
+def file_stem(name: str) -> str:
+    """Return a name as a file has it, however it is written; ConfigError."""
+    stem = " ".join(name.split()).casefold()
+    if not stem or stem.startswith(".") or BARRED_IN_NAMES & set(stem):
+        raise ConfigError(
+            f"--trainee {quote(name)}: is no name of a file, which a trainee's progress needs: "
+            "leave out / and \\, and a dot at its begin"
+        )
+    return stem
+
+
+def read_progress(name: str) -> Progress:
+    """Return a trainee's progress, an empty one if there is no file; ConfigError."""
+    path = progress_path(name)
+    return read_file(path) if path.exists() else Progress(name)
+
+
+def read_file(path: Path) -> Progress:
+    """Return the progress in a file. ConfigError says what is wrong with it."""
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise ConfigError(f"{path}: is damaged: it is no JSON") from None
+    schema = table.get("schema") if isinstance(table, dict) else None
+    if schema != PROGRESS_SCHEMA:
+        what = f"schema = {quote(schema)}: this version reads {quote(PROGRESS_SCHEMA)}"
+        raise ConfigError(f"{path}: {what}")
+    try:
+        return Progress(str(table["trainee"]), tuple(map(_run, table["runs"])))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise ConfigError(f"{path}: is damaged: a run in it is of another form") from None
+
+
+def _run(row: Mapping[str, Any]) -> ProgressRun:
+    known = {each.name for each in fields(ProgressRun)}
+    run = ProgressRun(**{name: value for name, value in row.items() if name in known})
+    total, costs = run.total, {str(kind): float(marks) for kind, marks in run.costs.items()}
+    numbers = {"seconds": float(run.seconds), "total": None if total is None else float(total)}
+    return replace(run, costs=costs, **numbers)  # type: ignore[arg-type]
+
+
+def all_progress() -> Iterator[Progress | ConfigError]:
+    """Yield the progress of every trainee by name, or what is wrong with a file."""
+    for path in sorted(trainees_folder().glob("*.json")):
+        try:
+            yield read_file(path)
+        except ConfigError as wrong:
+            yield wrong
+
+
+def add_run(name: str, run: ProgressRun) -> str:
+    """Add a run to a trainee's file; return what was set aside, "" for nothing. OSError."""
+    path = progress_path(name)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with _alone(path):
+        text = ""
+        try:
+            known = read_progress(name)
+        except ConfigError as wrong:
+            known, aside = Progress(name), _free_name(path)
+            path.rename(aside)
+            text = f"{wrong}; it is kept as {aside.name}, and a new one begins"
+        written = {"schema": PROGRESS_SCHEMA, "trainee": known.trainee}
+        runs = [asdict(replace(each, costs=dict(each.costs))) for each in known.with_run(run).runs]
+        write_whole(path, json.dumps({**written, "runs": runs}, indent=1) + "\n")
+    return text
+
+
+def forget_progress(name: str) -> list[Path]:
+    """Remove a trainee's file and what was set aside of it; return what was removed."""
+    path = progress_path(name)
+    files = path.parent.glob("*") if path.parent.is_dir() else iter(())
+    own = [
+        each
+        for each in files
+        if each.name in (path.name, f"{path.stem}.lock")
+        or each.name.startswith(f"{path.name}.damaged")
+    ]
+    for each in own:
+        each.unlink()
+    return [each for each in own if each.suffix != ".lock"]
+
+
+def _free_name(path: Path) -> Path:
+    names = (path.with_name(f"{path.name}.damaged{'-' * bool(n)}{n or ''}") for n in count())
+    return next(each for each in names if not each.exists())
+
+
+@contextlib.contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """Hold a trainee's file inside the block, as soon as no other session does."""
+    until = time.monotonic() + LOCK_TIMEOUT_S
+    while True:
+        with holding(path.with_suffix(".lock")) as other:
+            if not other or time.monotonic() > until:
+                yield
+                return
+        time.sleep(LOCK_PERIOD_S)

@@ -1,0 +1,92 @@
+"""A run that has ended, put into the files of its trainees (``config/progress``).
+
+A session starts it as a process of its own: python -m trainer.debrief.progress FILE BRANCH HOW. The
+marks are written first. What cost most takes longer, because the reference crew flies on from many
+moments of the run; it is added when it is known.
+"""
+
+import sys
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.config.progress import ProgressRun, add_run
+from trainer.debrief.attainable import ChangeCause, MarkChange
+from trainer.debrief.data import DebriefData, compare_debrief
+from trainer.debrief.page import read_dossier
+from trainer.io.orders.grammar import name_of
+from trainer.session.header import exercise_of
+
+TRIM_ORDERS: Final = ("flood", "pump", "trim", "drain", "hover", "negative", "compressor")
+CAUSE_KINDS: Final[Mapping[ChangeCause, str]] = {
+    ChangeCause.MISSING: "late",
+    ChangeCause.STEERING: "overshoot",
+    ChangeCause.ORDER: "wrong way",
+    ChangeCause.RECORD_ENDS: "other",
+}
+
+
+def run_of(debrief: DebriefData, how: str) -> ProgressRun:
+    """Return the entry of a run; ``how`` it ended is told where nothing decides it."""
+    verdict = debrief.final.verdict if debrief.plan.scores else None  # a lesson has no marks
+    return ProgressRun(
+        recording=debrief.source.name,
+        branch=debrief.branch.id,
+        exercise=exercise_of(debrief.header),
+        title=debrief.plan.title,
+        started=debrief.header.get("started", ""),
+        seconds=float(debrief.trajectory.seconds[-1]),
+        outcome=verdict.outcome if verdict else how,
+        total=debrief.total if debrief.plan.scores else None,
+        counts=not (debrief.free or debrief.practice),
+        aids=", ".join(debrief.aids),
+    )
+
+
+def costs_of(changes: Iterable[MarkChange]) -> dict[str, float]:
+    """Return the marks [%] that were lost, by kind.
+
+    An order that did not come, or not yet, is late; one that was wrong is the wrong way; planes and
+    rudder that were worked otherwise than by the reference crew overshoot. What concerns water is
+    trim.
+    """
+    costs: dict[str, float] = defaultdict(float)
+    for change in changes:
+        if change.marks < 0.0:
+            trims = name_of(change.order) in TRIM_ORDERS
+            costs["trim" if trims else CAUSE_KINDS[change.cause]] -= change.marks
+    return {kind: round(marks, 1) for kind, marks in costs.items()}
+
+
+def remember_run(path: Path, branch: int, how: str) -> list[str]:
+    """Put a run into the files of its trainees; return what was set aside. ConfigError, OSError."""
+    with np.errstate(all="ignore"):
+        debrief = read_dossier(path, branch)
+        if debrief.shown:  # by the reference crew
+            return []
+        run = run_of(debrief, how)
+        texts = [add_run(name, run) for name in debrief.trainees]
+        comparison = compare_debrief(debrief).compared if debrief.total is not None else None
+    if comparison is not None and comparison.curve is not None:
+        run = replace(run, costs=costs_of(comparison.curve.changes))
+        texts += [add_run(name, run) for name in debrief.trainees]
+    return [each for each in texts if each]
+
+
+def main() -> None:
+    """Remember one run, and print what its user has to know."""
+    path, branch, how = sys.argv[1:]
+    try:
+        texts = remember_run(Path(path), int(branch), how)
+    except (ConfigError, OSError) as error:
+        texts = [f"the progress is not kept: {error}"]
+    sys.stdout.write("".join(f"{text}\n" for text in texts))
+
+
+if __name__ == "__main__":
+    main()

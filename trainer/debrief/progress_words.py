@@ -1,0 +1,152 @@
+"""A trainee's way through the course for a terminal, and a class as a table.
+
+``trainer recordings`` calls it: ``--progress`` prints the way, from which a trainee sees what is
+next and what cost most; ``--csv`` writes the runs of all trainees, or of one, for a spreadsheet.
+"""
+
+import csv
+import glob
+import shutil
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+import click
+
+from trainer.config.course import Lesson, course, lessons
+from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.progress import (
+    COST_KINDS,
+    LATEST_RUNS,
+    Progress,
+    ProgressRun,
+    all_progress,
+    file_stem,
+    progress_path,
+    read_file,
+)
+from trainer.io.atomic_write import replacing
+from trainer.io.lines import plain
+
+HEIGHTS: Final = "▁▂▃▄▅▆▇█"  # of marks, from none to all
+TITLE_COLUMNS: Final = 34
+DRAWN_RUNS: Final = 12  # the latest, a column each
+WORD_COLUMNS: Final = 11  # of outcomes and kinds
+MAX_COLUMNS: Final = 80
+CSV_HEADER: Final = (
+    *("trainee", "exercise", "title", "started", "minutes", "outcome", "marks", "counts"),
+    *("aids", *(kind.replace(" ", "_") for kind in COST_KINDS), "recording", "branch"),
+)
+
+
+def progress_lines(progress: Progress, width: int = MAX_COLUMNS) -> Iterator[str]:
+    """Yield the way of a trainee: lessons, exercises, what cost most, and what is next."""
+    all_lessons, exercises = lessons(), course()
+    hours, minutes = divmod(round(sum(each.seconds for each in progress.runs) / 60.0), 60)
+    sailed = f"{len(progress.runs)} runs, {hours} h {minutes:02d} min"
+    name = plain(progress.trainee)
+    yield f"{name[: width - len(sailed) - 2]:<{width - len(sailed)}}{sailed}"
+    for title, offered in (("Lessons", all_lessons), ("Exercises", exercises)):
+        passed = [each for each in offered if progress.passed(each.name)]
+        done = "".join("■" if each in passed else "·" for each in offered)
+        yield ""
+        yield f"{title:<{WORD_COLUMNS}}{done}  {len(passed)} of {len(offered)}"
+        yield from (
+            exercise_line(each, progress.of(each.name))
+            for each in offered
+            if progress.of(each.name)
+        )
+    known = {each.name for each in (*all_lessons, *exercises)}
+    others = {each.exercise: each for each in progress.runs if each.exercise not in known}
+    for exercise, run in others.items():
+        lesson = Lesson(0.0, exercise, run.title or "sailed freely", "")
+        yield exercise_line(lesson, progress.of(exercise))
+    yield from cost_lines(progress, width)
+    following = progress.following([*all_lessons, *exercises])
+    yield ""
+    if following is None:
+        yield "Next: all is passed."
+    else:
+        yield f"Next: {following.title}"
+        yield f"      trainer run {following.name} --train --trainee {quote(name)}"
+
+
+def exercise_line(lesson: Lesson, runs: Sequence[ProgressRun]) -> str:
+    """Return the line of an exercise: best run, marks as columns, how often, aids."""
+    marked = [each.total for each in runs if each.total is not None]
+    best = max(runs, key=lambda each: (each.passed, each.total or 0.0))
+    drawn = "".join(HEIGHTS[min(int(mark / 12.5), 7)] for mark in marked[-DRAWN_RUNS:])
+    marks = f"{best.total:3.0f}" if best.total is not None else "   "
+    aids = f" with {best.aids}" if best.aids else ""
+    practice = "" if best.counts else " practice"
+    title = plain(lesson.title)[:TITLE_COLUMNS]
+    row = f"  {title:<{TITLE_COLUMNS}} {best.outcome or 'sailed':<{WORD_COLUMNS}} {marks}"
+    return f"{row} {drawn:<{DRAWN_RUNS}} {len(runs):2d}x{aids}{practice}"[:MAX_COLUMNS].rstrip()
+
+
+def cost_lines(progress: Progress, width: int) -> Iterator[str]:
+    """Yield a bar for each kind of loss over the latest runs with marks."""
+    costs = progress.costs
+    most = max(costs.values())
+    if not most:
+        return
+    yield ""
+    yield f"What cost most in the last {LATEST_RUNS} runs with marks [marks]"
+    room = width - WORD_COLUMNS - 8
+    for kind, marks in sorted(costs.items(), key=lambda each: -each[1]):
+        if marks:
+            yield f"  {kind:<{WORD_COLUMNS}}{marks:4.0f} {'█' * max(round(marks / most * room), 1)}"
+
+
+def find_progress(name: str) -> Progress:
+    """Return a trainee's progress; ConfigError naming the nearest trainee without one."""
+    file_stem(name)
+    path = progress_path(name)
+    if path.exists():
+        return read_file(path)
+    names = [each.trainee for each in all_progress() if isinstance(each, Progress)]
+    raise ConfigError(
+        f"--trainee {quote(name)}: has no progress yet{nearest(name, names)}; "
+        "trainer run --trainee NAME keeps one"
+    )
+
+
+def print_progress(name: str) -> None:
+    """Print a trainee's way through the course; ConfigError."""
+    columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else MAX_COLUMNS
+    path = progress_path(name)
+    for damaged in sorted(path.parent.glob(f"{glob.escape(path.name)}.damaged*")):
+        click.echo(f"trainer: {damaged}: could not be read, and is kept", err=True)
+    for line in progress_lines(find_progress(name), min(columns, MAX_COLUMNS)):
+        click.echo(line)
+
+
+def write_class(path: Path, name: str | None) -> None:
+    """Write the runs of a class, or of one trainee, as CSV; ConfigError."""
+    found = [find_progress(name)] if name is not None else list(all_progress())
+    for wrong in (each for each in found if isinstance(each, ConfigError)):
+        click.echo(f"trainer: left out: {wrong}", err=True)
+    known = [each for each in found if isinstance(each, Progress)]
+    try:
+        with replacing(path) as made, made.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(CSV_HEADER)
+            writer.writerows(class_rows(known))
+    except OSError as error:
+        raise ConfigError(f"--csv {path}: {error.strerror}") from None
+    runs = sum(len(each.runs) for each in known)
+    click.echo(f"{path}: {runs} runs of {len(known)} trainees")
+
+
+def class_rows(found: Iterable[Progress]) -> Iterator[tuple[object, ...]]:
+    """Yield the row of each run."""
+    for progress in found:
+        for run in progress.runs:
+            marks = "" if run.total is None else f"{run.total:.1f}"
+            costs = (f"{run.costs.get(kind, 0.0):.1f}" for kind in COST_KINDS)
+            yield (
+                *(progress.trainee, run.exercise, run.title, run.started),
+                *(f"{run.seconds / 60.0:.1f}", run.outcome, marks, "yes" if run.counts else "no"),
+                *(run.aids, *costs, run.recording, run.branch),
+            )

@@ -1,0 +1,114 @@
+"""The aids of a trainee: the ghost and the predictor.
+
+The ghost is the reference crew's run. An exercise says which it allows. What is switched on is in
+the journal, so that marks can tell of it. ``stations/aids`` has what they show.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from trainer.boat import compilation
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.facts import Giver
+from trainer.session.event_log import EventLog
+from trainer.session.exercise import BackgroundTask
+from trainer.session.history import History
+from trainer.session.plan import Plan
+from trainer.session.second_boat import boat_of, fly_ghost
+from trainer.session.shown import ScreenOutput
+from trainer.session.stations.aids import GhostReading, Predictor, ShownAids
+from trainer.session.stations.past import PastReader
+
+GHOST, PREDICTOR = "ghost", "predictor"
+STAYS_ON = "stays on"
+
+
+@dataclass
+class Aids:
+    """The aids of one session."""
+
+    history: History
+    log: EventLog
+    shown: ScreenOutput
+    work: BackgroundTask
+    past: PastReader
+    plan: Plan | None = None
+    _on: dict[str, tuple[Order, Giver]] = field(default_factory=dict)  # by name
+    _ghost: list[GhostReading] = field(default_factory=list)  # flown once
+    _predictor: Predictor | None = None
+    _making: set[str] = field(default_factory=set)  # in threads
+
+    def obey(self, order: Order, giver: Giver) -> Reply:
+        """Switch an aid on or off; return the answer."""
+        name = order.name
+        if order.word == "off":
+            answer: Reply = f"{name} off" if self._on.pop(name, None) else Refused(f"{name} is off")
+        elif why := self._barred(name):
+            return Refused(why)
+        else:
+            self._on[name] = order, giver
+            answer = self._switch_on(name, order.value)
+        self._show()
+        return answer
+
+    def keep_on(self) -> None:
+        """Journal again what is on, because a new branch may begin before it was."""
+        flown = self.history.flown
+        if flown.replaying or flown.shows_way:
+            return
+        for order, giver in self._on.values():
+            self.history.answered(self.history.order(giver, order), STAYS_ON)
+
+    def _barred(self, name: str) -> str:
+        """Return why an aid may not be switched on, "" if it may."""
+        if self.plan is None:
+            return f"this session has no {name}"
+        if name == GHOST and not self.plan.crew.rules:
+            kind = "exercise" if self.plan.title else "free run"
+            return f"this {kind} has no reference crew, whose run the ghost is"
+        if name not in self.plan.aids:
+            return f'this exercise does not allow it: its file has no aids = ["{name}"]'
+        slow = name == PREDICTOR and compilation.is_interpreted()
+        if slow and not compilation.is_tick_kept():
+            return "the predictor has to wait for the compiled code, which is being prepared"
+        return ""
+
+    def _switch_on(self, name: str, seconds: float) -> Reply:
+        """Have an aid made in a thread, if it is not there yet; return the answer."""
+        ahead = (
+            f" {seconds:g} s ahead, with the controls as they stand" if name == PREDICTOR else ""
+        )
+        if name == PREDICTOR and self._predictor:
+            self._predictor.seconds = seconds
+        elif name not in self._making and not (name == GHOST and self._ghost):
+            self._making.add(name)
+            self.work.begin(name, lambda: self._make(name))
+        return f"{name} on{ahead}"
+
+    def _make(self, name: str) -> Callable[[], None]:
+        """Fly the ghost, or fit the predictor's boat out; return the call that takes it."""
+        assert self.plan is not None  # noqa: S101 (else it is barred)
+        try:
+            if name == GHOST:
+                ghost = fly_ghost(self.plan, self.work.closing)
+                return lambda: self._take(name, ghost, self._predictor)
+            predictor = Predictor(boat_of(self.plan))
+        except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
+            why = f"no {name}: {type(error).__name__}: {error}"
+            return lambda: self.log.tell("trouble", why)
+        return lambda: self._take(name, self._ghost, predictor)
+
+    def _take(self, name: str, ghost: list[GhostReading], predictor: Predictor | None) -> None:
+        """Show an aid that was made, as it was ordered last."""
+        self._making.discard(name)
+        self._ghost, self._predictor = ghost, predictor
+        if predictor and PREDICTOR in self._on:
+            predictor.seconds = self._on[PREDICTOR][0].value
+        self._show()
+
+    def _show(self) -> None:
+        """Show what is on from the next picture on."""
+        ghost = self._ghost if GHOST in self._on else ()
+        predictor = self._predictor if PREDICTOR in self._on else None
+        self.shown.aids = self.past.aids = ShownAids(ghost, predictor)
+        self.shown.show()

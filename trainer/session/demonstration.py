@@ -1,0 +1,137 @@
+"""The reference crew shows the way from a frozen moment.
+
+It does so on a branch that counts for no mark. A thread has the crew follow the run so far, mute
+(``second_boat``). Then it comes aboard and speaks: its orders go the road of all orders, are told
+to everybody, and move the controls that all screens show. Afterwards the boat is back at the
+moment, frozen.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from trainer.boat.mute_crew import MuteCrew
+from trainer.boat.reference_crew import ReferenceCrew
+from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER
+from trainer.io.orders.grammar import Order, Refused, Reply, name_of
+from trainer.io.recording.facts import REFERENCE_GIVER, Giver
+from trainer.io.recording.recording import SHOWN_REASON, Moment
+from trainer.session.parts import Parts
+from trainer.session.plan import Plan
+from trainer.session.run_faces import ShownRun
+from trainer.session.second_boat import follow_run
+from trainer.session.stations.station import Fact, Request
+
+SHOWN_KIND = "shown"
+
+
+@dataclass
+class Demonstration:
+    """The showing of the way in one session."""
+
+    session: Parts
+    carry_out: Callable[[Order, Giver], Reply]
+    plan: Plan | None = None
+    origin: Moment | None = None  # where the crew goes on afterwards
+    crew: ReferenceCrew | None = None
+    preparing: bool = False  # the crew follows the run so far
+
+    def ask(self, asked: Request) -> Reply:
+        """Answer the order ``demonstrate``."""
+        order = asked.order
+        if order.word == "off":
+            if self.origin is None:
+                return Refused("the way is not being shown")
+            self.end()
+            return "back"
+        if why := self._barred():
+            return Refused(why)
+        history, plan = self.session.history, self.plan
+        orders, marks, moment = history.said(), history.noted(), history.now()
+        why = f"{order.text}, by {asked.station.giver.words}"
+        until = moment.tick + round(order.value / self.session.boat.method.step)
+
+        def task() -> Callable[[], None]:
+            try:
+                assert plan is not None  # noqa: S101 (else it is barred)
+                mute = follow_run(plan, orders, marks, moment.tick)
+            except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
+                failure = f"the way cannot be shown: {type(error).__name__}: {error}"
+                return partial(self._give_up, failure)
+            return lambda: self._begin(mute, moment, until, why)
+
+        self.preparing = True
+        self.session.conduct.work.begin("way", task)
+        return f"the reference crew comes aboard and shows the way for {order.value:g} s"
+
+    def finish(self) -> None:
+        """Go back if the session ends meanwhile, so that its last branch is the crew's."""
+        if self.origin is not None:
+            self.end()
+
+    def _barred(self) -> str:
+        """Return why the way cannot be shown, "" if it can."""
+        session, flown = self.session, self.session.history.flown
+        if flown.barred:
+            return flown.barred
+        if self.preparing:
+            return "the reference crew is coming aboard already"
+        if self.plan is None or not self.plan.crew.rules:
+            kind = "exercise" if self.plan and self.plan.title else "free run"
+            return f"this {kind} has no reference crew to show the way"
+        if not session.time.frozen or session.control.steps:
+            return "time runs: freeze first, or go back to a moment; then demonstrate"
+        if session.control.failure:
+            return f"this boat cannot go on: {session.control.failure}; backtrack or reset"
+        trouble = session.history.recording.trouble
+        return f"the run so far cannot be read: {trouble}" if trouble else ""
+
+    def _give_up(self, why: str) -> None:
+        self.preparing = False
+        self.session.event_log.tell(SHOWN_KIND, why)
+
+    def _begin(self, mute: MuteCrew, moment: Moment, until: int, why: str) -> None:
+        """Have the crew come aboard, unless the session has gone elsewhere meanwhile."""
+        session = self.session
+        history, time = session.history, session.time
+        now = history.now()
+        if (now.branch, now.tick, now.after) != (moment.branch, moment.tick, moment.after) or not (
+            time.frozen
+        ):
+            self._give_up("the way is not shown: something was ordered meanwhile")
+            return
+        self.preparing, self.origin = False, now
+        self.crew = mute.aboard(session.boat).speak()
+        self.crew.order = lambda order: self.carry_out(order, REFERENCE_GIVER)
+        last = int(min(until, session.conduct.ending.last_tick))
+        history.show_way(why, ShownRun(history, last, self._speak, self.end))
+        session.event_log.settle(session.monitors.counting)
+        branch = history.recording.branch
+        text = f"THE WAY IS SHOWN by the reference crew until {last * session.boat.method.step:g} s"
+        session.event_log.tell(SHOWN_KIND, f"{text}: branch {branch}, which counts for no mark")
+        session.shown.show_lesson("the reference crew shows the way")
+        time.pacer.run()
+        session.shown.show()
+
+    def _speak(self) -> None:
+        """Have the crew look and order; tell everybody what it does."""
+        given = self.crew.look() if self.crew else []
+        for order in given:
+            refused = f": refused: {order.reply.reason}" if isinstance(order.reply, Refused) else ""
+            what = Fact(SHOWN_KIND, order.text)
+            self.session.event_log.tell(SHOWN_KIND, f"shown: {order.text}{refused}", fact=what)
+            if name_of(order.text) in (*CREW_HANDS, MARK_ORDER) or not refused:
+                self.session.shown.show_lesson(f"shown: {order.text}")
+
+    def end(self) -> None:
+        """Go back to the crew's moment, frozen, on a branch of the crew's own."""
+        session, origin = self.session, self.origin
+        if origin is None:
+            return
+        self.origin = self.crew = None
+        session.shown.lesson = ""
+        session.return_to(origin, SHOWN_REASON)
+        branch = session.history.recording.branch
+        text = f"the way has been shown: back at {session.boat.time:g} s, frozen; branch {branch}"
+        session.event_log.tell("moment", text, fact=Fact("back", "demonstrate off"))
+        session.event_log.recall(session.crew.unrepeated)

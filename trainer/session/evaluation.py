@@ -1,0 +1,337 @@
+"""What a careful crew could still earn from here, told to the instructor alone.
+
+``debrief/evaluator`` finds it in a process of its own, which this module starts once an instructor
+is there. A thread hands it the present moment every 10 s of exercise time, and when time stands
+still. A tick leaves a moment in a slot and waits for nothing: one that comes before the last has
+been answered takes its place, and is counted. Without a recording there is no evaluation.
+"""
+
+import base64
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Any, Final, cast
+
+from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.recording import Moment
+from trainer.io.status_line import clock
+from trainer.session.event_log import EventLog
+from trainer.session.exercise import BackgroundTask
+from trainer.session.history import History
+from trainer.session.plan import Plan
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
+from trainer.session.stations.station import Fact, Request
+
+MOMENT_PERIOD_S: Final = 10.0  # [s] of exercise time from moment to moment
+TOLD_FALL_MARKS: Final = 10.0  # [%] of marks from which a fall is told in words
+MAX_STARTS: Final = 3  # of a process that dies
+LOWEST_NICENESS: Final = 19
+
+
+def why_unfit(plan: Plan) -> str:
+    """Return why an exercise has no evaluation, "" if it may have one."""
+    if not plan.title:
+        return "the boat sails freely"
+    if not plan.crew.rules:
+        return "this exercise has no reference crew"
+    return "" if plan.duration is not None else "this exercise has no end"
+
+
+@dataclass(frozen=True)
+class Question:
+    """A moment whose marks are asked, perhaps with an order more."""
+
+    moment: Moment
+    seconds: float
+    order: str = ""
+    asked: Request | None = None
+
+
+def begin_aside(words: Sequence[str], *, hears: bool = False) -> subprocess.Popen[bytes]:
+    """Begin a process of this program that gives way to everything else; OSError.
+
+    It would else inherit a session's real-time priority. It outlives the session if need be.
+    """
+    process = subprocess.Popen(  # noqa: S603  our own program
+        [sys.executable, "-P", *words],
+        stdin=subprocess.PIPE if hears else subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    with contextlib.suppress(OSError):
+        if sys.platform == "linux":
+            os.sched_setscheduler(process.pid, os.SCHED_OTHER, os.sched_param(0))
+        if hasattr(os, "setpriority"):
+            os.setpriority(os.PRIO_PROCESS, process.pid, LOWEST_NICENESS)
+    return process
+
+
+class EvaluatorProcess:
+    """The process that answers. It gives way to everything else on the machine."""
+
+    def __init__(self, words: Sequence[str]) -> None:
+        """Start it; OSError where the system has no room for it."""
+        self._process = begin_aside(words, hears=True)
+
+    def ask(self, question: Question) -> Mapping[str, Any] | None:
+        """Return the answer, however long it takes; None if the process has ended."""
+        moment = question.moment
+        line = {
+            "branch": moment.branch,
+            "tick": moment.tick,
+            "after": moment.after,
+            "state": base64.b64encode(moment.state).decode(),
+            "order": question.order,
+        }
+        sending = cast("IO[bytes]", self._process.stdin)
+        hearing = cast("IO[bytes]", self._process.stdout)
+        try:
+            sending.write(json.dumps(line).encode() + b"\n")
+            sending.flush()
+            answer = json.loads(hearing.readline())
+        except (OSError, ValueError):
+            return None
+        return answer if isinstance(answer, dict) else None
+
+    def end(self) -> int:
+        """End it, and return its exit code."""
+        self._process.kill()
+        return self._process.wait()
+
+
+@dataclass
+class Evaluation:
+    """The evaluation of one run. While ``words`` and ``kept`` are empty there is none."""
+
+    history: History
+    log: EventLog
+    work: BackgroundTask
+    barred: Callable[[Order], str] = lambda _: ""  # why the crew may not have an order
+    over: Callable[[], object] = bool  # whether the exercise is
+    words: Sequence[str] = ()  # the command of the process
+    kept: Path | None = None  # the recording
+    why_none: str = "this session is not recorded"
+    latest: Fact | None = None  # for who comes: what is known of the run, or why nothing is
+    left_out: int = 0  # moments that came too soon
+    _due: int = 0  # the tick of the next moment
+    _given: tuple[int, int, int] | None = None  # branch, tick and order of the last moment
+    _slot: deque[Question] = field(default_factory=lambda: deque(maxlen=1))
+    _asked: deque[Question] = field(default_factory=deque)
+    _news: threading.Event = field(default_factory=threading.Event)
+    _thread: threading.Thread | None = None
+    _process: EvaluatorProcess | None = None
+    _behind: bool = False
+    _best: tuple[int, float, float] | None = None  # branch, marks [%] and time [s] told last
+
+    def begin(self, words: Sequence[str], kept: Path | None, plan: Plan) -> None:
+        """Evaluate a run of a plan by a command, once an instructor is there."""
+        self.why_none = why_unfit(plan)
+        if not (self.why_none or (words and kept)):
+            self.why_none = "this session is not recorded"
+        if self.why_none and plan.title:
+            self.latest = Fact("no-attainable", self.why_none)
+        self.words, self.kept = words, kept
+
+    def look(self) -> None:
+        """Hand over the moment after this tick if it is due."""
+        if self.history.tick >= self._due or self._given is None:
+            self.hand_over()
+
+    def hand_over(self) -> None:
+        """Leave the present moment for the process, unless it has it; wait for nothing."""
+        if self.why_none or self.over() or not self.log.attended(INSTRUCTOR_ROLE.name):
+            return
+        history = self.history
+        step = history.boat.method.step
+        period = max(round(MOMENT_PERIOD_S / step), 1)
+        self._due = (history.tick // period + 1) * period
+        moment = history.now()
+        place = moment.branch, moment.tick, moment.after
+        if history.flown.replaying or history.flown.shows_way or place == self._given:
+            return
+        self._given = place
+        if self._slot:
+            self.left_out += 1
+            if not self._behind:
+                self._behind = True
+                self._tell("the evaluation is behind: it leaves moments out")
+        self._slot.append(Question(moment, history.boat.time))
+        self._wake()
+
+    def ask(self, asked: Request) -> Reply | None:
+        """Answer ``what if ORDER`` later, by what the process says; refuse what it cannot."""
+        order = parse(asked.order.subject)
+        if self.why_none:
+            return Refused(f"no evaluation: {self.why_none}")
+        if not isinstance(order, Order) or order.name not in BOAT_ORDERS:
+            return Refused(f"what if {asked.order.subject}: only of orders that move the boat")
+        if why := self.barred(order):
+            return Refused(why)
+        question = Question(self.history.now(), self.history.boat.time, order.text, asked)
+        self._asked.append(question)
+        self._wake()
+        return None
+
+    def status(self) -> str:
+        """Return what is known, in a line."""
+        if self.why_none or self.latest is None:
+            return f"evaluation: {self.why_none or 'not yet known'}"
+        seconds, marks, so_far, _, branch, left_out = self.latest.subject.split(",")
+        behind = f", {left_out} moments left out" if self.left_out else ""
+        return (
+            f"could still earn {float(marks):.0f} marks, {float(so_far):.0f} so far "
+            f"(at {clock(float(seconds))}, branch {branch}{behind})"
+        )
+
+    @property
+    def facts(self) -> list[Fact]:
+        """Return what an instructor who comes is told."""
+        return [] if self.latest is None else [self.latest]
+
+    def finish(self) -> None:
+        """End the process, whatever it is at."""
+        self.why_none = self.why_none or "the session is over"
+        self._news.set()
+        if self._process is not None:
+            self._process.end()
+        if self._thread is not None:
+            self._thread.join()
+
+    # In the thread beside the ticks
+
+    def _wake(self) -> None:
+        self._news.set()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._serve, name="evaluation", daemon=True)
+            self._thread.start()
+
+    def _serve(self) -> None:
+        """Have one question after another answered, until the session ends."""
+        starts = 0
+        while not self.why_none:
+            self._news.wait()
+            self._news.clear()
+            while not self.why_none and (question := self._next()) is not None:
+                starts += self._process is None
+                if self._process is None and not self._start(last=starts > MAX_STARTS):
+                    break
+                answer = (
+                    self._process.ask(question) if self._process and not self.why_none else None
+                )
+                if answer is None:
+                    self._mourn(question)
+                else:
+                    self._post(self._take, question, answer)
+        if self._process is not None:
+            self._process.end()
+
+    def _next(self) -> Question | None:
+        for waiting in (self._asked, self._slot):
+            with contextlib.suppress(IndexError):
+                return waiting.popleft()
+        return None
+
+    def _start(self, *, last: bool) -> bool:
+        """Start the process, unless it has died too often; return whether it is there."""
+        why = f"its process has ended {MAX_STARTS} times" if last else ""
+        if not last:
+            try:
+                self._process = EvaluatorProcess((*self.words, str(self.kept)))
+            except OSError as error:
+                why = f"its process cannot begin: {error.strerror}"
+        if why:
+            self._post(self._give_up, why)
+            self.why_none = why
+        return not why
+
+    def _mourn(self, question: Question) -> None:
+        """Tell that the process has ended, and let the next question start another."""
+        code = self._process.end() if self._process else 0
+        self._process = None
+        if not self.why_none:
+            self._post(self._lost, question, f"the evaluation's process has ended with {code}")
+
+    def _post(self, call: Callable[..., None], *words: Any) -> None:
+        self.work.post(lambda: call(*words))
+
+    # In the session's thread
+
+    def _take(self, question: Question, answer: Mapping[str, Any]) -> None:
+        """Tell the instructors an answer."""
+        if why := answer.get("why", ""):
+            if question.asked:
+                self._answer(question, Refused(f"no evaluation: {why}"))
+            self._give_up(why)
+        elif question.asked:
+            self._answer(question, answer_in_words(question, answer))
+        else:
+            self._take_marks(question, answer)
+
+    def _take_marks(self, question: Question, answer: Mapping[str, Any]) -> None:
+        branch, marks, seconds = question.moment.branch, answer["marks"], question.seconds
+        if branch != self.history.recording.branch:
+            return  # time has gone back meanwhile
+        outcome = "won" if answer["won"] else "lost" if answer["lost"] else "open"
+        numbers = f"{seconds:.3f},{marks:.1f},{answer['so_far'] or 0.0:.1f}"
+        self._note(Fact("attainable", f"{numbers},{outcome},{branch},{self.left_out}"))
+        if self._behind and not self._slot:
+            self._behind = False
+            self._tell(f"the evaluation has caught up; left out so far: {self.left_out}")
+        told = self._best if self._best and self._best[0] == branch else None
+        if told is None or marks > told[1]:
+            self._best = branch, marks, seconds
+        elif marks <= told[1] - TOLD_FALL_MARKS and seconds > told[2]:
+            fall = f"{told[1] - marks:.0f} less than at {clock(told[2])}"
+            self._tell(f"{clock(seconds)}: {marks:.0f} marks could still be earned, {fall}")
+            self._best = branch, marks, seconds
+
+    def _answer(self, question: Question, reply: Reply) -> None:
+        """Answer ``what if``; the other instructors hear of it, and the recording keeps it."""
+        if question.asked is None:
+            return
+        question.asked.station.answer(question.asked, reply)
+        if not isinstance(reply, Refused):
+            self.log.tell("exercise", f"what if: {reply}", question.asked.station)
+
+    def _lost(self, question: Question, why: str) -> None:
+        if question.asked:
+            self._answer(question, Refused(f"{why}: ask again"))
+        self._tell(f"{why}; it begins again")
+
+    def _give_up(self, why: str) -> None:
+        """Tell once that there is no evaluation; whoever has asked meanwhile is refused."""
+        self.why_none = why
+        self._news.set()  # the thread ends
+        self._note(Fact("no-attainable", why))
+        self._tell(f"no evaluation: {why}")
+        while self._asked:
+            self._answer(self._asked.popleft(), Refused(f"no evaluation: {why}"))
+
+    def _note(self, fact: Fact) -> None:
+        """Send programs of instructors a fact that nobody has to read."""
+        self.latest = fact
+        for station in self.log.stations:
+            if station.role is INSTRUCTOR_ROLE:
+                self.log.note(station, [fact])
+
+    def _tell(self, text: str) -> None:
+        self.log.tell("exercise", text)
+
+
+def answer_in_words(question: Question, answer: Mapping[str, Any]) -> Reply:
+    """Return the marks with and without an order in a line."""
+    if why := answer.get("refused", ""):
+        return Refused(f"{question.order}: {why}")
+    return (
+        f"with `{question.order}`: {answer['with']:.0f}, without: {answer['marks']:.0f} "
+        f"(from {clock(question.seconds)})"
+    )

@@ -1,0 +1,120 @@
+"""A second boat, flown beside the session's by the reference crew.
+
+From the start by the schedule alone it is the ghost. By the orders that were given aboard, with
+the crew mute, it tells what that crew knows at a moment, from which it can then show the way.
+``aids`` flies the ghost, ``demonstration`` and ``analysis/boat_page`` follow a run.
+
+A session flies it in a thread, so it rests after each tick: the session's own tick never waits for
+long.
+"""
+
+import math
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from trainer.boat import compilation
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import instrument_readings
+from trainer.boat.helm import obey_order
+from trainer.boat.mute_crew import MuteCrew
+from trainer.boat.reference_crew import ReferenceCrew
+from trainer.config.reference_crew import MARK_ORDER
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.recording import RecordedEvent, RecordedOrder
+from trainer.session.plan import Plan
+from trainer.session.run_faces import order_of
+from trainer.session.stations.aids import GhostReading
+
+MAX_GHOST_S: Final = 3600.0  # [s] of an exercise without an end
+REST_S: Final = 0.0001  # [s] after each tick, in which other threads have their turn
+
+
+def boat_of(plan: Plan) -> Boat:
+    """Return another boat at the start of a plan."""
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    if compilation.is_interpreted() and compilation.is_tick_kept():
+        boat.go_over(boat.compiled_tick())  # on a first start, whose own boat has gone over too
+    return boat
+
+
+def fly_ghost(plan: Plan, closing: threading.Event) -> list[GhostReading]:
+    """Return what the gauges read at each tick of the reference crew's run."""
+    boat = boat_of(plan)
+    crew = ReferenceCrew(boat, plan.crew)
+    step, place = plan.method.step, 0
+    last = round((plan.duration or MAX_GHOST_S) / step)
+    readings = [reading_of(boat)]
+    with np.errstate(all="ignore"):
+        while boat.ticks < last and not closing.is_set():
+            while place < len(plan.schedule) and is_due(plan.schedule[place].seconds, step, boat):
+                if plan.schedule[place].order.name in BOAT_ORDERS:
+                    obey_order(boat, plan.schedule[place].order)
+                place += 1
+            crew.look()
+            if boat.tick():
+                break
+            readings.append(reading_of(boat))
+            time.sleep(REST_S)
+    return readings
+
+
+def is_due(seconds: float, step: float, boat: Boat) -> bool:
+    """Return whether an order of that time acts on the next tick or before it."""
+    return math.ceil(seconds / step - 1e-9) <= boat.ticks
+
+
+def reading_of(boat: Boat) -> GhostReading:
+    """Return what the gauges read now, and how the surfaces stand."""
+    shown, s, toward = instrument_readings(boat), boat.state, boat.toward
+    surfaces = (("rudder", s.delta_r), ("stern", s.delta_s), ("bow", s.delta_b))
+    angles = (toward[name] * float(angle) for name, angle in surfaces)
+    return GhostReading(shown.depth, shown.heading, shown.speed, float(s.theta), *angles)
+
+
+def follow_run(
+    plan: Plan,
+    orders: Sequence[RecordedOrder],
+    marks: Iterable[RecordedEvent],
+    last_tick: int,
+) -> MuteCrew:
+    """Return the mute crew that has followed a run up to a tick.
+
+    It is aboard a boat of its own, which is where the run was at the end of that tick.
+    """
+    boat = boat_of(plan)
+    mute, given = MuteCrew(boat, plan.crew), orders_by_tick(plan, orders, marks)
+    with np.errstate(all="ignore"):
+        while boat.ticks < last_tick:
+            now = given.get(boat.ticks, ())
+            for order in now:
+                if order.name in BOAT_ORDERS:
+                    obey_order(boat, order)
+            mute.follow(now)
+            if boat.tick():
+                break
+            time.sleep(REST_S)
+    mute.follow(given.get(boat.ticks, ()))
+    return mute
+
+
+def orders_by_tick(
+    plan: Plan, orders: Sequence[RecordedOrder], marks: Iterable[RecordedEvent]
+) -> Mapping[int, Sequence[Order]]:
+    """Return the accepted orders of a run by tick, its marks among them."""
+    by_tick: dict[int, list[Order]] = defaultdict(list)
+    for entry in orders:
+        order = order_of(entry, plan.schedule)
+        if order is not None and entry.accepted is not False:
+            by_tick[entry.tick].append(order)
+    for event in marks:
+        mark = parse(f"{MARK_ORDER} {event.text}")
+        if event.kind == MARK_ORDER and isinstance(mark, Order):
+            by_tick[event.tick].append(mark)
+    return by_tick

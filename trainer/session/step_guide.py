@@ -1,0 +1,152 @@
+"""The steps of a lesson as a session leads through them.
+
+After each tick ``look`` asks whether the step is done, has lasted so long that a hint is due, or is
+missed. After a step that is missed the next begins, or the same again from its own moment where the
+exercise says so, twice at most, so that nobody is stuck. ``conduct`` calls it. The moment of each
+step is kept as a snapshot, ``step-3``, to which one may also go back.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.boat.boat import Boat
+from trainer.config.steps import MISSED_AGAIN, MISSED_ON, Step
+from trainer.io.orders.grammar import Order
+from trainer.io.recording.recording import Moment
+from trainer.session.control import Control
+from trainer.session.event_log import EventLog
+from trainer.session.exercise import is_met
+from trainer.session.stations.station import Fact
+
+MAX_REPEATS: Final = 2  # of a step that is missed
+LESSON_KIND: Final = "lesson"
+
+
+@dataclass
+class StepGuide:
+    """The way of a trainee through the steps of an exercise. Without steps it does nothing."""
+
+    control: Control
+    log: EventLog
+    steps: Sequence[Step] = ()
+    give: Callable[[Order], object] = bool  # an order of the exercise
+    later: Callable[[Callable[[], None]], object] = bool  # has it called between two ticks
+    go_back: Callable[[Moment, str], object] = lambda _moment, _why: None
+    finish: Callable[[], object] = bool  # the last step is over
+    show: Callable[[str], object] = bool  # on the screens, beside the words to the crew
+    place: int = -1  # of the present step; -1 before the first
+    _begun: dict[int, Moment] = field(default_factory=dict)  # by place
+    _repeats: dict[int, int] = field(default_factory=dict)  # by place
+    _held: int = 0  # ticks for which its conditions have held
+    _hinted: bool = False
+    _returning: bool = False
+
+    @property
+    def over(self) -> bool:
+        """Return whether the last step of a lesson is done."""
+        return bool(self.steps) and self.place >= len(self.steps)
+
+    @property
+    def facts(self) -> list[Fact]:
+        """Return the facts that tell a program the present step."""
+        if not 0 <= self.place < len(self.steps):
+            return []
+        step = self.steps[self.place].row
+        fields = f"{self.place + 1},{len(self.steps)},{step.light or ''},{step.text}"
+        hint = [Fact("step-hint", step.hint)] if step.hint and self._hinted else []
+        return [Fact("step", fields), *hint]
+
+    def look(self) -> None:
+        """Begin, end or repeat a step, or give its hint, as this tick asks for."""
+        if not self.steps or self._returning or self.place >= len(self.steps):
+            return
+        if self.place < 0:
+            self._begin(0)
+            return
+        step, boat = self.steps[self.place], self.control.boat
+        holds = all(is_met(each, boat) for each in step.conditions)
+        self._held = self._held + 1 if holds else 0
+        lasted = boat.ticks - self._begun[self.place].tick
+        if holds and self._held > _ticks(step.row.for_s, boat):
+            self.log.tell(LESSON_KIND, f"step {self.place + 1}: done")
+            self._begin(self.place + 1)
+        elif lasted >= _ticks(step.row.within_s, boat):
+            self._miss(step)
+        elif step.row.hint and not self._hinted and lasted >= _ticks(step.row.hint_after_s, boat):
+            self._hinted = True
+            self._tell(f"hint: {step.row.hint}", Fact("step-hint", step.row.hint))
+
+    def settle(self) -> None:
+        """Find the step of the moment to which time has jumped."""
+        if not self.steps:
+            return
+        tick, kept = self.control.history.tick, self.control.history.snapshots()
+        for place in range(len(self.steps)):
+            if moment := kept.get(_name(place)):
+                self._begun.setdefault(place, moment)
+        self._begun = {n: each for n, each in self._begun.items() if each.tick <= tick}
+        self.place = max(self._begun, default=-1)
+        # who begins anew, such as the next visitor, has all repeats before him
+        self._repeats = {n: each for n, each in self._repeats.items() if n <= self.place}
+        self._held, self._hinted, self._returning = 0, False, False
+        if self.place >= 0:
+            self._announce()
+            if self._begun[self.place].tick == tick:  # before its orders
+                self._give_orders()
+
+    def _begin(self, place: int) -> None:
+        self.place, self._held, self._hinted = place, 0, False
+        if place == len(self.steps):
+            self.log.tell(LESSON_KIND, "the last step is done", fact=Fact("step", "0"))
+            self.show("")
+            self.finish()
+            return
+        history = self.control.history
+        self._begun[place] = history.now()
+        history.keep(_name(place))
+        self._announce()
+        self._give_orders()
+
+    def _announce(self) -> None:
+        text = f"step {self.place + 1} of {len(self.steps)}: {self.steps[self.place].row.text}"
+        self._tell(text, self.facts[0])
+
+    def _tell(self, text: str, fact: Fact) -> None:
+        self.log.tell(LESSON_KIND, text, fact=fact)
+        self.show(text)
+
+    def _give_orders(self) -> None:
+        for order in self.steps[self.place].given:
+            self.give(order)
+
+    def _miss(self, step: Step) -> None:
+        """Tell that a step is missed, and go back to its beginning or on."""
+        place, begun = self.place, self._begun[self.place]
+        again = step.row.missed == MISSED_AGAIN and self._repeats.get(place, 0) < MAX_REPEATS
+        what = "once more, from its beginning" if again else "on to the next"
+        fact = Fact("step-missed", f"{place + 1},{MISSED_AGAIN if again else MISSED_ON}")
+        self.log.tell(LESSON_KIND, f"step {place + 1}: not done; {what}", fact=fact)
+        if not again:
+            self._begin(place + 1)
+            return
+        self._repeats[place] = self._repeats.get(place, 0) + 1
+        self._returning = True
+        self.later(lambda: self._return(begun, f"step {place + 1} again"))
+
+    def _return(self, moment: Moment, why: str) -> None:
+        """Go back to the beginning of a step, unless time has jumped meanwhile.
+
+        It is called between two ticks, since a tick cannot be undone within itself.
+        """
+        if self._returning:
+            self.go_back(moment, why)
+
+
+def _name(place: int) -> str:
+    return f"step-{place + 1}"
+
+
+def _ticks(seconds: float, boat: Boat) -> int:
+    return math.ceil(seconds / boat.method.step - 1e-9)

@@ -1,0 +1,138 @@
+// The alerts of a page, by the conduct of IMO MSC.302(87) and A.1021(26): the bell with the count of
+// new ones and Silence at the left end, always; then the worst alert in full; all of them in a list.
+import { clock, html, svg, write } from "./draw.js";
+import { RANKS } from "./model/alerts.js";
+import { say } from "./words.js";
+
+/**
+ * @typedef {import("./model/alerts.js").Alerts} Alerts
+ * @typedef {import("./model/alerts.js").Shown} Shown
+ */
+
+const SHAPES = {
+  emergency: "M12 1L23.5 22.5H.5Z",
+  alarm: "M12 1L23.5 22.5H.5Z",
+  warning: "M12 1a11 11 0 1 0 .01 0Z",
+  caution: "M2 2H22V22H2Z",
+};
+const BELL = "M12 2a2 2 0 0 1 2 2 7 7 0 0 1 5 7v5l2 3H3l2-3v-5a7 7 0 0 1 5-7 2 2 0 0 1 2-2ZM9.5 20h5a2.5 2.5 0 0 1-5 0Z";
+const RANK_WORDS = {
+  emergency: say("emergency"),
+  alarm: say("alarm"),
+  warning: say("warning"),
+  caution: say("caution"),
+};
+const URGENT = 2; // of the four ranks, the first ones, which interrupt a screen reader
+
+export class AlertBar extends HTMLElement {
+  constructor() {
+    super();
+    /** @type {Alerts | null} */
+    this.alerts = null;
+    /** @type {() => void} */
+    this.silence = () => undefined;
+    this.count = html("span", { class: "count" });
+    this.bell = html(
+      "button",
+      { type: "button", class: "bell", "aria-expanded": "false", click: () => this.open(!this.isOpen) },
+      svg("svg", { viewBox: "0 0 24 24", "aria-hidden": "true" }, svg("path", { d: BELL })),
+      this.count,
+    );
+    this.hush = html("button", { type: "button", class: "hush", click: () => this.silence() }, say("Silence"));
+    this.worst = html("p", { class: "worst", role: "log" });
+    this.list = html("ul", { class: "all", "aria-label": say("All alerts"), hidden: true });
+  }
+
+  connectedCallback() {
+    this.setAttribute("role", "region");
+    this.setAttribute("aria-label", say("Alerts"));
+    this.replaceChildren(this.bell, this.hush, this.worst, this.list);
+    addEventListener("keydown", (event) => event.key === "Escape" && this.open(false));
+    addEventListener("pointerdown", (event) => {
+      if (!this.contains(/** @type {Node} */ (event.target))) this.open(false);
+    });
+  }
+
+  /**
+   * Shows these alerts from now on.
+   * @param {Alerts} alerts
+   * @param {{ silence(): void }} [sounder] absent where the page makes no sound
+   */
+  follow(alerts, sounder) {
+    this.alerts = alerts;
+    this.silence = () => sounder?.silence();
+    this.hush.toggleAttribute("hidden", !sounder);
+    if (!sounder) this.bell.replaceWith((this.bell = html("span", { class: "bell", role: "img" }, ...this.bell.childNodes)));
+    alerts.addEventListener("change", () => this.show());
+    this.show();
+  }
+
+  get isOpen() {
+    return !this.list.hidden;
+  }
+
+  /** Opens the list, or shuts it. @param {boolean} wanted */
+  open(wanted) {
+    if (wanted === this.isOpen) return;
+    this.list.hidden = !wanted;
+    this.bell.setAttribute("aria-expanded", String(wanted));
+    this.show();
+  }
+
+  show() {
+    const { alerts, bell, count, hush, list, worst } = this;
+    if (!alerts) return;
+    const { shown } = alerts;
+    const fresh = shown.filter((each) => each.fresh);
+    write(count, String(fresh.length));
+    bell.setAttribute("aria-label", say("Alerts: {0} new of {1}", fresh.length, shown.length));
+    bell.toggleAttribute("data-new", fresh.length > 0);
+    hush.toggleAttribute("disabled", fresh.every((each) => each.rank === "caution"));
+    const urgent = fresh.some((each) => RANKS.indexOf(each.rank) < URGENT);
+    worst.setAttribute("aria-live", urgent ? "assertive" : "polite");
+    this.fill(worst, this.isOpen ? [] : shown.slice(0, 1), "span");
+    this.fill(list, this.isOpen ? shown : [], "li");
+    if (this.isOpen && !shown.length) list.replaceChildren(html("li", { class: "none" }, say("No alerts.")));
+  }
+
+  /**
+   * Makes an element's entries anew where they have changed, so that no key goes from under a finger.
+   * @param {HTMLElement} place
+   * @param {Shown[]} shown
+   * @param {string} name of an entry's element
+   */
+  fill(place, shown, name) {
+    const now = JSON.stringify(shown.map((each) => [each.key, each.words, each.fresh]));
+    if (place.dataset.shown !== now) {
+      place.dataset.shown = now;
+      place.replaceChildren(...shown.map((each) => this.entry(each, name)));
+    }
+    place.querySelectorAll("time").forEach((time, at) => write(time, this.age(shown[at])));
+  }
+
+  /** @param {Shown} alert @param {string} name of its element */
+  entry(alert, name) {
+    const seen = () => this.alerts?.acknowledge(alert);
+    const key = html("button", { type: "button", class: "seen", click: seen }, say("Acknowledge"));
+    return html(
+      name,
+      { class: "alert", "data-rank": alert.rank, "data-new": alert.fresh },
+      alert.fresh ? key : html("span", { class: "seen" }, alert.rank === "caution" ? "" : say("seen")),
+      svg(
+        "svg",
+        { viewBox: "0 0 24 24", class: "icon", "aria-hidden": "true" },
+        svg("path", { d: SHAPES[alert.rank] }),
+        svg("path", { d: "M12 8v7M12 18.5v.1", class: "cut" }),
+      ),
+      html("span", { class: "rank" }, RANK_WORDS[alert.rank]),
+      html("b", {}, alert.words),
+      html("time"),
+    );
+  }
+
+  /** How long ago an alert came. @param {Shown} alert */
+  age(alert) {
+    return clock((this.alerts?.session.seconds ?? 0) - alert.seconds);
+  }
+}
+customElements.define("alert-bar", AlertBar);

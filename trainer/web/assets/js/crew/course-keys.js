@@ -1,0 +1,51 @@
+// What who trains alone may do before an exercise and after it: begin, the next, again, from where it went wrong.
+import { clock, html, one, write } from "../draw.js";
+import { say } from "../words.js";
+
+const LEAD = 15; // [s] before a moment that went wrong, from where it is flown again
+const DEAF = 1000; // [ms] after the end in which a key that was meant for the boat does nothing
+
+/** Furnishes the keys in the window of the briefing. @param {import("../model/session.js").Session} session */
+export function furnishCourse(session) {
+  const dialog = /** @type {HTMLDialogElement} */ (one("#briefing"));
+  const [begin, next, again, wrong] = ["#begin", "#next", "#again", "#from-wrong"].map((id) => one(id));
+  const lessons = /** @type {HTMLDetailsElement} */ (one("#lessons"));
+  let ended = -DEAF; // [ms] when the end was told
+  const order = async (/** @type {string[]} */ ...orders) => {
+    if (performance.now() - ended < DEAF) return;
+    for (const words of orders) {
+      const answer = await session.order(words);
+      one("#course-refusal").hidden = answer.ok;
+      write(one("#course-refusal"), answer.ok ? "" : answer.text);
+      if (!answer.ok) return;
+    }
+    dialog.close();
+    /** @type {HTMLElement} */ (document.activeElement)?.blur(); // Enter is for the boat again
+  };
+  const lead = (/** @type {string} */ name) => void order(...(session.outcome ? [] : ["end exercise"]), `next ${name}`);
+  const offered = /** @type {{ name: string, title: string, steps: number }[]} */ (JSON.parse(one("#led-lessons").textContent ?? "[]"));
+  one(".keys", lessons).append(
+    ...offered.map(({ name, title, steps }) =>
+      html("button", { type: "button", click: () => lead(name) }, html("b", {}, title), " ", html("small", {}, say("{0} steps", steps))),
+    ),
+  );
+  const show = () => {
+    const { outcome, exercise, judgement } = session;
+    const there = [begin, next].map((key) => key.hidden);
+    if (outcome && next.hidden) ended = performance.now();
+    begin.hidden = session.state !== "frozen" || session.seconds > 0;
+    next.hidden = again.hidden = !outcome;
+    const moment = judgement.reasons.find(({ seconds }) => seconds !== null)?.seconds ?? null;
+    const from = Math.max((moment ?? 0) - LEAD, 0);
+    wrong.hidden = !outcome || moment === null;
+    write(wrong, say("Again from {0}, where it went wrong", clock(from)));
+    wrong.onclick = () => void order(`again from ${Math.max(session.seconds - from, 1).toFixed(0)} s`);
+    if (!exercise.title) lessons.open = true;
+    const shown = [begin, next].find((key, at) => there[at] && !key.hidden);
+    if (dialog.open) shown?.focus(); // Enter goes on
+  };
+  begin.onclick = () => void order("run");
+  next.onclick = () => void order("next");
+  again.onclick = () => void order("again");
+  for (const what of ["exercise", "marks", "state"]) session.on(what, show);
+}

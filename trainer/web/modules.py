@@ -1,0 +1,79 @@
+"""The modules of the pages' scripts, joined: each becomes a function that returns its exports.
+
+It knows only the forms of ``import`` and ``export`` that the pages use. ``single_file`` joins all
+of a page into one script; ``packing`` joins what all stations share, and the rest of each page.
+"""
+
+import json
+import re
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+ASSETS_FOLDER: Final = Path(__file__).parent / "assets"
+IMPORT_STATEMENT: Final = re.compile(
+    r'^import (?:(\{[^}]*\}) from )?"(\.[^"]+)";$', re.MULTILINE | re.DOTALL
+)
+EXPORT_KEYWORD: Final = re.compile(
+    r"^export (?=(?:async )?(?:const|let|class|function) )", re.MULTILINE
+)
+EXPORTED_NAME: Final = re.compile(
+    r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE
+)
+
+STYLESHEET_TAG: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
+SCRIPT_TAG: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
+
+Sources = dict[str, str]  # of modules, by their paths; what a module imports stands before it
+
+
+class UnknownFormError(Exception):
+    """A module with an import or export of a kind that is not known."""
+
+
+def collect_modules(
+    entry: str, replaced: Mapping[str, str], found: Sources | None = None
+) -> Sources:
+    """Return the sources of a module and its imports; ``replaced`` has other files for some."""
+    sources = {} if found is None else found
+    source = (ASSETS_FOLDER / replaced.get(entry, entry)).read_text(encoding="utf-8")
+    for _, path in IMPORT_STATEMENT.findall(source):
+        wanted = resolve_module(entry, path)
+        if wanted not in sources:
+            collect_modules(wanted, replaced, sources)
+    sources[entry] = source
+    return sources
+
+
+def resolve_module(module: str, path: str) -> str:
+    """Return the module that another names by a relative path."""
+    parts: list[str] = []
+    for part in (PurePosixPath(module).parent / path).parts:
+        if part == "..":
+            parts.pop()
+        elif part != ".":
+            parts.append(part)
+    return "/".join(parts)
+
+
+def wrap_modules(sources: Sources) -> str:
+    """Return modules as functions, whose exports are in a table ``M`` by their paths."""
+    return "".join(wrap_module(path, source) for path, source in sources.items())
+
+
+def wrap_module(path: str, source: str) -> str:
+    """Return one module as a function; UnknownFormError."""
+    text = EXPORT_KEYWORD.sub("", IMPORT_STATEMENT.sub(partial(replace_import, path), source))
+    if re.search(r"^(?:import|export)\b", text, re.MULTILINE):
+        raise UnknownFormError(f"{path}: an import or export of a kind that is not known")
+    names = ", ".join(EXPORTED_NAME.findall(source))
+    return f"M[{json.dumps(path)}] = (() => {{\n{text}\nreturn {{ {names} }};\n}})();\n"
+
+
+def replace_import(module: str, found: re.Match[str]) -> str:
+    """Return the statement that replaces an import: the same names from the table."""
+    if not found[1]:
+        return ""
+    names = re.sub(r"(\w+) as (\w+)", r"\1: \2", found[1])
+    return f"const {names} = M[{json.dumps(resolve_module(module, found[2]))}];"
