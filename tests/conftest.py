@@ -11,17 +11,16 @@ from pathlib import Path
 
 import hypothesis
 import pytest
-from helpers.installation import install
-from helpers.pages import HEADLESS
+from helpers.installation import install_missing
 from helpers.places import DATA
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
-NEEDING_THE_CORE_ALONE = ("core", "laws", "not process")  # what is chosen by -m
+NEEDING_THE_CORE_ALONE = ("core", "core and not slow", "laws")  # what is chosen by -m
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
-pytest_plugins = ["helpers.browser", "helpers.crewed", "helpers.process_guard"]
+pytest_plugins = ["helpers.browser", "helpers.crewed", "helpers.once_more", "helpers.process_guard"]
 # One commit, one verdict: the same examples each time, however slow the machine.
 hypothesis.settings.register_profile("steady", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("steady")
@@ -40,12 +39,11 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if not getattr(session.config.option, "numprocesses", None):
         return
     core = started("trainer.session.warm_up")
-    if any(choice in session.config.option.markexpr for choice in NEEDING_THE_CORE_ALONE):
+    if session.config.option.markexpr in NEEDING_THE_CORE_ALONE:
         assert_done(core)
         return
     fits = started("trainer", "identify", "--example")
-    for browser in ("chromium", HEADLESS):
-        install(browser, browser, 600.0)
+    install_missing()
     assert_done(core)
     folder = tempfile.TemporaryDirectory()
     few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]

@@ -415,6 +415,7 @@ def test_the_longitudinal_set_has_no_roll_to_fear() -> None:
     assert answer.largest > 2.0
 
 
+@pytest.mark.clock
 def test_asking_leaves_the_boat_as_it_was_and_takes_no_time() -> None:
     boat = flown("bb2", "adams2", 0.5, "modified")
     boat.start(10.0 * KNOT, 60.0, 0.3)

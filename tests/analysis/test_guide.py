@@ -99,7 +99,7 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
     seen: list[None] = []
 
     alone = fly_all(file.path, wanted, 1, lambda: None)
-    monkeypatch.setattr(programme, "LONE_PROCESS_S", 0.0)
+    monkeypatch.setattr(programme, "LONE_FLIGHTS", 0)
     together = fly_all(file.path, wanted, 2, lambda: seen.append(None))
 
     assert len(seen) == len(wanted)

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,22 @@ def test_an_order_is_timed_until_the_rudder_moves_as_ordered(
     assert list(readings) == [7.0]
 
 
+def test_a_session_that_begins_late_is_waited_for_and_a_rudder_that_stands_still_is_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    waits: list[float] = []
+
+    def wait(_: TerminalLine, until: float) -> float | None:
+        waits.append(until - time.monotonic())
+        return 0.0 if len(waits) == 1 else None
+
+    monkeypatch.setattr(end_to_end, "next_rudder_angle", wait)
+
+    assert list(end_to_end.time_rudder_orders(Helm(), Helm(), 0.01, 1)) == []
+    begins, _, answers = waits
+    assert begins > 10.0 * answers
+
+
 @pytest.mark.parametrize("orders", [10, 12, 40])
 def test_orders_come_at_instants_spread_evenly_over_a_tick(orders: int) -> None:
     phases = sorted(end_to_end.phase(number) for number in range(orders))
@@ -125,6 +142,7 @@ def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
     assert page[5].endswith("100 ms    0")
 
 
+@pytest.mark.clock
 @pytest.mark.process
 @pytest.mark.long
 def test_the_bench_steers_a_session_by_serial_lines() -> None:
@@ -154,6 +172,7 @@ def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behi
     assert not Path(environment["NUMBA_CACHE_DIR"]).exists()
 
 
+@pytest.mark.clock
 @pytest.mark.process
 def test_the_console_is_timed_until_it_shows_figures() -> None:
     assert 0.0 < start_up.time_to_screen() < float("inf")

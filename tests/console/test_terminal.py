@@ -13,12 +13,12 @@ import subprocess
 import sys
 import termios
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from helpers.screens import run_aside
+from helpers.waiting import PATIENCE, await_begun, await_that, await_work, eventually
 
 from trainer.console.app import Console
 from trainer.console.client import Client
@@ -31,13 +31,13 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 
 pytestmark = [
+    pytest.mark.clock,
     pytest.mark.process,
     pytest.mark.long,
     pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX"),
     pytest.mark.skipif(shutil.which("tmux") is None, reason="no tmux here"),
 ]
 TRAINER = [sys.executable, "-m", "trainer"]
-PATIENCE = 90.0  # [s] a first run compiles
 LOOK = 0.1  # [s]
 
 
@@ -64,11 +64,12 @@ class Terminal:
 
     def wait(self, pattern: str) -> str:
         """Wait until the screen shows something; return what it shows."""
-        end = time.monotonic() + PATIENCE
-        while not re.search(pattern, text := self.text()):
-            assert time.monotonic() < end, f"{pattern!r} is not shown:\n{text}"
-            time.sleep(LOOK)
-        return text
+        await_work(
+            int(self._tmux("display-message", "-p", "#{pid}")),
+            lambda: re.search(pattern, self.text()),
+            lambda: f"{pattern!r} is not shown:\n{self.text()}",
+        )
+        return self.text()
 
     def close(self) -> None:
         with contextlib.suppress(subprocess.CalledProcessError):
@@ -126,10 +127,7 @@ def ear() -> Iterator[Callable[[Path], Ear]]:
 
 def gone(path: Path) -> bool:
     """Wait until a session has given up its socket; return whether it has."""
-    end = time.monotonic() + PATIENCE
-    while path.exists() and time.monotonic() < end:
-        time.sleep(LOOK)
-    return not path.exists()
+    return eventually(lambda: not path.exists())
 
 
 def console_of(*words: str) -> int:
@@ -362,16 +360,13 @@ except click.Abort:
 
 
 def test_a_screen_left_before_its_session_is_there_takes_it_along(tmp_path: Path) -> None:
-    begun = time.monotonic()
     where = str(tmp_path / "s")
 
     written, code = told(sys.executable, "-c", ENDLESS, where, keys=b"\x1b[21~")
 
     assert LEFT in written
     assert code == 130
-    while running(where):
-        assert time.monotonic() - begun < PATIENCE
-        time.sleep(LOOK)
+    await_that(lambda: not running(where))
 
 
 @pytest.fixture
@@ -382,9 +377,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with subprocess.Popen(
         [*TRAINER, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     ) as process:
-        end = time.monotonic() + PATIENCE
-        while not where.exists() and time.monotonic() < end:
-            time.sleep(LOOK)
+        await_begun(process, where.exists)
         yield where
         process.terminate()
 

@@ -7,7 +7,8 @@ import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 from soak.session_process import Caller
 
-from helpers.pages import PATIENCE, QUIET, SIZES, Heard, Served, find_chromium, served
+from helpers.pages import QUIET, SIZES, Heard, Served, find_chromium, served
+from helpers.waiting import PATIENCE
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
@@ -68,6 +69,7 @@ def look(browser: Browser) -> Iterator[Look]:
             viewport = {"width": width, "height": height}
             context = browser.new_context(viewport=viewport, **how)  # type: ignore[arg-type]
             stack.callback(context.close)
+            context.set_default_timeout(1000.0 * PATIENCE)  # [ms] of clicks, as of `expect`
             page, heard = context.new_page(), Heard()
             pages.append((session.url, heard))
             page.on("console", lambda said: heard.console.append(said.text))

@@ -8,20 +8,19 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
 
 from helpers.installation import installed
-from helpers.pages import PATIENCE, free_port
-
-INSTALLING_S: Final = 300.0  # [s] it is large
+from helpers.pages import free_port
+from helpers.waiting import PATIENCE
 
 
 @contextmanager
 def firefox(profile: Path) -> Iterator["Tab"]:
     """Open a tab of a Firefox of its own; the test is skipped where there is none."""
-    program = shutil.which("firefox") or installed("firefox-esr", "firefox-esr", INSTALLING_S)
+    program = shutil.which("firefox") or installed("firefox-esr", "firefox-esr")
     port = free_port()
     profile.mkdir()
     words = [program, "--headless", f"--remote-debugging-port={port}", "--profile", str(profile)]

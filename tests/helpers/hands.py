@@ -1,15 +1,15 @@
 """Hands on a page, three ways, and the truth about the boat from its session."""
 
-import time
 from typing import Final
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
-from helpers.pages import PATIENCE
+from helpers.waiting import await_that, eventually
 from trainer.session.stations.channels import CHANNELS
 
+LEAP_S: Final = 5.0  # to a moment that is not yet over when the page hears of it
 EACH_WAY: Final = ("mouse", "touch", "keyboard")
 WAYS: Final = ("mouse", pytest.param("touch", marks=pytest.mark.slow), "keyboard")
 
@@ -32,13 +32,16 @@ CUT: Final = """() => {
   return found;
 }"""
 
+# Where a page is wider than the window.
+TOO_WIDE: Final = """() => {
+  const { scrollWidth } = document.documentElement;
+  return scrollWidth > innerWidth ? [`${scrollWidth} px`] : [];
+}"""
+
 
 def see_whole(page: Page, where: object, cut_parts: str = CUT) -> None:
     """Await that nothing of a page is cut; a page is laid out anew a moment after a change."""
-    end = time.monotonic() + 5.0
-    while (cut := page.evaluate(cut_parts)) and time.monotonic() < end:
-        page.wait_for_timeout(20)
-    assert cut == [], where
+    await_that(lambda: page.evaluate(cut_parts) == [], lambda: (where, page.evaluate(cut_parts)))
 
 
 # What can be worked now and bears no mark that it was.
@@ -128,13 +131,12 @@ def report(page: Page, words: str, way: str) -> None:
 
 def heard(caller: Caller, words: str) -> bool:
     """Return whether a line is told something with these words in it, in time."""
-    end = time.monotonic() + PATIENCE
-    while not any(words in each.fields[3] for each in caller.news):
-        if time.monotonic() > end:
-            return False
+
+    def has_come() -> bool:
         assert caller.ask("who")[0]
-        time.sleep(0.02)
-    return True
+        return any(words in each.fields[3] for each in caller.news)
+
+    return eventually(has_come)
 
 
 def read(caller: Caller, place: str) -> str:
@@ -143,11 +145,11 @@ def read(caller: Caller, place: str) -> str:
     names = [each.name for each in CHANNELS[channel].fields]
     if channel not in caller.shown:
         assert caller.ask(f"subscribe {channel}")[0]
-    assert caller.ask("who")[0]
-    end = time.monotonic() + PATIENCE
-    while channel not in caller.shown:
-        assert caller.ask("who")[0]
-        assert time.monotonic() < end, f"nothing comes of {channel}"
+
+    def is_shown() -> bool:
+        return caller.ask("who")[0] and channel in caller.shown
+
+    await_that(is_shown, lambda: f"nothing comes of {channel}")
     return caller.shown[channel][2 + names.index(field)]
 
 
@@ -156,16 +158,26 @@ def step(caller: Caller, ticks: int) -> None:
     read(caller, "gauges.depth")
     wanted = caller.tick + ticks
     assert caller.ask(f"step {ticks}")[0]
-    end = time.monotonic() + PATIENCE
-    while caller.tick < wanted:
-        assert caller.ask("who")[0]
-        assert time.monotonic() < end, f"tick {caller.tick} of {wanted}"
-        time.sleep(0.005)
+
+    def is_there() -> bool:
+        return caller.ask("who")[0] and caller.tick >= wanted
+
+    await_that(is_there, lambda: f"tick {caller.tick} of {wanted}")
+
+
+def await_obeyed(caller: Caller, words: str) -> None:
+    """Give an order until it is obeyed: what must come before it may take its time."""
+    await_that(lambda: caller.ask(words)[0], lambda: f"{words}: {caller.ask(words)[1]}")
+
+
+def stop_clock(page: Page) -> None:
+    """Let a page's own time go on by `run_for` alone: an installed clock goes on by itself."""
+    page.clock.pause_at(page.evaluate("Date.now()") / 1000.0 + LEAP_S)
 
 
 def await_truth(caller: Caller, place: str, wanted: str) -> None:
     """Wait until a session says this of a place."""
-    end = time.monotonic() + PATIENCE
-    while (now := read(caller, place)) != wanted:
-        assert time.monotonic() < end, f"{place} is {now}, not {wanted}"
-        time.sleep(0.02)
+    await_that(
+        lambda: read(caller, place) == wanted,
+        lambda: f"{place} is {read(caller, place)}, not {wanted}",
+    )

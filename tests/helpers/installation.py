@@ -1,30 +1,69 @@
-"""Programs of the system that tests use, installed where the environment allows it."""
+"""Programs of the system that tests use, installed before the first of them where that is allowed.
+
+CI_APT=1 allows it, and says that none may be missing: then a test that lacks one fails. Elsewhere
+it is skipped, and says so.
+"""
 
 import contextlib
 import os
 import shutil
 import subprocess
+from typing import Final, NoReturn
 
 import pytest
 
-PATIENCE = 90.0  # [s]
+INSTALLING_S: Final = 600.0  # [s] for all of them
+PACKAGES: Final = {  # by program
+    "chromium": "chromium",
+    "chromium-headless-shell": "chromium-headless-shell",
+    "gpsd": "gpsd",
+    "gpsdecode": "gpsd-clients",
+    "node": "nodejs",
+    "npm": "npm",
+    "tmux": "tmux",
+    "wasm-ld": "lld",
+}
+# A network that is away for two minutes, and another process that installs, are waited for.
+PATIENT: Final = ("-o", "Acquire::Retries=8", "-o", "DPkg::Lock::Timeout=300")
 
 
-def install(program: str, package: str, patience: float = PATIENCE) -> str | None:
-    """Return the path of a program, installed first where CI_APT=1 allows it; None without."""
-    path = f"{os.environ['PATH']}:/usr/sbin"
-    if os.environ.get("CI_APT") == "1" and shutil.which(program, path=path) is None:
-        for command in (["update"], ["install", "-y", "--no-install-recommends", package]):
-            with contextlib.suppress(OSError, subprocess.TimeoutExpired):  # no network, say
-                subprocess.run(
-                    ["apt-get", *command], check=False, capture_output=True, timeout=patience
-                )
-    return shutil.which(program, path=path)
+def is_complete() -> bool:
+    """Return whether all programs are to be here, and may be installed."""
+    return os.environ.get("CI_APT") == "1"
 
 
-def installed(program: str, package: str, patience: float = PATIENCE) -> str:
-    """Return the path of a program; where it cannot be had the test is skipped, and says so."""
-    found = install(program, package, patience)
-    if found is None:
-        pytest.skip(f"no {program} here: apt-get install {package}, or set CI_APT=1")
-    return found
+def find(program: str) -> str | None:
+    """Return the path of a program; None without."""
+    return shutil.which(program, path=f"{os.environ['PATH']}:/usr/sbin")
+
+
+def install_missing() -> None:
+    """Install at once all programs that are missing, where that is allowed."""
+    if is_complete():
+        install([package for program, package in PACKAGES.items() if find(program) is None])
+
+
+def install(packages: list[str]) -> None:
+    """Install packages; what fails is told by the tests that want them."""
+    if not packages:
+        return
+    for words in (["update"], ["install", "-y", "--no-install-recommends", *packages]):
+        with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+            subprocess.run(
+                ["apt-get", *PATIENT, *words],
+                check=False,
+                capture_output=True,
+                timeout=INSTALLING_S,
+            )
+
+
+def installed(program: str, package: str) -> str:
+    """Return the path of a program, or do without the test."""
+    return find(program) or do_without(f"no {program} here: apt-get install {package}")
+
+
+def do_without(why: str) -> NoReturn:
+    """Skip a test that lacks a program; fail it where none may be missing."""
+    if is_complete():
+        pytest.fail(f"{why} (CI_APT=1 says that all are here)")
+    pytest.skip(f"{why}, or set CI_APT=1")

@@ -8,23 +8,24 @@ import tempfile
 from pathlib import Path
 from typing import Final
 
-import pytest
-
+from helpers.installation import do_without
 from helpers.places import ROOT
 
 LISTED: Final = ("package.json", "package-lock.json")
-PATIENCE: Final = 180.0  # [s]
+NAMES: Final = "typescript, eslint, axe-core, a parser of NMEA"
+INSTALLING_S: Final = 600.0  # [s] a network that is away for two minutes is waited for
+RETRIES: Final = ("--fetch-retries=8", "--fetch-retry-maxtimeout=30000")
 
 
 def modules() -> Path:
-    """Return the folder of the packages that tests/web/package.json names; skip without."""
+    """Return the folder of the packages that package.json names, or do without the test."""
     given = [ROOT / "tests" / "web" / name for name in LISTED]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in given)).hexdigest()[:16]
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folder = cache / f"submarine-trainer-node-{digest}"
     if not folder.exists():
         if not (shutil.which("npm") and shutil.which("node")):
-            pytest.skip("no npm: install the packages nodejs and npm")
+            do_without("no npm: install the packages nodejs and npm")
         install(given, folder)
     return folder / "node_modules"
 
@@ -37,24 +38,24 @@ def install(given: list[Path], folder: Path) -> None:
         there.mkdir()
         for path in given:
             shutil.copy(path, there)
-        words = ["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts"]
+        words = ["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", *RETRIES]
         try:
             done = subprocess.run(
-                words, cwd=there, capture_output=True, text=True, timeout=PATIENCE, check=False
+                words, cwd=there, capture_output=True, text=True, timeout=INSTALLING_S, check=False
             )
         except subprocess.TimeoutExpired:
-            pytest.skip("npm ci does not answer: no network for typescript, eslint, axe-core")
+            do_without(f"npm ci does not answer: no network for {NAMES}")
         if done.returncode:
-            pytest.skip(f"npm cannot have typescript, eslint, axe-core: {done.stderr[-200:]}")
+            do_without(f"npm cannot have {NAMES}: {done.stderr[-200:]}")
         if not folder.exists():  # another process may have been quicker
             there.rename(folder)
 
 
-def run(script: str, *words: str) -> str:
+def run(script: str, *words: str, folder: Path = ROOT) -> str:
     """Return what a tool says of the pages' scripts, "" where all is good."""
     done = subprocess.run(
         ["node", str(modules() / script), *words],
-        cwd=ROOT,
+        cwd=folder,
         capture_output=True,
         text=True,
         check=False,

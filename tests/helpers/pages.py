@@ -6,7 +6,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +16,7 @@ from soak.session_process import Caller
 
 from helpers.installation import installed
 from helpers.places import environment
+from helpers.waiting import PATIENCE, await_begun
 from trainer.report.pdf import find_browser
 
 SIZES: Final = {
@@ -38,7 +38,6 @@ QUIET: Final = (  # nothing but the page asks for anything
     *("--autoplay-policy=no-user-gesture-required", "--hide-scrollbars"),
 )
 HEADLESS: Final = "chromium-headless-shell"  # Chromium without windows: a quarter less to compute
-PATIENCE: Final = 60.0  # [s] ten times what it takes on two busy cores
 
 
 def find_chromium() -> str:
@@ -110,14 +109,14 @@ def served(*words: str, frozen: bool = True) -> Iterator[Served]:
 
 def await_pages(process: subprocess.Popen[str], port: int, said: Path) -> None:
     """Wait until the pages are served."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        assert process.poll() is None, said.read_text()
+
+    def are_served() -> bool:
         if f"://127.0.0.1:{port}/" in said.read_text():
             with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1):
-                return
-        time.sleep(0.05)
-    raise AssertionError(said.read_text())
+                return True
+        return False
+
+    await_begun(process, are_served, said.read_text)
 
 
 @dataclass

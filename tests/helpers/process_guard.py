@@ -23,14 +23,17 @@ STARTING_EVENTS: Final = frozenset(
 )
 FONT_LIST: Final = "fc-list"  # matplotlib asks for it once, where it has no list of fonts yet
 STARTING_FIXTURES: Final = frozenset({"browser", "serve", "shared"})  # of `helpers.browser`
+BROWSER: Final = "browser"  # the fixture whose tests wait for pictures of a page
 unmarked_tests: Final[list[str]] = []  # the test that runs now, if it may start none
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what starts processes by its fixtures."""
+    """Mark what starts processes by its fixtures, and what waits for a browser."""
     for item in filter(starts_processes, items):
         item.add_marker("process")
+        if BROWSER in item.fixturenames:  # type: ignore[attr-defined]
+            item.add_marker("clock")
 
 
 def starts_processes(item: pytest.Item) -> bool:

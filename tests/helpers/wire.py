@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import pytest
 from websockets.sync.client import ClientConnection, connect
 
-from helpers.pages import PATIENCE
+from helpers.installation import do_without
+from helpers.waiting import PATIENCE
 from trainer import __version__
 from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.io.server import LISTEN_BACKLOG
@@ -172,7 +172,7 @@ def make_certificate_of(folder: Path, begins: str, ends: str) -> tuple[Path, Pat
         for words in (ask, f"{sign} -startdate {begins} -enddate {ends}"):
             subprocess.run(["openssl", *words.split()], check=True, capture_output=True, cwd=folder)
     except FileNotFoundError:
-        pytest.skip("no openssl: install the package openssl")
+        do_without("no openssl: install the package openssl")
     return folder / "cert.pem", folder / "key.pem"
 
 
@@ -186,5 +186,5 @@ def make_certificate(folder: Path) -> tuple[Path, Path]:
             [*words, "-keyout", str(key), "-out", str(cert)], check=True, capture_output=True
         )
     except FileNotFoundError:
-        pytest.skip("no openssl: install the package openssl")
+        do_without("no openssl: install the package openssl")
     return cert, key

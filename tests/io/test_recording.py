@@ -21,6 +21,7 @@ from typing import Any
 
 import pytest
 from helpers.givers import HELM, giver_at
+from helpers.waiting import await_that
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -547,11 +548,7 @@ def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
         for tick in range(1, 500):
             recording.state(tick, state_of(tick))
         recording.flush()
-        deadline = time.monotonic() + 20.0
-        while ahead.stat().st_size > 100_000 and time.monotonic() < deadline:
-            threading.Event().wait(0.002)
-
-        assert ahead.stat().st_size < 100_000
+        await_that(lambda: ahead.stat().st_size < 100_000)
         assert path.stat().st_size > 499 * 1944
     assert files(path) == {""}
 

@@ -478,6 +478,7 @@ def test_the_real_wait_ends_at_the_deadline_or_when_woken() -> None:
     assert clock.wait_until(deadline, wake), "an order that comes with the deadline does not win"
 
 
+@pytest.mark.clock
 def test_overruns_provoked_on_the_real_clock_are_counted_exactly() -> None:
     chosen = {3, 4, 9, 17}
     ledger = DetailedLedger(0.04)
@@ -525,6 +526,7 @@ print(summary.gaps, summary.gap_ns, summary.caught_up, summary.skipped, flush=Tr
 """
 
 
+@pytest.mark.clock
 @pytest.mark.process
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no SIGSTOP on this system")
 def test_a_real_process_stopped_for_five_seconds_has_a_gap_and_no_burst() -> None:

@@ -71,6 +71,7 @@ def trained(*words: str, cache: Path | None = None, code: str = "") -> "Done":
 Done = subprocess.CompletedProcess[str]
 
 
+@pytest.mark.clock
 @pytest.mark.process
 def test_a_first_run_in_real_time_is_interpreted_and_says_so_to_whoever_comes(
     tmp_path: Path,
@@ -134,6 +135,7 @@ def once_at_sea(record: Path, do: Callable[[], object]) -> None:
     do()
 
 
+@pytest.mark.clock
 @pytest.mark.process
 def test_a_first_run_goes_over_to_machine_code_between_two_ticks_with_the_same_bits(
     tmp_path: Path,
@@ -161,6 +163,7 @@ def test_a_first_run_goes_over_to_machine_code_between_two_ticks_with_the_same_b
     assert "interpreted" not in quick.stdout
 
 
+@pytest.mark.clock
 @pytest.mark.process
 def test_a_first_run_whose_compilation_fails_goes_on_interpreted_and_says_so(
     tmp_path: Path,

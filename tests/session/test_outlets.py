@@ -12,7 +12,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 import tty
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ import pynmea2
 import pytest
 from helpers.installation import installed
 from helpers.sessions import session_over
+from helpers.waiting import eventually
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -53,16 +53,6 @@ needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-ter
 MANOEUVRES = (
     "5 rudder right 15\n60 course 300\n200 depth 100\n350 bell ahead full\n400 rudder left 8\n"
 )
-
-
-def eventually(happened: Callable[[], object]) -> bool:
-    """Return whether something happens within a time that is long for it."""
-    end = time.monotonic() + 20.0
-    while not happened():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True
 
 
 def gpsdecode() -> str:

@@ -20,6 +20,7 @@ from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import RecordedEvent, Recording
 
 pytestmark = [
+    pytest.mark.clock,
     pytest.mark.process,
     pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here"),
 ]

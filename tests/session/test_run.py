@@ -380,6 +380,7 @@ def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
     assert [line.count(",") for line in lines] == [22] * 42
 
 
+@pytest.mark.clock
 @posix
 def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: Start) -> None:
     process = start("run", "--speed", "10", "--verbose")  # 20 lines a second

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from helpers.pages import PATIENCE, Served
+from helpers.pages import Served
+from helpers.waiting import PATIENCE
 from helpers.wire import Pages, dialled, make_certificate, pages, request
 from websockets.exceptions import InvalidStatus
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 from helpers.hands import see_whole
-from helpers.pages import PATIENCE, Served
+from helpers.pages import Served
+from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, expect
 
 from trainer.config.files import path_named

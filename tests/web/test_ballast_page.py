@@ -352,9 +352,9 @@ def test_a_page_whose_session_dies_is_stale_and_inert(serve: Serve, look: Look) 
 
 def await_still(page: Page) -> None:
     """See that a control of a lost page gives no order."""
-    before = page.locator("#answer").text_content()
+    before = page.locator("#answer").inner_text()
     page.locator("[data-order='blow all']").click(force=True)
-    assert page.locator("#answer").text_content() == before
+    expect(page.locator("#answer")).to_have_text(before)
 
 
 # The height of a capital as it is drawn, in millimetres of a screen of 96 points an inch.

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 from helpers.firefox import Tab, firefox
-from helpers.pages import PATIENCE, Served
+from helpers.pages import Served
 from helpers.slow_line import slow_line
+from helpers.waiting import PATIENCE
 from helpers.wire import make_certificate
 from playwright.sync_api import Browser, Page, expect
 from soak.session_process import Caller

@@ -7,7 +7,8 @@ from statistics import fmean
 from typing import Any, Final
 
 import pytest
-from helpers.pages import PATIENCE, Served
+from helpers.pages import Served
+from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.pages import PATIENCE
+from helpers.waiting import PATIENCE
 from helpers.wire import Pages, dialled, hear, pages, request
 from websockets.sync.client import ClientConnection
 

@@ -4,7 +4,8 @@ import re
 from collections.abc import Callable
 
 import pytest
-from helpers.pages import PATIENCE, served
+from helpers.pages import served
+from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, expect
 
 pytestmark = pytest.mark.process

@@ -76,6 +76,8 @@ def test_the_telegraph_is_heard_where_it_stands_and_only_when_it_is_rung(
     assert page.evaluate("window.struck.splice(0)") == [PITCH, PITCH]
     step(instructor, 2)
     assert instructor.ask("bell ahead full")[0]
+    step(instructor, 200)
+    expect(page.locator("#time")).to_contain_text("01:4")  # which came after the bell
     assert page.evaluate("window.struck") == []
     page.locator("#sound").click()  # off and on at one place
     assert instructor.ask("bell stop")[0]

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.hands import EACH_WAY, UNWORKED, see_whole, work
+from helpers.hands import EACH_WAY, UNWORKED, see_whole, stop_clock, work
 from helpers.pages import Served, served
+from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
@@ -78,13 +79,6 @@ def kiosk(shared_kiosk: Kiosk) -> Iterator[Kiosk]:
 
 def scene(page: Page, name: str) -> None:
     expect(page.locator("body")).to_have_attribute("data-scene", name)
-
-
-def expect_that(holds: Callable[[], bool]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 10.0
-    while not holds():
-        assert time.monotonic() < end
 
 
 def slider(page: Page) -> Locator:
@@ -176,7 +170,7 @@ def test_a_lever_held_down_is_taken_and_given_back_before_ninety_metres(
 
     assert 60.0 < float(kiosk.read("gauges")[0]) < 90.0
     put_lever(page, -3)
-    expect_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == -3.0)
+    await_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == -3.0)
     kiosk.order("end exercise")
     expect(page.locator("#verdict")).to_have_text("You went past 60 metres")
 
@@ -191,7 +185,7 @@ def test_mouse_touch_and_keys_work_the_lever_and_the_session_has_it(
 
     def ordered(angle: float) -> None:
         expect(slider(page)).to_have_attribute("aria-valuenow", f"{angle:g}")
-        expect_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == angle)
+        await_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == angle)
 
     put_lever(page, -8)
     ordered(-8)
@@ -259,6 +253,8 @@ def test_who_does_nothing_for_45_seconds_is_not_waited_for(kiosk: Kiosk, look: L
     kiosk.order("freeze")
     expect(page.locator("#task")).to_contain_text("Die Zeit steht")
 
+    stop_clock(page)
+    slider(page).press("ArrowDown")  # from here on, exactly
     page.clock.run_for(43_000)
     scene(page, "dive")
     slider(page).press("ArrowDown")
@@ -278,8 +274,12 @@ def test_a_result_is_shown_for_20_seconds(kiosk: Kiosk, look: Look) -> None:
     scene(page, "dive")
     kiosk.order("end exercise")
     scene(page, "result")
-    page.clock.run_for(18_000)
-    expect(page.locator("#nobody")).to_contain_text(re.compile(r"in [123]$"))
+    stop_clock(page)
+    nobody = page.locator("#nobody")
+    expect(nobody).to_contain_text(re.compile(r"in \d+$"))
+    left = int(str(nobody.text_content()).rpartition(" ")[2])
+    page.clock.run_for(1000 * (left - 2))
+    expect(nobody).to_contain_text(re.compile(r"in [123]$"))
     page.clock.run_for(3_000)
     scene(page, "attract")
 

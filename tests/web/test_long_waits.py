@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from helpers.pages import PATIENCE, QUIET, Served, find_chromium, free_port
+from helpers.pages import QUIET, Served, find_chromium, free_port
+from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Error, Page, expect
 from soak.session_process import Caller
 

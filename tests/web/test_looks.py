@@ -1,11 +1,11 @@
 """Every page at every size: contrast, nothing cut, keyboard, zoom, calm, and no request leaves."""
 
 import re
-import time
 from collections.abc import Callable
 
 import pytest
-from helpers.pages import PALETTES, PATIENCE, SIZES, Served
+from helpers.hands import TOO_WIDE, see_whole
+from helpers.pages import PALETTES, SIZES, Served
 from playwright.sync_api import Page, expect
 
 from trainer.web.modules import ASSETS_FOLDER
@@ -96,15 +96,10 @@ def test_a_page_fits_every_size(shared: Served, look: Look, name: str, language:
     for size, (width, height) in SIZES.items():
         page.set_viewport_size({"width": width, "height": height})
 
-        end = time.monotonic() + PATIENCE  # a page is laid out anew a moment after a change
-        while (wide := page.evaluate(TOO_WIDE)) > 0 and time.monotonic() < end:
-            page.wait_for_timeout(50)
-
-        assert wide <= 0, f"{name} at {size} is {wide} px too wide"
-        assert page.evaluate(CUT) == [], f"{name} at {size}"
+        for parts in (TOO_WIDE, CUT):
+            see_whole(page, f"{name} at {size}", parts)
 
 
-TOO_WIDE = "document.documentElement.scrollWidth - innerWidth"  # [px]
 # What can be worked and lies outside the picture at its side, where nobody scrolls.
 CUT = """() => [...document.querySelectorAll("button, a, input, select, [role=slider]")]
   .filter((each) => each.checkVisibility() && !each.closest(".unseen, alert-bar"))
@@ -122,8 +117,8 @@ def test_a_page_at_twice_its_size_is_whole(shared: Served, look: Look, name: str
     page.set_viewport_size({"width": 640, "height": 360})
     ready(page)
 
-    assert page.evaluate(TOO_WIDE) <= 0
-    assert page.evaluate(CUT) == []
+    for parts in (TOO_WIDE, CUT):
+        see_whole(page, name, parts)
 
 
 # Controls that Tab should reach; of a group of choices, one.

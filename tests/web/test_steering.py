@@ -3,7 +3,6 @@
 import contextlib
 import re
 import signal
-import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Final
@@ -11,6 +10,7 @@ from typing import Final
 import pytest
 from helpers.hands import (
     EACH_WAY,
+    TOO_WIDE,
     UNWORKED,
     WAYS,
     await_truth,
@@ -18,12 +18,14 @@ from helpers.hands import (
     on_groove,
     read,
     report,
+    see_whole,
     step,
     work,
     work_frame,
     work_parts,
 )
 from helpers.pages import SIZES, Served
+from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
 from soak.session_process import Caller
 
@@ -79,7 +81,7 @@ def put(page: Page, name: str, way: str) -> int:
         slider.evaluate("(each) => (each.dataset.worked = '')")
     for end in ("low", "high"):
         work(page, lever.locator(f".fine.{end}"), way)
-    assert standing(page, name) != 0
+    expect(slider).not_to_have_attribute("aria-valuenow", "0")
     return standing(page, name)
 
 
@@ -153,7 +155,7 @@ def report_by_key(page: Page, instructor: Caller, way: str) -> None:
         width, height = SIZES[size]
         page.set_viewport_size({"width": width, "height": height})
         work(page, key, way)
-        assert page.evaluate(BEYOND) == [], size
+        see_whole(page, size, BEYOND)
         work(page, window.get_by_role("button", name=words), way)
         expect(window).to_be_hidden()
         assert heard(instructor, words)
@@ -292,15 +294,15 @@ def test_without_readings_nothing_works_and_all_is_crossed_until_they_are_back(
     with stopped(shared):
         for page in pages:
             expect(page.locator("#state")).to_have_text("NO LINK")
-            assert page.locator(".gauge:not([data-stale])").count() == 0
-            assert page.locator("main [data-control]:not([inert])").count() == 0
+            expect(page.locator(".gauge:not([data-stale])")).to_have_count(0)
+            expect(page.locator("main [data-control]:not([inert])")).to_have_count(0)
             for cross in page.locator(".gauge:visible .cross").all():
                 expect(cross).to_be_visible()
             expect(page.locator("alert-bar .alert[data-rank=warning]")).to_contain_text("No link")
             work_nothing(page)
     for page in pages:
         expect(page.locator("#state")).to_have_text("RUNNING")
-        assert page.locator(".gauge[data-stale], main [data-control][inert]").count() == 0
+        expect(page.locator(".gauge[data-stale], main [data-control][inert]")).to_have_count(0)
         assert page.evaluate("sent") == []
         expect(page.locator("alert-bar .alert", has_text="No link")).to_have_count(0)
     angle = put(pages[0], "rudder", "mouse")
@@ -323,10 +325,14 @@ def test_the_crew_is_alerted_by_its_gauges_alone(
     alerts = page.locator("alert-bar .alert")
     assert instructor.ask("casualty rudder-stuck")[0]
     put(page, "rudder", "mouse")
-    for _ in range(5):  # as long as the warning waits
+    warning = alerts.and_(page.locator("[data-rank=warning]"))
+
+    def is_warned() -> bool:
         step(instructor, 4)
-        time.sleep(0.1)
-    expect(alerts.and_(page.locator("[data-rank=warning]"))).to_contain_text("Rudder off its order")
+        return warning.count() > 0
+
+    await_that(is_warned)
+    expect(warning).to_contain_text("Rudder off its order")
     assert instructor.ask("clear all")[0]
     step(instructor, 30)
     expect(alerts).to_have_count(0)
@@ -353,9 +359,8 @@ def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
         for place in range(max(keys.count(), 1)):
             if keys.count():
                 keys.nth(place).click()
-            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), size
-            assert page.evaluate(BEYOND) == [], size
-            assert page.evaluate(OVERLAPS) == [], size
+            for parts in (TOO_WIDE, BEYOND, OVERLAPS):
+                see_whole(page, size, parts)
 
 
 def test_the_briefing_opens_first_its_keys_are_worked_and_the_end_is_told(

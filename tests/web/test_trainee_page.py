@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 from helpers.hands import see_whole
-from helpers.pages import PATIENCE, Served
+from helpers.pages import Served
+from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, WebSocket, expect
 
 from trainer.config.course import course, lessons

@@ -5,7 +5,9 @@ import signal
 from collections.abc import Callable, Iterator
 
 import pytest
+from helpers.hands import await_obeyed, stop_clock
 from helpers.pages import Served, served
+from helpers.waiting import await_that
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
@@ -42,10 +44,10 @@ def test_the_wall_shows_what_the_crews_gauges_show_and_what_is_ordered(
     order(sailing, "casualty depth-gauge-biased ramp 1")
     order(sailing, "step 40")
     expect(page.locator("#depth")).to_have_text(re.compile("^(?!18.0)"))
-    shown = float(page.locator("#depth").inner_text())
     truth = look(session, "wall", query="?truth")
     expect(truth.locator("#depth")).to_have_text(re.compile(r"\d"))
-    assert abs(float(truth.locator("#depth").inner_text()) - shown) > 1.0
+    shown, true = page.locator("#depth"), truth.locator("#depth")
+    await_that(lambda: abs(float(true.inner_text()) - float(shown.inner_text())) > 1.0)
     expect(truth.locator("#source")).to_have_text("the truth")
     order(sailing, "restart")
     order(sailing, "freeze")
@@ -111,9 +113,7 @@ def test_a_wall_that_came_first_as_an_instructor_gives_command_to_who_asks(look:
         assert "take command" in why
         assert instructor.ask("take command")[0]
         expect(wall.locator("#state")).to_have_text("FROZEN")
-        for _ in range(100):
-            if instructor.ask("run")[0]:
-                break
+        await_obeyed(instructor, "run")  # once the page has given command
         expect(wall.locator("#state")).to_have_text("RUNNING")
 
 
@@ -154,6 +154,7 @@ def test_the_pointer_goes_when_it_is_still_and_comes_back_when_it_moves(
     page.clock.install()
     page.goto(f"{sailing[0].url}/wall")
     expect(page.locator("#depth")).to_have_text(re.compile(r"\d"))
+    stop_clock(page)
     page.mouse.move(200, 200)
     expect(page.locator("body")).not_to_have_css("cursor", "none")
     page.clock.run_for(3500)
@@ -169,6 +170,7 @@ def test_the_picture_moves_a_little_each_minute_and_stays_on_the_screen(
     page.clock.install()
     page.goto(f"{sailing[0].url}/wall")
     expect(page.locator("#depth")).to_have_text(re.compile(r"\d"))
+    stop_clock(page)
     places = set()
     for _ in range(9):
         page.clock.fast_forward(60_000)
@@ -191,9 +193,7 @@ def test_the_marks_are_shown_once_they_are_released(
     order(sailing, "end exercise")
     expect(page.locator("#state")).to_have_text("ENDED")
     expect(page.locator("#marks")).to_be_hidden()
-    for _ in range(200):
-        if sailing[1].ask("release marks")[0]:
-            break
+    await_obeyed(sailing[1], "release marks")  # once they are judged
     expect(page.locator("#marks")).to_contain_text("marks of 100")
     order(sailing, "restart")
     expect(page.locator("#marks")).to_be_hidden()

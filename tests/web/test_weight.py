@@ -7,8 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from helpers.pages import PATIENCE, Served
+from helpers.pages import Served
 from helpers.slow_line import slow_line
+from helpers.waiting import PATIENCE
 from helpers.wire import request
 from playwright.sync_api import Browser, Page, expect
 

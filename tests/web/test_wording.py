@@ -8,9 +8,10 @@ from typing import Final
 import pytest
 from helpers import node, page_orders
 from helpers.browser import Look
-from helpers.pages import PATIENCE, SIZES, Served, served
+from helpers.pages import SIZES, Served, served
 from helpers.places import ROOT
 from helpers.rewording import reworded
+from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
 from trainer.io.orders.grammar import Order, parse

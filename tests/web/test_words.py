@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 from helpers import node, wire
-from helpers.pages import PATIENCE, Served
+from helpers.pages import Served
+from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Page, expect
 
 from trainer.config.casualties import clause_of, load_casualties

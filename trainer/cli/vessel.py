@@ -214,6 +214,9 @@ def reduce(vessel: str, **options: Any) -> None:
         raise click.UsageError(f"{flags} exclude one another; give one of them")
     file = load_vessel(vessel)
     cores = options["cores"] or processor_count()
+    result = file.path if options["write"] else options["output"]
+    if result and not result.parent.is_dir():
+        raise ConfigError(f"{result}: there is no folder {result.parent}")
     if options["check"]:
         reduction_report = reduction.report_reduction(file, reduction.as_filed(file), (), ())
     else:
@@ -224,9 +227,6 @@ def reduce(vessel: str, **options: Any) -> None:
             json_lines = json_of([asdict(one) for one in drops])
             click.echo(json_lines if options["as_json"] else "\n".join(lines))
             return
-        result = file.path if options["write"] else options["output"]
-        if result and not result.parent.is_dir():
-            raise ConfigError(f"{result}: there is no folder {result.parent}")
         reduction_report = _search_reduction(file, cores, result, drops, quick=options["quick"])
     click.echo(
         json_of(asdict(reduction_report)) if options["as_json"] else page.render(reduction_report)

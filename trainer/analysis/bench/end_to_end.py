@@ -35,7 +35,8 @@ ORDERS_PER_SECOND: Final = 4  # orders, for a second asked for
 GOLDEN_RATIO: Final = 0.5 * (
     math.sqrt(5.0) - 1.0
 )  # of whose multiples any number are spread evenly
-START_TIMEOUT_S: Final = 30.0  # [s] a first start
+START_TIMEOUT_S: Final = 600.0  # [s] a first start, on a machine that is busy with other work
+ANSWER_TIMEOUT_S: Final = 30.0  # [s] from an order to the sentence that shows it
 BINS_PER_STEP: Final = 10  # of the histogram, to a step
 ALLOWED_DELAY_S: Final = 0.020  # [s] beyond half a step
 MAX_BAR_LENGTH: Final = 40  # [characters] of its bars
@@ -176,7 +177,8 @@ def time_rudder_orders(
         begun = time.monotonic_ns()
         helm.say(words)
         while angle is not None:
-            before, angle = angle, next_rudder_angle(instrument, time.monotonic() + START_TIMEOUT_S)
+            before = angle
+            angle = next_rudder_angle(instrument, time.monotonic() + ANSWER_TIMEOUT_S)
             if angle is not None and sense * (angle - before) > 0.0:
                 break
         if angle is None:

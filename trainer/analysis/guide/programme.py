@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import product
 from pathlib import Path
-from time import monotonic
 from typing import Final
 
 import numpy as np
@@ -32,7 +31,7 @@ from trainer.units import KNOT
 
 OWN_RIG: Final = Rig()
 LIMITED_RIG: Final = Rig(engine="limited")
-LONE_PROCESS_S: Final = 4.0  # [s] about as long as it takes to start other processes
+LONE_FLIGHTS: Final = 200  # about as many as one process flies until others have started
 CHUNK_FLIGHTS: Final = 6  # flights handed to a process at once
 SET_METHODS: Final = {  # equation set: accelerations, integrator
     "full": ("exact", "rk4"),
@@ -116,18 +115,17 @@ def fly_boat(file: VesselFile, task: Task) -> Flight | str:
 def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]) -> FlightTable:
     """Return the flights of all ``tasks`` by the boat of a file. ``step`` is called after each.
 
-    This process flies alone for LONE_PROCESS_S, because starting others takes about as long. Others
-    then fly the rest, and load the machine code that this one has compiled by then.
+    This process flies LONE_FLIGHTS alone, because starting others takes about as long. Others then
+    fly the rest, and load the machine code that this one has compiled by then. It is a count and no
+    time, so that the same tasks go the same way on a busy machine.
     """
     wanted = list(dict.fromkeys(tasks))
     flown_tasks: FlightTable = {}
-    begin = monotonic()
-    for task in wanted:
-        if cores > 1 and monotonic() - begin > LONE_PROCESS_S:
-            break
+    lone = wanted[:LONE_FLIGHTS] if cores > 1 else wanted
+    for task in lone:
         flown_tasks[task] = fly_task(path, task)
         step()
-    rest = wanted[len(flown_tasks) :]
+    rest = wanted[len(lone) :]
     if rest:
         with worker_pool(cores) as pool:
             flights = pool.map(partial(fly_task, path), rest, chunksize=CHUNK_FLIGHTS)

@@ -14,6 +14,7 @@ parent, because the ticks between the two are lost.
 """
 
 import contextlib
+import math
 import sqlite3
 import threading
 import time
@@ -148,7 +149,7 @@ class Recording(Past):
         self._lost = dict.fromkeys(COUNTED_STATEMENTS, 0)  # in this gap
         self._missing = dict.fromkeys(COUNTED_STATEMENTS, 0)  # in all
         self.wake = lambda: None
-        self._tried = 0.0  # [s] when it was last tried to be reached
+        self._tried = -math.inf  # [s] when it was last tried: a machine may be just up
         self._plight = ("", False, "")  # as the thread last saw it
         if checkpointer:
             checkpointer.start(self._tend)
