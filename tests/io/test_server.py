@@ -573,7 +573,7 @@ def test_a_port_opened_while_the_hub_looks_at_its_ports_is_heard_too(
 
 def test_a_hub_that_closes_waits_for_its_clients_asleep(monkeypatch: pytest.MonkeyPatch) -> None:
     rounds = 0
-    tend = Server._tend_connections
+    tend = Server._tend_connections  # noqa: SLF001  its rounds
 
     def counted(server: Server, now: float) -> None:
         nonlocal rounds

@@ -257,10 +257,17 @@ class Recording(Past):
             begun = Moment(here.parent, here.tick, here.state, here.after, here.place)
             self.fork(begun, SHOWN_REASON)
 
-    def go_on(self, moment: Moment) -> None:
-        """Go on after a gap in a new branch from a moment. Its cause says what is missing."""
-        parent = self.last_branch()
-        last = self.last_tick(parent)
+    def go_on(self, moment: Moment) -> bool:
+        """Go on after a gap in a new branch from a moment. Its cause says what is missing.
+
+        Return whether it goes on. Where it cannot be read yet, the thread tries to reach it again.
+        """
+        try:
+            parent = self.last_branch()
+            last = self.last_tick(parent)
+        except RecordingError:
+            self.reachable = False
+            return False
         self._gap = self.reachable = False
         self.trouble = ""
         why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
@@ -268,6 +275,7 @@ class Recording(Past):
         self._begin_branch(parent, moment, why, BranchCause.GAP)
         self.branch, self._tick = self._branches, moment.tick
         self.flush()
+        return True
 
     def _begin_branch(self, parent: int, moment: Moment, why: str, cause: BranchCause) -> None:
         """Put down the next branch, which begins at a moment."""
