@@ -167,7 +167,11 @@ class Recording(Past):
     @classmethod
     def reopen(cls, path: Path) -> "Recording":
         """Go on with the latest branch of a recording; RecordingError if another program has it."""
-        return cls._writing(file.reopen(path), path)
+        recording = cls._writing(file.reopen(path), path)
+        if recording._checkpointer:  # noqa: SLF001  its own
+            # a killed program may not have asked the disk for what it had answered
+            recording._checkpointer.disk.expect(SAFE_WITHIN_S)  # noqa: SLF001
+        return recording
 
     @classmethod
     def look(cls, path: Path) -> "Recording":
