@@ -3,7 +3,9 @@
 import functools
 import itertools
 import re
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -233,6 +235,22 @@ def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_come
     assert len(ship.facts(trainee, "crew-order")) >= 3
     assert ship.session.history.recording.branch == 3
     assert ship.conduct.ending.over
+
+
+def test_a_step_whose_past_cannot_be_read_goes_on_from_where_it_is(
+    missed: tuple[Crewed, Typist], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ship, trainee = missed
+    fly(ship, 10)
+    with monkeypatch.context() as broken, closing(sqlite3.connect(":memory:")) as empty:
+        broken.setattr(ship.recording, "_connection", empty)
+        fly(ship, 60)
+        told = [text for text in ship.events(trainee, "lesson") if "cannot be read" in text]
+        assert len(told) == 1
+        assert told[0].startswith("not gone back: ")
+        assert ship.boat.ticks == 70
+    fly(ship, 3 * 60)
+    assert ship.session.history.recording.branch == 2
 
 
 def test_who_begins_anew_has_all_repeats_before_him(missed: tuple[Crewed, Typist]) -> None:

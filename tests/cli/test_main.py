@@ -37,6 +37,37 @@ def typed(*words: str | bytes, folder: Path, memory: int | None = None) -> tuple
     return done.returncode, out, told
 
 
+@pytest.mark.process
+def test_closed_standard_streams_change_no_exit_code_and_nothing_that_is_written(
+    tmp_path: Path,
+) -> None:
+    fly = "--duration 2 --speed max --no-record --socket none"
+    commands = {
+        f"run steady-course --headless {fly}": 0,
+        f"serve steady-course --listen 127.0.0.1:0 {fly}": 0,
+        "run steady-course --headless --duration 5 --speed max --record q.trainer": 0,
+        "resume q.trainer --headless --duration 6 --speed max": 0,
+        "debrief q.trainer --html d.html": 0,
+        "identify no-such.toml": 2,
+    }
+    trainer_of = f'"{sys.executable}" -m trainer'
+    script = "\n".join(f'{trainer_of} {words} $CLOSED; echo "$?" >> codes' for words in commands)
+    for closed in ("2>&-", "<&- >&- 2>&-"):
+        folder = tmp_path / str(len(closed))
+        folder.mkdir()
+        subprocess.run(
+            ["sh", "-c", script.replace("$CLOSED", closed)],
+            cwd=folder,
+            env=environment(XDG_STATE_HOME=str(folder)),
+            stdout=subprocess.DEVNULL,
+            timeout=600,
+            check=True,
+        )
+        codes = (folder / "codes").read_text(encoding="utf-8").split()
+        assert dict(zip(commands, map(int, codes), strict=True)) == commands
+        assert (folder / "d.html").stat().st_size > 10_000
+
+
 @pytest.fixture
 def fallen(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Typed:
     """Give what runs the command line into an exception, and returns what is told."""

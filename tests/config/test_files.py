@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 
 from trainer.config.files import (
     ConfigError,
+    Place,
     collecting,
     json_text,
+    parse_toml,
     read_text,
     shipped_names,
     shipped_path,
@@ -755,6 +757,38 @@ def test_odd_text_is_refused_in_readable_lines(text: str) -> None:
     for line in complaint(lambda: parse_vessel(text, PLACE)).splitlines():
         assert line.startswith("boat.toml: ")
         assert len(line) < 250
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        (f"x{'.a' * 1000} = 1", "x.a.a"),
+        (f"[x{'.a' * 1000}]\nb = 1", "x.a.a"),
+        (f"[[x{'.a' * 21}]]\nb = 1", "x.a.a"),
+        (f"x{'.a' * 10} = {'[' * 15}{']' * 15}", "x.a.a"),
+        ("a = 1\nx = " + "9" * 5000, "line 2: a whole number has 19 digits"),
+        ("x = 0x" + "f" * 5000, "x: a whole number has 19 digits"),
+        ("x = [[1, -9223372036854775809]]", "x.0.1: a whole number has 19 digits"),
+    ],
+)
+def test_what_no_reader_of_a_file_can_use_is_refused_before_it_by_file_and_key(
+    text: str, what: str
+) -> None:
+    told = complaint(lambda: parse_toml(text, "any.toml"))
+
+    assert told.startswith("any.toml: ")
+    assert what in told
+    assert len(told) < 200
+
+
+def test_keys_tables_and_values_are_quoted_short_whatever_they_are() -> None:
+    deep: list[object] = []
+    for _ in range(5000):
+        deep = [deep]
+    told = Place("any.toml", "t" * 5000).wrong("k" * 5000, deep, "is wrong")
+
+    assert len(told) < 250
+    assert parse_toml(f"{'k' * 50}{'.a' * 18} = [9223372036854775807]", "any.toml")
 
 
 @settings(max_examples=100)

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from trainer.config.files import ConfigError
 from trainer.debrief import history as history_module
 from trainer.debrief.changes import change_of, changes_path, read_changes, without_changes
 from trainer.debrief.data import debrief_figures
+from trainer.debrief.forms import EvaluationForm
 from trainer.debrief.history import (
     ListedRecording,
     RecordedResult,
@@ -159,6 +161,35 @@ LONG_ROWS = (
         Path("a.trainer"), "2026-11-21T22:23:43", ("A\x1b",), replace(LONG, exercise="Mine")
     ),
 )
+
+
+def test_whatever_one_recording_does_the_others_are_listed_and_forgotten(
+    kept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    odd = tmp_path / "odd.trainer"
+    shutil.copy(kept, odd)
+    marks_of, forms_of = history_module.kept_result, history_module.read_forms
+
+    def unforeseen(path: Path) -> RecordedResult | None:
+        if path == odd:
+            raise RecursionError("x" * 5000)
+        return marks_of(path)
+
+    def unforeseen_forms(path: Path) -> tuple[EvaluationForm, ...]:
+        return forms_of(path) if path != odd else unforeseen(path)  # type: ignore[return-value]
+
+    monkeypatch.setattr(history_module, "kept_result", unforeseen)
+    monkeypatch.setattr(history_module, "read_forms", unforeseen_forms)
+
+    found = {each.path: each.trouble for each in map(list_recording, (odd, kept))}
+    assert found[kept] == ""
+    assert found[odd].startswith(f"{odd}: cannot be read: RecursionError: ")
+    assert len(found[odd]) < len(str(odd)) + 120
+
+    with pytest.raises(ConfigError, match=r"the name is still in it: .*RecursionError"):
+        list(forget_trainee(ANN, (odd, kept)))
+    with contextlib.closing(Recording.look(kept)) as recording:
+        assert ANN not in trainees_of(recording.header())
 
 
 @pytest.mark.parametrize("columns", [60, 79, 80, 100])

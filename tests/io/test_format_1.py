@@ -127,6 +127,39 @@ def test_a_file_that_cannot_be_brought_up_stays_as_it_was(
         check_facts(recording)
 
 
+TEXTS = ("orders.who", "orders.text", "orders.answer", "events.who", "branches.why")
+
+
+@pytest.mark.parametrize("place", TEXTS)
+@pytest.mark.parametrize("format_number", [1, 2])
+def test_a_text_that_is_none_is_damage_to_whoever_goes_on_or_reads_and_changes_nothing(
+    old: Path, place: str, format_number: int
+) -> None:
+    if format_number == file.FILE_FORMAT:
+        Recording.reopen(old).close()
+    table, _, column = place.partition(".")
+    with closing(sqlite3.connect(old, isolation_level=None)) as connection:
+        connection.execute(f"UPDATE {table} SET {column} = x'ff00' WHERE id = 1")
+        before = list(connection.iterdump())
+
+    for opens in (Recording.reopen, Recording.look):
+        with (
+            pytest.raises(file.RecordingError, match=r"is damaged: a (text|value)"),
+            closing(opens(old)) as read,
+        ):
+            check_facts(read)
+    with closing(sqlite3.connect(old, isolation_level=None)) as connection:
+        assert list(connection.iterdump()) == before
+        assert connection.execute("PRAGMA user_version").fetchone() == (format_number,)
+
+
+def test_a_remark_that_is_no_text_is_damage_to_whoever_forgets_a_name(old: Path) -> None:
+    with closing(sqlite3.connect(old, isolation_level=None)) as connection:
+        connection.execute("UPDATE events SET text = x'6d61726b20'")  # "mark "
+    with pytest.raises(file.RecordingError, match="is damaged: a text"):
+        file.erase_header(old, {}, str.upper)
+
+
 @pytest.mark.parametrize(
     "change",
     [

@@ -368,6 +368,22 @@ def test_the_disk_is_asked_for_what_was_answered_and_not_at_once_for_ticks(
         assert within(WAIT_S, lambda: disk.asked > asked)
 
 
+def test_what_a_killed_program_left_unasked_is_brought_onto_the_disk_by_the_next(
+    tmp_path: Path, disk: Disk
+) -> None:
+    killed, path = tmp_path / "killed.trainer", tmp_path / "watch.trainer"
+    with contextlib.closing(begin(killed)) as recording:
+        recording.order(1, HELM, "dive")
+        for ending in ("", "-wal"):  # as a kill leaves them
+            shutil.copy(f"{killed}{ending}", f"{path}{ending}")
+    disk.asked = 0
+
+    with contextlib.closing(Recording.reopen(path)) as again:
+        assert [each.text for each in again.orders(1)] == ["dive"]
+        assert within(3.0 * recording_module.SAFE_WITHIN_S, lambda: disk.asked)
+        assert not again.behind
+
+
 def test_what_a_disk_refused_is_safe_only_once_it_was_brought_home(
     tmp_path: Path, disk: Disk
 ) -> None:

@@ -797,6 +797,10 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
     check_whole(path, 100)
 
 
+def unreadable(*_: object) -> None:
+    raise RecordingError("a disk that does not answer")
+
+
 @pytest.mark.usefixtures("impatient")
 def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
     path: Path, monkeypatch: pytest.MonkeyPatch
@@ -811,7 +815,12 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
             fly(recording, 21, 40)
             other.execute("COMMIT")
         assert within(60.0, lambda: recording.reachable)
-        recording.go_on(Moment(2, 40, state_of(40), 16, 0))
+        with monkeypatch.context() as unread:
+            unread.setattr(recording, "last_tick", unreadable)
+            assert not recording.go_on(Moment(2, 40, state_of(40), 16, 0))
+        assert recording.trouble
+        assert within(60.0, lambda: recording.reachable)
+        assert recording.go_on(Moment(2, 40, state_of(40), 16, 0))
         assert recording.trouble == ""
         recording.state(41, state_of(41))
         assert recording.order(41, HELM, "after it") == 17

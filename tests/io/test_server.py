@@ -571,6 +571,24 @@ def test_a_port_opened_while_the_hub_looks_at_its_ports_is_heard_too(
             assert len(here.arrivals(1)) == 1
 
 
+def test_a_hub_that_closes_waits_for_its_clients_asleep(monkeypatch: pytest.MonkeyPatch) -> None:
+    rounds = 0
+    tend = Server._tend_connections  # noqa: SLF001  its rounds
+
+    def counted(server: Server, now: float) -> None:
+        nonlocal rounds
+        rounds += 1
+        tend(server, now)
+
+    monkeypatch.setattr(Server, "_tend_connections", counted)
+    with control() as here, client(here) as (_, first), client(here):  # none of which hangs up
+        first.send("a line")
+        before = rounds
+        here.hub.close(0.3)
+
+    assert 0 < rounds - before < 30
+
+
 def test_a_hub_that_closes_gets_out_what_is_queued() -> None:
     here = Desk()
     with client(here) as (far, line):

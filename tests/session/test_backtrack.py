@@ -293,6 +293,29 @@ def test_orders_that_cannot_be_read_back_keep_no_boat_from_a_moment_of_this_run(
     ship.sail(back())
 
 
+def test_a_branch_that_cannot_begin_leaves_the_boat_where_she_is(
+    ship: Ship, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unreadable(*_: object) -> None:
+        raise RecordingError("a disk that does not answer")
+
+    def back() -> Lines:
+        yield from onward(ship, 60)
+        yield "snapshot here"
+        yield from onward(ship, 100)
+        for words in ("restore here", "branch 1"):
+            with monkeypatch.context() as broken:
+                broken.setattr(ship.recording, "fork", unreadable)
+                before = ship.state, ship.history.after, ship.history.place
+                yield words
+                assert (ship.state, ship.history.after, ship.history.place) == before
+        yield from onward(ship, LAST)
+
+    ship.sail(back())
+    assert "does not answer" in ship.said("disk")
+    assert len(ship.flown()) == LAST + 1
+
+
 # The ways; each comes to the last tick in the end
 
 

@@ -231,6 +231,41 @@ def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(
     assert "here, beginning" in ship.refused("again from nowhere")
 
 
+@pytest.mark.parametrize("lost", [False, True])
+def test_a_jump_to_the_very_end_of_an_exercise_does_not_take_its_end_back(
+    crewed: Callable[..., Crewed],
+    lost: bool,  # noqa: FBT001
+) -> None:
+    ship = crewed(lost=["depth > 1"] * lost, seconds=None if lost else 5.0)
+    helm = ship.comes("helm")
+    ship.fly(20)
+    end, how = ship.boat.ticks, ship.conduct.ending.how
+    assert how
+    ship.order("snapshot last")
+
+    for jump in ("restore last", "again from last", "branch 1"):
+        ship.order(jump)
+
+        assert (ship.boat.ticks, ship.conduct.ending.how) == (end, how)
+        assert "the exercise is over" in ship.refused("rudder left 10", helm)
+        assert "the exercise is over" in ship.refused("step 1")
+        assert ship.facts(helm, "exercise-over")[-1] == how
+
+
+def test_a_replay_that_begins_at_the_very_end_of_an_exercise_comes_to_its_own_end(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    ship.fly(20)
+
+    ship.order("replay 2 s")
+    ship.fly(20)
+    assert ship.conduct.ending.over
+    ship.order("backtrack 2 s")  # away from the end
+
+    assert not ship.conduct.ending.over
+
+
 def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(
     crewed: Callable[..., Crewed],
 ) -> None:

@@ -1,6 +1,8 @@
 """The road of an order: one table of order words, and gates in one order."""
 
+import sqlite3
 from collections.abc import Callable, Sequence
+from contextlib import closing
 
 import pytest
 from helpers.crewed import Crewed
@@ -127,6 +129,25 @@ def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(
     assert over
     assert "no snapshot nowhere" in ship.refused("restore nowhere")
     assert ship.conduct.ending.over == over
+
+
+def test_a_question_about_a_past_that_cannot_be_read_is_refused_and_the_session_goes_on(
+    crewed: Callable[..., Crewed], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(10)
+    ship.order("snapshot a")
+    with monkeypatch.context() as broken, closing(sqlite3.connect(":memory:")) as empty:
+        broken.setattr(ship.recording, "_connection", empty)
+        for words in (
+            *("branches", "snapshots", "snapshot b", "restore a", "branch 1", "backtrack 1 s"),
+            *("again", "replay 1 s"),
+        ):
+            assert "cannot be read" in ship.refused(words)
+
+    assert "branch 1" in ship.order("branches") + str(ship.said)
+    ship.fly(10)
+    assert ship.boat.ticks == 20
 
 
 def test_a_session_has_few_attributes_and_few_lines(crewed: Callable[..., Crewed]) -> None:

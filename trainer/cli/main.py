@@ -124,14 +124,20 @@ for title, commands in COMMAND_SECTIONS.items():
 
 
 def keep_standard_streams() -> None:
-    """Open the null device for each closed standard stream.
+    """Open the null device for each closed standard stream, as services and cron leave them.
 
-    Otherwise the next file that is opened would take its number, and get its output.
+    Otherwise the next file that is opened would take its number, and get its output. Python has
+    None for such a stream, which knows neither ``write`` nor ``isatty``.
     """
     # The system gives the lowest free number: 0, 1 and 2 are the standard streams.
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
         pass
     os.close(descriptor)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            stream = open(os.devnull, mode, encoding="utf-8")  # noqa: PTH123, SIM115
+            setattr(sys, name, stream)
+            setattr(sys, f"__{name}__", stream)
 
 
 def show_any_name() -> None:

@@ -25,7 +25,9 @@ from trainer.io.atomic_write import write_whole
 MAX_FILE_BYTES = 1_000_000  # [byte]
 # tomllib takes minutes over one dotted key of a hundred thousand parts.
 MAX_LINE_LETTERS = 10_000  # [characters]
-MAX_QUOTED_LETTERS = 60  # [characters] of a value in a message
+MAX_QUOTED_LETTERS = 60  # [characters] of a value, a key or a table in a message
+MAX_NESTED_TABLES: Final = 20  # tables and lists within one another; ours have 5
+MAX_WHOLE_NUMBER: Final = 2**63  # as TOML has it; Python takes any length, and float() does not
 MAX_PROBLEMS = 20  # problems of one file that a message lists
 SHIPPED_PREFIX: Final = "configs/"  # what the keys of shipped files begin with
 # Shipped files that old recordings and sweeps have read, and that say nothing more.
@@ -85,11 +87,12 @@ class Place(NamedTuple):
 
     def problem(self, text: str) -> str:
         """Return the one-line message ``text`` about this table."""
-        return f"{self.file}: [{self.table}] {text}" if self.table else f"{self.file}: {text}"
+        table = self.table if len(self.table) <= MAX_QUOTED_LETTERS else quote(self.table)
+        return f"{self.file}: [{table}] {text}" if table else f"{self.file}: {text}"
 
     def wrong(self, key: str, value: object, text: str) -> str:
         """Return the one-line message ``text`` about ``key = value``."""
-        return self.problem(f"{format_key(key)} = {quote(value)}: {text}")
+        return self.problem(f"{quote_key(key)} = {quote(value)}: {text}")
 
 
 def as_table(value: object, place: Place) -> Mapping[str, Any]:
@@ -104,11 +107,17 @@ def format_key(key: str) -> str:
     return key if re.fullmatch(r"[\w\[\].-]+", key) else quote(key)
 
 
+def quote_key(key: str) -> str:
+    """Return ``key`` for a message, of readable length."""
+    return format_key(key) if len(key) <= MAX_QUOTED_LETTERS else quote(key)
+
+
 def quote(value: object) -> str:
     """Return ``value`` about as TOML writes it, on one line of readable length."""
     try:
         text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
-    except ValueError:  # Python refuses to print integers of thousands of digits
+    # Python prints no integers of thousands of digits, and nothing that is nested a thousand deep
+    except (ValueError, RecursionError):
         text = "(too long to show)"
     return text if len(text) <= MAX_QUOTED_LETTERS else text[: MAX_QUOTED_LETTERS - 3] + "..."
 
@@ -394,23 +403,49 @@ def parse_toml(text: str, file: str) -> dict[str, Any]:
                 f"{file}: line {number}: is longer than {MAX_LINE_LETTERS} characters"
             )
     try:
-        return tomllib.loads(text)
+        tables = tomllib.loads(text)
     except RecursionError as error:
         raise ConfigError(f"{file}: is nested too deeply") from error
     except ValueError as error:
         raise ConfigError(f"{file}: {_toml_reason(str(error), text)}") from error
+    _refuse_extremes(tables, file)
+    return tables
+
+
+def _refuse_extremes(tables: Mapping[str, Any], file: str) -> None:
+    """Raise ConfigError for a key of very many parts, or a whole number that is none of TOML's."""
+    level: list[tuple[str, Any]] = [*tables.items()]
+    for _ in range(MAX_NESTED_TABLES):
+        for key, value in level:
+            if isinstance(value, int) and not -MAX_WHOLE_NUMBER <= value < MAX_WHOLE_NUMBER:
+                raise ConfigError(f"{file}: {quote_key(key)}: a whole number has 19 digits at most")
+        level = [
+            (f"{key}.{name}", each)
+            for key, value in level
+            if isinstance(value, Mapping | list)
+            for name, each in (value.items() if isinstance(value, Mapping) else enumerate(value))
+        ]
+    if level:
+        raise ConfigError(
+            f"{file}: {quote_key(level[0][0])}: {MAX_NESTED_TABLES} parts of a key, tables and "
+            "lists within one another are the most"
+        )
 
 
 def _toml_reason(message: str, text: str) -> str:
     """Return tomllib's complaint with the line first, and duplicates in plain words."""
     match = re.fullmatch(r"(.*) \(at line (\d+), column \d+\)", message, re.DOTALL)
+    if message.startswith("Exceeds the limit"):  # of digits; it has advice to programmers
+        lines = enumerate(text.split("\n"), start=1)
+        number = next((number for number, line in lines if re.search(r"[\d_]{4300}", line)), 1)
+        return f"line {number}: a whole number has 19 digits at most"
     if match is None:
         return f"is not valid TOML: {message}"
     # Splitting at "\n" only, as tomllib counts; str.splitlines knows more separators.
     line = text.split("\n")[int(match[2]) - 1].strip()
     if match[1].startswith(("Cannot overwrite", "Cannot declare")):
         key = line if line.startswith("[") else line.split("=")[0].strip()
-        return f"line {match[2]}: {format_key(key)} is given twice"
+        return f"line {match[2]}: {quote_key(key)} is given twice"
     return f"line {match[2]}: is not valid TOML: {match[1]}{_decimal_hint(line)}"
 
 

@@ -17,10 +17,10 @@ from trainer.config.files import (
     ConfigError,
     Place,
     collecting,
-    format_key,
     nearest,
     parse_toml,
     path_named,
+    quote_key,
     raise_problems,
     read_text,
     shipped_path,
@@ -317,7 +317,7 @@ def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
         elif key in DOCUMENTARY_TABLES:
             problems += find_infinite(value, key, place)
         elif key not in KNOWN_KEYS and isinstance(value, Mapping):
-            text = f"[{format_key(key)}]: no such table{nearest(key, KNOWN_KEYS)}"
+            text = f"[{quote_key(key)}]: no such table{nearest(key, KNOWN_KEYS)}"
             problems.append(place.problem(text))
         elif key not in KNOWN_KEYS:
             problems.append(place.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}"))

@@ -128,6 +128,18 @@ def latest_recording() -> Path:
 def list_recording(path: Path) -> ListedRecording:
     """Return a recording for the list. One that cannot be read has the reason instead."""
     try:
+        return _listed(path)
+    except Exception as wrong:  # noqa: BLE001 whatever one file does, the others are listed
+        return ListedRecording(path, "", (), None, _unexpected(path, wrong))
+
+
+def _unexpected(path: Path, wrong: Exception) -> str:
+    """Return in a line what a file made the program do that nobody has foreseen."""
+    return f"{path}: cannot be read: {type(wrong).__name__}: {quote(str(wrong))}"
+
+
+def _listed(path: Path) -> ListedRecording:
+    try:
         with open_recording(path) as recording:
             header, excess = recording.header(), recording.excess()
     except ConfigError as wrong:
@@ -269,6 +281,8 @@ def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
                 done += 1
         except (ConfigError, RecordingError) as wrong:
             troubles.append(str(wrong))
+        except Exception as wrong:  # noqa: BLE001 the name has to go from the others
+            troubles.append(_unexpected(path, wrong))
     if troubles:
         raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in troubles))
     if not done:

@@ -154,10 +154,13 @@ class Connection:
 
     def close(self, patience: float) -> None:
         """End the connection once all is sent, after `patience` [s] at most; returns at once."""
+        leave_at = time.monotonic() + patience
         with self._lock:
-            self._leave_at = min(self._leave_at, time.monotonic() + patience)
+            sooner = leave_at < self._leave_at
+            self._leave_at = min(self._leave_at, leave_at)
             self._heard.clear()
-        self._stir()
+        if sooner:  # the hub closes all in each round: it would ring its own bell without end
+            self._stir()
 
     # The server's thread alone calls what follows.
 

@@ -255,10 +255,12 @@ class Server:
 
     def _run(self) -> None:
         self._selector.register(self._ear, READ_EVENT, self._hear_bell)
-        while self._connections or math.isinf(self._leave_at):
+        while True:
             now = time.monotonic()
             self._tend_listeners(now)
             self._tend_connections(now)
+            if not self._connections and self._leave_at < math.inf:
+                break
             for key, ready in self._selector.select(self._pause(now)):
                 key.data(ready)
         while self._listeners:

@@ -219,7 +219,7 @@ class Conduct:
 
     def settle(self) -> None:
         """Forget the exercise's end, halt and groundings after a jump in time."""
-        self.ending.begin_again()
+        self.ending.begin_again(self.control.boat)
         self.halted = ""
         self.ground.settle()
         if self.control.boat.ticks == 0:

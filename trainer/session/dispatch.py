@@ -241,7 +241,10 @@ class Dispatch:
             station.answer(asked, kept_answer, *self._unheard(order, station, answer))
             self._pass_on(order, answer, station)
             return
-        reply = shut or self.duties[order.name](asked)
+        try:
+            reply = shut or self.duties[order.name](asked)
+        except RecordingError as error:  # the past that is asked about cannot be read at present
+            reply = Refused(str(error))
         if isinstance(reply, LongAnswer):
             station.answer(asked, reply.result, *reply.lines)
         elif reply is not None:

@@ -83,6 +83,7 @@ class LossMonitor:
     loss: Loss
     ticks: int  # for which they have to hold
     held: int = 0  # ticks for which they have held
+    ends: set[bytes] = field(default_factory=set)  # states in which they lost the exercise
 
     @classmethod
     def of(cls, loss: Loss, boat: Boat) -> "LossMonitor":
@@ -93,7 +94,14 @@ class LossMonitor:
         """Return whether the condition has lost the exercise after this tick."""
         holds = all(is_met(each, boat) for each in self.loss.conditions)
         self.held = self.held + 1 if holds else 0
-        return self.held > self.ticks
+        if self.held <= self.ticks:
+            return False
+        self.ends.add(boat.plain.tobytes())
+        return True
+
+    def settle(self, boat: Boat) -> None:
+        """Count anew after a jump in time, but go on where this very moment lost the exercise."""
+        self.held = self.ticks if boat.plain.tobytes() in self.ends else 0
 
 
 def is_met(condition: Condition, boat: Boat) -> bool:
@@ -159,11 +167,11 @@ class ExerciseEnd:
         """End the exercise."""
         self.how, self.over, self.why = how, when, why
 
-    def begin_again(self) -> None:
+    def begin_again(self, boat: Boat) -> None:
         """Begin it again, after a jump in time."""
         self.over = self.how = self.why = self.debrief = ""
         for loss in self.lost:
-            loss.held = 0
+            loss.settle(boat)
         self.marks, self.released = None, False
 
     def _lost(self, boat: Boat) -> str:

@@ -148,9 +148,8 @@ class History:
 
     def record(self, tick: int, state: bytes) -> None:
         """Record the state after a tick of a live run."""
-        if self.recording.reachable:  # its new branch begins with this state
-            self.recording.go_on(self.now())
-        else:
+        # a branch that begins after a gap begins with this state
+        if not (self.recording.reachable and self.recording.go_on(self.now())):
             self.recording.state(tick, state)
         if tick % self._period == 0:
             branch = self.recording.branch
@@ -160,8 +159,11 @@ class History:
         """Keep the present moment under a name."""
         if self.recording.trouble:
             return Refused(f"not kept: {self.recording.trouble}")
-        known = name in self.snapshots()
-        self.recording.snapshot(name, self.now())
+        try:
+            known = name in self.snapshots()
+            self.recording.snapshot(name, self.now())
+        except RecordingError as error:
+            return Refused(f"not kept: {error}")
         if self.recording.trouble:
             return Refused(f"not kept: {self.recording.trouble}")
         return f"snapshot {name} {'kept anew' if known else 'kept'} at {self.boat.time:g} s"
@@ -230,20 +232,34 @@ class History:
         Orders after the last recorded tick are in no recorded state, so they are given again.
         """
         orders = self.recording.orders(end.branch, end.after)  # before anything is changed
+        here = self.now()
         self._restore(end)
         for entry in orders:
             order = order_of(entry, schedule)
             if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
                 obey_order(self.boat, order)
             self.include(entry)
-        self.go_to(Moment(end.branch, end.tick, self._state(), self.after, self.place), why)
+        last = Moment(end.branch, end.tick, self._state(), self.after, self.place)
+        try:
+            self.go_to(last, why)
+        except RecordingError:
+            self._restore(here)
+            raise
 
     def go_to(self, moment: Moment, why: str) -> None:
-        """Go back to a moment, and begin a new branch there."""
+        """Go back to a moment, and begin a new branch there.
+
+        RecordingError leaves everything as it was: nothing is flown twice on one branch.
+        """
+        here = self.now()
         self._restore(moment)
-        if moment.branch != self.recording.branch:
+        try:
+            self.recording.fork(moment, why)
+        except RecordingError:
+            self._restore(here)
+            raise
+        if moment.branch != here.branch:
             self.automatic.clear()  # the past of another branch
-        self.recording.fork(moment, why)
         self.flown = LiveRun(self)
         self.automatic.forget_after(self.tick)
 
@@ -263,8 +279,8 @@ class History:
 
     def take_over(self, why: str) -> None:
         """End a replay here: what follows is a new branch."""
-        self.flown = LiveRun(self)
         self.recording.fork(self.now(), why)
+        self.flown = LiveRun(self)
         self.automatic.forget_after(self.tick)
 
     def said(self) -> list[RecordedOrder]:

@@ -112,7 +112,7 @@ class Parts:
         self.conduct.guide.settle()
         self.event_log.settle(counting)
         self.conduct.aids.keep_on()
-        self.history.flown.judge_hull(self.conduct)
+        self.history.flown.judge_arrival(self.conduct)
 
     def end_replay(self, outcome: str) -> None:
         """Freeze time where a replay has come to its end. The run can go on from there."""

@@ -153,6 +153,10 @@ class LiveRun:
     def judge(self, judge: Judge, encounters: EncounterMonitor) -> None:
         """Judge this tick: collisions, the ground, the hull, the exercise's end."""
         judge.collide(encounters)
+        self.judge_arrival(judge)
+
+    def judge_arrival(self, judge: Judge) -> None:
+        """Judge a moment to which time has jumped. It may be the end of the exercise."""
         self.judge_hull(judge)
         judge.look()
 
@@ -297,6 +301,10 @@ class ReplayedRun:
     def judge_hull(self, judge: Judge) -> None:
         """Tell of the ground."""
         judge.tell_ground()
+
+    def judge_arrival(self, judge: Judge) -> None:
+        """Tell of the ground: a replay flies on to its own end."""
+        self.judge_hull(judge)
 
     def watch(self, orders: Orders) -> None:
         """Do nothing, because the recording has the watch's orders."""

@@ -6,6 +6,7 @@ exercise says so, twice at most, so that nobody is stuck. ``conduct`` calls it. 
 step is kept as a snapshot, ``step-3``, to which one may also go back.
 """
 
+import contextlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from typing import Final
 from trainer.boat.boat import Boat
 from trainer.config.steps import MISSED_AGAIN, MISSED_ON, Step
 from trainer.io.orders.grammar import Order
-from trainer.io.recording.recording import Moment
+from trainer.io.recording.recording import Moment, RecordingError
 from trainer.session.control import Control
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import is_met
@@ -82,7 +83,9 @@ class StepGuide:
         """Find the step of the moment to which time has jumped."""
         if not self.steps:
             return
-        tick, kept = self.control.history.tick, self.control.history.snapshots()
+        tick, kept = self.control.history.tick, dict[str, Moment]()
+        with contextlib.suppress(RecordingError):  # those of this run are known without it
+            kept = self.control.history.snapshots()
         for place in range(len(self.steps)):
             if moment := kept.get(_name(place)):
                 self._begun.setdefault(place, moment)
@@ -140,8 +143,13 @@ class StepGuide:
 
         It is called between two ticks, since a tick cannot be undone within itself.
         """
-        if self._returning:
+        if not self._returning:
+            return
+        try:
             self.go_back(moment, why)
+        except RecordingError as error:  # the step goes on from here
+            self._returning, self._begun[self.place] = False, self.control.history.now()
+            self.log.tell(LESSON_KIND, f"not gone back: {error}")
 
 
 def _name(place: int) -> str:

@@ -19,9 +19,9 @@ from trainer.config.files import (
     MAX_QUOTED_LETTERS,
     ConfigError,
     collecting,
-    format_key,
     nearest,
     quote,
+    quote_key,
 )
 from trainer.config.vessel import VesselFile
 from trainer.core.rates import rates as write_rates
@@ -102,7 +102,7 @@ def _read(line: str, needed: tuple[str, ...]) -> dict[str, float]:
     keys = [key for key, _ in pairs]
     problems = [f"lacks {key}" for key in needed if key not in keys]
     twice = {key: None for key in keys if keys.count(key) > 1}
-    problems += [f"{format_key(key)} is given twice" for key in twice]
+    problems += [f"{quote_key(key)} is given twice" for key in twice]
     numbers = {}
     for key, value in pairs:
         with collecting(problems):

@@ -55,8 +55,9 @@ class NoRecording:
         self.branch += 1
         return self.branch
 
-    def go_on(self, _moment: Moment) -> None:
-        """Drop it."""
+    def go_on(self, _moment: Moment) -> bool:
+        """Return that nothing is recorded."""
+        return False
 
     def flush(self) -> None:
         """Do nothing."""

@@ -391,10 +391,12 @@ def _remarks(connection: sqlite3.Connection, without: Callable[[str], str]) -> i
     changed = 0
     for table, question in REMARK_QUERIES.items():
         for number, text in connection.execute(question).fetchall():
+            format_1.check_texts(text)
             if (new := without(text)) != text:
                 connection.execute(f"UPDATE {table} SET text = ? WHERE id = ?", (new, number))  # noqa: S608 our own names
                 changed += table == "events"
     for number, *texts in connection.execute(ANSWER_QUERY).fetchall():
+        format_1.check_texts(*texts)
         changed_texts = (*map(without, texts), number)
         connection.execute(
             "UPDATE orders SET answer = ?, crew_order = ? WHERE id = ?", changed_texts

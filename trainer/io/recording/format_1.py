@@ -135,17 +135,26 @@ def _copy(connection: sqlite3.Connection, table: str, added: Callable[[Row], Row
     connection.executemany(insert, itertools.chain([first], whole))
 
 
+def check_texts(*values: object) -> None:
+    """Raise sqlite3.DataError unless all values are texts: SQLite itself takes anything."""
+    if not all(isinstance(value, str) for value in values):
+        raise sqlite3.DataError("a text is none")  # as ``understanding`` tells it
+
+
 def _branch_added(row: Row) -> Row:
     parent, why = row[1], row[5]
+    check_texts(why)
     return (cause_of(parent, why).value,)
 
 
 def _order_added(row: Row) -> Row:
     who, text, accepted, answer = row[3], row[4], row[6], row[7]
+    check_texts(who, text, answer)
     giver = giver_of(who)
     fact = crew_fact_of(text, answer, accepted=accepted is None or bool(accepted))
     return giver.kind.value, giver.role, giver.plan, fact.news.value, fact.order
 
 
 def _event_added(row: Row) -> Row:
+    check_texts(row[4])
     return (giver_of(row[4]).role,)

@@ -168,7 +168,11 @@ class Recording(Past):
     @classmethod
     def reopen(cls, path: Path) -> "Recording":
         """Go on with the latest branch of a recording; RecordingError if another program has it."""
-        return cls._writing(file.reopen(path), path)
+        recording = cls._writing(file.reopen(path), path)
+        if recording._checkpointer:  # noqa: SLF001  its own
+            # a killed program may not have asked the disk for what it had answered
+            recording._checkpointer.disk.expect(SAFE_WITHIN_S)  # noqa: SLF001
+        return recording
 
     @classmethod
     def look(cls, path: Path) -> "Recording":
@@ -258,10 +262,17 @@ class Recording(Past):
             begun = Moment(here.parent, here.tick, here.state, here.after, here.place)
             self.fork(begun, SHOWN_REASON)
 
-    def go_on(self, moment: Moment) -> None:
-        """Go on after a gap in a new branch from a moment. Its cause says what is missing."""
-        parent = self.last_branch()
-        last = self.last_tick(parent)
+    def go_on(self, moment: Moment) -> bool:
+        """Go on after a gap in a new branch from a moment. Its cause says what is missing.
+
+        Return whether it goes on. Where it cannot be read yet, the thread tries to reach it again.
+        """
+        try:
+            parent = self.last_branch()
+            last = self.last_tick(parent)
+        except RecordingError:
+            self.reachable = False
+            return False
         self._gap = self.reachable = False
         self.trouble = ""
         why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
@@ -269,6 +280,7 @@ class Recording(Past):
         self._begin_branch(parent, moment, why, BranchCause.GAP)
         self.branch, self._tick = self._branches, moment.tick
         self.flush()
+        return True
 
     def _begin_branch(self, parent: int, moment: Moment, why: str, cause: BranchCause) -> None:
         """Put down the next branch, which begins at a moment."""
