@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.places import environment
 from helpers.screens import run_aside
 from helpers.waiting import PATIENCE, await_begun, await_that, await_work, eventually
 
@@ -320,6 +321,26 @@ def told(*command: str, keys: bytes = b"") -> tuple[bytes, int]:
         late.cancel()
     os.close(far)
     return written, process.returncode
+
+
+@pytest.mark.parametrize("elsewhere", ["", "stdin", "stdout", "stderr"])
+def test_a_screen_is_opened_only_where_all_three_streams_are_the_terminal(elsewhere: str) -> None:
+    asks = "from trainer.console.terminal import has_terminal; raise SystemExit(has_terminal())"
+    ours, theirs = pty.openpty()
+    try:
+        streams = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
+        if elsewhere:
+            streams[elsewhere] = subprocess.DEVNULL
+        asked = subprocess.run(
+            [sys.executable, "-c", asks],
+            **streams,
+            env=environment(TERM="xterm", LC_ALL="C.UTF-8"),
+            check=False,
+        )
+    finally:
+        os.close(ours)
+        os.close(theirs)
+    assert asked.returncode == (not elsewhere)
 
 
 def test_what_is_mistyped_is_told_where_it_was_typed_and_no_screen_is_opened() -> None:

@@ -19,7 +19,7 @@ from trainer.config.course import Lesson
 from trainer.config.files import ConfigError, quote
 from trainer.io.atomic_write import write_whole
 from trainer.io.file_lock import holding
-from trainer.io.paths import recordings_folder
+from trainer.io.paths import made_folder, recordings_folder
 
 PROGRESS_SCHEMA: Final = "progress/1"
 TRAINEES_FOLDER: Final = "trainees"
@@ -151,7 +151,7 @@ def all_progress() -> Iterator[Progress | ConfigError]:
 def add_run(name: str, run: ProgressRun) -> str:
     """Add a run to a trainee's file; return what was set aside, "" for nothing. OSError."""
     path = progress_path(name)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    made_folder(path.parent)
     with _alone(path):
         text = ""
         try:

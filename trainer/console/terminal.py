@@ -16,8 +16,11 @@ ASCII_ONLY: Final = ("C", "POSIX")  # the locales that promise no more
 
 
 def has_terminal() -> bool:
-    """Return whether input and output are a terminal. A closed stream is none."""
-    streams = (sys.stdin, sys.stdout)
+    """Return whether all standard streams are a terminal. A closed stream is none.
+
+    The screen is drawn on stderr: sent elsewhere, it would leave the terminal blank.
+    """
+    streams = (sys.stdin, sys.stdout, sys.stderr)
     if not all(stream and stream.isatty() for stream in streams):
         return False
     return draws(os.environ, sys.stdout.encoding or "")

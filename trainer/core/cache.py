@@ -77,14 +77,13 @@ def _claim_cache() -> Path:
     """Return this version's cache folder; where home is read-only one that lasts for this run."""
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
     name = _FOLDER_PREFIX + _digest(*KERNEL_FOLDERS) + "-checked" * checked
-    path = _cache_root() / name
     try:
+        path = _cache_root() / name
         path.mkdir(parents=True, exist_ok=True)
-        writable = os.access(path, os.W_OK)
-    except OSError:
-        writable = False
-    if writable:
-        return path
+        if os.access(path, os.W_OK):
+            return path
+    except (OSError, RuntimeError):  # RuntimeError: this user has no home
+        pass
     path = _claim_private() / name
     path.mkdir()
     return path

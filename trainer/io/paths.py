@@ -4,6 +4,7 @@ Programs find a session of the same user by them without an option. Each operati
 own customs for such places, which ``platformdirs`` knows.
 """
 
+import errno
 import os
 import re
 import tempfile
@@ -25,6 +26,10 @@ MAKING_READY: Final = "making ready:"  # its options are right, and it compiles 
 LISTENING_TEXT: Final = "listening at"
 
 _FOLDER_NAME: Final = "submarine-trainer"
+_OTHER_PLACES: Final = (
+    "recordings and trainees' progress go there; XDG_STATE_HOME=FOLDER names another place, "
+    "--record FILE one for this run, and --no-record keeps none"
+)
 
 
 def socket_path() -> Path:
@@ -71,21 +76,39 @@ def recordings_folder() -> Path:
     """Return the default folder of recordings, by the system's custom.
 
     A folder that ``XDG_STATE_HOME`` names comes first, then one that an earlier version made.
+    OSError, with the next step, for a user without a home.
     """
     named = os.environ.get("XDG_STATE_HOME")
-    earlier = Path(named or Path.home() / ".local" / "state") / _FOLDER_NAME  # of all systems, once
+    try:
+        state = Path(named or Path.home() / ".local" / "state")
+    except RuntimeError:
+        raise FileNotFoundError(
+            errno.ENOENT, f"this user has no home folder: {_OTHER_PLACES}"
+        ) from None
+    earlier = state / _FOLDER_NAME  # of all systems, once
     here = named or earlier.is_dir()
     folder = earlier if here else platformdirs.user_state_path(_FOLDER_NAME, appauthor=False)
     return folder / "recordings"
 
 
+def made_folder(folder: Path) -> Path:
+    """Make a folder beneath the user's own and return it; OSError says what was to go there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+    except OSError as error:
+        why = f"{error.strerror}: {_OTHER_PLACES}"
+        raise OSError(error.errno, why, error.filename) from None
+    return folder
+
+
 def recording_paths(name: str) -> Iterator[Path]:
     """Yield files for a new recording of ``name``; make their folder.
 
-    Each is for use when the earlier ones are taken.
+    Each is for use when the earlier ones are taken. OSError, with the next step, without a folder.
     """
-    folder = recordings_folder()
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = made_folder(recordings_folder())
     plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     yield folder / f"{plain}-{stamp}{RECORDING_SUFFIX}"
