@@ -440,7 +440,7 @@ def test_a_recording_that_is_none_or_a_column_that_is_none_is_told(tmp_path: Pat
         trainer.read_recording(tmp_path / "it.trainer", branch=4)
     with pytest.raises(trainer.TrainerError, match='no column "deltar"; nearest is delta_r'):
         _ = trainer.read_recording(tmp_path / "it.trainer")["deltar"]
-    with pytest.raises(trainer.TrainerError, match="exists already"):
+    with pytest.raises(trainer.TrainerError, match="is an input here; give another name"):
         trainer.Boat(record=tmp_path / "it.trainer")
 
 

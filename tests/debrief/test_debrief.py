@@ -802,7 +802,7 @@ def test_figures_are_printed_without_writing_a_page(
 
 def test_the_recording_is_never_written_over(wound_back: Path) -> None:
     before = wound_back.read_bytes()
-    with pytest.raises(ConfigError, match="is the recording itself: give another name"):
+    with pytest.raises(ConfigError, match="is an input here; give another name"):
         debrief_file(wound_back, wound_back, None, DebriefRequest())
     assert wound_back.read_bytes() == before
 

@@ -596,14 +596,9 @@ def test_a_disk_without_room_leaves_nothing(
     monkeypatch.setattr(Path, "write_text", full)
 
     with pytest.raises(ConfigError, match=r"boat\.html cannot be written: No space left"):
-        write_page(out, "text", None)
+        write_page(out, "text")
     assert out.read_bytes() == b"before"
     assert list(tmp_path.iterdir()) == [out]
-
-
-def test_a_recording_is_not_written_over(drill: Path) -> None:
-    with pytest.raises(ConfigError, match="is the recording itself"):
-        write_page(drill, "text", drill)
 
 
 def test_what_is_packed_can_be_read_by_anybody(boat_page: str) -> None:

@@ -33,7 +33,7 @@ from trainer.boat.sea_orders import fully_developed, standing_sea
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.casualties import Casualty, clause_of
 from trainer.config.exercise import ExerciseLimits
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, write_over
 from trainer.config.sea import peak_frequency, significant_height, step_problem
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.casualties import KINDS
@@ -41,7 +41,6 @@ from trainer.core.kernel import Numbers
 from trainer.core.sea.sea import HEIGHT, OMEGA
 from trainer.core.state import MAX_CASUALTIES, SCRATCH, VALVES
 from trainer.core.surfaces import SURFACES
-from trainer.io.atomic_write import write_whole
 from trainer.io.lines import plain
 from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAME_PLACES, SIDE_SIGNS, WORD_SETS
@@ -456,12 +455,7 @@ def page_of(
     return PageParts(numbers, core, title)
 
 
-def write_page(path: Path, text: str, recording: Path | None) -> None:
+def write_page(path: Path, text: str) -> None:
     """Write the page whole and print its name; ConfigError where it cannot be written."""
-    if recording is not None and path.exists() and path.samefile(recording):
-        raise ConfigError(f"{path} is the recording itself: give another name")
-    try:
-        write_whole(path, text)
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+    write_over(path, text)
     click.echo(f"{path}  {path.stat().st_size / 1000:.0f} kB")

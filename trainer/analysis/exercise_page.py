@@ -39,9 +39,9 @@ from trainer.config.files import (
     path_named,
     read_text,
     relative_name,
+    renew_file,
     shipped_path,
     write_once,
-    write_over,
 )
 from trainer.config.score_rules import ScoreRule
 from trainer.config.vessel import load_vessel
@@ -199,7 +199,7 @@ def _number(value: float | None, digits: int = 0) -> str:
 def save_baseline(found: ExerciseStudy) -> Path:
     """Write the baseline beside its exercise; return where. ConfigError if it cannot be."""
     path = baseline_path(found.path)
-    write_over(path, write_baseline(baseline_of(found)))
+    renew_file(path, write_baseline(baseline_of(found)))
     return path
 
 

@@ -14,14 +14,14 @@ from typing import Any, Final
 import click
 
 from trainer.cli.options import combine_options
-from trainer.cli.types import File
+from trainer.cli.types import Output
 
-PLOT_FILE: Final = File(".png", ".svg", ".pdf", dir_okay=False)
+PLOT_OUTPUT: Final = Output(".png", ".svg", ".pdf", dir_okay=False)
 outputs = combine_options(  # how the answer is shown
     click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
     click.option(
         "--plot",
-        type=PLOT_FILE,
+        type=PLOT_OUTPUT,
         metavar="FILE",
         help="Draw a plot, .png, .svg or .pdf by the name's ending.",
     ),
@@ -83,7 +83,7 @@ def show_step(step: int, cost: float) -> None:
 def write_text(path: Path, text: str, option: str = "") -> None:
     """Write a file whole; ConfigError, with the option that named it, if that cannot be."""
     from trainer.config.files import ConfigError
-    from trainer.io.atomic_write import write_whole
+    from trainer.io.outputs import write_whole
 
     try:
         write_whole(path, text)

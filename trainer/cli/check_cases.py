@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from trainer.cli.answers import json_of, write_text
-from trainer.cli.options import CSV_FILE, HTML_FILE
+from trainer.cli.options import CSV_FILE, HTML_OUTPUT
 
 
 @click.command("check-cases")
@@ -25,7 +25,7 @@ from trainer.cli.options import CSV_FILE, HTML_FILE
     help="Outputs of another program, CASE.csv or CASE.PROGRAM.csv; may be repeated. Only their "
     "cases are flown.",
 )
-@click.option("--page", type=HTML_FILE, metavar="FILE", help="Write one HTML page with plots.")
+@click.option("--page", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page with plots.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def check_cases(
     folder: Path | None, others: tuple[Path, ...], page: Path | None, *, as_json: bool

@@ -11,7 +11,7 @@ from typing import Any, Final
 import click
 
 from trainer.cli.answers import json_of, show_progress, write_text
-from trainer.cli.options import HTML_FILE, TOML_FILE
+from trainer.cli.options import HTML_OUTPUT, TOML_OUTPUT
 from trainer.cli.types import Name
 
 NEW_HULL: Final = "new"  # the word before the name of a hull to be written
@@ -20,10 +20,12 @@ HULL_SKELETON: Final = "hull-skeleton"
 
 @click.command()
 @click.argument("hull", type=Name("hulls"))
-@click.argument("file", type=TOML_FILE, required=False)
-@click.option("-o", "--output", type=TOML_FILE, metavar="FILE", help="Write the boat so.")
-@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write a page, with the hull drawn.")
-@click.option("--study", type=TOML_FILE, metavar="FILE", help="Write a study of the turn's bands.")
+@click.argument("file", type=TOML_OUTPUT, required=False)
+@click.option("-o", "--output", type=TOML_OUTPUT, metavar="FILE", help="Write the boat so.")
+@click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write a page, with the hull drawn.")
+@click.option(
+    "--study", type=TOML_OUTPUT, metavar="FILE", help="Write a study of the turn's bands."
+)
 @click.option(
     "--draws", type=click.IntRange(0, 2000), default=50, help="Of the coefficients, for the bands."
 )

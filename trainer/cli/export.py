@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from trainer.cli.options import (
-    ANY_FILE,
+    HTML_OUTPUT,
     RECORDING_FILE,
     SEA_NAME,
     VESSEL_HELP,
@@ -23,6 +23,7 @@ from trainer.cli.options import (
     sea_option,
     seed_option,
 )
+from trainer.cli.types import Output
 from trainer.session.options import RunOptions
 
 # Names of LLVM for processors; the first, the default, runs on the most machines.
@@ -51,7 +52,7 @@ STATION_ROLES = (
 
 
 @click.command(name="export-core")
-@click.argument("directory", type=ANY_FILE)
+@click.argument("directory", type=Output())
 @boat_options
 @click.option(
     "--cpu",
@@ -103,7 +104,7 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
 
 @click.command(name="export-page")
-@click.argument("file", type=ANY_FILE)
+@click.argument("file", type=HTML_OUTPUT)
 @click.option("--vessel", type=VESSEL_NAME, help=f"{VESSEL_HELP} [default: bb2]")
 @click.option("--sea", type=SEA_NAME, metavar="NAME|PATH", help="[default: calm]")
 @click.option("--seed", type=click.IntRange(0, 2**53 - 1), help="[default: 1]")
@@ -140,7 +141,7 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
         boat, visitors = boat_of_visitors(chosen)
     elif recording is None:
         boat = boat_at_start(chosen)
-    write_page(file, page_text(boat, recording, station, visitors), recording)
+    write_page(file, page_text(boat, recording, station, visitors))
 
 
 def page_text(

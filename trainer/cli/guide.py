@@ -24,9 +24,9 @@ from trainer.cli.answers import (
     write_text,
 )
 from trainer.cli.options import (
-    CSV_FILE,
-    HTML_FILE,
-    PDF_FILE,
+    CSV_OUTPUT,
+    HTML_OUTPUT,
+    PDF_OUTPUT,
     VESSEL_NAME,
     combine_options,
     cores_option,
@@ -167,7 +167,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     default="trainer",
     help="Of depth keeping, as the order autopilot has them.",
 )
-@click.option("--csv", type=CSV_FILE, metavar="FILE", help="Write the flight, SI, rad.")
+@click.option("--csv", type=CSV_OUTPUT, metavar="FILE", help="Write the flight, SI, rad.")
 @outputs
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
@@ -236,8 +236,8 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreRepo
 
 @click.command()
 @click.argument("vessel", type=VESSEL_NAME)
-@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write one HTML page.")
-@click.option("--pdf", type=PDF_FILE, metavar="FILE", help="Print it by a browser.")
+@click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page.")
+@click.option("--pdf", type=PDF_OUTPUT, metavar="FILE", help="Print it by a browser.")
 @click.option(
     "--depth",
     type=Number(0.1, 12000.0),
@@ -319,7 +319,7 @@ def write_uncertainty(file: Any, cores: int | None) -> None:
     from trainer.analysis.guide import uncertainty
     from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.guide.trials import load_published, trials_path
-    from trainer.config.files import ConfigError
+    from trainer.config.files import ConfigError, renew_file
 
     path = trials_path(file)
     published = load_published(path) if path else None
@@ -330,7 +330,7 @@ def write_uncertainty(file: Any, cores: int | None) -> None:
         text = uncertainty.fly_uncertainty(
             file, published, cores or processor_count(), lambda: step(1)
         )
-    write_text(uncertainty.table_path(published), text, "--uncertainty")
+    renew_file(uncertainty.table_path(published), text)
 
 
 def write_document(text: str, html: Path | None, pdf: Path | None) -> None:

@@ -22,18 +22,18 @@ from trainer.cli.answers import (
     write_text,
 )
 from trainer.cli.options import (
-    ANY_FILE,
-    CSV_FILE,
-    HTML_FILE,
+    CSV_OUTPUT,
+    HTML_OUTPUT,
     SEA_NAME,
     TOML_FILE,
+    TOML_OUTPUT,
     VESSEL_HELP,
     VESSEL_NAME,
     combine_options,
     options_given,
     record_of,
 )
-from trainer.cli.types import File, Name, ParentCommand
+from trainer.cli.types import File, Name, Output, ParentCommand
 
 if TYPE_CHECKING:
     from trainer.identify.options import IdentifyOptions
@@ -98,8 +98,8 @@ of_ships = combine_options(
     click.option(
         "--predict", type=RECORD_FILE, multiple=True, help="A record held back, may be repeated."
     ),
-    click.option("--write-ship", type=TOML_FILE, help="Write the ship; it sails."),
-    click.option("--coefficients", type=CSV_FILE, help="Write them and their covariance."),
+    click.option("--write-ship", type=TOML_OUTPUT, help="Write the ship; it sails."),
+    click.option("--coefficients", type=CSV_OUTPUT, help="Write them and their covariance."),
 )
 
 
@@ -197,7 +197,7 @@ sequence_options = combine_options(
 )
 @strength_option
 @click.option("--sea", type=SEA_NAME, metavar="NAME", help="Sea of the exercise written.")
-@click.option("--write", type=TOML_FILE, metavar="FILE", help="Write the exercise.")
+@click.option("--write", type=TOML_OUTPUT, metavar="FILE", help="Write the exercise.")
 @outputs
 def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
@@ -279,7 +279,7 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 @click.command()
 @click.argument("file", type=TOML_FILE)
 @click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
-@click.option("--csv", type=CSV_FILE, metavar="FILE", help="Write the track as a record.")
+@click.option("--csv", type=CSV_OUTPUT, metavar="FILE", help="Write the track as a record.")
 @outputs
 def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  # noqa: FBT001
     """Lanes to position to sway velocity (DECCON).
@@ -317,11 +317,11 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
 @click.option("--spiral", type=TURNS_FILE, help="Steady turns, for H(r); times not read.")
 @click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
 @click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
-@click.option("--csv", type=CSV_FILE, metavar="FILE", help="Write it sample by sample.")
-@click.option("--checkpoint", type=ANY_FILE, help="Keep the search in this file.")
-@click.option("--write-nomoto", type=TOML_FILE, help="Write the ship in few numbers.")
-@click.option("--write-vessel", type=TOML_FILE, help="Write the vessel file changed.")
-@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write one HTML page.")
+@click.option("--csv", type=CSV_OUTPUT, metavar="FILE", help="Write it sample by sample.")
+@click.option("--checkpoint", type=Output(), help="Keep the search in this file.")
+@click.option("--write-nomoto", type=TOML_OUTPUT, help="Write the ship in few numbers.")
+@click.option("--write-vessel", type=TOML_OUTPUT, help="Write the vessel file changed.")
+@click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page.")
 @click.option(
     "--example",
     is_flag=False,
@@ -370,10 +370,10 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
 @identify.below
 @click.command()
 @click.argument("record", type=File(".csv", ".trainer"))
-@click.option("-o", "--output", type=TOML_FILE, metavar="FILE", help="[default: beside]")
+@click.option("-o", "--output", type=TOML_OUTPUT, metavar="FILE", help="[default: beside]")
 @click.option("--length", type=POSITIVE_NUMBER, help="Of the ship, metres.")
 @click.option("--at", "knots", type=AHEAD_SPEED_TYPE, help="Speed, knots.")
-@click.option("--ship", type=TOML_FILE, metavar="FILE", help="A ship's file instead.")
+@click.option("--ship", type=TOML_OUTPUT, metavar="FILE", help="A ship's file instead.")
 def new(
     record: Path, output: Path | None, length: float | None, knots: float | None, ship: Path | None
 ) -> None:

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli.answers import json_of, show_progress, write_text
-from trainer.cli.options import EXERCISE_NAME, HTML_FILE, TOML_FILE, cores_option
-from trainer.cli.types import Commands, File
+from trainer.cli.options import EXERCISE_NAME, HTML_OUTPUT, TOML_FILE, TOML_OUTPUT, cores_option
+from trainer.cli.types import Commands, Output
 
 if TYPE_CHECKING:
     from trainer.config.course import Lesson
@@ -127,7 +127,7 @@ def exercise() -> None:
 
 
 @exercise.command()
-@click.argument("file", type=TOML_FILE)
+@click.argument("file", type=TOML_OUTPUT)
 @click.option("--name", help="One line for the list.")
 @click.option(
     "--from", "source", type=EXERCISE_NAME, metavar="EXERCISE", help="Copy a shipped one."
@@ -183,7 +183,7 @@ def baseline(file: str, seeds: int) -> None:
 @exercise.command()
 @click.argument("names", type=EXERCISE_NAME, nargs=-1, metavar="[NAME]...")
 @click.option("--seeds", type=click.IntRange(1, 1000), default=10, show_default=True)
-@click.option("--html", type=HTML_FILE, metavar="FILE", help="Write the evidence as a page.")
+@click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write the evidence as a page.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 @cores_option
 def validate(
@@ -218,7 +218,7 @@ def validate(
 @exercise.command()
 @click.argument("file", type=EXERCISE_NAME)
 @click.option("--peer", is_flag=True, help="For who sat beside the trainee, not for an assessor.")
-@click.option("-o", "--output", type=File(".html", ".toml"), required=True)
+@click.option("-o", "--output", type=Output(".html", ".toml"), required=True)
 def form(file: str, output: Path, *, peer: bool) -> None:
     """Write an exercise's evaluation form: a page to print, or TOML to fill in.
 

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeVar
 import click
 from click.core import ParameterSource
 
-from trainer.cli.types import Duration, File, Name, Speed
+from trainer.cli.types import Duration, File, Name, Output, Speed
 from trainer.config.words import EQUATION_SETS
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.options import RunOptions
@@ -28,10 +28,13 @@ Decorator = Callable[[Any], Any]
 ANY_FILE: Final = File()
 RECORDING_FILE: Final = File(".trainer")
 CSV_FILE: Final = File(".csv")
-RRD_FILE: Final = File(".rrd")
 TOML_FILE: Final = File(".toml")
-HTML_FILE: Final = File(".html")
-PDF_FILE: Final = File(".pdf")
+RECORDING_OUTPUT: Final = Output(".trainer")
+CSV_OUTPUT: Final = Output(".csv")
+RRD_OUTPUT: Final = Output(".rrd")
+TOML_OUTPUT: Final = Output(".toml")
+HTML_OUTPUT: Final = Output(".html")
+PDF_OUTPUT: Final = Output(".pdf")
 VESSEL_NAME: Final = Name("vessels")
 SEA_NAME: Final = Name("seas")
 EXERCISE_NAME: Final = Name("lessons", "exercises")
@@ -145,14 +148,14 @@ time_options = combine_options(
         "--verbose", is_flag=True, help="End with duty cycle, lateness, priority and memory."
     ),
     click.option(
-        "--csv", "csv_path", type=CSV_FILE, help="Write the state of each tick to this file."
+        "--csv", "csv_path", type=CSV_OUTPUT, help="Write the state of each tick to this file."
     ),
 )
 
 recording_options = combine_options(
     click.option(
         "--record",
-        type=RECORDING_FILE,
+        type=RECORDING_OUTPUT,
         help="Keep the whole run in this file. [default: a new one in the recordings' folder, "
         "unless headless or at --speed max]",
     ),
@@ -196,7 +199,7 @@ rerun_options = combine_options(
         metavar="HOST:PORT",
         help="Where that viewer listens. [default: 127.0.0.1:9876, opened if it is not there]",
     ),
-    click.option("--rrd", type=RRD_FILE, help="Write the run to this file for Rerun."),
+    click.option("--rrd", type=RRD_OUTPUT, help="Write the run to this file for Rerun."),
 )
 
 nmea_options = combine_options(
@@ -232,7 +235,7 @@ nmea_options = combine_options(
     ),
     click.option(
         "--nmea-record",
-        type=ANY_FILE,
+        type=Output(),
         help="Keep the sentences in this file, at that rate of the boat's own time.",
     ),
     click.option(

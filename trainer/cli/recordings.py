@@ -10,20 +10,20 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import PLOT_FILE
+from trainer.cli.answers import PLOT_OUTPUT
 from trainer.cli.export import page_text
 from trainer.cli.options import (
-    CSV_FILE,
-    HTML_FILE,
-    PDF_FILE,
+    CSV_OUTPUT,
+    HTML_OUTPUT,
+    PDF_OUTPUT,
     RATING_WIDTHS,
     RECORDING_FILE,
-    RRD_FILE,
+    RRD_OUTPUT,
     TOML_FILE,
     VESSEL_HELP,
     VESSEL_NAME,
 )
-from trainer.cli.types import Duration, File
+from trainer.cli.types import Duration, File, Output
 from trainer.config.words import EQUATION_SETS
 
 
@@ -51,10 +51,12 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 
 @click.command()
 @click.argument("file", type=File(".trainer", ".csv"))
-@click.option("--csv", type=CSV_FILE, help="States here, orders and events beside.")
-@click.option("--parquet", type=File(".parquet"), help="The same as Parquet files.")
-@click.option("--rrd", type=RRD_FILE, help="The run as Rerun's viewer shows it.")
-@click.option("--plot", type=PLOT_FILE, help="Columns over time, .png, .svg or .pdf by its ending.")
+@click.option("--csv", type=CSV_OUTPUT, help="States here, orders and events beside.")
+@click.option("--parquet", type=Output(".parquet"), help="The same as Parquet files.")
+@click.option("--rrd", type=RRD_OUTPUT, help="The run as Rerun's viewer shows it.")
+@click.option(
+    "--plot", type=PLOT_OUTPUT, help="Columns over time, .png, .svg or .pdf by its ending."
+)
 @click.option(
     "--column",
     "columns",
@@ -92,8 +94,8 @@ def export(
 @click.command()
 @click.argument("file", type=RECORDING_FILE, required=False)
 @click.option("--last", is_flag=True, help="The recording in the recordings' folder made last.")
-@click.option("--html", type=HTML_FILE, help="[default: beside the recording]")
-@click.option("--pdf", type=PDF_FILE, help="Printed by a browser of this machine.")
+@click.option("--html", type=HTML_OUTPUT, help="[default: beside the recording]")
+@click.option("--pdf", type=PDF_OUTPUT, help="Printed by a browser of this machine.")
 @click.option("--branch", type=click.IntRange(1), help="[default: the last one]")
 @click.option("--width", type=click.Choice(RATING_WIDTHS), help="[default: the run's own]")
 @click.option(
@@ -162,7 +164,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
 @click.argument("places", type=RECORDING_FILE, nargs=-1)
 @click.option("--trainee", metavar="NAME", help="What this trainee has done.")
 @click.option("--progress", is_flag=True, help="With --trainee: the way through the course.")
-@click.option("--csv", "csv_path", type=CSV_FILE, help="All runs of a class, or of the trainee.")
+@click.option("--csv", "csv_path", type=CSV_OUTPUT, help="All runs of a class, or of the trainee.")
 @click.option("--forget", metavar="NAME", help="Remove this name everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 def recordings(

@@ -13,8 +13,7 @@ from typing import Any, Final
 import click
 
 from trainer.cli.answers import write_text
-from trainer.cli.options import ANY_FILE
-from trainer.cli.types import Choice
+from trainer.cli.types import Choice, Output
 
 SCHEMA_MODULES: Final = {  # the module that makes the schema of a kind of file
     **dict.fromkeys(("vessel", "hull", "exercise", "sea", "casualties"), "config.file_schemas"),
@@ -35,7 +34,7 @@ def schema_of(kind: str) -> dict[str, Any]:
 
 @click.command()
 @click.argument("kind", type=Choice(tuple(SCHEMA_MODULES)), metavar="KIND")
-@click.option("-o", "--output", type=ANY_FILE, metavar="FILE", help="Write it there.")
+@click.option("-o", "--output", type=Output(".json"), metavar="FILE", help="Write it there.")
 def schema(kind: str, output: Path | None) -> None:
     """Print the JSON Schema of a kind of file, by which editors complete and underline.
 

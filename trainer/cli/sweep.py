@@ -11,14 +11,14 @@ import click
 
 from trainer.cli.answers import json_of, outputs, show_progress, show_report
 from trainer.cli.options import STUDY_NAME
-from trainer.cli.types import File
+from trainer.cli.types import Output
 
 
 @click.command()
 @click.argument("study", type=STUDY_NAME)
 @click.option(
     "--out",
-    type=File(".parquet"),
+    type=Output(".parquet"),
     metavar="FILE",
     help="Parquet file of the result. [default: the study's name, here]",
 )

@@ -15,6 +15,21 @@ from typing import Any, Final
 import click
 from click.shell_completion import CompletionItem
 
+from trainer.config.files import is_path
+from trainer.io.outputs import SameFileError, note_input, promising
+
+FILE_KINDS: Final = {  # what has an ending
+    ".trainer": "a recording",
+    ".toml": "a file of settings",
+    ".csv": "a table",
+    ".parquet": "a Parquet table",
+    ".rrd": "a file for Rerun",
+    ".html": "a page",
+    ".pdf": "a document",
+    ".png": "a picture",
+    ".svg": "a picture",
+    ".py": "a program",
+}
 PLAIN_NAME: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
 
 
@@ -145,12 +160,58 @@ class File(click.Path):
         super().__init__(path_type=Path, dir_okay=dir_okay)
         self.endings = endings
 
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path; UsageError if it cannot be both this and what else is named."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        if param is not None and ctx is not None and not ctx.resilient_parsing:
+            try:
+                self.take(path, param, ctx)
+            except SameFileError as lost:
+                self.fail(str(lost), param, ctx)
+        return path
+
+    def take(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
+        """Note the file as an input. SameFileError if another parameter writes it."""
+        del param, ctx
+        note_input(path)
+
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         """Return the files that the word typed so far can become."""
         del ctx, param
         return complete_files(incomplete, self.endings)
+
+
+class Output(File):
+    """The path of a file that the command writes: no input of it, and of no other kind."""
+
+    def take(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
+        """Promise the file until the command ends. SameFileError if an input would be lost."""
+        self.refuse_ending(path, param, ctx)
+        ctx.with_resource(promising(path, name_typed(param)))
+
+    def refuse_ending(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
+        """Raise UsageError for the ending of another kind of file."""
+        ending = path.suffix.lower()
+        if ending not in FILE_KINDS or ending in self.endings:
+            return
+        hints = [f", such as {path.with_suffix(each)}" for each in self.endings[:1]]
+        for each in ctx.command.params:
+            kind = each.type
+            if type(kind) is File and ending in kind.endings and isinstance(each, click.Option):
+                hints.append(f"; {name_typed(each)} {path} reads it")
+        self.fail(
+            f"{path}: {ending} is the ending of {FILE_KINDS[ending]}, and this is not one: "
+            f"give another name{''.join(hints)}",
+            param,
+            ctx,
+        )
+
+
+def name_typed(param: click.Parameter) -> str:
+    """Return what a parameter is called where it is typed: --csv, or FILE."""
+    return max(param.opts, key=len) if param.opts[0][0] == "-" else param.human_readable_name
 
 
 class Name(click.ParamType[str]):
@@ -160,6 +221,16 @@ class Name(click.ParamType[str]):
 
     def __init__(self, *kinds: str) -> None:
         self.kinds = kinds
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the name; that of a file is an input. UsageError if another would write it."""
+        name = super().convert(value, param, ctx)
+        if is_path(name):
+            try:
+                note_input(Path(name))
+            except SameFileError as lost:
+                self.fail(str(lost), param, ctx)
+        return name
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str

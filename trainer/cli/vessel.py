@@ -11,10 +11,10 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import Number, json_of, outputs, show_progress, show_report, write_text
+from trainer.cli.answers import Number, json_of, outputs, show_progress, show_report
 from trainer.cli.options import (
     SEA_NAME,
-    TOML_FILE,
+    TOML_OUTPUT,
     VESSEL_HELP,
     VESSEL_NAME,
     cores_option,
@@ -33,7 +33,7 @@ def vessel() -> None:
 
 
 @vessel.command()
-@click.argument("file", type=TOML_FILE)
+@click.argument("file", type=TOML_OUTPUT)
 @click.option("--from", "source", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP)
 @click.option(
     "--length",
@@ -180,7 +180,7 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
 
 @click.command()
 @click.argument("vessel", type=VESSEL_NAME)
-@click.option("-o", "--output", type=TOML_FILE, metavar="FILE", help="Write the boat so.")
+@click.option("-o", "--output", type=TOML_OUTPUT, metavar="FILE", help="Write the boat so.")
 @click.option("--write", is_flag=True, help="Write it into the vessel file itself.")
 @click.option("--check", is_flag=True, help="Judge the set that the file has; no search.")
 @click.option("--table", is_flag=True, help="Only the table of sensitivities.")
@@ -240,6 +240,7 @@ def _search_reduction(
     """Return the reduction that a search finds, written to ``result`` if there is one."""
     from trainer.analysis.reduce import reduction, vessel_text
     from trainer.analysis.reduce.objective import compact_terms
+    from trainer.config.files import renew_file, write_over
 
     partial = reduction.checkpoint_of(result) if result else None
     length = reduction.MAX_SEARCHES * len(compact_terms(file, "modified"))
@@ -250,6 +251,7 @@ def _search_reduction(
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
     tables = vessel_text.factor_tables(reduced.factors, reduced.needs, notes)
-    write_text(result, vessel_text.rewrite_vessel(file.text, tables))
+    write = renew_file if result == file.path else write_over
+    write(result, vessel_text.rewrite_vessel(file.text, tables))
     reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

@@ -20,7 +20,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Final, NamedTuple, NoReturn
 
-from trainer.io.atomic_write import write_whole
+from trainer.io.outputs import note_input, open_new, renew_whole, write_whole
 
 MAX_FILE_BYTES = 1_000_000  # [byte]
 # tomllib takes minutes over one dotted key of a hundred thousand parts.
@@ -288,6 +288,7 @@ def _shipped_key(path: Path, texts: Mapping[str, str]) -> str:
 
 def _text_on_disk(path: Path) -> str:
     try:
+        note_input(path)
         with path.open("rb") as file:
             data = file.read(MAX_FILE_BYTES + 1)
     except IsADirectoryError as error:
@@ -308,8 +309,8 @@ def _text_on_disk(path: Path) -> str:
 def write_once(path: Path, text: str) -> None:
     """Write a text to a new file. ConfigError if the file is there or cannot be made."""
     try:
-        with path.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with open_new(path) as file:
+            file.write(text.encode())
     except FileExistsError:
         raise ConfigError(f"{path} is there already: give a new name") from None
     except OSError as error:
@@ -320,6 +321,14 @@ def write_over(path: Path, text: str) -> None:
     """Write a text over a file, whole. ConfigError if it cannot be written."""
     try:
         write_whole(path, text)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def renew_file(path: Path, text: str) -> None:
+    """Write a text over a file that was read, to change it. ConfigError if it cannot be written."""
+    try:
+        renew_whole(path, text)
     except OSError as error:
         raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
 

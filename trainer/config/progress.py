@@ -17,8 +17,8 @@ from typing import Any, Final
 
 from trainer.config.course import Lesson
 from trainer.config.files import ConfigError, quote
-from trainer.io.atomic_write import write_whole
 from trainer.io.file_lock import holding
+from trainer.io.outputs import renew_whole
 from trainer.io.paths import made_folder, recordings_folder
 
 PROGRESS_SCHEMA: Final = "progress/1"
@@ -162,7 +162,7 @@ def add_run(name: str, run: ProgressRun) -> str:
             text = f"{wrong}; it is kept as {aside.name}, and a new one begins"
         written = {"schema": PROGRESS_SCHEMA, "trainee": known.trainee}
         runs = [asdict(replace(each, costs=dict(each.costs))) for each in known.with_run(run).runs]
-        write_whole(path, json.dumps({**written, "runs": runs}, indent=1) + "\n")
+        renew_whole(path, json.dumps({**written, "runs": runs}, indent=1) + "\n")
     return text
 
 

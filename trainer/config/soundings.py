@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError, nearest, quote, read_kept, read_text
+from trainer.io.outputs import note_input
 
 Numbers = NDArray[np.float64]
 
@@ -70,6 +71,7 @@ def read_as_kept(path: Path, kept: str) -> str:
 def _as_text(path: Path) -> str:
     """Return the grid in a file on disk as a text."""
     try:
+        note_input(path)
         with path.open("rb") as file:
             data = file.read(MAX_FILE_BYTES + 1)
     except OSError as error:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError, nearest, quote
+from trainer.io.outputs import note_input
 
 Numbers = NDArray[np.float64]
 EMPTY_CELLS: Final = ("", "nan", "na", "null", "-")
@@ -226,6 +227,7 @@ def read_table(path: Path) -> CsvTable:
 def _decoded(path: Path) -> tuple[str, list[str]]:
     """Return the text of a file, and its encoding if that is not UTF-8. ConfigError."""
     try:
+        note_input(path)
         data = path.read_bytes()
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error

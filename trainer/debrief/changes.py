@@ -16,7 +16,7 @@ from trainer.config.schema import Choice, Quantity, Rows, Text, read_record, req
 from trainer.debrief.judgement import LOST_CAP, WIDTH_FACTORS, judge_run, total_of
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
-from trainer.io.atomic_write import write_whole
+from trainer.io.outputs import renew_whole
 from trainer.session.plan import Plan
 
 CHANGES_SCHEMA: Final = "changes/1"
@@ -78,7 +78,7 @@ def write_changes(recording: Path, changes: Sequence[Change]) -> None:
     path = changes_path(recording)
     try:
         if changes:
-            write_whole(path, text_of(changes))
+            renew_whole(path, text_of(changes))
         else:
             path.unlink(missing_ok=True)
     except OSError as error:

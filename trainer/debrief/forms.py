@@ -21,6 +21,7 @@ from trainer.config.files import (
     parse_toml,
     quote,
     read_text,
+    renew_file,
     text_if_there,
     toml_value,
 )
@@ -34,7 +35,6 @@ from trainer.config.schema import (
     within,
 )
 from trainer.debrief.scoring import Scorecard, formula_of
-from trainer.io.atomic_write import write_whole
 from trainer.report.html import fill_page, paragraph, table
 from trainer.session.plan import Plan
 
@@ -203,10 +203,7 @@ def write_forms(recording: Path, forms: Sequence[EvaluationForm]) -> None:
                 lines.append(f"{name} = {toml_value(value)}")
         lines.append("[forms.marks]")
         lines += [f"{toml_value(name)} = {mark:g}" for name, mark in form.marks.items()]
-    try:
-        write_whole(path, "\n".join([*lines, ""]))
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+    renew_file(path, "\n".join([*lines, ""]))
 
 
 def compare_forms(forms: Sequence[EvaluationForm], card: Scorecard) -> list[ComparedMark]:

@@ -27,8 +27,8 @@ from trainer.debrief.changes import changes_path, read_changes, write_changes
 from trainer.debrief.data import DebriefData, gather_debrief
 from trainer.debrief.forms import EvaluationForm, read_forms, write_forms
 from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
-from trainer.io.atomic_write import write_whole
 from trainer.io.lines import plain
+from trainer.io.outputs import renew_whole
 from trainer.io.paths import RECORDING_SUFFIX, recordings_folder
 from trainer.io.recording.file import RecordingError, erase_header
 from trainer.io.recording.queries import ExcessRows
@@ -180,7 +180,7 @@ def compute_result(path: Path) -> RecordedResult:
     if not path.with_name(f"{path.name}-wal").exists():  # else it is being written
         text = json.dumps({"of": recording_stamp(path), "came": asdict(came)}, indent=1)
         try:
-            write_whole(marks_path(path), text + "\n")
+            renew_whole(marks_path(path), text + "\n")
         except OSError:  # a folder that is not ours
             return came
     return came

@@ -176,9 +176,6 @@ def debrief_file(
 
     Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
     """
-    for wanted in filter(None, (html, pdf)):
-        if wanted.exists() and path.exists() and wanted.samefile(path):
-            raise ConfigError(f"{wanted} is the recording itself: give another name")
     if html is None and pdf is None and printed is None:
         html = default_page_path(path, asked.branch)
         _refuse_other(html)

@@ -26,8 +26,8 @@ from trainer.config.progress import (
     progress_path,
     read_file,
 )
-from trainer.io.atomic_write import replacing
 from trainer.io.lines import plain
+from trainer.io.outputs import replacing
 
 HEIGHTS: Final = "▁▂▃▄▅▆▇█"  # of marks, from none to all
 TITLE_COLUMNS: Final = 34

@@ -14,7 +14,7 @@ import numpy as np
 
 from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError, nearest, path_named
+from trainer.config.files import ConfigError, nearest, path_named, write_over
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import ignore_news
@@ -365,7 +365,7 @@ class FittedShip(_ShipDisplay):
         whole = fitted.study.ship is not None and fitted.study.ship.vessel is not None
         as_study = fitted.problem.plant.model.name == "1" and whole
         text = vessel_text(fitted) if as_study else nomoto_text(fitted, self._found.report.bend)
-        Path(path).write_text(text, encoding="utf-8")
+        write_over(Path(path), text)
 
 
 class ManoeuvringShip(_ShipDisplay):
@@ -440,4 +440,4 @@ class ManoeuvringShip(_ShipDisplay):
     def write(self, path: str | Path) -> None:
         """Write the ship with its covariance, as a file that ``trainer manoeuvre`` sails."""
         source = "trainer.identify.fit, " + ", ".join(self._found.report.sources)
-        Path(path).write_text(ship_text(self._found.ship, source), encoding="utf-8")
+        write_over(Path(path), ship_text(self._found.ship, source))

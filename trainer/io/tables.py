@@ -14,7 +14,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Final, Protocol
 
-from trainer.io.atomic_write import replacing
+from trainer.io.outputs import open_output, replacing
 from trainer.io.recording.recording import RecordedEvent, Recording, RecordingError
 
 BATCH_ROWS: Final = 5000  # [rows] of a Parquet file written at once
@@ -230,7 +230,7 @@ class CsvFile:
         self.trouble = ""  # why no more are written
         self._batch = batch
         # Unbuffered, because ``flush`` must know how many rows are whole when the disk is full.
-        self._file = path.open("wb", buffering=0)
+        self._file = open_output(path)
         self._lines = [",".join(MOTION_COLUMNS) + "\n"]
         self._written = 0  # lines on disk, the heading among them
 

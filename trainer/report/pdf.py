@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError
-from trainer.io.atomic_write import replacing
+from trainer.io.outputs import replacing
 
 # fmt: off
 BROWSER_NAMES: Final = (

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.io.atomic_write import replacing
+from trainer.io.outputs import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -25,7 +25,7 @@ from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.scheme import RUNGE_KUTTAS
-from trainer.io.atomic_write import write_whole
+from trainer.io.outputs import write_whole
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, format_number, table, wrap

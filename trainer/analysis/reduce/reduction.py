@@ -49,11 +49,10 @@ from trainer.analysis.reduce.verdict import (
     measure_cost,
     passes_legs,
 )
-from trainer.config.files import ConfigError, no_constant
+from trainer.config.files import no_constant, renew_file
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest
 from trainer.core.terms import COMPACT_TERMS
-from trainer.io.atomic_write import write_whole
 
 PARTIAL_SUFFIX: Final = ".partial.json"
 FACTOR_DIGITS: Final = 4  # of a factor in the file
@@ -79,10 +78,7 @@ def fingerprint(file: VesselFile) -> str:
 def save_standings(path: Path, file: VesselFile, standings: Mapping[str, SearchState]) -> None:
     """Write the standings by equation set, whole or not at all. ConfigError if that cannot be."""
     table = {"of": fingerprint(file), **{name: asdict(one) for name, one in standings.items()}}
-    try:
-        write_whole(path, json.dumps(table))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from None
+    renew_file(path, json.dumps(table))
 
 
 def load_standings(path: Path, file: VesselFile) -> dict[str, SearchState]:

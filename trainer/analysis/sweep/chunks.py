@@ -16,8 +16,8 @@ from typing import Any, Final
 from trainer.analysis.sweep.job import Batch, Job, fact_differences
 from trainer.analysis.sweep.results import facts_of, read_table, table_of, write_table
 from trainer.config.files import ConfigError
-from trainer.io.atomic_write import write_whole
 from trainer.io.file_lock import holding
+from trainer.io.outputs import renew_whole
 
 MANIFEST_NAME: Final = "manifest.json"
 
@@ -88,7 +88,7 @@ def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
         if manifest.exists():
             _compare(json.loads(manifest.read_text(encoding="utf-8")), job, folder, "is of")
         else:
-            write_whole(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
+            renew_whole(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
         for stray in (*folder.glob("*.part"), *folder.glob(".*/*")):  # of a writer that was killed
             stray.unlink(missing_ok=True)
     except OSError as error:

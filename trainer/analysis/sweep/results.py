@@ -13,7 +13,7 @@ import numpy as np
 
 from trainer.analysis.sweep.job import Batch, Job, OpenJob
 from trainer.config.extras import require_library
-from trainer.io.atomic_write import replacing
+from trainer.io.outputs import replacing
 
 ROW_GROUP_ROWS: Final = 65_536  # of a row group of the result
 MEMBER_COLUMN, SEED_COLUMN, TROUBLE_COLUMN = "member", "seed", "trouble"

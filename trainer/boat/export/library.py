@@ -27,6 +27,7 @@ from trainer.core.cache import core_digest
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import WATCHED_NAMES
 from trainer.core.vessel import COMPACT, VESSEL
+from trainer.io.outputs import refuse_input, replacing
 from trainer.io.tables import MOTION_COLUMNS
 
 CARD_HEADING: Final = "trainer-core 1"  # and the format of what follows
@@ -94,8 +95,7 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
 
     ConfigError if the folder cannot be written, or nothing be compiled for ``cpu``.
     """
-    with name_trouble():
-        folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder, OBJECT_FILE, LIBRARY_FILE, HEADER_FILE, HOST_FILE)
     target = find_processor(cpu)
     constants = constants_of(boat, card_text(boat, target))
     code = object_code(freestanding_module(tick, boat.records.scheme, constants), target)
@@ -107,9 +107,18 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
     }
     with name_trouble():
         for name, data in files.items():
-            (folder / name).write_bytes(data)
+            with replacing(folder / name) as made:
+                made.write_bytes(data)
     step = boat.method.step
     return CoreExport(boat.file.name, target.name, step, tuple(files), boat_sizes(code))
+
+
+def make_folder(folder: Path, *names: str) -> None:
+    """Make the folder of an export; ConfigError if one of its files would replace an input."""
+    with name_trouble():
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in names:
+            refuse_input(folder / name)
 
 
 @contextmanager
@@ -167,12 +176,12 @@ def export_wasm(boat: Boat, folder: Path) -> WasmExport:
     """Write the core for WebAssembly and the numbers of ``boat`` as it stands into ``folder``."""
     from trainer.boat.export import wasm  # noqa: PLC0415  it is for one processor of many
 
-    with name_trouble():
-        folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder, wasm.MODULE_FILE, wasm.CARD_FILE, wasm.NUMBERS_FILE, wasm.HOST_FILE)
     files = wasm.files_of(boat)
     with name_trouble():
         for name, data in files.items():
-            (folder / name).write_bytes(data)
+            with replacing(folder / name) as made:
+                made.write_bytes(data)
     code = files[wasm.MODULE_FILE]
     packed = len(gzip.compress(code, 9))
     return WasmExport(boat.file.name, tuple(files), len(code), packed, STATE.itemsize)

@@ -6,7 +6,6 @@ be saved to a file (``--checkpoint``), from which another run goes on.
 
 import json
 import math
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -46,6 +45,7 @@ from trainer.identify.model.derived import quantities, quantity_units
 from trainer.identify.model.steering import SteeringModel
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study
+from trainer.io.outputs import write_whole
 
 MAX_STEPS: Final = 200  # steps, beyond which a search has not settled
 # other starts in a row that must find nothing better, before a fit counts as settled
@@ -231,10 +231,7 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
 
 
 def save_steps(path: Path, problem: Problem, heard: Progress = ignore_news) -> Progress:
-    """Return a function that saves each step of a search and passes it on.
-
-    It writes beside ``path`` and then replaces it, so that nobody ever reads half a file.
-    """
+    """Return a function that saves each step of a search whole, and passes it on."""
 
     def write(found: SearchResult) -> None:
         theta = problem.folded(found.theta) * problem.scale
@@ -243,9 +240,7 @@ def save_steps(path: Path, problem: Problem, heard: Progress = ignore_news) -> P
             "cost": found.cost,
             "parameters": dict(zip(problem.names, map(float, theta), strict=True)),
         }
-        part = path.with_name(path.name + ".part")
-        part.write_text(json.dumps(state, indent=1) + "\n", encoding="utf-8")
-        os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
+        write_whole(path, json.dumps(state, indent=1) + "\n")
         heard(found)
 
     return write

@@ -19,7 +19,7 @@ from trainer.config.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import CHANNEL_UNITS, POSITION_CHANNELS, Finding, Record
-from trainer.io.atomic_write import replacing
+from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.session.header import open_whole_recording
 from trainer.units import DEGREE, KNOT

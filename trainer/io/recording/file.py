@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
+from trainer.io.outputs import note_input
 from trainer.io.recording import format_1
 from trainer.io.recording.facts import BranchCause
 
@@ -265,6 +266,7 @@ def _find(path: Path) -> None:
     To open and close the file here would give up SQLite's own locks on it (POSIX locks).
     """
     try:
+        note_input(path)
         size = path.stat().st_size
     except OSError as error:
         raise RecordingError(f"{path} cannot be opened: {error.strerror}") from None

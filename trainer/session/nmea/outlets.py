@@ -22,6 +22,7 @@ from trainer.config.files import ConfigError, nearest
 from trainer.io.chart import Chart, chart_at
 from trainer.io.line import DirectSender, Inbox, JoinedLine, Line, Outbox, writer
 from trainer.io.nmea import MAX_SENTENCE_LETTERS
+from trainer.io.outputs import open_new
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
 from trainer.io.serial_line import URL_SCHEMES, LinkError, SerialLine
@@ -163,7 +164,7 @@ def open_serial(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
 def open_file(ports: Ports, outlets: Outlets, path: Path) -> Station:
     """Return the station of a file. It has a set at the rate of the boat's own time."""
     try:
-        file = path.open("xb", buffering=0)
+        file = open_new(path)
     except FileExistsError:
         raise ConfigError(f"--nmea-record {path}: is there already; give another name") from None
     except OSError as error:

@@ -19,6 +19,7 @@ from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.boat.world.scope import Periscope, periscope_of
 from trainer.config.bottom import Bottom, depths_at
 from trainer.core.kernel import Numbers
+from trainer.io.outputs import open_output
 from trainer.session.rerun.batch import Batch, Block, Changes, NewsRows, Subject, Times, Track
 from trainer.session.rerun.charts import (
     LEDGER_LABELS,
@@ -279,7 +280,7 @@ class Drawing:
 
     def save(self, path: Path) -> None:
         """Begin a file with what is the same at all times. The file is replaced."""
-        path.open("wb").close()  # tells better than the library why it cannot be written
+        open_output(path).close()  # tells better than the library why it cannot be written
         self._open()
         rr.save(path, default_blueprint=blueprint(self._subject), recording=self._stream)
         self._begin()

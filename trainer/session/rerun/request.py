@@ -22,7 +22,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
-from trainer.io.atomic_write import replacing
+from trainer.io.outputs import open_output, replacing
 from trainer.io.paths import DEFAULT_HOST
 from trainer.io.recording.recording import Recording
 from trainer.session.header import layout_of, plan_of
@@ -66,7 +66,7 @@ def open_log(
     sinks: list[Sink] = []
     if path is not None:
         try:
-            path.open("wb").close()
+            open_output(path).close()
         except OSError as error:
             raise ConfigError(f"--rrd {path}: {error.strerror}") from None
         sinks.append(RrdFile(path, Drawing(subject)))
