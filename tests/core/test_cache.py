@@ -3,6 +3,7 @@
 import os
 import random
 import shutil
+import stat
 import subprocess
 import sys
 from collections.abc import Callable
@@ -110,6 +111,65 @@ def test_without_a_home_to_write_to_it_still_runs_and_leaves_nothing_behind(
     assert Path(folder).parent.parent == temporary
     assert int(files) > 0
     assert list(temporary.iterdir()) == []
+
+
+def test_the_folder_of_machine_code_is_made_this_users_alone(tmp_path: Path) -> None:
+    folder, _ = said(SINE, PACKAGE.parent, XDG_CACHE_HOME=str(tmp_path))
+    assert Path(folder).stat().st_mode & 0o777 == 0o700
+    Path(folder).chmod(0o775)  # as an earlier version made it where umask is 002
+    again, _ = said(SINE, PACKAGE.parent, XDG_CACHE_HOME=str(tmp_path))
+    assert again == folder
+    assert Path(folder).stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners of POSIX")
+def test_a_folder_where_another_user_could_put_code_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "above" / "code"
+    folder.mkdir(0o700, parents=True)
+    planted = folder / "kernel.nbi"
+    planted.write_text("planted")
+    above, link = folder.parent, tmp_path / "link"
+    link.symlink_to(folder)
+    real = os.stat_result
+
+    def judged(path: Path, modes: dict[Path, int], owners: dict[Path, int]) -> str:
+        def seen(asked: Path, status: os.stat_result) -> os.stat_result:
+            place = Path(os.path.realpath(asked))  # `resolve` asks `stat`
+            mode = stat.S_IFMT(status.st_mode) | modes.get(place, stat.S_IMODE(status.st_mode))
+            owner = owners.get(place, os.geteuid() if place.is_relative_to(tmp_path) else 0)
+            return real((mode, *status[1:4], owner, *status[5:]))
+
+        stat_of = Path.stat
+        with monkeypatch.context() as faked:
+            faked.setattr(Path, "stat", lambda each, **how: seen(each, stat_of(each, **how)))
+            return cache._foreign_place(path)  # noqa: SLF001  the rule itself
+
+    stranger = os.geteuid() + 1
+    assert judged(folder, {}, {}) == ""
+    assert judged(folder, {folder: 0o775, above: 0o775}, {}) == ""
+    assert judged(folder, {above: 0o1777}, {}) == ""
+    assert judged(folder, {above: 0o777}, {}) == f"who may write in {above}"
+    assert judged(folder, {}, {above: stranger}) == f"who may write in {above}"
+    assert judged(folder, {}, {folder: stranger}) == "who owns it"
+    assert judged(folder, {folder: 0o777}, {planted: stranger}) == "who has left kernel.nbi"
+    assert judged(link, {}, {}) == "who owns it"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners of POSIX")
+def test_a_shared_folder_for_code_is_told_and_code_is_made_for_this_run_alone(
+    tmp_path: Path,
+) -> None:
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    shared.chmod(0o777)
+
+    folder, files = said(SINE, PACKAGE.parent, XDG_CACHE_HOME=str(shared))
+
+    assert Path(folder).parent.name.startswith("trainer-private-")
+    assert int(files) > 0
+    assert not list(shared.rglob("*.nbi"))
 
 
 def test_numba_imported_first_still_caches_by_the_core_s_sources(copied: Path) -> None:

@@ -6,9 +6,10 @@ named by a hash of the core's sources. Importing this module points numba there;
 before its first kernel.
 
 A file of machine code has its digests beside it. One that does not fit, or has none, is set aside
-before numba reads it: numba then finds nothing, and compiles. This is against damage; who may write
-there may as well change the program. Python tells of every file that is opened and renamed (its
-audit events), so that nothing of numba's own is touched.
+before numba reads it: numba then finds nothing, and compiles. This is against damage. Against other
+users the folder is this user's alone, and is not used where another could put code there. Python
+tells of every file that is opened and renamed (its audit events), so that nothing of numba's own is
+touched.
 
 A recording names the digest of the core that made it, so that a replay by another core is told.
 """
@@ -16,6 +17,7 @@ A recording names the digest of the core that made it, so that a replay by anoth
 import contextlib
 import hashlib
 import os
+import stat
 import sys
 from functools import cache
 from pathlib import Path
@@ -79,14 +81,46 @@ def _claim_cache() -> Path:
     name = _FOLDER_PREFIX + _digest(*KERNEL_FOLDERS) + "-checked" * checked
     try:
         path = _cache_root() / name
-        path.mkdir(parents=True, exist_ok=True)
-        if os.access(path, os.W_OK):
+        path.mkdir(0o700, parents=True, exist_ok=True)
+        if foreign := _foreign_place(path):
+            print(
+                f"trainer: {path}: another user could put code there, {foreign}; it is not used: "
+                "NUMBA_CACHE_DIR names a folder of yours",
+                file=sys.stderr,
+            )
+        elif os.access(path, os.W_OK):
+            path.chmod(0o700)  # one that an earlier version made
             return path
     except (OSError, RuntimeError):  # RuntimeError: this user has no home
         pass
     path = _claim_private() / name
     path.mkdir()
     return path
+
+
+def _foreign_place(path: Path) -> str:
+    """Return where another user could put code into a folder, and how, "" for nowhere."""
+    if not hasattr(os, "geteuid"):
+        return ""
+    own, status = os.geteuid(), path.lstat()
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid != own:
+        return "who owns it"
+    if _is_open(status):  # until now: the code in it is ours if all of its files are
+        for each in path.rglob("*"):
+            if each.lstat().st_uid != own:
+                return f"who has left {each.name}"
+    for above in path.resolve().parents:
+        status = above.stat()
+        sticky = status.st_mode & stat.S_ISVTX  # only its owner may rename what is in it
+        if status.st_uid not in (0, own) or (_is_open(status) and not sticky):
+            return f"who may write in {above}"
+    return ""
+
+
+def _is_open(status: os.stat_result) -> bool:
+    """Return whether others may write in a folder. Where umask is 002, this user's group may."""
+    others_group = status.st_mode & stat.S_IWGRP and status.st_gid != os.getegid()
+    return bool(status.st_mode & stat.S_IWOTH or others_group)
 
 
 def _claim_private() -> Path:
