@@ -15,6 +15,7 @@ import termios
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.places import environment
@@ -328,7 +329,7 @@ def test_a_screen_is_opened_only_where_all_three_streams_are_the_terminal(elsewh
     asks = "from trainer.console.terminal import has_terminal; raise SystemExit(has_terminal())"
     ours, theirs = pty.openpty()
     try:
-        streams = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
+        streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
         if elsewhere:
             streams[elsewhere] = subprocess.DEVNULL
         asked = subprocess.run(
