@@ -184,7 +184,7 @@ class File(click.Path):
 
 
 class Output(File):
-    """The path of a file that the command writes: no input of it, and of no other kind."""
+    """The path of a file that is written: no input, and no other kind."""
 
     def take(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
         """Promise the file until the command ends. SameFileError if an input would be lost."""

@@ -1,4 +1,4 @@
-"""What a command writes: no input is ever lost, and a file is whole or stays as it was.
+"""What a command writes: no input is lost, and no file is half written.
 
 Every output goes through ``replacing``, or through ``open_output`` where it grows while a run goes
 on; both refuse what this process has read, by device and number on disk, so also by another name
@@ -55,7 +55,7 @@ def refuse_input(path: Path) -> None:
 
 @contextlib.contextmanager
 def promising(path: Path, name: str) -> Iterator[None]:
-    """Say that ``name``, such as --csv, will write a file, for as long as the block lasts.
+    """Say that ``name``, such as --csv, will write a file inside the block.
 
     SameFileError if that is an input, or another's output. A pipe, device or folder is neither.
     """
@@ -89,7 +89,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def renewing(path: Path) -> Iterator[Path]:
-    """Do as ``replacing`` does, for a file of the program's own, or one to be changed in place."""
+    """Do as ``replacing`` for the program's own file, or one that is changed."""
     goal = path.resolve()
     alone = path.is_file() and not os.access(goal.parent, os.W_OK)
     if alone or (path.exists() and not path.is_file()):
@@ -128,7 +128,7 @@ def write_whole(path: Path, text: str) -> None:
 
 
 def renew_whole(path: Path, text: str) -> None:
-    """Write a text over a file of the program's own, or leave that as it was. OSError."""
+    """Write a text over a file of the program's own, whole. OSError."""
     with renewing(path) as made:
         made.write_text(text, encoding="utf-8", newline="\n")
 

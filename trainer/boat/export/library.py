@@ -114,7 +114,7 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
 
 
 def make_folder(folder: Path, *names: str) -> None:
-    """Make the folder of an export; ConfigError if one of its files would replace an input."""
+    """Make an export's folder; ConfigError if one of these names is an input."""
     with name_trouble():
         folder.mkdir(parents=True, exist_ok=True)
         for name in names:
