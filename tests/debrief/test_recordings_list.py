@@ -17,7 +17,7 @@ from trainer.config.files import ConfigError
 from trainer.debrief import history as history_module
 from trainer.debrief.changes import change_of, changes_path, read_changes, without_changes
 from trainer.debrief.data import debrief_figures
-from trainer.debrief.forms import EvaluationForm
+from trainer.debrief.forms import EvaluationForm, read_forms
 from trainer.debrief.history import (
     ListedRecording,
     RecordedResult,
@@ -168,7 +168,7 @@ def test_whatever_one_recording_does_the_others_are_listed_and_forgotten(
 ) -> None:
     odd = tmp_path / "odd.trainer"
     shutil.copy(kept, odd)
-    marks_of, forms_of = history_module.kept_result, history_module.read_forms
+    marks_of, forms_of = history_module.kept_result, read_forms
 
     def unforeseen(path: Path) -> RecordedResult | None:
         if path == odd:

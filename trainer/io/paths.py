@@ -92,7 +92,7 @@ def recordings_folder() -> Path:
 
 
 def made_folder(folder: Path) -> Path:
-    """Make a folder beneath the user's own and return it; OSError says what was to go there."""
+    """Make a folder and return it. OSError says what was to go there, and the next step."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK):

@@ -100,7 +100,7 @@ class LossMonitor:
         return True
 
     def settle(self, boat: Boat) -> None:
-        """Count anew after a jump in time, but go on where this very moment lost the exercise."""
+        """Count anew after a jump, unless this very moment has lost the exercise."""
         self.held = self.ticks if boat.plain.tobytes() in self.ends else 0
 
 

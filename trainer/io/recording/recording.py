@@ -13,6 +13,8 @@ lost and counted. The recording then goes on in a new branch that begins after t
 parent, because the ticks between the two are lost.
 """
 
+# long: what waits, what is lost and what the disk has is one state, and is read at one sitting
+
 import contextlib
 import sqlite3
 import threading
