@@ -15,7 +15,6 @@ import termios
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from helpers.places import environment
@@ -329,12 +328,13 @@ def test_a_screen_is_opened_only_where_all_three_streams_are_the_terminal(elsewh
     asks = "from trainer.console.terminal import has_terminal; raise SystemExit(has_terminal())"
     ours, theirs = pty.openpty()
     try:
-        streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
-        if elsewhere:
-            streams[elsewhere] = subprocess.DEVNULL
+        names = ("stdin", "stdout", "stderr")
+        ends = [subprocess.DEVNULL if each == elsewhere else theirs for each in names]
         asked = subprocess.run(
             [sys.executable, "-c", asks],
-            **streams,
+            stdin=ends[0],
+            stdout=ends[1],
+            stderr=ends[2],
             env=environment(TERM="xterm", LC_ALL="C.UTF-8"),
             check=False,
         )

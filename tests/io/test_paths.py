@@ -26,7 +26,7 @@ def test_where_no_folder_can_be_made_the_next_step_is_told(
         NotADirectoryError, match=r"recordings .* go there; XDG_STATE_HOME="
     ) as told:
         wanted()
-    assert "--no-record" in str(told.value.strerror)
+    assert "--no-record" in (told.value.strerror or "")
     assert told.value.filename.startswith(str(tmp_path))
 
 
