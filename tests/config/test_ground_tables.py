@@ -1,5 +1,6 @@
 """The ground in an exercise: its table, grids from files, and what is refused."""
 
+import gzip
 import re
 import struct
 import sys
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.places import DATA
 
 from trainer.boat.boat import Boat
 from trainer.config.bottom import (
@@ -100,8 +102,9 @@ def test_a_corner_is_half_a_cell_from_the_sample_whatever_the_case_and_line_ends
         (HEAD + "10 20 30", "has 3 samples; NROWS times NCOLS is 4"),
         (HEAD + "10 20 30 40 50", "has 5 samples"),
         (HEAD + "10 20 x 40", 'sample 3 = "x": is no number'),
-        (HEAD + "nan 20 30 40", "sample 1 = nan: must be finite"),
-        (HEAD + "10 inf 30 40", "sample 2 = inf: must be finite"),
+        (HEAD + "10 inf 30 40", "sample 2 = inf: must be finite, or nan"),
+        (HEAD + "10 12000 12001 36000", "sample 3 = 12001: no sea is deeper than 12000 m: is the"),
+        (HEAD + "NODATA_value none\n" + SAMPLES, "NODATA_VALUE = none: must be a finite number"),
         (
             HEAD.replace("ncols 2", "ncols 4001").replace("nrows 2", "nrows 1000"),
             f"{MAX_CELLS} at most",
@@ -175,6 +178,48 @@ def test_a_sample_without_a_value_is_land_and_how_near_it_is_can_be_told(asc: Pa
     assert not is_charted(found, 101.0, 0.0)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "NODATA_value nan\n10 20 nan 40",
+        "nan 20 30 40",
+        "10 20 -9999 NaN",
+        "NODATA_value -9999\n10 20 -9999.0 40",
+        "NODATA_value -9.999e3\n10 20 -9999 40",
+        "NODATA_value -3.4028234663852886e+38\n10 20 -3.40282e+38 40",
+        "NODATA_value -9999.9\n10 20 -9999.900390625 40",
+        "NODATA_value -1\n10 20 -1.000000 40",
+        "NODATA_value -1\n10 20 1e20 40",
+        "NODATA_value -1\n10 20 -32768 -32768",
+    ],
+)
+def test_a_sample_without_a_value_is_none_however_it_is_printed(asc: Path, text: str) -> None:
+    asc.write_text(HEAD + text)
+    values = read_grid(asc).values[::-1].ravel()
+    lacking = [word.lower() not in ("10", "20", "30", "40") for word in text.split()[-4:]]
+    assert np.isnan(values).tolist() == lacking
+    known = ~np.isnan(values)
+    assert values[known].tolist() == np.array([10.0, 20.0, 30.0, 40.0])[known].tolist()
+
+
+def test_a_depth_of_twelve_thousand_metres_and_one_beside_the_value_of_none_are_depths(
+    asc: Path,
+) -> None:
+    asc.write_text(HEAD + "NODATA_value -9999\n12000 -12000 -9990 0")
+    assert not np.isnan(read_grid(asc).values).any()
+
+
+def test_a_stranger_s_grid_of_nan_is_read_once_it_is_unpacked(tmp_path: Path) -> None:
+    path = tmp_path / "nan.asc"
+    path.write_bytes((DATA / "strangers" / "nan.asc.gz").read_bytes())
+    assert "is packed: gunzip it" in refused(path, grid=path.name, values="depth")
+    path.write_bytes(gzip.decompress(path.read_bytes()))
+    found = ground(path, grid=path.name, values="depth")
+    assert np.isnan(found.known.values).sum() == 1 if found.known else False
+    assert found.depth.values[-1, 0] == LAND_DEPTH_M
+    assert found.depth.values[0, 0] == 120.5
+
+
 # What is kept in a recording
 
 
@@ -243,6 +288,20 @@ def tiff(path: Path, values: Any, **more: Any) -> None:
     ]
     tags += [(42113, "s", 0, more.pop("absent"), True)] if "absent" in more else []
     tifffile.imwrite(path, np.asarray(values, np.float32), extratags=tags, **more)
+
+
+@pytest.mark.parametrize(
+    ("value", "more"), [(-3.4028235e38, {"absent": "-3.40282e+38"}), (-32768, {}), (-9999.9, {})]
+)
+def test_a_geotiff_s_sample_without_a_value_is_none_however_it_is_printed(
+    tmp_path: Path, value: float, more: dict[str, str]
+) -> None:
+    path = tmp_path / "a.tif"
+    tiff(path, [[10, 20], [30, value]], **(more or {"absent": f"{value:g}"}))
+    assert np.isnan(read_grid(path).values).tolist() == [[False, True], [False, False]]
+    if value < -12000:
+        tiff(path, [[10, 20], [30, value]])
+        assert np.isnan(read_grid(path).values).sum() == 1
 
 
 def packed(data: bytes) -> bytes:

@@ -37,10 +37,13 @@ from trainer.config.files import ConfigError, Place, read_text
 from trainer.config.nomoto import load_nomoto
 from trainer.config.sea import parse_sea
 from trainer.config.ship import parse_ship, ship_text
+from trainer.config.soundings import read_ascii
+from trainer.config.tables import read_table
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
 from trainer.identify.judge.fitted import resume_search
 from trainer.identify.model.system_files import load_system
+from trainer.identify.record.columns import CHANNEL_WORDS, guess_columns
 from trainer.identify.record.decca import load_decca, solve_track
 from trainer.identify.record.sources import Column, load_record
 from trainer.identify.record.study import load_study
@@ -66,8 +69,9 @@ name = "nomoto-1"
 
 [[columns]]
 channel = "heading"
-name = "psi"
+column = "psi"
 unit = "deg"
+missing = [511, -9999.0]
 
 [[parameters]]
 name = "K"
@@ -174,6 +178,16 @@ yaw_rate_deg_s = "r"
 """
 READINGS: Final = (
     b"t,rudder,heading,red,green,purple\n0,0,1,A12.5,B30.25,\n1,5,2.5,A12.75,B30.5,C51\n"
+)
+RECORDS: Final = (  # as loggers and spreadsheets write them
+    READINGS,
+    b"# a logger\n% t,rudder\n// t,rudder,heading\n0,0,359.5\n5,1,511\n10,-1,0.5\n15,0,-9999\n",
+    b"sep=;\r\nt;rudder;heading;\r\ns;deg;deg;\r\n0;1,5;0,125;\r\n1.005;-998;1,005;\r\n",
+    b't,rudder,heading,lat,,\n2021-01-01 00:00:05 UTC,"1,000",999,"54,30.5 N",,\n00:00:09 GMT,',
+)
+GRID: Final = (
+    b"ncols 2\nnrows 2\nxllcorner 0\nyllcenter 0\ncellsize 1e2\nNODATA_value -9.999e3\n"
+    b"nan 12000\n-9999.0 -3.40282e+38\n"
 )
 STATE: Final = (
     b'{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0, "phi": 0, "theta": 0, "psi": 0, '
@@ -434,16 +448,28 @@ TARGETS: Final = (
     Target("system", "matrices with expressions", load_proof(load_system), lambda: [SYSTEM], 512),
     Target("decca", "a chain of Decca stations", load_proof(load_decca), lambda: [DECCA], 512),
     Target(
-        "lanes", "readings of Decca lanes, CSV", open_proof(lanes, "lanes.csv"), lambda: [READINGS]
+        "lanes", "readings of Decca lanes, CSV", open_proof(lanes, "lanes.csv"), lambda: [*RECORDS]
     ),
     Target(
         "record",
         "a record of a ship, CSV",
         open_proof(lambda path: load_record(path, COLUMNS), "record.csv"),
-        lambda: [READINGS],
+        lambda: [*RECORDS],
     ),
     Target(
-        "series", "a series to be fitted, CSV", open_proof(load_series, "t.csv"), lambda: [READINGS]
+        "columns",
+        "the columns of a record, guessed",
+        open_proof(lambda path: guess_columns(read_table(path), CHANNEL_WORDS), "guess.csv"),
+        lambda: [*RECORDS],
+    ),
+    Target(
+        "grid",
+        "soundings on an ESRI ASCII grid",
+        open_proof(lambda path: read_ascii(path.read_bytes(), path), "grid.asc"),
+        lambda: [GRID],
+    ),
+    Target(
+        "series", "a series to be fitted, CSV", open_proof(load_series, "t.csv"), lambda: [*RECORDS]
     ),
     Target("evaluate", "states to be evaluated, JSON lines", states, lambda: [STATE], 512),
     Target(

@@ -133,7 +133,9 @@ def test_a_rudder_at_rest_is_refused(tmp_path: Path) -> None:
 
 def test_degrees_said_to_be_radians_are_refused_by_row(tmp_path: Path) -> None:
     text = STUDY.replace('column = "helm"\nunit = "deg"', 'column = "helm"\nunit = "rad"')
-    with pytest.raises(ConfigError, match=r"row 2: helm: -5 rad cannot be; are these degrees"):
+    with pytest.raises(
+        ConfigError, match=r"row 2: helm = .-5.0.: no rudder in rad is so large; are these degrees"
+    ):
         observed(tmp_path, table(), text)
 
 
@@ -250,7 +252,7 @@ def test_a_wrapped_heading_is_unwrapped_across_what_is_missing(tmp_path: Path) -
     heading = np.radians(columns["gyro"])
     heading[30] = math.nan
     write(tmp_path, columns)
-    record = load_record(tmp_path / "trial.csv", {"rudder": Column("helm", "rad")})
+    record = load_record(tmp_path / "trial.csv", {"rudder": Column("helm", "deg")})
     found = unwrap_heading(replace(record, heading=np.mod(heading + 4.7, math.tau)))
     known = found.heading[~np.isnan(found.heading)]  # type: ignore[arg-type, index]
     assert np.abs(np.diff(known)).max() < 1.0
@@ -279,6 +281,6 @@ def test_every_key_is_documented_as_it_is_read(name: str) -> None:
 
 def test_examination_needs_a_rudder(tmp_path: Path) -> None:
     write(tmp_path, table())
-    record = load_record(tmp_path / "trial.csv", {"yaw_rate": Column("rot", "rad/s")})
+    record = load_record(tmp_path / "trial.csv", {"yaw_rate": Column("rot", "deg/s")})
     with pytest.raises(ConfigError, match="no rudder was recorded; there is yaw_rate"):
         examine_record(record)

@@ -151,7 +151,7 @@ REFUSED = {
     "a rudder missing": (put("rudder", 9, math.nan), {}, r"row 11: helm: .* it is empty"),
     "no value at all": (scaled("yaw_rate", math.nan), {}, r"rot: has no value at all"),
     "a rudder at rest": (scaled("rudder", 0.0), {}, r"helm: stands at 0 deg in all rows"),
-    "rudder in degrees": (scaled("rudder", 1), {"rudder": "rad"}, r'helm: .* say unit = "deg"'),
+    "rudder in degrees": (scaled("rudder", 1), {"rudder": "rad"}, r'helm = .* say unit = "deg"'),
     "rate a minute": (scaled("yaw_rate", 60.0), {}, r"rot and gyro: .* per minute"),
     "rate to port": (scaled("yaw_rate", -1.0), {}, r"rot and gyro: .* positive to port"),
     "rate in radians": (scaled("yaw_rate", DEGREE), {}, r"one of them is in radians"),

@@ -114,6 +114,11 @@ class RecordSettings:
     )
 
 
+MISSING_NUMBERS: Final = Quantities(
+    Quantity("-", within(-1e15, 1e15), "in this column they say that there is no reading"), 1, 20
+)
+
+
 @dataclass(frozen=True, kw_only=True)
 class ShipColumn:
     """Where one channel of a record is found; columns of the trainer need none."""
@@ -121,6 +126,7 @@ class ShipColumn:
     channel: str = required(Choice(SHIP_CHANNELS, "what it is"))
     column: str = required(Text(80, "heading of the column"))
     unit: str | None = optional(Text(8, f"{UNIT_NAMES}; else that of the heading"))
+    missing: tuple[float, ...] | None = optional(MISSING_NUMBERS)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,6 +31,7 @@ GRID_KEYWORDS: Final = (
     "nodata_value",
 )
 # fmt: on
+MAX_DEPTH_M: Final = 12_000.0  # [m] of any sea: what is beyond is no depth
 DEFAULT_NODATA_VALUE: Final = -9999.0  # at a sample without a value, where the file names no other
 HEADER_LINE: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
 SOUNDINGS_PREFIX: Final = "soundings/1 "  # what the text of a grid begins with
@@ -106,19 +107,33 @@ def read_ascii(data: bytes, path: Path) -> Grid:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong)") from None
+        why = ", it is packed: gunzip it" if data.startswith(b"\x1f\x8b") else ""
+        raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong{why})") from None
     header, at = _keywords(text, path)
     rows, columns = (_count(header, name, path) for name in ("nrows", "ncols"))
     cell = _number(header, "cellsize", path)
     if cell <= 0.0:
         raise _wrong(path, "cellsize", header["cellsize"], "must be above 0")
     _refuse_large(rows, columns, path)
-    values = _samples(text[at:], rows * columns, path).reshape(rows, columns)[::-1]
-    absent = _number(header, "nodata_value", path, DEFAULT_NODATA_VALUE)
+    values = _samples(text[at:], rows * columns, path).reshape(rows, columns)
+    depths = _without_absent(values, header.get("nodata_value", f"{DEFAULT_NODATA_VALUE}"), path)
     west, south = (_low(header, axis, cell, path) for axis in "xy")
-    return Grid(
-        np.where(values == absent, np.nan, values), west, south, (cell, cell), degrees=False
-    )
+    return Grid(depths[::-1], west, south, (cell, cell), degrees=False)
+
+
+def _without_absent(values: Numbers, said: str, path: Path) -> Numbers:
+    """Return a raster's values, NaN where they are ``said`` or too deep; ConfigError.
+
+    Programs print that value with other digits than the samples, so it is compared roughly.
+    """
+    plain = said.strip("\0 ").lower()
+    absent = math.nan if plain == "nan" else _number({"nodata_value": plain}, "nodata_value", path)
+    depths = np.where(np.isclose(values, absent), np.nan, values)
+    beyond = np.abs(depths) > MAX_DEPTH_M
+    if beyond.any() and not np.isclose(depths[beyond], depths[beyond][0]).all():
+        fault = f"sample {int(np.argmax(beyond)) + 1} = {depths[beyond][0]:g}: no sea is deeper"
+        raise ConfigError(f"{path}: {fault} than {MAX_DEPTH_M:g} m: is the grid in metres?")
+    return np.where(beyond, np.nan, depths)
 
 
 def _keywords(text: str, path: Path) -> tuple[Mapping[str, str], int]:
@@ -135,10 +150,8 @@ def _keywords(text: str, path: Path) -> tuple[Mapping[str, str], int]:
     return header, at
 
 
-def _number(header: Mapping[str, str], name: str, path: Path, usual: float | None = None) -> float:
+def _number(header: Mapping[str, str], name: str, path: Path) -> float:
     """Return the number of a keyword; ConfigError if it is lacking or none."""
-    if name not in header and usual is not None:
-        return usual
     if name not in header:
         raise ConfigError(f"{path}: lacks {name.upper()}: is it an ESRI ASCII grid?")
     try:
@@ -184,9 +197,9 @@ def _samples(text: str, count: int, path: Path) -> Numbers:
         raise ConfigError(
             f"{path}: sample {wrong + 1} = {quote(words[wrong])}: is no number"
         ) from None
-    if not np.isfinite(values).all():
-        wrong = int(np.argmin(np.isfinite(values)))
-        raise ConfigError(f"{path}: sample {wrong + 1} = {words[wrong]}: must be finite")
+    if np.isinf(values).any():
+        wrong = int(np.argmax(np.isinf(values)))
+        raise ConfigError(f"{path}: sample {wrong + 1} = {words[wrong]}: must be finite, or nan")
     return values
 
 
@@ -262,12 +275,8 @@ def _placed(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
     half = 0.0 if keys.get(RASTER_TYPE_KEY) == PIXEL_IS_POINT else 0.5
     west = x + (half - column) * across
     south = y - (values.shape[0] - 1 + half - row) * down
-    absent = (
-        _number({"nodata_value": str(tags[NODATA_TAG])}, "nodata_value", path)
-        if NODATA_TAG in tags and str(tags[NODATA_TAG]).strip().lower() != "nan"
-        else math.nan
-    )
-    depths = np.where((values == absent) | ~np.isfinite(values), np.nan, values)[::-1]
+    known = np.where(np.isfinite(values), values, np.nan)
+    depths = _without_absent(known, str(tags.get(NODATA_TAG, "nan")), path)[::-1]
     return Grid(
         depths, west, south, (down, across), GEOGRAPHIC_KEY in keys and PROJECTED_KEY not in keys
     )

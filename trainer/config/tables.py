@@ -9,8 +9,8 @@ import io
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, time
 from itertools import pairwise
 from pathlib import Path
@@ -37,6 +37,11 @@ MIN_REPEATED_SHARE: Final = 0.02  # [-] of all times, likewise
 CLOCK_SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 DECIMAL_COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
 DECIMAL_POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
+THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # or three decimals
+NO_THOUSANDS: Final = re.compile(r"[+-]?(?:\d{4,}(?:[.,]\d+)?|\d*[.,](?:\d\d?|\d{4,})|0*[.,]\d+)")
+COMMENT_MARK: Final = re.compile(r"\s*(?:#|%|//)")  # of a line
+SEPARATOR_LINE: Final = re.compile(r"sep=([,;\t])[ \t]*(?=[\r\n])", re.IGNORECASE)  # Excel's
+UTC_ENDING: Final = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
 UNIT_IN_BRACKETS: Final = re.compile(
     r"(.*\S)\s*(?:\[(.*)\]|\((.*)\))"
 )  # rudder [deg], rudder (deg)
@@ -131,7 +136,9 @@ class CsvTable:
             # Infinity is beyond MAX_NUMBER, so that a text that is no number is refused below.
             number = math.nan if text.casefold() in EMPTY_CELLS else math.inf
         if abs(number) > MAX_NUMBER:
-            remedy = ": write it without a sign between thousands" if "," in text else ""
+            left, _, right = text.replace(" ", "").rpartition(",")
+            readings = f"is it {left}{right} or {left}.{right}? " if left.isdigit() else ""
+            remedy = f": {readings}write it without a sign between thousands" if left else ""
             raise self.wrong(row, place, f"must be a number, or empty{remedy}")
         return number
 
@@ -148,7 +155,7 @@ class CsvTable:
         """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
         text = self.cells[row][place]
         match = ANGLE_PATTERN.fullmatch(text)
-        if match is None:
+        if match is None or (unit == "ddmm" and "," in text and THOUSANDS.match(text)):
             return self.number(row, place, text)
         before, whole, *parts, after = match.groups()
         size, minutes, seconds = (float((x or "0").replace(",", ".")) for x in (whole, *parts))
@@ -159,9 +166,17 @@ class CsvTable:
         size += (minutes + seconds / 60.0) / 60.0
         if minutes >= 60.0 or size > limit:
             remedy = 'unit = "ddmm" is degrees and minutes' if unit == "deg" else f"is it {unit}?"
+            remedy += f"; where it stands for no reading say missing = [{whole}]"
             raise self.wrong(row, place, f"must be at most {limit:.4g}, minutes below 60; {remedy}")
         half = (before or after).upper()
         return -size if half in ("S", "W") or (not half and whole.startswith("-")) else size
+
+    def without(self, place: int, codes: Collection[float]) -> "CsvTable":
+        """Return the table with a column's cells that say one of these numbers empty."""
+        absent = [_is_number(text) and float(text) in codes for text in self.texts(place)]
+        pairs = zip(self.cells, absent, strict=True)
+        cells = [[*row[:place], "", *row[place + 1 :]] if no else row for row, no in pairs]
+        return replace(self, cells=cells)
 
     @property
     def repeats(self) -> NDArray[np.bool_]:
@@ -197,17 +212,23 @@ class CsvTable:
 def read_table(path: Path) -> CsvTable:
     """Return the table in a CSV file. ConfigError naming row and column of what is wrong."""
     text, remarks = _decoded(path)
-    separator = _separator(text)
+    said = SEPARATOR_LINE.match(text)
+    text = _without_comments(text[said.end() if said else 0 :], remarks)
+    separator = said[1] if said else _separator(text)
     if separator != ",":
         remarks.append(f"columns by {COLUMN_SEPARATORS[separator]}")
     try:
         lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-        heads = tuple(name.strip() for name in next(lines, []))
+        heads = tuple(name.strip() for name in next(filter(None, lines), []))
         rows = [(lines.line_num, [cell.strip() for cell in row]) for row in lines if row]
     except csv.Error as error:
         raise ConfigError(f"{path}: is not a CSV text: {error}") from error
     _check_heading(path, heads, text)
-    twice = [name for name in dict.fromkeys(heads) if heads.count(name) > 1]
+    size = max([_bare_size(heads), *(_bare_size(row) for _, row in rows)])
+    heads = heads[:size]
+    for _, row in rows:  # a line may end in separators
+        del row[size:]
+    twice = [name for name in dict.fromkeys(heads) if name and heads.count(name) > 1]
     if twice:
         raise ConfigError(f"{path}: column {quote(twice[0])} is given twice")
     # take empty rows off the end
@@ -218,10 +239,30 @@ def read_table(path: Path) -> CsvTable:
         remarks.append(f"{count - len(rows)} empty last rows left out")
     _check_fields(path, heads, rows, separator)
     units = _units(heads, rows, remarks)
-    _mend_commas(path, heads, rows, remarks)
+    if separator != ",":
+        _check_thousands(path, heads, rows)
+        _mend_commas(path, heads, rows, remarks)
     return CsvTable(
         path, heads, units, [n for n, _ in rows], [row for _, row in rows], tuple(remarks)
     )
+
+
+def _without_comments(text: str, told: list[str]) -> str:
+    """Return a text, its lines of comment empty; one just above numbers is their heading."""
+    lines = list(io.StringIO(text, newline=""))
+    marks = {i for i, line in enumerate(lines) if COMMENT_MARK.match(line)}
+    first = next((i for i, line in enumerate(lines) if line.strip() and i not in marks), 0)
+    if marks and any(_is_value(cell.strip()) for cell in re.split("[\t;,]", lines[first])):
+        marks.discard(first - 1)
+    for i in marks:
+        lines[i] = "\n"
+    told += [f"{len(marks)} lines of comment left out"] if marks else []
+    return "".join(lines)
+
+
+def _bare_size(cells: Sequence[str]) -> int:
+    """Return how many cells there are without the empty last ones."""
+    return next((i for i in range(len(cells), 0, -1) if cells[i - 1].strip()), 0)
 
 
 def _decoded(path: Path) -> tuple[str, list[str]]:
@@ -246,10 +287,11 @@ def _separator(text: str) -> str:
     def agreeing(separator: str) -> int:
         try:
             rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-            sizes = [len(row) for _, row in zip(range(SEPARATOR_ROWS), rows, strict=False) if row]
+            first = [row for _, row in zip(range(SEPARATOR_ROWS), rows, strict=False) if row]
         except csv.Error:
             return 0
-        return Counter(sizes)[sizes[0]] if sizes and sizes[0] > 1 else 0
+        size = _bare_size(first[0]) if first else 0
+        return sum(_bare_size(row) <= size <= len(row) for row in first) if size > 1 else 0
 
     best = max(COLUMN_SEPARATORS, key=agreeing)
     return best if agreeing(best) > 1 else ","
@@ -286,6 +328,8 @@ def _check_fields(path: Path, heads: Sequence[str], rows: Rows, separator: str) 
             ': is "," both between columns and within numbers? '
             'write ";" between columns, or decimal points'
         )
+    elif line == rows[-1][0] and size < len(heads):
+        remedy = ": the last line is cut short: take it out"
     raise ConfigError(f"{path}: row {line}: has {size} fields, the heading {len(heads)}{remedy}")
 
 
@@ -323,6 +367,7 @@ def _is_number(text: str) -> bool:
 
 def _moment(text: str) -> datetime | None:
     """Return a date with a time, or a time of day, by ISO 8601; None if it is neither."""
+    text = UTC_ENDING.sub("Z", text)
     try:
         moment = datetime.fromisoformat(text)
     except ValueError:
@@ -331,6 +376,25 @@ def _moment(text: str) -> datetime | None:
         except ValueError:
             return None
     return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+
+
+def _check_thousands(path: Path, heads: Sequence[str], rows: Rows) -> None:
+    """Check that signs within numbers are decimal ones; ConfigError with both readings."""
+    # three decimals beside whole numbers: programs print all alike, or cut zeros off the end
+    for place, head in enumerate(heads):
+        cells = [(line, row[place]) for line, row in rows]
+        groups = [one for one in cells if THOUSANDS.fullmatch(one[1])]
+        rounded = any(text.endswith("0") for _, text in groups)
+        wholes = [
+            (n, x) for n, x in cells if x.lstrip("+-").isdecimal() and (rounded or x.strip("+-0"))
+        ]
+        if groups and wholes and not any(NO_THOUSANDS.fullmatch(text) for _, text in cells):
+            (line, text), (at, whole) = groups[0], wholes[0]
+            readings = f"is it {re.sub('[.,]', '', text)} or {text.replace(',', '.')}?"
+            raise ConfigError(
+                f"{path}: row {line}: {head} = {quote(text)}, row {at}: {quote(whole)}: {readings} "
+                "write the column without a sign between thousands, or all with as many decimals"
+            )
 
 
 def _mend_commas(path: Path, heads: Sequence[str], rows: Rows, told: list[str]) -> None:

@@ -15,14 +15,15 @@ import numpy as np
 
 from trainer.config.tables import CsvTable, spell_unit
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import CHANNEL_UNITS, POSITION_CHANNELS
+from trainer.identify.record.codes import USUAL_CODES, find_codes
+from trainer.identify.record.measurements import POSITION_CHANNELS
 from trainer.identify.record.sources import Column, load_record, units_of
 from trainer.identify.record.track import derivative, unwrap_angle
 
 Words = Mapping[str, tuple[str, ...]]
 
 CHANNEL_WORDS: Final[Words] = {  # what a column of a channel is called
-    "t": ("t", "time", "utc", "timestamp", "date time", "clock"),
+    "t": ("t", "time", "utc", "timestamp", "date", "date time", "clock"),
     "rudder": ("rudder", "rudder angle", "helm", "delta", "delta r", "delta rudder"),
     "heading": ("heading", "hdg", "psi", "gyro", "compass", "yaw", "yaw angle"),
     "yaw_rate": ("yaw rate", "rot", "r", "rate of turn", "turn rate", "rate"),
@@ -60,6 +61,7 @@ CHANNEL_PAIRS: Final = (  # channels that tell nothing alone
     ("wind_ahead", "wind_starboard"),
 )
 MIN_NAME_LIKENESS: Final = 0.75  # [-] likeness of two names that are one
+MIN_LIKE_LETTERS: Final = 6  # of such names: shorter ones that differ are two, as date and rate
 # fmt: off
 UNIT_ENDINGS: Final = (  # of a heading such as psi_deg
     "deg s", "deg min", "rad s", "m s", "deg", "rad", "kn", "kts", "s", "ms", "min", "rpm", "rps",
@@ -88,7 +90,7 @@ UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
     "roll": (MAX_RUDDER_RAD, "rad", "deg"),
 }
 SAME_INSTRUMENT: Final = {"roll": "heading", "roll_rate": "yaw_rate"}  # of one instrument
-READ_CHANNELS: Final = (*CHANNEL_UNITS, "t", *POSITION_CHANNELS)  # of a record
+UNCODED_CHANNELS: Final = ("t", *POSITION_CHANNELS)  # any number may be a reading of them
 NAUTICAL_ANGLE: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
 
 
@@ -113,8 +115,11 @@ def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
         named["t"] = clock
     headings = {channel: named[channel] for channel in words if channel in named}
     known: dict[str, str] = {}
+    codes: dict[str, tuple[float, ...]] = {}
     for channel, head in headings.items():
         place = table.place(head)
+        if channel not in UNCODED_CHANNELS and (found := find_codes(table.numbers(place))):
+            codes[channel], table = found, table.without(place, found)
         said = [one for one in (table.units[place], _plain(head)[1]) if one in units_of(channel)]
         if said or table.is_clock(place):
             known[channel] = [*said, "s"][0]
@@ -122,7 +127,7 @@ def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
     for channel in headings:
         if channel in unsure:
             known[channel] = _unit(table, channel, headings, known)
-    columns = {channel: Column(head, known[channel]) for channel, head in headings.items()}
+    columns = {one: Column(head, known[one], codes.get(one, ())) for one, head in headings.items()}
     return GuessedColumns(columns, frozenset(unsure))
 
 
@@ -160,11 +165,13 @@ def _likeness(name: str, channel: str, words: Iterable[str]) -> float:
     if channel.startswith("wind") and EARTH_WORD in name.split():
         return 0.0
     bare = " ".join(word for word in name.split() if word not in FILLER_WORDS)
-    return max(
+    likeness = (
         difflib.SequenceMatcher(None, one, word).ratio()
         for one in {name, bare or name}
         for word in words
+        if one == word or (one[:1] == word[:1] and max(map(len, (one, word))) >= MIN_LIKE_LETTERS)
     )
+    return max(likeness, default=0.0)
 
 
 def _unit(
@@ -190,7 +197,10 @@ def _unit(
     if channel in SAME_INSTRUMENT and SAME_INSTRUMENT[channel] in units:
         return units[SAME_INSTRUMENT[channel]]
     limit, small, large = UNIT_LIMITS.get(channel, (MAX_SHIP_SPEED_M_S, "m/s", "kn"))
-    return large if float(np.nanmax(np.abs(values))) > limit else small
+    if channel == "rudder" and "heading" in columns:  # angles of one file are in one unit
+        heading = table.numbers(table.place(columns["heading"]))
+        values, limit = np.append(values * MAX_HEADING_RAD / limit, heading), MAX_HEADING_RAD
+    return large if float(np.nanmax(np.abs(values), initial=0.0)) > limit else small
 
 
 def _rate_unit(
@@ -200,13 +210,15 @@ def _rate_unit(
 
     Without a heading it is that in which the rate is nearest to a usual ship's.
     """
-    wanted = {one: Column(columns[one], units[one]) for one in units if one in READ_CHANNELS}
+    angles = [one for one in ("rudder", "heading") if one in units]
+    wanted = {one: Column(columns[one], units[one], USUAL_CODES) for one in angles}
+    wanted |= {"t": Column(columns["t"], units["t"])} if "t" in units else {}
     record = load_record(table.path, wanted)
     size = 0.0
     if record.heading is not None:
         size = float(np.nanstd(derivative(unwrap_angle(record.heading), record.interval)))
     elif record.rudder is not None:
-        size = USUAL_TURNING_RATE * float(np.std(record.rudder))
+        size = USUAL_TURNING_RATE * float(np.nanstd(record.rudder))
     deviation, known = float(np.nanstd(values)), units_of("yaw_rate")
     if not (deviation > 0.0 and size > 0.0):
         return "deg/s"

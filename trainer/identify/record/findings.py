@@ -22,7 +22,6 @@ from trainer.units import KNOT
 
 GAP_INTERVALS: Final = 1.5  # [-] of the usual interval: a longer one is a gap
 STILL_RUDDER_RAD: Final = math.radians(0.01)  # [rad] deviation of a rudder that does not move
-MAX_ANGLE_RAD: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turns so a second
 MIN_EXPERIMENT_RAD: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
 SURE_STANDARD_ERRORS: Final = 4.0  # standard errors
 FEEDBACK_SHARE: Final = 0.98  # [-] of the rudder explained by the motion: beyond, it only follows
@@ -105,13 +104,6 @@ def _rudder_problems(record: Record) -> Iterator[Finding]:
 
 def _unit_problems(record: Record) -> Iterator[Finding]:
     """Yield numbers that cannot be in the unit that was said."""
-    for channel in ("rudder", "yaw_rate"):
-        values = getattr(record, channel)
-        if values is None or not (beyond := np.abs(np.nan_to_num(values)) > MAX_ANGLE_RAD).any():
-            continue
-        place, per = int(np.argmax(beyond)), "/s" if channel == "yaw_rate" else ""
-        text = f'rad{per} cannot be; are these degrees? say unit = "deg{per}"'
-        yield record.finding(channel, f"{values[place]:g} {text}", place)
     if record.heading is None or record.yaw_rate is None:
         return
     turned = replace(record, yaw_rate=None).column("turning")[:-1]

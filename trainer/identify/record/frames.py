@@ -10,6 +10,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError, nearest
 from trainer.core.kernel import Numbers
+from trainer.identify.record.codes import find_impossible, without_jumps
 from trainer.identify.record.measurements import CHANNEL_UNITS, Record
 from trainer.identify.record.sources import (
     FURTHER_COLUMNS,
@@ -17,6 +18,7 @@ from trainer.identify.record.sources import (
     Column,
     check_times,
     factor,
+    units_of,
 )
 
 
@@ -86,4 +88,8 @@ def record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Re
     rows = np.arange(len(taken["t"]))
     record = Record(source="frame", t=taken["t"], rows=rows, names=names, **values_by_channel)
     check_times(record)
-    return record
+    for channel, values in values_by_channel.items():
+        unit = columns[channel].unit or next(iter(units_of(channel)))
+        if fault := find_impossible(channel, values, unit):
+            raise ConfigError(f"frame: {names[channel]}[{fault[0]}]: {fault[1]} make it NaN")
+    return without_jumps(record)

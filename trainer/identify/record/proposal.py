@@ -134,6 +134,7 @@ def columns_text(found: GuessedColumns) -> str:
     """Return the tables of the columns; a unit that was guessed is marked."""
     return "".join(
         f'[[columns]]\nchannel = "{channel}"\ncolumn = {quote_toml(one.name)}\n'
-        f'unit = "{one.unit}"{"  # guessed" if channel in found.unsure else ""}\n\n'
+        f'unit = "{one.unit}"{"  # guessed" if channel in found.unsure else ""}\n'
+        + (f"missing = {list(one.missing)}  # guessed\n\n" if one.missing else "\n")
         for channel, one in found.columns.items()
     )

@@ -18,6 +18,7 @@ from trainer.config.files import ConfigError, collecting, nearest, quote
 from trainer.config.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.core.kernel import Numbers
+from trainer.identify.record.codes import CODES_TEXT, find_codes, find_impossible, without_jumps
 from trainer.identify.record.measurements import CHANNEL_UNITS, POSITION_CHANNELS, Finding, Record
 from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
@@ -65,6 +66,7 @@ class Column:
 
     name: str
     unit: str | None
+    missing: tuple[float, ...] = ()  # numbers that say that there is no reading
 
 
 def own_columns() -> dict[str, Column]:
@@ -120,7 +122,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         **taken,
     )
     check_times(record)
-    return record
+    return without_jumps(record)
 
 
 class NoColumnError(ConfigError):
@@ -152,7 +154,10 @@ def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Num
     """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
     place = table.place(column.name)
     if column.unit == NO_UNIT:
-        return table.numbers(place)
+        numbers = table.numbers(place)
+        if codes := find_codes(numbers):
+            told.append(f"{column.name}: is {codes[0]:g} for no reading? then leave it empty")
+        return numbers
     if channel == "t" and table.is_clock(place):
         return table.seconds(place)
     said, known = table.units[place], units_of(channel)
@@ -165,8 +170,18 @@ def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Num
         )
     if said and said != unit:
         told.append(f"{column.name} is in {said}, the study says {unit}: taken as {unit}")
+    return read_channel(table, channel, column, unit)
+
+
+def read_channel(table: CsvTable, channel: str, column: Column, unit: str) -> Numbers:
+    """Return a column in SI, its ``missing`` numbers NaN; ConfigError naming what cannot be."""
+    place, scale = table.place(column.name), units_of(channel)[unit]
+    table = table.without(place, column.missing) if column.missing else table
     numbers = table.angles(place, unit) if channel in POSITION_CHANNELS else table.numbers(place)
-    return numbers * known[unit]
+    if fault := find_impossible(channel, numbers * scale, unit):
+        remedy = f"say missing = [{table.cells[fault[0]][place]}] in its [[columns]]; {CODES_TEXT}"
+        raise table.wrong(fault[0], place, f"{fault[1]} {remedy}")
+    return numbers * scale
 
 
 def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:

@@ -171,7 +171,7 @@ def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dic
     for i, row in enumerate(rows):
         try:
             factor(row.channel, row.unit)
-            columns[row.channel] = Column(row.column, row.unit)
+            columns[row.channel] = Column(row.column, row.unit, row.missing or ())
         except ConfigError as wrong:
             problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
     if columns and steered and "rudder" not in columns and not problems:

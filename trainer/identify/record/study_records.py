@@ -18,6 +18,7 @@ from trainer.config.schema import (
     with_default,
     within,
 )
+from trainer.config.ship import MISSING_NUMBERS
 from trainer.identify.record.measurements import CHANNEL_UNITS, OUTPUT_CHANNELS, POSITION_CHANNELS
 
 MAX_TIME_S: Final = 1e9  # [s]
@@ -56,6 +57,7 @@ class ColumnRow:
     unit: str | None = optional(
         Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says")
     )
+    missing: tuple[float, ...] | None = optional(MISSING_NUMBERS)
 
 
 @dataclass(frozen=True, kw_only=True)

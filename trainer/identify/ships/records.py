@@ -28,6 +28,7 @@ from trainer.identify.record.sources import (
     load_record,
     own_columns,
     read_by,
+    read_channel,
 )
 from trainer.identify.record.track import resolve_along
 from trainer.io.paths import RECORDING_SUFFIX
@@ -127,7 +128,9 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
 def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
     """Return where each channel is: as the ship's file says, or as the trainer writes them."""
     if ship.columns:
-        columns = {row.channel: Column(row.column, row.unit) for row in ship.columns}
+        columns = {
+            row.channel: Column(row.column, row.unit, row.missing or ()) for row in ship.columns
+        }
         if "rudder" not in columns:
             raise ConfigError(f"{ship.path.name}: [columns]: no column is the rudder")
         return columns
@@ -174,7 +177,7 @@ def _read(
             if unit not in known:
                 wrong = f"unit {quote(unit)}: must be {' or '.join(known)}"
                 raise ConfigError(f"{path}: {one.name}: {wrong}")
-            further[key] = table.numbers(place) * known[unit]
+            further[key] = read_channel(table, key, one, unit)
     return record, further
 
 
