@@ -1,14 +1,16 @@
-"""Many ticks in one call, until a quantity passes its mark, as manoeuvres are flown.
+"""Ticks as they are called from outside the core: one, or many in one call.
 
-A manoeuvre waits for a heading, a pitch or a speed, then gives its next order.
-``analysis/manoeuvres/submarine`` writes that mark to a lookout and calls ``sail``, so that the
-interpreter is not asked between ticks.
+``Boat`` takes one tick with ``tick`` and many with ``fly``. A manoeuvre waits for a heading, a
+pitch or a speed, then gives its next order: ``analysis/manoeuvres/submarine`` writes that mark to a
+lookout and calls ``sail``, so that the interpreter is not asked between ticks.
 """
 
 from typing import Final
 
+from trainer.core.casualties import instruments
 from trainer.core.elementary import cosine, sine
 from trainer.core.kernel import Numbers, Record, kernel, record_dtype
+from trainer.core.soundings import sound
 from trainer.core.update import update
 
 ROW_COLUMNS: Final = 17  # numbers of a row
@@ -22,6 +24,48 @@ LOOKOUT: Final = record_dtype(
     "steepest",  # [rad] pitch beyond which the boat is lost
     "status",  # [-] of the tick that failed, 0 if none did
 )
+
+
+@kernel
+def tick(
+    vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, chart: Numbers
+) -> int:
+    """Sound the ground of a chart, if it has any numbers, then advance by one tick.
+
+    Return the status of ``update``.
+    """
+    if chart.size > 0:
+        sound(vessel, chart, state)
+    return update(vessel, compact, scheme, state, scratch)
+
+
+@kernel
+def fly(  # noqa: PLR0913, PLR0917  all that a tick has, and where its rows go
+    vessel: Record,
+    compact: Record,
+    scheme: Record,
+    state: Record,
+    scratch: Record,
+    chart: Numbers,
+    places: Numbers,
+    rows: Numbers,
+) -> int:
+    """Advance by a tick for each of the rows [n, columns]; return the status of the last one.
+
+    A row has the numbers at those places of the state, then what the gauges read, if it is longer.
+    """
+    count = places.size
+    for i in range(rows.shape[0]):
+        status = tick(vessel, compact, scheme, state, scratch, chart)
+        if status != 0:
+            return status
+        for k in range(count):
+            rows[i, k] = state[0].whole[int(places[k])]
+        if rows.shape[1] > count:
+            instruments(state, scratch)
+            for k in range(scratch[0].reading.size):
+                rows[i, count + k] = scratch[0].reading[k]
+    return 0
 
 
 @kernel
@@ -57,14 +101,20 @@ def write_row(state: Record, h: float, out: Numbers) -> None:
 
 
 @kernel
-def sail(records: tuple[Record, ...], lookout: Record, out: Numbers) -> int:
+def sail(  # noqa: PLR0913, PLR0917  likewise
+    vessel: Record,
+    compact: Record,
+    scheme: Record,
+    state: Record,
+    scratch: Record,
+    lookout: Record,
+    out: Numbers,
+) -> int:
     """Advance tick by tick, and write a row of ``out`` [n, ROW_COLUMNS] for each.
 
     Return how many rows were written. It ends where the quantity watched has passed its mark, at
-    the last tick, when ``out`` is full, or when the boat is lost; that tick has no row. ``records``
-    are those of ``update``.
+    the last tick, when ``out`` is full, or when the boat is lost; that tick has no row.
     """
-    vessel, compact, scheme, state, scratch = records
     eye = lookout[0]
     s = state[0]
     h = scheme[0].h
