@@ -18,10 +18,9 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba import carray, types  # type: ignore[attr-defined]
 
-from trainer.boat.entries import Entry, entry_of
+from trainer.boat.entries import Entry
 from trainer.config.files import ConfigError
 from trainer.core.kernel import INTERPRETED, TESTED_NUMBA, Record, is_tested
-from trainer.core.update import update
 
 FREESTANDING_PATH: Final = Path(__file__).parent / "freestanding.ll"
 # the machine that kernels are lowered for where the bytes may not depend on that which lowers: what
@@ -141,16 +140,15 @@ def constants_text(constants: Mapping[str, bytes]) -> str:
     )
 
 
-def freestanding_module(scheme: Record, constants: Mapping[str, bytes]) -> Any:
+def freestanding_module(entry: Entry, scheme: Record, constants: Mapping[str, bytes]) -> Any:
     """Return the module of ``trainer_tick`` for one scheme, beside the constants.
 
-    ``trainer_tick`` is ``update`` of the addresses of all other records, and what the scheme does
+    ``trainer_tick`` is the kernel of the addresses of all other records, and what the scheme does
     not choose falls away. Only ``trainer_tick`` and the constants can be seen from outside, so that
     the compiler may inline or drop all else.
     """
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    entry = entry_of(update)
     text, name = kernel_text(entry)
     module = binding.parse_assembly(text)
     head = entry_text(entry, name, "trainer_tick", np.asarray(scheme).tobytes())
