@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from trainer.analysis.bench import end_to_end, on_time, start_up
-from trainer.analysis.bench.end_to_end import TerminalLine
+from trainer.analysis.bench.end_to_end import TRAINER_COMMAND, TerminalLine
 from trainer.analysis.bench.metronome import run_idle_loop
 from trainer.analysis.bench.on_time import CrowdLateness, account_entry, count_missed, sail_in_crowd
 from trainer.cli import main
@@ -161,7 +161,7 @@ def test_the_bench_steers_a_session_by_serial_lines() -> None:
 def test_where_nothing_is_compiled_a_run_compiles_nothing_and_leaves_nothing_behind() -> None:
     with start_up.empty_cache() as environment:
         done = subprocess.run(
-            [*start_up.TRAINER_COMMAND, *start_up.RUN_WORDS, "--verbose"],
+            [*TRAINER_COMMAND, *start_up.RUN_WORDS, "--verbose"],
             env=os.environ | environment,
             capture_output=True,
             text=True,

@@ -20,16 +20,17 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from trainer.boat.assemble import Records
 from trainer.boat.entries import ENTRIES, PAIR, Entry
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
-from trainer.core.kernel import INTERPRETED, Kernel, Numbers, Record
+from trainer.core.kernel import INTERPRETED, Kernel, Numbers
 
 SHIPPED_FOLDER: Final = Path(__file__).with_name("shipped")
 CARD_FILE: Final = "card.json"
@@ -76,10 +77,10 @@ def platform_name() -> str:
 def shipped_card() -> dict[str, Any]:
     """Return the card of the shipped objects, {} if it cannot be read."""
     try:
-        card: dict[str, Any] = json.loads((SHIPPED_FOLDER / CARD_FILE).read_text("utf-8"))
+        card = json.loads((SHIPPED_FOLDER / CARD_FILE).read_text("utf-8"))
     except (OSError, ValueError):
         return {}
-    return card
+    return card if isinstance(card, dict) else {}
 
 
 def shipped_object() -> bytes | None:
@@ -207,7 +208,7 @@ def _fits(kind: Any, given: Any) -> bool:
         shape = given.shape
         sized = all(size in (0, had) for size, had in zip(kind, shape, strict=False))
         return given.dtype == np.float64 and len(shape) == len(kind) and sized
-    return given.dtype == kind and given.shape == (1,)
+    return bool(given.dtype == kind) and given.shape == (1,)
 
 
 def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
@@ -239,7 +240,7 @@ def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
     return call
 
 
-def bind_tick(records: Iterable[Record], chart: Numbers | None = None) -> Callable[[], int]:
+def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], int]:
     """Return ``entry.tick`` of these records and the chart of the ground, None for none.
 
     The caller keeps the records, and does not move them, because only addresses are bound: taking

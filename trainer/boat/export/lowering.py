@@ -57,15 +57,16 @@ def adapter_source(entry: Entry) -> str:
 
 def parameter_types(entry: Entry) -> list[Any]:
     """Return numba's types of what the adapter of a kernel takes."""
-    number = types.float64
+    number: Any = types.float64
+    pointer: Any = types.CPointer
     taken: list[Any] = []
     for kind in entry.kinds:
         if isinstance(kind, np.dtype):
-            taken.append(types.CPointer(numba.from_dtype(kind)))  # type: ignore[no-untyped-call]
+            taken.append(pointer(numba.from_dtype(kind)))
         else:
-            taken.append(types.CPointer(number) if isinstance(kind, tuple) else number)
+            taken.append(pointer(number) if isinstance(kind, tuple) else number)
     taken += [number for _ in entry.sizes]
-    return taken + [types.CPointer(number)] * bool(entry.answers)
+    return taken + [pointer(number)] * bool(entry.answers)
 
 
 def refuse_compiler() -> None:
