@@ -7,18 +7,24 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from trainer.config.files import ConfigError
+from trainer.io import paths
 from trainer.io.line import DirectSender, Inbox, Outbox, Sender, reader, writer
 from trainer.io.lines import LineDecoder, OverlongLine
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.serial_line import LinkError, SerialLine
+from trainer.io.server import Server
 from trainer.io.status_line import StatusView, header, state_line
+from trainer.session.options import RunOptions
+from trainer.session.ports import Ports
 
 PATIENCE = 60.0  # [s]  far beyond what any wait here needs
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
@@ -231,6 +237,28 @@ def test_an_inbox_whose_port_fails_says_so() -> None:
     assert arrived.wait(PATIENCE)
     assert inbox.ended
     assert "Input/output error" in inbox.trouble
+
+
+def test_pages_of_a_second_session_are_told_to_use_another_socket(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was told to leave out `--socket none`, which nobody had given."""
+    monkeypatch.setattr(paths, "socket_path", lambda: tmp_path / "trainer" / "session")
+    first = Server(threading.Event())
+    (tmp_path / "trainer").mkdir(mode=0o700)
+    first.listen_here(paths.socket_path())
+    remedies = {None: "give another --socket", "none": "leave out --socket none"}
+    try:
+        for socket_option, remedy in remedies.items():
+            options = RunOptions(serve=True, headless=True, socket=socket_option)
+            with ExitStack() as stack:
+                sending = cast("Any", None)
+                ports = Ports(threading.Event(), sending, lambda *_: None, stack)
+                ports.lobby(options)
+                with pytest.raises(ConfigError, match=f"{remedy}$"):
+                    ports.nearest(options)
+    finally:
+        first.close(0.0)
 
 
 # Serial lines

@@ -24,6 +24,7 @@ from pathlib import Path
 from trainer.io import paths
 from trainer.io.connection import CHUNK_BYTES, MAX_OUTGOING_BYTES, READ_EVENT, Connection
 from trainer.io.machine import machine_of
+from trainer.io.orders import sentences
 from trainer.io.serial_line import LinkError
 
 LISTEN_BACKLOG = 128  # connections that the system keeps until they are taken
@@ -334,6 +335,7 @@ class Server:
         self._connections.append(connection)
         if full:
             connection.send(f"? no room: {room} stations are attached; one of them must detach")
+            connection.send(sentences.fact(0, 0.0, "no-room", str(room)))
             connection.close(REFUSAL_TIMEOUT_S)
             return
         self._newcomers.append(connection)

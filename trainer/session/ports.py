@@ -130,11 +130,12 @@ class Ports:
 
         return Lobby(hub, admit, awaited)
 
-    def nearest(self) -> str:
+    def nearest(self, options: RunOptions) -> str:
         """Return the address at which pages reach this session; ConfigError if there is none."""
-        if not self.addresses:
-            raise ConfigError("--web: pages come in at a socket: leave out --socket none")
-        return self.addresses[0]
+        if self.addresses:
+            return self.addresses[0]
+        remedy = "give another --socket" if options.socket is None else "leave out --socket none"
+        raise ConfigError(f"--web: pages come in at a socket: {remedy}")
 
     def news_printer(self) -> Callable[[News], None]:
         """Return a function that prints news at the terminal, and never waits for it."""

@@ -384,7 +384,9 @@ def open_door(
         session.event_log.hearers.append(ports.news_printer())
     if pages:
         log, work = session.event_log, session.conduct.work
-        pages.attend(ports.nearest(), lambda text: work.post(lambda: log.tell("trouble", text)))
+        pages.attend(
+            ports.nearest(options), lambda text: work.post(lambda: log.tell("trouble", text))
+        )
     for station in session.event_log.stations:
         session.attendance.greet(station)
 
