@@ -253,7 +253,7 @@ def test_pages_of_a_second_session_are_told_to_use_another_socket(
             options = RunOptions(serve=True, headless=True, socket=socket_option)
             with ExitStack() as stack:
                 sending = cast("Any", None)
-                ports = Ports(threading.Event(), sending, lambda *_: None, stack)
+                ports = Ports(threading.Event(), sending, lambda *_: None, stack, print)
                 ports.lobby(options)
                 with pytest.raises(ConfigError, match=f"{remedy}$"):
                     ports.nearest(options)
@@ -321,7 +321,8 @@ def test_a_terminal_line_carries_lines_both_ways_and_its_loss_harms_nobody() -> 
 def test_a_socket_line_comes_back_after_a_loss_without_completing_half_an_order() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         server.settimeout(PATIENCE)
-        line = SerialLine(f"socket://127.0.0.1:{server.getsockname()[1]}")
+        told: list[str] = []
+        line = SerialLine(f"socket://127.0.0.1:{server.getsockname()[1]}", tell=told.append)
         with serving(line) as (inbox, outbox):
             first, _ = server.accept()
             first.sendall(b"depth 80\nrudder le")
@@ -338,6 +339,10 @@ def test_a_socket_line_comes_back_after_a_loss_without_completing_half_an_order(
                 outbox.send("state")
                 assert second.recv(100) == b"state\r\n"
                 assert line.losses == 1  # before this end is lost too
+                assert [text.split(" (")[0].split(": ")[1] for text in told] == [
+                    "the line is lost",
+                    "the line is back",
+                ]
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,7 @@ class Ports:
     sending: Sender
     log: Log
     stack: contextlib.ExitStack
+    report: Callable[[str], None]  # a line that is lost or back; any thread may call it
     stations: list[Station] = field(default_factory=list)
     addresses: list[str] = field(default_factory=list)  # where lines come in, the nearest first
 
@@ -145,7 +146,7 @@ class Ports:
 
     def _serial(self, option: str, url: str, baud: int) -> JoinedLine:
         try:
-            line = SerialLine(url, baud)
+            line = SerialLine(url, baud, self.report)
         except LinkError as error:
             raise ConfigError(f"{option} {error}") from None
         self.stack.callback(line.close)
