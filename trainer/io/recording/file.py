@@ -211,6 +211,14 @@ def reopen(path: Path) -> sqlite3.Connection:
     return connection
 
 
+def open_beside_writer(path: Path) -> sqlite3.Connection:
+    """Return a recording for reading in the program that writes it."""
+    try:
+        return _readable(connect(path, "mode=rw"), path)
+    except sqlite3.OperationalError as error:
+        raise RecordingError(f"{path} cannot be read: {_why_not(error, path)}") from None
+
+
 def open_for_reading(path: Path) -> sqlite3.Connection:
     """Return a recording for reading, even while another program writes it.
 
