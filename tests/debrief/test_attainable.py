@@ -10,6 +10,7 @@ from helpers.givers import journalled
 
 from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew, is_same_order
+from trainer.boat.reference_crew import CrewReaction
 from trainer.config.files import shipped_names
 from trainer.debrief.attainable import (
     ChangeCause,
@@ -129,6 +130,30 @@ def test_an_order_that_is_missing_is_named() -> None:
     assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern full")
 
 
+def late(name: str, seconds: float) -> Rehearsal:
+    """Return the run of the reference crew, slower by some seconds in all it does."""
+    return fly_rehearsal(plan_of(name), plan_of(name).crew, CrewReaction(late=seconds))
+
+
+def sentences(run: RunExplorer) -> list[str]:
+    return [change_words(each, run.step) for each in attainable_curve(run).changes]
+
+
+@pytest.mark.parametrize(
+    ("name", "seconds", "told"),
+    [
+        ("steering-jam", 40, 'full" was due at 1:12 and came 40 s late, at 1:52.'),
+        ("stern-plane-jam", 15, 'full" was due at 1:11 and came 15 s late, at 1:26.'),
+    ],
+)
+def test_an_order_that_came_late_is_told_with_how_late_it_came(
+    name: str, seconds: float, told: str
+) -> None:
+    said = sentences(explored(name, late(name, seconds)))
+    assert told in said[0]
+    assert not [each for each in said if "did not come" in each]
+
+
 def named(name: str, seconds: float | None, more: str, less: str) -> bool:
     """Return whether a planted order is named within 5 s of its moment."""
     if seconds is None:
@@ -199,7 +224,7 @@ def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:
     for _ in range(60):
         mute.follow(())
         assert boat.tick() == 0
-    assert "scope raise" in [each.rule.order.text for each in mute.pending()]
+    assert "scope raise" in [each.rule.order.text for each in mute.pending(boat.time)]
 
 
 @pytest.mark.parametrize(

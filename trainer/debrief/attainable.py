@@ -20,7 +20,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.mute_crew import MuteCrew
+from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.debrief.episodes import crew_orders
@@ -39,6 +39,7 @@ from trainer.debrief.rehearsal import (
 )
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.plan import Plan
@@ -110,6 +111,7 @@ class MarkChange:
     cause: ChangeCause
     order: str = ""  # that was given, or did not come
     tick: int | None = None  # when it was given, or due
+    came: int | None = None  # [tick] when one that was missing was given after all
     who: str = ""  # gave it
     falls: tuple[SteepFall, ...] = ()  # the steep ones within it
 
@@ -220,7 +222,23 @@ class RunExplorer:
     def pending(self, tick: int) -> list[RuleProgress]:
         """Return the rules of the reference crew that were overdue at a tick."""
         departure = self.departures.get(tick) or self.departures[max(self.departures)]
-        return departure.crew.pending() if departure.crew else []
+        return departure.crew.pending(tick * self.step) if departure.crew else []
+
+    def overdue(self, begin: int, end: int) -> RuleProgress | None:
+        """Return the rule that was overdue when a stretch ended, else the last within it."""
+        ticks = [tick for tick in sorted(self.departures) if begin < tick <= end]
+        return next((late[0] for tick in reversed(ticks) if (late := self.pending(tick))), None)
+
+    def came(self, order: Order, due: int) -> int | None:
+        """Return when [tick] an order that was due was given, None if never."""
+        later = (
+            each for tick in sorted(self.recorded) if tick >= due for each in self.recorded[tick]
+        )
+        given = ((each.tick, parse(each.text)) for each in later)
+        same = (
+            at for at, other in given if isinstance(other, Order) and is_same_order(order, other)
+        )
+        return next(same, None)
 
 
 def point_of(tick: int, card: Scorecard) -> AttainablePoint:
@@ -427,8 +445,8 @@ def explain(run: RunExplorer, begin: AttainablePoint, end: AttainablePoint) -> M
                 who=worst.who,
                 marks=-saved[worst.id],
             )
-    late = run.pending(end.tick)
-    if late:
-        due = math.ceil((late[0].due or 0.0) / run.step - 1e-9)
-        return replace(change, cause=ChangeCause.MISSING, order=late[0].rule.order.text, tick=due)
+    if late := run.overdue(begin.tick, end.tick):
+        order, due = late.rule.order, math.ceil((late.due or 0.0) / run.step - 1e-9)
+        came = run.came(order, due)
+        return replace(change, cause=ChangeCause.MISSING, order=order.text, tick=due, came=came)
     return replace(change, cause=ChangeCause.STEERING)
