@@ -73,6 +73,9 @@ def _cause_words(change: MarkChange, step: float) -> str:
         return f'{begin} to {end}: {amount} lost; "{change.order}" was due at {at} and {came}.'
     if change.cause is ChangeCause.RECORD_ENDS:
         return f"{end}: {amount} not earned, the record ends."
+    if change.untouched:
+        controls = " or the ".join(change.untouched)
+        return f"{begin} to {end}: {amount} lost; nobody worked the {controls}."
     return (
         f"{begin} to {end}: {amount} lost; planes or rudder were not worked as "
         "the reference crew would have."
