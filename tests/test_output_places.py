@@ -39,7 +39,6 @@ REASONS = {
     "io/recording/file.py connect": "a recording that is there, for reading or to go on with",
     "io/recording/file.py _write_whole": "a folder of its own, then a free name",
     "io/recording/file.py _give_name": "a free name",
-    "io/recording/file.py _copy": "a folder of its own, which goes",
     "io/tables.py _write_csv": "is given what replacing yields",
     "io/tables.py _write_parquet": "is given what replacing yields",
     "report/plots.py draw_plot": "pages of what replacing yields",

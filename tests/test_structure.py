@@ -135,7 +135,7 @@ def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
         *("branch", "exercise-over", "marks", "debrief", "next", "command", "asked", "ready"),
         *("past", "compiled", "plans", "planned", "debrief-page"),
         *("stations", "aboard", "said", "reason", "degree", "own-order", "alert-rank"),
-        *("step", "step-hint", "step-missed", "shown", "attainable", "no-attainable"),
+        *("step", "step-hint", "step-missed", "shown", "attainable", "no-attainable", "no-room"),
     }
 
 

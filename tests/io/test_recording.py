@@ -979,6 +979,43 @@ def test_a_recording_is_read_where_nothing_can_be_written(
     assert files(path) == held
 
 
+@pytest.fixture
+def tiny_disk(tmp_path: Path) -> Iterator[Path]:
+    """Give the folder of a disk of 800 kB, where this user may mount one."""
+    mount = shutil.which("mount")
+    words = ["-t", "tmpfs", "-o", "size=800k", "tmpfs", str(tmp_path)]
+    if os.name != "posix" or os.geteuid() or not mount or subprocess.call([mount, *words]):
+        pytest.skip("no right to mount here")
+    yield tmp_path
+    subprocess.check_call(["umount", str(tmp_path)])
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("make", [left_behind, None])
+def test_a_recording_on_a_full_disk_is_read_whole(
+    tiny_disk: Path, make: Callable[[Path], None] | None
+) -> None:
+    """It was a disk I/O error, though the file was whole."""
+    path = tiny_disk / "watch.recording"
+    if make:
+        make(path)
+        Path(f"{path}-shm").unlink(missing_ok=True)  # the machine was started anew
+    else:
+        with closing(begin(path)) as recording:
+            fill(recording)
+    log = Path(f"{path}-wal")
+    held = path.read_bytes(), log.read_bytes() if log.exists() else b""
+    with (tiny_disk / "rest").open("wb", 0) as rest, contextlib.suppress(OSError):
+        while rest.write(bytes(4096)):
+            pass
+
+    with closing(Recording.look(path)) as recording:
+        check_filled(recording)
+    with pytest.raises(RecordingError, match="cannot be written: its disk is full"):
+        Recording.reopen(path)
+    assert (path.read_bytes(), log.read_bytes() if log.exists() else b"") == held
+
+
 @posix
 @pytest.mark.usefixtures("impatient")
 def test_a_recording_goes_on_in_a_folder_that_has_become_read_only(read_only: Path) -> None:

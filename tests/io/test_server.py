@@ -29,6 +29,7 @@ from trainer.io.connection import (
 from trainer.io.line import DirectSender, JoinedLine, Line
 from trainer.io.lines import OverlongLine
 from trainer.io.machine import machine_of
+from trainer.io.orders import sentences
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import MAX_CONNECTIONS, MAX_REFUSED_LINES, MAX_STRANGERS, Server
@@ -441,8 +442,9 @@ def test_one_client_too_many_is_told_so_and_room_is_made_when_one_leaves() -> No
             guest(here, guests)
         with socket.create_connection(where, timeout=PATIENCE) as late:
             late.sendall(b"run\n")
-            assert read_lines(late, 1) == [
-                b"? no room: 32 stations are attached; one of them must detach"
+            assert read_lines(late, 2) == [
+                b"? no room: 32 stations are attached; one of them must detach",
+                sentences.fact(0, 0.0, "no-room", "32").encode(),
             ]
             assert late.recv(100) == b""
         assert here.hub.newcomers() == []

@@ -298,6 +298,34 @@ def test_a_debrief_is_written_beside_the_session_which_says_where(
     assert path.endswith(".branch1.html")
 
 
+def test_one_debrief_is_written_at_a_time_and_marks_wait_for_it(
+    crewed: Callable[..., Crewed],
+) -> None:
+    """Twenty at once took 425 MB, and answers came after seconds."""
+    ship = crewed(seconds=5.0)
+    may_write, judged_after = threading.Event(), []
+
+    def write(path: Path, branch: int) -> Path:
+        assert may_write.wait(60.0)
+        return ship._write(path, branch)  # noqa: SLF001
+
+    def judge(path: Path, branch: int) -> Judgement:
+        judged_after.append(may_write.is_set())
+        return ship._judge(path, branch)  # noqa: SLF001
+
+    ship.conduct.debriefing = DebriefSource(judge, write)
+    assert "branch 1" in ship.order("debrief")
+    assert "one is being written" in ship.refused("debrief")
+    ship.order("run")
+    ship.fly(20)
+    assert "one is being written" in ship.refused("debrief")
+    may_write.set()
+    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
+    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
+    assert judged_after == [True]
+    assert "branch 1" in ship.order("debrief")  # and another may be asked for
+
+
 def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Callable[..., Crewed]) -> None:
     ship = crewed(seconds=5.0)
 

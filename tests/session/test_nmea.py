@@ -19,7 +19,7 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.chart import DEFAULT_CHART, Chart, chart_at
-from trainer.io.lines import OverlongLine
+from trainer.io.lines import LineDecoder, OverlongLine
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea import page as nmea_page
 from trainer.session.nmea.orders import (
@@ -511,6 +511,40 @@ def test_the_log_of_ignored_sentences_is_bounded() -> None:
     line, _, told_of = line_of(*kinds)
     line.take(50)
     assert (line.ignored, len(told_of.log)) == (50, 16)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "\\s:r3669961,c:1120959341*51\\",
+        "\\g:1-2-1234,s:r3669961,c:1120959341*79\\",
+        "UdPbC\\x00\\s:HE0001,n:12*27\\",  # as a line shows the NUL of IEC 61162-450
+        "2026-11-25T12:00:00Z ",
+        "$AGROR,-5.",  # half of one that was cut off
+        "!",
+    ],
+)
+def test_what_stands_before_a_sentence_is_passed_over(head: str) -> None:
+    line, _, told_of = line_of(f"{head}{LEFT}")
+    assert line.take(10) == ["rudder left 5.0"]
+    assert (line.ignored, told_of.log) == (0, [])
+    bad = f"{head}{LEFT.replace('5', '6', 1)}"
+    line, _, _ = line_of(bad)
+    assert line.take(10) == [bad]
+
+
+def test_ais_is_known_as_a_sentence_and_orders_nothing() -> None:
+    line, _, told_of = line_of("!AIVDM,1,1,,B,177KQJ5000G?tO`K>RA1wUbN0TKH,0*5C")
+    assert (line.take(10), line.ignored) == ([], 1)
+    assert [text.split(": ")[1] for text in told_of.log] == ["AIVDM"]
+
+
+def test_the_head_of_a_sentence_fits_the_lines_that_are_heard() -> None:
+    block = f"\\{'s:HE0001,n:12,' + 'x' * 62}*00\\"
+    decoder = LineDecoder(nmea.MAX_HEADED_LETTERS)
+    (heard,) = decoder.feed(f"UdPbC\0{block}{LEFT}\r\n".encode())
+    line, _, _ = line_of(heard)
+    assert line.take(10) == ["rudder left 5.0"]
 
 
 def test_a_damaged_line_is_handed_on_to_be_counted_as_bad() -> None:

@@ -108,7 +108,7 @@ class Deck:
             rows=(NoFile(), MOTION_COLUMNS),
             wake=wake,
         )
-        ports = Ports(wake, self.publisher, self.session.event_log.log, stack)
+        ports = Ports(wake, self.publisher, self.session.event_log.log, stack, print)
         self.stations = open_outlets(ports, self.recording, given)
         self.session.event_log.stations += self.stations
         for station in self.stations:
@@ -664,7 +664,7 @@ def refused(given: RunOptions) -> str:
     boat = under_way()
     with contextlib.ExitStack() as stack:
         publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
-        ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack)
+        ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
         with pytest.raises(ConfigError) as wrong:
             open_outlets(ports, NoRecording(), given)
     return str(wrong.value)
@@ -683,7 +683,7 @@ def test_the_rate_that_is_advised_fits() -> None:
     with contextlib.ExitStack() as stack:
         boat = under_way()
         publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
-        ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack)
+        ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
         given = options("loop://", nmea_baud=4800, nmea_rate=rate)
         stations = open_outlets(ports, NoRecording(), given)
         for station in stations:

@@ -7,18 +7,24 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from trainer.config.files import ConfigError
+from trainer.io import paths
 from trainer.io.line import DirectSender, Inbox, Outbox, Sender, reader, writer
 from trainer.io.lines import LineDecoder, OverlongLine
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.serial_line import LinkError, SerialLine
+from trainer.io.server import Server
 from trainer.io.status_line import StatusView, header, state_line
+from trainer.session.options import RunOptions
+from trainer.session.ports import Ports
 
 PATIENCE = 60.0  # [s]  far beyond what any wait here needs
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
@@ -233,6 +239,28 @@ def test_an_inbox_whose_port_fails_says_so() -> None:
     assert "Input/output error" in inbox.trouble
 
 
+def test_pages_of_a_second_session_are_told_to_use_another_socket(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was told to leave out `--socket none`, which nobody had given."""
+    monkeypatch.setattr(paths, "socket_path", lambda: tmp_path / "trainer" / "session")
+    first = Server(threading.Event())
+    (tmp_path / "trainer").mkdir(mode=0o700)
+    first.listen_here(paths.socket_path())
+    remedies = {None: "give another --socket", "none": "leave out --socket none"}
+    try:
+        for socket_option, remedy in remedies.items():
+            options = RunOptions(serve=True, headless=True, socket=socket_option)
+            with ExitStack() as stack:
+                sending = cast("Any", None)
+                ports = Ports(threading.Event(), sending, lambda *_: None, stack, print)
+                ports.lobby(options)
+                with pytest.raises(ConfigError, match=f"{remedy}$"):
+                    ports.nearest(options)
+    finally:
+        first.close(0.0)
+
+
 # Serial lines
 
 
@@ -293,7 +321,8 @@ def test_a_terminal_line_carries_lines_both_ways_and_its_loss_harms_nobody() -> 
 def test_a_socket_line_comes_back_after_a_loss_without_completing_half_an_order() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         server.settimeout(PATIENCE)
-        line = SerialLine(f"socket://127.0.0.1:{server.getsockname()[1]}")
+        told: list[str] = []
+        line = SerialLine(f"socket://127.0.0.1:{server.getsockname()[1]}", tell=told.append)
         with serving(line) as (inbox, outbox):
             first, _ = server.accept()
             first.sendall(b"depth 80\nrudder le")
@@ -310,6 +339,10 @@ def test_a_socket_line_comes_back_after_a_loss_without_completing_half_an_order(
                 outbox.send("state")
                 assert second.recv(100) == b"state\r\n"
                 assert line.losses == 1  # before this end is lost too
+                assert [text.split(" (")[0].split(": ")[1] for text in told] == [
+                    "the line is lost",
+                    "the line is back",
+                ]
 
 
 @pytest.mark.parametrize(

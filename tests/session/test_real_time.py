@@ -504,5 +504,10 @@ def test_a_serial_station_unplugged_and_plugged_in_again_goes_on(
 
     with contextlib.closing(Recording.look(session.recording)) as recording:
         given = [each.text for each in recording.orders(1) if each.who != "schedule"]
+        told = [each.text for each in recording.events() if each.text.startswith(f"{port}: ")]
     assert given == ["rudder left 5", "rudder left 8"]
+    assert [text.split(" (")[0] for text in told] == [
+        f"{port}: the line is lost",
+        f"{port}: the line is back",
+    ]
     assert "the same to the last bit" in replayed(session.recording)

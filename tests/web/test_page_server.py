@@ -40,12 +40,14 @@ from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
 from trainer.io.noise_log import ENTRY_PERIOD_S, MAX_ENTRIES
+from trainer.io.orders import sentences
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.page_server import SILENCE_TIMEOUT_S
 from trainer.web.address import Address, announce_address
 from trainer.web.bridge import (
     MAX_PAGES_OF_MACHINE,
     MAX_REMOTE_PAGES,
+    NO_ROOM_CODE,
     NO_SESSION_CODE,
     OLDER_PAGE_CODE,
     REFUSED_CODE,
@@ -540,6 +542,15 @@ def test_another_machine_has_so_many_lines_and_no_more() -> None:
         with pytest.raises(RefusedError, match="no room"), bridge.place("192.0.2.99"):
             pass
     assert not bridge.machines
+
+
+def test_a_page_for_which_the_session_has_no_room_is_told_so() -> None:
+    with pages() as stub, dialled(stub.port) as line:
+        await_that(lambda: len(stub.sessions) == 1)
+        stub.sessions[0].sendall(f"{sentences.fact(0, 0.0, 'no-room', '40')}\n".encode("ascii"))
+        stub.sessions[0].close()
+        assert refused(line) == NO_ROOM_CODE
+        assert line.close_reason == "no room: 40 stations are here; close a page"
 
 
 # Lines that are slow, old or gone

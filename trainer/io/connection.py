@@ -16,6 +16,7 @@ from collections.abc import Callable
 
 from trainer.io.lines import LineDecoder, OverlongLine, line_bytes
 from trainer.io.machine import machine_of
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 
 CHUNK_BYTES = 4096  # [bytes]  read at once
 MAX_WAITING_LINES = 256  # [lines]  waiting to be taken; beyond it the socket is not read
@@ -51,7 +52,12 @@ class Connection:
     """
 
     def __init__(
-        self, end: socket.socket, name: str, arrived: threading.Event, stir: Callable[[], None]
+        self,
+        end: socket.socket,
+        name: str,
+        arrived: threading.Event,
+        stir: Callable[[], None],
+        longest: int = MAX_LINE_LETTERS,
     ) -> None:
         self.name = name
         self.trouble = ""
@@ -66,7 +72,7 @@ class Connection:
         self._arrived = arrived  # set when there is something to take, and at the end
         self._stir = stir  # makes the hub ask again
         self._lock = threading.Lock()
-        self._decoder = LineDecoder()
+        self._decoder = LineDecoder(longest)
         self._heard: deque[str | OverlongLine] = deque()
         self._said: deque[bytes] = deque()
         self._said_bytes = 0

@@ -14,10 +14,13 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
-from trainer.io.orders.sentences import FRAME_PATTERN, checksum
+from trainer.io.orders.sentences import checksum
 
 MAX_SENTENCE_LETTERS: Final = 82  # [characters] of a sentence, its line end included
+# [characters] of a sentence with the head of IEC 61162-450 and a TAG block before it
+MAX_HEADED_LETTERS: Final = 6 + 80 + MAX_SENTENCE_LETTERS
 LINE_END: Final = 2  # [characters]
+SENTENCE_PATTERN: Final = re.compile(r"[$!]([^$*]*)\*([0-9A-Fa-f]{2})")  # AIS begins with "!"
 ADDRESS_PATTERN: Final = re.compile(r"P[A-Z0-9]{2,5}|[A-Z0-9]{5}")
 MINUTE_PARTS: Final = 10**5  # parts of a minute of arc that a position is given in: 2 cm
 
@@ -50,18 +53,29 @@ def sentence(address: str, *fields: str) -> str:
 
 
 def parse_sentence(line: str) -> NmeaSentence | DamagedSentence | None:
-    """Return what `line` holds, None when it is blank or no sentence at all. Never raises."""
+    """Return the last sentence on `line`, None when it holds none. Never raises.
+
+    What stands before it is passed over: a TAG block, the head of IEC 61162-450, a time stamp.
+    """
     text = line.strip()
-    if not text.startswith("$"):
-        return None
-    match = FRAME_PATTERN.fullmatch(text)
-    if not (match and text.isascii() and text.isprintable()):
-        return DamagedSentence("not framed by $ and *, with two digits of checksum")
-    body, sum_digits = match.groups()
-    if int(sum_digits, 16) != checksum(body):
-        return DamagedSentence(
+    damage = None
+    if text.startswith("$"):
+        damage = DamagedSentence("not framed by $ and *, with two digits of checksum")
+    for place in reversed([place for place, letter in enumerate(text) if letter in "$!"]):
+        match = SENTENCE_PATTERN.fullmatch(text, place)
+        if not (match and match[0].isascii() and match[0].isprintable()):
+            continue
+        body, sum_digits = match.groups()
+        if int(sum_digits, 16) == checksum(body):
+            return parse_body(body)
+        damage = DamagedSentence(
             f"wrong checksum {sum_digits.upper()}; this sentence's is {checksum(body):02X}"
         )
+    return damage
+
+
+def parse_body(body: str) -> NmeaSentence | DamagedSentence:
+    """Return the sentence of what stood between its frame."""
     address, *fields = body.split(",")
     if not ADDRESS_PATTERN.fullmatch(address):
         return DamagedSentence("no talker and formatter")

@@ -10,6 +10,7 @@ import difflib
 import errno
 import re
 import threading
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
@@ -39,8 +40,12 @@ class LinkError(Exception):
 class SerialLine:
     """An open line; raises LinkError from the constructor only."""
 
-    def __init__(self, url: str, baud: int = 9600) -> None:
+    def __init__(
+        self, url: str, baud: int = 9600, tell: Callable[[str], object] = lambda _text: None
+    ) -> None:
+        """Open the line. The reading thread calls ``tell`` when it is lost, and when it is back."""
         self.url = url
+        self._tell = tell
         self.losses = 0  # times the line went down
         self.unsent = 0  # lines that did not go out, or not whole
         self._baud = baud
@@ -69,9 +74,10 @@ class SerialLine:
             # never says more than 1, hence the loop.
             while len(data) < CHUNK_BYTES and (waiting := port.in_waiting):
                 data += port.read(waiting)
-        except OSError:  # what pyserial raises is one
+        except OSError as error:  # what pyserial raises is one
             self.losses += 1
             self.release()
+            self._tell(f"{self.url}: the line is lost ({reason(error)}); it is tried again")
             return KILL_LINE  # half an order must not be completed by what comes after the gap
         return bytes(data)
 
@@ -100,9 +106,11 @@ class SerialLine:
             return
         try:
             self._port = open_port(self.url, self._baud)
-            self._pause = FIRST_PAUSE_S
         except LinkError:
             self._pause = min(2.0 * self._pause, MAX_PAUSE_S)
+        else:
+            self._pause = FIRST_PAUSE_S
+            self._tell(f"{self.url}: the line is back")
 
 
 def open_port(url: str, baud: int) -> "serial.Serial":

@@ -24,6 +24,8 @@ from pathlib import Path
 from trainer.io import paths
 from trainer.io.connection import CHUNK_BYTES, MAX_OUTGOING_BYTES, READ_EVENT, Connection
 from trainer.io.machine import machine_of
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.serial_line import LinkError
 
 LISTEN_BACKLOG = 128  # connections that the system keeps until they are taken
@@ -198,11 +200,18 @@ def identity(path: Path) -> tuple[int, int]:
 class Server:
     """The sockets of a session: those that listen and those connected."""
 
-    def __init__(self, wake: threading.Event, introduction: float = math.inf) -> None:
+    def __init__(
+        self,
+        wake: threading.Event,
+        introduction: float = math.inf,
+        longest: int = MAX_LINE_LETTERS,
+    ) -> None:
         """Close newcomers that do not say within ``introduction`` [s] who they are.
 
-        ``wake`` is set at every newcomer, and whenever a connection has lines or ends.
+        ``wake`` is set at every newcomer, and whenever a connection has lines or ends. Lines of
+        more than ``longest`` characters are dropped.
         """
+        self._longest = longest
         self._wake = wake
         self._introduction = introduction
         self._selector = selectors.DefaultSelector()
@@ -327,13 +336,14 @@ class Server:
             self._make_room()
         full = sum(not connection.leaving for connection in self._connections) >= room
         prepare_socket(end)
-        connection = Connection(end, self._name(address), self._wake, self._stir)
+        connection = Connection(end, self._name(address), self._wake, self._stir, self._longest)
         connection.local = local
         connection.machine = "" if local else machine_of(address[0], end.getsockname()[0])
         connection.introduce_by = time.monotonic() + self._introduction
         self._connections.append(connection)
         if full:
             connection.send(f"? no room: {room} stations are attached; one of them must detach")
+            connection.send(sentences.fact(0, 0.0, "no-room", str(room)))
             connection.close(REFUSAL_TIMEOUT_S)
             return
         self._newcomers.append(connection)

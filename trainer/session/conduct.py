@@ -6,7 +6,10 @@ thread, because judging a recording takes seconds. The instructor gets them firs
 to the crew. The gates of ``dispatch`` ask here whether an order is barred.
 """
 
+# long: the end, its marks and its debrief are one state, and each order reads a part of it
+
 import math
+import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -91,6 +94,8 @@ class Conduct:
         self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)
         self._remembered: tuple[int, int] | None = None  # branch and tick
+        self._pen = threading.Lock()  # held while a debrief is written, or waits to be
+        self._dossier = threading.Lock()  # held by who judges a recording: it takes 20 MB
         self._quitting: tuple[Station | None, float] = None, 0.0  # who said quit, and when [s]
 
     @property
@@ -327,7 +332,11 @@ class Conduct:
             if self.ending.over == ending:  # else time has gone back, and the marks are of no use
                 self._judged(marks)
 
-        self._begin("marks", lambda: judge(kept, branch), judged)
+        def judge_alone() -> Judgement:
+            with self._dossier:
+                return judge(kept, branch)
+
+        self._begin("marks", judge_alone, judged)
 
     def _begin(
         self, what: str, make: Callable[[], ResultT], take: Callable[[ResultT], None]
@@ -388,13 +397,19 @@ class Conduct:
             return Refused("no debrief: this session is not recorded")
         if not self.control.time.frozen:
             return Refused("a debrief takes some seconds: first freeze, or end exercise")
-        write, recording_path, recording = (
-            self.debriefing.write,
-            self.kept,
-            self.control.history.recording,
-        )
+        if not self._pen.acquire(blocking=False):
+            return Refused("one is being written: it is told here when it is done")
+        write, recording_path = self.debriefing.write, self.kept
+        recording = self.control.history.recording
         recording.flush()
         branch = recording.branch
+
+        def write_alone() -> Path:
+            try:
+                with self._dossier:
+                    return write(recording_path, branch)
+            finally:
+                self._pen.release()
 
         def written(path: Path) -> None:
             self.ending.debrief = page_path = str(path.absolute())
@@ -402,7 +417,7 @@ class Conduct:
                 "exercise", f"debrief written: {page_path}", fact=Fact("debrief", page_path)
             )
 
-        self._begin("debrief", lambda: write(recording_path, branch), written)
+        self._begin("debrief", write_alone, written)
         return f"the debrief of branch {branch} is being written"
 
     # What follows

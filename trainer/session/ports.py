@@ -52,6 +52,7 @@ class Ports:
     sending: Sender
     log: Log
     stack: contextlib.ExitStack
+    report: Callable[[str], None]  # a line that is lost or back; any thread may call it
     stations: list[Station] = field(default_factory=list)
     addresses: list[str] = field(default_factory=list)  # where lines come in, the nearest first
 
@@ -130,11 +131,12 @@ class Ports:
 
         return Lobby(hub, admit, awaited)
 
-    def nearest(self) -> str:
+    def nearest(self, options: RunOptions) -> str:
         """Return the address at which pages reach this session; ConfigError if there is none."""
-        if not self.addresses:
-            raise ConfigError("--web: pages come in at a socket: leave out --socket none")
-        return self.addresses[0]
+        if self.addresses:
+            return self.addresses[0]
+        remedy = "give another --socket" if options.socket is None else "leave out --socket none"
+        raise ConfigError(f"--web: pages come in at a socket: {remedy}")
 
     def news_printer(self) -> Callable[[News], None]:
         """Return a function that prints news at the terminal, and never waits for it."""
@@ -144,7 +146,7 @@ class Ports:
 
     def _serial(self, option: str, url: str, baud: int) -> JoinedLine:
         try:
-            line = SerialLine(url, baud)
+            line = SerialLine(url, baud, self.report)
         except LinkError as error:
             raise ConfigError(f"{option} {error}") from None
         self.stack.callback(line.close)

@@ -273,7 +273,12 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         conduct_of(session, prepared, options)
         if log:
             session.event_log.hearers.append(log.hear)
-        ports = Ports(wake, sending, session.event_log.log, stack)
+        crowd, work = session.event_log.strangers, session.conduct.work
+
+        def report(text: str) -> None:
+            work.post(lambda: crowd.log("trouble", text))  # not more than a crowd may say
+
+        ports = Ports(wake, sending, session.event_log.log, stack, report)
         open_lines(ports, session, options)
         shown = progress_bar(last_tick) if options.headless else contextlib.nullcontext()
         quiet = np.errstate(all="ignore")
@@ -384,7 +389,9 @@ def open_door(
         session.event_log.hearers.append(ports.news_printer())
     if pages:
         log, work = session.event_log, session.conduct.work
-        pages.attend(ports.nearest(), lambda text: work.post(lambda: log.tell("trouble", text)))
+        pages.attend(
+            ports.nearest(options), lambda text: work.post(lambda: log.tell("trouble", text))
+        )
     for station in session.event_log.stations:
         session.attendance.greet(station)
 

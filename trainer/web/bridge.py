@@ -35,7 +35,9 @@ from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
 from trainer.io.serial_line import LinkError
 from trainer.web.gate import Refusals
 
-DEBRIEF_FACT: Final = ",debrief,"  # only a sentence with it is parsed, which spares the others
+# Only a sentence with one of these is parsed, which spares the others.
+DEBRIEF_FACT: Final = ",debrief,"
+FULL_FACT: Final = ",no-room,"
 # Why a page's line is closed; a page says what to do about each.
 NO_SESSION_CODE: Final = 4001
 OLDER_PAGE_CODE: Final = 4002
@@ -189,17 +191,21 @@ class Bridge:
         Lines that a slow page does not take fill the session's socket. Then the session drops and
         counts them, and waits for nobody.
         """
+        code, why = NO_SESSION_CODE, "the session has closed the line"
         try:
             while line := await reader.readline():
                 sentence = line.decode("ascii", "replace").rstrip("\r\n")
                 await page.send_text(sentence)
+                if FULL_FACT in sentence and (fact := fact_of(sentence, "no-room")):
+                    why = f"no room: {fact[2]} stations are here; close a page"
+                    code = NO_ROOM_CODE
                 if not shelf or DEBRIEF_FACT not in sentence:
                     continue
                 if more := await asyncio.to_thread(debrief_fact, sentence, shelf):
                     await page.send_text(more)
         except (OSError, ValueError, WebSocketDisconnect, RuntimeError):
             pass
-        await close_page(page, NO_SESSION_CODE, "the session has closed the line")
+        await close_page(page, code, why)
 
     async def _up(
         self, page: WebSocket, writer: asyncio.StreamWriter, words: Mapping[str, str]
@@ -245,14 +251,20 @@ def is_here(end: socket) -> bool:
     return not isinstance(peer, tuple) or ip_address(peer[0].partition("%")[0]).is_loopback
 
 
+def fact_of(line: str, what: str) -> tuple[str, ...]:
+    """Return tick, seconds and subject of a line that is such a fact, else ()."""
+    fact = sentences.parse_sentence(line)
+    if fact is None or fact.kind != "TRF" or fact.fields[2] != what:
+        return ()
+    return fact.fields[0], fact.fields[1], fact.fields[3]
+
+
 def debrief_fact(line: str, shelf: DebriefShelf) -> str:
     """Return the fact with the page of a line's debrief, "" for none."""
-    fact = sentences.parse_sentence(line)
-    if fact is None or fact.kind != "TRF" or fact.fields[2] != "debrief":
-        return ""
-    address = shelf.keep(fact.fields[3])
-    tick, seconds = int(fact.fields[0]), float(fact.fields[1])
-    return sentences.fact(tick, seconds, "debrief-page", address) if address else ""
+    for tick, seconds, name in filter(None, [fact_of(line, "debrief")]):
+        if address := shelf.keep(name):
+            return sentences.fact(int(tick), float(seconds), "debrief-page", address)
+    return ""
 
 
 def with_word(line: str, words: Mapping[str, str]) -> str:

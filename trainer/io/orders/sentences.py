@@ -82,6 +82,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "alert-rank": "the number of the next alert: emergency, alarm or warning, after a comma",
     "ack": "the number of an alert that somebody has seen",
     "over": "nothing: the session has ended",
+    "no-room": "how many lines a session takes: so many are here, and this one is closed",
     "left": "nothing: this line has been let go, as it asked",
 }
 

@@ -24,6 +24,13 @@ FILE_FORMAT: Final = 2  # raised when older programs can no longer read what new
 APPLICATION_ID: Final = 0x74726E72  # "trnr": what `file` and SQLite's tools know a recording by
 BUSY_TIMEOUT_S: Final = 2.0  # [s] for another program that holds the file for a moment
 MAX_NAME_LETTERS: Final = 60  # [characters] that are shown of a file's own
+FULL_DISK_BYTES: Final = 65_536  # [bytes] that SQLite wants beside a recording, free at least
+# SQLite's own way to the files of a system, without locks
+LOCKLESS_SYSTEM: Final = "unix-none" if os.name == "posix" else "win32-none"
+UNWRITABLE_CODES: Final = (
+    *(sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY),
+    *(sqlite3.SQLITE_IOERR, sqlite3.SQLITE_FULL),
+)
 
 # Tables that format 1 had with fewer columns
 CHANGED_TABLES: Final = """CREATE TABLE branches (
@@ -199,31 +206,35 @@ def reopen(path: Path) -> sqlite3.Connection:
                 format_1.upgrade(connection, CHANGED_TABLES)
             connection.execute("PRAGMA busy_timeout = 0")  # who writes waits in its own way
         except sqlite3.OperationalError as error:
-            raise RecordingError(f"{path} cannot be written: {error}") from None
+            raise RecordingError(f"{path} cannot be written: {_why_not(error, path)}") from None
         unless_good.pop_all()
     return connection
+
+
+def open_beside_writer(path: Path) -> sqlite3.Connection:
+    """Return a recording for reading in the program that writes it."""
+    try:
+        return _readable(connect(path, "mode=rw"), path)
+    except sqlite3.OperationalError as error:
+        raise RecordingError(f"{path} cannot be read: {_why_not(error, path)}") from None
 
 
 def open_for_reading(path: Path) -> sqlite3.Connection:
     """Return a recording for reading, even while another program writes it.
 
-    Where nothing can be written, SQLite cannot read the write-ahead log of a killed program. Then
-    a private copy is read; without such a log the file itself is read.
+    To read a write-ahead log, SQLite makes a file beside it. Where that cannot be, the disk is full
+    or the medium read-only, and nobody writes the recording: it is read without that file.
     """
     _find(path)
     try:
         return _readable(connect(path, "mode=rw"), path)
     except sqlite3.OperationalError as error:
-        if error.sqlite_errorcode & 0xFF not in (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY):
+        if error.sqlite_errorcode & 0xFF not in UNWRITABLE_CODES:
             raise RecordingError(f"{path} cannot be read: {error}") from None
     try:
-        if _beside(path, "-wal").exists():
-            return _readable(_copy(path), path)
-        return _readable(connect(path, "mode=ro&immutable=1"), path)
+        return _readable(_connect_alone(path), path)
     except sqlite3.OperationalError as error:
-        raise RecordingError(f"{path} cannot be read: {error}") from None
-    except OSError as error:
-        raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
+        raise RecordingError(f"{path} cannot be read: {_why_not(error, path)}") from None
 
 
 def _fill(connection: sqlite3.Connection, header: Mapping[str, str], state: bytes) -> None:
@@ -346,19 +357,23 @@ def _claim(connection: sqlite3.Connection, path: Path, version: int) -> None:
         ) from None
 
 
-def _copy(path: Path) -> sqlite3.Connection:
-    """Return a private copy of a recording and of what was left beside it."""
-    private = _guard(sqlite3.connect("", isolation_level=None))
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "recording"
-        shutil.copyfile(path, copy)
-        shutil.copyfile(_beside(path, "-wal"), _beside(copy, "-wal"))
-        source = connect(copy, "mode=rw")
-        with contextlib.closing(source), contextlib.ExitStack() as unless_good:
-            unless_good.callback(private.close)
-            source.backup(private)
-            unless_good.pop_all()
-    return private
+def _connect_alone(path: Path) -> sqlite3.Connection:
+    """Return a connection for reading that makes no file, with the log that was left behind."""
+    log = _beside(path, "-wal")
+    if not (log.exists() and log.stat().st_size):
+        return connect(path, "mode=ro&immutable=1")
+    connection = connect(path, f"mode=ro&vfs={LOCKLESS_SYSTEM}")
+    connection.execute("PRAGMA locking_mode = EXCLUSIVE")  # the index of the log is in memory
+    return connection
+
+
+def _why_not(error: sqlite3.OperationalError, path: Path) -> str:
+    """Return why a file cannot be used; SQLite calls a full disk an I/O error as well."""
+    code = error.sqlite_errorcode & 0xFF
+    full = code == sqlite3.SQLITE_FULL or (
+        code == sqlite3.SQLITE_IOERR and shutil.disk_usage(path.parent).free < FULL_DISK_BYTES
+    )
+    return f"its disk is full ({error}); make room there" if full else str(error)
 
 
 def _beside(path: Path, ending: str) -> Path:

@@ -191,7 +191,7 @@ class Recording(Past):
         """Return the recording; what is open is closed if it turns out to be damaged."""
         with contextlib.ExitStack() as unless_good:
             unless_good.callback(writing.close)
-            reading = file.open_for_reading(path)
+            reading = file.open_beside_writer(path)
             unless_good.callback(reading.close)
             reading.execute("PRAGMA busy_timeout = 0")  # it is read between ticks
             checkpointer = Checkpointer(path)

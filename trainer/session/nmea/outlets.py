@@ -21,7 +21,7 @@ import click
 from trainer.config.files import ConfigError, nearest
 from trainer.io.chart import Chart, chart_at
 from trainer.io.line import DirectSender, Inbox, JoinedLine, Line, Outbox, writer
-from trainer.io.nmea import MAX_SENTENCE_LETTERS
+from trainer.io.nmea import MAX_HEADED_LETTERS
 from trainer.io.outputs import open_new
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
@@ -142,7 +142,7 @@ def open_datagrams(ports: Ports, outlets: Outlets, url: str, host: str, port: in
 
 def open_readers(ports: Ports, outlets: Outlets, url: str, host: str, port: int) -> Station:
     """Return the station of all that come to a TCP port."""
-    hub = Server(ports.wake)
+    hub = Server(ports.wake, longest=MAX_HEADED_LETTERS)
     ports.stack.callback(hub.close, PORT_TIMEOUT_S)
     bound_port = hub.listen(host, port)
     role = "helm" if is_local_host(host) and outlets.orders else "observer"
@@ -154,10 +154,10 @@ def open_readers(ports: Ports, outlets: Outlets, url: str, host: str, port: int)
 
 def open_serial(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
     """Return the station of an outlet on a serial line."""
-    port = SerialLine(url, baud)
+    port = SerialLine(url, baud, ports.report)
     ports.stack.callback(port.close)
     outbox = Outbox(port.write, outlets.backlog)
-    inbox = Inbox(port.read, ports.wake, longest=MAX_SENTENCE_LETTERS)
+    inbox = Inbox(port.read, ports.wake, longest=MAX_HEADED_LETTERS)
     return send_to(ports, outlets, JoinedLine(f"nmea {url}", inbox, outbox, port), "helm")
 
 
