@@ -24,9 +24,8 @@ from llvmlite import binding
 
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.boat import machine_code
+from trainer.boat import entries, machine_code, platforms
 from trainer.boat.boat import Boat
-from trainer.boat.entries import ENTRIES
 from trainer.boat.export import objects
 from trainer.config.files import shipped_names
 from trainer.core import ballast, entry, kernel
@@ -98,7 +97,7 @@ def test_every_kernel_that_is_called_from_outside_the_core_is_in_the_object() ->
         for path in sorted((package / folder).rglob("*.py"))
         if path.name != "__main__.py" and not str(path).startswith(left)
         for called in called_kernels(path)
-        if called not in {each.kernel for each in ENTRIES}
+        if called not in {each.kernel for each in entries.ENTRIES}
     }
 
     assert not missing
@@ -115,28 +114,28 @@ def test_the_table_has_what_is_called_and_nothing_else() -> None:
         for each in called_kernels(path)
     }
 
-    assert {each.name for each in ENTRIES if each.kernel not in called} == set()
+    assert {each.name for each in entries.ENTRIES if each.kernel not in called} == set()
 
 
 def test_the_shipped_objects_are_of_this_core_and_whole() -> None:
     card = machine_code.shipped_card()
 
     assert card["core"] == core_digest(), f"make them again: {MAKE}"
-    assert set(card["objects"]) == set(machine_code.PLATFORMS)
+    assert set(card["objects"]) == set(platforms.PLATFORMS)
     for name, said in card["objects"].items():
         code = unpacked(name)
         assert (len(code), hashlib.sha256(code).hexdigest()) == (said["bytes"], said["sha256"])
     assert sum(path.stat().st_size for path in machine_code.SHIPPED_FOLDER.iterdir()) < 700_000
 
 
-@pytest.mark.parametrize("name", machine_code.PLATFORMS)
+@pytest.mark.parametrize("name", platforms.PLATFORMS)
 def test_an_object_has_all_entries_and_asks_for_nothing(name: str) -> None:
     found = [(symbol.removeprefix("_"), known) for symbol, known in symbols(unpacked(name))]
 
     assert [symbol for symbol, known in found if not known] == []
     assert {symbol for symbol, _ in found} == {
-        machine_code.TICK_NAME,
-        *(each.name for each in ENTRIES),
+        entries.TICK_NAME,
+        *(each.name for each in entries.ENTRIES),
     }
 
 
@@ -145,19 +144,21 @@ def test_the_objects_made_again_are_those_that_are_shipped() -> None:
     card = machine_code.shipped_card()
     here = (platform.python_version(), numba.__version__, llvmlite.__version__)
     if here == (card["python"], card["numba"], card["llvmlite"]):
-        made = objects.make_objects(*machine_code.PLATFORMS)
+        made = objects.make_objects(*platforms.PLATFORMS)
         assert {name: hashlib.sha256(code).hexdigest() for name, code in made.items()} == {
             name: said["sha256"] for name, said in card["objects"].items()
         }
     else:  # another compiler may write other bytes, whose hour is the same
-        made = objects.make_objects(machine_code.platform_name())
-    library = machine_code.Library(made[machine_code.platform_name()])
+        made = objects.make_objects(platforms.platform_name())
+    library = machine_code.Library(made[platforms.platform_name()])
     address = library.address_of("trainer_fly")
-    fly = machine_code.call_entry(next(e for e in ENTRIES if e.kernel is entry.fly), address)
+    fly = machine_code.call_entry(
+        next(e for e in entries.ENTRIES if e.kernel is entry.fly), address
+    )
     empty = machine_code.EMPTY_CHART
 
     def take(records: Any, count: int) -> int:
-        return int(fly(*records, empty, empty, np.empty((count, 0))))
+        return int(fly(records, empty, empty, np.empty((count, 0))))
 
     assert digest(fly_standard_hour(take)) == digest(fly_standard_hour(in_a_loop))
 
@@ -189,7 +190,7 @@ def test_what_the_object_does_not_take_numba_takes(make_boat: Callable[..., Boat
 
 
 def test_only_calls_of_many_ticks_let_other_threads_go_on() -> None:
-    assert {each.kernel for each in ENTRIES if each.many_ticks} == MANY_PER_CALL
+    assert {each.kernel for each in entries.ENTRIES if each.many_ticks} == MANY_PER_CALL
 
 
 def take(boat: Boat, ticks: int) -> None:
@@ -230,11 +231,11 @@ def test_two_boats_and_a_fork_tick_as_one_does(make_boat: Callable[..., Boat]) -
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a folder with copies of this platform's object and card, which is used."""
-    name = f"{machine_code.platform_name()}.o.gz"
-    for each in (name, machine_code.CARD_FILE):
+    name = f"{platforms.platform_name()}.o.gz"
+    for each in (name, platforms.CARD_FILE):
         (tmp_path / each).write_bytes((machine_code.SHIPPED_FOLDER / each).read_bytes())
     monkeypatch.setattr(machine_code, "SHIPPED_FOLDER", tmp_path)
-    assert machine_code.shipped_object() == unpacked(machine_code.platform_name())
+    assert machine_code.shipped_object() == unpacked(platforms.platform_name())
     return tmp_path / name
 
 
@@ -243,12 +244,12 @@ def cut(path: Path) -> None:
 
 
 def of_another_platform(path: Path) -> None:
-    others = set(machine_code.PLATFORMS) - {machine_code.platform_name()}
+    others = set(platforms.PLATFORMS) - {platforms.platform_name()}
     path.write_bytes(gzip.compress(unpacked(others.pop())))
 
 
 def changed(path: Path) -> None:
-    code = bytearray(unpacked(machine_code.platform_name()))
+    code = bytearray(unpacked(platforms.platform_name()))
     code[len(code) // 2] ^= 1
     path.write_bytes(gzip.compress(bytes(code)))
 
@@ -269,7 +270,7 @@ def test_an_object_that_is_not_whole_is_never_loaded_and_told(
 
 @pytest.mark.parametrize("card", [b"", b"[1]", b"{", b"\xff"])
 def test_an_object_without_a_card_is_not_used(shipped: Path, card: bytes) -> None:
-    shipped.with_name(machine_code.CARD_FILE).write_bytes(card)
+    shipped.with_name(platforms.CARD_FILE).write_bytes(card)
 
     assert machine_code.shipped_object() is None
 
@@ -282,11 +283,11 @@ def test_an_object_of_another_core_or_for_another_machine_is_not_used(
         assert machine_code.shipped_object() is None
     with monkeypatch.context() as patch:
         patch.setattr(binding, "get_host_cpu_features", lambda: {"sse4.2": False})
-        if machine_code.PLATFORMS[machine_code.platform_name()].needs:
+        if platforms.PLATFORMS[platforms.platform_name()].needs:
             assert machine_code.shipped_object() is None
-    card = json.loads(shipped.with_name(machine_code.CARD_FILE).read_text())
+    card = json.loads(shipped.with_name(platforms.CARD_FILE).read_text())
     card["core"] = "of another"
-    shipped.with_name(machine_code.CARD_FILE).write_text(json.dumps(card))
+    shipped.with_name(platforms.CARD_FILE).write_text(json.dumps(card))
     assert machine_code.shipped_object() is None
     assert capsys.readouterr().err == ""
 

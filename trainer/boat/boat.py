@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.assemble import Method, fit_out
-from trainer.boat.machine_code import EMPTY_CHART, bind_tick, use_machine_code
+from trainer.boat.machine_code import EMPTY_CHART, bind_tick
 from trainer.boat.world.world import World
 from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
@@ -33,8 +33,6 @@ from trainer.core.state import STATE
 from trainer.core.surfaces import SURFACES
 from trainer.core.update import WATCHED_NAMES
 from trainer.units import KNOT
-
-use_machine_code()  # before the first kernel is called
 
 STATE_PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
 TICK_PLACE = STATE_PLACES["tick"]
@@ -235,7 +233,7 @@ class Boat:
         """
         if not self.world.acts:
             chart = EMPTY_CHART if self.chart is None else self.chart
-            return int(fly(*self.records, chart, places.astype(np.float64), rows))
+            return int(fly(self.records, chart, places.astype(np.float64), rows))
         numbers = self.records.state.view(np.float64)
         for row in rows:
             if status := self.tick():

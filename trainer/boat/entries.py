@@ -1,4 +1,4 @@
-"""The kernels that are called from outside the core, each with what it takes and answers.
+"""The kernels that are called from outside the core, by what they take and answer.
 
 ``machine_code`` calls the shipped object by this table, ``export/lowering`` makes it, and the
 modules for a browser and for C have some of its rows. Arguments go by address, or as numbers of
@@ -48,6 +48,7 @@ ROWS: Final = (ANY, ANY)
 SIX: Final = (6,)
 BOAT: Final = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
 PAIR: Final = tuple[float, float]
+TICK_NAME: Final = "trainer_tick_of"  # the tick with all its arguments in one block of words
 
 
 class Entry(NamedTuple):
@@ -59,6 +60,7 @@ class Entry(NamedTuple):
     kernel: Any
     kinds: tuple[Kind, ...]
     answer: Any = None  # int, bool, float, PAIR, or None
+    bundle: int = 0  # so many first arguments are one tuple to the kernel
     many_ticks: bool = False  # in one call, which lets other threads go on
 
     @property
@@ -80,9 +82,9 @@ class Entry(NamedTuple):
 
 
 ENTRIES: Final = (
-    Entry(tick, (*BOAT, ROW), int),
-    Entry(fly, (*BOAT, ROW, ROW, ROWS), int, many_ticks=True),
-    Entry(sail, (*BOAT, LOOKOUT, ROWS), int, many_ticks=True),
+    Entry(tick, (*BOAT, ROW), int, bundle=5),
+    Entry(fly, (*BOAT, ROW, ROW, ROWS), int, bundle=5, many_ticks=True),
+    Entry(sail, (*BOAT, LOOKOUT, ROWS), int, bundle=5, many_ticks=True),
     Entry(update, BOAT, int),
     Entry(rates, BOAT),
     Entry(advance, BOAT),

@@ -20,21 +20,20 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from trainer.boat.assemble import Records
-from trainer.boat.entries import ENTRIES, PAIR, Entry
+from trainer.boat.entries import ENTRIES, PAIR, TICK_NAME, Entry
+from trainer.boat.platforms import CARD_FILE, PLATFORMS, platform_name
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
 from trainer.core.kernel import INTERPRETED, Kernel, Numbers
 
 SHIPPED_FOLDER: Final = Path(__file__).with_name("shipped")
-CARD_FILE: Final = "card.json"
-TICK_NAME: Final = "trainer_tick_of"  # the tick that takes one block of words
 HOST_NAME: Final = "host"
 MADE_PREFIX: Final = "object-"  # of an object that was made here
 # settings of numba that ask for other code than the object's
@@ -46,32 +45,6 @@ FORBIDDEN_TEXT: Final = (
     "this system lets no program make machine code at run time: allow it for trainer (systemd: "
     "MemoryDenyWriteExecute=no; SELinux: the boolean deny_execmem off)"
 )
-
-
-class Platform(NamedTuple):
-    """What an object is compiled for, and the features that a processor must have for it."""
-
-    triple: str
-    cpu: str
-    features: str
-    needs: tuple[str, ...]
-
-
-X86_NEEDS: Final = ("sse4.2", "ssse3", "popcnt")
-PLATFORMS: Final[Mapping[str, Platform]] = {  # by system and machine
-    "linux-x86_64": Platform("x86_64-unknown-linux-gnu", "x86-64-v2", "", X86_NEEDS),
-    "linux-aarch64": Platform("aarch64-unknown-linux-gnu", "generic", "", ()),
-    # as ELF, because as COFF it would ask for _fltused
-    "windows-x86_64": Platform("x86_64-pc-windows-msvc-elf", "x86-64-v2", "", X86_NEEDS),
-    "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1", "", ()),
-}
-SYSTEM_NAMES: Final = {"darwin": "macos", "win32": "windows"}
-
-
-def platform_name() -> str:
-    """Return the name of this machine's platform."""
-    machine = {"amd64": "x86_64"}.get(platform.machine().lower(), platform.machine().lower())
-    return f"{SYSTEM_NAMES.get(sys.platform, sys.platform)}-{machine}"
 
 
 def shipped_card() -> dict[str, Any]:
@@ -225,9 +198,10 @@ def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
     sizes = tuple(entry.sizes)
     wanted = tuple(enumerate(entry.kinds))
 
-    def call(*given: Any) -> Any:
+    def call(*asked: Any) -> Any:
+        given = (*asked[0], *asked[1:]) if entry.bundle else asked
         if not all(_fits(kind, given[i]) for i, kind in wanted):
-            return entry.kernel.dispatcher(*given)
+            return entry.kernel.dispatcher(*asked)
         words = [given[i] if kind in (float, int) else _address(given[i]) for i, kind in wanted]
         words += [given[place].shape[i] for place, i in sizes]
         if not entry.answers:
@@ -249,7 +223,7 @@ def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], in
     ground = EMPTY_CHART if chart is None else chart
     library = _find_way().library
     if library is None:
-        return functools.partial(tick, *records, ground)
+        return functools.partial(tick, records, ground)
     words = [_address(each) for each in (*records, ground)]
     block = np.array([*words, 0], np.int64)
     block.view(np.float64)[-1] = ground.size
@@ -260,13 +234,10 @@ def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], in
     return bound  # type: ignore[no-any-return]
 
 
-def _find_code(entry: Entry) -> Callable[..., Any] | None:
-    library = _find_way().library
-    return None if library is None else call_entry(entry, library.address_of(entry.name))
-
-
-def use_machine_code() -> None:
-    """Let the kernels of the table find their code in the object when they are first called."""
-    for entry in ENTRIES:
-        if isinstance(entry.kernel, Kernel):
-            entry.kernel.find_code = functools.partial(_find_code, entry)
+def find_code(kernel: Kernel) -> Callable[..., Any] | None:
+    """Return what calls the machine code of a kernel, None if it has none here."""
+    entry = next((each for each in ENTRIES if each.kernel is kernel), None)
+    library = _find_way().library if entry else None
+    if entry is None or library is None:
+        return None
+    return call_entry(entry, library.address_of(entry.name))

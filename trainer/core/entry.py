@@ -27,44 +27,35 @@ LOOKOUT: Final = record_dtype(
 
 
 @kernel
-def tick(
-    vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, chart: Numbers
-) -> int:
+def tick(records: tuple[Record, ...], chart: Numbers) -> int:
     """Sound the ground of a chart, if it has any numbers, then advance by one tick.
 
-    Return the status of ``update``.
+    ``records`` are those of ``update``, whose status it returns.
     """
+    vessel, compact, scheme, state, scratch = records
     if chart.size > 0:
         sound(vessel, chart, state)
     return update(vessel, compact, scheme, state, scratch)
 
 
 @kernel
-def fly(  # noqa: PLR0913, PLR0917  all that a tick has, and where its rows go
-    vessel: Record,
-    compact: Record,
-    scheme: Record,
-    state: Record,
-    scratch: Record,
-    chart: Numbers,
-    places: Numbers,
-    rows: Numbers,
-) -> int:
-    """Advance by a tick for each of the rows [n, columns]; return the status of the last one.
+def fly(records: tuple[Record, ...], chart: Numbers, places: Numbers, out: Numbers) -> int:
+    """Advance by a tick for each row of ``out`` [n, columns]; return the status of the last one.
 
     A row has the numbers at those places of the state, then what the gauges read, if it is longer.
     """
+    state, scratch = records[3], records[4]
     count = places.size
-    for i in range(rows.shape[0]):
-        status = tick(vessel, compact, scheme, state, scratch, chart)
+    for i in range(out.shape[0]):
+        status = tick(records, chart)
         if status != 0:
             return status
         for k in range(count):
-            rows[i, k] = state[0].whole[int(places[k])]
-        if rows.shape[1] > count:
+            out[i, k] = state[0].whole[int(places[k])]
+        if out.shape[1] > count:
             instruments(state, scratch)
             for k in range(scratch[0].reading.size):
-                rows[i, count + k] = scratch[0].reading[k]
+                out[i, count + k] = scratch[0].reading[k]
     return 0
 
 
@@ -101,20 +92,14 @@ def write_row(state: Record, h: float, out: Numbers) -> None:
 
 
 @kernel
-def sail(  # noqa: PLR0913, PLR0917  likewise
-    vessel: Record,
-    compact: Record,
-    scheme: Record,
-    state: Record,
-    scratch: Record,
-    lookout: Record,
-    out: Numbers,
-) -> int:
+def sail(records: tuple[Record, ...], lookout: Record, out: Numbers) -> int:
     """Advance tick by tick, and write a row of ``out`` [n, ROW_COLUMNS] for each.
 
     Return how many rows were written. It ends where the quantity watched has passed its mark, at
-    the last tick, when ``out`` is full, or when the boat is lost; that tick has no row.
+    the last tick, when ``out`` is full, or when the boat is lost; that tick has no row. ``records``
+    are those of ``update``.
     """
+    vessel, compact, scheme, state, scratch = records
     eye = lookout[0]
     s = state[0]
     h = scheme[0].h

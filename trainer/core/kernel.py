@@ -1,8 +1,8 @@
 """The options with which every kernel of the core is compiled, and when it is.
 
-A kernel is machine code that is there already, which ``find_code`` finds, or else numba compiles it
-when it is first called, or compiled into another. So numba is imported only by what compiles.
-Under NUMBA_DISABLE_JIT a kernel is the plain function.
+A kernel that is called is machine code that is there already, if CODE_MODULE has some, or else
+numba compiles it. So numba is imported only by what compiles. Under NUMBA_DISABLE_JIT a kernel is
+the plain function.
 
 Floating point is strict (no contraction, no reassociation), so that the bits of a run do not depend
 on the processor. Division by zero gives infinity, which the finite check of a tick reports.
@@ -10,8 +10,9 @@ on the processor. Division by zero gives infinity, which the finite check of a t
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property, update_wrapper
+from importlib import import_module
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
@@ -25,6 +26,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
 
 INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+# what finds a kernel's code: named, not imported, because the core depends on nothing above it
+CODE_MODULE: Final = "trainer.boat.machine_code"
 TESTED_NUMBA: Final = (
     (0, 68),
     (0, 68),
@@ -43,21 +46,16 @@ def is_tested(version: str) -> bool:
     )
 
 
-def find_nothing() -> None:
-    """Return None: there is no machine code of a kernel yet."""
-
-
 class Kernel:
     """A function that machine code computes, once it is called.
 
-    ``find_code`` returns such code, or None: then numba compiles ``py_func`` with ``options``.
+    Where CODE_MODULE has none, numba compiles ``py_func`` with ``options``.
     """
 
-    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any]) -> None:
         update_wrapper(self, function)
         self.py_func = function
         self.options = options
-        self.find_code: Callable[[], Callable[..., Any] | None] = find_nothing
 
     def __call__(self, *given: Any) -> Any:
         """Compute the function."""
@@ -65,7 +63,8 @@ class Kernel:
 
     @cached_property
     def _code(self) -> Callable[..., Any]:
-        return self.find_code() or self.dispatcher
+        found: Callable[..., Any] | None = import_module(CODE_MODULE).find_code(self)
+        return found or self.dispatcher
 
     @cached_property
     def dispatcher(self) -> Any:

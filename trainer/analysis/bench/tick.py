@@ -105,7 +105,7 @@ class CasualtyTick:
 
 def in_a_loop(records: Records, count: int) -> int:
     """Take ``count`` ticks of a boat without Python between them; return the last status."""
-    return int(fly(*records, EMPTY_CHART, EMPTY_CHART, np.empty((count, 0))))
+    return int(fly(records, EMPTY_CHART, EMPTY_CHART, np.empty((count, 0))))
 
 
 def ready_boat(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:

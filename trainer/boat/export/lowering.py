@@ -11,14 +11,14 @@ import subprocess
 import sys
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numba
 import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
-from numba import carray, types  # type: ignore[attr-defined]
+from numba import types
 
-from trainer.boat.entries import Entry
+from trainer.boat.entries import PAIR, Entry
 from trainer.config.files import ConfigError
 from trainer.core.kernel import INTERPRETED, TESTED_NUMBA, Record, is_tested
 
@@ -29,44 +29,36 @@ PLAIN_MACHINE: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 SCHEME_PLACE: Final = 2  # of the arguments of a tick
 
 
-def adapter_source(entry: Entry) -> str:
-    """Return the source of a function that calls a kernel with addresses and numbers."""
-    sizes = {at: f"n{i}" for i, at in enumerate(entry.sizes)}
-    given = []
-    for place, kind in enumerate(entry.kinds):
-        if kind is float:
-            given.append(f"x{place}")
-        elif kind is int:
-            given.append(f"int(x{place})")
-        elif isinstance(kind, tuple):
-            shape = (sizes.get((place, i), str(size)) for i, size in enumerate(kind))
-            given.append(f"carray(x{place}, ({' '.join(f'int({size}),' for size in shape)}))")
-        else:
-            given.append(f"carray(x{place}, 1)")
-    taken = [f"x{place}" for place in range(len(entry.kinds))] + list(sizes.values())
-    call = f"kernel({', '.join(given)})"
-    if entry.answers:
-        taken.append("answer")
-        body = [f"row = carray(answer, {entry.answers})"]
-        body.append(", ".join(f"row[{i}]" for i in range(entry.answers)) + f" = {call}")
-        body.append("return 0")
-    else:
-        body = [f"return int({call})"] if entry.answer else [call, "return 0"]
-    return "\n    ".join([f"def adapter({', '.join(taken)}):", *body])
+class NumbaAnswer(NamedTuple):
+    """How numba returns an answer by address, and how that becomes a status."""
+
+    kind: str  # of LLVM
+    status: str  # from %whole, the answer, to %said
 
 
-def parameter_types(entry: Entry) -> list[Any]:
-    """Return numba's types of what the adapter of a kernel takes."""
-    number: Any = types.float64
-    pointer: Any = types.CPointer
+ANSWERS: Final[Mapping[Any, NumbaAnswer]] = {
+    int: NumbaAnswer("i64", "%said = trunc i64 %whole to i32"),
+    bool: NumbaAnswer("i8", "%said = zext i8 %whole to i32"),
+    float: NumbaAnswer("double", "%said = add i32 0, 0"),
+    PAIR: NumbaAnswer("[2 x double]", "%said = add i32 0, 0"),
+    None: NumbaAnswer("ptr", "%said = add i32 0, 0"),
+}
+
+
+def argument_types(entry: Entry) -> tuple[Any, ...]:
+    """Return numba's types of what a kernel takes."""
     taken: list[Any] = []
     for kind in entry.kinds:
         if isinstance(kind, np.dtype):
-            taken.append(pointer(numba.from_dtype(kind)))
+            taken.append(types.Array(numba.from_dtype(kind), 1, "C"))  # type: ignore[no-untyped-call]
+        elif isinstance(kind, tuple):
+            taken.append(types.Array(types.float64, len(kind), "C"))  # type: ignore[no-untyped-call]
         else:
-            taken.append(pointer(number) if isinstance(kind, tuple) else number)
-    taken += [number for _ in entry.sizes]
-    return taken + [pointer(number)] * bool(entry.answers)
+            taken.append(types.int64 if kind is int else types.float64)
+    if not entry.bundle:
+        return tuple(taken)
+    bundled = types.Tuple(taken[: entry.bundle])  # type: ignore[no-untyped-call]
+    return (bundled, *taken[entry.bundle :])
 
 
 def refuse_compiler() -> None:
@@ -82,46 +74,83 @@ def refuse_compiler() -> None:
 
 
 def kernel_text(entry: Entry) -> tuple[str, str]:
-    """Return the LLVM text of a kernel behind its adapter, and the name of that function.
+    """Return the LLVM text of a kernel with all that it calls, and the name of its function.
 
     ConfigError as for ``refuse_compiler``.
     """
     refuse_compiler()
-    known: dict[str, Any] = {"kernel": entry.kernel, "carray": carray}
-    exec(adapter_source(entry), known)  # noqa: S102  numba takes no other form of it
-    adapter = known["adapter"]
-    adapter.__qualname__ = adapter.__name__ = entry.name  # so that no two texts name one function
-    compiled: Any = numba.njit(types.int64(*parameter_types(entry)), error_model="numpy")(adapter)
-    signature = compiled.signatures[0]
-    name = compiled.overloads[signature].fndesc.mangled_name
-    return compiled.inspect_llvm(signature), name
+    signature = argument_types(entry)
+    compiled: Any = numba.njit(signature, error_model="numpy")(entry.kernel.py_func)
+    (known,) = compiled.signatures
+    return compiled.inspect_llvm(known), compiled.overloads[known].fndesc.mangled_name
+
+
+def array_words(address: str, shape: Sequence[str], size: int) -> list[str]:
+    """Return the words in which numba takes an array of elements of a size [bytes]."""
+    strides = [str(size)] if len(shape) == 1 else [f"%{address[1:]}_row", str(size)]
+    count = shape[0] if len(shape) == 1 else f"%{address[1:]}_all"
+    words = ["ptr null", "ptr null", f"i64 {count}", f"i64 {size}", f"ptr {address}"]
+    return [*words, *(f"i64 {each}" for each in (*shape, *strides))]
+
+
+def handed_over(entry: Entry) -> tuple[list[str], list[str]]:
+    """Return the lines that prepare the words of a kernel, and those words."""
+    lines, words = [], []
+    sizes = {at: f"%n{i}" for i, at in enumerate(entry.sizes)}
+    for at, size in sizes.items():
+        lines.append(f"{size} = fptosi double %s{list(sizes).index(at)} to i64")
+    for place, kind in enumerate(entry.kinds):
+        if isinstance(kind, np.dtype):
+            words += array_words(f"%x{place}", ["1"], kind.itemsize)
+        elif isinstance(kind, tuple):
+            shape = [sizes.get((place, i), str(size)) for i, size in enumerate(kind)]
+            if len(shape) == 2:
+                lines.append(f"%x{place}_all = mul i64 {shape[0]}, {shape[1]}")
+                lines.append(f"%x{place}_row = mul i64 8, {shape[1]}")
+            words += array_words(f"%x{place}", shape, 8)
+        elif kind is int:
+            lines.append(f"%w{place} = fptosi double %x{place} to i64")
+            words.append(f"i64 %w{place}")
+        else:
+            words.append(f"double %x{place}")
+    return lines, words
 
 
 def entry_text(entry: Entry, kernel: str, name: str, scheme: bytes | None = None) -> str:
     """Return the LLVM text of a function ``name`` through which a host calls a kernel.
 
-    A kernel of numba's takes places for its answer and its error besides its arguments. The
-    function answers -1 where the kernel raises. A scheme that is given is a constant of the text.
+    It takes addresses and numbers, then sizes, then where an answer of numbers goes, and returns
+    the kernel's status, or -1 where the kernel raises. A kernel of numba's takes places for its
+    answer and its error first. A scheme that is given is a constant of the text.
     """
-    kinds = ["double" if each is types.float64 else "ptr" for each in parameter_types(entry)]
-    words = [f"{kind} %x{i}" for i, kind in enumerate(kinds)]
-    taken = [word for i, word in enumerate(words) if scheme is None or i != SCHEME_PLACE]
+    lines, words = handed_over(entry)
+    taken = [
+        f"{'double' if kind in (float, int) else 'ptr noalias'} %x{i}"
+        for i, kind in enumerate(entry.kinds)
+    ]
     constant = ""
     if scheme is not None:
-        words[SCHEME_PLACE] = "ptr @scheme"
+        del taken[SCHEME_PLACE]
+        words = [word.replace(f"%x{SCHEME_PLACE}", "@scheme") for word in words]
         size, quoted = len(scheme), quote_bytes(scheme)
         constant = f'@scheme = internal constant [{size} x i8] c"{quoted}", align 8\n'
-        taken = [word.replace("ptr", "ptr noalias", 1) for word in taken]
+    taken += [f"double %s{i}" for i, _ in enumerate(entry.sizes)]
+    answer = ANSWERS[entry.answer]
+    if entry.answers:
+        taken.append("ptr noalias %place")
+    else:
+        lines.append(f"%place = alloca {answer.kind}")
+    kinds = ", ".join(word.partition(" ")[0] for word in words)
+    body = "\n  ".join(lines)
     return f"""{constant}
-declare i32 @"{kernel}"(ptr, ptr, {", ".join(kinds)})
+declare i32 @"{kernel}"(ptr, ptr, {kinds})
 define i32 @{name}({", ".join(taken)}) {{
-  %answer = alloca i64
+  {body}
   %error = alloca ptr
-  store i64 -1, ptr %answer
-  %raised = call i32 @"{kernel}"(ptr %answer, ptr %error, {", ".join(words)})
+  %raised = call i32 @"{kernel}"(ptr %place, ptr %error, {", ".join(words)})
   %sound = icmp eq i32 %raised, 0
-  %wide = load i64, ptr %answer
-  %said = trunc i64 %wide to i32
+  %whole = load {answer.kind}, ptr %place
+  {answer.status}
   %status = select i1 %sound, i32 %said, i32 -1
   ret i32 %status
 }}

@@ -20,7 +20,7 @@ import llvmlite  # type: ignore[import-untyped]
 import numba
 from llvmlite import binding
 
-from trainer.boat.entries import ENTRIES
+from trainer.boat.entries import ENTRIES, TICK_NAME
 from trainer.boat.export.lowering import (
     entry_text,
     freestanding_text,
@@ -29,7 +29,7 @@ from trainer.boat.export.lowering import (
     seal_module,
 )
 from trainer.boat.export.targets import optimise_module
-from trainer.boat.machine_code import CARD_FILE, PLATFORMS, TICK_NAME, Platform
+from trainer.boat.platforms import CARD_FILE, PLATFORMS, Platform
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
 from trainer.io.outputs import replacing
@@ -37,7 +37,7 @@ from trainer.io.outputs import replacing
 CHILD_CODE: Final = (
     "from sys import argv; from trainer.boat.export import objects; objects.lower(*argv[1:])"
 )
-# the tick with all its arguments in one block of words, because each costs time to hand over
+# because each argument costs time to hand over
 BLOCK_TEXT: Final = """
 define i32 @{name}(ptr %block) {{
 {loads}
@@ -48,7 +48,7 @@ define i32 @{name}(ptr %block) {{
 
 
 def block_text(tick_name: str, kinds: Iterable[str]) -> str:
-    """Return the LLVM text of the tick that takes its arguments from one block of words."""
+    """Return the LLVM text of the tick whose arguments are in one block of words."""
     loads, words = [], []
     for i, kind in enumerate(kinds):
         loads.append(f"  %p{i} = getelementptr i64, ptr %block, i64 {i}")
