@@ -70,7 +70,7 @@ class Entry(NamedTuple):
 
     @property
     def sizes(self) -> Iterator[tuple[int, int]]:
-        """Return the places of the sizes that each call gives: of an argument, and in its shape."""
+        """Yield where each size that a call gives belongs: argument, and place in its shape."""
         for place, kind in enumerate(self.kinds):
             if isinstance(kind, tuple):
                 yield from ((place, i) for i, size in enumerate(kind) if size == ANY)

@@ -82,7 +82,7 @@ def shipped_object() -> bytes | None:
 
 
 def made_object() -> bytes | None:
-    """Return the object for this machine that is made here, once; None if it cannot be."""
+    """Return the object for this machine, made here once; None if it cannot be."""
     from trainer.core.cache import cache_folder  # noqa: PLC0415  it claims the folder
 
     facts = [core_digest(), platform_name(), platform.python_version()]
@@ -185,7 +185,7 @@ def _fits(kind: Any, given: Any) -> bool:
 
 
 def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
-    """Return a function that calls the machine code of a kernel as the kernel is called.
+    """Return what calls the machine code of a kernel as the kernel is called.
 
     What it is given of other kinds than the object's numba takes, and compiles for.
     """

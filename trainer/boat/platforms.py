@@ -12,7 +12,7 @@ CARD_FILE: Final = "card.json"  # what the objects were made from
 
 
 class Platform(NamedTuple):
-    """What an object is compiled for, and the features that a processor must have for it."""
+    """What an object is compiled for, and what a processor must have for it."""
 
     triple: str
     cpu: str

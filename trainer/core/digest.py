@@ -48,5 +48,5 @@ def same_core(digest: object) -> bool:
 
 
 def read_source(path: Path) -> bytes:
-    """Return a source with the line ends of the repository, whatever a checkout made of them."""
+    """Return a source with its line ends as the repository has them."""
     return path.read_bytes().replace(b"\r\n", b"\n")

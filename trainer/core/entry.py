@@ -28,7 +28,7 @@ LOOKOUT: Final = record_dtype(
 
 @kernel
 def tick(records: tuple[Record, ...], chart: Numbers) -> int:
-    """Sound the ground of a chart, if it has any numbers, then advance by one tick.
+    """Sound the ground of a chart that has numbers, then advance by one tick.
 
     ``records`` are those of ``update``, whose status it returns.
     """
@@ -40,9 +40,10 @@ def tick(records: tuple[Record, ...], chart: Numbers) -> int:
 
 @kernel
 def fly(records: tuple[Record, ...], chart: Numbers, places: Numbers, out: Numbers) -> int:
-    """Advance by a tick for each row of ``out`` [n, columns]; return the status of the last one.
+    """Advance by a tick for each row of ``out`` [n, columns].
 
-    A row has the numbers at those places of the state, then what the gauges read, if it is longer.
+    Return the status of the last one. A row has the numbers at those places of the state, then what
+    the gauges read, if it is longer.
     """
     state, scratch = records[3], records[4]
     count = places.size

@@ -10,7 +10,7 @@ on the processor. Division by zero gives infinity, which the finite check of a t
 
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cached_property, update_wrapper
 from importlib import import_module
 from typing import Any, Final, TypeVar, cast
@@ -52,7 +52,7 @@ class Kernel:
     Where CODE_MODULE has none, numba compiles ``py_func`` with ``options``.
     """
 
-    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any]) -> None:
+    def __init__(self, function: Callable[..., Any], **options: Any) -> None:
         update_wrapper(self, function)
         self.py_func = function
         self.options = options
@@ -90,7 +90,7 @@ def compiled_with(**options: Any) -> Callable[[Function], Function]:
     """Return a decorator for kernels that are compiled with these options of numba."""
 
     def decorate(function: Function) -> Function:
-        return function if INTERPRETED else cast("Function", Kernel(function, options))
+        return function if INTERPRETED else cast("Function", Kernel(function, **options))
 
     return decorate
 

@@ -398,7 +398,7 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
 
 
 def situation(plan: Plan, boat: Boat) -> tuple[str, ...]:
-    """Return the lines for newcomers: the boat, where it is, and a note of the plan."""
+    """Return the lines for newcomers: the boat, where it is, the plan's note."""
     s = boat.state
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (

@@ -1,4 +1,4 @@
-"""The preparation of a boat before the clock starts: its code loaded, and of a stable step.
+"""The preparation of a boat before the clock starts: loaded, and of a stable step.
 
 ``run`` calls these functions, because code that is loaded or compiled within a tick would stop the
 boat.

@@ -50,9 +50,9 @@ def argument_types(entry: Entry) -> tuple[Any, ...]:
     taken: list[Any] = []
     for kind in entry.kinds:
         if isinstance(kind, np.dtype):
-            taken.append(types.Array(numba.from_dtype(kind), 1, "C"))  # type: ignore[no-untyped-call]
+            taken.append(types.Array(numba.from_dtype(kind), 1, "C"))
         elif isinstance(kind, tuple):
-            taken.append(types.Array(types.float64, len(kind), "C"))  # type: ignore[no-untyped-call]
+            taken.append(types.Array(types.float64, len(kind), "C"))
         else:
             taken.append(types.int64 if kind is int else types.float64)
     if not entry.bundle:
@@ -62,7 +62,7 @@ def argument_types(entry: Entry) -> tuple[Any, ...]:
 
 
 def refuse_compiler() -> None:
-    """Raise ConfigError if numba is told not to compile, or is of a version not tested."""
+    """Raise ConfigError if numba may not compile, or is of a version not tested."""
     if not is_tested(numba.__version__):
         (first, second), (_, last) = TESTED_NUMBA
         raise ConfigError(
@@ -74,13 +74,19 @@ def refuse_compiler() -> None:
 
 
 def kernel_text(entry: Entry) -> tuple[str, str]:
-    """Return the LLVM text of a kernel with all that it calls, and the name of its function.
+    """Return the LLVM text of a kernel, with what it calls, and its name.
 
     ConfigError as for ``refuse_compiler``.
     """
     refuse_compiler()
-    signature = argument_types(entry)
-    compiled: Any = numba.njit(signature, error_model="numpy")(entry.kernel.py_func)
+    kernel = entry.kernel
+
+    def call(given: Any) -> Any:  # not the kernel again, which stands in the text of others too
+        return kernel(*given)
+
+    call.__qualname__ = call.__name__ = entry.name  # so that no two texts name one function
+    whole = types.Tuple(argument_types(entry))  # whose parts numba hands over one by one
+    compiled: Any = numba.njit((whole,), error_model="numpy")(call)
     (known,) = compiled.signatures
     return compiled.inspect_llvm(known), compiled.overloads[known].fndesc.mangled_name
 
@@ -125,19 +131,19 @@ def entry_text(entry: Entry, kernel: str, name: str, scheme: bytes | None = None
     """
     lines, words = handed_over(entry)
     taken = [
-        f"{'double' if kind in (float, int) else 'ptr noalias'} %x{i}"
-        for i, kind in enumerate(entry.kinds)
+        f"{'double' if kind in (float, int) else 'ptr'} %x{i}" for i, kind in enumerate(entry.kinds)
     ]
     constant = ""
     if scheme is not None:
         del taken[SCHEME_PLACE]
+        taken = [each.replace("ptr", "ptr noalias") for each in taken]
         words = [word.replace(f"%x{SCHEME_PLACE}", "@scheme") for word in words]
         size, quoted = len(scheme), quote_bytes(scheme)
         constant = f'@scheme = internal constant [{size} x i8] c"{quoted}", align 8\n'
     taken += [f"double %s{i}" for i, _ in enumerate(entry.sizes)]
     answer = ANSWERS[entry.answer]
     if entry.answers:
-        taken.append("ptr noalias %place")
+        taken.append("ptr %place")
     else:
         lines.append(f"%place = alloca {answer.kind}")
     kinds = ", ".join(word.partition(" ")[0] for word in words)
@@ -203,10 +209,10 @@ def seal_module(module: Any, shown: Collection[str]) -> Any:
 
 
 def lower_in_child(program: str, words: Sequence[str]) -> None:
-    """Run a program of this package that lowers for a plain processor, in a process of its own.
+    """Run a program of this package that lowers for a plain processor.
 
-    Its bytes then do not depend on this machine, nor on settings of numba, except that of its
-    cache. ConfigError with what it says where it fails.
+    It is a process of its own. Its bytes then do not depend on this machine, nor on settings of
+    numba, except that of its cache. ConfigError with what it says where it fails.
     """
     environment = {
         name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")
