@@ -31,7 +31,6 @@ def test_a_count_is_exact_and_a_sea_costs_more(tmp_path: Path) -> None:
 
 def test_without_valgrind_that_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(instructions, "platform_name", lambda: instructions.MEASURED)
-    monkeypatch.setattr(instructions, "shipped_object", lambda: b"code")
     monkeypatch.setattr(shutil, "which", lambda _: None)
 
     with pytest.raises(ConfigError, match="there is no valgrind here"):

@@ -28,7 +28,7 @@ import numpy as np
 
 from trainer.boat.assemble import Records
 from trainer.boat.entries import ENTRIES, PAIR, TICK_NAME, Entry
-from trainer.boat.platforms import CARD_FILE, PLATFORMS, platform_name
+from trainer.boat.platforms import CARD_FILE, PLATFORMS, fitting_name, platform_name
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
 from trainer.core.kernel import INTERPRETED, Kernel, Numbers
@@ -63,11 +63,8 @@ def shipped_object() -> bytes | None:
     """
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
-    name, card = platform_name(), shipped_card()
-    if card.get("core") != core_digest() or name not in PLATFORMS:
-        return None
-    features = binding.get_host_cpu_features()
-    if not all(features.get(need) for need in PLATFORMS[name].needs):
+    name, card = fitting_name(binding.get_host_cpu_features()), shipped_card()
+    if card.get("core") != core_digest() or name is None:
         return None
     path = SHIPPED_FOLDER / f"{name}.o.gz"
     try:
@@ -227,10 +224,10 @@ def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], in
     words = [_address(each) for each in (*records, ground)]
     block = np.array([*words, 0], np.int64)
     block.view(np.float64)[-1] = ground.size
-    function = ctypes.PYFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(library.address_of(TICK_NAME))
-    place = ctypes.c_void_p(_address(block))
-    bound: Any = functools.partial(function, place)
-    bound.kept = (*records, ground, block)  # as long as the tick is
+    words_there = (ctypes.c_int64 * block.size).from_buffer(block)
+    function = ctypes.PYFUNCTYPE(ctypes.c_int)(library.address_of(TICK_NAME))
+    bound: Any = functools.partial(function, ctypes.byref(words_there))  # the least of all calls
+    bound.kept = (*records, ground)  # as long as the tick is
     return bound  # type: ignore[no-any-return]
 
 

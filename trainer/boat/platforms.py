@@ -21,7 +21,10 @@ class Platform(NamedTuple):
 
 
 X86_NEEDS: Final = ("sse4.2", "ssse3", "popcnt")
-PLATFORMS: Final[Mapping[str, Platform]] = {  # by system and machine
+V3_NEEDS: Final = (*X86_NEEDS, "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
+# by system and machine; the first that a processor can run is taken
+PLATFORMS: Final[Mapping[str, Platform]] = {
+    "linux-x86_64-v3": Platform("x86_64-unknown-linux-gnu", "x86-64-v3", "", V3_NEEDS),
     "linux-x86_64": Platform("x86_64-unknown-linux-gnu", "x86-64-v2", "", X86_NEEDS),
     "linux-aarch64": Platform("aarch64-unknown-linux-gnu", "generic", "", ()),
     # as ELF, because as COFF it would ask for _fltused
@@ -32,6 +35,15 @@ SYSTEM_NAMES: Final = {"darwin": "macos", "win32": "windows"}
 
 
 def platform_name() -> str:
-    """Return the name of this machine's platform."""
+    """Return the name of this machine's platform, whatever its processor has."""
     machine = {"amd64": "x86_64"}.get(platform.machine().lower(), platform.machine().lower())
     return f"{SYSTEM_NAMES.get(sys.platform, sys.platform)}-{machine}"
+
+
+def fitting_name(features: Mapping[str, bool]) -> str | None:
+    """Return the first platform whose object a processor of this machine's kind can run."""
+    here = platform_name()
+    for name, kind in PLATFORMS.items():
+        if name in (here, f"{here}-v3") and all(features.get(need) for need in kind.needs):
+            return name
+    return None

@@ -9,7 +9,7 @@ from typing import Final
 
 from trainer.core.casualties import instruments
 from trainer.core.elementary import cosine, sine
-from trainer.core.kernel import Numbers, Record, kernel, record_dtype
+from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
 from trainer.core.soundings import sound
 from trainer.core.update import update
 
@@ -26,7 +26,7 @@ LOOKOUT: Final = record_dtype(
 )
 
 
-@kernel
+@part
 def tick(records: tuple[Record, ...], chart: Numbers) -> int:
     """Sound the ground of a chart that has numbers, then advance by one tick.
 
