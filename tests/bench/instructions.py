@@ -1,4 +1,4 @@
-"""The instructions of a tick of the shipped object, counted by valgrind: exact at any load.
+"""The instructions of a shipped tick, counted by valgrind: exact at any load.
 
 ``python -m tests.bench --instructions`` prints them beside those that ``instructions.json`` keeps;
 that file is written anew by hand where a change of the core is meant to change them.
@@ -43,7 +43,7 @@ class Instructions:
 
 
 def boat_at(name: str, depth: float, sea: str = "calm") -> Boat:
-    """Return a boat at its own speed and a depth [m], deep in a sea's own time."""
+    """Return a boat at its own speed, at a depth [m] in a sea."""
     file = load_vessel(name)
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", file.run.step_s))
     boat.start(file.run.start_speed_kn * KNOT, depth, 0.0)

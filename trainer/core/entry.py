@@ -45,7 +45,7 @@ def fly(records: tuple[Record, ...], chart: Numbers, places: Numbers, out: Numbe
     Return the status of the last one. A row has the numbers at those places of the state, then what
     the gauges read, if it is longer.
     """
-    state, scratch = records[3], records[4]
+    _, _, _, state, scratch = records
     count = places.size
     for i in range(out.shape[0]):
         status = tick(records, chart)

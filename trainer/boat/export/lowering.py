@@ -85,7 +85,8 @@ def kernel_text(entry: Entry) -> tuple[str, str]:
         return kernel(*given)
 
     call.__qualname__ = call.__name__ = entry.name  # so that no two texts name one function
-    whole = types.Tuple(argument_types(entry))  # whose parts numba hands over one by one
+    tuple_of: Any = types.Tuple
+    whole = tuple_of(argument_types(entry))  # whose parts numba hands over one by one
     compiled: Any = numba.njit((whole,), error_model="numpy")(call)
     (known,) = compiled.signatures
     return compiled.inspect_llvm(known), compiled.overloads[known].fndesc.mangled_name
