@@ -355,6 +355,7 @@ NEXT_STEPS: Final = {
     "a": NextStep("again", "again, from the start", asked=True),
     "h": NextStep("again from 2 min", "again, from two minutes ago", asked=True),
     "n": NextStep("next", "choose another exercise"),
+    "q": NextStep("quit", "end the run"),
 }
 
 
