@@ -26,6 +26,9 @@ hypothesis.settings.register_profile("steady", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("steady")
 # What is tested is what is installed, in all that the tests start as well: not what lies beside.
 os.environ["PYTHONSAFEPATH"] = "1"
+# Bytecode is kept, or each of many hundred starts compiles every source anew, for seconds.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # pytest-xdist's workers ignore Ctrl-C, and so would all that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -10,10 +10,10 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from helpers.pages import PALETTES, QUIET, SIZES, Served, find_chromium, served
+from helpers.waiting import await_begun
 from playwright.sync_api import Browser, Playwright, sync_playwright
 from soak.session_process import Caller
 
@@ -108,8 +108,7 @@ def draw() -> None:
         serve = [sys.executable, "-m", "trainer", "serve", "--socket", str(where)]
         options = ["--listen", "none", "--no-record", "--speed", "4", "--orders", str(orders)]
         with subprocess.Popen([*serve, *options]) as session:
-            while not where.exists():
-                time.sleep(0.1)
+            await_begun(session, where.exists)
             for role, size, seconds in PICTURES:
                 asyncio.run(look(role, size, str(where), seconds))
             session.terminate()

@@ -11,13 +11,13 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from helpers.syntax import tree_of
+from helpers.waiting import await_that
 
 import trainer
 from trainer.cli.main import cli
@@ -198,13 +198,13 @@ def test_nothing_is_said_to_a_session_of_another_user(common: Path) -> None:
     if sys.platform != "linux" or os.geteuid() != 0:
         pytest.skip("needs the right to be another user")
     thread.start()
-    told = "no session listens there"
-    while thread.is_alive() and "no session listens" in told:
-        time.sleep(0.05)
+
+    def is_refused() -> bool:
         with pytest.raises(LinkError) as refused:
             dial(f"local:{path}", threading.Event())
-        told = str(refused.value)
-    assert "that session is another user's" in told
+        return "that session is another user's" in str(refused.value)
+
+    await_that(is_refused)
     thread.join()
     assert "heard b''" in said[0]
 

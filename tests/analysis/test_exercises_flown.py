@@ -44,7 +44,6 @@ from trainer.session.run import run_boat
 
 NAMES = shipped_names("exercises")
 SEEDED = tuple(name for name in NAMES if depends_on_seed(name, plan_exercise(name)))
-AT_SEA = tuple(name for name in SEEDED if plan_exercise(name).sea.path.stem != "calm")
 # an order of each kind that changes nothing
 USELESS = {
     "turns": "turns {speed:g}",

@@ -199,13 +199,17 @@ def test_two_neutral_flights_meet_and_vanish_at_the_fold_speed(plane: str) -> No
     assert {below, above} == {1, 3}
 
 
-def test_the_planes_reverse_between_the_two_branches() -> None:
-    critical = check.critical_speed(REFSUB, "stern")
+def test_the_planes_reverse_at_the_fold_just_below_their_critical_speed() -> None:
+    (fold,), critical = fold_speeds(REFSUB, "stern"), check.critical_speed(REFSUB, "stern")
     assert critical is not None
+    assert 0.9 * critical < fold < critical  # the hull's own lift moves one from the other
 
-    (_, low), (_, high) = (level_flight(REFSUB, "stern", critical * near)[0] for near in (0.7, 1.3))
+    (w_low, low), (w_high, high) = (
+        level_flight(REFSUB, "stern", fold * near)[0] for near in (0.999, 1.001)
+    )
 
     assert low < 0.0 < high  # the angle that holds this hull level changes its sign
+    assert w_high < 0.0 < w_low  # and so does its w
 
 
 def test_a_hull_the_same_above_and_below_flies_level_with_planes_at_zero() -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+from helpers.waiting import await_that
 
 from trainer.analysis.sweep.chunks import folder_of
 from trainer.analysis.sweep.job import Batch, Job, fact_differences, fly_chunk, job_of
@@ -301,8 +302,8 @@ def test_killed_at_any_instant_and_run_again_no_finished_member_is_lost(tmp_path
     before: dict[str, int] = {}
     for _ in range(int(os.environ.get("TRAINER_KILLS", "3"))):
         program = start(path, out, jobs=2)
-        while len(kept(out)) <= len(before) and program.poll() is None:
-            time.sleep(0.005)
+        found = len(before)
+        await_that(lambda: len(kept(out)) > found or program.poll() is not None)  # noqa: B023
         time.sleep(dice.uniform(0.0, 0.2))  # any instant of what comes then
         crew = children(program.pid)
         program.kill()
@@ -312,10 +313,8 @@ def test_killed_at_any_instant_and_run_again_no_finished_member_is_lost(tmp_path
         after = kept(out)
         assert before.items() <= after.items()
         before = after
-        deadline = time.monotonic() + 20.0
-        while any(Path(f"/proc/{pid}").exists() for pid in crew):  # the crew goes with its captain
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        # the crew goes with its captain
+        await_that(lambda: not any(Path(f"/proc/{pid}").exists() for pid in crew))  # noqa: B023
     assert before or out.exists()  # a fast machine may be through
 
     program = start(path, out, jobs=1)
@@ -335,8 +334,7 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
         stdout=subprocess.DEVNULL,
         text=True,
     )
-    while not kept(out) and program.poll() is None:
-        time.sleep(0.005)
+    await_that(lambda: kept(out) or program.poll() is not None)
     program.send_signal(signal.SIGINT)
     _, said = program.communicate(timeout=60)
 

@@ -3,13 +3,16 @@
 from dataclasses import replace
 from functools import cache, partial
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from helpers.givers import journalled
 
 from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew, is_same_order
+from trainer.boat.reference_crew import CrewReaction
 from trainer.config.files import shipped_names
 from trainer.debrief.attainable import (
     ChangeCause,
@@ -17,11 +20,18 @@ from trainer.debrief.attainable import (
     PassedKind,
     RunExplorer,
     attainable_curve,
+    what_passes,
+)
+from trainer.debrief.attainable_stretches import (
+    AttainablePoint,
+    changed_stretches,
+    without_luck,
 )
 from trainer.debrief.attainable_words import change_words
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.facts import GiverKind
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 
@@ -129,6 +139,120 @@ def test_an_order_that_is_missing_is_named() -> None:
     assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern full")
 
 
+def late(name: str, seconds: float) -> Rehearsal:
+    """Return the run of the reference crew, slower by some seconds in all it does."""
+    return fly_rehearsal(plan_of(name), plan_of(name).crew, CrewReaction(late=seconds))
+
+
+def sentences(run: RunExplorer) -> list[str]:
+    return [change_words(each, run.step) for each in attainable_curve(run).changes]
+
+
+@pytest.mark.parametrize(
+    ("name", "seconds", "told"),
+    [
+        ("steering-jam", 40, 'full" was due at 1:12 and came 40 s late, at 1:52.'),
+        ("stern-plane-jam", 15, 'full" was due at 1:11 and came 15 s late, at 1:26.'),
+    ],
+)
+def test_an_order_that_came_late_is_told_with_how_late_it_came(
+    name: str, seconds: float, told: str
+) -> None:
+    said = sentences(explored(name, late(name, seconds)))
+    assert told in said[0]
+    assert not [each for each in said if "did not come" in each]
+
+
+def with_nobody_else(name: str, seconds: float, text: str) -> Rehearsal:
+    """Return a run in which nobody gives any order but one."""
+    plan = plan_of(name)
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    alone = journalled(9000, round(2 * seconds), "panel", text, "")
+    orders: dict[int, list[Any]] = {}
+    for entry in (*fly_rehearsal(plan).trajectory.orders, alone):
+        orders.setdefault(entry.tick, []).append(entry)
+    return fly(plan, Departure(0, boat.records.state.copy()), orders)[0]
+
+
+def test_a_fatal_order_is_named_where_without_it_nobody_does_anything() -> None:
+    order = "stern planes dive 10"
+    said = sentences(
+        explored("first-depth-change", with_nobody_else("first-depth-change", 65.0, order))
+    )
+    assert any(each.startswith(f'1:05: "{order}", by panel, cost ') for each in said)
+
+
+def test_planes_that_nobody_touched_were_not_worked_by_anybody() -> None:
+    name = "first-depth-change"
+    (told,) = sentences(explored(name, fly_rehearsal(plan_of(name))))
+    assert "lost; nobody worked the planes." in told
+    touched = sentences(explored(name, with_nobody_else(name, 90.0, "bow planes rise 1")))
+    assert not [each for each in touched if "nobody worked" in each]
+
+
+def test_an_order_of_a_file_is_somebody_s(tmp_path: Path) -> None:
+    (tmp_path / "mine.orders").write_text("65 stern planes dive 10\n")
+    options = RunOptions(exercise="first-depth-change", orders_file=tmp_path / "mine.orders")
+    plan = plan_run(options)
+    run = fly_rehearsal(plan)
+    judge = partial(judge_run, plan=plan, nobody=nobody_of("first-depth-change"))
+    explorer = RunExplorer(plan, run.trajectory, judge)
+    explorer.fly_again()
+    said = sentences(explorer)
+    assert any("by the file of orders, cost" in each for each in said)
+    assert not [each for each in said if "nobody worked" in each]
+
+
+def curve_of(*marks: float) -> tuple[AttainablePoint, ...]:
+    """Return points every 10 s with these marks; the step is 0.5 s."""
+    return tuple(
+        AttainablePoint(20 * place, each, won=each >= 60.0, lost=False)
+        for place, each in enumerate(marks)
+    )
+
+
+def found(*marks: float) -> list[tuple[int, int, int]]:
+    """Return begin and end [s] and marks of the stretches of a curve."""
+    return [
+        (each.begin.tick // 2, each.end.tick // 2, round(each.marks))
+        for each in changed_stretches(curve_of(*marks), 0.5)
+    ]
+
+
+def test_a_slow_fall_is_told_whole() -> None:
+    slow = [100.0 - 0.42 * place for place in range(82)]
+    assert found(*[100.0] * 10, *slow) == [(110, 900, -34)]
+    assert found(*[100.0 - 0.05 * place for place in range(81)]) == [(0, 800, -4)]
+
+
+def test_two_falls_with_a_minute_between_them_are_two() -> None:
+    assert found(100, 100, *[70] * 9, 30, 30) == [(10, 20, -30), (100, 110, -40)]
+    assert found(100, 100, 70, 70, 30, 30) == [(10, 40, -70)]
+
+
+def test_all_marks_lost_and_won_are_accounted_for() -> None:
+    draws = np.random.default_rng(7)
+    for _ in range(200):
+        marks = np.clip(np.cumsum(draws.normal(0.0, draws.uniform(0.05, 8.0), 90)), -50, 50) + 50
+        told = sum(each.marks for each in changed_stretches(curve_of(*marks), 0.5))
+        assert abs(told - (marks[-1] - marks[0])) <= 3.0
+
+
+def test_marks_that_come_back_while_nobody_does_anything_were_never_lost() -> None:
+    level = without_luck(curve_of(100, 74, 100, 60, 90, 50), [70])  # at 35 s
+    assert [each.marks for each in level] == [100, 100, 100, 60, 90, 50]
+    assert [each.tick for each in level] == [0, 20, 40, 60, 80, 100]
+
+
+@pytest.mark.parametrize("name", ["canyon", "hover-by-pump", "heavy-boat"])
+def test_with_nobody_aboard_no_marks_are_won_and_all_are_accounted_for(name: str) -> None:
+    curve = attainable_curve(explored(name, fly_rehearsal(plan_of(name))))
+    assert [each for each in curve.changes if each.marks > 0.0] == []
+    lost = curve.points[0].marks - curve.points[-1].marks
+    assert -sum(each.marks for each in curve.changes) == pytest.approx(lost, abs=3.0)
+
+
 def named(name: str, seconds: float | None, more: str, less: str) -> bool:
     """Return whether a planted order is named within 5 s of its moment."""
     if seconds is None:
@@ -199,13 +323,13 @@ def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:
     for _ in range(60):
         mute.follow(())
         assert boat.tick() == 0
-    assert "scope raise" in [each.rule.order.text for each in mute.pending()]
+    assert "scope raise" in [each.rule.order.text for each in mute.pending(boat.time)]
 
 
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("depth-gauge-failure", PassedKind.LIMIT),
+        ("depth-gauge-failure", PassedKind.LOSS),
         ("stern-plane-jam", PassedKind.RULE),
         ("stern-plane-jam", PassedKind.LOSS),
     ],
@@ -226,6 +350,27 @@ def test_where_marks_fall_within_a_second_the_debrief_says_what_passes(
     assert all(any(each.begin < tick <= each.end for each in explained) for tick in steep)
     assert kind in told
     assert any(told[kind] in change_words(each, run.step) for each in explained)
+
+
+def test_a_limit_that_takes_marks_within_a_second_is_what_passes() -> None:
+    run = explored("stern-plane-jam", by_crew("stern-plane-jam"))
+    before = run.point(0)
+    assert before.card
+    assert before.card.verdict
+    verdict = replace(before.card.verdict, gate="depth 140 m", gate_cap=50.0, cap=50.0)
+    after = replace(before, marks=50.0, card=replace(before.card, verdict=verdict))
+    assert what_passes(before, after) == (PassedKind.LIMIT, "depth 140 m")
+
+
+def test_who_takes_over_gives_at_once_what_is_overdue() -> None:
+    """The crew has been aboard since the jam: an order at 1:13 still wins, so 1:13 is no loss."""
+    run = explored("stern-plane-jam", fly_rehearsal(plan_of("stern-plane-jam")))
+    prompt, overdue = run.point(2 * 71), run.point(2 * 73)
+    assert overdue.won
+    assert prompt.marks - overdue.marks < 10.0
+    taken = run.from_moment(2 * 73).trajectory.orders
+    first = next(each for each in taken if each.giver.kind is GiverKind.REFERENCE)
+    assert (first.text, first.tick) == ("bell astern full", 2 * 73)
 
 
 def test_nobody_who_steers_straight_on_loses_a_task_between_two_seconds() -> None:

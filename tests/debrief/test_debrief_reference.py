@@ -174,7 +174,7 @@ def test_the_reference_crew_takes_over_in_time_and_saves_the_boat(jam: Path) -> 
     assert taken
 
     orders = [each for each in taken.trajectory.orders if each.giver == REFERENCE_GIVER]
-    assert (orders[0].text, orders[0].tick) == ("bell astern full", 2 * 82)  # 4 s after it sees
+    assert (orders[0].text, orders[0].tick) == ("bell astern full", 156)  # overdue
     assert taken.trajectory.ticks[0] == 156
     then = debrief.trajectory.columns["z"][156]
     assert taken.trajectory.columns["z"][0] == then  # from the recorded state, to the bit

@@ -154,6 +154,10 @@ def test_a_name_is_forgotten_in_a_recording_that_is_too_long_to_be_read(
         connection.commit()
     code, text, _ = run("recordings", path, "--forget", "Ann")
     assert (code, text) == (0, f"{path}: the name is removed\n")
+    left = [each for each in folder.iterdir() if b"Ann" in each.read_bytes()]
+    assert left == []
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("SELECT count(*) FROM branches").fetchone() == (41,)
 
 
 def test_a_page_shows_so_many_marks_and_branches_and_tells_how_many_more(

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
+from helpers.waiting import eventually
 from soak.audit import same_bits
 
 from faults.disk import (
@@ -26,7 +27,7 @@ from faults.processes import (
     remove,
     stop_session,
 )
-from faults.rig import LOOK, PATIENCE, Bench, ForkServer, Tried
+from faults.rig import Bench, ForkServer, Tried
 from trainer.io.recording.recording import Recording
 
 SIDES: Final = 20  # [deg] the largest of the angles ordered before a plug is pulled
@@ -68,12 +69,7 @@ def is_read(end: int) -> bool:
     import fcntl  # noqa: PLC0415  not everywhere
     import termios  # noqa: PLC0415
 
-    patience = time.monotonic() + PATIENCE
-    while time.monotonic() < patience:
-        if not any(fcntl.ioctl(end, termios.FIONREAD, bytes(4))):
-            return True
-        time.sleep(LOOK)
-    return False
+    return eventually(lambda: not any(fcntl.ioctl(end, termios.FIONREAD, bytes(4))))
 
 
 def plug(port: Path) -> tuple[int, int]:
@@ -99,18 +95,18 @@ def close(ends: tuple[int, int]) -> None:
 
 def order_until_answered(end: int, degrees: int) -> bool:
     """Give an order until it is answered; return whether it is before long."""
-    patience = time.monotonic() + PATIENCE
     said, asked = b"", 0.0
-    while time.monotonic() < patience:
+
+    def is_answered() -> bool:
+        nonlocal said, asked
         if time.monotonic() > asked:
             os.write(end, b"\rrudder left %d\r" % degrees)
             asked = time.monotonic() + 1.0
         with contextlib.suppress(BlockingIOError):
             said = said[-1000:] + os.read(end, 65536)
-        if b"left %d, by hand" % degrees in said:
-            return True
-        time.sleep(LOOK)
-    return False
+        return b"left %d, by hand" % degrees in said
+
+    return eventually(is_answered)
 
 
 Fault = Callable[[Bench, int], Tried]

@@ -109,7 +109,7 @@ def stop_session(bench: Bench, times: int) -> Tried:
                 "by hand" in session.order(by, "rudder left 5"),
                 "an order is refused afterwards",
             )
-            time.sleep(0.1)
+            time.sleep(0.1)  # some ticks
         by.ask("quit")
     tried.must(bench.nursery.wait(session.process) == 0, bench.told())
     tried.orders = len(session.answered)
@@ -196,7 +196,7 @@ def clock_set(bench: Bench, times: int) -> Tried:
         with session.instructed() as by:
             for _ in range(times):
                 tried.times += 1
-                time.sleep(0.5)
+                time.sleep(0.5)  # the time of day leaps twice a second
                 tried.must(
                     "by hand" in session.order(by, "rudder left 5"),
                     "an order is refused",

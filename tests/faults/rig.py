@@ -6,7 +6,6 @@ import random
 import subprocess
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import IO, Any, Final, Self
 
 from helpers.places import tests_environment
+from helpers.waiting import eventually, once_it_can
 from soak.audit import Answered, Check, journal, lost_marks
 from soak.operators import Orders
 from soak.session_process import Caller, GoneError
@@ -148,9 +148,7 @@ def open_for(main: Main) -> None:
     tend(main, sys.stdin, answers)
 
 
-LOOK: Final = 0.005  # [s]
 MARKS: Final = 0.2  # [-] of a mark after an order
-PATIENCE: Final = 30.0  # [s]
 
 
 @dataclass
@@ -218,15 +216,7 @@ class Session:
     @contextmanager
     def instructed(self) -> Iterator[Caller]:
         """Yield a line of the instructor, once the session listens; GoneError if it does not."""
-        end = time.monotonic() + PATIENCE
-        by = None
-        while by is None:
-            try:
-                by = Caller(self.door)
-            except GoneError:
-                if time.monotonic() > end:
-                    raise
-                time.sleep(LOOK)
+        by = once_it_can(lambda: Caller(self.door), GoneError)
         try:
             by.ask("role instructor")
             yield by
@@ -270,22 +260,22 @@ def is_journalled(recording: Recording, session: Session) -> Check:
 
 def is_told(by: Caller, words: str) -> bool:
     """Return whether the session tells of it before long. What it has told is then forgotten."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
+
+    def is_come() -> bool:
         by.ask("snapshots")  # brings what has been told meanwhile
-        if any(words in news.fields[3] for news in by.news):
-            by.news.clear()
-            return True
-        time.sleep(LOOK)
-    return False
+        return any(words in news.fields[3] for news in by.news)
+
+    told = eventually(is_come)
+    if told:
+        by.news.clear()
+    return told
 
 
 def is_logged(by: Caller, words: str) -> bool:
     """Return whether it is in the session's log before long. It may be older than the line."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
+
+    def is_there() -> bool:
         by.ask("log 100")
-        if any(words in text for text in by.said):
-            return True
-        time.sleep(LOOK)
-    return False
+        return any(words in text for text in by.said)
+
+    return eventually(is_there)

@@ -31,7 +31,6 @@ BAND_EDGES: Final = np.concatenate(
     [[0.3, 0.5, 0.55], np.arange(0.6, 2.0001, 0.1), [2.25, 2.5, 3.0, 4.0, 6.0]]
 )
 HALF_BAND_EDGES: Final = np.arange(0.6, 2.0001, 0.05)
-FULL_BANDS: Final = slice(3, 17)  # those from 0.6 to 2
 FAR_WEIGHTS: Final = (0.6, 0.5, 0.4, 0.25, 0.12)  # of the bands beyond
 LOW_WEIGHTS: Final = (0.0, 0.02, 0.1)  # of the bands below
 HALF_BAND_WEIGHT: Final = 0.5

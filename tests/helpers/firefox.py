@@ -4,7 +4,6 @@ import json
 import shutil
 import socket
 import subprocess
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +13,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from helpers.installation import installed
 from helpers.pages import free_port
-from helpers.waiting import PATIENCE
+from helpers.waiting import PATIENCE, await_that, once_it_can
 
 
 @contextmanager
@@ -26,25 +25,12 @@ def firefox(profile: Path) -> Iterator["Tab"]:
     words = [program, "--headless", f"--remote-debugging-port={port}", "--profile", str(profile)]
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        await_port(port)
+        once_it_can(lambda: socket.create_connection(("127.0.0.1", port), 1.0).close(), OSError)
         with connect(f"ws://127.0.0.1:{port}/session", max_size=None) as line:
             yield Tab(line)
     finally:
         process.kill()
         process.wait(PATIENCE)
-
-
-def await_port(port: int) -> None:
-    """Wait until it can be driven."""
-    end = time.monotonic() + PATIENCE
-    while True:
-        try:
-            socket.create_connection(("127.0.0.1", port), 1.0).close()
-        except OSError:
-            assert time.monotonic() < end
-            time.sleep(0.2)
-        else:
-            return
 
 
 class Tab:
@@ -71,12 +57,9 @@ class Tab:
         """Open a page, and wait until all of it is there."""
         self.ask("browsingContext.navigate", context=self.context, url=url, wait="complete")
 
-    def await_that(self, script: str, patience: float = PATIENCE) -> None:
+    def await_that(self, script: str) -> None:
         """Wait until a script's expression is true."""
-        end = time.monotonic() + patience
-        while not self.evaluate(f"Boolean({script})"):
-            assert time.monotonic() < end, script
-            time.sleep(0.2)
+        await_that(lambda: self.evaluate(f"Boolean({script})"), lambda: script)
 
     def evaluate(self, script: str) -> Any:
         """Return what a script's expression comes to: a string or a number."""

@@ -10,11 +10,12 @@ import os
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 if TYPE_CHECKING:
     import subprocess
 
+Made = TypeVar("Made")
 PATIENCE: Final = 60.0  # [s] in which nothing that is waited for moves
 LOOK: Final = 0.02  # [s] between two looks
 MAX_WORK_S: Final = 30.0  # [s] of processor time, for what is waited for
@@ -33,6 +34,18 @@ def eventually(happened: Callable[[], object]) -> bool:
 def await_that(happened: Callable[[], object], told: Callable[[], object] = str) -> None:
     """Wait until something happens; where it does not, fail with what is told then."""
     assert eventually(happened), told()
+
+
+def once_it_can(make: Callable[[], Made], *failures: type[Exception]) -> Made:
+    """Return what is made, once it can be; where it cannot in time, its failure goes on."""
+    made: list[Made] = []
+
+    def is_made() -> bool:
+        with contextlib.suppress(*failures):
+            made.append(make())
+        return bool(made)
+
+    return made[0] if eventually(is_made) else make()
 
 
 def await_begun(

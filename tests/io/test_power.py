@@ -15,11 +15,11 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 from helpers.crewed import Crewed
 from helpers.givers import HELM
+from helpers.waiting import PATIENCE, eventually
 
 from trainer.io.recording import durability
 from trainer.io.recording import recording as recording_module
@@ -31,7 +31,6 @@ COMPILER = shutil.which("cc") or shutil.which("gcc")
 CUTS = 8  # of the power
 CUTS_OF_ONE = 20  # of one machine, whose recording grows meanwhile
 SECTOR = 512  # [bytes] that a disk writes whole
-WAIT_S = 60.0  # for a condition, on a slow machine
 STATE = b"state ".ljust(1944, b".")
 
 # Orders, marks, snapshots and branches at random, each printed once it was answered: what the
@@ -82,14 +81,6 @@ class Answer:
 
 def begin(path: Path) -> Recording:
     return Recording.create(path, {"vessel": "text"}, STATE)
-
-
-def within(seconds: float, holds: Callable[[], Any]) -> bool:
-    """Return whether something holds before so many seconds are over."""
-    end = time.monotonic() + seconds
-    while not holds() and time.monotonic() < end:
-        time.sleep(0.01)
-    return bool(holds())
 
 
 # The disk that has only what it was asked to keep
@@ -248,9 +239,9 @@ def cut_often(folder: Path, layer: Path, cuts: int, seed: int) -> None:
     dice = random.Random(seed)  # noqa: S311
     machine = Machine(folder, layer, seed)
     try:
-        assert within(WAIT_S, lambda: len(machine.answers()) > 1)
+        assert eventually(lambda: len(machine.answers()) > 1)
         for number in range(cuts):
-            time.sleep(dice.uniform(0.2, 0.7) if number else 1.5)
+            time.sleep(dice.uniform(0.2, 0.7) if number else 1.5)  # any instant
             with machine.stopped():
                 answers, synced, cached = machine.answers(), machine.synced(), machine.cached()
             for way in SPOILT:
@@ -272,7 +263,7 @@ def test_a_recording_that_is_begun_is_on_the_disk_with_its_header(
 ) -> None:
     machine = Machine(tmp_path, layer, seed=3)
     try:
-        assert within(WAIT_S, lambda: machine.path.exists() and machine.answers())
+        assert eventually(lambda: machine.path.exists() and machine.answers())
         with machine.stopped():
             found = restore(tmp_path / "again", machine.synced(), machine.cached(), "dropped", 0)
     finally:
@@ -305,7 +296,7 @@ class Disk:
 
     def fsync(self, _descriptor: int) -> None:
         self.asked += 1
-        assert self.free.wait(WAIT_S)
+        assert self.free.wait(PATIENCE)
         if self.refusal:
             raise self.refusal
 
@@ -326,12 +317,12 @@ def test_a_disk_that_does_not_answer_holds_no_order_up_and_is_behind(
         for tick in range(1, 20):
             recording.state(tick, STATE)
             recording.order(tick, HELM, f"order {tick}")
-        assert within(WAIT_S, lambda: recording.behind)
+        assert eventually(lambda: recording.behind)
         assert recording.behind == "it is slow"
         recording.order(20, HELM, "as ever")  # though the disk is still at it
         assert not recording.trouble
         disk.free.set()
-        assert within(WAIT_S, lambda: not recording.behind)
+        assert eventually(lambda: not recording.behind)
 
 
 def mark(recording: Recording) -> None:
@@ -362,10 +353,10 @@ def test_the_disk_is_asked_for_what_was_answered_and_not_at_once_for_ticks(
         recording.state(1, STATE)
         recording.event(1, "trouble", "", "something was late")
         recording.flush()
-        time.sleep(10 * durability.SYNC_PERIOD_S)
+        time.sleep(10 * durability.SYNC_PERIOD_S)  # in which the disk would be asked
         assert disk.asked == asked
         promise(recording)
-        assert within(WAIT_S, lambda: disk.asked > asked)
+        assert eventually(lambda: disk.asked > asked)
 
 
 def test_what_a_killed_program_left_unasked_is_brought_onto_the_disk_by_the_next(
@@ -380,7 +371,7 @@ def test_what_a_killed_program_left_unasked_is_brought_onto_the_disk_by_the_next
 
     with contextlib.closing(Recording.reopen(path)) as again:
         assert [each.text for each in again.orders(1)] == ["dive"]
-        assert within(3.0 * recording_module.SAFE_WITHIN_S, lambda: disk.asked)
+        assert eventually(lambda: disk.asked)
         assert not again.behind
 
 
@@ -395,14 +386,14 @@ def test_what_a_disk_refused_is_safe_only_once_it_was_brought_home(
         other.execute("SELECT count(*) FROM orders").fetchall()  # who looks back keeps it away
         disk.refusal = OSError(errno.EIO, refused)
         recording.order(1, HELM, "dive")
-        assert within(WAIT_S, lambda: recording.behind == refused)
+        assert eventually(lambda: recording.behind == refused)
         disk.refusal, asked = None, disk.asked
         recording.order(2, HELM, "dive again")
-        assert within(WAIT_S, lambda: disk.asked > asked)
+        assert eventually(lambda: disk.asked > asked)
         time.sleep(2 * durability.QUIET_S)
         assert recording.behind == refused  # what is granted now proves nothing
         other.close()
-        assert within(WAIT_S, lambda: not recording.behind)
+        assert eventually(lambda: not recording.behind)
 
 
 def test_a_disk_that_is_behind_is_told_once_and_its_end_too_though_time_is_frozen(
@@ -421,10 +412,10 @@ def test_a_disk_that_is_behind_is_told_once_and_its_end_too_though_time_is_froze
         ship.say(ship.instructor, "subscribe events")
         disk.free.clear()
         ship.order("depth 70")
-        assert within(WAIT_S, news)
+        assert eventually(news)
         ship.order("depth 71")
         disk.free.set()
-        assert within(WAIT_S, lambda: len(news()) > 1)
+        assert eventually(lambda: len(news()) > 1)
         time.sleep(2 * durability.QUIET_S)  # there is no more of it
         assert news() == [
             f"THE DISK IS BEHIND: it is slow; {UNSAFE_TEXT}",
@@ -445,7 +436,7 @@ def test_without_descriptors_left_a_recording_is_written_and_safe(tmp_path: Path
                 recording.order(tick, HELM, f"order {tick}")
             recording.snapshot("here", Moment(1, 20, STATE, 21, 0))
             recording.fork(Moment(1, 20, STATE, 21, 0), "backtrack")
-            time.sleep(2 * recording_module.SAFE_WITHIN_S)
+            time.sleep(2 * recording_module.SAFE_WITHIN_S)  # in which the disk is asked
             assert len(recording.orders(1)) == 50
             assert not recording.trouble
             assert recording.behind in ("", "it is slow")  # the file is open: nothing is refused
@@ -466,4 +457,4 @@ def test_a_recording_begun_without_descriptors_for_its_thread_is_behind_until_th
         recording.order(1, HELM, "dive")
         assert recording.behind == os.strerror(errno.EMFILE)
         monkeypatch.setattr(durability, "_open", opens)
-        assert within(WAIT_S, lambda: not recording.behind)
+        assert eventually(lambda: not recording.behind)

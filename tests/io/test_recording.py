@@ -21,7 +21,7 @@ from typing import Any
 
 import pytest
 from helpers.givers import HELM, giver_at
-from helpers.waiting import await_that
+from helpers.waiting import await_that, eventually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -162,17 +162,9 @@ def test_what_waits_is_written_before_long_though_nothing_follows(path: Path) ->
         recording.state(1, state_of(1))
         recording.timing(1, 300, 80_000)
         recording.event(1, "time", "", "frozen")
-        assert within(60.0, lambda: reader.latest().tick == 1)  # a second is promised
+        assert eventually(lambda: reader.latest().tick == 1)  # a second is promised
         assert [found for found, _, _ in reader.ledger(1)] == [1]
         assert [each.text for each in reader.events()] == ["frozen"]
-
-
-def within(seconds: float, holds: Callable[[], bool]) -> bool:
-    """Return whether something holds before so long a time is over."""
-    end = time.monotonic() + seconds
-    while not holds() and time.monotonic() < end:
-        time.sleep(0.01)
-    return holds()
 
 
 def test_an_order_is_on_disk_before_it_acts_and_all_before_it_too(path: Path) -> None:
@@ -382,7 +374,7 @@ for kill in range(int(sys.argv[2])):
         fly(path, told)
     os.close(told)
     begun = os.read(heard, 1) if kill % 2 else b""  # or killed while the file is made
-    time.sleep(dice.uniform(0.0, 0.1))
+    time.sleep(dice.uniform(0.0, 0.1))  # any instant
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     with os.fdopen(heard) as lines:
@@ -624,7 +616,7 @@ class Slow(sqlite3.Connection):
             and threading.current_thread().name != "checkpoints"
         ):
             Slow.begun += 1
-            time.sleep(0.3)
+            time.sleep(0.3)  # as a slow disk
         return super().execute(sql, *values)
 
 
@@ -668,7 +660,7 @@ def test_a_disk_that_answers_again_is_written_to_at_once(
         recording.order(1, HELM, "depth 50")
         assert "does not answer" in recording.trouble
         Held.answers.set()
-        assert within(60.0, lambda: not recording.trouble)
+        assert eventually(lambda: not recording.trouble)
         assert (recording.missing, recording.absences) == ("", 1)
         assert [each.text for each in recording.orders(1)] == ["depth 50"]
 
@@ -758,7 +750,7 @@ def test_a_full_disk_is_told_and_all_is_there_once_there_is_room_again(path: Pat
             told = rf"{re.escape(str(path))}: .+; all up to tick \d+ of branch 1 is kept"
             assert re.fullmatch(told, recording.trouble)
             assert recording.moment(1, 400) is None
-        assert within(60.0, lambda: not recording.trouble)
+        assert eventually(lambda: not recording.trouble)
         fly(recording, 401, 410)
         assert (recording.missing, recording.absences) == ("", 1)
     check_whole(path, 410)
@@ -791,7 +783,7 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
             assert time.monotonic() - began < 10 * recording_module.CALLER_WAIT_S
             assert "locked" in recording.trouble
             other.execute("COMMIT")
-        assert within(60.0, lambda: not recording.trouble)
+        assert eventually(lambda: not recording.trouble)
         assert recording.missing == ""
         assert [each.text for each in recording.events()] == ["here"]
     check_whole(path, 100)
@@ -814,12 +806,12 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
             assert recording.fork(Moment(1, 20, state_of(20), 4, 0), "backtrack") == 2
             fly(recording, 21, 40)
             other.execute("COMMIT")
-        assert within(60.0, lambda: recording.reachable)
+        assert eventually(lambda: recording.reachable)
         with monkeypatch.context() as unread:
             unread.setattr(recording, "last_tick", unreadable)
             assert not recording.go_on(Moment(2, 40, state_of(40), 16, 0))
         assert recording.trouble
-        assert within(60.0, lambda: recording.reachable)
+        assert eventually(lambda: recording.reachable)
         assert recording.go_on(Moment(2, 40, state_of(40), 16, 0))
         assert recording.trouble == ""
         recording.state(41, state_of(41))

@@ -420,7 +420,7 @@ def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
         while not (newcomers := hub.newcomers()):
             wake.wait(PATIENCE)
         newcomers[0].introduce()
-        time.sleep(0.5)
+        time.sleep(0.5)  # longer than the time to introduce oneself
         newcomers[0].send("welcome")
         assert read_lines(far, 1) == [b"welcome"]
 

@@ -489,7 +489,7 @@ def test_overruns_provoked_on_the_real_clock_are_counted_exactly() -> None:
         pacer.wait(wake)
         pacer.begin()
         if tick in chosen:
-            time.sleep(0.06)
+            time.sleep(0.06)  # longer than a step
         pacer.end()
 
     summary = pacer.ledger.summary()
@@ -536,7 +536,7 @@ def test_a_real_process_stopped_for_five_seconds_has_a_gap_and_no_burst() -> Non
         time.sleep(0.1)  # into the wait for the third
         child.send_signal(signal.SIGSTOP)
         stopped = time.monotonic()
-        time.sleep(5.0)
+        time.sleep(5.0)  # the gap
         child.send_signal(signal.SIGCONT)
         away = time.monotonic() - stopped
         ticks += [int(child.stdout.readline()) for _ in range(3)]

@@ -597,7 +597,7 @@ def test_a_slow_line_loses_nothing_of_the_past(crewed: Callable[..., Crewed]) ->
     ship.attach(late, "helm")
 
     assert ship.say(late, "history gauges 60 min")[0] == "ok"
-    time.sleep(0.1)
+    time.sleep(0.1)  # in which the thread that sends would send
     assert not [each for each in late.sent if each.startswith("$TRS")]
     while "end,gauges" not in ship.facts(late, "past"):
         late.taken = len(late.sent) + 10

@@ -17,13 +17,13 @@ from typing import Any
 
 import pytest
 from helpers.places import environment
+from helpers.waiting import PATIENCE, once_it_can
 
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import RecordedOrder, Recording
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills and forks of POSIX")
 
-PATIENCE = 60.0  # [s]
 SECONDS = 1800  # [s] of the exercise
 MAX = ("--headless", "--speed", "max")
 
@@ -298,18 +298,18 @@ def test_many_kills_at_any_instant_lose_no_bit(nursery: Nursery, exercise: Path)
 
 def dialled(path: Path) -> socket.socket:
     """Return a socket connected to a session that is about to listen there."""
-    end = time.monotonic() + PATIENCE
-    while True:
+
+    def connect() -> socket.socket:
         line = socket.socket(socket.AF_UNIX)
         line.settimeout(PATIENCE)
         try:
             line.connect(str(path))
         except OSError:
             line.close()
-            assert time.monotonic() < end
-            time.sleep(0.01)
-        else:
-            return line
+            raise
+        return line
+
+    return once_it_can(connect, OSError)
 
 
 UNMADE = ("run", "backtrack 8")  # orders that are not journalled
@@ -335,7 +335,7 @@ def drive(line: socket.socket, answers: int, dice: random.Random) -> tuple[list[
         answered += [words] if tag and words not in UNMADE else []
         done, what = said.fields
         kept = len(answered) if done == "ok" and not what.endswith("(not recorded)") else kept
-        time.sleep(dice.uniform(0.0, 0.01))
+        time.sleep(dice.uniform(0.0, 0.01))  # any instant
     return answered, kept
 
 
@@ -361,7 +361,7 @@ def kill_driven(nursery: Nursery, folder: Path, number: int, dice: random.Random
     with dialled(access) as line:
         answered, kept = drive(line, dice.randrange(1, 70), dice)
         line.sendall(b"bell ahead full\n")  # which may act or not
-        time.sleep(dice.uniform(0.0, 0.01))
+        time.sleep(dice.uniform(0.0, 0.01))  # any instant
         os.kill(child, signal.SIGKILL)
     assert nursery.ended()[0] == -signal.SIGKILL
 

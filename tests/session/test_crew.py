@@ -29,7 +29,6 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 KNOT = 1852.0 / 3600.0
-BACK_AND_FORTH = "backtrack 4 s", "branch 1"
 
 
 class Crew:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from helpers.places import environment
+from helpers.waiting import await_that, once_it_can
 from soak.session_process import Caller, GoneError
 
 from trainer.io.recording.recording import Recording
@@ -68,17 +69,14 @@ class Served:
 
     def caller(self, role: str) -> Caller:
         assert self._listening.wait(PATIENCE), self.told
-        end = time.monotonic() + ANSWER
-        while True:
-            try:
-                caller = Caller(self.where, ANSWER)
-                self.callers.append(caller)
-                assert caller.ask(f"role {role}")[0]
-            except GoneError:  # a session that ends, or the next that begins
-                assert time.monotonic() < end, self.told
-                time.sleep(0.1)
-            else:
-                return caller
+
+        def come() -> Caller:
+            caller = Caller(self.where, ANSWER)
+            self.callers.append(caller)
+            assert caller.ask(f"role {role}")[0]
+            return caller
+
+        return once_it_can(come, GoneError)  # a session that ends, or the next that begins
 
     def account(self) -> str:
         """Return what it says when it has ended; where all its threads are, if it does not end."""
@@ -102,14 +100,15 @@ class Served:
 
 def until(caller: Caller, text: str) -> str:
     """Return the news with some words once it has come."""
-    end = time.monotonic() + ANSWER
-    while True:
+    found: list[str] = []
+
+    def is_told() -> bool:
         caller.ask("who")
-        for news in caller.news:
-            if text in news.fields[3]:
-                return news.fields[3]
-        assert time.monotonic() < end, [news.fields for news in caller.news]
-        time.sleep(0.05)
+        found.extend(news.fields[3] for news in caller.news if text in news.fields[3])
+        return bool(found)
+
+    await_that(is_told, lambda: [news.fields for news in caller.news])
+    return found[0]
 
 
 @pytest.fixture

@@ -4,13 +4,13 @@ import contextlib
 import re
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from helpers.places import ROOT
 from helpers.rewording import OTHER, Rewording
+from helpers.waiting import await_that
 
 from trainer.console.client import Client
 from trainer.console.layouts import LAYOUTS, wishes
@@ -20,7 +20,6 @@ from trainer.io.orders import sentences
 pytestmark = pytest.mark.process
 
 TRAINER = [sys.executable, "-m", "trainer"]
-PATIENCE = 60.0  # [s]
 
 
 @pytest.fixture
@@ -41,11 +40,12 @@ def port(tmp_path: Path) -> Iterator[Rewording]:
 
 def until(sight: SessionModel, true: Callable[[], object]) -> None:
     """Let a screen hear until something is true of it."""
-    end = time.monotonic() + PATIENCE
-    while not true():
-        assert time.monotonic() < end
+
+    def is_true() -> object:
         sight.hear()
-        time.sleep(0.02)
+        return true()
+
+    await_that(is_true)
 
 
 def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewording) -> None:

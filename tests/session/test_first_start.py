@@ -17,6 +17,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from helpers.waiting import await_that
 
 import trainer
 from trainer.boat import compilation
@@ -128,9 +129,7 @@ def all_but_the_mark(cache: Path) -> Iterator[Callable[[], None]]:
 
 def once_at_sea(record: Path, do: Callable[[], object]) -> None:
     """Do something a second after a run of another process has begun to record."""
-    until = time.monotonic() + 120.0
-    while not record.exists() and time.monotonic() < until:
-        time.sleep(0.05)
+    await_that(record.exists)
     time.sleep(1.0)
     do()
 

@@ -6,12 +6,13 @@ import random
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from helpers.waiting import PATIENCE, eventually
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -26,16 +27,7 @@ from trainer.io.status_line import StatusView, header, state_line
 from trainer.session.options import RunOptions
 from trainer.session.ports import Ports
 
-PATIENCE = 60.0  # [s]  far beyond what any wait here needs
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
-
-
-def eventually(happened: Callable[[], object]) -> bool:
-    """Return whether it happens within the patience."""
-    end = time.monotonic() + PATIENCE
-    while not happened() and time.monotonic() < end:
-        time.sleep(0.005)
-    return bool(happened())
 
 
 # Lines
@@ -220,7 +212,7 @@ def test_a_flood_that_nobody_takes_is_held_back_and_the_inbox_still_closes() -> 
 
     inbox = Inbox(flood, threading.Event(), capacity=50)
     assert eventually(lambda: len(inbox._lines) == 50)  # noqa: SLF001  take() would empty it
-    time.sleep(0.05)
+    time.sleep(0.05)  # in which it would read again
 
     assert reads == 1
     inbox.close(PATIENCE)

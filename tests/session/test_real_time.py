@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 from helpers.places import environment
+from helpers.waiting import PATIENCE, eventually
 
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import RecordedEvent, Recording
@@ -26,7 +27,6 @@ pytestmark = [
 ]
 
 COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
-PATIENCE = 60.0  # [s] a first run compiles
 SOAK = float(os.environ.get("TRAINER_SOAK", "8"))  # [s]
 FUZZ = 100_000 if "TRAINER_SOAK" in os.environ else 20_000  # [lines]
 FLAT = 6_000  # [kB] that a process may grow by and call it flat: caches of what was said
@@ -203,16 +203,6 @@ def come(descriptor: int) -> bytes:
         return b""
 
 
-def eventually(happened: Callable[[], object]) -> bool:
-    """Return whether it happens within the patience."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        if happened():
-            return True
-        time.sleep(0.02)
-    return False
-
-
 def replayed(path: Path) -> str:
     """Return what `trainer replay` says of a recording."""
     with trained("replay", str(path)) as process:
@@ -272,7 +262,7 @@ def test_no_tick_is_missed_among_hung_and_babbling_stations(
             assert by.ask(next(orders))[0] == "ok"
             os.write(helm, b"rudder right 10\r")
             said = said[-1000:] + come(helm)
-            time.sleep(0.1)
+            time.sleep(0.1)  # as somebody types
         _, _, *accounts = by.ask("who")
         stop.set()
         noise.join()
@@ -354,7 +344,7 @@ def fuzz(session: Served, lines: int, seed: int) -> None:
                 waiting = waiting[client.line.send(waiting) :]
             with contextlib.suppress(BlockingIOError):
                 said = said[-50:] + client.line.recv(65536)
-            time.sleep(0.002)
+            time.sleep(0.002)  # babbling, and not alone on the machine
 
 
 def fuzz_all(session: Served, lines: int) -> None:

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.places import ROOT
+from helpers.waiting import await_that
 
 from trainer.analysis.recording_export import export_file
 from trainer.config.files import ConfigError
@@ -393,8 +394,7 @@ def test_where_there_is_a_screen_a_viewer_is_opened_and_stays(
     done = trainer(*HEADLESS, *words, env=screen, cwd=tmp_path)
     opened = int((tmp_path / "pid").read_text())
     os.kill(opened, signal.SIGINT)  # it is there
-    while Path(f"/proc/{opened}").exists():
-        time.sleep(0.05)
+    await_that(lambda: not Path(f"/proc/{opened}").exists())
 
     assert (done.returncode, done.stderr) == (0, "")
     depth = column(contents(tmp_path / "seen.rrd"), "/charts/depth_m", ":scalars")
@@ -422,10 +422,14 @@ def test_a_viewer_that_dies_or_hangs_costs_the_run_one_line(
 
 def await_connection(pid: int, where: str) -> None:
     """Wait for a connection that lasts: the first is only a look whether somebody is there."""
-    until, seen = time.monotonic() + PATIENCE, 0
-    while seen < 5 and time.monotonic() < until:
+    seen = 0
+
+    def lasts() -> bool:
+        nonlocal seen
         seen = seen + 1 if connected(pid, where) else 0
-        time.sleep(0.05)
+        return seen == 12
+
+    await_that(lasts)
 
 
 def connected(pid: int, where: str) -> bool:

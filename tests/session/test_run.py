@@ -387,7 +387,7 @@ def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: St
     reached(process, "00:00:02")
     process.send_signal(signal.SIGSTOP)
     stopped = time.monotonic()
-    time.sleep(2.0)
+    time.sleep(2.0)  # the gap
     process.send_signal(signal.SIGCONT)
     gap = time.monotonic() - stopped  # [s] longer where this process was held up too
     told = heard(process, "the process was not running for")

@@ -6,12 +6,12 @@ import socket
 import ssl
 import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from helpers.pages import Served
-from helpers.waiting import PATIENCE
+from helpers.waiting import PATIENCE, await_that
 from helpers.wire import Pages, dialled, make_certificate, pages, request
 from websockets.exceptions import InvalidStatus
 
@@ -32,13 +32,6 @@ ANOTHER = "127.0.0.2"  # stands for another machine, where `many_machines` is as
 THIRD = "127.0.0.3"
 FEW = ConnectionRoom(here=6, elsewhere=6, machine=4)
 SHORT_S = 1.0
-
-
-def wait_until(happened: Callable[[], object]) -> None:
-    end = time.monotonic() + PATIENCE
-    while not happened():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 @pytest.fixture
@@ -149,7 +142,7 @@ def test_who_sends_no_whole_request_is_cut_off(beginning: str, trickles: bool) -
                 if trickles:
                     end.sendall(b"x")
         assert time.monotonic() < give_up
-        wait_until(lambda: not stub.machines)
+        await_that(lambda: not stub.machines)
 
 
 @pytest.mark.process
@@ -159,7 +152,7 @@ def test_who_never_ends_a_handshake_of_tls_is_cut_off(tmp_path: Path) -> None:
     with pages(certificate=certificate) as stub, connected(stub.port, 1) as (end,):
         end.sendall(b"\x16\x03\x01")
         assert rest_of(end) == b""
-        wait_until(lambda: not stub.machines)
+        await_that(lambda: not stub.machines)
 
 
 @pytest.mark.usefixtures("hurried")
@@ -170,13 +163,13 @@ def test_who_takes_no_answer_is_cut_off() -> None:
         with contextlib.suppress(ConnectionError):
             end.sendall(asked.encode() * 1000)
         assert b" 200 OK" in end.recv(100)
-        wait_until(lambda: not stub.machines)
+        await_that(lambda: not stub.machines)
 
 
 @pytest.mark.usefixtures("hurried")
 def test_an_open_line_may_be_silent() -> None:
     with pages() as stub, dialled(stub.port) as line:
-        wait_until(lambda: stub.sessions)
+        await_that(lambda: stub.sessions)
         with contextlib.suppress(TimeoutError):
             line.recv(3.0 * SHORT_S)
         stub.sessions[0].sendall(b"still here\n")
@@ -190,11 +183,11 @@ def test_a_line_that_is_not_read_is_closed_for_good() -> None:
         pages(ws_ping_interval=0.1, ws_ping_timeout=0.5) as stub,
         upgraded(stub.port),
     ):
-        wait_until(lambda: stub.sessions)
+        await_that(lambda: stub.sessions)
         with contextlib.suppress(OSError):  # the line is closed meanwhile
             for _ in range(100_000):
                 stub.sessions[0].sendall(line)
-        wait_until(lambda: not stub.machines)
+        await_that(lambda: not stub.machines)
 
 
 FLOODS = {
@@ -206,7 +199,7 @@ FLOODS = {
 @pytest.mark.parametrize("flood", FLOODS)
 def test_a_flood_of_bytes_that_are_no_line_is_cut_off(flood: str) -> None:
     with pages() as stub, dialled(stub.port) as other:
-        wait_until(lambda: stub.sessions)  # a page is let in before its session is dialled
+        await_that(lambda: stub.sessions)  # a page is let in before its session is dialled
         (session_of_other,) = stub.sessions
         with upgraded(stub.port) as end:
             end.sendall(b"\x01\x80\0\0\0\0")  # the first frame of a text
@@ -321,7 +314,7 @@ def test_a_crowd_that_comes_and_goes_leaves_nothing_behind() -> None:
                     pass
                 with connected(stub.port, 2 * MAX_FAREWELLS, ANOTHER):
                     pass
-        wait_until(lambda: not stub.machines)
+        await_that(lambda: not stub.machines)
         with connected(stub.port, 1, ANOTHER) as (end,):
             assert b" 200 OK" in got_from(end, stub.port)
 
@@ -331,7 +324,7 @@ def test_who_says_he_speaks_for_another_machine_is_counted_as_himself() -> None:
     with pages() as stub, contextlib.ExitStack() as lines:
         for _ in range(MAX_PAGES_OF_MACHINE + 1):
             lines.enter_context(dialled(stub.port, headers=forwarded))
-        wait_until(lambda: len(stub.sessions) == MAX_PAGES_OF_MACHINE + 1)
+        await_that(lambda: len(stub.sessions) == MAX_PAGES_OF_MACHINE + 1)
         assert set(stub.machines) == {THIS_MACHINE}
         origin = f"http://127.0.0.1:{stub.port}"
         kept = request(

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import pytest
 from helpers.pages import Served
-from helpers.waiting import PATIENCE
+from helpers.waiting import await_that
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
@@ -94,14 +94,13 @@ class Officer:
 
 def marks(instructor: Caller) -> list[str]:
     """Return what the session gives for the exercise, once it is judged."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
+
+    def said() -> list[str]:
         assert instructor.ask("who")[0]
-        said = [each.fields[3] for each in instructor.news if each.fields[2] == "exercise"]
-        if any("marks of 100" in each for each in said):
-            return said
-        time.sleep(LOOK)
-    raise AssertionError("no marks")
+        return [each.fields[3] for each in instructor.news if each.fields[2] == "exercise"]
+
+    await_that(lambda: any("marks of 100" in each for each in said()))
+    return said()
 
 
 @pytest.mark.slow
@@ -122,6 +121,6 @@ def test_a_crew_of_three_brings_periscope_depth_to_its_full_marks(serve: Serve, 
         officer.work()
         if officer.up > before:
             assert instructor.ask(f"time x{KEEPING}")[0]
-        time.sleep(LOOK)
+        time.sleep(LOOK)  # a crew looks, and lets the boat go on
 
     assert "marks: won, 100 marks of 100" in marks(instructor), instructor.news

@@ -1,12 +1,11 @@
 """Debriefs are served to whom the session has told of them, and nothing else is."""
 
 import contextlib
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.waiting import PATIENCE
+from helpers.waiting import await_that
 from helpers.wire import Pages, dialled, hear, pages, request
 from websockets.sync.client import ClientConnection
 
@@ -37,10 +36,7 @@ def opened(served: Pages) -> Iterator[ClientConnection]:
     """Yield a page's line that has come through to the session."""
     before = len(served.sessions)
     with dialled(served.port) as line:
-        end = time.monotonic() + PATIENCE
-        while len(served.sessions) == before:
-            assert time.monotonic() < end
-            time.sleep(0.01)
+        await_that(lambda: len(served.sessions) != before)
         yield line
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from helpers.pages import QUIET, Served, find_chromium, free_port
-from helpers.waiting import PATIENCE
+from helpers.waiting import PATIENCE, once_it_can
 from playwright.sync_api import Browser, Error, Page, expect
 from soak.session_process import Caller
 
@@ -41,13 +41,7 @@ def tablet(folder: Path) -> Iterator[tuple[int, str]]:
 
 def driven(browser: Browser, where: str) -> Browser:
     """Return that browser, once it answers."""
-    end = time.monotonic() + PATIENCE
-    while True:
-        try:
-            return browser.browser_type.connect_over_cdp(where)
-        except Error:
-            assert time.monotonic() < end
-            time.sleep(0.2)
+    return once_it_can(lambda: browser.browser_type.connect_over_cdp(where), Error)
 
 
 def aboard(instructor: Caller) -> int:

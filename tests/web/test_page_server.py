@@ -654,7 +654,7 @@ def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve
     both = (session.process.pid, server)
     for process in both:
         os.kill(process, signal.SIGSTOP)
-    time.sleep(SILENCE_TIMEOUT_S + 2)
+    time.sleep(SILENCE_TIMEOUT_S + 2)  # both are away for longer than one may be
     for process in both:
         os.kill(process, signal.SIGCONT)
 

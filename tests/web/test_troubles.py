@@ -1,13 +1,13 @@
 """A session with a page and a station open runs out of disk or descriptors, and gets them back."""
 
 import contextlib
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from subprocess import Popen
 
 import pytest
 from helpers.pages import served
+from helpers.waiting import eventually
 from helpers.wire import ask, dialled
 
 from trainer.io.recording.recording import Recording
@@ -18,7 +18,6 @@ pytestmark = [
     pytest.mark.process,
     pytest.mark.skipif(PRLIMIT is None, reason="limits of another process: Linux"),
 ]
-WAIT_S = 60.0
 ORDERS = [f"rudder right {angle}" for angle in range(3, 13)]
 LARGEST_FILE = 200_000  # [bytes] where the disk is full
 
@@ -31,14 +30,6 @@ def limited(process: Popen[str], what: int, most: int) -> Iterator[None]:
     PRLIMIT(process.pid, what, (most, before[1]))
     yield
     PRLIMIT(process.pid, what, before)
-
-
-def within(seconds: float, holds: Callable[[], bool]) -> bool:
-    """Return whether something holds before so many seconds are over."""
-    end = time.monotonic() + seconds
-    while not holds() and time.monotonic() < end:
-        time.sleep(0.05)
-    return holds()
 
 
 def check_recorded(path: Path) -> None:
@@ -76,7 +67,7 @@ def test_a_full_disk_stops_no_page_and_no_station_and_loses_nothing(tmp_path: Pa
                 news = [each.fields for each in instructor.news]
                 return [text for *_, kind, text in news if kind == "trouble"]
 
-            assert within(WAIT_S, lambda: "recorded again in branch 1; nothing is lost" in told())
+            assert eventually(lambda: "recorded again in branch 1; nothing is lost" in told())
             assert told()[0].startswith(f"NOT RECORDED: {path}: ")
             assert instructor.ask("snapshot here")[0]
     check_recorded(path)

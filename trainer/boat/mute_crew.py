@@ -6,8 +6,10 @@ of it can take over and speak.
 """
 
 from collections.abc import Iterable
+from operator import itemgetter
 
 from trainer.boat.boat import Boat
+from trainer.boat.crew_hands import TIME_ROUNDING_S
 from trainer.boat.helm import obey_order
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew, RuleProgress
 from trainer.boat.world.world import WORLD_PARTS
@@ -59,10 +61,11 @@ class MuteCrew:
             hand.find_ordered()
         return self.crew
 
-    def pending(self) -> list[RuleProgress]:
-        """Return the rules whose order is overdue, the earliest first."""
-        due = [each for each in self.crew.followed if self.crew.is_due(each)]
-        return sorted(due, key=lambda progress: progress.due or 0.0)
+    def pending(self, now: float) -> list[RuleProgress]:
+        """Return the rules whose order is overdue at a time [s], the earliest first."""
+        due = [(each.due, each) for each in self.crew.followed if each.due is not None]
+        late = [(at, each) for at, each in due if at < now + TIME_ROUNDING_S]
+        return [each for _, each in sorted(late, key=itemgetter(0))]
 
     def _stands(self, order: Order) -> bool:
         """Return whether an order would change nothing of the boat.

@@ -215,19 +215,17 @@ class ReferenceCrew:
             self._switch(order)
 
     def come_late(self) -> None:
-        """Take up what is overdue, each order after its own reaction.
+        """Take up what is overdue.
 
-        A rule whose cause is over waits for it again.
+        It is given at once, because its reaction has passed since its cause came. A rule whose
+        cause is over waits for it again.
         """
         now = self.boat.time
         for progress in self.followed:
             if progress.due is None or progress.due >= now - TIME_ROUNDING_S:
                 continue
-            row = progress.rule.row
-            if row.when is not None and self._begun(progress) is None:
+            if progress.rule.row.when is not None and self._begun(progress) is None:
                 progress.due = None
-            else:
-                progress.due = now + (row.after_s or 0.0) + self.reaction.delay()
 
     def _stamp(self, axis: str | None) -> float:
         """Return which order to the crew stands on an axis, by its tick in the state; 0 none."""

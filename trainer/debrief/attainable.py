@@ -20,9 +20,16 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.mute_crew import MuteCrew
+from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.reference_crew import MARK_ORDER
+from trainer.debrief.attainable_stretches import (
+    WORTH_MARKS,
+    AttainablePoint,
+    MarkStretch,
+    changed_stretches,
+    without_luck,
+)
 from trainer.debrief.episodes import crew_orders
 from trainer.debrief.judgement import before_gate, marks_given, share_of
 from trainer.debrief.reference import can_fly, join_runs
@@ -39,17 +46,21 @@ from trainer.debrief.rehearsal import (
 )
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
+from trainer.io.orders.grammar import Order, name_of, parse
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.plan import Plan
 
 POINT_PERIOD_S: Final = 10.0  # [s] from point to point where little changes
 FINEST_PERIOD_S: Final = 1.0  # [s] down to which a change is halved
-WORTH_MARKS: Final = 3.0  # [%] of marks from which a change is looked into, and told
-STEADY_MARKS: Final = 0.5  # [%] less from point to point is no fall: rounding, and the sea
 MAX_TRIED_ORDERS: Final = 12  # orders left out one after another to explain one change
 SUSPECT_TIME_S: Final = 10.0  # [s] before a change begins, in which an order may have caused it
 CAUSE_SHARE: Final = 0.5  # [-] of a change that a cause must account for
+HAND_CONTROLS: Final = {  # what the reference crew's hands work, and the orders that do
+    "planesman": ("planes", frozenset({"stern", "bow", "planes"})),
+    "helmsman": ("rudder", frozenset({"rudder"})),
+}
+FILE_GIVER: Final = Giver(GiverKind.SCHEDULE, "schedule", "the file of orders")
 COMPARED_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi", "u")  # of a run flown again
 OWN_KINDS: Final = (GiverKind.STATION, GiverKind.PLAN)  # who gives orders of people's own
 
@@ -59,17 +70,6 @@ class NoCurve(Exception):  # noqa: N818 (it is an answer, not a fault)
     """There is no curve, and why."""
 
     why: str
-
-
-@dataclass(frozen=True)
-class AttainablePoint:
-    """The marks to be had from one moment on, and the outcome."""
-
-    tick: int
-    marks: float  # [%]
-    won: bool
-    lost: bool
-    card: Scorecard | None = None  # of that run
 
 
 class ChangeCause(Enum):
@@ -110,6 +110,8 @@ class MarkChange:
     cause: ChangeCause
     order: str = ""  # that was given, or did not come
     tick: int | None = None  # when it was given, or due
+    came: int | None = None  # [tick] when one that was missing was given after all
+    untouched: tuple[str, ...] = ()  # controls that nobody had worked
     who: str = ""  # gave it
     falls: tuple[SteepFall, ...] = ()  # the steep ones within it
 
@@ -144,6 +146,7 @@ class RunExplorer:
     points: dict[int, AttainablePoint] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.crew = orders_of_people(self.trajectory, self.plan)
         self.plan = self.plan.alone()
         self.recorded = orders_by_tick(self.trajectory)
         self.later = orders_beside_crew(self.trajectory, self.plan)
@@ -220,7 +223,34 @@ class RunExplorer:
     def pending(self, tick: int) -> list[RuleProgress]:
         """Return the rules of the reference crew that were overdue at a tick."""
         departure = self.departures.get(tick) or self.departures[max(self.departures)]
-        return departure.crew.pending() if departure.crew else []
+        return departure.crew.pending(tick * self.step) if departure.crew else []
+
+    def overdue(self, begin: int, end: int) -> RuleProgress | None:
+        """Return the first rule that was overdue in a stretch."""
+        ticks = (tick for tick in sorted(self.departures) if begin <= tick <= end)
+        return next((late[0] for tick in ticks if (late := self.pending(tick))), None)
+
+    def untouched(self, end: int) -> tuple[str, ...]:
+        """Return the controls that the reference crew works, and nobody had by a tick."""
+        departure = self.departures.get(end) or self.departures[max(self.departures)]
+        hands = departure.crew.crew.hands if departure.crew else {}
+        given = {name_of(each.text) for each in self.crew if each.tick < end}
+        return tuple(
+            name
+            for hand, (name, orders) in HAND_CONTROLS.items()
+            if hand in hands and not given & orders
+        )
+
+    def came(self, order: Order, due: int) -> int | None:
+        """Return when [tick] an order that was due was given, None if never."""
+        later = (
+            each for tick in sorted(self.recorded) if tick >= due for each in self.recorded[tick]
+        )
+        given = ((each.tick, parse(each.text)) for each in later)
+        same = (
+            at for at, other in given if isinstance(other, Order) and is_same_order(order, other)
+        )
+        return next(same, None)
 
 
 def point_of(tick: int, card: Scorecard) -> AttainablePoint:
@@ -240,6 +270,17 @@ def orders_by_tick(trajectory: Trajectory) -> OrdersByTick:
         if entry.accepted is not False:
             by_tick[entry.tick].append(entry)
     return by_tick
+
+
+def orders_of_people(trajectory: Trajectory, plan: Plan) -> tuple[RecordedOrder, ...]:
+    """Return the orders that somebody chose: the crew's, and those of ``--orders``."""
+    added = {i for i, each in enumerate(plan.schedule) if each not in plan.own_schedule}
+    by_file = [
+        replace(each, giver=FILE_GIVER)
+        for each in trajectory.orders
+        if each.place in added and each.accepted is not False
+    ]
+    return tuple(sorted((*crew_orders(trajectory), *by_file), key=lambda each: each.tick))
 
 
 def orders_beside_crew(trajectory: Trajectory, plan: Plan) -> OrdersByTick:
@@ -273,7 +314,13 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
     points = tuple(run.points[tick] for tick in sorted(run.points))
     cut_short = run.last < last_tick(run.plan) and not points[-1].lost
     flown = points[:-1] if cut_short else points
-    changes = join_changes(explain(run, *stretch) for stretch in changed_stretches(flown))
+    level = without_luck(flown, [each.tick for each in run.crew])
+    stretches = changed_stretches(level, run.step)
+    changes = join_changes(
+        change
+        for stretch in stretches
+        for change in sorted(explain(run, stretch), key=lambda each: each.tick or each.begin)
+    )
     rest = points[-1].marks - flown[-1].marks
     if abs(rest) > WORTH_MARKS:
         cause = ChangeCause.RECORD_ENDS
@@ -310,34 +357,13 @@ def halve(run: RunExplorer, before: int, after: int) -> None:
         halve(run, middle, after)
 
 
-def changed_stretches(
-    points: tuple[AttainablePoint, ...],
-) -> Iterator[tuple[AttainablePoint, AttainablePoint]]:
-    """Yield begin and end of each stretch over which the marks fall or rise.
-
-    One that changes them by WORTH_MARKS or less is left out. It ends where they stay, or turn.
-    """
-    begin = None
-    for before, after in pairwise(points):
-        step = after.marks - before.marks
-        moving = abs(step) >= STEADY_MARKS
-        if begin is not None and (not moving or (step < 0.0) != (before.marks < begin.marks)):
-            if abs(before.marks - begin.marks) > WORTH_MARKS:
-                yield begin, before
-            begin = None
-        if moving and begin is None:
-            begin = before
-    if begin is not None and abs(points[-1].marks - begin.marks) > WORTH_MARKS:
-        yield begin, points[-1]
-
-
 def join_changes(changes: Iterable[MarkChange]) -> list[MarkChange]:
     """Return the changes, those of one cause that follow each other as one."""
     joined: list[MarkChange] = []
     for change in changes:
         last = joined[-1] if joined else None
-        alike = (change.cause, change.order, change.tick)
-        if last is not None and alike == (last.cause, last.order, last.tick):
+        alike = (change.cause, change.order, change.tick, change.untouched)
+        if last and alike == (last.cause, last.order, last.tick, last.untouched):
             marks, falls = last.marks + change.marks, join_falls((*last.falls, *change.falls))
             joined[-1] = replace(last, end=change.end, marks=marks, falls=falls)
         else:
@@ -345,24 +371,43 @@ def join_changes(changes: Iterable[MarkChange]) -> list[MarkChange]:
     return joined
 
 
-def suspects(run: RunExplorer, begin: int, end: int) -> list[RecordedOrder]:
-    """Return the crew's orders that may have caused a change: those nearest to its begin.
+def suspects(run: RunExplorer, stretch: MarkStretch) -> list[RecordedOrder]:
+    """Return the crew's orders that may have caused a fall: those nearest to its begin.
 
-    A wrong order costs nothing as long as a careful crew could still put it right, so that orders
-    of some seconds before are among them.
+    They came before half of it had. A wrong order costs nothing as long as a careful crew could
+    still put it right, so that orders of some seconds before are among them; without any, the last.
     """
-    before = begin - round(SUSPECT_TIME_S / run.step)
-    given = [each for each in crew_orders(run.trajectory) if before <= each.tick < end]
-    return sorted(given, key=lambda each: abs(each.tick - begin))[:MAX_TRIED_ORDERS]
+    before = stretch.begin.tick - round(SUSPECT_TIME_S / run.step)
+    given = [each for each in run.crew if each.tick < stretch.half.tick]
+    near = [each for each in given if before <= each.tick] or given[-1:]
+    return sorted(near, key=lambda each: abs(each.tick - stretch.begin.tick))[:MAX_TRIED_ORDERS]
 
 
-def steep_falls(run: RunExplorer, begin: int, end: int) -> tuple[SteepFall, ...]:
-    """Return the steep falls between two points, those of one kind as one."""
-    stride = max(round(FINEST_PERIOD_S / run.step), 1)
-    points = [run.points[tick] for tick in sorted(run.points) if begin <= tick <= end]
+def worst_order(run: RunExplorer, stretch: MarkStretch) -> tuple[RecordedOrder, float] | None:
+    """Return the order that caused a fall, and its share of it.
+
+    It is left out up to the end of the fall, then up to its half: where nobody does anything else,
+    a fatal order saves nothing in the end. There it is named for less, if nothing was overdue.
+    """
+    given = suspects(run, stretch)
+    for point in (stretch.end, stretch.half):
+        lost = stretch.begin.marks - point.marks
+        if not given or lost <= 0.0 or not (point.tick in run.departures or point.tick >= run.last):
+            continue
+        saved = {each.id: run.without(each, point.tick) - point.marks for each in given}
+        worst = max(given, key=lambda each: saved[each.id])
+        alone = point is stretch.half and not run.pending(point.tick)
+        if saved[worst.id] >= (WORTH_MARKS if alone else CAUSE_SHARE * lost):
+            return worst, min(saved[worst.id] / lost, 1.0)
+    return None
+
+
+def steep_falls(stretch: MarkStretch, step: float) -> tuple[SteepFall, ...]:
+    """Return the steep falls of a stretch, those of one kind as one."""
+    stride = max(round(FINEST_PERIOD_S / step), 1)
     return join_falls(
         SteepFall(after.tick, before.marks - after.marks, *what_passes(before, after))
-        for before, after in pairwise(points)
+        for before, after in pairwise(stretch.points)
         if after.tick - before.tick <= stride and before.marks - after.marks > WORTH_MARKS
     )
 
@@ -405,30 +450,30 @@ def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[Passed
     return PassedKind.RULE, max(earned[0], key=lambda name: earned[0][name] - earned[1][name])
 
 
-def explain(run: RunExplorer, begin: AttainablePoint, end: AttainablePoint) -> MarkChange:
-    """Return a change with its cause: the order without which it would not have been.
+def explain(run: RunExplorer, stretch: MarkStretch) -> Iterator[MarkChange]:
+    """Yield a change with its cause: the order without which it would not have been.
 
-    Else it is the order that was overdue, or the way in which planes and rudder were worked.
+    What is lost beside that, or without any such order, is that of the order that was overdue, or
+    of the way in which planes and rudder were worked.
     """
-    change = MarkChange(begin.tick, end.tick, end.marks - begin.marks, ChangeCause.BETTER)
+    begin, end = stretch.begin.tick, stretch.end.tick
+    change = MarkChange(begin, end, stretch.marks, ChangeCause.BETTER)
     if change.marks > 0.0:
-        return change
-    change = replace(change, falls=steep_falls(run, begin.tick, end.tick))
-    given = suspects(run, begin.tick, end.tick)
-    if end.tick in run.departures or end.tick >= run.last:
-        saved = {each.id: run.without(each, end.tick) - end.marks for each in given}
-        worst = max(given, key=lambda each: saved[each.id], default=None)
-        if worst is not None and saved[worst.id] >= -CAUSE_SHARE * change.marks:
-            return replace(
-                change,
-                cause=ChangeCause.ORDER,
-                order=worst.text,
-                tick=worst.tick,
-                who=worst.who,
-                marks=-saved[worst.id],
-            )
-    late = run.pending(end.tick)
-    if late:
-        due = math.ceil((late[0].due or 0.0) / run.step - 1e-9)
-        return replace(change, cause=ChangeCause.MISSING, order=late[0].rule.order.text, tick=due)
-    return replace(change, cause=ChangeCause.STEERING)
+        yield change
+        return
+    change = replace(change, falls=steep_falls(stretch, run.step))
+    if worst := worst_order(run, stretch):
+        order, share = worst
+        rest = (1.0 - share) * change.marks
+        share = 1.0 if abs(rest) <= WORTH_MARKS else share
+        by_order = replace(change, cause=ChangeCause.ORDER, order=order.text, tick=order.tick)
+        yield replace(by_order, who=order.who, marks=share * change.marks)
+        if share == 1.0:
+            return
+        change = replace(change, marks=rest, falls=())
+    if late := run.overdue(begin, end):
+        order_due, due = late.rule.order, math.ceil((late.due or 0.0) / run.step - 1e-9)
+        missing = replace(change, cause=ChangeCause.MISSING, order=order_due.text, tick=due)
+        yield replace(missing, came=run.came(order_due, due))
+    else:
+        yield replace(change, cause=ChangeCause.STEERING, untouched=run.untouched(end))

@@ -4,6 +4,7 @@
 ``--json`` take words and numbers of it from here, so that all three say the same.
 """
 
+import math
 from collections.abc import Iterator
 from typing import Any, Final
 
@@ -59,17 +60,22 @@ def _fall_words(fall: SteepFall, step: float) -> str:
 def _cause_words(change: MarkChange, step: float) -> str:
     begin, end, marks = clock(change.begin * step), clock(change.end * step), abs(change.marks)
     amount = f"{marks:.0f} mark{'' if round(marks) == 1 else 's'}"
-    at = "" if change.tick is None else clock(change.tick * step)
+    at = "" if change.tick is None else clock(math.floor(change.tick * step))
+    came = "did not come"
+    if change.came is not None and change.tick is not None:
+        late = math.ceil((change.came - change.tick) * step)
+        came = f"came {late} s late, at {clock(math.floor(change.came * step))}"
     if change.cause is ChangeCause.BETTER:
         return f"{begin} to {end}: {amount} won, the crew did better than the reference crew."
     if change.cause is ChangeCause.ORDER:
         return f'{at}: "{change.order}", by {change.who}, cost {amount}.'
     if change.cause is ChangeCause.MISSING:
-        return (
-            f'{begin} to {end}: {amount} lost; "{change.order}" was due at {at} and did not come.'
-        )
+        return f'{begin} to {end}: {amount} lost; "{change.order}" was due at {at} and {came}.'
     if change.cause is ChangeCause.RECORD_ENDS:
         return f"{end}: {amount} not earned, the record ends."
+    if change.untouched:
+        controls = " or the ".join(change.untouched)
+        return f"{begin} to {end}: {amount} lost; nobody worked the {controls}."
     return (
         f"{begin} to {end}: {amount} lost; planes or rudder were not worked as "
         "the reference crew would have."
@@ -111,6 +117,7 @@ def attainable_figures(curve: AttainableCurve, step: float) -> dict[str, Any]:
                 "cause": each.cause.value,
                 "order": each.order,
                 "order_s": _seconds(each.tick, step),
+                "came_s": _seconds(each.came, step),
                 "by": each.who,
                 "told": change_words(each, step),
             }

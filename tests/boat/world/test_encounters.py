@@ -124,11 +124,11 @@ def test_an_approach_is_called_once_and_again_when_it_changes(tmp_path: Path) ->
 
 
 def test_waves_that_yaw_the_boat_call_no_approach_again(tmp_path: Path) -> None:
-    """A ship passes half a kilometre off, ten minutes ahead: what the waves do is no news."""
+    """A ship will pass within the limit, ten minutes ahead: what the waves do is no news."""
     waves = '[sea]\nsea_state = 4\ndirection_deg = 60\ngenerator = "cosines"\n'
-    boat = under_way(tmp_path, waves + CROSSING.replace("2000]]", "4000]]"), 17.5)
-    monitor = EncounterMonitor.over(boat)
-    assert len(fly(boat, monitor, 120.0)) <= 2
+    boat = under_way(tmp_path, waves + CROSSING.replace("1000, 2000]]", "1300, 4000]]"), 17.5)
+    (told,) = fly(boat, EncounterMonitor.over(boat), 120.0)
+    assert "m in 10 min 0 s; now 072 at" in told
 
 
 def ships_of(monitor: EncounterMonitor) -> Contacts:

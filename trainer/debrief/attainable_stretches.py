@@ -1,0 +1,128 @@
+"""The stretches over which the marks that could still be earned fall or rise.
+
+``attainable`` finds the points of the curve, and the causes of what is found here.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from trainer.debrief.scoring import Scorecard
+
+WORTH_MARKS: Final = 3.0  # [%] of marks from which a change is looked into, and told
+STEADY_MARKS: Final = 0.5  # [%] less in STEADY_TIME_S is no change: rounding, and the sea
+STEADY_TIME_S: Final = 30.0  # [s] before and after a moment: a minute in all
+
+
+@dataclass(frozen=True)
+class AttainablePoint:
+    """The marks to be had from one moment on, and the outcome."""
+
+    tick: int
+    marks: float  # [%]
+    won: bool
+    lost: bool
+    card: Scorecard | None = None  # of that run
+
+
+@dataclass(frozen=True)
+class MarkStretch:
+    """A stretch over which the marks fall or rise, without those that came back untouched."""
+
+    begin: AttainablePoint
+    end: AttainablePoint
+    marks: float  # [%] of the change, with what is too slow to tell beside it
+    points: tuple[AttainablePoint, ...]  # from begin to end
+
+    @classmethod
+    def of(
+        cls,
+        points: Sequence[AttainablePoint],
+        begin: AttainablePoint,
+        end: AttainablePoint,
+        marks: float,
+    ) -> "MarkStretch":
+        """Return the stretch between two of some points."""
+        between = tuple(each for each in points if begin.tick <= each.tick <= end.tick)
+        return cls(begin, end, marks, between)
+
+    @property
+    def half(self) -> AttainablePoint:
+        """Return the first point by which half of the change has come."""
+        way = [(each, (each.marks - self.begin.marks) / self.marks) for each in self.points]
+        done = (each for each, share in way if share >= 0.5)
+        return next(done, self.end)
+
+
+def without_luck(
+    points: Sequence[AttainablePoint], given: Sequence[int]
+) -> tuple[AttainablePoint, ...]:
+    """Return the points without rises that nobody made.
+
+    Such marks were to be had by waiting. ``given`` are the ticks at which the crew gave orders.
+    """
+    level = [points[-1]]
+    for before in reversed(points[:-1]):
+        after = level[-1]
+        idle = not any(before.tick <= tick < after.tick for tick in given)
+        better = idle and after.marks > before.marks
+        level.append(replace(after, tick=before.tick) if better else before)
+    return tuple(reversed(level))
+
+
+def changed_stretches(points: Sequence[AttainablePoint], step: float) -> Iterator[MarkStretch]:
+    """Yield the stretches in which the marks change by more than WORTH_MARKS in all.
+
+    Each ends where they turn, or stay for a minute. ``step`` [s] is that of the run. What lies
+    between is added to the stretch beside it, so that all marks lost are accounted for.
+    """
+    for first, last in legs(points):
+        leg = [each for each in points if first.tick <= each.tick <= last.tick]
+        moves = [is_moving(leg, place, step) for place in range(len(leg) - 1)]
+        found: list[MarkStretch] = []
+        begin, told = None, first.marks
+        for (before, _), moving in zip(pairwise(leg), moves, strict=True):
+            if moving:
+                begin = begin or before
+            elif begin is not None and abs(before.marks - told) > WORTH_MARKS:
+                found.append(MarkStretch.of(leg, begin, before, before.marks - told))
+                begin, told = None, before.marks
+        rest = last.marks - told
+        if found and abs(rest) <= WORTH_MARKS:
+            found[-1] = replace(found[-1], marks=found[-1].marks + rest)
+        else:
+            found.append(MarkStretch.of(leg, begin or first, last, rest))
+        yield from found
+
+
+def legs(points: Sequence[AttainablePoint]) -> Iterator[tuple[AttainablePoint, AttainablePoint]]:
+    """Yield begin and end of each way from turn to turn.
+
+    The marks turn where they come back by more than WORTH_MARKS.
+    """
+    begin = furthest = points[0]
+    for point in points[1:]:
+        way = furthest.marks - begin.marks
+        if (point.marks - furthest.marks) * way >= 0.0:
+            furthest = point if point.marks != furthest.marks else furthest
+        elif abs(point.marks - furthest.marks) > WORTH_MARKS:
+            if abs(way) > WORTH_MARKS:
+                yield begin, furthest
+                begin = furthest
+            furthest = point
+    if abs(furthest.marks - begin.marks) > WORTH_MARKS:
+        yield begin, furthest
+
+
+def is_moving(leg: Sequence[AttainablePoint], place: int, step: float) -> bool:
+    """Return whether marks change after a point, at once or over a minute."""
+    before, after = leg[place], leg[place + 1]
+    if abs(after.marks - before.marks) >= STEADY_MARKS:
+        return True
+    ticks, marks = [each.tick for each in leg], [each.marks for each in leg]
+    ahead = STEADY_TIME_S / step
+    later, earlier = np.interp([before.tick + ahead, after.tick - ahead], ticks, marks)
+    return bool(min(abs(later - before.marks), abs(after.marks - earlier)) >= STEADY_MARKS)
