@@ -88,6 +88,13 @@ def test_the_list_shows_titles_and_briefings_and_no_file_that_tells_what_breaks(
     assert FREE_SAILING in text
 
 
+def test_no_two_titles_are_alike_but_for_a_clause() -> None:
+    titles = [each.title for each in (*lessons(), *course())]
+    heads = [re.split(",| in | with ", title)[0] for title in titles]
+    alike = {title for title, head in zip(titles, heads, strict=True) if heads.count(head) > 1}
+    assert not alike
+
+
 def test_the_list_says_how_many_rows_a_small_screen_hides() -> None:
     choice = exercise_choice([*lessons(), *course()], trains=True)
     rows = len(choice.rows)
