@@ -10,6 +10,7 @@ from pathlib import Path
 
 import click
 import pytest
+from click.testing import CliRunner
 from helpers.decca_run import write_run
 from helpers.places import ROOT
 from helpers.shell import FILES, Done, shell_environment, typed, understand
@@ -285,3 +286,20 @@ def test_the_examples_of_a_help_page_work(page: str, typist: Typist) -> None:
         allowed = {0, 1} if page in UNSETTLED else {0}
         assert done.returncode in allowed, f"{line}: {done.stderr}"
         assert "Traceback" not in done.stderr, line
+
+
+def asked(*words: str) -> tuple[int, str]:
+    """Return the exit code and the text of ``trainer help``."""
+    result = CliRunner().invoke(cli, ["help", *words])
+    return result.exit_code, result.output
+
+
+def test_help_tells_of_commands_and_of_orders_and_names_the_nearest() -> None:
+    assert "take a 70 m submarine to sea" in asked()[1]
+    assert "depth, in full:" in asked("depth")[1]
+    both = asked("run")[1]
+    assert "run [OPTIONS] [EXERCISE]" in both
+    assert "run, in full:" in both
+    code, text = asked("deeper")
+    assert code == 2
+    assert "did you mean depth?" in text

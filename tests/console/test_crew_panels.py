@@ -3,7 +3,18 @@
 from typing import Any
 
 import pytest
-from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, sight_of, tape, typed
+from helpers.screens import (
+    CREW,
+    VALUES,
+    Tape,
+    at_the_console,
+    pressed,
+    seen,
+    shown,
+    sight_of,
+    tape,
+    typed,
+)
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
@@ -79,6 +90,16 @@ def test_the_instructor_sees_what_the_crew_is_ordered_and_its_error() -> None:
     told = "045, 7 to the right; 60 m, 12 deeper"
     screen_of(ordered("instructor", COURSE | DEPTH), "instructor", told)
     screen_of(ordered("instructor", ALL), "instructor", "045 +7; 60 m +12; 8 kn -2; 5 down -3")
+
+
+@pytest.mark.parametrize("size", [(80, 24), (200, 60)])
+def test_what_is_ordered_by_hand_stands_beside_what_the_boat_does(
+    size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("ordered_depth", "ordered_course", "ordered_speed"):
+        monkeypatch.setitem(VALUES, name, "")  # no autopilot keeps it
+    beside = ("> 60.0 m", "> 045", "> 8.0 kn")
+    screen_of(ordered("instructor", ALL), "instructor", *beside, size=size)
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,8 @@ def chosen(*keys: str, size: tuple[int, int] = (80, 24)) -> tuple[DialogOutcome 
         (("down", "enter"), DialogOutcome(("depth-gauge-failure",))),
         ((*typed("depth"), "enter"), DialogOutcome(("first-depth-change",))),
         ((*typed("WATCH"), "enter"), DialogOutcome(("depth-gauge-failure",))),
+        ((*typed("jam"), "enter"), DialogOutcome(("stern-plane-jam",))),
+        ((*typed("Stern-plane-jam"), "enter"), DialogOutcome(("stern-plane-jam",))),
         (("escape",), NO_OUTCOME),
     ],
 )
@@ -86,10 +88,33 @@ def test_the_list_shows_titles_and_briefings_and_no_file_that_tells_what_breaks(
     assert FREE_SAILING in text
 
 
+def test_no_two_titles_are_alike_but_for_a_clause() -> None:
+    titles = [each.title for each in (*lessons(), *course())]
+    heads = [re.split(",| in | with ", title)[0] for title in titles]
+    alike = {title for title, head in zip(titles, heads, strict=True) if heads.count(head) > 1}
+    assert not alike
+
+
+def test_the_list_says_how_many_rows_a_small_screen_hides() -> None:
+    choice = exercise_choice([*lessons(), *course()], trains=True)
+    rows = len(choice.rows)
+    drawn = plain(choice.draw(74, 20))
+    below = re.search(r"(\d+) more below", drawn)
+    assert below
+    shown = sum(row.name.split("  ")[0] in drawn for row in choice.rows)
+    assert int(below[1]) == rows - 12
+    assert shown >= 12
+    for _ in range(rows):
+        choice.press("down", None)
+    assert f"{rows - 12} more above" in plain(choice.draw(74, 20))
+    assert "more below" not in plain(choice.draw(74, 20))
+    assert "more" not in plain(choice.draw(74, 60))
+
+
 def test_letters_of_no_title_are_answered_and_do_nothing() -> None:
     done, text = chosen(*typed("xyz"), "enter", "escape")
     assert done == NO_OUTCOME
-    assert "No title has these letters" in text
+    assert "No title or name has these letters" in text
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,8 @@
 """The screen of who trains alone: the step of a lesson, the end of an exercise, typing."""
 
+import math
+
+import pytest
 from helpers.screens import run_aside
 from textual.pilot import Pilot
 
@@ -90,6 +93,20 @@ def test_after_the_marks_the_way_leads_to_where_it_went_wrong_and_to_the_next() 
     assert steps["n"].order == "next"
     assert not {"r", "d"} & set(steps)
     assert "cost most: too late" in plain(EndView(model).draw(80, 24))
+
+
+@pytest.mark.parametrize("role", ["trainee", "instructor"])
+def test_quit_quits_in_the_window_of_an_exercise_that_is_over(role: str) -> None:
+    line = Heard(("600.0", "exercise-over", "ended"))
+    model = SessionModel(line, role, LAYOUTS[role].charts)
+    model.hear()
+    window = EndView(model)
+    assert " Q " in plain(window.draw(80, 24))
+    model.clock = lambda: math.inf
+
+    outcome = window.press("q", "q")
+    assert outcome
+    assert outcome.orders == ("quit",)
 
 
 def test_enter_begins_at_the_briefing_of_who_trains_while_time_stands() -> None:

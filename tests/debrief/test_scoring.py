@@ -482,7 +482,7 @@ def test_a_name_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
 @pytest.mark.process
 def test_a_check_tells_what_an_exercise_is_or_all_that_is_wrong(tmp_path: Path) -> None:
     told = ran(tmp_path, "exercise", "check", "crash-stop").stdout
-    assert "name    Passage, traffic" in told
+    assert "name    Stop when told" in told
     assert "hand    speed, ballast" in told
     assert "limit   pitch_deg_max 15" in told
     assert "score   60 % of tasks Way run until stopped: sum of the way" in told

@@ -173,6 +173,11 @@ def test_an_order_is_understood() -> None:
 
 MISTYPED = [
     ("dpeth 80", "did you mean depth?"),
+    ("go deeper", "did you mean depth?"),
+    ("come up", "did you mean depth?"),
+    ("go faster", "did you mean speed?"),
+    ("go", "did you mean run?"),
+    ("help deeper", "did you mean depth?"),
     ("rnu", "did you mean run?"),
     ("xyzzy", "help lists them"),
     ("broken", "help lists them"),  # a word that begins otherwise is not offered

@@ -60,7 +60,9 @@ def test_whatever_is_not_passed_on_has_somebody_who_answers_it(
 
 def test_what_moves_the_boat_or_is_said_on_board_is_journalled() -> None:
     journalled = {word for word, rule in ORDERS.items() if rule.journalled}
-    assert journalled == BOAT_ORDERS | CREW_TALK | {"plan", "cancel", "ghost", "predictor"}
+    assert journalled == BOAT_ORDERS | CREW_TALK | {
+        *("plan", "cancel", "ghost", "predictor", "role"),
+    }
 
 
 def test_the_page_on_stations_has_the_table_of_order_words() -> None:
@@ -95,6 +97,7 @@ def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
         ),
         "end_gate": ("rudder left 5", at[helm], lambda: ship.order("end exercise")),
         "frozen_gate": ("what if rudder left 5", at[ship.instructor], lambda: None),
+        "chair_gate": ("role planes", at[helm], lambda: None),
         "hand_gate": ("depth 80", at[helm], lambda: None),
         "replay_gate": ("rudder left 5", at[helm], lambda: ship.order("replay 2 s")),
     }

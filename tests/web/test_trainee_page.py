@@ -409,3 +409,19 @@ def test_a_newcomer_comes_through_the_six_lessons_by_the_page_alone_and_to_the_f
     expect(page.locator("#briefing-title")).to_have_text(course()[0].title)
     begin(page)
     expect(page.locator("#lesson")).to_be_hidden()
+
+
+def test_who_is_alone_takes_another_chair_and_the_page_becomes_its(
+    serve: Serve, look: Look
+) -> None:
+    page = look(serve(), "trainee")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+
+    page.keyboard.press(":")
+    page.keyboard.type("role instructor")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile("/instructor"))
+    expect(page.locator("#state")).to_contain_text("FROZEN")
+    page.locator("#order").fill("role trainee")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile("/trainee"))

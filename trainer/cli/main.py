@@ -18,6 +18,7 @@ from trainer.cli import (
     check_cases,
     conform,
     estimate,
+    explain,
     export,
     guide,
     identify,
@@ -69,6 +70,7 @@ COMMAND_SECTIONS: Final = {
         identify.steering,
     ),
     "This machine, and others": (
+        explain.explain,
         bench.bench,
         check_cases.check_cases,
         conform.conform,

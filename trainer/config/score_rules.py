@@ -45,7 +45,7 @@ VALUE_LIMITS: Final = within(-1e9, 1e9)
 # These answer no casualty: the instructor gives them, or they are only words.
 INSTRUCTOR_ORDERS: Final = (
     frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"})
-    | frozenset({"ghost", "predictor"})
+    | frozenset({"ghost", "predictor", "role"})
     | CREW_TALK
 )
 MARK_PARTS: Final = ("task", "answer", "keeping")

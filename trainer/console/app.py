@@ -359,7 +359,7 @@ class Console(App[str], inherit_bindings=False):
         model.hear()
         if not self.screen_stack:  # it is being closed
             return
-        if model.barred or (model.over and model.ended):
+        if model.barred or model.chair or (model.over and model.ended):
             self.exit(model.barred)
             return
         seen = (model.picture.changes, model.journal.changes, model.joined, model.over, self.span)

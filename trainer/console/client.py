@@ -112,6 +112,12 @@ class Client:
         open_line.send(sentences.order_sentence(words, tag))
         return tag
 
+    def take_chair(self, role: str, wishes: Mapping[str, str]) -> None:
+        """Subscribe what another role is shown, which the session has given to this line."""
+        self._role, self._wishes = role, wishes
+        if self._line:
+            self._subscribe(self._line)
+
     def close(self, patience: float) -> None:
         """Leave the session, waiting at most ``patience`` [s]."""
         self._closing.set()
@@ -172,10 +178,12 @@ class Client:
             self._items.append(RoleRefusal(text))
         if kind != "ok":
             return False
-        for channel, often in self._wishes.items():
-            open_line.send(
-                sentences.order_sentence(f"subscribe {channel} {often}".rstrip(), WISH_TAG)
-            )
+        self._subscribe(open_line)
         self._line = open_line
         self._items.append(RoleTaken())
         return True
+
+    def _subscribe(self, open_line: Line) -> None:
+        for channel, often in self._wishes.items():
+            wish = f"subscribe {channel} {often}".rstrip()
+            open_line.send(sentences.order_sentence(wish, WISH_TAG))

@@ -22,15 +22,22 @@ TITLE_COLUMNS: Final = 38  # [columns] of a title
 BRIEFING_ROWS: Final = 4  # [rows] of what is chosen
 I_TRAIN: Final = "I train"
 I_INSTRUCT: Final = "I instruct"
-NO_TITLE: Final = "No title has these letters. Backspace deletes the last letter."
+NO_TITLE: Final = "No title or name has these letters. Backspace deletes the last letter."
 
 
 @dataclass
 class ExerciseChoice(Choice):
     """The list of exercises by their titles, with the briefing of the chosen one.
 
-    File names are not shown, because they tell what will go wrong.
+    File names are not shown, because they tell what will go wrong; who knows one finds it by that.
     """
+
+    @property
+    def shown(self) -> list[ChoiceRow]:
+        """Return the rows that what has been typed leaves, by title first, then by name."""
+        found, typed = super().shown, self.typed.lower()
+        named = [row for row in self.rows if typed in row.words and row not in found]
+        return [*found, *named]
 
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""
@@ -50,11 +57,13 @@ class ExerciseChoice(Choice):
         briefing = textwrap.wrap(says, max(width - 4, 8))
         below = [line((f"   {text}", "ordered")) for text in briefing[:BRIEFING_ROWS]]
         below += [line()] * (BRIEFING_ROWS - len(below))
+        hidden = len(shown) - first - room
+        more = [f"{first} more above"] * (first > 0) + [f"{hidden} more below"] * (hidden > 0)
         lines = [
             line((f" {self.title}", "title")),
             line((" > ", "dim"), (self.typed, "value"), ("_", "dim")),
             *rows,
-            line(),
+            line((f"   {', '.join(more)}", "warning")),
             *below,
             *(line((f" {text}", "dim")) for text in self.advice),
         ]
@@ -119,7 +128,7 @@ def exercise_choice(
         for each in offered
     ]
     rows = [*lessons, *rows] if trains else [*rows, *lessons]
-    advice = ("Press Up or Down, or type part of a title; Enter begins, Esc leaves",)
+    advice = ("Press Up or Down, or type part of a title or name; Enter begins, Esc leaves",)
     choice = ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
     following = progress.following(offered) if progress else None
     if progress and following:

@@ -70,6 +70,12 @@ TRAINEE_HELP: Final = (
         "order to the crew is yours to carry out: it stands in blue beside its instrument, NEW "
         "until you press Enter. again begins from the start, next is the next lesson or exercise."
     ),
+    "",
+    (
+        "  Alone, you may take another chair: `role instructor` shows what is hidden, `role helm` "
+        "has the helm only, and `role trainee` is this one. Your marks then say since when you "
+        "saw what is hidden."
+    ),
 )
 SIGN_MEANINGS: Final = (
     ">", "ordered",
@@ -303,7 +309,7 @@ def guide(model: SessionModel) -> TextView:
     """Return the help of a role: first steps, the exercise, all keys, the signs."""
 
     def text() -> list[Line]:
-        first = INSTRUCTOR_HELP if model.instructs else STATION_HELP
+        first: Sequence[str] = INSTRUCTOR_HELP if model.instructs else STATION_HELP
         first = TRAINEE_HELP if model.trains else first
         keys = [labelled_line(key.label, key.does) for key in KEYS[model.role]]
         signs = [
@@ -349,6 +355,7 @@ NEXT_STEPS: Final = {
     "a": NextStep("again", "again, from the start", asked=True),
     "h": NextStep("again from 2 min", "again, from two minutes ago", asked=True),
     "n": NextStep("next", "choose another exercise"),
+    "q": NextStep("quit", "end the run"),
 }
 
 

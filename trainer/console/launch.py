@@ -14,7 +14,7 @@ from typing import Final
 
 from trainer.config.files import ConfigError
 from trainer.console.app import Console
-from trainer.console.client import Client
+from trainer.console.client import Client, Item, RoleTaken
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.io import paths
@@ -39,7 +39,7 @@ def attend_session(url: str | None, role: str, token: str | None) -> int:
     return 0 if visit.model.joined or visit.model.over else 1
 
 
-@dataclass(frozen=True)
+@dataclass
 class Visit:
     """A screen and its line to a session, ready before there need be one."""
 
@@ -61,26 +61,36 @@ class Visit:
     def show(self) -> str:
         """Show the screen until its user leaves. Return why the session did not let it in."""
         self.client.start()
-        console = self.console
         gc.freeze()  # the first picture waits for nobody to look through what draws it
         # With its terminal gone the screen may wait for ever to write what ends it.
         last = threading.Timer(LEAVE_TIMEOUT_S, os._exit, (1,))
         last.daemon = True
 
         def end(*_: object) -> None:
-            console.exit("")
+            self.console.exit("")
             if not last.ident:
                 last.start()
 
         handlers = {number: signal.signal(number, end) for number in ending_signals()}
         try:
-            why = console.run()
+            why = self.console.run()
+            while self.model.chair:
+                self._change_chair()
+                why = self.console.run()
         finally:
             last.cancel()
             for number, handler in handlers.items():
                 signal.signal(number, handler)
             self.client.close(CLOSE_TIMEOUT_S)
         return why or ""
+
+    def _change_chair(self) -> None:
+        """Make the screen of the role that the line has taken, which has seen nothing yet."""
+        old, post = self.model, LAYOUTS[self.model.chair]
+        self.client.take_chair(post.role, wishes(post))
+        unread: list[Item] = [RoleTaken(), *old.unread]
+        self.model = SessionModel(self.client, post.role, post.charts, unread=unread)
+        self.console = Console(self.model, own=self.console.own)
 
 
 def forget_size() -> None:

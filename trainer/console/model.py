@@ -13,12 +13,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Protocol
 
-from trainer.console.client import Greeting, Item, LineLoss, RoleTaken
+from trainer.console.client import Greeting, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.crew import CrewOrders
 from trainer.console.journal import Journal, Sample, TimelineMoment, Trace, entry_of, plan_of
 from trainer.console.past import EVENTS_CHANNEL, LATE_TIME_S, PastAnswers
 from trainer.console.readings import ChannelReading, ChannelReadings
 from trainer.io.orders.grammar import Order, name_of, parse
+from trainer.io.orders.help import NO_ROLE_TEXT
 from trainer.io.orders.sentences import Sentence
 
 BELL_KINDS: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
@@ -141,6 +142,8 @@ class SessionModel:
     rings: int = 0  # how often the bell has been due
     past: PastAnswers = field(default_factory=PastAnswers)
     answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
+    chair: str = ""  # the role that this line has taken in place of ``role``
+    unread: list[Item] = field(default_factory=list)  # what came since, for that role's model
     trace: Trace = field(init=False)
 
     def __post_init__(self) -> None:
@@ -222,10 +225,12 @@ class SessionModel:
 
     def hear(self) -> None:
         """Take what the session has sent since the last call."""
-        for item in self.talk.take():
+        self.unread += self.talk.take()
+        while self.unread and not self.chair:
+            item = self.unread.pop(0)
             if isinstance(item, Sentence):
                 self._read(item)
-            elif isinstance(item, Greeting):
+            elif isinstance(item, Greeting) and item.text != NO_ROLE_TEXT:
                 # the session sends its briefing again after each new connection
                 if item.text not in self.briefing:
                     self.briefing.append(item.text)
@@ -234,7 +239,7 @@ class SessionModel:
                 self._join()
             elif isinstance(item, LineLoss):
                 self._lose(item.why)
-            else:
+            elif isinstance(item, RoleRefusal):
                 self.joined, self.barred, self.trouble = False, item.why, item.why
 
     def _send(self, words: str, *, quiet: bool) -> bool:
@@ -406,6 +411,8 @@ class SessionModel:
             self.furthest = seconds
             if self.instructs:
                 self.ask("snapshots")
+        elif what == "chair":
+            self.chair = subject
         elif what == "mark":
             self.marks.append(TimelineMoment(seconds, "M", subject or "marked"))
         elif what == "order":

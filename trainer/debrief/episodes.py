@@ -28,6 +28,7 @@ from trainer.debrief.trajectory import (
 from trainer.io.orders.grammar import Order, name_of, parse
 from trainer.io.recording.facts import CrewNews, GiverKind
 from trainer.io.recording.recording import RecordedOrder
+from trainer.report.svg import clock
 from trainer.units import KNOT
 
 INSTRUCTOR_ROLE: Final = "instructor"
@@ -117,7 +118,21 @@ def aids_used(trajectory: Trajectory) -> tuple[str, ...]:
     """Return the aids that were switched on in a run."""
     orders = (parse(each.text) for each in trajectory.orders if each.accepted is not False)
     switched = {each.name for each in orders if isinstance(each, Order) and each.word != "off"}
-    return tuple(aid for aid in AIDS if aid in switched)
+    return (*(aid for aid in AIDS if aid in switched), *looks_as_instructor(trajectory))
+
+
+def looks_as_instructor(trajectory: Trajectory) -> tuple[str, ...]:
+    """Return since when, or until when, who trains alone saw what is hidden."""
+    for entry in trajectory.orders:
+        order = parse(entry.text)
+        if not isinstance(order, Order) or order.name != "role" or entry.accepted is False:
+            continue
+        when = clock(entry.tick * trajectory.boat.method.step)
+        if order.word == INSTRUCTOR_ROLE:
+            return (f"a look as instructor from {when}",)
+        if entry.giver.role == INSTRUCTOR_ROLE:
+            return (f"a look as instructor until {when}",)
+    return ()
 
 
 def answer_to(

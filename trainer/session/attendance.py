@@ -115,9 +115,10 @@ class Attendance:
 
     def _entered(self, station: Station, before: tuple[Role, bool]) -> tuple[Role, bool]:
         """Greet or introduce a newcomer; return its role, and whether the line has chosen it."""
-        if before[0] is STRANGER_ROLE and station.role is not STRANGER_ROLE:
+        changed = before[1] and station.role is not before[0]  # it has taken another chair
+        if changed or (before[0] is STRANGER_ROLE and station.role is not STRANGER_ROLE):
             self.greet(station)
-        if station.settled and not before[1]:  # an observer's role is the same as before
+        if station.settled and (changed or not before[1]):  # an observer's role is as before
             self._introduce(station)
         return station.role, station.settled
 

@@ -22,6 +22,7 @@ from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course, lessons
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.aids import Aids
+from trainer.session.chair import Chair
 from trainer.session.command import Command
 from trainer.session.control import PRESENT_MOMENT, Control
 from trainer.session.evaluation import begin_aside
@@ -80,6 +81,7 @@ class Conduct:
     trainees: bool = False  # somebody's progress is kept
     command: Command = field(init=False)
     guide: StepGuide = field(init=False)
+    chair: Chair = field(init=False)
     aids: Aids = field(init=False)  # made where the screens' output is there, too
     work: BackgroundTask = field(init=False)
     past: PastReader = field(init=False)
@@ -89,6 +91,7 @@ class Conduct:
         self.guide = StepGuide(self.control, self.log, finish=self.end_lesson)
         self.work = BackgroundTask(self.wake)
         history = self.control.history
+        self.chair = Chair(self.log, history)
         history.recording.wake = self.wake
         self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)

@@ -6,8 +6,8 @@
 2. **Asked.** All else comes to ``Dispatch.hear`` in the thread that ticks, one order at a time.
    ``refusal`` walks the gates in the order of ``ORDER_GATES``: who has command, whether it was
    meant (``quit``), the visitor's, a boat that is lost, the end of the exercise, time that runs,
-   what is worked by hand, a replay. The first gate that is shut answers. A call of the Python face,
-   and a plan whose time has come, walk the same gates, but come from no station.
+   who is alone, what is worked by hand, a replay. The first gate that is shut answers. A call of
+   the Python face, and a plan whose time has come, walk the same gates, but come from no station.
 3. **What is due comes before.** The exercise's orders up to this tick are carried out, so that an
    order finds the boat as the exercise has it. They walk no gate: the exercise may order what it
    forbids its crew.
@@ -65,6 +65,7 @@ class Obeyer(Enum):
     EXERCISE = "the exercise"
     AIDS = "the aids"
     COMMAND = "command"
+    CHAIR = "the chair"
     QUESTION = "a question"
 
 
@@ -80,7 +81,7 @@ class Rule(NamedTuple):
     @property
     def journalled(self) -> bool:
         """Return whether the order is written into the journal before it acts."""
-        return self.obeyer in (Obeyer.BOAT, Obeyer.CREW, Obeyer.PLANS, Obeyer.AIDS)
+        return self.obeyer in JOURNALLED_OBEYERS
 
     @property
     def passed_on(self) -> bool:
@@ -88,9 +89,15 @@ class Rule(NamedTuple):
         return self.journalled or self.obeyer in (Obeyer.TIME, Obeyer.PAST, Obeyer.RECORD)
 
 
+JOURNALLED_OBEYERS: Final = (*(Obeyer.BOAT, Obeyer.CREW, Obeyer.PLANS, Obeyer.AIDS, Obeyer.CHAIR),)
 WATCH_RULE: Final = Rule(Obeyer.QUESTION, watching=True)
 # that everybody hears of
-NEWS_KINDS: Final = {Obeyer.TIME: "time", Obeyer.PAST: "moment", Obeyer.AIDS: "shown"}
+NEWS_KINDS: Final = {
+    Obeyer.TIME: "time",
+    Obeyer.PAST: "moment",
+    Obeyer.AIDS: "shown",
+    Obeyer.CHAIR: "station",
+}
 # what is the instructor's, if one is here, and not a trainee's
 GUIDED_OBEYERS: Final = (Obeyer.TIME, Obeyer.PAST, Obeyer.EXERCISE, Obeyer.AIDS)
 # who obeys while the reference crew shows the way
@@ -98,8 +105,9 @@ OPEN_OBEYERS: Final = (Obeyer.LINE, Obeyer.QUESTION, Obeyer.TIME, Obeyer.COMMAND
 RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
     (
         Rule(Obeyer.LINE, watching=True),
-        ("role", "help", "name", "subscribe", "unsubscribe", "detach"),
+        ("help", "name", "subscribe", "unsubscribe", "detach"),
     ),
+    (Rule(Obeyer.CHAIR, watching=True, in_replay=False), ("role",)),
     (WATCH_RULE, ("status", "briefing", "casualties", "plans", "log", "who", "history")),
     (WATCH_RULE, ("branches", "snapshots", "mark", "ack")),
     (WATCH_RULE._replace(in_replay=False, after_end=False), ("what-if",)),
@@ -170,6 +178,11 @@ def end_gate(order: Order, station: Station | None, session: Parts) -> str:
     return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
 
 
+def chair_gate(order: Order, station: Station | None, session: Parts) -> str:
+    """Return that others are attached, where a line keeps its role."""
+    return session.conduct.chair.barred(order, station) if station and order.name == "role" else ""
+
+
 def frozen_gate(order: Order, _station: Station | None, session: Parts) -> str:
     """Return that time runs: ``what if`` is asked of a moment that stands still."""
     runs = order.name == "what-if" and not session.time.frozen
@@ -201,6 +214,7 @@ ORDER_GATES: Final[Sequence[Gate]] = (
     lost_gate,
     end_gate,
     frozen_gate,
+    chair_gate,
     hand_gate,
     replay_gate,
 )
@@ -295,6 +309,8 @@ class Dispatch:
             return session.agenda.obey(order), fact
         if obeyer is Obeyer.AIDS:
             return session.conduct.aids.obey(order, giver), fact
+        if obeyer is Obeyer.CHAIR:
+            return session.conduct.chair.change(order, giver, speaker), fact
         talk = obeyer is Obeyer.CREW
         tellings = [] if talk else session.crew.wrong_way(order, role)
         answer = session.crew.obey(order, role) if talk else obey_order(session.boat, order)

@@ -112,6 +112,7 @@ class Parts:
         self.conduct.guide.settle()
         self.event_log.settle(counting)
         self.conduct.aids.keep_on()
+        self.conduct.chair.keep()
         self.history.flown.judge_arrival(self.conduct)
 
     def end_replay(self, outcome: str) -> None:

@@ -17,8 +17,9 @@ import click
 
 from trainer.config.files import ConfigError, nearest
 from trainer.io import paths
-from trainer.io.connection import Connection
+from trainer.io.connection import OWN_MACHINE, Connection
 from trainer.io.line import DirectSender, Inbox, JoinedLine, Line, Outbox, reader, writer
+from trainer.io.machine import THIS_MACHINE
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import Server, parse_address, private_folder
 from trainer.io.status_line import clock
@@ -71,11 +72,11 @@ class Ports:
                 if not inbox.ended and not inbox.arrived.wait(PORT_TIMEOUT_S):
                     break
             inbox.arrived.set()
-        return self._person(JoinedLine("console", inbox, sender))
+        return self._person(JoinedLine("console", inbox, sender), Access("instructor", own=True))
 
     def console_line(self, url: str, baud: int) -> Station:
         """Return the station of a person at a serial line. ConfigError if it cannot be opened."""
-        return self._person(self._serial("--serial", url, baud))
+        return self._person(self._serial("--serial", url, baud), Access("instructor"))
 
     def panel(self, given: str, baud: int) -> Station:
         """Return the station of ``ROLE=URL``, a serial line with that role; ConfigError."""
@@ -127,7 +128,11 @@ class Ports:
                 line.grant(wait)
                 return wait
 
-            return self._station(line, Access(tokens=tokens, entered=line.introduce, delay=delay))
+            def here() -> bool:
+                return line.machine in (OWN_MACHINE, THIS_MACHINE)
+
+            door = Access(tokens=tokens, entered=line.introduce, delay=delay, here=here)
+            return self._station(line, door)
 
         return Lobby(hub, admit, awaited)
 
@@ -152,8 +157,8 @@ class Ports:
         self.stack.callback(line.close)
         return JoinedLine(url, Inbox(line.read, self.wake), Outbox(line.write), line)
 
-    def _person(self, line: Line) -> Station:
-        station = self._station(line, Access("instructor"))
+    def _person(self, line: Line, door: Access) -> Station:
+        station = self._station(line, door)
         station.type_out()
         return station
 

@@ -67,14 +67,19 @@ def false(model: SessionModel, name: str) -> str:
 
 
 def reading(model: SessionModel, name: str, channel: str, unit: str) -> Line:
-    """Return a true value and its order. A wrong gauge takes the order's place."""
+    """Return a true value and its order: the autopilot's, else the crew's.
+
+    A wrong gauge takes the order's place.
+    """
     actual = interpolate(model, name)
+    axis = "course" if name == "heading" else name
+    wanted = model.picture.number(channel, f"ordered_{axis}")
+    if wanted is None:
+        wanted = model.picture.number("orders", axis)
     if name == "heading":
-        ordered = course(model.picture.number(channel, "ordered_course"))
-        shown = pair(name, course(actual, 1), ordered, unit)
+        shown = pair(name, course(actual, 1), course(wanted), unit)
     else:
-        ordered = number(model.picture.number(channel, f"ordered_{name}"))
-        shown = pair(name, number(actual), ordered, unit)
+        shown = pair(name, number(actual), number(wanted), unit)
     wrong = false(model, name)
     if not wrong:
         return shown

@@ -43,6 +43,8 @@ TOKEN_PATTERN = re.compile(
     rf"r(?:o\S*\s+\S+|\S*\s+(?:{ROLE_BEGINNINGS})\S*)\s+)(\S.*?)\s*$",
     re.IGNORECASE,
 )
+HELP_HEAD = "help"
+GOING_WORDS = ("go", "come")  # before a direction that says what is meant
 CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
 MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
 PRINTABLE_PATTERN = re.compile(r"[\t -~]*")
@@ -218,7 +220,8 @@ def understood_order(tokens: list[str]) -> Order:
     except RefusedError as refused:
         phrase = meaning(tokens)
         if phrase is None:
-            near = "" if tokens[0] in ORDER_HEADS else nearest_phrase(tokens)
+            goes = tokens[0] in GOING_WORDS and tokens[1:2] and tokens[1] in MEANT_ORDERS
+            near = "" if goes or tokens[0] in ORDER_HEADS else nearest_phrase(tokens)
             reason = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
             raise RefusedError(reason if near else str(refused)) from None
     return replace(order(read_form(tokenise(phrase.order))), crew=phrase.crew)
@@ -343,6 +346,15 @@ def nearest_word(token: str, known: Iterable[str]) -> str:
     return near[0] if near else ""
 
 
+def meant_order(tokens: list[str]) -> str:
+    """Return the order that is meant by words that are none, "" for none.
+
+    "go deeper" is about depth, though "go" alone is about time.
+    """
+    word = tokens[1] if tokens[0] in GOING_WORDS and len(tokens) > 1 else ""
+    return MEANT_ORDERS.get(word) or MEANT_ORDERS.get(tokens[0], "")
+
+
 def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
     """Return why token `i` fits none of the places, and the nearest word that fits."""
     token, before = tokens[i], " ".join(tokens[:i])
@@ -351,7 +363,8 @@ def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
     if token[0] in "+-.0123456789" and any(isinstance(place, Number) for place in places):
         return f'"{token}" is not a plain decimal number'
     spelled = {said for place in places if isinstance(place, Word) for said, _ in place.spellings}
-    near = ("" if before else MEANT_ORDERS.get(token)) or nearest_word(token, spelled)
+    heads = before in ("", HELP_HEAD)
+    near = (meant_order(tokens[i:]) if heads else "") or nearest_word(token, spelled)
     hint = f"; did you mean {near}?" if near else ""
     if not before:
         return f'"{token}" is no order{hint or "; help lists them"}'

@@ -23,6 +23,8 @@ from trainer.io.orders.table import (
 )
 
 HELP_WIDTH = 79  # [characters]
+# for a line that has no role yet; screens, which say theirs themselves, show none of it
+NO_ROLE_TEXT = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
 SESSION_SUBJECTS = "time, moments and stations"
 
 

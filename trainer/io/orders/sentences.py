@@ -50,6 +50,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "debrief": "the file that was written",
     "debrief-page": "its address at the pages' server, told to a page where the file is there",
     "next": "the next exercise begins here, its file for the instructor; connect again",
+    "chair": "the role that this line has taken in place of its own; what it is told follows anew",
     "command": "the line of the instructor who has command now",
     "asked": "the line of the instructor who asks for command",
     "ready": "the line that is ready",

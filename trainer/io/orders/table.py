@@ -344,7 +344,7 @@ FORMS = (
     Form("give command", "let the instructor who asked have it"),
     Form("keep command", "refuse it"),
     Form("ready", "this station is ready for the exercise to begin"),
-    Form("role ROLE", "what this line may do: say it once"),
+    Form("role ROLE", "what this line may do; who is alone may change it"),
     Form("role ROLE TOKEN", "the same, where the session asks for a token"),
     Form("subscribe CHANNEL", "have what it shows sent whenever it changes"),
     Form("subscribe CHANNEL at RATE", "at most so many times a second"),

@@ -17,6 +17,7 @@ from trainer.config.exercise import ExerciseLimits
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.help import NO_ROLE_TEXT
 from trainer.session.manning import BY_HAND
 from trainer.session.stations.display import MAX_LINE_LETTERS
 from trainer.session.stations.panels import TONNE_KG
@@ -44,7 +45,6 @@ BRIEFING_TITLES: Final = {
     "lost": "lost by",
     "length": "length",
 }
-NO_ROLE_TEXT: Final = "type `help` for the orders, `role helm` to take a station, `detach` to leave"
 AUTOPILOT_EXAMPLES: Final = ("depth 80", "course 090", "rudder left 15")
 STATION_EXAMPLES: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
 TEST_DEPTH_ROLES: Final = ("instructor", "diving", "observer")  # test depth

@@ -259,6 +259,13 @@ class Access:
     tokens: Mapping[str, str] = field(default_factory=dict, repr=False)  # by role, or ANY_ROLE
     entered: Callable[[], object] = bool  # called when a line has said who it is
     delay: Callable[[], float] = float  # counts a wrong token, returns how long [s] to wait
+    own: bool = False  # it is the run's own console
+    here: Callable[[], bool] = bool  # whether the line comes from this machine
+
+    def settles(self, role: Role) -> bool:
+        """Return whether a line keeps its role for good, even where it is alone."""
+        free = self.own or (self.role is None and not self.tokens and self.here())
+        return not free or role is ROLES["visitor"]
 
     @property
     def first(self) -> Role:

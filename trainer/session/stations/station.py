@@ -225,6 +225,11 @@ class Station:
         if news.fact and self._program:
             self.line.send(sentences.fact(news.tick, news.seconds, *news.fact))
 
+    def take_chair(self, role: Role) -> None:
+        """Take another role, with those of its channels that the new one may see."""
+        self.role = role
+        self.wishes.keep_for(role)
+
     def type_out(self) -> None:
         """Send the teletype line at every tick, as a line for people begins."""
         self.wishes.begin(TELETYPE_CHANNEL, 0.0, self.role, machine=False)
@@ -284,7 +289,8 @@ class Station:
             "detach": self._detach,
             "name": self._be_called,
         }
-        if order.name in duties:
+        changes = order.name == "role" and self.settled and not self._door.settles(self.role)
+        if order.name in duties and not changes:
             duties[order.name](heard, order)
             return []
         self.counts.orders += 1

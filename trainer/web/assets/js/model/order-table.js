@@ -67,7 +67,7 @@ export const ORDERS = {
   "reset": {"obeyer": "the past", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
   "restart": {"obeyer": "the past", "inReplay": true, "afterEnd": true, "roles": ["instructor", "visitor"]},
   "restore": {"obeyer": "the past", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
-  "role": {"obeyer": "the line", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
+  "role": {"obeyer": "the chair", "inReplay": false, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
   "rpm": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor", "helm", "pilot", "trainee"]},
   "rudder": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor", "helm", "pilot", "trainee"]},
   "run": {"obeyer": "time", "inReplay": true, "afterEnd": false, "roles": ["instructor", "trainee"]},

@@ -219,9 +219,8 @@ export class Session extends EventTarget {
   update() {
     const before = this.state;
     this.state = this.found();
-    if (before !== this.state || this.state === "connecting" || this.state === "lost") {
-      this.tell("state");
-    }
+    const told = before !== this.state || ["connecting", "lost"].includes(this.state);
+    if (told) this.tell("state");
   }
 
   /** @returns {State} */
@@ -245,6 +244,7 @@ export class Session extends EventTarget {
     const { kind, fields } = sentence;
     if (kind === "TRF" && fields[2] === "past") this.recall(fields[3]);
     else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(fields);
+    else if (kind === "TRF" && fields[2] === "chair") location.assign(`/${fields[3]}${location.search}`);
     else if (kind === "TRF" && fields[2] === "said") this.saying = fields[3];
     else if (kind === "TRE") this.hearEntry(entryOf(fields, this.saying));
     else if (kind === "TRF") this.fact(Number(fields[1]), fields[2], fields[3] ?? "");

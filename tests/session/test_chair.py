@@ -1,0 +1,184 @@
+"""A lone person changes his chair, both ways; nobody else does, and the marks tell of it."""
+
+import re
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from helpers.crewed import Crewed, Typist
+
+from trainer.console.guide import TRAINEE_HELP
+from trainer.console.model import marks_in_words
+from trainer.debrief.episodes import aids_used
+from trainer.debrief.trajectory import Trajectory
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.schedule import ScheduledOrder
+from trainer.io.recording.recording import Recording
+from trainer.session.stations.briefing import hint
+from trainer.session.stations.roles import CREW_ROLES, ROLES, Access
+from trainer.session.stations.station import Station
+
+Crew = Callable[..., Crewed]
+
+
+def alone(ship: Crewed, role: str = "", door: Access | None = None) -> Typist:
+    """Let the instructor go, and somebody come alone, as a program that hears facts."""
+    ship.leaves(ship.instructor)
+    return joins(ship, role, door or Access(here=lambda: True))
+
+
+def joins(ship: Crewed, role: str, door: Access) -> Typist:
+    line = Typist(f"line {len(ship.session.event_log.stations) + 1}")
+    station = Station(line, door, ship.sending, ship.session.event_log.log)
+    ship.session.event_log.stations.append(station)
+    if role:
+        ship.say(line, f"role {role}")
+    return line
+
+
+def role_of(ship: Crewed, line: Typist) -> str:
+    return next(each.role.name for each in ship.session.event_log.stations if each.line is line)
+
+
+def test_who_is_alone_takes_every_chair_and_goes_back(crewed: Crew) -> None:
+    ship = crewed()
+    line = alone(ship, "trainee")
+    for role in ("instructor", "trainee", *CREW_ROLES, "observer", "trainee"):
+        assert ship.say(line, f"role {role}") == ("ok", f"you {ROLES[role].part}")
+        assert role_of(ship, line) == role
+        assert ship.facts(line, "chair")[-1] == role
+    assert ship.refused("role trainee", line) == "you are a trainee already"
+
+
+def test_what_is_hidden_stays_behind_with_the_instructors_chair(crewed: Crew) -> None:
+    ship = crewed()
+    line = alone(ship, "trainee")
+    assert ship.say(line, "subscribe motion")[0] == "no"
+    ship.say(line, "role instructor")
+    for channel in ("motion", "casualties", "gauges"):
+        assert ship.say(line, f"subscribe {channel}")[0] == "ok"
+    ship.say(line, "role trainee")
+    line.sent.clear()
+
+    ship.fly(3)
+    told = "\n".join(line.sent)
+    assert "$TRS,gauges" in told
+    assert not re.search("motion|casualties", told)
+    assert ship.say(line, "casualty stern-stuck")[0] == "no"
+
+
+def test_a_change_is_in_the_journal_and_the_line_is_briefed_anew(crewed: Crew) -> None:
+    ship = crewed()
+    line = alone(ship, "trainee")
+    ship.fly(4)
+    ship.say(line, "role instructor")
+
+    entry = ship.recording.orders(1)[-1]
+    assert (entry.text, entry.tick, entry.accepted) == ("role instructor", 4, True)
+    assert entry.giver.role == "trainee"
+    assert any("type an order, such as" in each for each in line.sent)
+
+
+@pytest.mark.parametrize(
+    ("door", "role", "why"),
+    [
+        (Access(), "trainee", "a line keeps its role"),  # not of this machine
+        (Access("planes", here=lambda: True), "", "a line keeps its role"),  # a panel
+        (Access(tokens={"": "WORD"}, here=lambda: True), "trainee WORD", "a line keeps its role"),
+        (Access(here=lambda: True), "visitor", "a line keeps its role"),
+    ],
+)
+def test_a_line_keeps_its_role_that_may_not_change_it(
+    crewed: Crew, door: Access, role: str, why: str
+) -> None:
+    ship = crewed()
+    line = alone(ship, role, door)
+    before = role_of(ship, line)
+    assert why in ship.refused("role instructor", line)
+    assert role_of(ship, line) == before
+
+
+def test_the_runs_own_console_changes_its_chair_and_nobody_does_beside_another(
+    crewed: Crew,
+) -> None:
+    ship = crewed()
+    line = alone(ship, "", Access("instructor", own=True))
+    assert ship.say(line, "role trainee")[0] == "ok"
+    other = joins(ship, "helm", Access(here=lambda: True))
+    for each in (line, other):
+        assert "while others are attached" in ship.refused("role instructor", each)
+    ship.leaves(other)
+    assert ship.say(line, "role instructor")[0] == "ok"
+
+
+def aids_of(path: Path, branch: int, ship: Crewed) -> tuple[str, ...]:
+    with closing(Recording.look(path)) as recording:
+        orders = tuple(recording.orders(branch))
+    trajectory = object.__new__(Trajectory)
+    object.__setattr__(trajectory, "orders", orders)
+    object.__setattr__(trajectory, "boat", ship.boat)
+    return aids_used(trajectory)
+
+
+def test_marks_tell_since_when_or_until_when_somebody_saw_what_is_hidden(crewed: Crew) -> None:
+    ship = crewed(seconds=None)
+    line = alone(ship, "trainee")
+    ship.fly(400)
+    ship.say(line, "role helm")
+    ship.say(line, "role trainee")
+    kept = ship.conduct.kept
+    assert kept
+    ship.recording.flush()
+    assert aids_of(kept, 1, ship) == ()
+
+    ship.say(line, "role instructor")
+    ship.say(line, "role trainee")
+    ship.recording.flush()
+    assert aids_of(kept, 1, ship) == ("a look as instructor from 3:20",)
+    ship.session.time.pacer.freeze()
+    assert ship.say(line, "backtrack 100 s")[0] == "ok"
+    ship.fly(2)
+    ship.recording.flush()
+    assert aids_of(kept, 2, ship) == ("a look as instructor from 1:40",)
+
+    told = marks_in_words("not reached,61.0,a look as instructor from 3:20")
+    assert told.endswith("with a look as instructor from 3:20")
+
+    ship = crewed(seconds=None)
+    line = alone(ship, "instructor")
+    ship.fly(20)
+    ship.say(line, "role trainee")
+    ship.recording.flush()
+    kept = ship.conduct.kept
+    assert kept
+    assert aids_of(kept, 1, ship) == ("a look as instructor until 0:10",)
+
+
+# Advice is obeyed where it is read.
+
+
+@pytest.mark.parametrize("hand", [(), ("rudder", "planes", "speed", "ballast")])
+@pytest.mark.parametrize("role", ["", *sorted(set(ROLES) - {"visitor"})])
+def test_advice_that_a_line_is_given_is_obeyed_there(
+    crewed: Crew, role: str, hand: tuple[str, ...]
+) -> None:
+    order = parse("tell trim the boat")
+    assert isinstance(order, Order)
+    ship = crewed(seconds=None, hand=frozenset(hand), schedule=[ScheduledOrder(0.5, order, 1)])
+    line = alone(ship, role)
+    ship.fly(4)
+    advice = hint(ROLES[role or "observer"], hand)
+    words = re.findall("`([^`]+)`", advice) or advice.partition(": ")[2].split("   ")
+    assert len(words) >= 2
+    for each in words:
+        assert ship.say(line, each)[0] == "ok", each
+
+
+def test_advice_of_the_trainees_help_is_obeyed_in_that_chair(crewed: Crew) -> None:
+    words = [each for text in TRAINEE_HELP for each in re.findall("`([^`]+)`", text)]
+    assert "role instructor" in words
+    ship = crewed(seconds=None)
+    line = alone(ship, "trainee")
+    for each in words:
+        assert ship.say(line, each)[0] == "ok", each

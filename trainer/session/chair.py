@@ -1,0 +1,55 @@
+"""A lone person's chair: who is alone may take another role.
+
+Somebody who trains alone may look behind the scenes as the instructor, and go back. His marks then
+say so. Where others are attached a line keeps its role, because they rely on who is who.
+"""
+
+from dataclasses import dataclass
+
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.facts import Giver
+from trainer.session.event_log import EventLog
+from trainer.session.history import History
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
+from trainer.session.stations.station import Fact, Station
+
+STAYS_TEXT = "stays"
+
+
+@dataclass
+class Chair:
+    """The changes of role of one session."""
+
+    log: EventLog
+    history: History
+    seen: tuple[Order, Giver] | None = None  # the first change to or from the instructor's role
+
+    def barred(self, order: Order, station: Station) -> str:
+        """Return why a line may not take another role, "" where it may."""
+        if ROLES[order.word] is station.role:
+            return f"you {station.role.part} already"
+        others = [each for each in self.log.stations if each is not station]
+        attached = [each.line.name for each in others if not each.line.ended]
+        if not attached:
+            return ""
+        return (
+            f"you {station.role.part}: a line keeps its role while others are attached "
+            f"({', '.join(attached)})"
+        )
+
+    def change(self, order: Order, giver: Giver, station: Station | None) -> Reply:
+        """Give a line its new role; return the answer."""
+        if station is None:
+            return Refused("a role is a line's own: type it there")
+        if self.seen is None and INSTRUCTOR_ROLE.name in (giver.role, order.word):
+            self.seen = order, giver
+        station.take_chair(ROLES[order.word])
+        self.log.note(station, [Fact("chair", order.word)])
+        return f"you {station.role.part}"
+
+    def keep(self) -> None:
+        """Journal again what was seen, because a new branch may begin before it."""
+        flown = self.history.flown
+        if self.seen and not (flown.replaying or flown.shows_way):
+            order, giver = self.seen
+            self.history.answered(self.history.order(giver, order), STAYS_TEXT)
