@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.config.outcome import Outcome
 from trainer.config.score_rules import (
     OWN_UNIT,
     SCORE_MEASURES,
@@ -90,7 +91,7 @@ class RuleScore:
 class Verdict:
     """The outcome of an exercise, its reason, and the parts of the total."""
 
-    outcome: str  # won, lost, not reached or free
+    outcome: Outcome
     reason: str  # "" where it was won
     tasks: float  # [%] mean of tasks and answers, T of ``judgement``
     keeping: float  # [%] mean of how the boat was kept, K

@@ -10,6 +10,7 @@ from typing import Final
 
 from markupsafe import Markup
 
+from trainer.config.outcome import Outcome
 from trainer.core.cache import same_core
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
@@ -138,7 +139,7 @@ def explain_total(verdict: Verdict) -> str:
             "by how far the weakest task was carried out"
         )
     if verdict.cap is not None:
-        why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
+        why = "the exercise was lost" if verdict.outcome is Outcome.LOST else "a limit was broken"
         return f"{words}. At most {verdict.cap:.0f}: {why}."
     return f"{words}."
 

@@ -20,6 +20,7 @@ from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course, lessons
+from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.aids import Aids
 from trainer.session.command import Command
@@ -127,7 +128,7 @@ class Conduct:
         self.begun = self.control.boat.ticks > 0
         lost, ending = self.control.failure, self.ending
         if lost and ending.watched and not ending.over:
-            ending.end("lost", f"lost at {self.control.boat.time:g} s", lost)
+            ending.end(Outcome.LOST, f"lost at {self.control.boat.time:g} s", lost)
             self._stop()
         elif ending.look(self.control.boat):
             self._stop()
@@ -137,7 +138,7 @@ class Conduct:
     def end_lesson(self) -> None:
         """End a lesson after its last step, unless it has a time of its own."""
         if self.ending.last_tick == math.inf:
-            self.ending.end("ended", f"the last step is over at {self.control.boat.time:g} s")
+            self.ending.end(Outcome.ENDED, f"the last step is over at {self.control.boat.time:g} s")
             self._stop()
 
     def judge_hull(self) -> None:
@@ -169,7 +170,7 @@ class Conduct:
     def halt(self, why: str, how: str) -> None:
         """Freeze time, or end the exercise as lost, as ``how`` says; another word does nothing."""
         if how == "end" and not self.ending.over:
-            self.ending.end("lost", f"lost at {self.control.boat.time:g} s", why)
+            self.ending.end(Outcome.LOST, f"lost at {self.control.boat.time:g} s", why)
             self._stop()
         elif how == "freeze":
             self.control.time.pacer.freeze()
@@ -236,12 +237,12 @@ class Conduct:
         ending = self.ending
         if not ending.over:
             return []
-        facts = [Fact("exercise-over", ending.how)]
+        facts = [Fact("exercise-over", ending.outcome)]
         if ending.marks and (ending.released or role is INSTRUCTOR_ROLE):
             facts.append(Fact("marks", ending.marks.fields))
             facts += [Fact("reason", fields) for fields in ending.marks.reason_fields]
         elif self._unmarked:
-            facts.append(Fact("marks", f"{ending.how},"))
+            facts.append(Fact("marks", f"{ending.outcome},"))
         if ending.debrief and role is INSTRUCTOR_ROLE:
             facts.append(Fact("debrief", ending.debrief))
         return facts
@@ -280,14 +281,14 @@ class Conduct:
         self.control.time.pacer.freeze()
         self.control.steps = 0
         ending = self.ending
-        over_fact = Fact("exercise-over", ending.how)
+        over_fact = Fact("exercise-over", ending.outcome)
         self.log.tell("time", f"EXERCISE OVER: {ending.over}", fact=over_fact)
         if ending.why:
             self.log.tell("exercise", f"lost: {ending.why}")
         self.show()
         self.remember()
         if self._unmarked:
-            fact = Fact("marks", f"{ending.how},")
+            fact = Fact("marks", f"{ending.outcome},")
             self.log.tell("time", f"no marks: {self._unmarked}", fact=fact)
         elif self.debriefing and self.kept:
             self._begin_judging(self.debriefing.judge, self.kept)
@@ -301,7 +302,7 @@ class Conduct:
             return
         self._remembered = place
         recording.flush()
-        how = "done" if self.guide.over else self.ending.how or "left"
+        how = Outcome.DONE if self.guide.over else self.ending.outcome or Outcome.LEFT
         whole = (*words, str(self.kept), str(recording.branch), how)
 
         def hear() -> str:
@@ -373,7 +374,7 @@ class Conduct:
 
     def _end(self, asked: Request) -> Reply:
         boat = self.control.boat
-        self.ending.end("ended", f"ended at {boat.time:g} s by the {asked.station.who}")
+        self.ending.end(Outcome.ENDED, f"ended at {boat.time:g} s by the {asked.station.who}")
         self._stop()
         return "the exercise is over"
 
