@@ -221,7 +221,7 @@ def debriefing() -> "DebriefSource":
         with np.errstate(all="ignore"):  # a state may hold any number
             debrief = read_dossier(path, branch)
         card = debrief.final
-        lines = [f"{each.name}: {each.marks:.0f}" for each in card.scores if each.marks is not None]
+        lines = [each.told for each in card.scores if each.marks is not None]
         uncounted = tuple(each.name for each in card.scores if each.marks is None)
         times: list[float | None] = [None] * len(lines)
         lines += [f"cost most: {each.told}" for each in debrief.costs]

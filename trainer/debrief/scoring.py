@@ -86,6 +86,18 @@ class RuleScore:
         """Return the name of the rule."""
         return self.rule.score.name
 
+    @property
+    def idle(self) -> bool:
+        """Return whether it does not count: a boat with nobody aboard has it too."""
+        return self.nobody is not None and self.earned is None
+
+    @property
+    def told(self) -> str:
+        """Return its marks in words."""
+        if self.idle:
+            return f"{self.name}: does not count, a boat with nobody aboard has it as well"
+        return f"{self.name}: {self.marks or 0.0:.0f}"
+
 
 @dataclass(frozen=True)
 class Verdict:

@@ -272,7 +272,8 @@ def _score(
     earned: tuple[str, ...] = ()
     if debrief.card.verdict is not None:
         nobody = "-" if each.nobody is None else f"{each.nobody:.0f}"
-        earned = (nobody, f"{each.rule.part} " if each.earned is None else f"{each.earned:.0f}")
+        part = "not counted" if each.idle else f"{each.rule.part} "
+        earned = (nobody, part if each.earned is None else f"{each.earned:.0f}")
     beside = (value_of(best[each.name]) if each.name in best else "-",) if best else ()
     return (
         f"S{i}",

@@ -241,6 +241,7 @@ class Conduct:
         if ending.marks and (ending.released or role is INSTRUCTOR_ROLE):
             facts.append(Fact("marks", ending.marks.fields))
             facts += [Fact("reason", fields) for fields in ending.marks.reason_fields]
+            facts += ending.marks.uncounted_facts if role is INSTRUCTOR_ROLE else []
         elif self._unmarked:
             facts.append(Fact("marks", f"{ending.outcome},"))
         if ending.debrief and role is INSTRUCTOR_ROLE:
@@ -362,9 +363,8 @@ class Conduct:
         self._tell_reasons("exercise", found)
         if self.log.attended(TRAINEE) and not self.log.attended(INSTRUCTOR_ROLE.name):
             self._release_marks(found)
-        for name in found.uncounted:
-            text = f"{name}: does not count"
-            self.log.tell("exercise", f"  {text}", fact=Fact("reason", f",{text}"))
+        for fact in found.uncounted_facts:
+            self.log.tell("exercise", f"  {fact.subject[1:]}", fact=fact)
         self.log.tell("exercise", change)
 
     def _tell_reasons(self, kind: str, found: Judgement) -> None:
@@ -392,6 +392,9 @@ class Conduct:
         self.ending.released = True
         self.log.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
         self._tell_reasons("marks", marks)
+        for station in self.log.stations:  # the marks told anew take the place of all before
+            if station.role is INSTRUCTOR_ROLE:
+                self.log.note(station, marks.uncounted_facts)
 
     def _debrief(self, _asked: Request) -> Reply:
         if self.debriefing is None or self.kept is None:

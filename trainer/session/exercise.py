@@ -24,6 +24,7 @@ from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
+from trainer.session.stations.station import Fact
 
 CLOSE_TIMEOUT_S: Final = 20.0  # [s] at the end, for marks and pages
 CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
@@ -61,6 +62,11 @@ class Judgement:
         times = ("" if time is None else f"{time:g}" for time in self.times)
         pairs = zip_longest(times, self.reasons, fillvalue="")
         return [",".join(pair) for pair in pairs]
+
+    @property
+    def uncounted_facts(self) -> list[Fact]:
+        """Return the facts of the measures that do not count, which the instructor is told."""
+        return [Fact("reason", f",{name}: does not count") for name in self.uncounted]
 
 
 @dataclass(frozen=True)
