@@ -116,6 +116,11 @@ class MarkChange:
     who: str = ""  # gave it
     falls: tuple[SteepFall, ...] = ()  # the steep ones within it
 
+    @property
+    def told_at(self) -> int:
+        """Return the tick at which charts have it: of its order, else of its begin."""
+        return self.begin if self.tick is None else self.tick
+
 
 @dataclass(frozen=True)
 class AttainableCurve:
