@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 from helpers.places import ROOT
 
-WORDS_FOR_PEOPLE = frozenset(("why", "told", "text", "who", "reason", "answer", "says", "verdict"))
+WORDS_FOR_PEOPLE = frozenset(
+    ("why", "told", "text", "who", "reason", "answer", "says", "verdict", "outcome")
+)
 QUESTIONS = frozenset(("startswith", "endswith"))
 GRAMMARS = ("trainer/io/orders", "trainer/cli")  # there the words are what is decided on
 # Texts that are a notation and no prose, by file: what they are
@@ -83,6 +85,7 @@ def test_no_code_decides_by_words_that_people_read() -> None:
         'x = "hit" in event.text',
         'x = who == "schedule"',
         'x = said.reason in ("lost", "won")',
+        'x = card.verdict.outcome == "won"',
     ],
 )
 def test_a_decision_on_words_is_found(code: str) -> None:

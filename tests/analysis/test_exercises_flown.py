@@ -339,7 +339,10 @@ def test_what_nobody_gets_is_taken_off(tmp_path: Path) -> None:
     assert judge_run(short, plan, {"Deep": 49.9}).total == pytest.approx(
         100.0 * ((half.marks or 0.0) - 49.9) / 50.1
     )
-    assert judge_run(went, plan, {"Deep": 60.0}).scores[0].earned is None  # nothing to be earned
+    idle, earning = (judge_run(went, plan, {"Deep": free}).scores[0] for free in (60.0, 40.0))
+    assert idle.earned is None  # nothing to be earned
+    assert idle.told == "Deep: does not count, a boat with nobody aboard has it as well"
+    assert earning.told == "Deep: 100"
 
 
 # The same again

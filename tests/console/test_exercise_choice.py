@@ -16,6 +16,7 @@ from textual.pilot import Pilot
 from trainer.cli import run as command
 from trainer.config.course import Lesson, course, lessons
 from trainer.config.files import shipped_names
+from trainer.config.outcome import Outcome
 from trainer.config.progress import Progress, ProgressRun
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.exercise_choice import (
@@ -217,8 +218,8 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
 
 
 def test_a_trainee_is_offered_the_first_that_is_not_passed() -> None:
-    run = ProgressRun("a", 1, "depth-gauge-failure", "t", "2026", 60.0, "won", 88.0)
-    begun = ProgressRun("b", 1, "first-depth-change", "t", "2026", 60.0, "lost", 12.0)
+    run = ProgressRun("a", 1, "depth-gauge-failure", "t", "2026", 60.0, Outcome.WON, 88.0)
+    begun = ProgressRun("b", 1, "first-depth-change", "t", "2026", 60.0, Outcome.LOST, 12.0)
     progress = Progress("Ann", (run, begun))
     choice = exercise_choice(OFFERED, trains=True, progress=progress)
     assert choice.order == "first-depth-change"

@@ -125,13 +125,19 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
         await seen(
             pilot,
             app,
-            "EXERCISE OVER: lost" if role != "instructor" else "show the marks to the crew",
+            "EXERCISE OVER: lost" if role != "instructor" else "write the debrief",
         )
+        assert "show the marks to the crew" not in shown(app)  # there are none yet
         talk.say(sentences.event(130, 65.0, "marks", "in other words"))
         talk.say(sentences.fact(130, 65.0, "marks", "lost,12.0"))
         talk.say(sentences.fact(130, 65.0, "reason", ",too deep for 20 s"))
         for text in ("lost, 12 marks of 100", "too deep for 20 s"):
             await seen(pilot, app, text)
+        if role == "instructor":
+            await seen(pilot, app, "show the marks to the crew")
+            talk.say(sentences.fact(130, 65.0, "marks", "free,"))
+            await seen(pilot, app, "free, no marks")
+            assert "show the marks to the crew" not in shown(app)
 
     at_the_console(look, talk, role, size)
 
@@ -206,6 +212,9 @@ def test_marks_are_released_from_a_window_that_stays(monkeypatch: pytest.MonkeyP
     async def end(pilot: Pilot[str], app: Console) -> None:
         talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
         await seen(pilot, app, "the marks are being calculated")
+        talk.say(sentences.fact(130, 65.0, "marks", "won,92.0"))
+        talk.say(sentences.fact(130, 65.0, "reason", ",Depth: 92"))
+        await seen(pilot, app, "Depth: 92")
         await pilot.press("r")
         await seen(pilot, app, "show the marks to the crew: done")
         await pilot.press("d")

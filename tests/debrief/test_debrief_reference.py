@@ -3,6 +3,7 @@
 import contextlib
 import json
 import math
+import re
 import sqlite3
 from dataclasses import replace
 from itertools import pairwise
@@ -16,7 +17,8 @@ from helpers.recorded import PANEL, record
 
 from trainer.config.files import ConfigError
 from trainer.debrief.attainable import AttainableCurve, ChangeCause
-from trainer.debrief.charts import ground_of, runs_beside
+from trainer.debrief.attainable_words import TEXT_COLUMNS, text_axis
+from trainer.debrief.charts import attainable_chart, ground_of, runs_beside
 from trainer.debrief.data import DebriefData, ReferenceComparison, debrief_figures
 from trainer.debrief.episodes import read_backs
 from trainer.debrief.judgement import costs
@@ -24,6 +26,7 @@ from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compa
 from trainer.debrief.reference import can_fly, join_runs
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.recording import RecordedOrder
+from trainer.report.svg import CHART_WIDTH_PX, RIGHT_MARGIN_PX, draw_chart
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 JAM = {86.0: "bell astern full", 88.0: "bow planes rise 30", 130.0: "stern planes rise 12"}
@@ -135,6 +138,41 @@ def test_the_page_leads_to_each_change_in_the_charts(jam: Path) -> None:
     assert '<a href="#change0-attainable">Go there</a>' in told
     assert 'id="change0-attainable"' in told
     assert "What could still be earned [marks]" in told
+
+
+def test_the_chart_has_the_figure_of_each_change_and_none_lies_on_another(jam: Path) -> None:
+    debrief = debriefed(jam)
+    changes, chart = curve_of(debrief).changes, attainable_chart(debrief)
+    assert chart
+    fall = f"{changes[0].marks:+.0f}"
+    drawn = re.compile(r'class="figure" x="([\d.]+)" y="([\d.]+)">([^<]+)<')
+    assert [words for *_, words in drawn.findall(render(debrief))].count(fall) == 1
+    crowded = replace(chart, figures=((70.0, "-20"), (71.0, "-30"), (599.0, "-9"), (600.0, "-7")))
+    places = drawn.findall(draw_chart(crowded, ground_of(debrief)))
+    assert [words for *_, words in places] == ["-20", "-30", "-9", "-7"]
+    (_, first, _), (_, second, _), (_, third, _), (x, fourth, _) = places
+    assert first != second
+    assert third != fourth
+    assert float(x) < CHART_WIDTH_PX - RIGHT_MARGIN_PX - 10.0  # not beyond the edge
+
+
+@pytest.mark.parametrize(
+    ("end", "moments"),
+    [
+        (600.0, ["0:00", "2:00", "4:00", "6:00", "8:00", "10:00"]),
+        (650.0, ["0:00", "2:00", "4:00", "6:00", "8:00", "10:00"]),  # no room for 10:50
+        (700.0, ["0:00", "2:00", "4:00", "6:00", "8:00", "10:00", "11:40"]),
+        (0.5, ["0:00", "0:00.5"]),
+    ],
+)
+def test_the_axis_in_a_terminal_names_moments_where_they_are(
+    end: float, moments: list[str]
+) -> None:
+    axis = text_axis(0.0, end)
+    assert axis.split() == moments
+    assert len(f"      {axis}") <= 80
+    if "4:00" in moments:
+        assert axis.index("4:00") == round(240.0 / end * (TEXT_COLUMNS - 1))
 
 
 def test_the_text_for_a_terminal_fits_eighty_columns(jam: Path) -> None:

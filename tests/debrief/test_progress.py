@@ -11,6 +11,7 @@ from helpers.recorded import record
 from trainer.cli.main import main
 from trainer.config.course import course, lessons
 from trainer.config.files import ConfigError
+from trainer.config.outcome import Outcome
 from trainer.config.progress import (
     Progress,
     ProgressRun,
@@ -29,14 +30,15 @@ pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 ANN = "Ann O Briain"
 LOST = ProgressRun(
     *("a.trainer", 1, "first-depth-change", "Depth, first steps", "2026-01-01T10:00:00"),
-    *(600.0, "not reached", 40.0),
+    *(600.0, Outcome.NOT_REACHED),
+    total=40.0,
     costs={"late": 35.0, "trim": 5.0},
 )
 WON = replace(
-    LOST, recording="b.trainer", started="2026-01-02", outcome="won", total=91.0, costs={}
+    LOST, recording="b.trainer", started="2026-01-02", outcome=Outcome.WON, total=91.0, costs={}
 )
 LESSON = replace(
-    WON, exercise="wheel-and-course", outcome="done", total=None, recording="c.trainer"
+    WON, exercise="wheel-and-course", outcome=Outcome.DONE, total=None, recording="c.trainer"
 )
 
 
@@ -58,8 +60,8 @@ def told(capsys: pytest.CaptureFixture[str], *words: str, code: int = 0) -> str:
 def test_a_run_is_kept_with_its_marks_and_what_cost_most(tmp_path: Path) -> None:
     dive = {100.0: "stern planes dive 10"}
     path = record(tmp_path / "dive.trainer", "first-depth-change", dive, trainee=(ANN, "Bob"))
-    assert remember_run(path, 1, "ended") == []
-    assert remember_run(path, 1, "ended") == []  # the same run, once more
+    assert remember_run(path, 1, Outcome.ENDED) == []
+    assert remember_run(path, 1, Outcome.ENDED) == []  # the same run, once more
     for name in (ANN.upper(), "bob"):
         (run,) = read_progress(name).runs
         assert (run.exercise, run.outcome, run.recording) == (
@@ -72,7 +74,7 @@ def test_a_run_is_kept_with_its_marks_and_what_cost_most(tmp_path: Path) -> None
 
 def test_a_lesson_has_no_marks_but_is_done(tmp_path: Path) -> None:
     path = record(tmp_path / "l.trainer", "wheel-and-course", {}, duration=2.0, trainee=(ANN,))
-    remember_run(path, 1, "done")
+    remember_run(path, 1, Outcome.DONE)
     (run,) = read_progress(ANN).runs
     assert (run.outcome, run.total, run.passed, run.costs) == ("done", None, True, {})
 

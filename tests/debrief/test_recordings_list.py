@@ -14,6 +14,7 @@ import pytest
 from helpers.recorded import record
 
 from trainer.config.files import ConfigError
+from trainer.config.outcome import Outcome
 from trainer.debrief import history as history_module
 from trainer.debrief.changes import change_of, changes_path, read_changes, without_changes
 from trainer.debrief.data import debrief_figures
@@ -143,7 +144,7 @@ LONG = RecordedResult(
     "Periscope depth in a seaway, at night",
     3,
     "basic",
-    "not reached",
+    Outcome.NOT_REACHED,
     0.0,
     counts=False,
     changed=True,
@@ -278,7 +279,7 @@ def test_recordings_are_where_the_system_keeps_them_and_stay_where_they_were(
 def run_of(
     total: float | None, seed: int = 1, width: str = "qualified", **of: object
 ) -> ListedRecording:
-    came = RecordedResult("Depth", seed, width, "won", total, counts=True, changed=False)
+    came = RecordedResult("Depth", seed, width, Outcome.WON, total, counts=True, changed=False)
     return ListedRecording(Path("x.trainer"), "", (ANN,), replace(came, **of))  # type: ignore[arg-type]
 
 
@@ -428,10 +429,14 @@ def test_a_change_written_by_hand_is_checked(kept: Path, name: str, what: str) -
         read_compared(kept, DebriefRequest())
 
 
-def test_kept_marks_of_another_kind_are_made_anew(kept: Path) -> None:
+@pytest.mark.parametrize(
+    ("was", "text"), [('"total": 0.0', '"total": "all"'), ('"not reached"', '"nearly won"')]
+)
+def test_kept_marks_of_another_kind_are_made_anew(kept: Path, was: str, text: str) -> None:
     first = list_recording(kept)
     path = marks_path(kept)
-    path.write_text(path.read_text().replace('"total": 0.0', '"total": "all"'))
+    assert was in path.read_text()
+    path.write_text(path.read_text().replace(was, text))
     assert list_recording(kept) == first
 
 

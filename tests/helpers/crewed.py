@@ -18,6 +18,7 @@ from trainer.boat.world.world import world_of
 from trainer.config.derived import Loss, compile_condition
 from trainer.config.exercise import ConditionalCasualty, ExerciseLimits
 from trainer.config.files import Place
+from trainer.config.outcome import Outcome
 from trainer.config.vessel import load_vessel
 from trainer.config.world import WorldTables
 from trainer.io.lines import OverlongLine
@@ -36,7 +37,7 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
-MARKS: Final = Judgement("not reached", 42.0, ("depth: 42",))
+MARKS: Final = Judgement(Outcome.NOT_REACHED, 42.0, ("depth: 42",))
 PLACE: Final = Place("exercise.toml", "lost")
 
 

@@ -12,6 +12,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
 from trainer.config.exercise import AIDS, load_exercise, parse_exercise
 from trainer.config.files import ConfigError
+from trainer.config.outcome import Outcome
 from trainer.console.model import marks_in_words
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.io.orders.sentences import parse_sentence
@@ -183,11 +184,11 @@ def test_an_aid_that_is_on_is_in_the_journal_of_each_branch_that_begins(allowing
 
 
 def test_marks_say_which_aids_were_used() -> None:
-    told = Judgement("won", 88.2, aids=AIDS)
+    told = Judgement(Outcome.WON, 88.2, aids=AIDS)
     assert str(told) == "won, 88 marks of 100, with ghost, with predictor"
     assert told.fields == "won,88.2,ghost,predictor"
     assert marks_in_words(told.fields) == str(told)
-    for plain in (Judgement("lost", 4.0), Judgement("", None)):
+    for plain in (Judgement(Outcome.LOST, 4.0), Judgement(Outcome.UNDECIDED, None)):
         assert marks_in_words(plain.fields) == str(plain)
 
 

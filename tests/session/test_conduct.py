@@ -239,14 +239,14 @@ def test_a_jump_to_the_very_end_of_an_exercise_does_not_take_its_end_back(
     ship = crewed(lost=["depth > 1"] * lost, seconds=None if lost else 5.0)
     helm = ship.comes("helm")
     ship.fly(20)
-    end, how = ship.boat.ticks, ship.conduct.ending.how
+    end, how = ship.boat.ticks, ship.conduct.ending.outcome
     assert how
     ship.order("snapshot last")
 
     for jump in ("restore last", "again from last", "branch 1"):
         ship.order(jump)
 
-        assert (ship.boat.ticks, ship.conduct.ending.how) == (end, how)
+        assert (ship.boat.ticks, ship.conduct.ending.outcome) == (end, how)
         assert "the exercise is over" in ship.refused("rudder left 10", helm)
         assert "the exercise is over" in ship.refused("step 1")
         assert ship.facts(helm, "exercise-over")[-1] == how

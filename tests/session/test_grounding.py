@@ -176,7 +176,7 @@ def test_grounding_does_what_the_exercise_says(
     stands = ship.boat.ticks < 100
     assert stands is (how != "free")
     assert bool(ship.conduct.ending.over) is over
-    assert ship.conduct.ending.how == ("lost" if over else "")
+    assert ship.conduct.ending.outcome == ("lost" if over else "")
     assert any("AGROUND" in line for line in ship.events(ship.instructor, "depth"))
 
 

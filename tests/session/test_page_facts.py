@@ -58,6 +58,9 @@ def test_marks_are_told_with_their_reasons_in_facts(crewed: Ship) -> None:
 
     ship.order("release marks")
     assert ship.facts(helm, "reason") == [",branch 1: 42"]
+    whole = [",branch 1: 42", ",Stern jam answered: does not count"]
+    assert ship.facts(ship.instructor, "reason") == [*whole, *whole]
+    assert ship.facts(ship.comes("instructor"), "reason") == whole
 
 
 def test_usual_degrees_of_casualties_are_told_in_fields(crewed: Ship) -> None:

@@ -66,7 +66,7 @@ def test_a_collision_freezes_and_time_may_go_on(crewed: Callable[..., Crewed]) -
 def test_a_collision_ends_an_exercise_that_says_so(crewed: Callable[..., Crewed]) -> None:
     ship = shallow(crewed(seconds=3600.0, world=tables(WALL.format(what="end"))))
     ship.fly(400)
-    assert ship.conduct.ending.how == "lost"
+    assert ship.conduct.ending.outcome == "lost"
     assert ship.conduct.ending.why == "collision with wall"
 
 

@@ -442,6 +442,29 @@ def test_a_key_steps_from_cause_to_cause(serve: Serve, look: Look, way: str) -> 
     expect(when).to_have_text("truth")
 
 
+@pytest.mark.parametrize("back", ["again", "backtrack 80 s"])
+def test_the_end_tells_of_the_branch_that_stands(serve: Serve, look: Look, back: str) -> None:
+    session = serve("stern-plane-jam")
+    caller = session.attach()
+    assert caller.ask("time max")[0]
+    page = look(session, "instructor")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    fly(caller, 80.0)
+    assert caller.ask("bow planes rise 2")[0]
+    fly(caller, 30.0)
+    expect(page.locator("#log")).to_contain_text("deeper than 140 m")
+    assert caller.ask(back)[0]
+    fly(caller, 10.0)
+    assert caller.ask("end exercise")[0]
+    window = page.locator("#exercise")
+    expect(window.locator(".marks li").first).to_be_visible()
+    expect(window.get_by_role("button", name="Release marks")).to_be_visible()
+    expect(window.locator("#exercise-title")).to_have_text("Passage, fast and deep: OVER")
+    expect(window).to_contain_text("First answer: does not count")
+    expect(window).not_to_contain_text("deeper than 140 m")
+    expect(window).not_to_contain_text("bow planes rise 2")
+
+
 def test_the_briefing_closes_when_time_runs_whoever_lets_it_run(
     shared: Served, caller: Caller, look: Look
 ) -> None:

@@ -23,6 +23,7 @@ from trainer.cli.options import run_options
 from trainer.cli.run import run as run_command
 from trainer.config.exercise import StartState
 from trainer.config.files import ConfigError, Place, quote, remembering
+from trainer.config.outcome import Outcome
 from trainer.config.schema import kind_of
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
@@ -268,7 +269,9 @@ class Boat:
     def lost(self) -> str:
         """Return why the boat cannot go on, "" while it can."""
         ending = self._session.conduct.ending
-        return self._session.control.failure or (ending.why if ending.how == "lost" else "")
+        return self._session.control.failure or (
+            ending.why if ending.outcome is Outcome.LOST else ""
+        )
 
     def snapshot(self) -> Snapshot:
         """Return this moment, whole: state, sea, tanks, casualties, and what is still scheduled."""

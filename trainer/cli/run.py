@@ -210,22 +210,25 @@ def debriefing() -> "DebriefSource":
     from trainer.session.exercise import DebriefSource, Judgement
 
     def judge(path: Path, branch: int) -> Judgement:
+        from trainer.config.outcome import Outcome
         from trainer.debrief.page import read_dossier
 
         with np.errstate(all="ignore"):  # a state may hold any number
             debrief = read_dossier(path, branch)
         card = debrief.final
-        lines = [f"{each.name}: {each.marks:.0f}" for each in card.scores if each.marks is not None]
+        lines = [each.told for each in card.scores if each.marks is not None]
         uncounted = tuple(each.name for each in card.scores if each.marks is None)
         times: list[float | None] = [None] * len(lines)
         lines += [f"cost most: {each.told}" for each in debrief.costs]
         times += [None if each.tick is None else each.tick * debrief.step for each in debrief.costs]
         if card.verdict is None:
-            return Judgement("", card.total, tuple(lines), uncounted, tuple(times), debrief.aids)
+            return Judgement(
+                Outcome.UNDECIDED, card.total, tuple(lines), uncounted, tuple(times), debrief.aids
+            )
         if card.verdict.reason:
             end = float(debrief.trajectory.seconds[-1])  # a loss ends the exercise
             lines = [card.verdict.reason, *lines]
-            times = [end if card.verdict.outcome == "lost" else None, *times]
+            times = [end if card.verdict.outcome is Outcome.LOST else None, *times]
         outcome = card.verdict.outcome
         return Judgement(outcome, card.total, tuple(lines), uncounted, tuple(times), debrief.aids)
 

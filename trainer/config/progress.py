@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from trainer.config.course import Lesson
 from trainer.config.files import ConfigError, quote
+from trainer.config.outcome import Outcome
 from trainer.io.file_lock import holding
 from trainer.io.outputs import renew_whole
 from trainer.io.paths import made_folder, recordings_folder
@@ -26,7 +27,7 @@ TRAINEES_FOLDER: Final = "trainees"
 LOCK_TIMEOUT_S: Final = 10.0  # [s] for another session to have written
 LOCK_PERIOD_S: Final = 0.05  # [s] between tries
 LATEST_RUNS: Final = 5  # runs of which is told what cost most
-PASSED_OUTCOMES: Final = ("won", "done")
+PASSED_OUTCOMES: Final = (Outcome.WON, Outcome.DONE)
 BARRED_IN_NAMES: Final = frozenset("/\\\0")
 COST_KINDS: Final = ("late", "overshoot", "wrong way", "trim", "other")
 
@@ -41,7 +42,7 @@ class ProgressRun:
     title: str
     started: str
     seconds: float
-    outcome: str  # won, lost, not reached; of a lesson: done, ended
+    outcome: Outcome
     total: float | None  # [%] None: no marks
     counts: bool = True  # neither free nor practice
     aids: str = ""
@@ -135,8 +136,8 @@ def _run(row: Mapping[str, Any]) -> ProgressRun:
     known = {each.name for each in fields(ProgressRun)}
     run = ProgressRun(**{name: value for name, value in row.items() if name in known})
     total, costs = run.total, {str(kind): float(marks) for kind, marks in run.costs.items()}
-    numbers = {"seconds": float(run.seconds), "total": None if total is None else float(total)}
-    return replace(run, costs=costs, **numbers)  # type: ignore[arg-type]
+    marks, outcome = None if total is None else float(total), Outcome(run.outcome)
+    return replace(run, costs=costs, seconds=float(run.seconds), total=marks, outcome=outcome)
 
 
 def all_progress() -> Iterator[Progress | ConfigError]:

@@ -365,7 +365,8 @@ WRONG_LEAD_S: Final = 15.0  # [s] before a moment that went wrong, from where it
 def steps_after(model: SessionModel) -> dict[str, NextStep]:
     """Return what may follow an exercise at this screen, by its key."""
     if not model.trains:
-        return NEXT_STEPS
+        told = len(model.marks_told) > 1  # with reasons; else there are none to release
+        return {key: step for key, step in NEXT_STEPS.items() if key != "r" or told}
     steps = {"n": NextStep("next", "the next lesson or exercise"), "a": NEXT_STEPS["a"]}
     if model.wrong_at is not None:
         begin = max(model.wrong_at - WRONG_LEAD_S, 0.0)
@@ -379,11 +380,7 @@ class EndView(TextView):
     """The window of an exercise that is over: what can follow, and the marks."""
 
     def __init__(self, model: SessionModel) -> None:
-        super().__init__(
-            "Exercise over", self._rows, {key: (each.order, "") for key, each in NEXT_STEPS.items()}
-        )
-        if model.trains:
-            self.keys = {}  # they follow from the marks
+        super().__init__("Exercise over", self._rows, {})  # its keys follow from the marks
         self._model = model
         self._since = model.clock()
         self._chosen = ""
@@ -395,8 +392,6 @@ class EndView(TextView):
             return None
         before, self._chosen = self._chosen, key
         steps = steps_after(self._model)
-        if self._model.trains:
-            self.keys = {name: (each.order, "") for name, each in steps.items()}
         if key == "r" and key in steps:  # it stays: the debrief is written next
             self._model.order(steps[key].order)
             return None
@@ -405,7 +400,9 @@ class EndView(TextView):
         return super().press(key, character)
 
     def _rows(self) -> list[Line]:
-        rows = [labelled_line(key.upper(), self._says(key)) for key in steps_after(self._model)]
+        steps = steps_after(self._model)
+        self.keys = {key: (each.order, "") for key, each in steps.items()}
+        rows = [labelled_line(key.upper(), self._says(key)) for key in steps]
         marks = self._model.marks_told or ["the marks are being calculated"]
         if self._model.lesson_done:
             marks = ["the lesson is done, to its last step; lessons have no marks"]

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Protocol
 
+from trainer.config.outcome import Outcome
 from trainer.console.client import Greeting, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.crew import CrewOrders
 from trainer.console.journal import Journal, Sample, TimelineMoment, Trace, entry_of, plan_of
@@ -74,13 +75,13 @@ class AttainablePoint(NamedTuple):
     seconds: float
     marks: float  # [%]
     so_far: float  # [%] of a run that ended there
-    outcome: str  # won, lost or open
+    outcome: Outcome  # WON, LOST or OPEN
 
     @classmethod
     def of(cls, fields: str) -> "AttainablePoint":
         """Return the point that a fact tells."""
         seconds, marks, so_far, outcome = fields.split(",")[:4]
-        return cls(float(seconds), float(marks), float(so_far), outcome)
+        return cls(float(seconds), float(marks), float(so_far), Outcome(outcome))
 
 
 class Talk(Protocol):
@@ -471,7 +472,7 @@ class SessionModel:
         if what == "exercise-over":
             if self.outcome:
                 return  # sent again, because the line was lost meanwhile
-            self.outcome, self._over_at = subject or "ended", seconds
+            self.outcome, self._over_at = subject or Outcome.ENDED, seconds
             self.marks_told.clear()
             self.rings += 1
             self.endings += 1

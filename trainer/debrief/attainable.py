@@ -22,6 +22,7 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import RuleProgress
+from trainer.config.outcome import Outcome
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.debrief.attainable_stretches import (
     WORTH_MARKS,
@@ -114,6 +115,11 @@ class MarkChange:
     untouched: tuple[str, ...] = ()  # controls that nobody had worked
     who: str = ""  # gave it
     falls: tuple[SteepFall, ...] = ()  # the steep ones within it
+
+    @property
+    def told_at(self) -> int:
+        """Return the tick at which charts have it: of its order, else of its begin."""
+        return self.begin if self.tick is None else self.tick
 
 
 @dataclass(frozen=True)
@@ -255,8 +261,9 @@ class RunExplorer:
 
 def point_of(tick: int, card: Scorecard) -> AttainablePoint:
     """Return the point of a run's marks."""
-    outcome = card.verdict.outcome if card.verdict else ""
-    return AttainablePoint(tick, card.total or 0.0, outcome == "won", outcome == "lost", card)
+    outcome = card.verdict.outcome if card.verdict else Outcome.UNDECIDED
+    won, lost = outcome is Outcome.WON, outcome is Outcome.LOST
+    return AttainablePoint(tick, card.total or 0.0, won, lost, card)
 
 
 def orders_by_tick(trajectory: Trajectory) -> OrdersByTick:

@@ -17,9 +17,11 @@ from trainer.debrief.attainable import (
     PassedKind,
     SteepFall,
 )
-from trainer.report.svg import clock
+from trainer.report.svg import TIME_STEPS_S, clock, step_of
+from trainer.report.svg import ticks as axis_ticks
 
 TEXT_COLUMNS: Final = 60  # [columns] of the curve in a terminal of 80
+MAX_TEXT_MOMENTS: Final = 6  # steps of time under it
 FALL_WORDS: Final = {
     PassedKind.LOSS: "the reference crew loses ({})",
     PassedKind.LIMIT: "the reference crew breaks a limit ({})",
@@ -93,11 +95,21 @@ def terminal_lines(curve: AttainableCurve, step: float) -> Iterator[str]:
     for level in TEXT_ROWS_PERCENT:
         drawn = "".join("#" if value >= level - half else " " for value in values)
         yield f"{level:4.0f} |{drawn}".rstrip()
-    begin, end = clock(ticks[0] * step), clock(ticks[-1] * step)
     yield f"     +{'-' * TEXT_COLUMNS}"
-    yield f"      {begin}{end:>{TEXT_COLUMNS - len(begin)}}"
+    yield f"      {text_axis(ticks[0] * step, ticks[-1] * step)}"
     for change in curve.changes:
         yield change_words(change, step)
+
+
+def text_axis(begin: float, end: float) -> str:
+    """Return the moments [s] under a curve in a terminal, each where its column is."""
+    moments = axis_ticks(begin, end, step_of(end - begin, MAX_TEXT_MOMENTS, TIME_STEPS_S))
+    axis = ""
+    for seconds in (*moments, end):
+        column = round((seconds - begin) / (end - begin) * (TEXT_COLUMNS - 1))
+        if not axis or column > len(axis):  # else the end is close to a moment
+            axis = f"{axis:{column}}{clock(seconds)}"
+    return axis
 
 
 def attainable_figures(curve: AttainableCurve, step: float) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, text_if_there
+from trainer.config.outcome import Outcome
 from trainer.config.schema import Choice, Quantity, Rows, Text, read_record, required, within
 from trainer.debrief.judgement import LOST_CAP, WIDTH_FACTORS, judge_run, total_of
 from trainer.debrief.scoring import Scorecard
@@ -22,7 +23,7 @@ from trainer.session.plan import Plan
 CHANGES_SCHEMA: Final = "changes/1"
 CHANGES_SUFFIX: Final = ".changes.toml"  # ends the name of the file
 OUTCOME_NAME, WIDTH_NAME = "outcome", "width"  # what is changed beside a score
-KNOWN_OUTCOMES: Final = ("won", "lost", "not reached")
+KNOWN_OUTCOMES: Final = (Outcome.WON, Outcome.LOST, Outcome.NOT_REACHED)
 STRIKE_WORD, WEIGHT_WORD = "strike", "weight"
 WEIGHT_FIELD: Final = Quantity("-", within(0, 1000), "in the total")
 CHANGE_FORM: Final = 'say it as "NAME: WHAT, REASON", such as "{}: weight 0, the gauge was wrong"'
@@ -197,15 +198,15 @@ def changed_card(
         if weight > 0.0:
             scores.append(replace(rule, score=replace(rule.score, weight=weight)))
     card = judge_run(trajectory, replace(plan, scores=tuple(scores)), nobody[width], width)
-    return with_outcome(card, words[OUTCOME_NAME]) if OUTCOME_NAME in words else card
+    return with_outcome(card, Outcome(words[OUTCOME_NAME])) if OUTCOME_NAME in words else card
 
 
-def with_outcome(card: Scorecard, outcome: str) -> Scorecard:
+def with_outcome(card: Scorecard, outcome: Outcome) -> Scorecard:
     """Return a card with another outcome, its total capped as that outcome allows."""
     verdict = card.verdict
     if verdict is None:
         return card
-    cap = {"won": None, "lost": LOST_CAP, "not reached": verdict.gate_cap}[outcome]
-    reason = "" if outcome == "won" else verdict.reason
+    caps = {Outcome.LOST: LOST_CAP, Outcome.NOT_REACHED: verdict.gate_cap}
+    cap, reason = caps.get(outcome), "" if outcome is Outcome.WON else verdict.reason
     verdict = replace(verdict, outcome=outcome, reason=reason, cap=cap, void=False, free=False)
     return replace(card, total=total_of(verdict), verdict=verdict)

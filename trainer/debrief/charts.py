@@ -105,8 +105,7 @@ def _moments(debrief: DebriefData) -> Iterator[ChartMoment]:
     comparison, step = debrief.compared, debrief.step
     if comparison and comparison.curve:
         for i, change in enumerate(comparison.curve.changes):
-            tick = change.begin if change.tick is None else change.tick
-            yield ChartMoment(change_name(i), CHANGE_STYLE, tick * step)
+            yield ChartMoment(change_name(i), CHANGE_STYLE, change.told_at * step)
     if comparison and comparison.from_here:
         yield ChartMoment(TAKEN_STYLE, TAKEN_STYLE, comparison.from_here.since or 0.0)
 
@@ -119,7 +118,9 @@ def attainable_chart(debrief: DebriefData) -> Chart | None:
     seconds = np.array([point.tick * debrief.step for point in curve.points])
     marks = np.array([point.marks for point in curve.points])
     line = CurveLine("by a careful crew from here", marks, ACTUAL_STYLE, seconds)
-    return Chart("attainable", "What could still be earned", "marks", (line,), least=100.0)
+    figures = sorted((each.told_at * debrief.step, f"{each.marks:+.0f}") for each in curve.changes)
+    title = "What could still be earned"
+    return Chart("attainable", title, "marks", (line,), least=100.0, figures=tuple(figures))
 
 
 def charts_of(trajectory: Trajectory, beside: tuple[RunBeside, ...] = ()) -> Iterator[Chart]:

@@ -22,6 +22,7 @@ from markupsafe import escape
 
 from trainer import __version__
 from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.outcome import Outcome
 from trainer.config.progress import forget_progress
 from trainer.debrief.changes import changes_path, read_changes, write_changes
 from trainer.debrief.data import DebriefData, gather_debrief
@@ -66,7 +67,7 @@ class RecordedResult:
     exercise: str  # its title, "" without one
     seed: int
     width: str
-    outcome: str  # "" where nothing decides it
+    outcome: Outcome
     total: float | None  # [%] None: no marks
     counts: bool  # neither free nor practice
     changed: bool  # by the instructor
@@ -169,8 +170,10 @@ def kept_result(path: Path) -> RecordedResult | None:
     came = marks.get("came")
     if not isinstance(came, dict) or came.keys() != MARK_TYPES.keys():
         return None
-    good = all(isinstance(came[name], kind) for name, kind in MARK_TYPES.items())
-    return RecordedResult(**came) if good else None
+    if not all(isinstance(came[name], kind) for name, kind in MARK_TYPES.items()):
+        return None
+    known = came["outcome"] in tuple(Outcome)
+    return RecordedResult(**{**came, "outcome": Outcome(came["outcome"])}) if known else None
 
 
 def compute_result(path: Path) -> RecordedResult:
@@ -193,7 +196,7 @@ def came_of(debrief: DebriefData) -> RecordedResult:
         exercise=debrief.plan.title,
         seed=debrief.plan.seed,
         width=debrief.width,
-        outcome=verdict.outcome if verdict else "",
+        outcome=verdict.outcome if verdict else Outcome.UNDECIDED,
         total=debrief.total,
         counts=not (debrief.free or debrief.practice or debrief.familiarisation),
         changed=debrief.changed is not None,

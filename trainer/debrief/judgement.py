@@ -17,6 +17,7 @@ import numpy as np
 
 from trainer.boat.depths import lowest_depth
 from trainer.config.derived import Loss
+from trainer.config.outcome import Outcome
 from trainer.config.score_rules import ScoreRule
 from trainer.debrief.gates import first_for, worst_breach
 from trainer.debrief.groundings import groundings
@@ -133,7 +134,7 @@ def _verdict(
     cap = HARD_CAP if hard else LOST_CAP if lost else cap
     done = {each.name: done_share(each) for each in scores if each.earned is not None}
     verdict = Verdict(
-        outcome="won",
+        outcome=Outcome.WON,
         reason="",
         tasks=means[0],
         keeping=means[1],
@@ -145,16 +146,16 @@ def _verdict(
         free=False,
     )
     if free := _free(trajectory):
-        return replace(verdict, outcome="free", reason=free, free=True)
+        return replace(verdict, outcome=Outcome.FREE, reason=free, free=True)
     if lost:
-        return replace(verdict, outcome="lost", reason=lost)
+        return replace(verdict, outcome=Outcome.LOST, reason=lost)
     total, early = total_of(verdict), _cut_short(trajectory, plan)
     if total >= WON_PERCENT and not early:
         return verdict
     undone = ", ".join(name for name, share in done.items() if share < 1.0)
     by_gate = verdict.gate if total < before_gate(verdict) else ""
     few = f"{total:.0f} marks, {WON_PERCENT:.0f} win"
-    return replace(verdict, outcome="not reached", reason=by_gate or undone or early or few)
+    return replace(verdict, outcome=Outcome.NOT_REACHED, reason=by_gate or undone or early or few)
 
 
 def _free(trajectory: Trajectory) -> str:
@@ -306,7 +307,7 @@ def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
         yield MarkCost(whole, f"The boat turned over: {verdict.reason}. All marks are void.")
     elif verdict.cap is not None and whole > verdict.cap:
         why = f"The exercise was lost ({verdict.reason})"
-        if verdict.outcome != "lost":
+        if verdict.outcome is not Outcome.LOST:
             why = f"A limit was broken ({verdict.gate})"
         cost = whole - verdict.cap
         yield MarkCost(cost, f"{why}: {_marks(cost)}, since at most {verdict.cap:.0f} are left.")

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError
+from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run
 from trainer.debrief.attainable import ChangeCause, MarkChange
 from trainer.debrief.data import DebriefData, compare_debrief
@@ -31,7 +32,7 @@ CAUSE_KINDS: Final[Mapping[ChangeCause, str]] = {
 }
 
 
-def run_of(debrief: DebriefData, how: str) -> ProgressRun:
+def run_of(debrief: DebriefData, how: Outcome) -> ProgressRun:
     """Return the entry of a run; ``how`` it ended is told where nothing decides it."""
     verdict = debrief.final.verdict if debrief.plan.scores else None  # a lesson has no marks
     return ProgressRun(
@@ -63,7 +64,7 @@ def costs_of(changes: Iterable[MarkChange]) -> dict[str, float]:
     return {kind: round(marks, 1) for kind, marks in costs.items()}
 
 
-def remember_run(path: Path, branch: int, how: str) -> list[str]:
+def remember_run(path: Path, branch: int, how: Outcome) -> list[str]:
     """Put a run into the files of its trainees; return what was set aside. ConfigError, OSError."""
     with np.errstate(all="ignore"):
         debrief = read_dossier(path, branch)
@@ -82,7 +83,7 @@ def main() -> None:
     """Remember one run, and print what its user has to know."""
     path, branch, how = sys.argv[1:]
     try:
-        texts = remember_run(Path(path), int(branch), how)
+        texts = remember_run(Path(path), int(branch), Outcome(how))
     except (ConfigError, OSError) as error:
         texts = [f"the progress is not kept: {error}"]
     sys.stdout.write("".join(f"{text}\n" for text in texts))

@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.config.outcome import Outcome
 from trainer.config.score_rules import (
     OWN_UNIT,
     SCORE_MEASURES,
@@ -85,12 +86,24 @@ class RuleScore:
         """Return the name of the rule."""
         return self.rule.score.name
 
+    @property
+    def idle(self) -> bool:
+        """Return whether it does not count: a boat with nobody aboard has it too."""
+        return self.nobody is not None and self.earned is None
+
+    @property
+    def told(self) -> str:
+        """Return its marks in words."""
+        if self.idle:
+            return f"{self.name}: does not count, a boat with nobody aboard has it as well"
+        return f"{self.name}: {self.marks or 0.0:.0f}"
+
 
 @dataclass(frozen=True)
 class Verdict:
     """The outcome of an exercise, its reason, and the parts of the total."""
 
-    outcome: str  # won, lost, not reached or free
+    outcome: Outcome
     reason: str  # "" where it was won
     tasks: float  # [%] mean of tasks and answers, T of ``judgement``
     keeping: float  # [%] mean of how the boat was kept, K

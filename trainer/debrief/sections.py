@@ -10,7 +10,12 @@ from typing import Final
 
 from markupsafe import Markup
 
+<<<<<<< HEAD
 from trainer.core.digest import same_core
+=======
+from trainer.config.outcome import Outcome
+from trainer.core.cache import same_core
+>>>>>>> main
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name
@@ -138,7 +143,7 @@ def explain_total(verdict: Verdict) -> str:
             "by how far the weakest task was carried out"
         )
     if verdict.cap is not None:
-        why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
+        why = "the exercise was lost" if verdict.outcome is Outcome.LOST else "a limit was broken"
         return f"{words}. At most {verdict.cap:.0f}: {why}."
     return f"{words}."
 
@@ -271,7 +276,8 @@ def _score(
     earned: tuple[str, ...] = ()
     if debrief.card.verdict is not None:
         nobody = "-" if each.nobody is None else f"{each.nobody:.0f}"
-        earned = (nobody, f"{each.rule.part} " if each.earned is None else f"{each.earned:.0f}")
+        part = "not counted" if each.idle else f"{each.rule.part} "
+        earned = (nobody, part if each.earned is None else f"{each.earned:.0f}")
     beside = (value_of(best[each.name]) if each.name in best else "-",) if best else ()
     return (
         f"S{i}",

@@ -122,6 +122,7 @@ class Chart:
     least: float = 1.0  # span that is shown at least
     steps: tuple[float, ...] = ()  # round steps, if they are not the usual ones
     number: Callable[[float], str] = "{:g}".format  # how a number is written on the axis
+    figures: tuple[tuple[float, str], ...] = ()  # words beside moments [s], the earliest first
 
 
 @dataclass(frozen=True)
@@ -170,6 +171,7 @@ def draw_chart(chart: Chart, ground: ChartGround) -> Markup:
         x = ground.across.places(ground.seconds if line.seconds is None else line.seconds)
         drawn = line_path(x, up.places(line.values), LINE_POINTS)
         parts.append(f'<path class="line {line.style}" d="{drawn}"/>')
+    parts += _figures(chart, ground)
     end = LEFT_MARGIN_PX + TITLE_LETTER_PX * len(f"{chart.title} [{chart.unit}]") + 20.0
     for line in chart.lines:  # a sample of each with its name, after the title
         parts.append(
@@ -179,6 +181,17 @@ def draw_chart(chart: Chart, ground: ChartGround) -> Markup:
         parts.append(text("tick", end, 16.0, line.label))
         end += LETTER_WIDTH_PX * len(line.label) + 12.0
     return svg_element(f"{chart.title} against time", (CHART_WIDTH_PX, CHART_HEIGHT_PX), parts)
+
+
+def _figures(chart: Chart, ground: ChartGround) -> Iterator[str]:
+    """Yield the words beside moments, one above the other where they would touch."""
+    taken: list[float] = []  # [px] where each row ends, from the bottom
+    for seconds, words in chart.figures:
+        x, width = ground.across.at(seconds) + 4.0, LETTER_WIDTH_PX * len(words)
+        x = min(x, CHART_WIDTH_PX - RIGHT_MARGIN_PX - width)
+        row = next((i for i, end in enumerate(taken) if end < x), len(taken))
+        taken[row : row + 1] = [x + width]
+        yield text("figure", x, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX - 6.0 - 13.0 * row, words)
 
 
 def svg_element(label: str, size: tuple[float, float], parts: list[str]) -> Markup:

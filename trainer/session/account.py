@@ -12,7 +12,11 @@ import click
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import account_of
+<<<<<<< HEAD
 from trainer.core.kernel import INTERPRETED
+=======
+from trainer.config.outcome import Outcome
+>>>>>>> main
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
 from trainer.io.status_line import course
@@ -44,7 +48,7 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
     click.echo("\n".join(lines), err=options.aside)
     failure = session.control.failure and f"frozen: {session.control.failure}"
     ending = session.conduct.ending
-    failure = failure or (f"{ending.over}: {ending.why}" if ending.how == "lost" else "")
+    failure = failure or (f"{ending.over}: {ending.why}" if ending.outcome is Outcome.LOST else "")
     recording = describe_missing(session.history.recording) if path else ""
     troubles = [failure, session.conduct.deserted, session.rows.recorder.trouble, recording]
     safe = "; the recording has all that happened" if path and not recording else ""

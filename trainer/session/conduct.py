@@ -20,6 +20,7 @@ from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course, lessons
+from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.aids import Aids
 from trainer.session.chair import Chair
@@ -129,7 +130,7 @@ class Conduct:
         self.begun = self.control.boat.ticks > 0
         lost, ending = self.control.failure, self.ending
         if lost and ending.watched and not ending.over:
-            ending.end("lost", f"lost at {self.control.boat.time:g} s", lost)
+            ending.end(Outcome.LOST, f"lost at {self.control.boat.time:g} s", lost)
             self._stop()
         elif ending.look(self.control.boat):
             self._stop()
@@ -139,7 +140,7 @@ class Conduct:
     def end_lesson(self) -> None:
         """End a lesson after its last step, unless it has a time of its own."""
         if self.ending.last_tick == math.inf:
-            self.ending.end("ended", f"the last step is over at {self.control.boat.time:g} s")
+            self.ending.end(Outcome.ENDED, f"the last step is over at {self.control.boat.time:g} s")
             self._stop()
 
     def judge_hull(self) -> None:
@@ -171,7 +172,7 @@ class Conduct:
     def halt(self, why: str, how: str) -> None:
         """Freeze time, or end the exercise as lost, as ``how`` says; another word does nothing."""
         if how == "end" and not self.ending.over:
-            self.ending.end("lost", f"lost at {self.control.boat.time:g} s", why)
+            self.ending.end(Outcome.LOST, f"lost at {self.control.boat.time:g} s", why)
             self._stop()
         elif how == "freeze":
             self.control.time.pacer.freeze()
@@ -238,12 +239,13 @@ class Conduct:
         ending = self.ending
         if not ending.over:
             return []
-        facts = [Fact("exercise-over", ending.how)]
+        facts = [Fact("exercise-over", ending.outcome)]
         if ending.marks and (ending.released or role is INSTRUCTOR_ROLE):
             facts.append(Fact("marks", ending.marks.fields))
             facts += [Fact("reason", fields) for fields in ending.marks.reason_fields]
+            facts += ending.marks.uncounted_facts if role is INSTRUCTOR_ROLE else []
         elif self._unmarked:
-            facts.append(Fact("marks", f"{ending.how},"))
+            facts.append(Fact("marks", f"{ending.outcome},"))
         if ending.debrief and role is INSTRUCTOR_ROLE:
             facts.append(Fact("debrief", ending.debrief))
         return facts
@@ -272,14 +274,14 @@ class Conduct:
         self.control.time.pacer.freeze()
         self.control.steps = 0
         ending = self.ending
-        over_fact = Fact("exercise-over", ending.how)
+        over_fact = Fact("exercise-over", ending.outcome)
         self.log.tell("time", f"EXERCISE OVER: {ending.over}", fact=over_fact)
         if ending.why:
             self.log.tell("exercise", f"lost: {ending.why}")
         self.show()
         self.remember()
         if self._unmarked:
-            fact = Fact("marks", f"{ending.how},")
+            fact = Fact("marks", f"{ending.outcome},")
             self.log.tell("time", f"no marks: {self._unmarked}", fact=fact)
         elif self.debriefing and self.kept:
             self._begin_judging(self.debriefing.judge, self.kept)
@@ -293,7 +295,7 @@ class Conduct:
             return
         self._remembered = place
         recording.flush()
-        how = "done" if self.guide.over else self.ending.how or "left"
+        how = Outcome.DONE if self.guide.over else self.ending.outcome or Outcome.LEFT
         whole = (*words, str(self.kept), str(recording.branch), how)
 
         def hear() -> str:
@@ -353,9 +355,8 @@ class Conduct:
         self._tell_reasons("exercise", found)
         if self.log.attended(TRAINEE) and not self.log.attended(INSTRUCTOR_ROLE.name):
             self._release_marks(found)
-        for name in found.uncounted:
-            text = f"{name}: does not count"
-            self.log.tell("exercise", f"  {text}", fact=Fact("reason", f",{text}"))
+        for fact in found.uncounted_facts:
+            self.log.tell("exercise", f"  {fact.subject[1:]}", fact=fact)
         self.log.tell("exercise", change)
 
     def _tell_reasons(self, kind: str, found: Judgement) -> None:
@@ -365,7 +366,7 @@ class Conduct:
 
     def _end(self, asked: Request) -> Reply:
         boat = self.control.boat
-        self.ending.end("ended", f"ended at {boat.time:g} s by the {asked.station.who}")
+        self.ending.end(Outcome.ENDED, f"ended at {boat.time:g} s by the {asked.station.who}")
         self._stop()
         return "the exercise is over"
 
@@ -383,6 +384,9 @@ class Conduct:
         self.ending.released = True
         self.log.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
         self._tell_reasons("marks", marks)
+        for station in self.log.stations:  # the marks told anew take the place of all before
+            if station.role is INSTRUCTOR_ROLE:
+                self.log.note(station, marks.uncounted_facts)
 
     def _debrief(self, _asked: Request) -> Reply:
         if self.debriefing is None or self.kept is None:

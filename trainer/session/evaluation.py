@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, Final, cast
 
+from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Moment
@@ -280,7 +281,8 @@ class Evaluation:
         branch, marks, seconds = question.moment.branch, answer["marks"], question.seconds
         if branch != self.history.recording.branch:
             return  # time has gone back meanwhile
-        outcome = "won" if answer["won"] else "lost" if answer["lost"] else "open"
+        either = Outcome.LOST if answer["lost"] else Outcome.OPEN
+        outcome = Outcome.WON if answer["won"] else either
         numbers = f"{seconds:.3f},{marks:.1f},{answer['so_far'] or 0.0:.1f}"
         self._note(Fact("attainable", f"{numbers},{outcome},{branch},{self.left_out}"))
         if self._behind and not self._slot:

@@ -23,6 +23,8 @@ from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
 from trainer.config.files import ConfigError
+from trainer.config.outcome import Outcome
+from trainer.session.stations.station import Fact
 
 CLOSE_TIMEOUT_S: Final = 20.0  # [s] at the end, for marks and pages
 CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
@@ -36,7 +38,7 @@ PHI_PLACE, THETA_PLACE = STATE_PLACES["phi"], STATE_PLACES["theta"]
 class Judgement:
     """The result of an exercise: its outcome, all marks, and their reasons."""
 
-    outcome: str  # won, lost or not reached; "" where nothing decides it
+    outcome: Outcome
     total: float | None  # [%] None: nothing counts
     reasons: tuple[str, ...] = ()
     uncounted: tuple[str, ...] = ()  # scores of what did not come: for the instructor
@@ -60,6 +62,11 @@ class Judgement:
         times = ("" if time is None else f"{time:g}" for time in self.times)
         pairs = zip_longest(times, self.reasons, fillvalue="")
         return [",".join(pair) for pair in pairs]
+
+    @property
+    def uncounted_facts(self) -> list[Fact]:
+        """Return the facts of the measures that do not count, which the instructor is told."""
+        return [Fact("reason", f",{name}: does not count") for name in self.uncounted]
 
 
 @dataclass(frozen=True)
@@ -137,7 +144,7 @@ class ExerciseEnd:
     lost: Sequence[LossMonitor] = ()
     over: str = ""  # when and by whom, once it is
     why: str = ""  # it is lost: for the instructor, since it may tell what is hidden
-    how: str = ""  # lost or ended
+    outcome: Outcome = Outcome.UNDECIDED  # LOST or ENDED, once it is
     marks: Judgement | None = None  # once they are there
     released: bool = False
     debrief: str = ""  # the file that was written
@@ -158,18 +165,19 @@ class ExerciseEnd:
         if self.over or not self.watched:
             return False
         if why := self._lost(boat):
-            self.end("lost", f"lost at {boat.time:g} s", why)
+            self.end(Outcome.LOST, f"lost at {boat.time:g} s", why)
         elif boat.ticks >= self.last_tick:
-            self.end("ended", f"time is up at {boat.time:g} s")
+            self.end(Outcome.ENDED, f"time is up at {boat.time:g} s")
         return bool(self.over)
 
-    def end(self, how: str, when: str, why: str = "") -> None:
+    def end(self, outcome: Outcome, when: str, why: str = "") -> None:
         """End the exercise."""
-        self.how, self.over, self.why = how, when, why
+        self.outcome, self.over, self.why = outcome, when, why
 
     def begin_again(self, boat: Boat) -> None:
         """Begin it again, after a jump in time."""
-        self.over = self.how = self.why = self.debrief = ""
+        self.over = self.why = self.debrief = ""
+        self.outcome = Outcome.UNDECIDED
         for loss in self.lost:
             loss.settle(boat)
         self.marks, self.released = None, False

@@ -6,6 +6,7 @@ time below has that time. No other screen draws it, because no other role is tol
 
 from typing import Final
 
+from trainer.config.outcome import Outcome
 from trainer.console.drawing.event_log import MIN_TIMELINE_COLUMNS, end_of
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, Run, fit, line
@@ -19,7 +20,7 @@ def evaluation(model: SessionModel, width: int, _height: int) -> Lines:
     if model.unevaluated or not model.attainable:
         return [fit(line((f" no evaluation: {model.unevaluated}", "dim")), width)]
     last = model.attainable[-1]
-    ink = "value" if last.outcome == "won" else "warning"
+    ink = "value" if last.outcome is Outcome.WON else "warning"
     left = line((f"earn{last.marks:3.0f}", ink))
     age = model.picture.seconds - last.seconds
     right_text = f" {age:.0f} s ago" if age > OLD_AGE_S else f" so far {last.so_far:.0f}"
@@ -42,5 +43,5 @@ def columns(model: SessionModel, room: int) -> tuple[Run, ...]:
             continue
         point = known[-1]
         height = HEIGHTS[min(int(point.marks / 100.0 * len(HEIGHTS)), len(HEIGHTS) - 1)]
-        runs.append((height, "ordered" if point.outcome == "won" else "warning"))
+        runs.append((height, "ordered" if point.outcome is Outcome.WON else "warning"))
     return tuple(runs)

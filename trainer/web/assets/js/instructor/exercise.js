@@ -17,7 +17,7 @@ import { say } from "../words.js";
 const LOOKED = 2000; // [ms] between looks at who is aboard, before the start
 const WIDE = 1000; // [px] from which on the window leaves room beside it
 const BACK = "2 min"; // how far `again from` goes where no moment is looked at
-const OUTCOMES = { lost: say("LOST"), ended: say("TIME IS UP") };
+const CLOSE = 1; // [s] to the end of its time, from which on that is up
 
 /** Furnishes the window of the exercise. @param {Desk} desk @param {(seconds: number) => void} see */
 export function furnishExercise(desk, see) {
@@ -243,8 +243,7 @@ class ExerciseWindow {
 
   end() {
     const { session } = this.desk;
-    const { outcome, judgement } = session;
-    const title = judgement.outcome === "won" ? say("WON") : (OUTCOMES[/** @type {keyof typeof OUTCOMES} */ (outcome)] ?? say("OVER"));
+    const { judgement } = session;
     const reasons = judgement.reasons.map((reason) => html("li", { class: "row" }, html("span", { class: "grow" }, reason.text), this.seeKey(reason)));
     const body = [
       html("p", { class: "big" }, judgement.marks || say("No marks yet.")),
@@ -255,14 +254,14 @@ class ExerciseWindow {
     ].filter((part) => part instanceof Node);
     const back = this.desk.moment.looking;
     const keys = [
-      this.key(say("Release marks"), () => void this.order("release marks")),
+      ...(judgement.reasons.length ? [this.key(say("Release marks"), () => void this.order("release marks"))] : []),
       this.key(say("Debrief"), () => void this.order("debrief")),
       ...(this.refusal ? [html("span", { class: "refusal", role: "alert" }, this.refusal)] : []),
       this.key(say("Again"), () => void this.desk.give("again"), true),
       this.key(back ? say("Again from {0}", clock(back.seconds)) : say("Again from {0} ago", BACK), () => void this.again()),
       this.key(say("Next"), () => void this.choose()),
     ];
-    return { title: `${session.exercise.title ?? say("Exercise")}: ${title}`, body, keys };
+    return { title: `${session.exercise.title ?? say("Exercise")}: ${endInWords(session)}`, body, keys };
   }
 
   /** Gives an order; a refusal is shown beside the keys. @param {string} words */
@@ -309,6 +308,13 @@ class ExerciseWindow {
     if (looking && lapse === null) return;
     await this.desk.give(lapse === null ? `again from ${BACK}` : `again from ${Math.max(lapse, 0.1)}`);
   }
+}
+
+/** Returns how an exercise has ended: its time is up only where it has come to it. @param {import("../model/session.js").Session} session */
+function endInWords({ exercise, judgement, outcome, seconds }) {
+  if (judgement.outcome === "won") return say("WON");
+  if (outcome === "lost") return say("LOST");
+  return seconds > Number(exercise.duration ?? Infinity) - CLOSE ? say("TIME IS UP") : say("OVER");
 }
 
 /** @param {string} title @param {string[]} lines */

@@ -305,7 +305,7 @@ export class Session extends EventTarget {
 
   /** @param {Told} told */
   hearEntry(told) {
-    const entry = { ...told, branch: this.present };
+    const entry = { ...told, branch: Math.max(this.present, this.number("time.branch") ?? 0) };
     this.saying = "";
     if (this.past.has("events")) this.earlier.push(entry);
     else this.happened(entry);
