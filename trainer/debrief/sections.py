@@ -10,12 +10,8 @@ from typing import Final
 
 from markupsafe import Markup
 
-<<<<<<< HEAD
-from trainer.core.digest import same_core
-=======
 from trainer.config.outcome import Outcome
-from trainer.core.cache import same_core
->>>>>>> main
+from trainer.core.digest import same_core
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name

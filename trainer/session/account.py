@@ -12,11 +12,8 @@ import click
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import account_of
-<<<<<<< HEAD
-from trainer.core.kernel import INTERPRETED
-=======
 from trainer.config.outcome import Outcome
->>>>>>> main
+from trainer.core.kernel import INTERPRETED
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
 from trainer.io.status_line import course
