@@ -222,9 +222,9 @@ def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], in
     if library is None:
         return functools.partial(tick, records, ground)
     words = [_address(each) for each in (*records, ground)]
-    block = np.array([*words, 0], np.int64)
+    block: Any = np.array([*words, 0], np.int64)
     block.view(np.float64)[-1] = ground.size
-    words_there = (ctypes.c_int64 * block.size).from_buffer(memoryview(block))
+    words_there = (ctypes.c_int64 * block.size).from_buffer(block)
     function = ctypes.PYFUNCTYPE(ctypes.c_int)(library.address_of(TICK_NAME))
     bound: Any = functools.partial(function, ctypes.byref(words_there))  # the least of all calls
     bound.kept = (*records, ground)  # as long as the tick is
