@@ -36,12 +36,14 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile once what several processes would compile side by side: the core, fits and fleets.
 
+    A boat's core comes with the package, except where settings of numba ask for other code.
+
     Fleets have the core in them and come last, beside the first tests, as ships that are not linear
     do. So are the browsers installed, where that is allowed.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
-    core = started("trainer.session.warm_up")
+    core = started("helpers.core")
     if session.config.option.markexpr in NEEDING_THE_CORE_ALONE:
         assert_done(core)
         return

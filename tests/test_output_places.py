@@ -23,10 +23,9 @@ OUTPUTS = "io/outputs.py"
 # What may write past it, and why
 REASONS = {
     "analysis/bench/end_to_end.py on_terminal": "a terminal",
-    "analysis/bench/start_up.py empty_cache": "the cache of a bench, in a folder of its own",
-    "boat/compilation.py mark_compiled": "the cache",
-    "boat/compilation.py write_progress": "the cache",
-    "boat/compilation.py compilation_lock": "the cache",
+    "boat/compilation.py announce_compiling": "the cache",
+    "boat/export/objects.py lower": "a folder of its own, which goes",
+    "boat/machine_code.py made_object": "the cache",
     "boat/export/wasm.py lower": "a folder of its own, which goes",
     "boat/export/wasm.py _lowered": "a folder of its own, which goes",
     "config/progress.py add_run": "sets a damaged file of the program's own aside",
@@ -42,7 +41,6 @@ REASONS = {
     "io/tables.py _write_csv": "is given what replacing yields",
     "io/tables.py _write_parquet": "is given what replacing yields",
     "report/plots.py draw_plot": "pages of what replacing yields",
-    "session/first_start.py compile_beside": "the cache",
     "session/rerun/drawing.py Drawing.save": "is opened by open_output first",
     "web/address.py open_page": "a browser",
 }

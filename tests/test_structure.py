@@ -134,7 +134,7 @@ def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
         *("exercise", "range", "rate", "alert", "ack"),
         *("branch", "exercise-over", "marks", "debrief", "next", "command", "asked", "ready"),
         "chair",
-        *("past", "compiled", "plans", "planned", "debrief-page"),
+        *("past", "plans", "planned", "debrief-page"),
         *("stations", "aboard", "said", "reason", "degree", "own-order", "alert-rank"),
         *("step", "step-hint", "step-missed", "shown", "attainable", "no-attainable", "no-room"),
     }

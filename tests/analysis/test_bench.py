@@ -27,9 +27,9 @@ from trainer.analysis.bench.tick import (
     CASUALTY_KINDS,
     STANDARD_METHOD,
     BatchCost,
+    in_a_loop,
     long_enough,
     ready_boat,
-    take_ticks,
     time_batches,
 )
 from trainer.analysis.bench.web import NoBrowserError
@@ -167,8 +167,7 @@ def test_the_loop_in_a_kernel_is_the_same_ticks(make_boat: Callable[..., Boat]) 
 
     for _ in range(7):
         called.tick()
-    vessel, compact, scheme, state, scratch = looped.records
-    status = take_ticks(vessel, compact, scheme, 7, state, scratch)
+    status = in_a_loop(looped.records, 7)
 
     assert status == 0
     assert looped.state.tick == 7.0

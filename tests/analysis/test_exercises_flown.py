@@ -30,7 +30,7 @@ from trainer.config.baseline import kept_baseline
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
 from trainer.config.reference_crew import Crew, read_crew
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.debrief.data import gather_debrief
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal

@@ -269,7 +269,7 @@ def rates_in_the_loop(case: dict[str, Any], motion: Numbers) -> Numbers:
     angle = -REPORT_LAW.depth * s.z + REPORT_LAW.pitch * s.theta
     angle += REPORT_LAW.climb * climb + REPORT_LAW.pitch_rate * s.q
     s.delta_s, s.delta_b = case["sign_ds"] * angle, case["sign_db"] * angle
-    rates(*replace(records, scheme=equations_alone(records.scheme)))
+    rates(*records._replace(scheme=equations_alone(records.scheme)))
     return np.array([s.wdot, s.qdot, s.thetadot, s.zdot])
 
 
@@ -680,7 +680,7 @@ def test_the_trim_near_the_surface_leaves_no_acceleration_there() -> None:
     r, force = boat.records, np.zeros(6)
     surface_forces(r.vessel, r.state, force)
     r.scratch["external"][0] = force
-    rates(*replace(r, scheme=equations_alone(r.scheme)))
+    rates(*r._replace(scheme=equations_alone(r.scheme)))
     assert abs(boat.state.rates[:6]).max() < 1e-10
     assert boat.state.zdot == pytest.approx(0.0, abs=1e-10)
 

@@ -18,6 +18,7 @@ from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, stan
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
+from trainer.boat.machine_code import way_name
 from trainer.core.scheme import ADAMS, COMPACT_EQUATIONS
 from trainer.core.state import STATE_FIELDS
 
@@ -98,7 +99,7 @@ def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(
 
 
 def test_the_ways_of_this_machine_are_compared_whole() -> None:
-    names = {"compiled", "in a fleet of 17", "interpreted", *levels_here()}
+    names = {way_name(), "in a fleet of 17", "interpreted", *levels_here()}
     assert set(ways()) == names
 
 

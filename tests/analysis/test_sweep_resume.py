@@ -21,7 +21,7 @@ from trainer.analysis.sweep.sweep import BatchChunks, carry_out, fly_alone, proc
 from trainer.cli.main import main
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
-from trainer.core import cache
+from trainer.core import digest
 
 TURNS = """
 schema = "sweep/1"
@@ -367,12 +367,12 @@ def test_a_chunk_whose_writing_fails_does_not_count(
 def test_a_sweep_of_a_core_that_computes_the_same_bits_goes_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    now = {"study": "s", "members": 3, "version": "1", "core": cache.core_digest(), "files": {}}
+    now = {"study": "s", "members": 3, "version": "1", "core": digest.core_digest(), "files": {}}
     then = now | {"core": "of yesterday", "files": {"configs/terms_2510.toml": "long ago"}}
     assert fact_differences(then, now) == [
-        f"core: 'of yesterday' then, {cache.core_digest()!r} now"
+        f"core: 'of yesterday' then, {digest.core_digest()!r} now"
     ]
 
-    monkeypatch.setattr(cache, "SAME_BITS", frozenset({"of yesterday"}))
+    monkeypatch.setattr(digest, "SAME_BITS", frozenset({"of yesterday"}))
 
     assert fact_differences(then, now) == []

@@ -22,8 +22,8 @@ from typing import Any, Final
 
 from helpers.places import tests_environment
 from llvmlite import binding  # type: ignore[import-untyped]
-from numba import carray  # type: ignore[attr-defined]
 
+from trainer.boat.entries import BOAT, Entry
 from trainer.boat.export.targets import find_processor
 from trainer.config.files import ConfigError
 from trainer.core import wide
@@ -42,6 +42,7 @@ from trainer.core.autopilot.steering import (
 from trainer.core.ballast.ballast import balance
 from trainer.core.compact import forces, lagged_rates
 from trainer.core.integrators import adams
+from trainer.core.kernel import kernel
 from trainer.core.kinematics import attitude_of, kinematics
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.sea.filter_1969 import filter_noise
@@ -70,7 +71,7 @@ import json, sys
 from llvmlite import binding
 binding.set_option("", "--pre-RA-sched=" + sys.argv[1])
 from trainer.core import kernel
-kernel.part = kernel.kernel = kernel.njit(error_model="numpy", **kernel.LEAN_OPTIONS)
+kernel.part = kernel.kernel = kernel.compiled_with(error_model="numpy", **kernel.LEAN_OPTIONS)
 from bench import footprint
 ticks = {"update": footprint.update_of_1969, "tick": footprint.tick_of_1969}
 ticks[footprint.WIDE] = footprint.wide_of_today
@@ -108,7 +109,8 @@ def sections(function: Callable[..., int]) -> dict[str, tuple[int, int]]:
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     method = Method("modified", "lagged", "report", "adams2", 0.5)
-    module = freestanding_module(function, fit_out(load_vessel(VESSEL), method).scheme, {})
+    scheme = fit_out(load_vessel(VESSEL), method).scheme
+    module = freestanding_module(Entry(function, BOAT, int), scheme, {})
     return {cpu: sizes(small_object(str(module), cpu)) for cpu in CPUS}
 
 
@@ -213,14 +215,9 @@ def _row(code: Code) -> str:
     return f"{row}{code.code_words_1969:>8}{code.code_words / code.code_words_1969:>8.2f}"
 
 
-def update_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:  # noqa: ARG001 as all
-    """Advance the motion at these addresses by one cycle, controls held; return 0."""
-    few, how, now, work = (
-        carray(compact, 1),
-        carray(scheme, 1),
-        carray(state, 1),
-        carray(scratch, 1),
-    )
+@kernel
+def update_of_1969(boat: Any, few: Any, how: Any, now: Any, work: Any) -> int:  # noqa: ARG001 as all
+    """Advance the motion of these records by one cycle, controls held; return 0."""
     attitude = attitude_of(how[0].trig, now)
     forces(few, attitude, now, work[0].force)
     lagged_rates(few, work[0].force, now)
@@ -229,10 +226,9 @@ def update_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: 
     return 0
 
 
-def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:
+@kernel
+def tick_of_1969(boat: Any, few: Any, how: Any, now: Any, work: Any) -> int:
     """Advance boat, autopilot, surfaces, propeller, tanks and noise by one cycle; return 0."""
-    boat, few, how = carray(vessel, 1), carray(compact, 1), carray(scheme, 1)
-    now, work = carray(state, 1), carray(scratch, 1)
     c, s, gains, h = boat[0], now[0], work[0].gains, how[0].h
     filter_noise(work, gaussian(int(s.seed), SEA_FILTER, int(s.tick)), now)
     scheduled_gains(boat, s.u, gains)
@@ -266,9 +262,8 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     return 0
 
 
-def wide_of_today(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:  # noqa: ARG001 as all
-    """Correct the accelerations at these addresses by the wide set; return 0."""
-    boat, how, now = carray(vessel, 1), carray(scheme, 1), carray(state, 1)
-    work = carray(scratch, 1)
+@kernel
+def wide_of_today(boat: Any, few: Any, how: Any, now: Any, work: Any) -> int:  # noqa: ARG001 as all
+    """Correct the accelerations of these records by the wide set; return 0."""
     wide.correct(boat, how[0].equations, now, work, work[0].external)
     return 0

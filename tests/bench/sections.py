@@ -6,11 +6,12 @@ from typing import Final
 from c_twin import comparison
 from c_twin.compiler import SAME_BITS, build
 
-from bench import control, fleet, footprint, identify, parts, peers, wasm
+from bench import control, fleet, footprint, identify, instructions, parts, peers, wasm
 from trainer.analysis.bench import same_bits as whole
 from trainer.analysis.bench.same_bits import SameBits, fly_hour
 from trainer.analysis.bench.sections import Section, or_left_out
 from trainer.boat.export.targets import NoCompilerError
+from trainer.config.files import ConfigError
 
 SAMPLES: Final = 2000  # of the records that are fitted
 
@@ -39,6 +40,9 @@ SECTIONS: Final = {
     "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),
     "wasm": or_left_out(
         NoCompilerError, Section(lambda wanted: wasm.time_hour_in_node(wanted.file), wasm.lines)
+    ),
+    "instructions": or_left_out(
+        ConfigError, Section(lambda _wanted: instructions.measure(), instructions.lines)
     ),
     "identify": Section(lambda _wanted: identify.identify_speed(SAMPLES), identify.lines),
 }

@@ -43,7 +43,7 @@ from trainer.boat.export.targets import (
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.session.options import RunOptions

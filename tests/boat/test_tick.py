@@ -1,16 +1,11 @@
 """The tick of a boat: the tick of its records."""
 
-import sys
-import threading
 from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numba import config
 
-from trainer.boat import compilation
 from trainer.boat.boat import Boat
-from trainer.core import kernel
 from trainer.core.update import update
 
 pytestmark = pytest.mark.core
@@ -84,33 +79,3 @@ def test_plain_numbers_are_the_state(make_boat: Callable[..., Boat]) -> None:
     assert boat.numbers(("z", "t", "u")) == [boat.state.z, 0.5, boat.state.u]
     assert boat.numbers(("z",)) == [boat.state.z]
     assert list(boat.plain) == boat.records.state["whole"][0].tolist()
-
-
-def test_without_a_known_compiler_the_tick_is_the_same(
-    make_boat: Callable[..., Boat], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    known, unknown = make_boat(), make_boat()
-    for boat in (known, unknown):
-        boat.start(5.0, 60.0, 0.0)
-    known.tick()
-    monkeypatch.setattr(kernel, "TESTED_NUMBA", ((9, 0), (9, 1)))
-    monkeypatch.setitem(sys.modules, "trainer.boat.call", None)
-
-    unknown.tick()
-
-    assert unknown.records.state.tobytes() == known.records.state.tobytes()
-
-
-def test_while_one_thread_imports_machine_code_the_core_stays_interpreted_for_all_others(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(config, "DISABLE_JIT", True)
-    told: list[bool] = []
-    with compilation.machine_code():
-        other = threading.Thread(target=lambda: told.append(compilation.is_interpreted()))
-        other.start()
-        other.join()
-        assert not compilation.is_interpreted()
-
-    assert told == [True]
-    assert compilation.is_interpreted()

@@ -18,7 +18,7 @@ from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.session.options import RunOptions
 
 SHIPPED_CARD = wasm.SHIPPED_PATH.with_name(wasm.CARD_FILE)

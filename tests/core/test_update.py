@@ -144,6 +144,7 @@ for equations in ("full", "modified", "basic", "longitudinal"):
                 for name in CASUALTY_KINDS:
                     assert isinstance(insert_casualty(boat, name), str)
             for run in (ticks, wasteful):
+                run(0, *boat.records)  # numba counts once it has compiled something
                 found = []
                 for count in (1, 1, 1001):
                     before = rtsys.get_allocation_stats()

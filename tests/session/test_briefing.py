@@ -49,7 +49,7 @@ class Attended:
         told = briefing_of(plan, options)
         time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
         sending = PromptSender(Roster(StateReader(self.boat, time.ledger.summary)))
-        here = situation(plan, self.boat, "")
+        here = situation(plan, self.boat)
         self.session = session_over(
             *(self.boat, time, History(self.boat, NoRecording()), sending),
             schedule=plan.schedule,

@@ -22,7 +22,7 @@ from trainer.config.files import (
     shipped_path,
 )
 from trainer.config.sea import load_sea
-from trainer.core import cache
+from trainer.core import digest
 from trainer.session import header as header_module
 from trainer.session.header import differences, header_of, layout_of, method_of, notes, plan_of
 from trainer.session.layout import LAYOUT, read_state, state_difference
@@ -332,7 +332,7 @@ def test_an_earlier_core_of_the_same_bits_is_no_difference(
     earlier = {**header, "core": "of yesterday"}
     assert differences(earlier) != []
 
-    monkeypatch.setattr(cache, "SAME_BITS", frozenset({"of yesterday"}))
+    monkeypatch.setattr(digest, "SAME_BITS", frozenset({"of yesterday"}))
 
     assert differences(earlier) == []
 

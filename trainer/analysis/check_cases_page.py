@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from trainer.analysis.check_cases import CaseFlight, Comparison, case_figures
 from trainer.config.check_case import CASE_CHANNELS
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.report import html, text
 from trainer.report.columns import DEPTH_COLUMNS
 from trainer.report.panels import draw_panel, legend

@@ -45,7 +45,7 @@ from trainer.config.files import (
 )
 from trainer.config.score_rules import ScoreRule
 from trainer.config.vessel import load_vessel
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.debrief.judgement import MAX_NOBODY_PERCENT, judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.scoring import Scorecard, formula_of

@@ -27,7 +27,7 @@ from trainer.core.sea.sea import (
     write_elevations,
 )
 from trainer.core.sea.wave_filter import STEEPEST_TURN
-from trainer.core.state import new_sea, new_state
+from trainer.core.state import new_scratch, new_state
 from trainer.core.vessel import VESSEL
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, ascii_text, format_number, table, titled_table, wrap
@@ -166,7 +166,7 @@ def make_series(settings: Numbers, g: float, step: float, count: int, hours: flo
     vessel["g"] = g
     elevations = np.empty((count, round(3600.0 * hours / step)))
     for seed, row in enumerate(elevations, start=1):
-        sea, state = new_sea(), new_state()
+        sea, state = new_scratch(), new_state()
         state["seed"] = seed
         order_sea(vessel, step, 0.0, settings, sea, state)
         write_elevations(vessel, step, sea, state, row)

@@ -30,7 +30,7 @@ from trainer.analysis.workers import worker_pool
 from trainer.boat.boat import Boat
 from trainer.config.baseline import digest_of
 from trainer.config.files import ConfigError, path_named, read_text
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.debrief.attainable import orders_beside_crew
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal

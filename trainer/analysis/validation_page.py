@@ -15,7 +15,7 @@ from trainer.analysis.validation import (
     Validation,
     validation_data,
 )
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.report import html, text
 from trainer.report.panels import draw_panel, legend
 from trainer.report.plots import Curve, Panel

@@ -5,9 +5,8 @@ tick, and knows neither files nor units. What a file leaves out gets its usual v
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -122,8 +121,7 @@ class Method:
     step: float  # [s]
 
 
-@dataclass(frozen=True)
-class Records:
+class Records(NamedTuple):
     """The arguments of the kernels of one boat, in the order that they take."""
 
     vessel: Record
@@ -131,10 +129,6 @@ class Records:
     scheme: Record
     state: Record
     scratch: Record
-
-    def __iter__(self) -> Iterator[Record]:
-        """Yield the records in the kernels' order."""
-        return iter((self.vessel, self.compact, self.scheme, self.state, self.scratch))
 
 
 def body_values(file: VesselFile) -> dict[str, float]:

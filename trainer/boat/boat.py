@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat import compilation
 from trainer.boat.assemble import Method, fit_out
+from trainer.boat.machine_code import EMPTY_CHART, bind_tick
 from trainer.boat.world.world import World
 from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
@@ -23,15 +23,15 @@ from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
 from trainer.core.casualties import instruments
+from trainer.core.entry import fly
 from trainer.core.kernel import Numbers, Record
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.sea.sea import order_sea
-from trainer.core.soundings import sound
 from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE
 from trainer.core.surfaces import SURFACES
-from trainer.core.update import WATCHED_NAMES, update
+from trainer.core.update import WATCHED_NAMES
 from trainer.units import KNOT
 
 STATE_PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
@@ -210,11 +210,6 @@ class Boat:
         s.xdot = s.through_north + s.water_north + s.shear_north * s.z
         s.ydot = s.through_east + s.water_east + s.shear_east * s.z
 
-    def go_over(self, advance: Callable[[], int]) -> None:
-        """Compute the ticks by other code from now on: machine code, once that is ready."""
-        self.advance = advance
-        self._look_around()
-
     def _in_its_world(self) -> int:
         self.world.write(self.state)
         return self.advance()
@@ -222,23 +217,13 @@ class Boat:
     def sound_by(self, chart: Numbers | None) -> None:
         """Sound this chart of the ground before each tick from now on; None: none."""
         self.chart = chart
-        for name in ("advance", "tick", "_fly"):
+        for name in ("advance", "tick"):
             self.__dict__.pop(name, None)
 
     @functools.cached_property
     def advance(self) -> Callable[[], int]:
         """Advance by one step, the world as the state has it."""
-        if compilation.known_compiler():
-            from trainer.boat.call import bind_update  # noqa: PLC0415  it reaches into the compiler
-
-            return bind_update(tuple(self.records), self.chart)
-        if self.chart is None:
-            return functools.partial(update, *self.records)
-        return functools.partial(self._sounded, self.chart)
-
-    def _sounded(self, chart: Numbers) -> int:
-        sound(self.records.vessel, chart, self.records.state)
-        return update(*self.records)
+        return bind_tick(self.records, self.chart)
 
     def fly(self, places: NDArray[np.int64], rows: Numbers) -> int:
         """Advance by a step for each of ``rows``.
@@ -246,8 +231,9 @@ class Boat:
         Return 0, or the status of the tick that failed, which writes no row. A row gets the numbers
         of the state at ``places``, then what the gauges read, if it is longer.
         """
-        if compilation.known_compiler() and not self.world.acts:
-            return self._fly(places, rows)
+        if not self.world.acts:
+            chart = EMPTY_CHART if self.chart is None else self.chart
+            return int(fly(self.records, chart, places.astype(np.float64), rows))
         numbers = self.records.state.view(np.float64)
         for row in rows:
             if status := self.tick():
@@ -274,19 +260,6 @@ class Boat:
             self.restore(start)
             status = self.fly(places, kept)
         return status, kept
-
-    @functools.cached_property
-    def _fly(self) -> Callable[[NDArray[np.int64], Numbers], int]:
-        from trainer.boat.call import bind_flight  # noqa: PLC0415  it reaches into the compiler
-
-        return bind_flight(tuple(self.records), self.chart)
-
-    def compiled_tick(self) -> Callable[[], int]:
-        """Return ``advance`` as machine code of this machine, the core being interpreted."""
-        with compilation.machine_code():
-            from trainer.boat.call import bind_update  # noqa: PLC0415  it reaches into the compiler
-
-            return bind_update(tuple(self.records), self.chart)
 
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""

@@ -16,7 +16,7 @@ from trainer.boat.boat import Boat
 from trainer.core.rates import rates
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.forces import wave_forces
-from trainer.core.state import MOTION, new_sea, new_state
+from trainer.core.state import MOTION, new_scratch, new_state
 
 CONTROLS = ("delta_r", "delta_s", "delta_b", "u_c")
 # What the rates depend on; heading and position only follow.
@@ -118,7 +118,7 @@ def head_waves(boat: Boat, omega: float, depth: float, speed: float) -> NDArray[
         # 4 m: the filter's outputs are of variance 1, and a significant height is 4 deviations
         s.sea_1969, s.sea_height, s.sea_omega, s.sea_direction = 1.0, 4.0, omega, math.pi
         s.sea_elevation, s.sea_quadrature, s.z, s.u = elevation, quadrature, depth, speed
-        wave_forces(boat.records.vessel, new_sea(), state, force)
+        wave_forces(boat.records.vessel, new_scratch(), state, force)
         parts.append(force)
     return np.asarray(parts[0] - 1j * parts[1])
 

@@ -27,7 +27,7 @@ from trainer.cli.types import Output
 from trainer.session.options import RunOptions
 
 # Names of LLVM for processors; the first, the default, runs on the most machines.
-CPU_TARGETS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
+CPU_TARGETS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32", "shipped")
 
 boat_options = combine_options(
     click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP),
@@ -59,7 +59,7 @@ STATION_ROLES = (
     type=click.Choice(CPU_TARGETS),
     default=CPU_TARGETS[0],
     help="Processors that the code is for: any of the last 15 years, with AVX2, with AVX-512, "
-    "this machine's, or WebAssembly.",
+    "this machine's, WebAssembly, or those of the objects that the trainer itself ships.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> None:
@@ -71,10 +71,18 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
     DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
     with. The bits are the trainer's. Exit code 1 when no C compiler could link the library. With
-    --cpu wasm32 it gets core.wasm, boat.json and host.mjs, a host for node.
+    --cpu wasm32 it gets core.wasm, boat.json and host.mjs, a host for node. With
+    --cpu shipped it gets the objects that this program runs, for all platforms and boats.
     """
     import json
 
+    if cpu == "shipped":
+        from trainer.boat.export.library import make_folder
+        from trainer.boat.export.objects import write_shipped
+
+        make_folder(directory)
+        click.echo(json.dumps(write_shipped(directory), indent=1))
+        return
     if cpu == "wasm32":
         from trainer.boat.export.library import export_wasm, render_wasm
 

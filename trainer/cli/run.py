@@ -192,15 +192,10 @@ def take_to_sea(options: RunOptions) -> NoReturn:
     import gc
 
     gc.disable()  # until the boat is ready: looking for garbage is a tenth of the start
-    from trainer.session.first_start import prepare_core
-
-    note = prepare_core(options)  # before anything imports a kernel
-    if note:
-        click.echo(note, err=True)
     from trainer.session.run import run_boat
 
     try:
-        sys.exit(run_boat(replace(options, note=note), debriefing=debriefing()))
+        sys.exit(run_boat(options, debriefing=debriefing()))
     finally:
         gc.enable()
 

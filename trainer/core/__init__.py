@@ -9,7 +9,5 @@ Sources: [GH67] Gertler & Hagen, NSRDC Report 2510 (1967); [ASSES] Groves, Dorse
 NAVTRADEVCEN 68-C-0050-1 (1969), whose equation numbers (1)-(18) and program names are cited.
 """
 
-from trainer.core import cache as _cache  # noqa: F401 (numba is told its folder)
-
 # The modules that a program of one's own begins with: records, a start in trim, and the tick.
 __all__ = ["kernel", "scheme", "start", "state", "terms", "update", "vessel"]

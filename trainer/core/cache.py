@@ -2,16 +2,14 @@
 
 Numba stamps a cached kernel with the source of its own file only, so that a changed callee in
 another file would otherwise go on serving the old physics: the cache therefore lies in a folder
-named by a hash of the core's sources. Importing this module points numba there; the core does so
-before its first kernel.
+named by a hash of the core's sources. Importing this module points numba there; a kernel does so
+before numba compiles it.
 
 A file of machine code has its digests beside it. One that does not fit, or has none, is set aside
 before numba reads it: numba then finds nothing, and compiles. This is against damage. Against other
 users the folder is this user's alone, and is not used where another could put code there. Python
 tells of every file that is opened and renamed (its audit events), so that nothing of numba's own is
 touched.
-
-A recording names the digest of the core that made it, so that a replay by another core is told.
 """
 
 import contextlib
@@ -23,45 +21,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from trainer.core.digest import KERNEL_FOLDERS, digest_sources
+
 _FOLDER_PREFIX = "submarine-trainer-"
 _PRIVATE_PREFIX = "trainer-private-"
-KERNEL_FOLDERS = (  # folders that have any
-    "core",
-    "boat/ship",
-    "identify/kernels",
-    "analysis/fleet",
-    "analysis/sweep",
-)
-# Digests of earlier cores, whose standard hour ended in the bits of this one's.
-SAME_BITS: frozenset[str] = frozenset({"054f9b31bff9d428"})
-
-
-@cache
-def core_digest() -> str:
-    """Return a short hash of the core's sources, by which the boat is computed."""
-    return _digest("core")
-
-
-def sources(*folders: str) -> list[Path]:
-    """Return the sources in folders of the package, and in the folders within them."""
-    here = Path(__file__).parents[1]
-    return [
-        here / "units.py",
-        *(path for each in folders for path in sorted((here / each).rglob("*.py"))),
-    ]
-
-
-def _digest(*folders: str) -> str:
-    """Return a short hash of the sources in folders of the package."""
-    digest = hashlib.sha256()
-    for path in sources(*folders):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def same_core(digest: object) -> bool:
-    """Return whether a core of that digest computes the bits of this one."""
-    return digest == core_digest() or digest in SAME_BITS
 
 
 def _cache_root() -> Path:
@@ -78,7 +41,7 @@ def _cache_root() -> Path:
 def _claim_cache() -> Path:
     """Return this version's cache folder; where home is read-only one that lasts for this run."""
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
-    name = _FOLDER_PREFIX + _digest(*KERNEL_FOLDERS) + "-checked" * checked
+    name = _FOLDER_PREFIX + digest_sources(*KERNEL_FOLDERS) + "-checked" * checked
     try:
         path = _cache_root() / name
         path.mkdir(0o700, parents=True, exist_ok=True)
@@ -186,8 +149,6 @@ def check_digest(path: str) -> None:
             os.close(descriptor)
     with contextlib.suppress(OSError):
         os.rename(path, path + DAMAGED_SUFFIX)  # noqa: PTH104  it is done for every file that is opened
-        for mark in cache_folder().glob("complete-*"):
-            mark.unlink(missing_ok=True)
     _tell_damage()
 
 
@@ -215,8 +176,3 @@ sys.addaudithook(_attend)
 def cache_folder() -> Path:
     """Return the folder of this version's machine code."""
     return Path(os.environ["NUMBA_CACHE_DIR"])
-
-
-def cache_lasts() -> bool:
-    """Return whether what is put into the cache is there at the next start."""
-    return not cache_folder().parent.name.startswith(_PRIVATE_PREFIX)

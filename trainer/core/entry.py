@@ -1,14 +1,16 @@
-"""Many ticks in one call, until a quantity passes its mark, as manoeuvres are flown.
+"""Ticks as they are called from outside the core: one, or many in one call.
 
-A manoeuvre waits for a heading, a pitch or a speed, then gives its next order.
-``analysis/manoeuvres/submarine`` writes that mark to a lookout and calls ``sail``, so that the
-interpreter is not asked between ticks.
+``Boat`` takes one tick with ``tick`` and many with ``fly``. A manoeuvre waits for a heading, a
+pitch or a speed, then gives its next order: ``analysis/manoeuvres/submarine`` writes that mark to a
+lookout and calls ``sail``, so that the interpreter is not asked between ticks.
 """
 
 from typing import Final
 
+from trainer.core.casualties import instruments
 from trainer.core.elementary import cosine, sine
-from trainer.core.kernel import Numbers, Record, kernel, record_dtype
+from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
+from trainer.core.soundings import sound
 from trainer.core.update import update
 
 ROW_COLUMNS: Final = 17  # numbers of a row
@@ -22,6 +24,40 @@ LOOKOUT: Final = record_dtype(
     "steepest",  # [rad] pitch beyond which the boat is lost
     "status",  # [-] of the tick that failed, 0 if none did
 )
+
+
+@part
+def tick(records: tuple[Record, ...], chart: Numbers) -> int:
+    """Sound the ground of a chart that has numbers, then advance by one tick.
+
+    ``records`` are those of ``update``, whose status it returns.
+    """
+    vessel, compact, scheme, state, scratch = records
+    if chart.size > 0:
+        sound(vessel, chart, state)
+    return update(vessel, compact, scheme, state, scratch)
+
+
+@kernel
+def fly(records: tuple[Record, ...], chart: Numbers, places: Numbers, out: Numbers) -> int:
+    """Advance by a tick for each row of ``out`` [n, columns].
+
+    Return the status of the last one. A row has the numbers at those places of the state, then what
+    the gauges read, if it is longer.
+    """
+    _, _, _, state, scratch = records
+    count = places.size
+    for i in range(out.shape[0]):
+        status = tick(records, chart)
+        if status != 0:
+            return status
+        for k in range(count):
+            out[i, k] = state[0].whole[int(places[k])]
+        if out.shape[1] > count:
+            instruments(state, scratch)
+            for k in range(scratch[0].reading.size):
+                out[i, count + k] = scratch[0].reading[k]
+    return 0
 
 
 @kernel

@@ -85,8 +85,8 @@ def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     """Write the ground under the places along the hull, as they lie now.
 
     Ground more than DISTANT_GROUND_M below the boat is sounded in one tick of SELDOM_MASK + 1 only,
-    because no boat makes so much way in between. ``boat/call`` or, interpreted, ``Boat`` calls it
-    before each tick, ``boat/world/bottom`` once at the start; ``bottom`` makes forces of it.
+    because no boat makes so much way in between. ``entry`` calls it before each tick,
+    ``boat/world/bottom`` once at the start; ``bottom`` makes forces of it.
     """
     s = state[0]
     distant = (

@@ -18,7 +18,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.config.reference_crew import Crew
-from trainer.core.cache import same_core
+from trainer.core.digest import same_core
 from trainer.debrief.attainable import AttainableCurve, NoCurve, RunExplorer, attainable_curve
 from trainer.debrief.attainable_words import attainable_figures
 from trainer.debrief.changes import (

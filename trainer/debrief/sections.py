@@ -11,7 +11,7 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.config.outcome import Outcome
-from trainer.core.cache import same_core
+from trainer.core.digest import same_core
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name

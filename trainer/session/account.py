@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import click
 
-from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.boat.limits import account_of
 from trainer.config.outcome import Outcome
+from trainer.core.kernel import INTERPRETED
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
 from trainer.io.status_line import course
@@ -74,8 +74,8 @@ def one_line(session: Session, kept: str) -> str:
 
 def details(session: Session, wall: float, kept: str) -> list[str]:
     """Return the lines for an engineer about a run of ``wall`` [s]: load, lateness, recording."""
-    summary, since = session.time.ledger.summary(), session.conduct.compiled_from
-    lines = [summary_text(session.boat, summary, wall, since)]
+    summary = session.time.ledger.summary()
+    lines = [summary_text(session.boat, summary, wall)]
     if granted := session.time.punctuality.granted:
         lines.append(f"the clock   {granted.line()}")
     if kept:
@@ -110,16 +110,11 @@ def describe_missing(recording: Recording | NoRecording) -> str:
     return f"NOT RECORDED: {recording.missing or 'nothing more'}{why}"
 
 
-def summary_text(boat: Boat, ledger: Summary, wall: float, compiled_from: int = 0) -> str:
-    """Return the one-screen account of a run that took ``wall`` [s].
-
-    ``compiled_from`` is the first tick that machine code computed after interpreted ones. It is 0
-    where the whole run was computed in one way.
-    """
+def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
+    """Return the one-screen account of a run that took ``wall`` [s]."""
     s = boat.state
     step = boat.method.step
-    until = f" before tick {compiled_from}" if compiled_from else ""
-    how = f", interpreted{until}" if compilation.is_interpreted() else ""
+    how = ", interpreted" if INTERPRETED else ""
     return "\n".join(
         (
             boat.file.name,

@@ -7,7 +7,6 @@ the journal, so that marks can tell of it. ``stations/aids`` has what they show.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from trainer.boat import compilation
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.session.event_log import EventLog
@@ -68,9 +67,6 @@ class Aids:
             return f"this {kind} has no reference crew, whose run the ghost is"
         if name not in self.plan.aids:
             return f'this exercise does not allow it: its file has no aids = ["{name}"]'
-        slow = name == PREDICTOR and compilation.is_interpreted()
-        if slow and not compilation.is_tick_kept():
-            return "the predictor has to wait for the compiled code, which is being prepared"
         return ""
 
     def _switch_on(self, name: str, seconds: float) -> Reply:

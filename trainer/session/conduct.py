@@ -77,7 +77,6 @@ class Conduct:
     begun: bool = False  # time has run since the start
     deserted: str = ""  # why the session ended before its time: nobody was left to say run
     halted: str = ""  # what the exercise has frozen time for, until it runs again
-    compiled_from: int = 0  # the tick, where the run began interpreted
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     exercise: str = ""  # its name, "" for none
     trainees: bool = False  # somebody's progress is kept
@@ -259,16 +258,6 @@ class Conduct:
         seconds = self.control.boat.time
         self.deserted = f"frozen at {seconds:g} s{cause}, and nobody is left to say run"
         self.log.tell("time", self.deserted)
-
-    def go_over(self, tick: Callable[[], int]) -> None:
-        """Compute the ticks by machine code from now on, at the ordered speed of time."""
-        boat = self.control.boat
-        boat.go_over(tick)
-        self.compiled_from = boat.ticks + 1
-        self.control.time.recover()
-        ready = f"compiled code is ready: from tick {self.compiled_from} on"
-        self.log.tell("time", ready, fact=Fact("compiled"))
-        self.show()
 
     def final_marks(self) -> Judgement | None:
         """Return the marks of the branch that was flown last. Its recording has to be closed."""

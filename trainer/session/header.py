@@ -43,7 +43,7 @@ from trainer.config.files import (
 from trainer.config.progress import file_stem
 from trainer.config.soundings import read_as_kept
 from trainer.config.vessel import load_vessel
-from trainer.core.cache import core_digest, same_core
+from trainer.core.digest import core_digest, same_core
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.layout import LAYOUT, changes
 from trainer.session.options import RunOptions

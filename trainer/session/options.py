@@ -67,4 +67,3 @@ class RunOptions:
     origin: str = "25,-45"
     # beside the options
     given: frozenset[str] = frozenset()
-    note: str = ""  # a line for newcomers on how the boat is computed

@@ -10,7 +10,7 @@ import math
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from itertools import islice
@@ -20,12 +20,11 @@ from typing import Any, Final, NamedTuple
 import click
 import numpy as np
 
-from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering
-from trainer.core.cache import cache_lasts
+from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.file import TakenError
@@ -38,7 +37,6 @@ from trainer.session.aids import GHOST
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
 from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises, problem_with
-from trainer.session.first_start import compile_beside
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.manning import in_hand
@@ -67,7 +65,6 @@ EXERCISE_DEFAULTS: Final[Mapping[str, Any]] = {  # what another exercise settles
     each.name: each.default for each in fields(RunOptions) if each.name in OVERRULED_SETTINGS
 }
 MAX_NAME_TRIES = 100  # that a new recording is tried under
-PERCENT_PER_LINE = 20  # [%] of the tick compiled on a first start, between lines that tell it
 BATCH_ROWS = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
 
@@ -184,7 +181,7 @@ def ready_boat(plan: Plan, options: RunOptions) -> Boat:
     """Return the boat as the plan starts it; ConfigError if it cannot be."""
     refuse_automatic(plan, options.orders_file)
     boat = Boat(plan.file, plan.method)
-    if options.serve and not compilation.is_needed():
+    if options.serve:
         click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
     warm_boat(boat)
     if not options.unsafe_step:
@@ -250,7 +247,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
     wake = threading.Event()
     with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
         stack.callback(publisher.close, PORT_TIMEOUT_S)  # also where a port cannot be opened
-        here = situation(plan, boat, options.note)
+        here = situation(plan, boat)
         introduction = Introduction(
             (*briefing.heading(INSTRUCTOR_ROLE), *here),
             (*briefing.heading(STRANGER_ROLE), *here),
@@ -330,39 +327,8 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
         session.event_log.news.extend(recalled_past(prepared.history))
     words = conduct.debriefing.evaluator if conduct.debriefing else ()
     evaluate = partial(session.evaluation.begin, words, conduct.kept, plan)
-    if not compilation.is_interpreted():
+    if not INTERPRETED:
         evaluate()
-    elif options.note and cache_lasts():
-        await_code(session, evaluate)
-
-
-def await_code(session: Session, evaluate: Callable[[], None]) -> None:
-    """Go over to machine code between two ticks, once it is there; announce the progress."""
-    work, log = session.conduct.work, session.event_log
-
-    def go_over(tick: Callable[[], int]) -> None:
-        session.conduct.go_over(tick)
-        evaluate()
-
-    def tell(percent: int) -> None:
-        if percent // PERCENT_PER_LINE > percents[-1] // PERCENT_PER_LINE:
-            percents.append(percent)
-            work.post(lambda: log.tell("time", f"preparing in the background: {percent} %"))
-
-    def task() -> Callable[[], None]:
-        try:
-            is_compiled = compilation.await_tick(work.closing, tell, compile_beside)
-            tick = session.boat.compiled_tick() if is_compiled else None
-        except Exception as error:  # noqa: BLE001 whatever it is, the session goes on as it does
-            why = f"compiled code cannot be used: {type(error).__name__}; interpreted to the end"
-            return lambda: log.tell("trouble", why)
-        if tick is None:
-            why = "" if work.closing.is_set() else "compiling beside has failed"
-            return lambda: log.tell("trouble", why) if why else None
-        return lambda: go_over(tick)
-
-    percents = [compilation.tick_progress()]
-    work.begin("machine code", task)
 
 
 def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:
@@ -431,8 +397,8 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
     )
 
 
-def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
-    """Return the lines for newcomers: the boat, where it is, and a note."""
+def situation(plan: Plan, boat: Boat) -> tuple[str, ...]:
+    """Return the lines for newcomers: the boat, where it is, the plan's note."""
     s = boat.state
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (
@@ -441,7 +407,7 @@ def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
             f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "
             f"{boat.method.equations} set, step {boat.method.step:g} s{sea}"
         ),
-        *filter(None, (plan.note, note)),
+        *filter(None, (plan.note,)),
     )
 
 

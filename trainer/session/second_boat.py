@@ -17,7 +17,6 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
 from trainer.boat.helm import obey_order
@@ -39,8 +38,6 @@ def boat_of(plan: Plan) -> Boat:
     """Return another boat at the start of a plan."""
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    if compilation.is_interpreted() and compilation.is_tick_kept():
-        boat.go_over(boat.compiled_tick())  # on a first start, whose own boat has gone over too
     return boat
 
 

@@ -12,11 +12,11 @@ import re
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Final
 
 import click
-import numba
 import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 
@@ -40,6 +40,7 @@ from trainer.analysis.bench.tick import (
     time_update,
 )
 from trainer.boat.boat import Boat
+from trainer.boat.machine_code import way_name
 from trainer.config.vessel import VesselFile
 from trainer.core.scheme import SCHEME
 from trainer.core.state import SCRATCH, STATE
@@ -72,6 +73,7 @@ class BenchMachine:
     python: str
     numpy: str
     numba: str
+    code: str  # how the kernels were computed
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,8 @@ def bench_boat(file: VesselFile, seconds: int) -> BenchFigures:
             system=platform.platform(terse=True),
             python=platform.python_version(),
             numpy=np.__version__,
-            numba=numba.__version__,
+            numba=metadata.version("numba"),
+            code=way_name(),
         ),
         real_time=paced,
         updates=tuple(
@@ -225,7 +228,7 @@ def render(figures: BenchFigures) -> str:
             "",
             INDENT,
         ),
-        *wrap(f"{machine.system}, {versions}", "", INDENT),
+        *wrap(f"{machine.system}, {versions}; the core {machine.code}", "", INDENT),
         *_real_time(figures.real_time),
         *_updates(figures.updates),
         f"  with a sea, tanks at work and six casualties {figures.troubled.troubled.median_ns:.0f}",

@@ -20,6 +20,7 @@ from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
 from trainer.boat.assemble import Records
 from trainer.boat.export.targets import NATIVE_NAME, PROCESSOR_LEVELS, find_processor
+from trainer.boat.machine_code import way_name
 from trainer.config.files import ConfigError
 
 FLEET_MEMBERS: Final = 17  # a full block of LANE_COUNT boats, and one boat that begins the next
@@ -91,7 +92,7 @@ def ways(last: int = HOUR_TICKS) -> dict[str, Callable[[], str]]:
     """Return how to compute the hour up to ``last``, by name."""
     interpreted = {"NUMBA_DISABLE_JIT": "1"}
     return {
-        "compiled": partial(fly_hour, in_a_loop, last),
+        way_name(): partial(fly_hour, in_a_loop, last),
         f"in a fleet of {FLEET_MEMBERS}": partial(fly_hour, in_a_fleet, last),
         "interpreted": partial(in_another_process, interpreted, last),
         **{level: partial(in_another_process, for_level(level), last) for level in levels_here()},

@@ -14,16 +14,12 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 from trainer.analysis.bench.end_to_end import TRAINER_COMMAND, on_terminal
-from trainer.boat import compilation
-from trainer.core.cache import cache_folder
 
 START_COUNT: Final = 3  # starts of each command, of which the fastest counts
-RUN_WORDS: Final = ("run", "--headless", "--duration", "0.5", "--no-record", "--speed")
-SLOW_SPEED: Final = "10"  # of time: a tick is then 50 ms, which the interpreter makes
+RUN_WORDS: Final = ("run", "--headless", "--duration", "0.5", "--no-record", "--speed", "max")
 SHOWN_NUMBER: Final = re.compile(rb"[0-9]\.[0-9]")  # a depth or a course on the screen
 SCREEN_TIMEOUT_S: Final = 60.0  # [s]
 
@@ -35,8 +31,8 @@ class StartTimes:
     python: float  # to nothing
     numba: float  # to numba imported
     help: float  # `trainer --help`, to its end
-    first_run: float  # nothing compiled: to its end after one tick, interpreted
-    later_run: float  # everything compiled: the same
+    first_run: float  # with an empty cache: to its end after one tick
+    later_run: float  # the same, as it is here
     console: float | None  # `trainer run` on a terminal, to its first figures; None without one
     console_times_numba: float | None
 
@@ -45,17 +41,14 @@ def time_starts() -> StartTimes:
     """Return how soon commands answer."""
     numba = least(lambda: time_to_end(sys.executable, "-c", "import numba"))
     with empty_cache() as environment:
-        first = least(
-            lambda: time_to_end(*TRAINER_COMMAND, *RUN_WORDS, SLOW_SPEED, **environment)
-        ) - 0.5 / float(SLOW_SPEED)
-    time_to_end(*TRAINER_COMMAND, *RUN_WORDS, "max")  # compiles if need be
+        first = least(lambda: time_to_end(*TRAINER_COMMAND, *RUN_WORDS, **environment))
     console = least(time_to_screen) if hasattr(os, "openpty") else None
     return StartTimes(
         python=least(lambda: time_to_end(sys.executable, "-c", "pass")),
         numba=numba,
         help=least(lambda: time_to_end(*TRAINER_COMMAND, "--help")),
         first_run=first,
-        later_run=least(lambda: time_to_end(*TRAINER_COMMAND, *RUN_WORDS, "max")),
+        later_run=least(lambda: time_to_end(*TRAINER_COMMAND, *RUN_WORDS)),
         console=console,
         console_times_numba=console and console / numba,
     )
@@ -78,15 +71,9 @@ def time_to_end(*command: str, **environment: str) -> float:
 
 @contextlib.contextmanager
 def empty_cache() -> Iterator[dict[str, str]]:
-    """Yield the environment of a machine where nothing is compiled, and nothing will be."""
-    import fcntl  # noqa: PLC0415  not everywhere
-
+    """Yield the environment of a machine where nothing is compiled."""
     with tempfile.TemporaryDirectory(prefix="bench-") as name:
-        folder = Path(name) / cache_folder().name
-        folder.mkdir()
-        with (folder / compilation.LOCK_NAME).open("wb") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            yield {"NUMBA_CACHE_DIR": name}
+        yield {"NUMBA_CACHE_DIR": name}
 
 
 def time_to_screen() -> float:

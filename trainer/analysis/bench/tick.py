@@ -12,14 +12,16 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+import numpy as np
+
 from trainer.boat import casualties
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
 from trainer.boat.limits import height_showing
+from trainer.boat.machine_code import EMPTY_CHART
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile
-from trainer.core.kernel import Record, kernel
-from trainer.core.update import update
+from trainer.core.entry import fly
 from trainer.units import KNOT
 
 BATCH_COUNT: Final = 21  # batches: an odd number has a median of its own
@@ -101,21 +103,9 @@ class CasualtyTick:
     times_the_calm: float  # least over least: interference only adds
 
 
-@kernel
-def take_ticks(
-    vessel: Record, compact: Record, scheme: Record, count: int, state: Record, scratch: Record
-) -> int:
-    """Advance ``state`` by ``count`` ticks without Python between them; return the last status."""
-    status = 0
-    for _ in range(count):
-        status = update(vessel, compact, scheme, state, scratch)
-    return status
-
-
 def in_a_loop(records: Records, count: int) -> int:
-    """Take ``count`` ticks of a boat in the compiled loop. Return the status of the last."""
-    vessel, compact, scheme, state, scratch = records
-    return int(take_ticks(vessel, compact, scheme, count, state, scratch))
+    """Take ``count`` ticks of a boat without Python between them; return the last status."""
+    return int(fly(records, EMPTY_CHART, EMPTY_CHART, np.empty((count, 0))))
 
 
 def ready_boat(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:

@@ -38,7 +38,7 @@ from trainer.analysis.guide.verdicts import (
 from trainer.analysis.manoeuvres.catalogue import ParameterValues, manoeuvre_parameters
 from trainer.analysis.programs import characteristic, neutral, thrust
 from trainer.config.vessel import VesselFile
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 
 REDUCED_SETS: Final = ("modified", "basic")  # sets judged by the full one
 VERDICT_SET: Final = "modified"  # the one that runs, on which the guide's verdict rests

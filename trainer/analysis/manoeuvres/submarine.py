@@ -268,7 +268,7 @@ class Submarine:
             eye["watched"], eye["mark"] = WATCHED_QUANTITIES[watch.quantity], watch.mark
             eye["side"] = watch.side
         rows = np.empty((max(last - int(self.boat.state.tick), 0), len(BOAT_COLUMNS)))
-        rows = rows[: entry.sail(tuple(self.boat.records), eye, rows)]
+        rows = rows[: entry.sail(self.boat.records, eye, rows)]
         collapse = self._collapse_in(rows)
         self._collapsed = ""
         if collapse is None:

@@ -9,7 +9,6 @@ With the wide set z must be there: the boat is where it is, in calm water.
 import json
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import NoReturn
 
 import numpy as np
@@ -53,7 +52,7 @@ def evaluate_lines(
     """
     records = fit_out(file, Method(equations, rates, trig, "adams2", 1.0))
     if not wide:
-        records = replace(records, scheme=equations_alone(records.scheme))
+        records = records._replace(scheme=equations_alone(records.scheme))
     yield from evaluate_states(records, lines)
 
 

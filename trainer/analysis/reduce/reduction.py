@@ -51,7 +51,7 @@ from trainer.analysis.reduce.verdict import (
 )
 from trainer.config.files import no_constant, renew_file
 from trainer.config.vessel import VesselFile
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.core.terms import COMPACT_TERMS
 
 PARTIAL_SUFFIX: Final = ".partial.json"

@@ -35,7 +35,7 @@ from trainer.config.files import (
     reading_recorded,
     remembering,
 )
-from trainer.core.cache import core_digest, same_core
+from trainer.core.digest import core_digest, same_core
 from trainer.core.kernel import Numbers
 
 # columns of a study of identifications, by the parameter's name

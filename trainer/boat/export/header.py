@@ -16,7 +16,7 @@ from trainer import __version__
 from trainer.boat.boat import Boat
 from trainer.core import state, vessel
 from trainer.core.ballast import ballast
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import WATCHED_NAMES
 from trainer.core.vessel import COMPACT, VESSEL

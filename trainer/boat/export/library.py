@@ -13,8 +13,9 @@ from typing import Final
 
 from trainer import __version__
 from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.entries import entry_of
 from trainer.boat.export.header import header_text
-from trainer.boat.export.lowering import freestanding_module, tick
+from trainer.boat.export.lowering import freestanding_module
 from trainer.boat.export.targets import (
     Processor,
     code_words,
@@ -23,9 +24,9 @@ from trainer.boat.export.targets import (
     object_code,
 )
 from trainer.config.files import ConfigError
-from trainer.core.cache import core_digest
+from trainer.core.digest import core_digest
 from trainer.core.state import SCRATCH, STATE
-from trainer.core.update import WATCHED_NAMES
+from trainer.core.update import WATCHED_NAMES, update
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.outputs import refuse_input, replacing
 from trainer.io.tables import MOTION_COLUMNS
@@ -98,7 +99,9 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
     make_folder(folder, OBJECT_FILE, LIBRARY_FILE, HEADER_FILE, HOST_FILE)
     target = find_processor(cpu)
     constants = constants_of(boat, card_text(boat, target))
-    code = object_code(freestanding_module(tick, boat.records.scheme, constants), target)
+    code = object_code(
+        freestanding_module(entry_of(update), boat.records.scheme, constants), target
+    )
     host = (Path(__file__).parent / HOST_FILE).read_bytes()
     files = {
         OBJECT_FILE: code,

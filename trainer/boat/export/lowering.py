@@ -1,79 +1,167 @@
-"""The compiled tick as one LLVM module that calls nothing outside itself.
+"""The core's kernels as LLVM modules that call nothing outside themselves.
 
-``library`` and ``wasm`` make their objects of it. numba compiles the core's own kernel; its text is
-linked with an entry that any C program can call, with the scheme as a constant, so that what the
-scheme does not choose falls away, and with our own versions of the few library functions. Nothing
-here may change an operation: no contraction, no reassociation, so that the bits are the trainer's.
+``library``, ``wasm`` and ``objects`` make their code of it. numba compiles the core's own kernel;
+its text is linked with an entry that any C program can call, and with our own versions of the few
+library functions. Nothing here may change an operation: no contraction, no reassociation, so that
+the bits are the trainer's.
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+import os
+import subprocess
+import sys
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numba
 import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
-from numba import carray, types  # type: ignore[attr-defined]
+from numba import types
 
+from trainer.boat.entries import PAIR, Entry
 from trainer.config.files import ConfigError
-from trainer.core.kernel import TESTED_NUMBA, Record, is_tested
-from trainer.core.scheme import SCHEME
-from trainer.core.state import SCRATCH, STATE
-from trainer.core.update import update
-from trainer.core.vessel import COMPACT, VESSEL
+from trainer.core.kernel import INTERPRETED, TESTED_NUMBA, Record, is_tested
 
-Kind = np.dtype | type  # of a parameter: the record at an address, or `float`
-TICK_RECORDS: Final[tuple[Kind, ...]] = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
 FREESTANDING_PATH: Final = Path(__file__).parent / "freestanding.ll"
-# numba returns whether a kernel raised, and its answer by address: where it raised the status is -1
-ENTRY_TEMPLATE: Final = """
-@scheme = internal constant [{size} x i8] c"{scheme}", align 8
-declare i32 @"{kernel}"(ptr, ptr, ptr, ptr, ptr, ptr, ptr)
-define i32 @trainer_tick(ptr noalias readonly %vessel, ptr noalias readonly %compact,
-                         ptr noalias %state, ptr noalias %scratch) {{
-  %answer = alloca i64
-  %error = alloca ptr
-  store i64 -1, ptr %answer
-  %raised = call i32 @"{kernel}"(ptr %answer, ptr %error, ptr %vessel, ptr %compact,
-                                 ptr @scheme, ptr %state, ptr %scratch)
-  %sound = icmp eq i32 %raised, 0
-  %wide = load i64, ptr %answer
-  %said = trunc i64 %wide to i32
-  %status = select i1 %sound, i32 %said, i32 -1
-  ret i32 %status
-}}
-"""
+# the machine that kernels are lowered for where the bytes may not depend on that which lowers: what
+# it lacks is not in the text either
+PLAIN_MACHINE: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+SCHEME_PLACE: Final = 2  # of the arguments of a tick
 
 
-def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:
-    """Advance the records at these addresses by one tick; return the status of ``update``."""
-    boat, few = carray(vessel, 1), carray(compact, 1)
-    return update(boat, few, carray(scheme, 1), carray(state, 1), carray(scratch, 1))
+class NumbaAnswer(NamedTuple):
+    """How numba returns an answer by address, and how that becomes a status."""
+
+    kind: str  # of LLVM
+    status: str  # from %whole, the answer, to %said
 
 
-def kernel_text(
-    function: Callable[..., int], kinds: Sequence[Kind] = TICK_RECORDS
-) -> tuple[str, str]:
-    """Return the LLVM text of a function of addresses and numbers, and its name.
+ANSWERS: Final[Mapping[Any, NumbaAnswer]] = {
+    int: NumbaAnswer("i64", "%said = trunc i64 %whole to i32"),
+    bool: NumbaAnswer("i8", "%said = zext i8 %whole to i32"),
+    float: NumbaAnswer("double", "%said = add i32 0, 0"),
+    PAIR: NumbaAnswer("[2 x double]", "%said = add i32 0, 0"),
+    None: NumbaAnswer("ptr", "%said = add i32 0, 0"),
+}
 
-    ConfigError where numba is told not to compile, or is of a version that was not tested.
-    """
+
+def argument_types(entry: Entry) -> tuple[Any, ...]:
+    """Return numba's types of what a kernel takes."""
+    taken: list[Any] = []
+    for kind in entry.kinds:
+        if isinstance(kind, np.dtype):
+            taken.append(types.Array(numba.from_dtype(kind), 1, "C"))
+        elif isinstance(kind, tuple):
+            taken.append(types.Array(types.float64, len(kind), "C"))
+        else:
+            taken.append(types.int64 if kind is int else types.float64)
+    if not entry.bundle:
+        return tuple(taken)
+    bundled = types.Tuple(taken[: entry.bundle])  # type: ignore[no-untyped-call]
+    return (bundled, *taken[entry.bundle :])
+
+
+def refuse_compiler() -> None:
+    """Raise ConfigError if numba may not compile, or is of a version not tested."""
     if not is_tested(numba.__version__):
         (first, second), (_, last) = TESTED_NUMBA
         raise ConfigError(
             f"export-core: numba {numba.__version__} was not tested with it: install "
             f"'numba>={first}.{second},<{first}.{last + 1}'"
         )
-    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    if INTERPRETED:
         raise ConfigError("export-core compiles the core: unset NUMBA_DISABLE_JIT")
+
+
+def kernel_text(entry: Entry) -> tuple[str, str]:
+    """Return the LLVM text of a kernel, with what it calls, and its name.
+
+    ConfigError as for ``refuse_compiler``.
+    """
+    refuse_compiler()
+    kernel = entry.kernel
+
+    def call(given: Any) -> Any:  # not the kernel again, which stands in the text of others too
+        return kernel(*given)
+
+    call.__qualname__ = call.__name__ = entry.name  # so that no two texts name one function
+    tuple_of: Any = types.Tuple
+    whole = tuple_of(argument_types(entry))  # whose parts numba hands over one by one
+    compiled: Any = numba.njit((whole,), error_model="numpy")(call)
+    (known,) = compiled.signatures
+    return compiled.inspect_llvm(known), compiled.overloads[known].fndesc.mangled_name
+
+
+def array_words(address: str, shape: Sequence[str], size: int) -> list[str]:
+    """Return the words in which numba takes an array of elements of a size [bytes]."""
+    strides = [str(size)] if len(shape) == 1 else [f"%{address[1:]}_row", str(size)]
+    count = shape[0] if len(shape) == 1 else f"%{address[1:]}_all"
+    words = ["ptr null", "ptr null", f"i64 {count}", f"i64 {size}", f"ptr {address}"]
+    return [*words, *(f"i64 {each}" for each in (*shape, *strides))]
+
+
+def handed_over(entry: Entry) -> tuple[list[str], list[str]]:
+    """Return the lines that prepare the words of a kernel, and those words."""
+    lines, words = [], []
+    sizes = {at: f"%n{i}" for i, at in enumerate(entry.sizes)}
+    for at, size in sizes.items():
+        lines.append(f"{size} = fptosi double %s{list(sizes).index(at)} to i64")
+    for place, kind in enumerate(entry.kinds):
+        if isinstance(kind, np.dtype):
+            words += array_words(f"%x{place}", ["1"], kind.itemsize)
+        elif isinstance(kind, tuple):
+            shape = [sizes.get((place, i), str(size)) for i, size in enumerate(kind)]
+            if len(shape) == 2:
+                lines.append(f"%x{place}_all = mul i64 {shape[0]}, {shape[1]}")
+                lines.append(f"%x{place}_row = mul i64 8, {shape[1]}")
+            words += array_words(f"%x{place}", shape, 8)
+        elif kind is int:
+            lines.append(f"%w{place} = fptosi double %x{place} to i64")
+            words.append(f"i64 %w{place}")
+        else:
+            words.append(f"double %x{place}")
+    return lines, words
+
+
+def entry_text(entry: Entry, kernel: str, name: str, scheme: bytes | None = None) -> str:
+    """Return the LLVM text of a function ``name`` through which a host calls a kernel.
+
+    It takes addresses and numbers, then sizes, then where an answer of numbers goes, and returns
+    the kernel's status, or -1 where the kernel raises. A kernel of numba's takes places for its
+    answer and its error first. A scheme that is given is a constant of the text.
+    """
+    lines, words = handed_over(entry)
     taken = [
-        types.float64 if kind is float else types.CPointer(numba.from_dtype(kind))  # type: ignore[no-untyped-call]
-        for kind in kinds
+        f"{'double' if kind in (float, int) else 'ptr'} %x{i}" for i, kind in enumerate(entry.kinds)
     ]
-    compiled: Any = numba.njit(types.int64(*taken), error_model="numpy")(function)
-    signature = compiled.signatures[0]
-    name = compiled.overloads[signature].fndesc.mangled_name
-    return compiled.inspect_llvm(signature), name
+    constant = ""
+    if scheme is not None:
+        del taken[SCHEME_PLACE]
+        taken = [each.replace("ptr", "ptr noalias") for each in taken]
+        words = [word.replace(f"%x{SCHEME_PLACE}", "@scheme") for word in words]
+        size, quoted = len(scheme), quote_bytes(scheme)
+        constant = f'@scheme = internal constant [{size} x i8] c"{quoted}", align 8\n'
+    taken += [f"double %s{i}" for i, _ in enumerate(entry.sizes)]
+    answer = ANSWERS[entry.answer]
+    if entry.answers:
+        taken.append("ptr %place")
+    else:
+        lines.append(f"%place = alloca {answer.kind}")
+    kinds = ", ".join(word.partition(" ")[0] for word in words)
+    body = "\n  ".join(lines)
+    return f"""{constant}
+declare i32 @"{kernel}"(ptr, ptr, {kinds})
+define i32 @{name}({", ".join(taken)}) {{
+  {body}
+  %error = alloca ptr
+  %raised = call i32 @"{kernel}"(ptr %place, ptr %error, {", ".join(words)})
+  %sound = icmp eq i32 %raised, 0
+  %whole = load {answer.kind}, ptr %place
+  {answer.status}
+  %status = select i1 %sound, i32 %said, i32 -1
+  ret i32 %status
+}}
+"""
 
 
 def quote_bytes(data: bytes) -> str:
@@ -89,22 +177,19 @@ def constants_text(constants: Mapping[str, bytes]) -> str:
     )
 
 
-def freestanding_module(
-    function: Callable[..., int], scheme: Record, constants: Mapping[str, bytes]
-) -> Any:
+def freestanding_module(entry: Entry, scheme: Record, constants: Mapping[str, bytes]) -> Any:
     """Return the module of ``trainer_tick`` for one scheme, beside the constants.
 
-    ``trainer_tick`` does what ``function`` does with the addresses of all records; ``tick`` is the
-    whole tick. Only ``trainer_tick`` and the constants can be seen from outside, so that the
-    compiler may inline or drop all else.
+    ``trainer_tick`` is the kernel of the addresses of all other records, and what the scheme does
+    not choose falls away. Only ``trainer_tick`` and the constants can be seen from outside, so that
+    the compiler may inline or drop all else.
     """
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    text, name = kernel_text(function)
+    text, name = kernel_text(entry)
     module = binding.parse_assembly(text)
-    chosen = np.asarray(scheme).tobytes()
-    entry = ENTRY_TEMPLATE.format(size=len(chosen), scheme=quote_bytes(chosen), kernel=name)
-    for part in (entry, freestanding_text(64), constants_text(constants)):
+    head = entry_text(entry, name, "trainer_tick", np.asarray(scheme).tobytes())
+    for part in (head, freestanding_text(64), constants_text(constants)):
         module.link_in(binding.parse_assembly(part))
     return seal_module(module, {"trainer_tick", *constants})
 
@@ -122,3 +207,28 @@ def seal_module(module: Any, shown: Collection[str]) -> Any:
             thing.linkage = "internal"
     module.verify()
     return module
+
+
+def lower_in_child(program: str, words: Sequence[str]) -> None:
+    """Run a program of this package that lowers for a plain processor.
+
+    It is a process of its own. Its bytes then do not depend on this machine, nor on settings of
+    numba, except that of its cache. ConfigError with what it says where it fails.
+    """
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")
+    }
+    if "NUMBA_CACHE_DIR" in os.environ:
+        environment["NUMBA_CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
+    root = str(Path(__file__).parents[3])
+    environment |= PLAIN_MACHINE
+    environment["PYTHONPATH"] = os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])
+    call_program([sys.executable, "-c", program, *words], environment)
+
+
+def call_program(words: Sequence[str], environment: Mapping[str, str]) -> None:
+    """Call another program; ConfigError with what it says where it fails."""
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode != 0:
+        said = (done.stderr.strip().splitlines() or ["no word"])[-1]
+        raise ConfigError(f"export-core: {Path(words[0]).name} failed: {said}")

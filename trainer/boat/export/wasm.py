@@ -12,39 +12,39 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import llvmlite  # type: ignore[import-untyped]
 import numba
 import numpy as np
 from llvmlite import binding
-from numba import carray  # type: ignore[attr-defined]
 
 from trainer import __version__
 from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.entries import Entry, entry_of
 from trainer.boat.export.header import places_of
 from trainer.boat.export.lowering import (
-    TICK_RECORDS,
-    Kind,
+    call_program,
+    entry_text,
     freestanding_text,
     kernel_text,
+    lower_in_child,
     quote_bytes,
     seal_module,
-    tick,
 )
 from trainer.boat.export.orders import order_rows
 from trainer.boat.export.targets import optimise_module
 from trainer.config.files import ConfigError
-from trainer.core.cache import core_digest, same_core
 from trainer.core.casualties import begin, end, instruments
+from trainer.core.digest import core_digest, same_core
 from trainer.core.kernel import Record
 from trainer.core.scheme import SCHEME
 from trainer.core.sea.sea import TAPER, order_sea
 from trainer.core.state import SCRATCH, STATE
+from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
 WASM32: Final = "wasm32"
@@ -68,10 +68,7 @@ INSTALL_HINT: Final = (
     "Debian and Ubuntu: apt install lld; Fedora: dnf install lld; macOS: brew install lld; "
     "Windows: winget install LLVM.LLVM"
 )
-# the machine that the kernels are lowered for: what it lacks is not in the text either
-PLAIN_MACHINE: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 CHILD_CODE: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
-SEA_NUMBER_TYPE: Final = np.dtype(np.float64)  # of a sea: its quantities and the taper
 SETTLED_BYTES: Final = range(8, places_of(SCHEME)["trigger_place"][0])  # all but step, triggers
 # room for one boat, of zeros, in the order of the tick; a host may use memory of its own
 ROOM_NAMES: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
@@ -81,69 +78,14 @@ ROOM_SIZES: Final = (
 )
 
 
-def read(state: Any, scratch: Any) -> int:
-    """Write what the gauges read at this tick: ``trainer_read`` of the module."""
-    instruments(carray(state, 1), carray(scratch, 1))
-    return 0
-
-
-def insert(kind: float, amount: float, ticks: float, state: Any) -> int:
-    """Begin a casualty: ``trainer_begin``. Return 1, or 0 if no slot is free."""
-    return begin(int(kind), amount, ticks, carray(state, 1))
-
-
-def clear(kind: float, ticks: float, state: Any) -> int:
-    """End a casualty: ``trainer_end``. Return 1, or 0 if there is none of its kind."""
-    return end(int(kind), ticks, carray(state, 1))
-
-
-def sea(vessel: Any, step: float, ramp: float, wanted: Any, scratch: Any, state: Any) -> int:
-    """Order the sea whose quantities and taper are at ``wanted``: ``trainer_sea``."""
-    numbers = carray(wanted, TAPER + 1)
-    order_sea(carray(vessel, 1), step, ramp, numbers, carray(scratch, 1), carray(state, 1))
-    return 0
-
-
-class WasmFunction(NamedTuple):
-    """A function of the module and the kinds of its parameters."""
-
-    function: Callable[..., int]
-    kinds: tuple[Kind, ...]
-
-
-FUNCTIONS: Final[Mapping[str, WasmFunction]] = {
-    "trainer_tick": WasmFunction(tick, TICK_RECORDS),
-    "trainer_read": WasmFunction(read, (STATE, SCRATCH)),
-    "trainer_begin": WasmFunction(insert, (float, float, float, STATE)),
-    "trainer_end": WasmFunction(clear, (float, float, STATE)),
-    "trainer_sea": WasmFunction(sea, (VESSEL, float, float, SEA_NUMBER_TYPE, SCRATCH, STATE)),
+# rows of ``entries`` that hosts were written for, by their names there
+FUNCTIONS: Final[Mapping[str, Entry]] = {
+    "trainer_tick": entry_of(update),
+    "trainer_read": entry_of(instruments),
+    "trainer_begin": entry_of(begin),
+    "trainer_end": entry_of(end),
+    "trainer_sea": entry_of(order_sea),
 }
-
-
-def entry_text(name: str, kernel: str, kinds: tuple[Kind, ...]) -> str:
-    """Return the LLVM text of a function through which a host calls a kernel.
-
-    A kernel of numba's takes places for its answer and its error besides its arguments. The
-    function answers -1 where the kernel raises.
-    """
-    taken = ", ".join(
-        f"{'double' if kind is float else 'ptr'} %x{i}" for i, kind in enumerate(kinds)
-    )
-    wanted = ", ".join("double" if kind is float else "ptr" for kind in kinds)
-    return f"""
-declare i32 @"{kernel}"(ptr, ptr, {wanted})
-define i32 @{name}({taken}) {{
-  %answer = alloca i64
-  %error = alloca ptr
-  store i64 -1, ptr %answer
-  %raised = call i32 @"{kernel}"(ptr %answer, ptr %error, {taken})
-  %sound = icmp eq i32 %raised, 0
-  %wide = load i64, ptr %answer
-  %said = trunc i64 %wide to i32
-  %status = select i1 %sound, i32 %said, i32 -1
-  ret i32 %status
-}}
-"""
 
 
 def settle_method(text: str, scheme: bytes) -> str:
@@ -179,11 +121,11 @@ def lower(scheme: str, target: str) -> None:
         for room, size in zip(ROOM_NAMES, ROOM_SIZES, strict=True)
     )
     module = binding.parse_assembly(head + freestanding_text(32) + rooms)
-    for name, (function, kinds) in FUNCTIONS.items():
-        text, kernel = kernel_text(function, kinds)
+    for name, entry in FUNCTIONS.items():
+        text, kernel = kernel_text(entry)
         text = re.sub(r"^target .*$", "", text, flags=re.MULTILINE)
         text = settle_method(text, Path(scheme).read_bytes())
-        for part in (text, entry_text(name, kernel, kinds)):
+        for part in (text, entry_text(entry, kernel, name)):
             module.link_in(binding.parse_assembly(head + part))
     seal_module(module, {*FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)})
     optimise_module(module, machine, 2)
@@ -201,7 +143,7 @@ def build_module(scheme: Record) -> bytes:
         shown = [
             f"--export={name}" for name in (*FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES))
         ]
-        _call([linker, *LINKER_OPTIONS, *shown, "-o", str(module), str(code)], dict(os.environ))
+        call_program([linker, *LINKER_OPTIONS, *shown, "-o", str(module), str(code)], os.environ)
         return module.read_bytes()
 
 
@@ -209,30 +151,7 @@ def _lowered(scheme: bytes, code: Path) -> None:
     """Write the object of the module to ``code``, made by a process of its own."""
     method = code.with_name("scheme")
     method.write_bytes(scheme)
-    _call([sys.executable, "-c", CHILD_CODE, str(method), str(code)], _plain_environment())
-
-
-def _plain_environment() -> dict[str, str]:
-    """Return the environment without settings of numba, except that of its cache."""
-    environment = {
-        name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")
-    }
-    if "NUMBA_CACHE_DIR" in os.environ:
-        environment["NUMBA_CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
-    root = str(Path(__file__).parents[3])
-    return (
-        environment
-        | PLAIN_MACHINE
-        | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
-    )
-
-
-def _call(words: list[str], environment: dict[str, str]) -> None:
-    """Call another program; ConfigError with what it says where it fails."""
-    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)  # noqa: S603
-    if done.returncode != 0:
-        said = (done.stderr.strip().splitlines() or ["no word"])[-1]
-        raise ConfigError(f"--cpu {WASM32}: {Path(words[0]).name} failed: {said}")
+    lower_in_child(CHILD_CODE, (str(method), str(code)))
 
 
 def card_text(module: bytes, boat: Boat) -> str:

@@ -21,7 +21,7 @@ from trainer.core.kernel import Numbers
 from trainer.core.noise import SEA_BANK, gaussian_pair
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, prepare_sum
 from trainer.core.sea.wave_filter import MODE_FACTORS, PHASE_STEP, WAVE_ROWS
-from trainer.core.state import new_sea
+from trainer.core.state import new_scratch
 
 Waves = NDArray[np.complex128]  # real parts: elevations; imaginary ones: a quarter of a period ago
 
@@ -149,7 +149,7 @@ def _cosines(at: Callable[[str], float]) -> tuple[Numbers, Numbers, Numbers]:
 @lru_cache(4)
 def cosine_components(gamma: float, seed: float) -> tuple[Numbers, Numbers, Numbers]:
     """Return starting phases, frequencies and amplitudes of the cosine sum."""
-    record = new_sea()
+    record = new_scratch()
     prepare_sum(gamma, seed, record)
     work = record[0]
     return work.phase_start.copy(), work.relative.copy(), work.amplitude.copy()

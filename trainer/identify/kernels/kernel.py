@@ -7,19 +7,15 @@ compiler puts its code into that of its callers.
 """
 
 from collections import namedtuple
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from numba import njit
 from numpy.typing import NDArray
 
-from trainer.core.kernel import LEAN_OPTIONS
+from trainer.core.kernel import LEAN_OPTIONS, compiled_with
 
-if TYPE_CHECKING:  # numba's published signature lacks some of its options
-    kernel = lean = part = njit(cache=True, error_model="numpy")
-else:
-    kernel = njit(cache=True, error_model="numpy")
-    lean = njit(cache=True, error_model="numpy", **LEAN_OPTIONS)
-    part = njit(error_model="numpy", forceinline=True, **LEAN_OPTIONS)
+kernel = compiled_with(cache=True, error_model="numpy")
+lean = compiled_with(cache=True, error_model="numpy", **LEAN_OPTIONS)
+part = compiled_with(error_model="numpy", forceinline=True, **LEAN_OPTIONS)
 
 
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives

@@ -61,7 +61,6 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "step": "number, how many, instrument to look at, text of a lesson's step; 0: no more",
     "step-hint": "what helps with the present step",
     "step-missed": "number of a step that was not done in its time, and `again` or `on`",
-    "compiled": "nothing: ticks are computed by machine code from this one on",
     "snapshot": "the name of a moment kept; all of them come before the answer to `snapshots`",
     "casualty": "name, degree and meaning of one that can be had; before that to `casualties`",
     "degree": "name, severity, ramp [s], amount, unit, its side, and both sides where it has them",

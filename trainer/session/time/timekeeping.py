@@ -234,11 +234,6 @@ class Timekeeping:
         if not frozen:
             self.pacer.run()
 
-    def recover(self) -> None:
-        """Return to the ordered speed of time, which the machine could not hold before."""
-        if self.fallen_from:
-            self.change(self.fallen_from)
-
     def judge(self, events: tuple[PacerEvent, ...]) -> list[tuple[str, str]]:
         """Return the messages of a tick's events, each with its kind.
 

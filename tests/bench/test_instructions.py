@@ -1,0 +1,47 @@
+"""The instructions of a tick are counted the same twice, and told beside those that are kept."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from bench import instructions
+from bench.instructions import Instructions, build_host, count, lines
+from trainer.boat import machine_code
+from trainer.config.files import ConfigError
+
+counted = pytest.mark.skipif(
+    not (shutil.which("valgrind") and shutil.which("cc")) or machine_code.way_name() != "shipped",
+    reason="counted by valgrind, of the shipped object",
+)
+
+
+@counted
+@pytest.mark.process
+def test_a_count_is_exact_and_a_sea_costs_more(tmp_path: Path) -> None:
+    host = build_host(tmp_path)
+    calm, again, rough = (
+        count(host, instructions.PLACES[name]())
+        for name in ("bb2, calm, 60 m", "bb2, calm, 60 m", "bb2, sea state 5, 60 m")
+    )
+
+    assert 1000 < calm == again < rough < 50_000
+
+
+def test_without_valgrind_that_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(instructions, "platform_name", lambda: instructions.MEASURED)
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+
+    with pytest.raises(ConfigError, match="there is no valgrind here"):
+        build_host(tmp_path)
+
+
+def test_the_kept_figures_stand_beside_those_of_now() -> None:
+    kept = json.loads(instructions.KEPT.read_text())
+
+    page = lines(Instructions({name: 2.0 * number for name, number in kept.items()}, kept))
+
+    assert set(kept) == set(instructions.PLACES)
+    assert len(page) == 3 + len(kept)
+    assert f"{2 * kept['bb2, calm, 60 m']:,.0f}" in page[3]

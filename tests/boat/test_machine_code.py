@@ -1,0 +1,418 @@
+"""The shipped machine code: all that is called is in it, whole, and nothing else is needed."""
+
+import ast
+import gzip
+import hashlib
+import importlib
+import json
+import os
+import platform
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import llvmlite  # type: ignore[import-untyped]
+import numba
+import numpy as np
+import pytest
+from helpers import places
+from helpers.object_symbols import symbols
+from llvmlite import binding
+
+from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
+from trainer.analysis.bench.tick import in_a_loop
+from trainer.boat import entries, machine_code, platforms
+from trainer.boat.boat import Boat
+from trainer.boat.export import objects
+from trainer.config.files import shipped_names
+from trainer.core import ballast, entry, kernel
+from trainer.core.ballast.hover import wanted_pump
+from trainer.core.current import north_and_east
+from trainer.core.digest import core_digest, read_source
+from trainer.core.elementary import cosine_and_sine
+from trainer.core.rates import rates
+from trainer.core.sea.sea import order_sea
+from trainer.core.state import new_sea, new_state
+
+FOLDER = machine_code.SHIPPED_FOLDER
+HERE = platforms.fitting_name(binding.get_host_cpu_features()) or ""
+MAKE = "trainer export-core trainer/boat/shipped --cpu shipped"
+CALLERS = ("analysis", "boat", "config", "debrief", "report", "session", "cli")
+# what goes on compiling: fleets, ships, and what is lowered
+COMPILING = ("analysis/fleet", "analysis/sweep", "boat/ship", "boat/export", "identify")
+MANY_PER_CALL = {entry.fly, entry.sail}
+jitted = pytest.mark.skipif(
+    machine_code.way_name() != "shipped", reason="settings of numba ask for other code"
+)
+
+
+def unpacked(name: str) -> bytes:
+    return gzip.decompress((FOLDER / f"{name}.o.gz").read_bytes())
+
+
+def core_kernels(module: str) -> dict[str, kernel.Kernel]:
+    """Return the kernels of the core that a module has by a name."""
+    names = vars(importlib.import_module(module)).items()
+    return {
+        name: thing
+        for name, thing in names
+        if isinstance(thing, kernel.Kernel) and thing.__module__.startswith("trainer.core")
+    }
+
+
+def called_kernels(path: Path) -> Iterator[kernel.Kernel]:
+    """Yield the kernels of the core that functions of a module use which are no kernels."""
+    module = ".".join(path.relative_to(places.PACKAGES).with_suffix("").parts)
+    known = core_kernels(module)
+    tree = ast.parse(path.read_text("utf-8"))
+    inside = {
+        id(node)
+        for function in ast.walk(tree)
+        if isinstance(function, ast.FunctionDef)
+        and isinstance(getattr(sys.modules[module], function.name, None), kernel.Kernel)
+        for node in ast.walk(function)
+    }
+    for node in ast.walk(tree):
+        if id(node) in inside:
+            continue
+        if isinstance(node, ast.Name) and node.id in known and isinstance(node.ctx, ast.Load):
+            yield known[node.id]
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            place = getattr(sys.modules[module], node.value.id, None)
+            thing = getattr(place, node.attr, None)
+            of_core = getattr(place, "__name__", "").startswith("trainer.core")
+            if of_core and isinstance(thing, kernel.Kernel):
+                yield thing
+
+
+@jitted
+def test_every_kernel_that_is_called_from_outside_the_core_is_in_the_object() -> None:
+    package = places.PACKAGES / "trainer"
+    left = tuple(str(package / folder) for folder in COMPILING)
+    missing = {
+        f"{path.relative_to(package)}: {called.__module__}.{called.py_func.__name__}"
+        for folder in CALLERS
+        for path in sorted((package / folder).rglob("*.py"))
+        if path.name != "__main__.py" and not str(path).startswith(left)
+        for called in called_kernels(path)
+        if called not in {each.kernel for each in entries.ENTRIES}
+    }
+
+    assert not missing
+
+
+@jitted
+def test_the_table_has_what_is_called_and_nothing_else() -> None:
+    package = places.PACKAGES / "trainer"
+    called = {
+        each
+        for folder in CALLERS
+        for path in sorted((package / folder).rglob("*.py"))
+        if path.name not in {"__main__.py", "entries.py"}
+        for each in called_kernels(path)
+    }
+
+    assert {each.name for each in entries.ENTRIES if each.kernel not in called} == set()
+
+
+def test_the_shipped_objects_are_of_this_core_and_whole() -> None:
+    card = machine_code.shipped_card()
+
+    assert card["core"] == core_digest(), f"make them again: {MAKE}"
+    assert set(card["objects"]) == set(platforms.PLATFORMS)
+    for name, said in card["objects"].items():
+        code = unpacked(name)
+        assert (len(code), hashlib.sha256(code).hexdigest()) == (said["bytes"], said["sha256"])
+    assert sum(path.stat().st_size for path in machine_code.SHIPPED_FOLDER.iterdir()) < 850_000
+
+
+@pytest.mark.parametrize("name", platforms.PLATFORMS)
+def test_an_object_has_all_entries_and_asks_for_nothing(name: str) -> None:
+    found = [(symbol.removeprefix("_"), known) for symbol, known in symbols(unpacked(name))]
+
+    assert [symbol for symbol, known in found if not known] == []
+    assert {symbol for symbol, _ in found} == {
+        entries.TICK_NAME,
+        *(each.name for each in entries.ENTRIES),
+    }
+
+
+@pytest.mark.slow
+def test_the_objects_made_again_are_those_that_are_shipped() -> None:
+    card = machine_code.shipped_card()
+    here = (platform.python_version(), numba.__version__, llvmlite.__version__)
+    if here == (card["python"], card["numba"], card["llvmlite"]):
+        made = objects.make_objects(*platforms.PLATFORMS)
+        assert {name: hashlib.sha256(code).hexdigest() for name, code in made.items()} == {
+            name: said["sha256"] for name, said in card["objects"].items()
+        }
+    else:  # another compiler may write other bytes, whose hour is the same
+        made = objects.make_objects(HERE)
+    library = machine_code.Library(made[HERE])
+    address = library.address_of("trainer_fly")
+    fly = machine_code.call_entry(
+        next(e for e in entries.ENTRIES if e.kernel is entry.fly), address
+    )
+    empty = machine_code.EMPTY_CHART
+
+    def take(records: Any, count: int) -> int:
+        return int(fly(records, empty, empty, np.empty((count, 0))))
+
+    assert digest(fly_standard_hour(take)) == digest(fly_standard_hour(in_a_loop))
+
+
+@jitted
+def test_a_kernel_called_from_python_is_the_object_s(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat()
+    boat.start(5.0, 60.0, 0.0)
+    records = boat.records
+    assert north_and_east(1.25) == pytest.approx(cosine_and_sine(1.25), abs=0.0)
+    assert isinstance(wanted_pump(records.vessel, 60.0, records.state), float)
+    assert ballast.hover.is_hovering(records.state) is False
+    assert rates(*records) is None
+    # the object's code, and no dispatcher of numba, has answered
+    for called in (wanted_pump, ballast.hover.is_hovering, rates):
+        assert "dispatcher" not in vars(called)
+
+
+@jitted
+def test_what_the_object_does_not_take_numba_takes(make_boat: Callable[..., Boat]) -> None:
+    vessel = make_boat().records.vessel
+    wanted = np.zeros(9)
+    wanted[:3] = 1.0, 2.0, 0.8
+    states = [new_state(), new_state()]
+    for state, scratch in zip(states, (new_sea(), make_boat().records.scratch), strict=True):
+        order_sea(vessel, 0.5, 0.0, wanted, scratch, state)
+
+    assert states[0].tobytes() == states[1].tobytes()
+
+
+def test_only_calls_of_many_ticks_let_other_threads_go_on() -> None:
+    assert {each.kernel for each in entries.ENTRIES if each.many_ticks} == MANY_PER_CALL
+
+
+def take(boat: Boat, ticks: int) -> None:
+    for _ in range(ticks):
+        assert boat.tick() == 0
+
+
+@jitted
+@pytest.mark.process
+def test_two_boats_and_a_fork_tick_as_one_does(make_boat: Callable[..., Boat]) -> None:
+    boats = [make_boat() for _ in range(3)]
+    for boat in boats:
+        boat.start(5.0, 60.0, 0.0)
+        boat.state.ordered_depth = 80.0
+    take(boats[0], 40)
+    threads = [threading.Thread(target=take, args=(boat, 20)) for boat in boats[1:]]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    read, write = os.pipe()
+    if os.fork() == 0:
+        take(boats[1], 20)
+        os.write(write, hashlib.sha256(boats[1].records.state.tobytes()).digest())
+        os._exit(0)
+    os.wait()
+    kept = boats[2].snapshot()
+    address = boats[2].records.state.ctypes.data
+    take(boats[2], 5)
+    boats[2].restore(kept)
+    take(boats[2], 20)
+
+    assert boats[2].records.state.ctypes.data == address
+    assert boats[2].records.state.tobytes() == boats[0].records.state.tobytes()
+    assert os.read(read, 32) == hashlib.sha256(boats[0].records.state.tobytes()).digest()
+
+
+@pytest.fixture
+def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder with copies of this platform's object and card, which is used."""
+    name = f"{HERE}.o.gz"
+    for each in (name, platforms.CARD_FILE):
+        (tmp_path / each).write_bytes((machine_code.SHIPPED_FOLDER / each).read_bytes())
+    monkeypatch.setattr(machine_code, "SHIPPED_FOLDER", tmp_path)
+    assert machine_code.shipped_object() == unpacked(HERE)
+    return tmp_path / name
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def of_another_platform(path: Path) -> None:
+    others = set(platforms.PLATFORMS) - {HERE}
+    path.write_bytes(gzip.compress(unpacked(others.pop())))
+
+
+def changed(path: Path) -> None:
+    code = bytearray(unpacked(HERE))
+    code[len(code) // 2] ^= 1
+    path.write_bytes(gzip.compress(bytes(code)))
+
+
+@pytest.mark.parametrize(
+    "harm", [cut, changed, of_another_platform, Path.unlink, lambda path: path.write_bytes(b"")]
+)
+def test_an_object_that_is_not_whole_is_never_loaded_and_told(
+    shipped: Path, harm: Callable[[Path], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    harm(shipped)
+
+    assert machine_code.shipped_object() is None
+    assert capsys.readouterr().err == (
+        f"trainer: {shipped}: damaged, and not used: install again\n"
+    )
+
+
+@pytest.mark.parametrize("card", [b"", b"[1]", b"{", b"\xff"])
+def test_an_object_without_a_card_is_not_used(shipped: Path, card: bytes) -> None:
+    shipped.with_name(platforms.CARD_FILE).write_bytes(card)
+
+    assert machine_code.shipped_object() is None
+
+
+def test_an_object_of_another_core_or_for_another_machine_is_not_used(
+    shipped: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, value in (("fitting_name", lambda _: None), ("core_digest", lambda: "of another")):
+        with monkeypatch.context() as patch:
+            patch.setattr(machine_code, name, value)
+            assert machine_code.shipped_object() is None
+    card = json.loads(shipped.with_name(platforms.CARD_FILE).read_text())
+    card["core"] = "of another"
+    shipped.with_name(platforms.CARD_FILE).write_text(json.dumps(card))
+    assert machine_code.shipped_object() is None
+    assert capsys.readouterr().err == ""
+
+
+def test_an_object_is_made_here_once_in_sight_and_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made: list[str] = []
+
+    def make(name: str) -> dict[str, bytes]:
+        made.append(name)
+        return {name: b"code"}
+
+    monkeypatch.setattr(objects, "make_objects", make)
+    monkeypatch.setattr("trainer.core.cache.cache_folder", lambda: tmp_path)
+
+    assert machine_code.made_object() == machine_code.made_object() == b"code"
+    assert made == [machine_code.HOST_NAME]
+    assert capsys.readouterr().err == f"{machine_code.MAKING_TEXT}\n"
+    (kept,) = tmp_path.glob("*.o")
+    kept.write_bytes(b"odd")
+    assert machine_code.made_object() == b"code"
+    assert len(made) == 2
+
+
+def test_where_no_machine_code_may_be_made_that_is_said_and_how_to_allow_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse() -> None:
+        raise OSError("no")
+
+    monkeypatch.setattr(binding, "check_jit_execution", refuse)
+
+    with pytest.raises(PermissionError, match="MemoryDenyWriteExecute=no"):
+        machine_code.Library(b"never read")
+
+
+def test_the_newest_processor_level_that_a_machine_has_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    all_of_them = dict.fromkeys(platforms.V3_NEEDS, True)
+    monkeypatch.setattr(platforms, "platform_name", lambda: "linux-x86_64")
+    assert platforms.fitting_name(all_of_them) == "linux-x86_64-v3"
+    assert platforms.fitting_name(all_of_them | {"avx2": False}) == "linux-x86_64"
+    assert platforms.fitting_name(all_of_them | {"popcnt": False}) is None
+    monkeypatch.setattr(platforms, "platform_name", lambda: "linux-riscv64")
+    assert platforms.fitting_name(all_of_them) is None
+
+
+LANES = {
+    "interpreted": {"NUMBA_DISABLE_JIT": "1"},
+    "compiled by numba": {"NUMBA_BOUNDSCHECK": "1"},
+    "compiled by  numba": {"NUMBA_CPU_NAME": "x86-64-v3"},
+    "shipped": {},
+}
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("way", LANES)
+def test_a_lane_runs_the_code_that_it_is_about(way: str) -> None:
+    own = {
+        name: value for name, value in places.environment().items() if not name.startswith("NUMBA_")
+    }
+    code = "from trainer.boat.machine_code import way_name; print(way_name())"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=own | LANES[way],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert done.stdout.split() == way.split()
+
+
+def test_line_ends_of_a_checkout_do_not_change_the_digest(tmp_path: Path) -> None:
+    for name, ends in (("a.py", b"\n"), ("b.py", b"\r\n")):
+        (tmp_path / name).write_bytes(b"x = 1" + ends + b"y = 2" + ends)
+
+    assert read_source(tmp_path / "a.py") == read_source(tmp_path / "b.py")
+
+
+STATE = '{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0.01, "phi": 0, "theta": 0, "psi": 0}'
+
+
+def commands(folder: Path, seconds: str) -> list[list[str]]:
+    """Return commands that a user's session is made of."""
+    run = ["run", "--headless", "--speed", "max"]
+    kept = str(folder / "kept.trainer")
+    flown = [
+        [run[0], name, *run[1:], "--duration", seconds, "--no-record"]
+        for name in shipped_names("exercises")
+    ]
+    return [
+        [*run, "--duration", "90", "--sea", "sea-state-5", "--csv", str(folder / "run.csv")],
+        ["run", "stern-plane-jam", *run[1:], "--duration", "2m", "--record", kept],
+        ["debrief", kept, "--text"],
+        ["replay", kept],
+        ["resume", kept, "--headless", "--speed", "max", "--duration", "3m"],
+        ["export", kept, "--csv", str(folder / "kept.csv")],
+        ["manoeuvre", "zigzag-20", "bb2", "--equations", "modified"],
+        ["manoeuvre", "turning-circle", "sdv-mk9"],
+        ["exercise", "check", "stern-plane-jam"],
+        ["sea", "sea-state-5", "--depth", "20"],
+        ["neutral", "bb2", "--depth", "20"],
+        ["vessels"],
+        *flown,
+    ]
+
+
+@jitted
+@pytest.mark.process
+@pytest.mark.parametrize("seconds", ["20", pytest.param("30m", marks=pytest.mark.slow)])
+def test_a_user_s_session_needs_no_numba(tmp_path: Path, seconds: str) -> None:
+    listed = tmp_path / "commands.json"
+    listed.write_text(json.dumps(commands(tmp_path, seconds)))
+    done = subprocess.run(
+        [sys.executable, "-m", "helpers.without_numba", str(listed)],
+        env=places.tests_environment(XDG_CACHE_HOME=str(tmp_path / "cache"), NUMBA_CACHE_DIR=""),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    told = [json.loads(line) for line in done.stdout.splitlines()]
+
+    assert len(told) == len(commands(tmp_path, seconds))
+    for each in told:
+        assert (each["raised"], each["code"]) in {("", 0), ("", 1)}, each
+        assert "Traceback" not in each["said"]
+    assert not (tmp_path / "cache").exists()

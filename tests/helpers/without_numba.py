@@ -1,0 +1,45 @@
+"""Commands of ``trainer`` in a process that cannot import numba.
+
+``python -m helpers.without_numba FILE`` runs the commands of a JSON file, a list of words each, and
+writes a line of JSON for each: its exit code, its output, and what was raised.
+"""
+
+import json
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib.machinery import ModuleSpec
+from importlib.metadata import version
+from pathlib import Path
+
+
+class NumbaRefusal:
+    """A finder of modules that refuses numba."""
+
+    @staticmethod
+    def find_spec(name: str, _path: object = None, _target: object = None) -> ModuleSpec | None:
+        """Raise ImportError for numba and all within it; find nothing else."""
+        if name.partition(".")[0] == "numba":
+            raise ImportError(f"{name}: numba cannot be imported in this process")
+        return None
+
+
+def run_commands(commands: Sequence[Sequence[str]]) -> None:
+    """Run commands one after another, and write what became of each."""
+    from click.testing import CliRunner  # noqa: PLC0415  numba is refused first
+
+    from trainer.cli.main import cli  # noqa: PLC0415
+
+    for words in commands:
+        done = CliRunner().invoke(cli, list(words))
+        raised = done.exception
+        told = "" if raised is None or isinstance(raised, SystemExit) else repr(raised)
+        where = "".join(traceback.format_exception(raised)) if told else ""
+        line = {"words": words, "code": done.exit_code, "said": done.output, "raised": where}
+        sys.stdout.write(json.dumps(line) + "\n")
+
+
+if __name__ == "__main__":
+    assert version("numba")
+    sys.meta_path.insert(0, NumbaRefusal)
+    run_commands(json.loads(Path(sys.argv[1]).read_text("utf-8")))

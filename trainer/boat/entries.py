@@ -1,0 +1,126 @@
+"""The kernels that are called from outside the core, by what they take and answer.
+
+``machine_code`` calls the shipped object by this table, ``export/lowering`` makes it, and the
+modules for a browser and for C have some of its rows. Arguments go by address, or as numbers of
+double precision, also where the kernel takes whole ones.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from trainer.core import full
+from trainer.core.actuators import move_surfaces
+from trainer.core.autopilot.autopilot import stand_by_all
+from trainer.core.ballast.ballast import balance, start_ballast
+from trainer.core.ballast.buoyancy import segment
+from trainer.core.ballast.hover import is_hovering, wanted_pump
+from trainer.core.casualties import begin, end, instruments
+from trainer.core.current import north_and_east
+from trainer.core.entry import LOOKOUT, fly, sail, tick
+from trainer.core.envelope import substeps
+from trainer.core.integrators import advance
+from trainer.core.noise import gaussian_pair
+from trainer.core.propulsion import answer_telegraph
+from trainer.core.rates import rates
+from trainer.core.scheme import SCHEME
+from trainer.core.sea.cosine_sum import prepare_sum
+from trainer.core.sea.forces import suction, wave_forces
+from trainer.core.sea.free_surface import (
+    deck_height,
+    height_above_water,
+    sail_height,
+    surface_forces,
+)
+from trainer.core.sea.sea import TAPER, order_sea, write_elevations
+from trainer.core.soundings import sound
+from trainer.core.start import level_flight, set_out
+from trainer.core.state import SCRATCH, STATE
+from trainer.core.trim import trim
+from trainer.core.update import lost, outside, update
+from trainer.core.vessel import COMPACT, VESSEL
+
+Kind = np.dtype | type | tuple[int, ...]
+ANY: Final = 0  # a size that each call gives, after all other arguments
+ROW: Final = (ANY,)
+ROWS: Final = (ANY, ANY)
+SIX: Final = (6,)
+BOAT: Final = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
+PAIR: Final = tuple[float, float]
+TICK_NAME: Final = "trainer_tick_of"  # the tick with all its arguments in one block of words
+
+
+class Entry(NamedTuple):
+    """A kernel, and the kinds of its arguments and of its answer.
+
+    A kind is the record at an address, ``float``, ``int``, or the shape of numbers at an address.
+    """
+
+    kernel: Any
+    kinds: tuple[Kind, ...]
+    answer: Any = None  # int, bool, float, PAIR, or None
+    bundle: int = 0  # so many first arguments are one tuple to the kernel
+    many_ticks: bool = False  # in one call, which lets other threads go on
+
+    @property
+    def name(self) -> str:
+        """Return the name of the function in an object."""
+        return f"trainer_{self.kernel.__name__}"
+
+    @property
+    def sizes(self) -> Iterator[tuple[int, int]]:
+        """Yield where each size that a call gives belongs: argument, and place in its shape."""
+        for place, kind in enumerate(self.kinds):
+            if isinstance(kind, tuple):
+                yield from ((place, i) for i, size in enumerate(kind) if size == ANY)
+
+    @property
+    def answers(self) -> int:
+        """Return how many numbers are answered by address, after all arguments."""
+        return {float: 1, PAIR: 2}.get(self.answer, 0)
+
+
+ENTRIES: Final = (
+    Entry(tick, (*BOAT, ROW), int, bundle=5),
+    Entry(fly, (*BOAT, ROW, ROW, ROWS), int, bundle=5, many_ticks=True),
+    Entry(sail, (*BOAT, LOOKOUT, ROWS), int, bundle=5, many_ticks=True),
+    Entry(update, BOAT, int),
+    Entry(rates, BOAT),
+    Entry(advance, BOAT),
+    Entry(set_out, BOAT),
+    Entry(level_flight, (*BOAT, float), int),
+    Entry(trim, (*BOAT, int), int),
+    Entry(stand_by_all, (VESSEL, float, STATE, SCRATCH)),
+    Entry(outside, (VESSEL, SCHEME, STATE, SCRATCH)),
+    Entry(lost, (STATE,), int),
+    Entry(move_surfaces, (VESSEL, float, STATE)),
+    Entry(answer_telegraph, (VESSEL, float, STATE)),
+    Entry(substeps, (VESSEL, float, int, STATE), int),
+    Entry(full.inertia, (VESSEL, STATE, (6, 6))),
+    Entry(instruments, (STATE, SCRATCH)),
+    Entry(begin, (int, float, float, STATE), int),
+    Entry(end, (int, float, STATE), int),
+    Entry(start_ballast, (VESSEL, STATE)),
+    Entry(balance, (VESSEL, STATE)),
+    Entry(is_hovering, (STATE,), bool),
+    Entry(wanted_pump, (VESSEL, float, STATE), float),
+    Entry(segment, (float,), float),
+    Entry(sound, (VESSEL, ROW, STATE)),
+    Entry(north_and_east, (float,), PAIR),
+    Entry(gaussian_pair, (int, int, int), PAIR),
+    Entry(order_sea, (VESSEL, float, float, (TAPER + 1,), SCRATCH, STATE)),
+    Entry(write_elevations, (VESSEL, float, SCRATCH, STATE, ROW)),
+    Entry(prepare_sum, (float, float, SCRATCH)),
+    Entry(suction, (float, float, float, float), PAIR),
+    Entry(wave_forces, (VESSEL, SCRATCH, STATE, SIX)),
+    Entry(surface_forces, (VESSEL, STATE, SIX)),
+    Entry(sail_height, (VESSEL, STATE), float),
+    Entry(deck_height, (VESSEL, STATE), float),
+    Entry(height_above_water, (STATE, float, float), float),
+)
+
+
+def entry_of(kernel: Callable[..., Any]) -> Entry:
+    """Return the row of a kernel."""
+    return next(entry for entry in ENTRIES if entry.kernel is kernel)

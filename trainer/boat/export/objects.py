@@ -1,0 +1,128 @@
+"""The objects of all kernels that are called from outside the core, for each platform.
+
+``trainer export-core trainer/boat/shipped --cpu shipped`` makes those that the package ships, and
+their card. ``machine_code`` makes the one of this machine where none that is shipped fits. They are
+lowered in a process of its own, for plain processors, so that the bytes do not depend on the
+machine that makes them.
+"""
+
+import gzip
+import hashlib
+import json
+import platform
+import re
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, Final
+
+import llvmlite  # type: ignore[import-untyped]
+import numba
+from llvmlite import binding
+
+from trainer.boat.entries import ENTRIES, TICK_NAME
+from trainer.boat.export.lowering import (
+    entry_text,
+    freestanding_text,
+    kernel_text,
+    lower_in_child,
+    seal_module,
+)
+from trainer.boat.export.targets import optimise_module
+from trainer.boat.platforms import CARD_FILE, PLATFORMS, Platform
+from trainer.core.digest import core_digest
+from trainer.core.entry import tick
+from trainer.io.outputs import replacing
+
+CHILD_CODE: Final = (
+    "from sys import argv; from trainer.boat.export import objects; objects.lower(*argv[1:])"
+)
+# because each argument costs time to hand over
+BLOCK_TEXT: Final = """
+define i32 @{name}(ptr %block) {{
+{loads}
+  %status = call i32 @{tick}({words})
+  ret i32 %status
+}}
+"""
+
+
+def block_text(tick_name: str, kinds: Iterable[str]) -> str:
+    """Return the LLVM text of the tick whose arguments are in one block of words."""
+    loads, words = [], []
+    for i, kind in enumerate(kinds):
+        loads.append(f"  %p{i} = getelementptr i64, ptr %block, i64 {i}")
+        loads.append(f"  %x{i} = load {kind}, ptr %p{i}")
+        words.append(f"{kind} %x{i}")
+    return BLOCK_TEXT.format(
+        name=TICK_NAME, loads="\n".join(loads), tick=tick_name, words=", ".join(words)
+    )
+
+
+def lower(folder: str, *names: str) -> None:
+    """Write the objects of the platforms named into a folder; "host" is this machine's."""
+    binding.initialize_all_targets()
+    binding.initialize_all_asmprinters()
+    texts = []
+    for entry in ENTRIES:
+        text, kernel = kernel_text(entry)
+        texts.append(re.sub(r"^target .*$", "", text, flags=re.MULTILINE))
+        texts.append(entry_text(entry, kernel, entry.name))
+        if entry.kernel is tick:
+            kinds = [*(["ptr"] * len(entry.kinds)), *("double" for _ in entry.sizes)]
+            texts[-1] += block_text(entry.name, kinds)
+    for name in names:
+        object_path = Path(folder, f"{name}.o")
+        object_path.write_bytes(compile_for(PLATFORMS.get(name) or host_platform(), texts))
+
+
+def host_platform() -> Platform:
+    """Return the plain processor of this machine's kind."""
+    return Platform(binding.get_process_triple(), "generic", "", ())
+
+
+def compile_for(target: Platform, texts: Iterable[str]) -> bytes:
+    """Return one object of these texts for a platform."""
+    machine = binding.Target.from_triple(target.triple).create_target_machine(
+        cpu=target.cpu, features=target.features, opt=3, reloc="pic", codemodel="small"
+    )
+    head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{target.triple}"\n'
+    module = binding.parse_assembly(head + freestanding_text(64))
+    for text in texts:
+        module.link_in(binding.parse_assembly(head + text))
+    seal_module(module, {*(entry.name for entry in ENTRIES), TICK_NAME})
+    optimise_module(module, machine, 3)
+    return bytes(machine.emit_object(module))
+
+
+def make_objects(*names: str) -> dict[str, bytes]:
+    """Return the objects of platforms by name; ConfigError where they cannot be made."""
+    with tempfile.TemporaryDirectory() as folder:
+        lower_in_child(CHILD_CODE, (folder, *names))
+        return {name: Path(folder, f"{name}.o").read_bytes() for name in names}
+
+
+def card_of(objects: dict[str, bytes]) -> dict[str, Any]:
+    """Return what objects were made from, and what they are."""
+    return {
+        "core": core_digest(),
+        "python": platform.python_version(),
+        "numba": numba.__version__,
+        "llvmlite": llvmlite.__version__,
+        "objects": {
+            name: {"bytes": len(code), "sha256": hashlib.sha256(code).hexdigest()}
+            for name, code in objects.items()
+        },
+    }
+
+
+def write_shipped(folder: Path) -> dict[str, Any]:
+    """Write the objects of all platforms and their card into a folder; return the card."""
+    objects = make_objects(*PLATFORMS)
+    card = card_of(objects)
+    files = {f"{name}.o.gz": gzip.compress(code, 9, mtime=0) for name, code in objects.items()}
+    files[CARD_FILE] = (json.dumps(card, indent=1) + "\n").encode()
+    for name, data in files.items():
+        with replacing(folder / name) as made:
+            made.write_bytes(data)
+    return card

@@ -1,0 +1,240 @@
+"""The machine code of the core's kernels, and the call of it.
+
+An object for the plainest processor of each platform comes with the package, so that nothing is
+compiled before a boat goes to sea: its bits are those of any other compilation. Where none fits, on
+another platform or with a core that was changed, the same object is made here once, in sight, and
+kept in the cache. It is chosen and its SHA-256 is checked before LLVM sees a byte of it, because a
+damaged one would end the process.
+
+Settings of numba that ask for other code are obeyed: then no object is used, and numba compiles, or
+the interpreter runs, what is called.
+"""
+
+import ctypes
+import errno
+import functools
+import gzip
+import hashlib
+import importlib.metadata
+import json
+import os
+import platform
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from trainer.boat.assemble import Records
+from trainer.boat.entries import ENTRIES, PAIR, TICK_NAME, Entry
+from trainer.boat.platforms import CARD_FILE, PLATFORMS, fitting_name, platform_name
+from trainer.core.digest import core_digest
+from trainer.core.entry import tick
+from trainer.core.kernel import INTERPRETED, Kernel, Numbers
+
+SHIPPED_FOLDER: Final = Path(__file__).with_name("shipped")
+HOST_NAME: Final = "host"
+MADE_PREFIX: Final = "object-"  # of an object that was made here
+# settings of numba that ask for other code than the object's
+NUMBA_SETTINGS: Final = ("BOUNDSCHECK", "CPU_NAME", "CPU_FEATURES", "OPT")
+BY_NUMBA: Final = "compiled by numba"
+EMPTY_CHART: Final = np.empty(0)
+MAKING_TEXT: Final = "trainer: compiling the core for this machine, this once (about a minute) ..."
+FORBIDDEN_TEXT: Final = (
+    "this system lets no program make machine code at run time: allow it for trainer (systemd: "
+    "MemoryDenyWriteExecute=no; SELinux: the boolean deny_execmem off)"
+)
+
+
+def shipped_card() -> dict[str, Any]:
+    """Return the card of the shipped objects, {} if it cannot be read."""
+    try:
+        card = json.loads((SHIPPED_FOLDER / CARD_FILE).read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return card if isinstance(card, dict) else {}
+
+
+def shipped_object() -> bytes | None:
+    """Return the shipped object for this machine and core, None if there is none.
+
+    One that is not whole is told, and not used.
+    """
+    from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
+
+    name, card = fitting_name(binding.get_host_cpu_features()), shipped_card()
+    if card.get("core") != core_digest() or name is None:
+        return None
+    path = SHIPPED_FOLDER / f"{name}.o.gz"
+    try:
+        code = gzip.decompress(path.read_bytes())
+        whole = hashlib.sha256(code).hexdigest() == card["objects"][name]["sha256"]
+    except (OSError, EOFError, ValueError, KeyError, TypeError):
+        whole = False
+    if not whole:
+        print(f"trainer: {path}: damaged, and not used: install again", file=sys.stderr)
+        return None
+    return code
+
+
+def made_object() -> bytes | None:
+    """Return the object for this machine, made here once; None if it cannot be."""
+    from trainer.core.cache import cache_folder  # noqa: PLC0415  it claims the folder
+
+    facts = [core_digest(), platform_name(), platform.python_version()]
+    facts += [importlib.metadata.version(name) for name in ("numba", "llvmlite")]
+    name = MADE_PREFIX + hashlib.sha256(repr(facts).encode()).hexdigest()[:16]
+    path = cache_folder() / f"{name}.o"
+    digest_path = path.with_suffix(".sha256")
+    try:
+        code = path.read_bytes()
+        if hashlib.sha256(code).hexdigest() == digest_path.read_text("ascii"):
+            return code
+    except (OSError, ValueError):
+        pass
+    from trainer.boat.export.objects import make_objects  # noqa: PLC0415  it imports the compiler
+    from trainer.config.files import ConfigError  # noqa: PLC0415
+
+    print(MAKING_TEXT, file=sys.stderr, flush=True)
+    try:
+        code = make_objects(HOST_NAME)[HOST_NAME]
+    except ConfigError as problem:
+        print(f"trainer: {problem}; numba compiles what is called", file=sys.stderr)
+        return None
+    made = path.with_suffix(f".{os.getpid()}")
+    made.write_bytes(code)
+    digest_path.write_text(hashlib.sha256(code).hexdigest(), "ascii")
+    made.replace(path)
+    return code
+
+
+class Library:
+    """An object in memory, and its functions."""
+
+    def __init__(self, code: bytes) -> None:
+        """Load an object; PermissionError where memory may not be made executable."""
+        from llvmlite import binding  # noqa: PLC0415
+
+        try:
+            binding.check_jit_execution()
+        except OSError:
+            raise PermissionError(errno.EPERM, FORBIDDEN_TEXT) from None
+        binding.initialize_native_target()
+        binding.initialize_native_asmprinter()
+        name = platform_name()
+        triple = PLATFORMS[name].triple if name in PLATFORMS else binding.get_process_triple()
+        machine = binding.Target.from_triple(triple).create_target_machine(opt=3)
+        empty = binding.parse_assembly("")
+        empty.triple, empty.data_layout = triple, str(machine.target_data)
+        self._engine = binding.create_mcjit_compiler(empty, machine)
+        self._engine.add_object_file(binding.ObjectFileRef.from_data(code))
+        self._engine.finalize_object()
+
+    def address_of(self, name: str) -> int:
+        """Return the address of a function."""
+        return int(self._engine.get_function_address(name))
+
+
+class _Way(NamedTuple):
+    """How kernels are computed: by the library, or as the name says."""
+
+    name: str
+    library: Library | None
+
+
+@functools.cache
+def _find_way() -> _Way:
+    """Load the machine code, and return how kernels are computed in this process."""
+    if INTERPRETED:
+        return _Way("interpreted", None)
+    settings = (os.environ.get(f"NUMBA_{name}", "0") for name in NUMBA_SETTINGS)
+    if any(setting not in ("", "0") for setting in settings):
+        return _Way(BY_NUMBA, None)
+    if code := shipped_object():
+        return _Way("shipped", Library(code))
+    if code := made_object():
+        return _Way("made here", Library(code))
+    return _Way(BY_NUMBA, None)
+
+
+def way_name() -> str:
+    """Return how kernels are computed: shipped, made here, compiled by numba, or interpreted."""
+    return _find_way().name
+
+
+def _address(array: Any) -> int:
+    """Return where the numbers of an array are."""
+    return int(array.__array_interface__["data"][0])
+
+
+def _fits(kind: Any, given: Any) -> bool:
+    """Return whether an argument is of the kind that the object takes, else numba takes it."""
+    if kind is float or kind is int:
+        return not isinstance(given, np.ndarray)
+    if not isinstance(given, np.ndarray) or not given.flags.c_contiguous:
+        return False
+    if isinstance(kind, tuple):
+        shape = given.shape
+        sized = all(size in (0, had) for size, had in zip(kind, shape, strict=False))
+        return given.dtype == np.float64 and len(shape) == len(kind) and sized
+    return bool(given.dtype == kind) and given.shape == (1,)
+
+
+def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
+    """Return what calls the machine code of a kernel as the kernel is called.
+
+    What it is given of other kinds than the object's numba takes, and compiles for.
+    """
+    number, pointer = ctypes.c_double, ctypes.c_void_p
+    kinds = [number if kind in (float, int) else pointer for kind in entry.kinds]
+    kinds += [number for _ in entry.sizes] + [pointer] * bool(entry.answers)
+    # a tick is too short for other threads to have their turn in it, many ticks are not
+    prototype = ctypes.CFUNCTYPE if entry.many_ticks else ctypes.PYFUNCTYPE
+    function = prototype(ctypes.c_int, *kinds)(address)
+    sizes = tuple(entry.sizes)
+    wanted = tuple(enumerate(entry.kinds))
+
+    def call(*asked: Any) -> Any:
+        given = (*asked[0], *asked[1:]) if entry.bundle else asked
+        if not all(_fits(kind, given[i]) for i, kind in wanted):
+            return entry.kernel.dispatcher(*asked)
+        words = [given[i] if kind in (float, int) else _address(given[i]) for i, kind in wanted]
+        words += [given[place].shape[i] for place, i in sizes]
+        if not entry.answers:
+            status = function(*words)
+            return entry.answer(status) if entry.answer else None
+        answer = np.empty(entry.answers)
+        function(*words, _address(answer))
+        return tuple(answer.tolist()) if entry.answer is PAIR else float(answer[0])
+
+    return call
+
+
+def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], int]:
+    """Return ``entry.tick`` of these records and the chart of the ground, None for none.
+
+    The caller keeps the records, and does not move them, because only addresses are bound: taking
+    them apart at every call would cost more than the tick does.
+    """
+    ground = EMPTY_CHART if chart is None else chart
+    library = _find_way().library
+    if library is None:
+        return functools.partial(tick, records, ground)
+    words = [_address(each) for each in (*records, ground)]
+    block: Any = np.array([*words, 0], np.int64)
+    block.view(np.float64)[-1] = ground.size
+    words_there = (ctypes.c_int64 * block.size).from_buffer(block)
+    function = ctypes.PYFUNCTYPE(ctypes.c_int)(library.address_of(TICK_NAME))
+    bound: Any = functools.partial(function, ctypes.byref(words_there))  # the least of all calls
+    bound.kept = (*records, ground)  # as long as the tick is
+    return bound  # type: ignore[no-any-return]
+
+
+def find_code(kernel: Kernel) -> Callable[..., Any] | None:
+    """Return what calls the machine code of a kernel, None if it has none here."""
+    entry = next((each for each in ENTRIES if each.kernel is kernel), None)
+    library = _find_way().library if entry else None
+    if entry is None or library is None:
+        return None
+    return call_entry(entry, library.address_of(entry.name))

@@ -1,0 +1,52 @@
+"""The digest of the core's sources, by which the boat is computed.
+
+A recording names that of the core that made it, so that a replay by another core is told; so do
+the shipped machine code and what is exported. ``cache`` names its folder by that of all kernels.
+"""
+
+import hashlib
+from functools import cache
+from pathlib import Path
+
+KERNEL_FOLDERS = (  # folders that have any
+    "core",
+    "boat/ship",
+    "identify/kernels",
+    "analysis/fleet",
+    "analysis/sweep",
+)
+# Digests of earlier cores, whose standard hour ended in the bits of this one's.
+SAME_BITS: frozenset[str] = frozenset({"054f9b31bff9d428", "0df900f689388146"})
+
+
+@cache
+def core_digest() -> str:
+    """Return a short hash of the core's sources, by which the boat is computed."""
+    return digest_sources("core")
+
+
+def sources(*folders: str) -> list[Path]:
+    """Return the sources in folders of the package, and in the folders within them."""
+    here = Path(__file__).parents[1]
+    return [
+        here / "units.py",
+        *(path for each in folders for path in sorted((here / each).rglob("*.py"))),
+    ]
+
+
+def digest_sources(*folders: str) -> str:
+    """Return a short hash of the sources in folders of the package."""
+    digest = hashlib.sha256()
+    for path in sources(*folders):
+        digest.update(path.name.encode() + b"\0" + read_source(path))
+    return digest.hexdigest()[:16]
+
+
+def same_core(digest: object) -> bool:
+    """Return whether a core of that digest computes the bits of this one."""
+    return digest == core_digest() or digest in SAME_BITS
+
+
+def read_source(path: Path) -> bytes:
+    """Return a source with its line ends as the repository has them."""
+    return path.read_bytes().replace(b"\r\n", b"\n")
