@@ -53,39 +53,46 @@ def unpacked(name: str) -> bytes:
     return gzip.decompress((FOLDER / f"{name}.o.gz").read_bytes())
 
 
-def core_kernels(module: str) -> dict[str, kernel.Kernel]:
-    """Return the kernels of the core that a module has by a name."""
-    names = vars(importlib.import_module(module)).items()
+DECORATORS = {"kernel", "part", "unlocked", "inlined"}
+
+
+def core_thing(module: str, name: str) -> Any:
+    """Return what a module of the core has by a name, a module of its own among it."""
+    place = importlib.import_module(module)
+    if hasattr(place, name):
+        return getattr(place, name)
+    return importlib.import_module(f"{module}.{name}")
+
+
+def core_things(tree: ast.AST) -> dict[str, Any]:
+    """Return what a module imports of the core, by its name there; the module is not imported."""
     return {
-        name: thing
-        for name, thing in names
-        if isinstance(thing, kernel.Kernel) and thing.__module__.startswith("trainer.core")
+        name.asname or name.name: core_thing(node.module, name.name)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module and "trainer.core" in node.module
+        for name in node.names
     }
 
 
 def called_kernels(path: Path) -> Iterator[kernel.Kernel]:
     """Yield the kernels of the core that functions of a module use which are no kernels."""
-    module = ".".join(path.relative_to(places.PACKAGES).with_suffix("").parts)
-    known = core_kernels(module)
     tree = ast.parse(path.read_text("utf-8"))
+    known = core_things(tree)
     inside = {
         id(node)
         for function in ast.walk(tree)
         if isinstance(function, ast.FunctionDef)
-        and isinstance(getattr(sys.modules[module], function.name, None), kernel.Kernel)
+        and DECORATORS & {ast.unparse(each) for each in function.decorator_list}
         for node in ast.walk(function)
     }
     for node in ast.walk(tree):
-        if id(node) in inside:
-            continue
-        if isinstance(node, ast.Name) and node.id in known and isinstance(node.ctx, ast.Load):
-            yield known[node.id]
+        thing = None
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+            thing = known.get(node.id)
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            place = getattr(sys.modules[module], node.value.id, None)
-            thing = getattr(place, node.attr, None)
-            of_core = getattr(place, "__name__", "").startswith("trainer.core")
-            if of_core and isinstance(thing, kernel.Kernel):
-                yield thing
+            thing = getattr(known.get(node.value.id), node.attr, None)
+        if isinstance(thing, kernel.Kernel) and id(node) not in inside:
+            yield thing
 
 
 @jitted
