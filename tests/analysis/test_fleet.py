@@ -377,7 +377,7 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
 )
 def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
     # a cached kernel cannot be looked into
-    fresh = inlined(getattr(tick_module, name).py_func)
+    fresh = inlined(getattr(tick_module, name).py_func).dispatcher
     fresh.compile((first, BLOCK_TYPE))
 
     assert re.search(r"<\d+ x double>", fresh.inspect_llvm(fresh.signatures[0]))

@@ -203,7 +203,7 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
         os.close(near)
         late = threading.Timer(60.0, process.kill)
         late.start()
-        shown, wanted = b"", b"I instruct" if asks else b"making ready"
+        shown, wanted = b"", b"I instruct" if asks else b"F1 shows help"
         with contextlib.suppress(OSError):
             while not re.search(wanted, shown) and (some := os.read(far, 65536)):
                 shown += some

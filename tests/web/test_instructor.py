@@ -651,7 +651,7 @@ def test_nothing_overflows_at_any_size(shared: Served, caller: Caller, look: Loo
         page.get_by_role("button", name="Choose another").click()
         expect(page.locator(".card").first).to_be_visible()
         see_whole(page, (width, height), FLOODS)
-        page.locator("#exercise").get_by_role("button", name="Close").click()
+        page.locator("#exercise").get_by_role("button", name="Close", exact=True).click()
 
 
 CUT = """() => {

@@ -164,7 +164,7 @@ def report_by_key(page: Page, instructor: Caller, way: str) -> None:
         expect(window).to_be_hidden()
         assert heard(instructor, f"{words} by {way}")
         work(page, key, way)
-        work(page, window.get_by_role("button", name="Close"), way)
+        work(page, window.get_by_role("button", name="Close", exact=True), way)
         expect(window).to_be_hidden()
 
 
