@@ -344,8 +344,11 @@ def test_a_member_whose_numbers_are_lost_stays_and_the_others_go_on(boat: Boat) 
 
 def test_a_member_lost_on_the_way_has_rows_up_to_there(boat: Boat) -> None:
     fleet = fleet_of(boat, 3)
-    fleet.states["u"][1], fleet.states["ordered_psi"] = 30.0, 1.0
-    fleet.states["p"][1] = 5.0
+    fleet = fleet._replace(
+        vessels=np.repeat(fleet.vessels, 3), compacts=np.repeat(fleet.compacts, 3)
+    )
+    fleet.compacts["K_p"][1] *= -5.0  # the water feeds her roll
+    fleet.states["p"][1], fleet.states["ordered_psi"] = 0.1, 1.0
     alone, rows = flown_alone(fleet, NO_ORDERS, TICKS)
 
     flown = fly_members(fleet, NO_ORDERS, TICKS, 1, ("u", "z", "delta_s"))

@@ -175,7 +175,8 @@ def bb2() -> VesselFile:
 
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_every_manoeuvre_is_flown_and_measured(name: str) -> None:
-    boat = boat_of("bb2")
+    sea = find_manoeuvre(name).in_waves
+    boat = boat_of("bb2", Rig(depth=20.0 if sea else None))
     manoeuvre = adjust_manoeuvre(name, boat, {})
 
     flight = fly_manoeuvre(boat, manoeuvre, 0.0 if manoeuvre.from_rest else 10.0 * KNOT)

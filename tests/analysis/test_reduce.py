@@ -21,12 +21,12 @@ from trainer.analysis.manoeuvres.vehicle import Watch
 from trainer.analysis.reduce import reduction, vessel_text
 from trainer.analysis.reduce.candidates import CandidatePool
 from trainer.analysis.reduce.objective import (
-    ADDED_MASSES,
     CONTROL_COEFFICIENTS,
     MAX_DIFFERENCE,
     Candidate,
     Yardstick,
     allowed_multiple,
+    fixed_terms,
 )
 from trainer.analysis.reduce.programme import (
     fastest_legs,
@@ -57,6 +57,7 @@ from trainer.analysis.reduce.verdict import (
 )
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce
+from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.core.kernel import Numbers
 from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS
@@ -235,7 +236,11 @@ def test_turns_are_to_both_sides_at_four_speeds_by_six_rudders_and_both_engines(
         leg.title for leg in limited
     }
     fitted = [leg for leg in fit_legs(bb2) if leg.name == "turn"]
-    assert {leg.manoeuvre.angle_deg for leg in fitted} == {10.0, 20.0, 30.0}  # type: ignore[attr-defined]
+    by_speed = {speed: set[float]() for speed in leg_speeds(bb2)}
+    for leg in fitted:
+        by_speed[leg.speed_kn].add(leg.manoeuvre.angle_deg)  # type: ignore[attr-defined]
+    assert by_speed.pop(5.0) == {*range(5, 35, 5)}, "the guide's low speed"
+    assert all(angles == {10.0, 20.0, 30.0} for angles in by_speed.values())
     assert {leg.speed_kn for leg in fitted if leg.rig.engine == "limited"} == {15.0, 20.0}
     guided = [leg for leg in guide_legs(bb2) if leg.rig.engine == "limited"]
     assert len(guided) == 4
@@ -244,7 +249,7 @@ def test_turns_are_to_both_sides_at_four_speeds_by_six_rudders_and_both_engines(
 
 
 def test_turns_of_bb2_are_within_by_held_revolutions_and_by_its_engine() -> None:
-    """Yaw rate, speed, heel and snap roll; without its torque three times as far off."""
+    """Yaw rate, speed, heel and snap roll; without its torque some are beyond."""
     file = load_vessel("bb2")
     legs = [leg for leg in turn_legs(file) if leg.manoeuvre.angle_deg in (5.0, 20.0, 30.0)]  # type: ignore[attr-defined]
     yardstick, candidate = Yardstick(file, legs), Candidate(file, "modified")
@@ -257,8 +262,8 @@ def test_turns_of_bb2_are_within_by_held_revolutions_and_by_its_engine() -> None
         candidate.take([filed[name] for name in candidate.terms])
         worst.append(abs(yardstick.differences(candidate)[places]).max())
     assert len(places) >= 4 * len(legs)
-    assert worst[0] < 0.4
-    assert worst[1] > 0.9
+    assert worst[0] < 0.7
+    assert worst[1] > 1.0
 
 
 def test_heel_is_judged_as_it_stands_with_a_tenth_of_a_degree_at_least() -> None:
@@ -423,12 +428,8 @@ def searched(
 ) -> Iterator[SearchState]:
     """Yield the standings of a search, round by round."""
     with CandidatePool(file.path, "modified", fit_legs(file), 1) as crew:
-        search = Search(
-            file,
-            "modified",
-            crew,
-            SearchAim(crew.legs, SLACKEST_LEASH, CONTROL_COEFFICIENTS, quick),
-        )
+        stays = frozenset(CONTROL_COEFFICIENTS) | fixed_terms(file)
+        search = Search(file, "modified", crew, SearchAim(crew.legs, SLACKEST_LEASH, stays, quick))
         standing = standing or search.begin()
         while not standing.done:
             standing = search.round(standing, lambda: None)
@@ -545,7 +546,31 @@ def test_a_set_astray_at_the_top_speed_is_searched_for_anew_with_flights_there(
 
     assert searches(partial) == ["4 flights", "5 flights"]
     assert reduction.largest_difference(slim, [narrow], twice.factors["modified"]) < 0.9 * astray
-    assert all(factor for term, factor in twice.factors["modified"].items() if term in ADDED_MASSES)
+
+
+def test_added_masses_and_what_the_file_holds_are_left_as_the_hull_has_them(
+    slim: VesselFile,
+) -> None:
+    held = parse_vessel(SLIM + '[reduce]\nheld_terms = ["K_pap"]\n', slim.path)
+
+    assert "K_pap" not in fixed_terms(slim)
+    assert {"Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot", "K_pap"} <= fixed_terms(held)
+    with pytest.raises(ConfigError, match=r"held_terms.*K_papa.*K_pap"):
+        parse_vessel(SLIM + '[reduce]\nheld_terms = ["K_papa"]\n', slim.path)
+
+
+@pytest.mark.usefixtures("narrow")
+@pytest.mark.slow
+def test_a_search_leaves_added_masses_and_held_terms_alone(
+    slim: VesselFile, tmp_path: Path
+) -> None:
+    slim.path.write_text(SLIM + '[reduce]\nheld_terms = ["K_pap"]\n', encoding="utf-8")
+    file = load_vessel(str(slim.path))
+
+    found = reduction.search(file, 1, tmp_path / "kept.json", lambda _: None)
+
+    for factors in found.factors.values():
+        assert all(factors[term] == 1.0 for term in fixed_terms(file) if term in factors)
 
 
 @pytest.mark.usefixtures("narrow")
@@ -670,7 +695,7 @@ def test_a_check_tells_how_many_manoeuvres_were_judged() -> None:
 
     words = " ".join(out.split())
     assert code == 0
-    assert "guide, 5 %: manoeuvres within, 49 of 49 judged, 22 not judged;" in words
+    assert "guide, 5 %: manoeuvres within, 50 of 50 judged, 22 not judged;" in words
     assert "steady turns, 5 %: manoeuvres within, 36 of 36 judged;" in words
     left = words.split("not judged, the full set is lost or cannot start: ")[1]
     assert left.startswith(

@@ -168,7 +168,7 @@ def test_at_periscope_depth_the_same_sea_moves_the_boat_visibly(equations: str) 
     boat = boat_at(17.5, 10.0, 180.0, equations)
     boat.put_to_sea(load_sea("sea-state-5"))
     seen = flown(boat, 1200.0, "z", "theta")[240:]
-    assert seen[:, 0].std() > 0.45
+    assert seen[:, 0].std() > 0.4
     assert seen[:, 1].std() > 1.0 * DEGREE
 
 

@@ -153,7 +153,19 @@ static int are_counted(const struct state *s)
     return s->wave_count >= AVERAGED_WAVES && s->wave_since < MAX_QUIET_PERIODS * s->wave_period;
 }
 
-static void sense_waves(double h, struct state *s)
+static double frequency_met(const struct state *s)
+{
+    return 6.283185307179586 / s->wave_period;
+}
+
+static double frequency_ratio(const struct vessel *c, const double *gains, const struct state *s)
+{
+    double pace = fabs(c->M_ds) * s->u * s->u * fabs(gains[STERN_GAINS + PITCH_RATE_GAIN]) / (c->I_y - c->M_qdot);
+    return frequency_met(s) / most(pace, 1e-6);
+}
+
+static void sense_waves(
+    const struct vessel *c, double h, const double *gains, struct state *s)
 {
     if (s->sea_height == 0.0 && s->wave_share == 0.0) {
         s->wave_count = s->wave_power = 0.0;
@@ -164,19 +176,9 @@ static void sense_waves(double h, struct state *s)
     count_waves(h, band, s);
     s->wave_band = band;
     s->wave_power += h / (WAVE_MEMORY + h) * (band * band - s->wave_power);
-    int there = s->wave_power > FELT_DEPTH_RATE * FELT_DEPTH_RATE && are_counted(s);
+    int there = s->wave_power > FELT_DEPTH_RATE * FELT_DEPTH_RATE && are_counted(s)
+        && frequency_ratio(c, gains, s) > LEAST_RATIO;
     s->wave_share = clamped(s->wave_share + (there ? h / FADE_TIME_S : -h / FADE_TIME_S), 0.0, 1.0);
-}
-
-static double frequency_met(const struct state *s)
-{
-    return 6.283185307179586 / s->wave_period;
-}
-
-static double frequency_ratio(const struct vessel *c, const double *gains, const struct state *s)
-{
-    double pace = fabs(c->M_ds) * s->u * s->u * fabs(gains[STERN_GAINS + PITCH_RATE_GAIN]) / (c->I_y - c->M_qdot);
-    return frequency_met(s) / most(pace, 1e-6);
 }
 
 struct section { double b0, b1, b2, a1, a2; };
@@ -516,7 +518,7 @@ static void autopilot(const struct vessel *c, double h, struct state *s, double 
         hold_commands(gains, s);
         return;
     }
-    sense_waves(h, s);
+    sense_waves(c, h, gains, s);
     keep_planes(c, h, gains, s);
     keep_course(c, h, gains, s);
     fade(c, h, s);

@@ -35,6 +35,7 @@ static int substeps(const struct vessel *c, double h, int afloat, const struct s
     if (wide_share(c, s) > 0.0) {
         double speed = sqrt(s->u * s->u + cross_speed_squared(c, s));
         phase = most(phase, h * c->stiffness * speed / SUBSTEP_PHASE);
+        phase = most(phase, h * c->still_mode / STILL_SUBSTEP);
     }
     if (afloat)
         phase = most(phase, h * c->surface_mode / SURFACE_SUBSTEP);

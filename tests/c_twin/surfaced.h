@@ -119,22 +119,11 @@ static void take_off(double x, double z, double lateral, double *force)
     force[5] -= x * lateral;
 }
 
-static double dry_height(
-    const struct vessel *c, const struct scratch *work, const struct state *s)
-{
-    double height = 0.0;
-    for (int i = 0; i < HULL_STATIONS; i++) {
-        double out = 0.5 * c->hull_diameter - axis_depth(c, i, work, s);
-        height += c->station_share[i] * clamped(out, 0.0, c->hull_diameter);
-    }
-    return height;
-}
-
 static void take_off_dry_sail(
-    const struct vessel *c, double height, const struct state *s, double *force)
+    const struct vessel *c, const struct state *s, double *force)
 {
     double dry = dry_sail(c, s);
-    if (dry + height == 0.0)
+    if (dry == 0.0)
         return;
     double ahead = s->u > 0.0 ? s->u : 0.0, cross = sqrt(s->v * s->v + s->w * s->w);
     double side = ahead * (c->Y_v * s->v + c->Y_r * s->r) + c->Y_vav * s->v * cross;
@@ -150,17 +139,14 @@ static void take_off_dry_sail(
     take_off(c->strip_x, c->strip_z, -dry * by_roll, force);
     side += lift + drag;
     heeling -= c->lift_z * lift + c->strip_z * drag;
-    force[3] -= dry * (heeling + c->hull_axis * side) + 0.5 * height * side;
+    force[3] -= dry * (heeling + c->hull_axis * side);
 }
 
 static void write_near(const struct vessel *c, struct scratch *work, const struct state *s)
 {
     for (int i = 0; i < 6; i++)
         work->near[i] = work->external[i];
-    double height = 0.0;
-    if (is_near_surface(c, 0.0, s)) {
+    if (is_near_surface(c, 0.0, s))
         add_waterplane(c, work, s, work->near);
-        height = dry_height(c, work, s);
-    }
-    take_off_dry_sail(c, height, s, work->near);
+    take_off_dry_sail(c, s, work->near);
 }

@@ -172,6 +172,9 @@ static void push(
     force[4] += displaced * c->ell * pull[PITCH] - arm * c->Z_wdot * pull[PITCH_ADDED];
     force[4] -= c->M_w * flow;
     force[5] += displaced * c->ell * pull[YAW] - arm * c->Y_vdot * pull[YAW_ADDED];
+    double mass = c->buoyancy / c->g;
+    double aside = mass * pull[SWAY] - c->Y_vdot * pull[SWAY_ADDED];
+    force[3] -= left * (c->K_vdot + c->z_b * mass) * aside / (mass - c->Y_vdot);
 }
 
 static void wave_forces(

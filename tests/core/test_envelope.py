@@ -63,7 +63,7 @@ def test_the_water_never_feeds_the_boat(make_boat: Callable[..., Boat], vessel: 
         s.surface[:] = rng.uniform(-1.0, 1.0, 3) * c.limit
         wide.forces(boat.records.vessel, boat.records.state, force)
         s.z = rng.uniform(-20.0, 20.0)  # anything from none to all of the sail is in the air
-        take_off_dry_sail(boat.records.vessel, 0.0, boat.records.state, force)
+        take_off_dry_sail(boat.records.vessel, boat.records.state, force)
         speed = math.sqrt(float(np.sum(s.motion[:3] ** 2)))
         scale = 0.5 * c.rho * c.ell**2 * max(speed, 0.1) ** 3
 

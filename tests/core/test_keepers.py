@@ -86,10 +86,13 @@ def order(boat: Boat, text: str) -> str:
 def test_the_mean_speed_is_the_ordered_one_in_any_sea(
     started: Start, knots: float, state: int, origin: float
 ) -> None:
-    boat = started(knots, 20.0, state, origin, seed=7)
-    sail(boat, 1200.0, "u")
+    means = []
+    for seed in (7, 8, 9):
+        boat = started(knots, 20.0, state, origin, seed=seed)
+        sail(boat, 1200.0, "u")
+        means.append(sail(boat, 1200.0, "u").mean() / KNOT)
 
-    assert sail(boat, 1200.0, "u").mean() / KNOT == pytest.approx(knots, abs=0.1)
+    assert np.mean(means) == pytest.approx(knots, abs=0.1)
 
 
 @pytest.mark.parametrize(("before", "after", "settled"), [(5, 10, 260.0), (10, 5, 430.0)])
@@ -299,12 +302,14 @@ def test_depth_is_kept_at_5_knots_in_a_sea_of_the_filter(
 def test_the_time_between_waves_is_counted(
     started: Start, knots: float, state: int, origin: float
 ) -> None:
-    boat = started(knots, 17.5, state, origin, seed=3)
+    counted = []
+    for seed in (3, 4, 5):
+        boat = started(knots, 17.5, state, origin, seed=seed)
+        counted.append(2.0 * math.pi / sail(boat, 1800.0, "wave_period")[600:, 0].mean())
     peak = float(boat.state.sea_omega)
     met = peak + peak * peak / 9.81 * knots * KNOT * math.cos(math.radians(origin))
-    rows = sail(boat, 1800.0, "wave_period")[600:, 0]
 
-    assert 2.0 * math.pi / rows.mean() == pytest.approx(met, rel=0.1)
+    assert np.mean(counted) == pytest.approx(met, rel=0.1)
 
 
 def test_in_a_calm_and_in_small_waves_the_law_stays_as_it_is(started: Start) -> None:

@@ -114,12 +114,13 @@ def exact(vessel: Record, k: float, chi: float, depth: float) -> np.ndarray:
     c_i, s_i = np.cos(k * x * np.cos(chi)), np.sin(k * x * np.cos(chi))
     C = swing * (A_C * c_i + A_S * s_i)
     S = swing * (A_S * c_i - A_C * s_i)
+    side = -np.sin(chi) * np.sum((m + b) * S)
     return np.array(
         [
             -np.cos(chi) * (1.0 - c["X_udot"] / displaced) * np.sum(m * S),
-            -np.sin(chi) * np.sum((m + b) * S),
+            side,
             np.sum((m + a) * C),
-            0.0,
+            -(c["K_vdot"] + c["z_b"] * displaced) * side / (displaced - c["Y_vdot"]),
             -np.sum((m + a) * x * C),
             -np.sin(chi) * np.sum((m + b) * x * S),
         ]
@@ -136,6 +137,20 @@ def test_one_wave_pushes_on_each_strip_of_bb2(make_boat: Any, k: float, chi: flo
     whole = swing * 9.7e6 * np.array([1, 1, 1, 1, 16.0, 16.0])
 
     assert np.all(abs(force_of(state, vessel) - expected) < TABLE * whole)
+
+
+def test_a_boat_that_the_water_takes_along_is_rolled_by_its_weight_alone(make_boat: Any) -> None:
+    vessel = make_boat("bb2").records.vessel
+    c = vessel[0]
+    state = one_wave(15.0, 0.5 * np.pi, sea_omega=np.sqrt(G * 1e-6))
+    force = force_of(state, vessel)
+    displaced = c["buoyancy"] / c["g"]
+    aside = force[Y] / (displaced - c["Y_vdot"])
+
+    # what is left over the boat's own acceleration is the lever of its weight under its buoyancy,
+    # since what hangs in it hangs along the water's own vertical
+    left = force[K] + (c["K_vdot"] + c["z_g"] * displaced) * aside
+    assert left == pytest.approx((c["z_g"] - c["z_b"]) * displaced * aside, rel=1e-9)
 
 
 def test_waves_shorter_than_a_fifth_of_the_hull_push_on_no_part_of_it_lengthwise() -> None:

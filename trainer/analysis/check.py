@@ -282,6 +282,7 @@ class CheckReport:
     path: str
     defaulted: tuple[str, ...]
     remarks: tuple[str, ...]
+    notes: tuple[str, ...]  # of the vessel file
     absent_but_kept: dict[str, list[str]]  # absent, and the compact set would keep them
     absent_and_dropped: dict[str, list[str]]
     asymmetries: dict[str, float]
@@ -371,6 +372,7 @@ def check_vessel(file: VesselFile) -> CheckReport:
         path=str(file.path),
         defaulted=file.defaulted,
         remarks=(*file.remarks, *torque_remarks(file.coefficients, file.hull, file.fluid)),
+        notes=file.notes,
         absent_but_kept=absent_coefficients(file, kept=True),
         absent_and_dropped=absent_coefficients(file, kept=False),
         asymmetries=asymmetries(file),

@@ -65,7 +65,7 @@ def write_envelope(file: VesselFile, vessels: Record) -> None:
     drags = np.stack([vessels["X_drdr"], vessels["X_dsds"], vessels["X_dbdb"]], axis=1)
     vessels["stall_arm"] = np.divide(arms, lifts, out=np.zeros_like(arms), where=lifts != 0.0)
     vessels["plane_drag"] = np.minimum(drags, -LEAST_INDUCED * abs(lifts))
-    vessels["stiffness"] = _stiffness(vessels)
+    vessels["stiffness"], vessels["still_mode"] = _stiffness(vessels), _still_mode(vessels)
     area = 0.5 * file.fluid.rho * length**2
     for i, row in enumerate(file.thrust.astern):
         vessels["thrust_astern"][:, i] = area * np.array([row.a, row.b, row.c])
@@ -228,6 +228,16 @@ def _stiffness(c: Record) -> Numbers:
         for way in range(2)
     ]
     return np.asarray(np.maximum.reduce([roll, *(0.5 * mode for mode in modes)]))
+
+
+def _still_mode(c: Record) -> Numbers:
+    """Return the faster of roll and pitch [rad/s] that the weight rights in a deep boat.
+
+    They are what is left of the stiffness where nothing flows past the boat.
+    """
+    righting = np.maximum(c["z_g"] * c["weight"] - c["z_b"] * c["buoyancy"], 0.0)
+    least = np.minimum(c["I_x"] + c["m44"], c["I_y"] + c["m55"])
+    return np.asarray(np.sqrt(righting / least))
 
 
 def _write_surface(file: VesselFile, c: Record) -> None:

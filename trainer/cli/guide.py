@@ -59,7 +59,7 @@ MANOEUVRE_NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load
     "meander", "overshoot", "turn", "climbing-turn", "acceleration", "utmost-acceleration",
     "trim", "impulse", "rudder-impulse", "turning-circle", "zigzag-10", "zigzag-20",
     "pull-out", "spiral", "reverse-spiral", "vertical-zigzag", "crash-stop", "backing",
-    "roll-decay", "out-of-balance", "plane-jam", "rudder-jam",
+    "roll-decay", "beam-sea", "out-of-balance", "plane-jam", "rudder-jam",
 )
 # fmt: on
 ANGLE_TYPE: Final = Number(0.0, 90.0)

@@ -39,6 +39,7 @@ from trainer.config.vessel_records import (
     Envelope,
     Fluid,
     FreeSurface,
+    HeldTerms,
     Hull,
     Propulsion,
     RunDefaults,
@@ -107,6 +108,7 @@ VESSEL_RECORDS: Mapping[str, type[Any]] = {
     "control_surfaces": Surfaces,
     "envelope": Envelope,
     "compact": CompactTerms,
+    "reduce": HeldTerms,
     "run": RunDefaults,
     "autopilot": Autopilot,
     "ballast": Ballast,
@@ -114,7 +116,7 @@ VESSEL_RECORDS: Mapping[str, type[Any]] = {
     "wave_strips": WaveStrips,
     "scope": Scope,
 }
-OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface", "wave_strips", "scope")
+OPTIONAL_TABLES = ("reduce", "autopilot", "ballast", "free_surface", "wave_strips", "scope")
 WHOLE_TABLES = ("compensation.modified", "compensation.basic")  # never filled key by key
 KNOWN_KEYS = (
     "schema",
@@ -143,6 +145,7 @@ class VesselFile:
     absent: tuple[str, ...]  # coefficients the file does not give
     compensation: Mapping[str, Mapping[str, float]]  # [-] by equation set, by coefficient
     compact: CompactTerms
+    reduce: HeldTerms | None
     run: RunDefaults
     autopilot: Autopilot | None
     ballast: Ballast | None
@@ -151,6 +154,7 @@ class VesselFile:
     scope: Scope | None
     defaulted: tuple[str, ...]  # tables, or table.key, taken from the defaults file
     remarks: tuple[str, ...]  # unusual, not wrong
+    notes: tuple[str, ...]  # what the file itself says of its boat
 
     @property
     def has_compact_set(self) -> bool:
@@ -228,8 +232,15 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         absent=absent,
         defaulted=tuple(defaulted),
         remarks=tuple(_placed(remarks, place)),
+        notes=_notes(table.get("notes")),
         **{**dict.fromkeys(OPTIONAL_TABLES), **parts},
     )
+
+
+def _notes(table: object) -> tuple[str, ...]:
+    """Return the sentences of a file's notes, which may hold anything else too."""
+    values = table.values() if isinstance(table, Mapping) else ()
+    return tuple(text for text in values if isinstance(text, str))
 
 
 def _tank_remarks(parts: Mapping[str, Any]) -> list[str]:

@@ -21,7 +21,7 @@ from trainer.config.schema import (
     required,
     within,
 )
-from trainer.core.terms import EXTRA_TERMS
+from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS
 
 ENGINE_BELLS = (
     "ahead_one_third",
@@ -258,6 +258,15 @@ class CompactTerms:
     """The terms of this hull's compact set beyond the 60 of the report."""
 
     extra_terms: tuple[str, ...] = required(Choices(EXTRA_TERMS, "more terms that are kept"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeldTerms:
+    """The terms that no search for a compact set drops or changes."""
+
+    held_terms: tuple[str, ...] = required(
+        Choices((*COMPACT_TERMS, *EXTRA_TERMS), "terms never dropped, their factor 1")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ KERNEL_FOLDERS = (  # folders that have any
     "analysis/sweep",
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
-SAME_BITS: frozenset[str] = frozenset({"054f9b31bff9d428", "0df900f689388146"})
+SAME_BITS: frozenset[str] = frozenset()
 
 
 @cache

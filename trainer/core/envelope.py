@@ -29,6 +29,7 @@ ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
     "handover_to",  # [-] beyond it the wide set is alone
     "cross_arm",  # [m2] square of the arm at which turning counts as cross flow
     "stiffness",  # [1/m] fastest mode of the boat in a flow of 1 m/s, over that speed
+    "still_mode",  # [rad/s] faster of roll and pitch of a deep boat at rest
     # ideal fluid: added masses, positive and symmetric [kg, kg m, kg m2]
     ("added", ["m11", "m22", "m33", "m44", "m55", "m66", "m24", "m26", "m35", "m46"]),
     # linear viscous forces by v p r (Y K N) and by w q (Z M), ahead and astern
@@ -76,6 +77,7 @@ ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
 )
 
 SUBSTEP_PHASE: Final = 0.25  # [rad] most of a mode's phase in a substep, at large angles
+STILL_SUBSTEP: Final = 0.15  # [rad] likewise of a deep boat's roll or pitch, hardly damped
 SURFACE_SUBSTEP: Final = 0.2  # [rad] likewise afloat
 PROVED_TURN_RATIO: Final = (
     1.5  # [-] of the fastest turns: up to there the vessel's own step is proved
@@ -133,6 +135,7 @@ def substeps(vessel: Record, h: float, afloat: int, state: Record) -> int:
     if wide_share(vessel, state) > 0.0:
         speed = math.sqrt(s.u * s.u + cross_speed_squared(vessel, state))
         phase = max(phase, h * c.stiffness * speed / SUBSTEP_PHASE)
+        phase = max(phase, h * c.still_mode / STILL_SUBSTEP)
     if afloat != 0:
         phase = max(phase, h * c.surface_mode / SURFACE_SUBSTEP)
     return math.ceil(min(phase - 1e-9, MOST_SUBSTEPS)) if phase > 1.0 else 1

@@ -6,11 +6,10 @@ energy to waves, spray and water on deck. That damping ratio is this project's e
 of a surfaced submarine is published. The local water level is that of the sea's components at the
 station.
 
-
 The share of the sail in the air feels no water. Its lift and drag across the flow, which the
 coefficients of the deep boat contain, are taken off both sets of equations alike. The lateral force
-that is left acts at half the height that is wet, as the rules for ships have it (IMO's 2008 IS
-Code, MSC.267(85), part A 3.1: a turn heels by KG - d/2). So a boat afloat heels outward.
+that is left goes through the axis of the round sections, which lies above the centre of gravity: so
+a boat afloat hangs from it like a pendulum and heels inward in a turn, by about atan(u r/g).
 """
 
 import math
@@ -172,31 +171,15 @@ def take_off(x: float, z: float, lateral: float, force: Numbers) -> None:
 
 
 @part
-def dry_height(vessel: Record, scratch: Record, state: Record) -> float:
-    """Return the height [m] of hull above the water.
-
-    It is the mean over the hull's volume.
-    """
-    c = vessel[0]
-    attitude = attitude_of(EXACT_TRIGONOMETRY, state)
-    height = 0.0
-    for i in range(c.station_x.size):
-        out = 0.5 * c.hull_diameter - axis_depth(vessel, i, attitude, scratch, state)
-        height += c.station_share[i] * min(max(out, 0.0), c.hull_diameter)
-    return height
-
-
-@part
-def take_off_dry_sail(vessel: Record, height: float, state: Record, force: Numbers) -> None:
+def take_off_dry_sail(vessel: Record, state: Record, force: Numbers) -> None:
     """Take off what the sail's share in the air no longer does, and its heel.
 
     Its lift and cross-flow drag are meant. Drift and turning heel a deep boat by its sail. What is
     left of their lateral force acts on the axis of the round sections, because pressure goes
-    through it. Where ``height`` [m] of the hull is out of the water, it acts at half the height
-    that is wet.
+    through it.
     """
     dry = dry_sail(vessel, state)
-    if dry + height == 0.0:
+    if dry == 0.0:
         return
     c, s = vessel[0], state[0]
     ahead, cross = max(s.u, 0.0), math.sqrt(s.v * s.v + s.w * s.w)
@@ -212,7 +195,7 @@ def take_off_dry_sail(vessel: Record, height: float, state: Record, force: Numbe
     take_off(c.strip_x, c.strip_z, -dry * by_roll, force)
     side += lift + drag
     heeling -= c.lift_z * lift + c.strip_z * drag
-    force[ROLLING] -= dry * (heeling + c.hull_axis * side) + 0.5 * height * side
+    force[ROLLING] -= dry * (heeling + c.hull_axis * side)
 
 
 @part
@@ -225,8 +208,6 @@ def write_near(vessel: Record, scratch: Record, state: Record) -> None:
     work = scratch[0]
     for i in range(6):
         work.near[i] = work.external[i]
-    height = 0.0
     if is_near_surface(vessel, 0.0, state):  # a sail stands out before the hull does
         add_waterplane(vessel, scratch, state, work.near)
-        height = dry_height(vessel, scratch, state)
-    take_off_dry_sail(vessel, height, state, work.near)
+    take_off_dry_sail(vessel, state, work.near)

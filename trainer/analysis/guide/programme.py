@@ -19,6 +19,7 @@ from trainer.analysis.check import round_speeds
 from trainer.analysis.manoeuvres.casualties import OutOfBalance
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
 from trainer.analysis.manoeuvres.flight import FIELD_CHOICES, Flight, Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.seakeeping import wave_number
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot, TrimChange
@@ -48,6 +49,7 @@ ONE_SPEED_MANOEUVRES: Final = (
 # fmt: on
 TWO_SIDED_MANOEUVRES: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
 SHALLOW_MANOEUVRES: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
+SEA_MANOEUVRE: Final = "beam-sea"
 SHALLOW_DEPTH_DIAMETERS: Final = (
     2.5  # [diameters] of the origin's depth there: an estimate of periscope depth
 )
@@ -153,13 +155,21 @@ class Leg:
         engine = "engine limited" if self.rig.engine == "limited" else ""
         return ", ".join(filter(None, (self.name, self.variant, speed, depth, engine)))
 
+    def method(self, file: VesselFile, equations: str) -> Method:
+        """Return how a set computes the leg: in waves as the reduced sets are computed."""
+        own = own_method(file, equations)
+        if not self.manoeuvre.in_waves:
+            return own
+        rates, integrator = SET_METHODS["modified"]
+        return replace(own, rates=rates, integrator=integrator)
+
     def task(self, file: VesselFile, equations: str) -> Task:
         """Return the flight of the leg by one equation set, at the boat's own step.
 
         A reduced set is flown beside the full one.
         """
-        beside = None if equations == "full" else own_method(file, "full")
-        method = own_method(file, equations)
+        beside = None if equations == "full" else self.method(file, "full")
+        method = self.method(file, equations)
         return Task(self.manoeuvre, self.speed_kn * KNOT, method, self.rig, beside=beside)
 
 
@@ -253,6 +263,14 @@ def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Le
             yield from (
                 replace(leg, rig=near) for leg in both_ways(name, own_speed, find_manoeuvre(name))
             )
+    if file.autopilot:  # by hand the boat would leave the waves' beam
+        yield _sea_leg(file)
+
+
+def _sea_leg(file: VesselFile) -> Leg:
+    """Return the flight in waves, as deep as their peak's length over 2 pi."""
+    rig = Rig(depth=round(1.0 / wave_number(file.hull.length), 1))
+    return Leg(SEA_MANOEUVRE, "", file.run.start_speed_kn, find_manoeuvre(SEA_MANOEUVRE), rig)
 
 
 def both_ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") -> Iterator[Leg]:

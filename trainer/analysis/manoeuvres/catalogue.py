@@ -11,6 +11,7 @@ from typing import Final
 
 from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam, RudderJam
 from trainer.analysis.manoeuvres.flight import Manoeuvre
+from trainer.analysis.manoeuvres.seakeeping import BeamSea
 from trainer.analysis.manoeuvres.speeds import Acceleration, Backing, CrashStop, UtmostAcceleration
 from trainer.analysis.manoeuvres.steadiness import PullOut, ReverseSpiral, Spiral
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
@@ -52,6 +53,7 @@ MANOEUVRES: Final[Mapping[str, Manoeuvre]] = MappingProxyType(
         "crash-stop": CrashStop(),
         "backing": Backing(),
         "roll-decay": RollDecay(),
+        "beam-sea": BeamSea(),
         # what goes wrong
         "out-of-balance": OutOfBalance(share=-0.002),
         "plane-jam": PlaneJam(),

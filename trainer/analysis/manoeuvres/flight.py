@@ -235,6 +235,8 @@ class Manoeuvre(ABC):
     The columns in ``shows`` are plotted over time, but "track" is y over x; ``angle_deg`` is the
     angle of the first control in ``needs``.
 
+    Where it is ``in_waves`` all sets are flown by one method: a step has an error of its own there.
+
     A manoeuvre with a ``side`` goes there first, and its measures are positive to that side, so
     that a boat alike on both sides has the same figures either way. A manoeuvre with a
     ``direction`` goes up or down first; pitch and depth keep their own signs, bow up and deeper.
@@ -245,6 +247,7 @@ class Manoeuvre(ABC):
     compared: ClassVar[tuple[str, ...]] = ()  # columns judged by their change of change
     shows: ClassVar[tuple[str, ...]] = ()
     from_rest: ClassVar[bool] = False
+    in_waves: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for name, known in FIELD_CHOICES.items():

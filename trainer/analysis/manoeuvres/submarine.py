@@ -27,6 +27,7 @@ from trainer.core.autopilot.steering import OWN_LAW, REPORT_LAW, REPORT_LITERAL
 from trainer.core.integrators import advance
 from trainer.core.kernel import Numbers
 from trainer.core.propulsion import answer_telegraph
+from trainer.core.sea.sea import COSINES, DIRECTION, GAMMA, HEIGHT, OMEGA, TAPER
 from trainer.core.update import lost, outside
 
 # fmt: off
@@ -68,6 +69,14 @@ class Rig:
     engine: str = "held"  # revolutions "held" whatever they take, or "limited" as the engine's are
 
 
+def _no_sea_felt(what: str) -> str:
+    """Return in words why a sea does nothing where manoeuvres begin."""
+    return (
+        f"{what}: no sea is felt {DEEP_WATER_M:g} m down, where manoeuvres begin unless told "
+        "otherwise; give a --depth"
+    )
+
+
 class _Boat(Boat):
     """A boat that also starts at rest, or in another boat's trim."""
 
@@ -100,11 +109,7 @@ class Submarine:
         if rig.sea != CALM_SEA:
             self.boat.sea = load_sea(rig.sea)
             if rig.depth is None:
-                raise ConfigError(
-                    f"--sea {rig.sea}: no sea is felt {DEEP_WATER_M:g} m down, where "
-                    "manoeuvres begin "
-                    "unless told otherwise; give a --depth"
-                )
+                raise ConfigError(_no_sea_felt(f"--sea {rig.sea}"))
         self._depth, self._seed = rig.depth, rig.seed
         self._collapsed = ""  # in the last sail
         if rig.trim == "full":
@@ -208,6 +213,21 @@ class Submarine:
         self.boat.state.weight *= 1.0 + share
         self.boat.state.held_tanks = 1.0
 
+    def meet_sea(self, height: float, period: float) -> None:
+        """Let long-crested waves run to starboard, without suction, unless a sea was asked for.
+
+        ``height`` [m] is their significant height, ``period`` [s] that of their peak. ConfigError
+        where no sea is felt.
+        """
+        if self._depth is None:
+            raise ConfigError(_no_sea_felt("these waves"))
+        if self.boat.state.sea_height > 0.0:
+            return
+        waves = np.zeros(TAPER + 1)
+        waves[[HEIGHT, OMEGA, GAMMA, COSINES]] = height, 2.0 * math.pi / period, 1.0, 1.0
+        waves[DIRECTION] = self.boat.state.psi + 0.5 * math.pi
+        self.boat.order_sea(waves, 0.0)
+
     def order(self, control: str, value: float) -> None:
         """Order a surface [rad] from neutral, or the command speed [m/s]."""
         s = self.boat.state
@@ -219,8 +239,14 @@ class Submarine:
         s[f"ordered_{letter}"] = self._neutral[control] + self.boat.toward[surface] * value
 
     def keep(self, quantity: str) -> None:
-        """Leave "depth" to both pairs of planes, or "speed" to the propeller, as now."""
+        """Leave "depth" to both pairs of planes, "course" to the rudder, "speed" to the propeller.
+
+        Each is kept as it is now.
+        """
         s = self.boat.state
+        if quantity == "course":
+            s.ordered_psi, s.rudder_by_hand = s.psi, 0.0
+            return
         if quantity == "speed":
             if self.boat.automatic:
                 self._kept_speed = float(s.u)

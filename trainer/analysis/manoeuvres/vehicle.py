@@ -98,7 +98,7 @@ class Vehicle(Protocol):
         """Order a control; it acts from the coming cycle on."""
 
     def keep(self, quantity: str) -> None:
-        """Leave "depth" or "speed" as it is now to automatic control, where there is such."""
+        """Leave "depth", "course" or "speed" as now to automatic control, where there is such."""
 
     def observe(self) -> tuple[float, ...]:
         """Return its columns as they stand."""

@@ -133,6 +133,7 @@ ENVELOPE_SOURCES: Final = {
     **_sources("-", handover_from="envelope.handover_deg", handover_to="envelope.handover_deg"),
     **_sources("m2", cross_arm="= vessel.length"),
     **_sources("1/m", stiffness="= coefficients"),
+    **_sources("rad/s", still_mode="= righting moment and inertia"),
     **{f"m{i}{i}": Source(unit, "= coefficients") for i, unit in MASS_UNITS.items()},
     **_sources("kg m", m26="= coefficients", m35="= coefficients", m24="= coefficients"),
     **_sources("kg m2", m46="= coefficients"),

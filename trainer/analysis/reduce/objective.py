@@ -11,11 +11,11 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.guide.programme import Leg, own_method
+from trainer.analysis.guide.programme import Leg
 from trainer.analysis.guide.verdicts import Judgement, judge
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.boat.assemble import body_values, thrust_rows
+from trainer.boat.assemble import Method, body_values, thrust_rows
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -38,20 +38,13 @@ CONTROL_COEFFICIENTS: Final = (
     "N_dr",
     *SLIP_TERMS,
 )
-FIXED_COEFFICIENTS: Final = ("X_dbdb", "Z_db", "M_db")
-# Those that couple roll with sway and yaw may go: by accelerations of the last cycle they drive a
-# roll that nothing else damps.
-ADDED_MASSES: Final = (
-    "X_udot",
-    "Y_vdot",
-    "Y_rdot",
-    "Z_wdot",
-    "Z_qdot",
-    "K_pdot",
-    "M_wdot",
-    "M_qdot",
-    "N_vdot",
-    "N_rdot",
+# What no flight determines: bow planes move with the stern planes alone, and added masses show in
+# waves, which push all of the mass that the hull carries along.
+FIXED_COEFFICIENTS: Final = (
+    "X_dbdb",
+    "Z_db",
+    "M_db",
+    *(term for term in COMPACT_TERMS if term.endswith("dot")),
 )
 MAX_DIFFERENCE: Final = 10.0  # [-] a difference beyond this counts as this
 
@@ -66,6 +59,11 @@ def compact_terms(file: VesselFile, equations: str) -> tuple[str, ...]:
     )
 
 
+def fixed_terms(file: VesselFile) -> frozenset[str]:
+    """Return the terms that a search leaves as they are, the file's own among them."""
+    return frozenset((*FIXED_COEFFICIENTS, *(file.reduce.held_terms if file.reduce else ())))
+
+
 class Candidate:
     """A submarine whose compact constants are the full set's times factors that can change."""
 
@@ -73,8 +71,8 @@ class Candidate:
         """Fit the boat out."""
         self.terms = compact_terms(file, equations)
         self._file = file
-        self._method = own_method(file, equations)
-        self._boats: dict[Rig, Submarine] = {}
+        self._equations = equations
+        self._boats: dict[tuple[Rig, Method], Submarine] = {}
         self._body = body_values(file)
         self._rows, self._eta = thrust_rows(file)
         self.take([1.0] * len(self.terms))
@@ -91,13 +89,12 @@ class Candidate:
 
     def fly(self, leg: Leg, beside: Flight) -> Flight:
         """Return the flight of a leg beside the full set's; ConfigError if it cannot start."""
-        if leg.rig not in self._boats:
-            boat = Submarine(self._file, self._method, leg.rig)
+        key = leg.rig, leg.method(self._file, self._equations)
+        if key not in self._boats:
+            boat = Submarine(self._file, key[1], leg.rig)
             boat.boat.records.compact[:] = self._compact
-            self._boats[leg.rig] = boat
-        return fly_manoeuvre(
-            self._boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT, beside.events
-        )
+            self._boats[key] = boat
+        return fly_manoeuvre(self._boats[key], leg.manoeuvre, leg.speed_kn * KNOT, beside.events)
 
 
 @dataclass(frozen=True)
@@ -158,10 +155,10 @@ def allowed_multiple(one: Judgement) -> float:
 
 def _fly_legs(file: VesselFile, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:
     """Yield the legs that the full set can start, with its flights."""
-    method = own_method(file, "full")
-    boats = {rig: Submarine(file, method, rig) for rig in {leg.rig for leg in legs}}
+    keys = {leg: (leg.method(file, "full"), leg.rig) for leg in legs}
+    boats = {key: Submarine(file, *key) for key in set(keys.values())}
     for leg in legs:
         try:
-            yield leg, fly_manoeuvre(boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT)
+            yield leg, fly_manoeuvre(boats[keys[leg]], leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             continue

@@ -7,7 +7,7 @@ legs that neither has seen, because a set that only fits what it was fitted to i
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Final
 
@@ -164,16 +164,23 @@ def leg_speeds(file: VesselFile) -> tuple[float, ...]:
     return tuple(float(u) for u in np.linspace(max(low, top / 4.0), top, 4))
 
 
-def turn_legs(file: VesselFile, angles: int = JUDGED_ANGLES) -> tuple[Leg, ...]:
-    """Return steady turns to both sides, where the engine is limited by held revolutions too.
+def turn_legs(file: VesselFile) -> tuple[Leg, ...]:
+    """Return steady turns to both sides, at four speeds and by six angles.
 
-    They have four speeds by so many angles up to the largest.
+    Where the engine is limited they are turned by held revolutions too.
     """
+    return _turns_at(file, leg_speeds(file))
+
+
+def _turns_at(
+    file: VesselFile, speeds: Sequence[float], angles: int = JUDGED_ANGLES
+) -> tuple[Leg, ...]:
+    """Return steady turns to both sides at ``speeds`` [kn] by so many angles."""
     most = min(MAX_RUDDER_DEG, file.surfaces.rudder_limit_deg)
     return tuple(
         replace(leg, rig=rig)
         for rig in turn_rigs(file)
-        for speed in leg_speeds(file)
+        for speed in speeds
         for angle in (most * i / angles for i in range(1, angles + 1))
         for leg in _ways("turn", f"rudder {angle:.3g} deg", speed, Turn(angle_deg=angle), file)
     )
@@ -182,11 +189,20 @@ def turn_legs(file: VesselFile, angles: int = JUDGED_ANGLES) -> tuple[Leg, ...]:
 def _fitted_turns(file: VesselFile) -> tuple[Leg, ...]:
     """Return every second angle of the steady turns, by a limited engine at the faster speeds.
 
-    At the slower ones no turn comes to the engine's limit.
+    At the slower ones no turn comes to the engine's limit. At the guide's low speed every angle is
+    fitted: there the planes' work in a turn goes up and down between two of them.
     """
     fast = leg_speeds(file)[2:]
-    turns = turn_legs(file, JUDGED_ANGLES // 2)
-    return tuple(leg for leg in turns if leg.rig == OWN_RIG or leg.speed_kn in fast)
+    turns = _turns_at(file, leg_speeds(file), JUDGED_ANGLES // 2)
+    own = (leg for leg in turns if leg.rig == OWN_RIG or leg.speed_kn in fast)
+    slow = (leg for leg in _turns_at(file, (_low_speed(file),)) if leg.rig == OWN_RIG)
+    return tuple(dict.fromkeys((*own, *slow)))
+
+
+def _low_speed(file: VesselFile) -> float:
+    """Return the guide's low speed [kn]: the second of its round ones."""
+    speeds = round_speeds(*file.run.speed_range_kn)
+    return speeds[min(1, len(speeds) - 1)]
 
 
 def fit_legs(file: VesselFile) -> tuple[Leg, ...]:
@@ -216,8 +232,7 @@ def _weaves(file: VesselFile) -> Iterator[Leg]:
 def _upright(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs besides turns and weaves, angles not yet within the boat's limits."""
     own_speed, third, top = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[3]
-    rounds = round_speeds(*file.run.speed_range_kn)
-    slow = rounds[min(1, len(rounds) - 1)]
+    rounds, slow = round_speeds(*file.run.speed_range_kn), _low_speed(file)
     for speed in sorted({slow, own_speed, third, top}):
         yield from _ways("meander", "", speed, Meander(), file)
     for speed in (slow, top):
@@ -262,8 +277,7 @@ def legs_of_guide(file: VesselFile) -> tuple[Leg, ...]:
 def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that neither fit nor choice see: zig-zags, climbing turns, casualties."""
     own_speed, third, second = file.run.start_speed_kn, leg_speeds(file)[2], leg_speeds(file)[1]
-    rounds = round_speeds(*file.run.speed_range_kn)
-    slow = rounds[min(1, len(rounds) - 1)]
+    rounds, slow = round_speeds(*file.run.speed_range_kn), _low_speed(file)
     between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own_speed)
     jams = 0.5 * (own_speed + third), third
     heavy, light = (

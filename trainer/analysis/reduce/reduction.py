@@ -21,12 +21,11 @@ from trainer.analysis.guide.programme import Leg
 from trainer.analysis.guide.reasons import DropEffect
 from trainer.analysis.reduce.candidates import CandidatePool
 from trainer.analysis.reduce.objective import (
-    ADDED_MASSES,
     CONTROL_COEFFICIENTS,
-    FIXED_COEFFICIENTS,
     Candidate,
     Yardstick,
     compact_terms,
+    fixed_terms,
 )
 from trainer.analysis.reduce.programme import fastest_legs, fit_legs
 from trainer.analysis.reduce.search import (
@@ -216,17 +215,16 @@ def search(
     A ``quick`` search keeps a term whose loss takes long to make up for.
 
     The first search does not fly at the boat's top speed. If its set is astray there, a second
-    search fits flights at that speed too and keeps each direction's own added mass. It has a firmer
-    leash, if the flights can be met with one. ``step`` is called with the number of terms decided,
-    which may reach MAX_SEARCHES times the number of terms.
+    search fits flights at that speed too. It has a firmer leash, if the flights can be met with
+    one. ``step`` is called with the number of terms decided, which may reach MAX_SEARCHES times the
+    number of terms.
     """
     log, fast = SearchLog(file, partial), fastest_legs(file)
-    aim = SearchAim(fit_legs(file), SLACKEST_LEASH, CONTROL_COEFFICIENTS, quick)
+    stays = frozenset(CONTROL_COEFFICIENTS) | fixed_terms(file)
+    aim = SearchAim(fit_legs(file), SLACKEST_LEASH, stays, quick)
     standing, modified = _run_search(file, aim, cores, log, step)
     if largest_difference(file, fast, modified) > ASTRAY_RATIO:
-        aim = SearchAim(
-            (*aim.legs, *fast), FIRM_LEASH, (*CONTROL_COEFFICIENTS, *ADDED_MASSES), quick
-        )
+        aim = SearchAim((*aim.legs, *fast), FIRM_LEASH, stays, quick)
         standing, modified = _run_search(file, aim, cores, log, step)
     basic = _basic(file, aim, cores, modified, standing.leash)
     return SearchResult({"modified": modified, "basic": basic}, standing.needed)
@@ -266,7 +264,8 @@ def _basic(
     names = compact_terms(file, "basic")
     start = np.array([modified[name] for name in names])
     with CandidatePool(file.path, "basic", aim.legs, cores) as pool:
-        free = [i for i, name in enumerate(names) if start[i] and name not in FIXED_COEFFICIENTS]
+        fixed = fixed_terms(file)
+        free = [i for i, name in enumerate(names) if start[i] and name not in fixed]
         here = SearchPoint(start, pool.differences([start])[0])
         for _ in range(QUICK_ROUNDS if aim.quick else BASIC_ROUNDS):
             table = pool.slopes(here.factors, free, here.differences)

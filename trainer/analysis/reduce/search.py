@@ -19,7 +19,7 @@ import numpy as np
 
 from trainer.analysis.guide.programme import Leg
 from trainer.analysis.reduce.candidates import CandidatePool
-from trainer.analysis.reduce.objective import FIXED_COEFFICIENTS, Candidate, Yardstick
+from trainer.analysis.reduce.objective import Candidate, Yardstick, fixed_terms
 from trainer.analysis.reduce.programme import legs_of_guide
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -189,7 +189,7 @@ class SearchAim(NamedTuple):
 
     legs: tuple[Leg, ...]
     leash: float  # [-] as in Slopes, to begin with
-    stays: tuple[str, ...]  # terms that are not dropped
+    stays: frozenset[str]  # terms that are not dropped
     quick: bool = False  # whether a term is kept whose loss takes long to make up for
 
 
@@ -203,6 +203,7 @@ class Search:
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
         self._pool, self._aim = pool, aim
+        self._fixed = fixed_terms(file)
         self._proven = np.empty(0), np.empty(0)  # factors, and their differences in the guide
         self._proof = Yardstick(file, legs_of_guide(file))
         self._rows = Yardstick(file, pool.legs).rows
@@ -246,7 +247,7 @@ class Search:
 
     def _free(self, kept: Sequence[int]) -> list[int]:
         """Return the places of the factors that may change."""
-        return [i for i in kept if self.terms[i] not in FIXED_COEFFICIENTS]
+        return [i for i in kept if self.terms[i] not in self._fixed]
 
     def _slopes(self, here: SearchPoint, kept: Sequence[int], leash: float) -> Slopes:
         """Return the slopes at a point."""

@@ -85,7 +85,7 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
     if slot_of(AUTOPILOT_FAILED, state) >= 0:
         hold_commands(gains, state)
         return
-    sense_waves(h, state)
+    sense_waves(vessel, h, gains, state)
     keep_planes(vessel, h, gains, state)
     keep_course(vessel, h, gains, state)
     fade(vessel, h, state)

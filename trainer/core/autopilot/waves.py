@@ -8,8 +8,9 @@ integral, passes two notches at 0.8 and 1.25 of the frequency met,
     N(s) = (s^2 + 0.2 w s + w^2)/(s^2 + 0.8 w s + w^2),    bilinear, c = tan(w h/2).
 
 The nearer that frequency is to the loop's own, w_c = |M_ds| u^2 |K_q|/(I_y - M_qdot), the softer is
-the law. Laws, gains and times are this project's own, flown on BB2; the times and the threshold are
-estimates. docs/autopilot.md has what they reach, and what failed.
+the law; from LEAST_RATIO down it is that of a calm. Laws, gains and times are this project's own,
+flown on BB2; the times and the threshold are estimates. docs/autopilot.md has what they reach, and
+what failed.
 """
 
 from typing import Final
@@ -35,6 +36,7 @@ FREQUENCY_LIMITS: Final = (2.0, 1.2)
 SOFT_GAINS: Final = (1.0, 0.7, 0.5)  # [-] on depth, its rate and pitch
 PITCH_RATE_GAINS: Final = (1.0, 0.85, 0.7)  # [-] on the pitch rate
 INTEGRAL_GAINS: Final = (1.5, 0.7, 0.5)  # [-] on the integral
+LEAST_RATIO: Final = 1.1  # [-] frequency met over the loop's own, up to which nothing is changed
 LIMIT_BLEND: Final = 0.1  # [-] of a limit, either way, over which the gains change
 
 
@@ -67,26 +69,6 @@ def are_felt(state: Record) -> bool:
 
 
 @part
-def sense_waves(h: float, state: Record) -> None:
-    """Follow for ``h`` [s] what the depth rate shows of waves.
-
-    In a calm there is nothing to follow.
-    """
-    s = state[0]
-    if s.sea_height == 0.0 and s.wave_share == 0.0:
-        s.wave_count = s.wave_power = 0.0
-        return
-    s.wave_slow += h * SLOW_FREQUENCY / (1.0 + h * SLOW_FREQUENCY) * (s.zdot - s.wave_slow)
-    band = s.zdot - s.wave_slow
-    count(h, band, state)
-    s.wave_band = band
-    s.wave_power += h / (WAVE_MEMORY_S + h) * (band * band - s.wave_power)
-    there = are_felt(state) and are_counted(state)
-    step = h / FADE_TIME_S if there else -h / FADE_TIME_S
-    s.wave_share = min(max(s.wave_share + step, 0.0), 1.0)
-
-
-@part
 def frequency_met(state: Record) -> float:
     """Return the frequency [rad/s] at which the boat meets waves, as counted."""
     return 6.283185307179586 / state[0].wave_period
@@ -113,6 +95,28 @@ def frequency_ratio(vessel: Record, gains: Numbers, state: Record) -> float:
     s = state[0]
     pace = abs(c.M_ds) * s.u * s.u * abs(gains[STERN_GAINS + PITCH_RATE_GAIN]) / (c.I_y - c.M_qdot)
     return frequency_met(state) / max(pace, 1e-6)
+
+
+@part
+def sense_waves(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+    """Follow for ``h`` [s] what the depth rate shows of waves.
+
+    In a calm there is nothing to follow. Where the loop itself is as fast as the waves it is left
+    as it is: softened about its own frequency it would swing by itself, and take that for waves.
+    """
+    s = state[0]
+    if s.sea_height == 0.0 and s.wave_share == 0.0:
+        s.wave_count = s.wave_power = 0.0
+        return
+    s.wave_slow += h * SLOW_FREQUENCY / (1.0 + h * SLOW_FREQUENCY) * (s.zdot - s.wave_slow)
+    band = s.zdot - s.wave_slow
+    count(h, band, state)
+    s.wave_band = band
+    s.wave_power += h / (WAVE_MEMORY_S + h) * (band * band - s.wave_power)
+    there = are_felt(state) and are_counted(state)
+    there = there and frequency_ratio(vessel, gains, state) > LEAST_RATIO
+    step = h / FADE_TIME_S if there else -h / FADE_TIME_S
+    s.wave_share = min(max(s.wave_share + step, 0.0), 1.0)
 
 
 @kernel

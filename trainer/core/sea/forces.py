@@ -11,11 +11,13 @@ cos chi):
     C_i = E a (cos A c_i + sin A s_i)               S_i = E a (sin A c_i - cos A s_i)
     X = -cos chi sum (m_i + x_i) S_i                Z = sum (m_i + a_i) C_i
     Y = -sin chi sum (m_i + b_i) S_i                M = -sum (m_i + a_i) x_i C_i
-    N = -sin chi sum (m_i + b_i) x_i S_i
+    N = -sin chi sum (m_i + b_i) x_i S_i               K = -(K_vdot + z_B B/g) a_y
 
 m_i are shares of B/g, and those of -X_udot lie as they do; a_i are of -Z_wdot, b_i of -Y_vdot.
 Their sums are tabulated over k cos chi. Seven strips stand for the hull in waves down to a quarter
 of its length. In shorter waves the rest of the sums, some 3 %, fades to zero at a fifth of it.
+a_y is the water's mean acceleration to starboard, Y/(B/g - Y_vdot). The boat's own acceleration
+has the moment K_vdot: without K the water would roll a boat that it only carries along.
 
 The hull's lift ahead feels the water's own vertical speed, w_o = E a sin A/omega downwards:
 
@@ -51,6 +53,7 @@ from trainer.core.state import (
     LATERAL,
     NORMAL,
     PITCHING,
+    ROLLING,
     SEA_COMPONENTS,
     STRIP_COUNT,
     STRIP_ROWS,
@@ -364,6 +367,9 @@ def push(vessel: Record, scratch: Record, left: float, state: Record, force: Num
     )
     force[PITCHING] -= c.M_w * flow
     force[YAWING] += displaced * c.ell * work.pull[YAW] - arm * c.Y_vdot * work.pull[YAW_ADDED]
+    mass = c.buoyancy / c.g
+    aside = mass * work.pull[SWAY] - c.Y_vdot * work.pull[SWAY_ADDED]
+    force[ROLLING] -= left * (c.K_vdot + c.z_b * mass) * aside / (mass - c.Y_vdot)
 
 
 @part
