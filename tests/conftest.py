@@ -52,6 +52,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
+    gc.enable()  # the workers collect, and not this process
     core = started("helpers.core")
     if session.config.option.markexpr in NEEDING_THE_CORE_ALONE:
         assert_done(core)
