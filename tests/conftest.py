@@ -1,5 +1,6 @@
 """Boats for the tests."""
 
+import gc
 import math
 import os
 import signal
@@ -31,6 +32,14 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 # pytest-xdist's workers ignore Ctrl-C, and so would all that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+gc.disable()  # what is imported and collected is no garbage, and nothing looks through it for some
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    """Let garbage be looked for in what the tests make, and in nothing else."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
@@ -43,6 +52,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
+    gc.enable()  # the workers collect, and not this process
     core = started("helpers.core")
     if session.config.option.markexpr in NEEDING_THE_CORE_ALONE:
         assert_done(core)

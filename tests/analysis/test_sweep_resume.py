@@ -45,13 +45,13 @@ relative = true
 
 
 HOLDER = """
-import sys, time
+import sys, threading
 from pathlib import Path
 from trainer.analysis.sweep.chunks import writing_alone
 
 with writing_alone(Path(sys.argv[1])):
     print("holds it", flush=True)
-    time.sleep(600)
+    threading.Event().wait()
 """
 
 

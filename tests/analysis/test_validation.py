@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from scipy import stats
 
 from trainer.analysis import validation
 from trainer.analysis.exercise_page import plan_exercise
@@ -79,6 +78,8 @@ def typed(*words: str) -> Result:
 @pytest.mark.parametrize("seed", range(5))
 def test_the_rank_correlation_is_spearman_s_with_ties(seed: int) -> None:
     rows = np.random.default_rng(seed).integers(0, 6, (2, 40)).astype(float)
+    from scipy import stats  # noqa: PLC0415  half a second of every collection
+
     expected = stats.spearmanr(*rows).statistic
     assert rank_correlation(list(rows[0]), list(rows[1])) == pytest.approx(expected, abs=1e-12)
 

@@ -106,7 +106,7 @@ def test_every_number_on_a_panel_is_one_that_is_there_whatever_its_size(role: st
     for draw in drawings(LAYOUTS[role]):
         whole = set().union(*(figures(draw(model, WIDEST, rows)) for rows in (1, 7, 24)))
         known = whole | set(allowed(model))
-        for width in range(8, 251):
+        for width in (*range(8, 101), *range(101, 251, 7)):  # little is cut where there is room
             for height in (5, 12):  # with small numbers, and with large ones
                 lines = [fit(each, width) for each in draw(model, width, height)]
                 assert all(length(each) == width for each in lines)

@@ -364,7 +364,7 @@ def test_what_a_session_fails_of_as_it_begins_is_told_once_the_screen_is_gone(
 
 
 ENDLESS = """
-import sys, time
+import sys, threading
 from trainer.io import paths
 from trainer.cli.main import leave_with
 from trainer.console.own_session import sail
@@ -372,7 +372,7 @@ import click
 
 def serve(where):
     print(paths.MAKING_READY, "a boat that never is", file=sys.stderr, flush=True)
-    time.sleep(60)
+    threading.Event().wait()
 
 try:
     sail(serve, sys.argv[1], None)

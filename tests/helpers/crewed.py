@@ -123,7 +123,7 @@ class Crewed:
         reasons = (f"branch {branch}: 42",)
         return replace(MARKS, reasons=reasons, uncounted=("Stern jam answered",))
 
-    def _write(self, path: Path, branch: int) -> Path:
+    def _write(self, path: Path, branch: int, _closing: threading.Event) -> Path:
         return path.with_suffix(f".branch{branch}.html")
 
     def comes(self, role: str) -> Typist:

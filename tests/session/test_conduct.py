@@ -4,18 +4,21 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.crewed import PLACE, Crewed, Typist
 
+from trainer.cli.run import debriefing
 from trainer.config.derived import ALL_QUANTITIES, Condition
 from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.session.alarm import Alarm
+from trainer.session.aside import CLOSE_MARGIN_S, written_aside
 from trainer.session.exercise import (
     DebriefSource,
     ExerciseEnd,
@@ -298,32 +301,56 @@ def test_a_debrief_is_written_beside_the_session_which_says_where(
     assert path.endswith(".branch1.html")
 
 
-def test_one_debrief_is_written_at_a_time_and_marks_wait_for_it(
+def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(
     crewed: Callable[..., Crewed],
 ) -> None:
     """Twenty at once took 425 MB, and answers came after seconds."""
     ship = crewed(seconds=5.0)
-    may_write, judged_after = threading.Event(), []
+    may_write = threading.Event()
 
-    def write(path: Path, branch: int) -> Path:
+    def write(path: Path, branch: int, closing: threading.Event) -> Path:
         assert may_write.wait(60.0)
-        return ship._write(path, branch)  # noqa: SLF001
+        return ship._write(path, branch, closing)  # noqa: SLF001
 
-    def judge(path: Path, branch: int) -> Judgement:
-        judged_after.append(may_write.is_set())
-        return ship._judge(path, branch)  # noqa: SLF001
-
-    ship.conduct.debriefing = DebriefSource(judge, write)
+    ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
     assert "branch 1" in ship.order("debrief")
     assert "one is being written" in ship.refused("debrief")
     ship.order("run")
     ship.fly(20)
+    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
     assert "one is being written" in ship.refused("debrief")
     may_write.set()
     ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
-    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
-    assert judged_after == [True]
     assert "branch 1" in ship.order("debrief")  # and another may be asked for
+
+
+@pytest.mark.process
+def test_one_debrief_is_a_process_whose_failure_is_told_in_a_line(
+    crewed: Callable[..., Crewed], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(RuntimeError, match=r"no\.trainer.*No such file"):  # of the process
+        debriefing().write(Path("no.trainer"), 1, threading.Event())
+    ship = crewed(seconds=None)
+    for program, told in (
+        ("import sys; print('working', file=sys.stderr); sys.exit('no room')", "no room"),
+        ("import os; os._exit(3)", "its process has ended with 3"),
+        ("import threading; threading.Event().wait()", "the session ended before it was written"),
+    ):
+
+        def write(_path: Path, _branch: int, closing: threading.Event, it: str = program) -> Path:
+            return written_aside(("-c", it), closing)
+
+        ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
+        ship.order("debrief")
+        if "threading" in program:
+            monkeypatch.setattr("trainer.session.aside.CLOSE_TIMEOUT_S", CLOSE_MARGIN_S)
+            ship.conduct.work.finish()
+        ship.settle(partial(is_told, ship, f"no debrief: {told}"))
+
+
+def is_told(ship: Crewed, news: str) -> bool:
+    """Return whether the instructor has been told something of the exercise."""
+    return news in ship.events(ship.instructor, "exercise")
 
 
 def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Callable[..., Crewed]) -> None:

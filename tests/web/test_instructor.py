@@ -409,8 +409,7 @@ def test_looking_back_moves_all_charts_the_track_and_the_log(
     expect(log).not_to_contain_text("mark: early")
 
 
-@pytest.mark.parametrize("way", ["mouse", "keyboard"])
-def test_a_key_steps_from_cause_to_cause(serve: Serve, look: Look, way: str) -> None:
+def test_a_key_and_a_button_step_from_cause_to_cause(serve: Serve, look: Look) -> None:
     session = serve("stern-plane-jam")
     caller = session.attach()
     fly(caller, 80.0)
@@ -422,24 +421,25 @@ def test_a_key_steps_from_cause_to_cause(serve: Serve, look: Look, way: str) -> 
     drawn(page, now)
     causes = ["casualty: stern-hard-over", "first order: bow planes rise 2", "limit: pitch more"]
 
-    def step_on(*, later: bool) -> None:
-        if way == "keyboard":
-            page.keyboard.press("c" if later else "Shift+C")
-        else:
-            page.locator(f"[data-deed={'next' if later else 'before'}]").click()
+    def by_key(*, later: bool) -> None:
+        page.keyboard.press("c" if later else "Shift+C")
 
-    for cause in causes:
+    def by_mouse(*, later: bool) -> None:
+        page.locator(f"[data-deed={'next' if later else 'before'}]").click()
+
+    for step_on in (by_mouse, by_key):
+        for cause in causes:
+            step_on(later=True)
+            expect(says).to_contain_text(cause)
+        expect(when).to_contain_text("as it was at")
+        for cause in reversed(causes[:2]):
+            step_on(later=False)
+            expect(says).to_contain_text(cause)
+        for _ in causes:
+            step_on(later=True)
+        expect(says).to_contain_text("limit: deeper than 140 m")
         step_on(later=True)
-        expect(says).to_contain_text(cause)
-    expect(when).to_contain_text("as it was at")
-    for cause in reversed(causes[:2]):
-        step_on(later=False)
-        expect(says).to_contain_text(cause)
-    for _ in causes:
-        step_on(later=True)
-    expect(says).to_contain_text("limit: deeper than 140 m")
-    step_on(later=True)
-    expect(when).to_have_text("truth")
+        expect(when).to_have_text("truth")
 
 
 @pytest.mark.parametrize("back", ["again", "backtrack 80 s"])

@@ -36,10 +36,13 @@ from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.options import RunOptions
 
 if TYPE_CHECKING:
+    import threading
+
     from trainer.session.exercise import DebriefSource
 from trainer.cli.web import require_pages
 
 Begin = Callable[[RunOptions], NoReturn]
+PAGE_WORDS = ("-X", "utf8", "-m", "trainer", "debrief")  # its answer is a path, in any script
 STATION_ROLES = (
     "instructor",
     "helm",
@@ -201,7 +204,7 @@ def take_to_sea(options: RunOptions) -> NoReturn:
 
 
 def debriefing() -> "DebriefSource":
-    """Return the functions that judge a recording and write its debrief.
+    """Return the functions that judge a recording and have its debrief written.
 
     A session calls them. It gets them from here, because its layer must not import the debrief.
     """
@@ -232,11 +235,11 @@ def debriefing() -> "DebriefSource":
         outcome = card.verdict.outcome
         return Judgement(outcome, card.total, tuple(lines), uncounted, tuple(times), debrief.aids)
 
-    def write(path: Path, branch: int) -> Path:
-        from trainer.debrief.page import DebriefRequest, debrief_file, default_page_path
+    def write(path: Path, branch: int, closing: "threading.Event") -> Path:
+        from trainer.session.aside import written_aside
 
-        debrief_file(path, None, None, DebriefRequest(branch))
-        return default_page_path(path, branch)
+        whole = (*PAGE_WORDS, str(path.absolute()), "--branch", str(branch))
+        return written_aside(whole, closing)
 
     return DebriefSource(
         judge, write, ("-m", "trainer.debrief.evaluator"), ("-m", "trainer.debrief.progress")

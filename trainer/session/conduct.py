@@ -2,8 +2,9 @@
 
 The session calls ``look`` and ``judge_hull`` after each tick, which end the exercise or freeze time
 where its rules say so. At the end time stands still at all stations, and the marks are made in a
-thread, because judging a recording takes seconds. The instructor gets them first, and releases them
-to the crew. The gates of ``dispatch`` ask here whether an order is barred.
+thread, because judging a recording takes seconds, and a debrief is written in a process of its own.
+The instructor gets the marks first, and releases them to the crew. The gates of ``dispatch`` ask
+here whether an order is barred.
 """
 
 # long: the end, its marks and its debrief are one state, and each order reads a part of it
@@ -23,10 +24,10 @@ from trainer.config.course import course, lessons
 from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.aids import Aids
+from trainer.session.aside import await_end, begin_aside
 from trainer.session.chair import Chair
 from trainer.session.command import Command
 from trainer.session.control import PRESENT_MOMENT, Control
-from trainer.session.evaluation import begin_aside
 from trainer.session.event_log import EventLog, Rank
 from trainer.session.exercise import (
     EXERCISE_OVER,
@@ -53,7 +54,6 @@ from trainer.session.step_guide import StepGuide
 
 ResultT = TypeVar("ResultT")
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too
-PROGRESS_PERIOD_S: Final = 0.2  # [s] between looks whether a trainee's progress is kept
 # roles that are not counted when the crew is asked whether it is ready
 NOT_CREW: Final = (INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE)
 
@@ -97,7 +97,7 @@ class Conduct:
         self.ground = GroundMonitor(history.boat)
         self.past = PastReader(history.boat, self.work, self.log)
         self._remembered: tuple[int, int] | None = None  # branch and tick
-        self._pen = threading.Lock()  # held while a debrief is written, or waits to be
+        self._pen = threading.Lock()  # held while a debrief is written
         self._dossier = threading.Lock()  # held by who judges a recording: it takes 20 MB
         self._quitting: tuple[Station | None, float] = None, 0.0  # who said quit, and when [s]
 
@@ -300,8 +300,7 @@ class Conduct:
 
         def hear() -> str:
             process = begin_aside(whole)
-            while process.poll() is None and not self.work.closing.wait(PROGRESS_PERIOD_S):
-                pass  # a session that ends leaves it to itself
+            await_end(process, self.work.closing)  # a session that ends leaves it to itself
             return process.communicate()[0].decode().strip() if process.poll() is not None else ""
 
         def tell(text: str) -> None:
@@ -402,8 +401,7 @@ class Conduct:
 
         def write_alone() -> Path:
             try:
-                with self._dossier:
-                    return write(recording_path, branch)
+                return write(recording_path, branch, self.work.closing)
             finally:
                 self._pen.release()
 

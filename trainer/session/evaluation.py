@@ -9,9 +9,7 @@ been answered takes its place, and is counted. Without a recording there is no e
 import base64
 import contextlib
 import json
-import os
 import subprocess
-import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +22,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
+from trainer.session.aside import begin_aside
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
@@ -34,7 +33,6 @@ from trainer.session.stations.station import Fact, Request
 MOMENT_PERIOD_S: Final = 10.0  # [s] of exercise time from moment to moment
 TOLD_FALL_MARKS: Final = 10.0  # [%] of marks from which a fall is told in words
 MAX_STARTS: Final = 3  # of a process that dies
-LOWEST_NICENESS: Final = 19
 
 
 def why_unfit(plan: Plan) -> str:
@@ -56,32 +54,12 @@ class Question:
     asked: Request | None = None
 
 
-def begin_aside(words: Sequence[str], *, hears: bool = False) -> subprocess.Popen[bytes]:
-    """Begin a process of this program that gives way to everything else; OSError.
-
-    It would else inherit a session's real-time priority. It outlives the session if need be.
-    """
-    process = subprocess.Popen(  # noqa: S603  our own program
-        [sys.executable, "-P", *words],
-        stdin=subprocess.PIPE if hears else subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    with contextlib.suppress(OSError):
-        if sys.platform == "linux":
-            os.sched_setscheduler(process.pid, os.SCHED_OTHER, os.sched_param(0))
-        if hasattr(os, "setpriority"):
-            os.setpriority(os.PRIO_PROCESS, process.pid, LOWEST_NICENESS)
-    return process
-
-
 class EvaluatorProcess:
     """The process that answers. It gives way to everything else on the machine."""
 
     def __init__(self, words: Sequence[str]) -> None:
         """Start it; OSError where the system has no room for it."""
-        self._process = begin_aside(words, hears=True)
+        self._process = begin_aside(words, stdin=subprocess.PIPE)
 
     def ask(self, question: Question) -> Mapping[str, Any] | None:
         """Return the answer, however long it takes; None if the process has ended."""

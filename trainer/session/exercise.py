@@ -71,14 +71,14 @@ class Judgement:
 
 @dataclass(frozen=True)
 class DebriefSource:
-    """Two functions: one judges a branch of a recording, one writes its debrief.
+    """Two functions: one judges a branch of a recording, one has its debrief written.
 
     They raise RuntimeError with the reason if they cannot. Threads of their own call them, because
-    both may take long.
+    both may take long. The event tells that the session ends.
     """
 
     judge: Callable[[Path, int], Judgement]
-    write: Callable[[Path, int], Path]  # returns the file written
+    write: Callable[[Path, int, threading.Event], Path]  # returns the file written
     evaluator: Sequence[str] = ()  # the command of a process, before the recording
     progress: Sequence[str] = ()  # the same, before recording, branch, and how it ended
 
