@@ -43,7 +43,7 @@ class ExerciseChoice(Choice):
         """Return the dialog."""
         shown = self.shown
         place = min(self.place, max(len(shown) - 1, 0))
-        room = max(height - HEAD_ROWS - BRIEFING_ROWS - 2, 1)
+        room = max(height - HEAD_ROWS - BRIEFING_ROWS - 1 - len(self.advice), 1)
         first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
         self._first, self._rows = first, room
         rows = [
@@ -128,7 +128,11 @@ def exercise_choice(
         for each in offered
     ]
     rows = [*lessons, *rows] if trains else [*rows, *lessons]
-    advice = ("Press Up or Down, or type part of a title or name; Enter begins, Esc leaves",)
+    advice: tuple[str, ...] = (
+        "Press Up or Down, or type part of a title or name; Enter begins, Esc leaves",
+    )
+    if progress is None:
+        advice += ("What is done, with which marks, is kept by: trainer run --trainee NAME",)
     choice = ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
     following = progress.following(offered) if progress else None
     if progress and following:

@@ -45,6 +45,10 @@ INSTRUCTOR_HELP: Final = (
         "  6  F9 marks this moment with a remark. F10, then Q, ends the run. The last lines name "
         "the recording;  trainer debrief FILE  makes a page from it."
     ),
+    (
+        "  7  To train alone, type `role trainee`: you work the whole boat, and see nothing that "
+        "is to be found out. `role instructor` comes back here."
+    ),
 )
 STATION_HELP: Final = (
     (

@@ -50,7 +50,7 @@ from trainer.session.rerun.request import open_log
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.past import recalled_past
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE
 from trainer.session.stations.station import Fact, NoReception
 from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster
 from trainer.session.stations.view import StateReader
@@ -339,7 +339,8 @@ def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:
         session.event_log.stations.append(ports.console_line(options.url, baud))
     elif not options.headless:
         quick = keeps_no_time(options)
-        session.event_log.stations.append(ports.terminal(unhurried=quick))
+        role = (TRAINEE_ROLE if options.train else INSTRUCTOR_ROLE).name
+        session.event_log.stations.append(ports.terminal(role, unhurried=quick))
     if options.nmea or options.nmea_record is not None:
         from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
 

@@ -50,6 +50,7 @@ MEANT_ORDERS = {
     **dict.fromkeys(("wave", "waves", "wind", "weather", "swell"), "sea"),
     **dict.fromkeys(("deeper", "shallower", "up", "down", "descend", "ascend", "goto"), "depth"),
     **dict.fromkeys(("faster", "slower", "knots"), "speed"),
+    **dict.fromkeys(("left", "right", "port", "starboard"), "rudder or course"),
     **dict.fromkeys(("throttle", "engine", "engines", "propeller"), "bell"),
     **dict.fromkeys(("where", "show", "state"), "status"),
 }
