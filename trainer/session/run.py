@@ -249,7 +249,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         stack.callback(publisher.close, PORT_TIMEOUT_S)  # also where a port cannot be opened
         here = situation(plan, boat)
         introduction = Introduction(
-            (*briefing.heading(INSTRUCTOR_ROLE), *here),
+            (*briefing.heading(INSTRUCTOR_ROLE), *here, method_line(boat)),
             (*briefing.heading(STRANGER_ROLE), *here),
             briefing,
         )
@@ -404,12 +404,14 @@ def situation(plan: Plan, boat: Boat) -> tuple[str, ...]:
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (
         boat.file.name,
-        (
-            f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "
-            f"{boat.method.equations} set, step {boat.method.step:g} s{sea}"
-        ),
+        f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}{sea}",
         *filter(None, (plan.note,)),
     )
+
+
+def method_line(boat: Boat) -> str:
+    """Return how the boat is computed, for the instructor."""
+    return f"computed by the {boat.method.equations} set, step {boat.method.step:g} s"
 
 
 @contextlib.contextmanager
