@@ -223,7 +223,7 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
     assert (b"I instruct" in shown) == asks
 
 
-def test_a_trainee_is_offered_the_first_that_is_not_passed() -> None:
+def test_a_trainee_is_offered_what_is_weakest_and_told_why() -> None:
     run = ProgressRun("a", 1, "depth-gauge-failure", "t", "2026", 60.0, Outcome.WON, 88.0)
     begun = ProgressRun("b", 1, "first-depth-change", "t", "2026", 60.0, Outcome.LOST, 12.0)
     progress = Progress("Ann", (run, begun))
@@ -233,6 +233,7 @@ def test_a_trainee_is_offered_the_first_that_is_not_passed() -> None:
     text = plain(choice.draw(76, 22))
     assert re.search(r"   88  Periscope watch", text)
     assert re.search(r">    12  Depth, first steps", text)
+    assert "Next: 12 marks today. Depth changes, by hand." in text
     alone = exercise_choice(OFFERED, trains=True)
     assert "88" not in plain(alone.draw(76, 22))
     assert "trainer run --trainee NAME" in plain(alone.draw(76, 22))
