@@ -219,6 +219,7 @@ def debriefing() -> "DebriefSource":
 
     def judge(path: Path, branch: int) -> Judgement:
         from trainer.config.outcome import Outcome
+        from trainer.debrief.episodes import hints_told
         from trainer.debrief.page import read_dossier
 
         with np.errstate(all="ignore"):  # a state may hold any number
@@ -227,6 +228,9 @@ def debriefing() -> "DebriefSource":
         lines = [each.told for each in card.scores if each.marks is not None]
         uncounted = tuple(each.name for each in card.scores if each.marks is None)
         times: list[float | None] = [None] * len(lines)
+        hints = hints_told(debrief.trajectory)
+        lines += [each.answer for each in hints]
+        times += [each.tick * debrief.step for each in hints]
         lines += [f"cost most: {each.told}" for each in debrief.costs]
         times += [None if each.tick is None else each.tick * debrief.step for each in debrief.costs]
         if card.verdict is None:

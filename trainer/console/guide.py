@@ -276,6 +276,7 @@ def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
         ("it is lost at", " or ".join(map(loss_said, model.told.get("lost", [])))),
         ("by hand", by_hand(exercise.get("hand", ""), alone=model.trains)),
         ("automatic", exercise.get("allowed", "").replace(",", ", ")),
+        ("a hint costs", f"{exercise['hint']} marks" if "hint" in exercise else ""),
         (
             "free",
             "no marks: the autopilot may steer what was by hand" if exercise.get("free") else "",

@@ -395,6 +395,7 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
         visitors=plan.visitors,
         aids=plan.aids if plan.crew.rules else tuple(each for each in plan.aids if each != GHOST),
         way=bool(plan.crew.rules),
+        hint_marks=plan.hint_marks,
     )
 
 
