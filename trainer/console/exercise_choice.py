@@ -132,7 +132,7 @@ def exercise_choice(
     ]
     rows = [*lessons, *rows] if trains else [*rows, *lessons]
     advice: tuple[str, ...] = (
-        "Press Up or Down, or type part of a title or name; Enter begins, Esc leaves",
+        "Up or Down, or type part of a title or name; Enter begins, Esc leaves",
     )
     if progress is None:
         advice += ("What is done, with which marks, is kept by: trainer run --trainee NAME",)
