@@ -300,6 +300,8 @@ def test_help_tells_of_commands_and_of_orders_and_names_the_nearest() -> None:
     both = asked("run")[1]
     assert "run [OPTIONS] [EXERCISE]" in both
     assert "run, in full:" in both
-    code, text = asked("deeper")
+    assert "depth, in full:" in asked("deeper")[1]
+    assert "casualty NAME" in asked("jam")[1]
+    code, text = asked("left")
     assert code == 2
-    assert "did you mean depth?" in text
+    assert "did you mean rudder or course?" in text

@@ -419,7 +419,11 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
         "Passage, fast and deep (stern-plane-jam)",
         *briefing,
     ]
-    assert "15 kn, 100 m, course 000; modified set, step 0.5 s" in lines
+    assert "15 kn, 100 m, course 000" in lines
+    assert "computed by the modified set, step 0.5 s" in lines  # the instructor's
+    crew = ran("run", "stern-plane-jam", "--speed", "max", "--train", typed="quit\n")
+    assert "15 kn, 100 m, course 000" in crew.stdout.splitlines()
+    assert not re.search("modified|step 0.5", crew.stdout)
     assert re.search(r"\d+ s: casualty stern-hard-over, ", done.stdout)
     assert "LIMIT: deeper than 140 m" in done.stdout
     assert "simulated   " in done.stderr
@@ -503,7 +507,7 @@ MISTAKES = {  # a line of the skeleton, the line in its place, and what is told 
     "table": ("[limits] ", "[limit] ", "limit = .*no such key; nearest is limits"),
     "key": ("duration_s = 600", "duration = 600", "duration = 600: no such key; nearest is dura"),
     "value": ("speed_kn = 10", "speed_kn = -10", r"\[initial\] speed_kn = -10: must be 0.001 to"),
-    "reference": ("stern-stuck", "stern-stuk", 'name = "stern-stuk": no such casualty; nearest is'),
+    "reference": ("stern-hard-over", "stern-hardover", 'name = "stern-hardover": no such casualty'),
     "condition": ('"depth > 130"', '"dept > 130"', 'lost = "dept > 130": no quantity .dept.; near'),
     "boat": ('# vessel = "bb2"', 'vessel = "bb3"', 'no vessel "bb3"; nearest is bb2'),
     "key of a score": ('measure = "reach"', 'measur = "reach"', "measur = .*nearest is measure"),
@@ -514,6 +518,16 @@ MISTAKES = {  # a line of the skeleton, the line in its place, and what is told 
     "rule": ("at_s = 1\n", 'when = "stern < x"\n', 'condition "stern < x": write it as'),
     "key of a rule": ('order = "planesman on"', 'oder = "planesman on"', "nearest is order"),
 }
+
+
+def test_the_file_to_begin_with_judges_what_it_breaks_and_its_reference_crew_wins() -> None:
+    path = shipped_path("", "exercise-skeleton")
+    exercise = parse_exercise(path.read_text(encoding="utf-8"), path)
+    broken = {each.row.name for each in exercise.drawn}
+    judged = {rule.score.casualty or rule.score.since for rule in exercise.scores}
+    assert broken == judged - {None} != set()
+    crew = next(line for line in check_exercise(str(path)) if line.startswith("crew"))
+    assert re.fullmatch(r"crew    (9\d|100) marks, won", crew)
 
 
 @pytest.mark.parametrize(

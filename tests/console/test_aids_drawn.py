@@ -8,7 +8,8 @@ from trainer.console.drawing.aids import aid_rows, interpolated_way
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.crew_orders import order_line
 from trainer.console.drawing.panels import top, trainee
-from trainer.console.keys import KEYS, PlainAction
+from trainer.console.guide import briefing_rows
+from trainer.console.keys import KEYS, OrderAction, PlainAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
@@ -149,3 +150,12 @@ def test_a_key_switches_an_aid_on_and_off_again(
     assert console._ordered(act) == words  # noqa: SLF001 (what it would send)
     assert act in SWITCHES
     assert act in [key.act for key in KEYS["trainee"]]
+
+
+def test_a_key_asks_for_a_hint_and_the_briefing_has_its_price() -> None:
+    acts = {name: key.act for key in KEYS["trainee"] for name in key.names}
+    assert acts["f8"] == OrderAction("hint")
+    model = seen()
+    assert "hint" not in plain(briefing_rows(model))
+    model.exercise["hint"] = "5"
+    assert "a hint costs    5 marks" in plain(briefing_rows(model))

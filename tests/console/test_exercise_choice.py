@@ -104,11 +104,11 @@ def test_the_list_says_how_many_rows_a_small_screen_hides() -> None:
     below = re.search(r"(\d+) more below", drawn)
     assert below
     shown = sum(row.name.split("  ")[0] in drawn for row in choice.rows)
-    assert int(below[1]) == rows - 12
-    assert shown >= 12
+    assert int(below[1]) == rows - 11
+    assert shown >= 11
     for _ in range(rows):
         choice.press("down", None)
-    assert f"{rows - 12} more above" in plain(choice.draw(74, 20))
+    assert f"{rows - 11} more above" in plain(choice.draw(74, 20))
     assert "more below" not in plain(choice.draw(74, 20))
     assert "more" not in plain(choice.draw(74, 60))
 
@@ -167,9 +167,15 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     with pytest.raises(SystemExit) as left:
         command.choose(options)
     assert left.value.code == 0
-    side = None
+    side, answer = None, "heavy-boat"
     with pytest.raises(SystemExit):
         command.choose(options)
+    side = I_INSTRUCT  # what the menu is told; nobody is asked
+    monkeypatch.setattr("trainer.console.exercise_choice.ask_side", lambda: None)
+    instructs = replace(options, instruct=True)
+    assert command.choose(instructs) == replace(wanted, instruct=True)
+    side = I_TRAIN
+    assert command.choose(replace(options, train=True)) == replace(wanted, train=True)
 
 
 def test_the_list_tells_length_and_hand_and_who_trains_begins_with_a_lesson() -> None:
@@ -218,7 +224,7 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
     assert (b"I instruct" in shown) == asks
 
 
-def test_a_trainee_is_offered_the_first_that_is_not_passed() -> None:
+def test_a_trainee_is_offered_what_is_weakest_and_told_why() -> None:
     run = ProgressRun("a", 1, "depth-gauge-failure", "t", "2026", 60.0, Outcome.WON, 88.0)
     begun = ProgressRun("b", 1, "first-depth-change", "t", "2026", 60.0, Outcome.LOST, 12.0)
     progress = Progress("Ann", (run, begun))
@@ -228,5 +234,8 @@ def test_a_trainee_is_offered_the_first_that_is_not_passed() -> None:
     text = plain(choice.draw(76, 22))
     assert re.search(r"   88  Periscope watch", text)
     assert re.search(r">    12  Depth, first steps", text)
+    assert "Next: 12 marks today. Depth changes, by hand." in text
     alone = exercise_choice(OFFERED, trains=True)
     assert "88" not in plain(alone.draw(76, 22))
+    assert "trainer run --trainee NAME" in plain(alone.draw(76, 22))
+    assert "trainer run --trainee NAME" not in text

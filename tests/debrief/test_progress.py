@@ -3,6 +3,7 @@
 import csv
 import json
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 import pytest
@@ -97,14 +98,61 @@ def test_what_cost_most_is_of_the_last_five_runs_with_marks() -> None:
     assert Progress(ANN, (*runs, LESSON)).costs["trim"] == 25.0
 
 
-def test_the_next_is_the_first_that_is_not_passed() -> None:
+TODAY = date(2026, 2, 1)
+
+
+def next_of(*runs: ProgressRun, with_lessons: bool = False) -> tuple[str, str]:
+    """Return the name of what is offered next, and why."""
+    done = replace(WON, total=None, outcome=Outcome.DONE, recording="lesson")
+    lesson_runs = () if with_lessons else tuple(replace(done, exercise=x.name) for x in lessons())
     offered = [*lessons(), *course()]
-    progress = Progress(ANN, (LOST, LESSON))
-    following = progress.following(offered)
-    assert following is not None
-    assert following.name == offered[1].name
-    every = tuple(replace(WON, exercise=each.name) for each in offered)
-    assert Progress(ANN, every).following(offered) is None
+    found = Progress(ANN, (*lesson_runs, *runs)).suggest(offered, TODAY)
+    assert found is not None
+    return found.lesson.name, found.reason
+
+
+def flown(exercise: str, total: float, day: int, **costs: float) -> ProgressRun:
+    started = f"2026-01-{day:02d}T10:00:00"
+    named = {kind.replace("_", " "): marks for kind, marks in costs.items()}
+    recording = f"{exercise}{day}"
+    outcome = Outcome.WON if total >= 60.0 else Outcome.NOT_REACHED
+    return ProgressRun(recording, 1, exercise, "", started, 60.0, outcome, total, costs=named)
+
+
+def test_the_next_is_a_lesson_until_all_are_done_and_then_the_course() -> None:
+    assert next_of(LOST, LESSON, with_lessons=True) == (
+        lessons()[1].name,
+        "a lesson that is not done yet",
+    )
+    first = course()[0].name
+    assert next_of() == (first, "no marks in it yet, and the next of the course")
+    assert next_of(flown(first, 95.0, 31))[0] == course()[1].name
+
+
+def test_the_next_is_what_is_weakest_and_longest_ago_and_says_so() -> None:
+    every = [flown(each.name, 90.0, 31) for each in course()]
+    weak, old = course()[3].name, course()[7].name
+    assert next_of(*every[:3], flown(weak, 52.0, 31), *every[4:]) == (weak, "52 marks yesterday")
+    longer = [flown(old, 90.0, 10), *every[:7], *every[8:]]
+    assert next_of(*longer) == (old, "90 marks 22 days ago")
+    again = [flown(old, 90.0, 10), *every]  # flown again since
+    assert next_of(*again)[0] == every[0].exercise
+
+
+def test_of_two_as_weak_the_next_is_the_one_that_trains_what_cost_most() -> None:
+    every = {each.name: flown(each.name, 90.0, 20) for each in course()}
+    one, other = course()[2].name, course()[5].name
+    every[one] = flown(one, 50.0, 20, late=50.0)
+    every[other] = flown(other, 50.0, 20, trim=46.0, late=4.0)
+    last = every.pop(course()[0].name)
+    for kind, weaker, cost in (("late", one, 50), ("trim", other, 46)):
+        told = f"50 marks 12 days ago; {kind}, which costs you most of late, cost {cost} here"
+        assert next_of(*every.values(), replace(last, costs={kind: 40.0})) == (weaker, told)
+
+
+def test_a_run_without_a_date_is_as_of_today() -> None:
+    every = [replace(flown(each.name, 90.0, 1), started="") for each in course()]
+    assert next_of(*every)[1].endswith("today")
 
 
 def test_progress_is_drawn_in_eighty_columns(capsys: pytest.CaptureFixture[str]) -> None:

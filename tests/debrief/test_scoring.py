@@ -443,7 +443,7 @@ def test_a_new_exercise_is_valid_has_the_name_given_and_is_never_written_over(
     assert made.stdout == "drill.toml written; next: trainer exercise check drill.toml\n"
     exercise = load_exercise(str(tmp_path / "drill.toml"))
     assert exercise.heading.name == 'Lost in "fog"'
-    assert len(exercise.scores) == 3
+    assert len(exercise.scores) == 5
     told = ran(tmp_path, "exercise", "check", "drill.toml")
     assert "crew    100 marks, won" in told.stdout, told.stderr
 

@@ -139,6 +139,7 @@ EXERCISE_KEYS: Final = {  # keys of the fact `exercise`
     "wins": "what wins it; one fact each",
     "visitors": "`yes`: a visitor may begin it again; there is a kiosk",
     "way": "`yes`: there is a reference crew, which can show the way",
+    "hint": "the marks that each `hint` costs",
     "aids": "the aids that are allowed, `ghost,predictor`",
     "steps": "how many steps lead who trains",
     "duration": "its length [s]",

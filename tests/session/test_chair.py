@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from helpers.crewed import Crewed, Typist
 
-from trainer.console.guide import TRAINEE_HELP
+from trainer.console.guide import INSTRUCTOR_HELP, TRAINEE_HELP
 from trainer.console.model import marks_in_words
 from trainer.debrief.episodes import aids_used
 from trainer.debrief.trajectory import Trajectory
@@ -182,3 +182,40 @@ def test_advice_of_the_trainees_help_is_obeyed_in_that_chair(crewed: Crew) -> No
     line = alone(ship, "trainee")
     for each in words:
         assert ship.say(line, each)[0] == "ok", each
+
+
+def test_advice_of_the_instructors_help_is_obeyed_in_that_chair(crewed: Crew) -> None:
+    words = [each for text in INSTRUCTOR_HELP for each in re.findall("`([^`]+)`", text)]
+    assert words == ["role trainee", "role instructor"]
+    line = alone(ship := crewed(seconds=None), "instructor")
+    for each in words:
+        assert ship.say(line, each)[0] == "ok", each
+
+
+REFUSED_IN_A_CHAIR = [
+    *((role, order) for role in CREW_ROLES for order in ("freeze", "time x2", "again", "quit")),
+    ("trainee", "casualty stern-stuck"),
+    ("helm", "casualty stern-stuck"),
+    ("helm", "stern planes dive 5"),
+    ("observer", "run"),
+]
+
+
+@pytest.mark.parametrize(("role", "order"), REFUSED_IN_A_CHAIR)
+def test_who_is_refused_an_order_alone_is_told_the_chair_that_has_it(
+    crewed: Crew, role: str, order: str
+) -> None:
+    ship = crewed(seconds=None)
+    line = alone(ship, role)
+    (advice,) = re.findall("`([^`]+)`", ship.refused(order, line))
+    wanted = "instructor" if order.startswith("casualty") else "trainee"
+    assert advice == f"role {wanted}"
+    assert ship.say(line, advice)[0] == "ok"
+    assert ship.say(line, order)[0] == "ok"
+
+
+@pytest.mark.parametrize("door", [Access(), Access("helm", here=lambda: True)])
+def test_a_line_that_keeps_its_role_is_told_of_no_other_chair(crewed: Crew, door: Access) -> None:
+    ship = crewed(seconds=None)
+    line = alone(ship, "helm", door)
+    assert ship.refused("freeze", line) == '"freeze" is the instructor\'s; you have the helm'

@@ -112,6 +112,19 @@ def test_a_pipe_steers_the_boat_and_its_end_does_not_end_the_run(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("option", "role"), [("--train", "trainee"), ("--instruct", "instructor")])
+def test_a_script_says_who_it_is(start: Start, option: str, role: str) -> None:
+    words = "casualties\nquit\n"
+    ran = Run(start("run", "heavy-boat", option, "--speed", "max"), words)
+
+    assert ran.code == 0
+    assert ("you are a trainee; who is alone may, after `role instructor`" in ran.out) == (
+        role == "trainee"
+    )
+    assert ("stern-stuck" in ran.out) == (role == "instructor")
+    assert ("Trim (heavy-boat)" in ran.out) == (role == "instructor")
+
+
 def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None:
     ran = Run(start("run", "--speed", "max"), "freeze\nstep 3\nrudder right 10\nquit")
     assert ran.code == 0
@@ -510,6 +523,7 @@ def refused(
         ("--serial socket://127.0.0.1:1", "--serial socket://127.0.0.1:1: Connection refused"),
         ("--serial sockt://x", "did you mean socket"),
         ("--vesel bb2", "No such option '--vesel'"),
+        ("--train --instruct", "--train and --instruct exclude each other: say who you are"),
         ("extra", 'no exercise "extra"; shipped: air-bank-failure, '),
         ("heavy-boat extra", "unexpected extra argument"),
     ],

@@ -68,6 +68,12 @@ def test_who_trains_has_both_aids_and_the_way_by_keyboard(
     expect(page.locator("#off-ghost")).to_have_text("")
     expect(page.locator("#way-ahead")).to_have_text("")
 
+    expect(page.locator("#hint")).to_have_text("Hint: 5 marks")
+    press(page, "#hint")
+    told = re.compile("^(hint, 5 marks: .*|nothing is overdue.*)$")
+    expect(page.locator("#aids [role=status]")).to_have_text(told, timeout=LONG)
+    see_whole(page, f"with a hint at {size}", BEYOND)
+
 
 def test_an_instructors_charts_have_the_ghosts_line_and_the_way_ahead(
     allowing: Served, look: Look

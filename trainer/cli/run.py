@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from trainer.session.exercise import DebriefSource
 from trainer.cli.web import require_pages
 
+MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
 Begin = Callable[[RunOptions], NoReturn]
 PAGE_WORDS = ("-X", "utf8", "-m", "trainer", "debrief")  # its answer is a path, in any script
 STATION_ROLES = (
@@ -68,6 +69,7 @@ STATION_ROLES = (
 @port_options(listen=None, socket=None)
 @web_run_options
 @click.option("--train", is_flag=True, help="Train alone: nothing hidden is told, lessons lead.")
+@click.option("--instruct", is_flag=True, help="Instruct: all is shown, others may join as crew.")
 @teletype_option
 def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
@@ -83,12 +85,15 @@ def run(*, teletype: bool, **options: Any) -> None:
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
     On a terminal you see the instructor's console; F1 shows its help. Without any option you are
-    first asked whether you train or instruct. Who trains (--train) works the boat alone, led by
-    lessons, and is told nothing that is to be found out. You may type orders at any time.
+    first asked whether you train or instruct; --train and --instruct answer that. Who trains works
+    the boat alone, led by lessons, and is told nothing that is to be found out. You may type
+    orders at any time.
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat or
     the exercise is lost, or the recording failed, 2 wrong input.
     """
     choices = run_options(options)
+    if choices.train and choices.instruct:
+        raise click.UsageError("--train and --instruct exclude each other: say who you are")
     if choices.browse or choices.web:
         refuse_other_screens(choices)
         take_to_sea(without_console(with_pages(replace(choices, browse=True))))
@@ -142,9 +147,7 @@ def set_out(
     if address:
         asked = replace(without_console(asked), listen=address, token=(word,), until_left=True)
     elif not (teletype or elsewhere) and has_terminal():
-        sys.exit(
-            on_screen(asked, choose(asked) if asked.given <= {"train", "trainee"} else asked, begin)
-        )
+        sys.exit(on_screen(asked, choose(asked) if asked.given <= MENU_OPTIONS else asked, begin))
     begin(asked)
 
 
@@ -172,9 +175,14 @@ def choose(asked: RunOptions) -> RunOptions:
     """Return the options with an exercise chosen at the terminal. End without a choice."""
     from trainer.config.course import course, lessons
     from trainer.config.progress import read_progress
-    from trainer.console.exercise_choice import I_TRAIN, ask_side, choose_exercise
+    from trainer.console.exercise_choice import (
+        I_INSTRUCT,
+        I_TRAIN,
+        ask_side,
+        choose_exercise,
+    )
 
-    side = I_TRAIN if asked.train else ask_side()
+    side = I_TRAIN if asked.train else I_INSTRUCT if asked.instruct else ask_side()
     trains = side == I_TRAIN
     offered = [*lessons(), *course()] if trains else course()
     progress = read_progress(asked.trainee[0]) if asked.trainee else None
@@ -214,6 +222,7 @@ def debriefing() -> "DebriefSource":
 
     def judge(path: Path, branch: int) -> Judgement:
         from trainer.config.outcome import Outcome
+        from trainer.debrief.episodes import hints_told
         from trainer.debrief.page import read_dossier
 
         with np.errstate(all="ignore"):  # a state may hold any number
@@ -222,6 +231,9 @@ def debriefing() -> "DebriefSource":
         lines = [each.told for each in card.scores if each.marks is not None]
         uncounted = tuple(each.name for each in card.scores if each.marks is None)
         times: list[float | None] = [None] * len(lines)
+        hints = hints_told(debrief.trajectory)
+        lines += [each.answer for each in hints]
+        times += [each.tick * debrief.step for each in hints]
         lines += [f"cost most: {each.told}" for each in debrief.costs]
         times += [None if each.tick is None else each.tick * debrief.step for each in debrief.costs]
         if card.verdict is None:

@@ -43,6 +43,7 @@ from trainer.config.schema import (
     optional,
     read_record,
     required,
+    with_default,
     within,
 )
 from trainer.config.score_rules import ScoreRule, read_rules
@@ -116,6 +117,7 @@ class ExerciseHeading:
     aids: tuple[str, ...] | None = optional(
         Choices(AIDS, "aids that are allowed; else none with [[scores]], both without")
     )
+    hint_marks: float = with_default(5.0, "-", within(0, 100), "marks that each hint costs")
     guard_depth_m: float | None = optional(
         Quantity("m", above(0, 12000), "before it the boat levels by itself, planes in hand")
     )

@@ -1,8 +1,9 @@
-"""What each trainee has done so far, in one file a trainee.
+"""What each trainee has done so far, and what is best flown next.
 
-The files lie beside the folder of recordings. ``debrief/progress`` adds a run when its exercise has
-ended. The menu of ``trainer run`` and ``trainer recordings`` read them. A file that cannot be read
-is never written over: it is set aside under another name, and that is told.
+There is one file a trainee. The files lie beside the folder of recordings. ``debrief/progress``
+adds a run when its exercise has ended. The menu of ``trainer run`` and ``trainer recordings`` read
+them. A file that cannot be read is never written over: it is set aside under another name, and that
+is told.
 """
 
 import contextlib
@@ -10,10 +11,11 @@ import json
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
+from datetime import date
 from itertools import count
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from trainer.config.course import Lesson
 from trainer.config.files import ConfigError, quote
@@ -27,6 +29,8 @@ TRAINEES_FOLDER: Final = "trainees"
 LOCK_TIMEOUT_S: Final = 10.0  # [s] for another session to have written
 LOCK_PERIOD_S: Final = 0.05  # [s] between tries
 LATEST_RUNS: Final = 5  # runs of which is told what cost most
+MARKLESS_NEED: Final = 40.0  # [%] of marks that an exercise without any counts as having lost
+MAX_AGE_NEED: Final = 30.0  # [%] of marks that time alone makes of a need
 PASSED_OUTCOMES: Final = (Outcome.WON, Outcome.DONE)
 BARRED_IN_NAMES: Final = frozenset("/\\\0")
 COST_KINDS: Final = ("late", "overshoot", "wrong way", "trim", "other")
@@ -54,6 +58,13 @@ class ProgressRun:
         return self.outcome in PASSED_OUTCOMES
 
 
+class Suggestion(NamedTuple):
+    """What a trainee is offered next, and why."""
+
+    lesson: Lesson
+    reason: str
+
+
 @dataclass(frozen=True)
 class Progress:
     """The runs of one trainee, oldest first."""
@@ -69,9 +80,51 @@ class Progress:
         """Return whether any run has passed it."""
         return any(each.passed for each in self.of(exercise))
 
-    def following(self, offered: Iterable[Lesson]) -> Lesson | None:
-        """Return the first that has not been passed, None after the last."""
-        return next((each for each in offered if not self.passed(each.name)), None)
+    def suggest(self, offered: Iterable[Lesson], today: date) -> Suggestion | None:
+        """Return what is weakest and longest ago, None where nothing is offered.
+
+        Lessons come first, in their order, because exercises need what they teach.
+        """
+        known = list(offered)
+        undone = [each for each in known if each.steps and not self.passed(each.name)]
+        if undone:
+            return Suggestion(undone[0], "a lesson that is not done yet")
+        exercises = [each for each in known if not each.steps] or known
+        weakest = max(exercises, key=lambda each: self._need(each, today), default=None)
+        return Suggestion(weakest, self._reason(weakest, today)) if weakest else None
+
+    def _need(self, exercise: Lesson, today: date) -> float:
+        """Return how much an exercise is worth flying, in marks [%] that were lost.
+
+        What the kind that costs most of late cost there counts twice. Each day, and each run since,
+        counts as a mark, because skill fades.
+        """
+        run = self._latest(exercise.name)
+        if run is None or run.total is None:
+            return MARKLESS_NEED
+        since = self.runs[self.runs.index(run) + 1 :]
+        age = min(float(_days_since(run, today) + len(since)), MAX_AGE_NEED)
+        return 100.0 - run.total + run.costs.get(self.dearest, 0.0) + age
+
+    def _reason(self, exercise: Lesson, today: date) -> str:
+        run = self._latest(exercise.name)
+        if run is None or run.total is None:
+            return "no marks in it yet, and the next of the course"
+        days = _days_since(run, today)
+        when = f"{days} days ago" if days > 1 else "yesterday" if days else "today"
+        cost = run.costs.get(self.dearest, 0.0)
+        dearest = f"; {self.dearest}, which costs you most of late, cost {cost:.0f} here"
+        return f"{run.total:.0f} marks {when}{dearest if cost >= 1.0 else ''}"
+
+    def _latest(self, exercise: str) -> ProgressRun | None:
+        """Return the last run of an exercise that has marks."""
+        return next((each for each in self.of(exercise)[::-1] if each.total is not None), None)
+
+    @property
+    def dearest(self) -> str:
+        """Return the kind that cost most in the latest runs, "" where nothing did."""
+        costs = self.costs
+        return max(costs, key=lambda kind: costs[kind]) if any(costs.values()) else ""
 
     @property
     def costs(self) -> dict[str, float]:
@@ -85,6 +138,14 @@ class Progress:
         others = (each for each in self.runs if (each.recording, each.branch) != place)
         runs = sorted((*others, run), key=lambda each: (each.started, each.branch))
         return replace(self, runs=tuple(runs))
+
+
+def _days_since(run: ProgressRun, today: date) -> int:
+    """Return how many days ago a run was; 0 where its file does not tell a date."""
+    try:
+        return max((today - date.fromisoformat(run.started[:10])).days, 0)
+    except ValueError:
+        return 0
 
 
 def trainees_folder() -> Path:

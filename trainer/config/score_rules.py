@@ -43,9 +43,10 @@ TIMELESS_MEASURES: Final = ("response",)  # they take the whole record, without 
 WINDOW_KEYS: Final = ("since", "from_s", "to_s", "when")
 VALUE_LIMITS: Final = within(-1e9, 1e9)
 # These answer no casualty: the instructor gives them, or they are only words.
+HINT_ORDER: Final = "hint"
 INSTRUCTOR_ORDERS: Final = (
     frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"})
-    | frozenset({"ghost", "predictor", "role"})
+    | frozenset({"ghost", "predictor", "role", HINT_ORDER})
     | CREW_TALK
 )
 MARK_PARTS: Final = ("task", "answer", "keeping")

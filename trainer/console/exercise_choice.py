@@ -7,6 +7,7 @@ there is a session, because the session is made for what is chosen.
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import ClassVar, Final
 
 from textual.app import App
@@ -43,7 +44,7 @@ class ExerciseChoice(Choice):
         """Return the dialog."""
         shown = self.shown
         place = min(self.place, max(len(shown) - 1, 0))
-        room = max(height - HEAD_ROWS - BRIEFING_ROWS - 2, 1)
+        room = max(height - HEAD_ROWS - BRIEFING_ROWS - 1 - len(self.advice), 1)
         first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
         self._first, self._rows = first, room
         rows = [
@@ -111,8 +112,10 @@ def exercise_choice(
 ) -> ExerciseChoice:
     """Return the list. Sailing freely comes first, but last for who trains.
 
-    With a trainee's progress the first that is not passed is chosen.
+    With a trainee's progress what is weakest and longest ago is chosen, and its reason is told.
     """
+    suggestion = progress.suggest(offered, datetime.now(UTC).date()) if progress else None
+    reasons = {suggestion.lesson: f"Next: {suggestion.reason}. "} if suggestion else {}
     rows = [
         ChoiceRow(
             FREE_SAILING, FREE_SAILING, "", "No exercise: go to sea at once and do as you like."
@@ -123,18 +126,21 @@ def exercise_choice(
             passed_mark(each, progress) + row_title(each),
             each.name,
             "",
-            " ".join(each.briefing.split()),
+            reasons.get(each, "") + " ".join(each.briefing.split()),
         )
         for each in offered
     ]
     rows = [*lessons, *rows] if trains else [*rows, *lessons]
-    advice = ("Up or Down, or type part of a title or name; Enter begins, Esc leaves",)
+    advice: tuple[str, ...] = (
+        "Up or Down, or type part of a title or name; Enter begins, Esc leaves",
+    )
+    if progress is None:
+        advice += ("What is done, with which marks, is kept by: trainer run --trainee NAME",)
     choice = ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
-    following = progress.following(offered) if progress else None
-    if progress and following:
+    if progress and suggestion:
         passed = sum(progress.passed(each.name) for each in offered)
         choice.title = f"{progress.trainee}: {passed} of {len(offered)} passed; next is chosen"
-        choice.moved = [row.words for row in rows].index(following.name)
+        choice.moved = [row.words for row in rows].index(suggestion.lesson.name)
     return choice
 
 

@@ -45,6 +45,10 @@ INSTRUCTOR_HELP: Final = (
         "  6  F9 marks this moment with a remark. F10, then Q, ends the run. The last lines name "
         "the recording;  trainer debrief FILE  makes a page from it."
     ),
+    (
+        "  7  To train alone, type `role trainee`: you work the whole boat, and see nothing that "
+        "is to be found out. `role instructor` comes back here."
+    ),
 )
 STATION_HELP: Final = (
     (
@@ -272,6 +276,7 @@ def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
         ("it is lost at", " or ".join(map(loss_said, model.told.get("lost", [])))),
         ("by hand", by_hand(exercise.get("hand", ""), alone=model.trains)),
         ("automatic", exercise.get("allowed", "").replace(",", ", ")),
+        ("a hint costs", f"{exercise['hint']} marks" if "hint" in exercise else ""),
         (
             "free",
             "no marks: the autopilot may steer what was by hand" if exercise.get("free") else "",

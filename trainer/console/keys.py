@@ -285,6 +285,7 @@ KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
         Key(("f5",), "F5", "", "the reference crew's run beside yours, or not", PlainAction.GHOST),
         Key(("f6",), "F6", "", "where the boat goes as it stands, or not", PlainAction.PREDICT),
         Key(("f7",), "F7", "the way", "have the way shown, or end that", PlainAction.SHOW),
+        Key(("f8",), "F8", "hint", "what is overdue, and why; it costs marks", OrderAction("hint")),
         *steering("rudder", ("left", "right"), ("Left", "Right"), ("left", "right")),
         order_key("m", "amidships", "rudder amidships"),
         *STERN_KEYS,

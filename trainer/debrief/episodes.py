@@ -15,7 +15,7 @@ import numpy as np
 from trainer.config.casualties import Casualty
 from trainer.config.exercise import AIDS
 from trainer.config.files import ConfigError
-from trainer.config.score_rules import COURSE_QUANTITY, INSTRUCTOR_ORDERS
+from trainer.config.score_rules import COURSE_QUANTITY, HINT_ORDER, INSTRUCTOR_ORDERS
 from trainer.core.casualties import KINDS
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.trajectory import (
@@ -114,11 +114,19 @@ def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
     return tuple(each for each in stations or orders if name_of(each.text) not in INSTRUCTOR_ORDERS)
 
 
+def hints_told(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
+    """Return the hints that a run was told, each with its answer."""
+    orders = (each for each in trajectory.orders if each.accepted is not False)
+    return tuple(each for each in orders if name_of(each.text) == HINT_ORDER)
+
+
 def aids_used(trajectory: Trajectory) -> tuple[str, ...]:
-    """Return the aids that were switched on in a run."""
+    """Return the aids that were switched on in a run, and how many hints came."""
     orders = (parse(each.text) for each in trajectory.orders if each.accepted is not False)
     switched = {each.name for each in orders if isinstance(each, Order) and each.word != "off"}
-    return (*(aid for aid in AIDS if aid in switched), *looks_as_instructor(trajectory))
+    count = len(hints_told(trajectory))
+    hints = (f"{count} hint{'s' if count > 1 else ''}",) if count else ()
+    return (*(aid for aid in AIDS if aid in switched), *hints, *looks_as_instructor(trajectory))
 
 
 def looks_as_instructor(trajectory: Trajectory) -> tuple[str, ...]:

@@ -5,8 +5,8 @@
 counts. An answer to a casualty earns its own t times the mean of the tasks. With T the mean of
 tasks and answers, K that of what was kept, and W what the weakest task has of the marks that carry
 it out, 1 at most, total = T (0.7 + 0.3 K / 100) (0.6 + 0.4 W). A broken limit leaves 50 to 100 at
-most, in proportion, a lost exercise 25, a boat hard aground 0. From WON_PERCENT on it is won:
-docs/debrief.md.
+most, in proportion, a lost exercise 25, a boat hard aground 0; each hint takes what the exercise
+says off before that. From WON_PERCENT on it is won: docs/debrief.md.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,6 +19,7 @@ from trainer.boat.depths import lowest_depth
 from trainer.config.derived import Loss
 from trainer.config.outcome import Outcome
 from trainer.config.score_rules import ScoreRule
+from trainer.debrief.episodes import hints_told
 from trainer.debrief.gates import first_for, worst_breach
 from trainer.debrief.groundings import groundings
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict, score_rules
@@ -48,8 +49,11 @@ def judge_run(
 ) -> Scorecard:
     """Return the marks of a plan's rules. ``nobody`` has those with nobody aboard, by name [%]."""
     rules = widen_rules(plan.scores, width)
+    hint_marks = plan.hint_marks * len(hints_told(trajectory))
     if not plan.judged_by_tasks:
-        return score_rules(trajectory, rules)
+        card = score_rules(trajectory, rules)
+        total = None if card.total is None else max(card.total - hint_marks, 0.0)
+        return replace(card, total=total)
     scores = tuple(_less_nobody(each, nobody) for each in score_rules(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
     tasks = _mean((each.rule.weight, each.earned) for each in scores) or 0.0
@@ -57,7 +61,7 @@ def judge_run(
         (each.rule.weight, each.marks) for each in scores if each.rule.part == "keeping"
     )
     keeping = 100.0 if keeping_marks is None else keeping_marks
-    verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
+    verdict = _verdict(trajectory, plan, scores, (tasks, keeping, hint_marks))
     none = verdict.void or verdict.free
     return Scorecard(scores, None if none else total_of(verdict), verdict)
 
@@ -119,10 +123,14 @@ def _mean(weighted: Iterable[tuple[float, float | None]]) -> float | None:
 
 
 def _verdict(
-    trajectory: Trajectory, plan: Plan, scores: tuple[RuleScore, ...], means: tuple[float, float]
+    trajectory: Trajectory,
+    plan: Plan,
+    scores: tuple[RuleScore, ...],
+    parts: tuple[float, float, float],
 ) -> Verdict:
     """Return the outcome, by the worst thing that happened.
 
+    ``parts`` are the means of the tasks and of what was kept, and what hints cost.
     A free run comes before all, because it has no marks; a loss comes before what was not reached.
     """
     turned = _turned_over(trajectory)
@@ -136,8 +144,9 @@ def _verdict(
     verdict = Verdict(
         outcome=Outcome.WON,
         reason="",
-        tasks=means[0],
-        keeping=means[1],
+        tasks=parts[0],
+        keeping=parts[1],
+        hint_marks=parts[2],
         weakest=min(done.values()) if len(done) > 1 else 1.0,  # else T itself says it
         gate=breach.text if breach else "",
         gate_cap=breach.cap if breach else None,
@@ -276,6 +285,7 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
     best = {each.name: each for each in reference.scores} if reference else {}
     yield from _by_gate(card)
     yield from _by_weakest(card)
+    yield from _by_hints(card)
     for rule_score in card.scores:
         lost = 100.0 - (_own_marks(rule_score) or 0.0)
         share = share_of(rule_score, card)
@@ -293,6 +303,13 @@ def _by_weakest(card: Scorecard) -> Iterator[MarkCost]:
     cost = verdict.tasks * _kept_factor(verdict) * (1.0 - _weakest_factor(verdict))
     sentence = f"{weakest.name}: it was not carried out, beside its own marks: {_marks(cost)}."
     yield MarkCost(cost, sentence, weakest.attained.tick)
+
+
+def _by_hints(card: Scorecard) -> Iterator[MarkCost]:
+    """Yield what hints took off."""
+    if card.verdict is not None and not card.verdict.free:
+        cost = before_hints(card.verdict) - before_gate(card.verdict)
+        yield MarkCost(cost, f"Hints: {_marks(cost)}.")
 
 
 def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
@@ -314,7 +331,12 @@ def _by_gate(card: Scorecard) -> Iterator[MarkCost]:
 
 
 def before_gate(verdict: Verdict) -> float:
-    """Return the total [%] that tasks and keeping make, before any gate."""
+    """Return the total [%] that tasks, keeping and hints make, before any gate."""
+    return max(before_hints(verdict) - verdict.hint_marks, 0.0)
+
+
+def before_hints(verdict: Verdict) -> float:
+    """Return the total [%] that tasks and keeping make by themselves."""
     return verdict.tasks * _kept_factor(verdict) * _weakest_factor(verdict)
 
 

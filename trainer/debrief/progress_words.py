@@ -8,7 +8,9 @@ import csv
 import glob
 import shutil
 import sys
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
@@ -63,13 +65,13 @@ def progress_lines(progress: Progress, width: int = MAX_COLUMNS) -> Iterator[str
         lesson = Lesson(0.0, exercise, run.title or "sailed freely", "")
         yield exercise_line(lesson, progress.of(exercise))
     yield from cost_lines(progress, width)
-    following = progress.following([*all_lessons, *exercises])
     yield ""
-    if following is None:
-        yield "Next: all is passed."
-    else:
+    if suggestion := progress.suggest([*all_lessons, *exercises], datetime.now(UTC).date()):
+        following, reason = suggestion
         yield f"Next: {following.title}"
-        yield f"      trainer run {following.name} --train --trainee {quote(name)}"
+        indent = " " * len("Next: ")
+        yield from textwrap.wrap(reason, width, initial_indent=indent, subsequent_indent=indent)
+        yield f"{indent}trainer run {following.name} --train --trainee {quote(name)}"
 
 
 def exercise_line(lesson: Lesson, runs: Sequence[ProgressRun]) -> str:

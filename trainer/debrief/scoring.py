@@ -113,6 +113,7 @@ class Verdict:
     cap: float | None  # [%] most that is left by gate or loss
     void: bool  # the boat turned over: there are no marks
     free: bool  # the instructor let something be automatic, or broke it by hand: no marks either
+    hint_marks: float = 0.0  # [%] that hints cost
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name
 from trainer.debrief.data import CasualtyAnswer, DebriefData, deviation_of
-from trainer.debrief.episodes import ReadBack
+from trainer.debrief.episodes import ReadBack, hints_told
 from trainer.debrief.judgement import KEEPING_SHARE, WEAKEST_SHARE
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
 from trainer.debrief.ships_met import Detection, look_out, meet_ships
@@ -84,6 +84,8 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     card = debrief.final
     if debrief.aids:
         yield f"Flown with {' and '.join(debrief.aids)}."
+    for hint in hints_told(debrief.trajectory):
+        yield f"At {clock(hint.tick * debrief.step)}: {hint.answer}."
     if debrief.practice:
         yield f"Practice: this run was wound back ({debrief.practice})."
     if card.verdict is not None:
@@ -138,6 +140,8 @@ def explain_total(verdict: Verdict) -> str:
             f"\N{MULTIPLICATION SIGN} {verdict.weakest:.2f}), "
             "by how far the weakest task was carried out"
         )
+    if verdict.hint_marks:
+        words += f", less {verdict.hint_marks:g} for hints"
     if verdict.cap is not None:
         why = "the exercise was lost" if verdict.outcome is Outcome.LOST else "a limit was broken"
         return f"{words}. At most {verdict.cap:.0f}: {why}."

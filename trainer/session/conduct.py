@@ -39,6 +39,7 @@ from trainer.session.exercise import (
     Judgement,
     NextExercises,
 )
+from trainer.session.hints import Hints
 from trainer.session.manning import unmanned_axes
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import (
@@ -84,6 +85,7 @@ class Conduct:
     guide: StepGuide = field(init=False)
     chair: Chair = field(init=False)
     aids: Aids = field(init=False)  # made where the screens' output is there, too
+    hints: Hints = field(init=False)  # likewise
     work: BackgroundTask = field(init=False)
     past: PastReader = field(init=False)
 
@@ -110,6 +112,7 @@ class Conduct:
             "debrief": self._debrief,
             "next": self._next,
             "history": self._history,
+            "hint": self.hints.ask,
             "ready": self._be_ready,
             "who": self._who,
             "command": self.command.ask,

@@ -124,7 +124,7 @@ RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
     ),
     (Rule(Obeyer.PAST), ("replay", "take")),
     (Rule(Obeyer.RECORD), ("snapshot",)),
-    (Rule(Obeyer.EXERCISE, in_replay=False, after_end=False), ("end",)),
+    (Rule(Obeyer.EXERCISE, in_replay=False, after_end=False), ("end", "hint")),
     (Rule(Obeyer.EXERCISE), ("release-marks", "debrief", "next", "ready")),
     (Rule(Obeyer.EXERCISE, after_end=False), ("demonstrate",)),
     (Rule(Obeyer.AIDS, in_replay=False, after_end=False), ("ghost", "predictor")),

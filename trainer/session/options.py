@@ -36,6 +36,7 @@ class RunOptions:
     priority: str = "realtime"
     frozen: bool = False
     train: bool = False  # the console is that of who trains alone
+    instruct: bool = False  # it is the instructor's, without being asked
     verbose: bool = False  # its summary has duty cycle and lateness
     until_left: bool = False
     # what is kept

@@ -19,6 +19,7 @@ from trainer.session.control import Control
 from trainer.session.crew import CrewTalk
 from trainer.session.evaluation import Evaluation
 from trainer.session.event_log import EventLog
+from trainer.session.hints import Hints
 from trainer.session.history import History
 from trainer.session.shown import ScreenOutput
 from trainer.session.standing import StandRecord
@@ -80,6 +81,7 @@ class Parts:
         conduct = self.conduct
         conduct.aids = Aids(self.history, self.event_log, self.shown, conduct.work, conduct.past)
         guide = self.conduct.guide
+        conduct.hints = Hints(self.history, self.event_log, conduct.work, guide, conduct.aids)
         guide.later, guide.show = self.conduct.work.post, self.shown.show_lesson
         guide.go_back = self.repeat_step
 
@@ -113,6 +115,7 @@ class Parts:
         self.event_log.settle(counting)
         self.conduct.aids.keep_on()
         self.conduct.chair.keep()
+        self.conduct.hints.keep()
         self.history.flown.judge_arrival(self.conduct)
 
     def end_replay(self, outcome: str) -> None:

@@ -91,6 +91,7 @@ class Plan:
     world: WorldTables = field(default_factory=dict)  # the exercise's own
     steps: tuple[Step, ...] = ()  # that lead a trainee
     aids: tuple[str, ...] = AIDS  # that are allowed
+    hint_marks: float = 0.0  # [%] that each hint costs
 
     @property
     def judged_by_tasks(self) -> bool:
@@ -195,6 +196,7 @@ def plan_run(options: RunOptions) -> Plan:
         visitors=bool(heading.visitors),
         lost=exercise.lost,
         crew=exercise.crew,
+        hint_marks=heading.hint_marks,
         baseline=kept_baseline(exercise.path),
         world=exercise.world,
         steps=exercise.steps,

@@ -57,8 +57,8 @@ class Ports:
     stations: list[Station] = field(default_factory=list)
     addresses: list[str] = field(default_factory=list)  # where lines come in, the nearest first
 
-    def terminal(self, *, unhurried: bool) -> Station:
-        """Return the station of the terminal: a person, who instructs.
+    def terminal(self, role: str, *, unhurried: bool) -> Station:
+        """Return the station of the terminal: a person, who instructs or trains.
 
         In an ``unhurried`` run, which keeps no time, lines are written at once, and a pipe is read
         first, so that its orders act before the first tick.
@@ -72,7 +72,7 @@ class Ports:
                 if not inbox.ended and not inbox.arrived.wait(PORT_TIMEOUT_S):
                     break
             inbox.arrived.set()
-        return self._person(JoinedLine("console", inbox, sender), Access("instructor", own=True))
+        return self._person(JoinedLine("console", inbox, sender), Access(role, own=True))
 
     def console_line(self, url: str, baud: int) -> Station:
         """Return the station of a person at a serial line. ConfigError if it cannot be opened."""

@@ -50,7 +50,7 @@ from trainer.session.rerun.request import open_log
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.past import recalled_past
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE
 from trainer.session.stations.station import Fact, NoReception
 from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster
 from trainer.session.stations.view import StateReader
@@ -249,7 +249,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         stack.callback(publisher.close, PORT_TIMEOUT_S)  # also where a port cannot be opened
         here = situation(plan, boat)
         introduction = Introduction(
-            (*briefing.heading(INSTRUCTOR_ROLE), *here),
+            (*briefing.heading(INSTRUCTOR_ROLE), *here, method_line(boat)),
             (*briefing.heading(STRANGER_ROLE), *here),
             briefing,
         )
@@ -339,7 +339,8 @@ def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:
         session.event_log.stations.append(ports.console_line(options.url, baud))
     elif not options.headless:
         quick = keeps_no_time(options)
-        session.event_log.stations.append(ports.terminal(unhurried=quick))
+        role = (TRAINEE_ROLE if options.train else INSTRUCTOR_ROLE).name
+        session.event_log.stations.append(ports.terminal(role, unhurried=quick))
     if options.nmea or options.nmea_record is not None:
         from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
 
@@ -394,6 +395,7 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
         visitors=plan.visitors,
         aids=plan.aids if plan.crew.rules else tuple(each for each in plan.aids if each != GHOST),
         way=bool(plan.crew.rules),
+        hint_marks=plan.hint_marks,
     )
 
 
@@ -403,12 +405,14 @@ def situation(plan: Plan, boat: Boat) -> tuple[str, ...]:
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (
         boat.file.name,
-        (
-            f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "
-            f"{boat.method.equations} set, step {boat.method.step:g} s{sea}"
-        ),
+        f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}{sea}",
         *filter(None, (plan.note,)),
     )
+
+
+def method_line(boat: Boat) -> str:
+    """Return how the boat is computed, for the instructor."""
+    return f"computed by the {boat.method.equations} set, step {boat.method.step:g} s"
 
 
 @contextlib.contextmanager

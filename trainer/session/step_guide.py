@@ -14,7 +14,7 @@ from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.config.steps import MISSED_AGAIN, MISSED_ON, Step
-from trainer.io.orders.grammar import Order
+from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.session.control import Control
 from trainer.session.event_log import EventLog
@@ -76,8 +76,19 @@ class StepGuide:
         elif lasted >= _ticks(step.row.within_s, boat):
             self._miss(step)
         elif step.row.hint and not self._hinted and lasted >= _ticks(step.row.hint_after_s, boat):
-            self._hinted = True
-            self._tell(f"hint: {step.row.hint}", Fact("step-hint", step.row.hint))
+            self._give_hint(step.row.hint)
+
+    def give_hint(self) -> Reply:
+        """Give the hint of the present step before its time; it costs nothing."""
+        hint = self.steps[self.place].row.hint if 0 <= self.place < len(self.steps) else ""
+        if not hint:
+            return Refused("this step has no hint")
+        self._give_hint(hint)
+        return f"hint: {hint}"
+
+    def _give_hint(self, hint: str) -> None:
+        self._hinted = True
+        self._tell(f"hint: {hint}", Fact("step-hint", hint))
 
     def settle(self) -> None:
         """Find the step of the moment to which time has jumped."""

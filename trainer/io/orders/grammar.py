@@ -215,6 +215,8 @@ def supposed_order(words: str) -> Order:
 
 def understood_order(tokens: list[str]) -> Order:
     """Return the order of the tokens, or of the phrase they are. Refuses what is neither."""
+    if tokens[0] == HELP_HEAD and MEANT_ORDERS.get(" ".join(tokens[1:])) in ORDER_HEADS:
+        tokens = [HELP_HEAD, MEANT_ORDERS[tokens[1]]]
     try:
         return order(read_form(tokens))
     except RefusedError as refused:

@@ -50,6 +50,7 @@ MEANT_ORDERS = {
     **dict.fromkeys(("wave", "waves", "wind", "weather", "swell"), "sea"),
     **dict.fromkeys(("deeper", "shallower", "up", "down", "descend", "ascend", "goto"), "depth"),
     **dict.fromkeys(("faster", "slower", "knots"), "speed"),
+    **dict.fromkeys(("left", "right", "port", "starboard"), "rudder or course"),
     **dict.fromkeys(("throttle", "engine", "engines", "propeller"), "bell"),
     **dict.fromkeys(("where", "show", "state"), "status"),
 }
@@ -76,7 +77,7 @@ UNSCHEDULED_WORDS = frozenset(
         "branches", "snapshots", "mark", "ack", "role", "name", "subscribe", "unsubscribe",
         "detach", "aye", "belay", "allow", "plan", "cancel", "again", "restart", "branch",
         "end", "release-marks", "debrief", "next", "ready", "command", "give", "keep",
-        "demonstrate", "ghost", "predictor",
+        "demonstrate", "hint", "ghost", "predictor",
         "what-if",
     )
 )
@@ -194,7 +195,11 @@ SESSION_TOPICS = (
     Topic(("branches", "branch"), "branches | branch 1", "what was left behind; back to its end"),
     Topic(("end", "debrief"), "end exercise | release marks | debrief", "and what came of it"),
     Topic(("again", "restart", "next"), "again | again from here | next", "once more; others"),
-    Topic(("demonstrate", "ghost", "predictor"), "demonstrate | ghost on", "the way shown; aids"),
+    Topic(
+        ("demonstrate", "hint", "ghost", "predictor"),
+        "demonstrate | hint | ghost on",
+        "the way shown; help that costs marks",
+    ),
     Topic(("give", "keep"), "take command | give | keep command", "of several instructors"),
     Topic(
         ("role", "ready"), "role helm | role helm TOKEN | ready", "what a line may do; it is ready"
@@ -337,6 +342,7 @@ FORMS = (
     Form("demonstrate", "have the reference crew show the way from here, for 2 min", value=120.0),
     Form("demonstrate for LENGTH", "for so long; then back to this moment, frozen"),
     Form("demonstrate off", "end that now"),
+    Form("hint", "what the reference crew would have ordered by now, and why; it costs marks"),
     Form("ghost on|off", "the reference crew's run from the start beside yours, or not"),
     Form("predictor REACH", "where depth, pitch and heading go, with the controls as they stand"),
     Form("predictor off", "no longer"),

@@ -40,6 +40,7 @@ BRIEFING_TITLES: Final = {
     "hand-from": "by hand from [s]",
     "allowed": "allowed",
     "aids": "aids allowed",
+    "hint": "marks that a hint costs",
     "limits": "limits",
     "wins": "won by",
     "lost": "lost by",
@@ -67,6 +68,7 @@ class Briefing:
     visitors: bool = False  # may begin it again
     aids: tuple[str, ...] = ()  # that are allowed
     way: bool = False  # there is a reference crew to show it
+    hint_marks: float = 0.0  # that each hint costs
 
     def heading(self, role: Role) -> tuple[str, ...]:
         """Return title and text as a role is told them."""
@@ -97,6 +99,7 @@ class Briefing:
         yield from (("wins", each) for each in wins)
         yes = {"visitors": self.visitors, "way": self.way}
         yield from ((key, "yes") for key, given in yes.items() if given)
+        yield from (("hint", f"{self.hint_marks:g}") for _ in range(self.way and not self.steps))
         yield from (("aids", ",".join(self.aids)) for _ in self.aids[:1])
         if self.steps:
             yield "steps", str(self.steps)

@@ -191,7 +191,7 @@ _OTHER_ROLES: Final[Mapping[str, Role]] = {
 TRAINEE_ORDERS: Final = frozenset(
     {
         *("run", "freeze", "step", "time", "again", "backtrack", "next", "end", "quit"),
-        *("autopilot", "demonstrate", "ghost", "predictor"),
+        *("autopilot", "demonstrate", "hint", "ghost", "predictor"),
     }
 )
 TRAINEE_ROLE: Final = Role(

@@ -33,6 +33,7 @@ from trainer.session.stations.roles import (
     MAX_TOKEN_GUESSES,
     ROLES,
     STRANGER_ROLE,
+    TRAINEE_ROLE,
     Access,
     Role,
     hears_kind,
@@ -277,7 +278,8 @@ class Station:
         why = refusal(self.role, order)
         if why is not None:
             guessed = self.role is STRANGER_ROLE and self.counts.guesses
-            self._refuse(heard, order, WRONG_TOKEN_TEXT if guessed else why)
+            told = WRONG_TOKEN_TEXT if guessed else f"{why}{self._other_chair(order)}"
+            self._refuse(heard, order, told)
             return []
         duties: dict[str, Callable[[Message, Order], None]] = {
             "role": self._take_role,
@@ -296,6 +298,14 @@ class Station:
         self.counts.orders += 1
         self._orders_left -= self.visits
         return [Request(order, heard, self)]
+
+    def _other_chair(self, order: Order) -> str:
+        """Return in which chair a lone person may give an order, "" if the role is kept."""
+        if self._door.settles(self.role):
+            return ""
+        has_it = order.name in TRAINEE_ROLE.commands
+        chair = TRAINEE_ROLE if has_it else INSTRUCTOR_ROLE
+        return f"; who is alone may, after `role {chair.name}`"
 
     def _refill(self) -> None:
         """Add the orders that the time since the last call allows (a token bucket)."""

@@ -21,9 +21,9 @@ export function furnishAids(session) {
   const answer = html("span", { role: "status" });
   const off = html("span", { class: "quiet", id: "off-ghost" });
   const ahead = html("span", { class: "quiet", id: "way-ahead" });
-  const give = async (/** @type {string} */ words) => {
+  const give = async (/** @type {string} */ words, answers = false) => {
     const { ok, text } = await session.order(words);
-    write(answer, ok ? "" : text);
+    write(answer, ok && !answers ? "" : text);
   };
   const isShown = () => session.word("time.shown") === "yes";
   const has = (/** @type {string} */ aid) => session.number(`${aid}.depth`) !== null;
@@ -32,7 +32,8 @@ export function furnishAids(session) {
   const ghost = html("button", { type, id: "ghost", click: () => void give(`ghost ${has("ghost") ? "off" : "on"}`) });
   const ask = () => void give(has("predictor") ? "predictor off" : `predictor ${AHEAD} s`);
   const predictor = html("button", { type, id: "predictor", click: ask });
-  bar.append(way, ghost, predictor, off, ahead, answer);
+  const hint = html("button", { type, id: "hint", click: () => void give("hint", true) });
+  bar.append(way, ghost, predictor, hint, off, ahead, answer);
   let seen = false; // the ghost, whose past is asked for when it comes
   const show = () => {
     if (has("ghost") && !seen && !session.alone) recallGhost(session);
@@ -49,9 +50,12 @@ export function furnishAids(session) {
       each.hidden = !allowed.includes(aid) || !session.may(aid);
       each.setAttribute("aria-pressed", String(has(aid)));
     }
+    const price = session.exercise.hint;
+    write(hint, price ? say("Hint: {0} marks", price) : "");
+    hint.hidden = !price || !session.may("hint");
     write(off, has("ghost") ? offGhost(session) : "");
     write(ahead, has("predictor") ? wayAhead(session) : "");
-    bar.hidden = [way, ghost, predictor].every(({ hidden }) => hidden) && !off.textContent && !ahead.textContent;
+    bar.hidden = [way, ghost, predictor, hint].every(({ hidden }) => hidden) && !off.textContent && !ahead.textContent;
   };
   for (const what of ["tick", "state", "exercise"]) session.on(what, show);
   show();

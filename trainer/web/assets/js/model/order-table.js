@@ -41,6 +41,7 @@ export const ORDERS = {
   "ghost": {"obeyer": "the aids", "inReplay": false, "afterEnd": false, "roles": ["instructor", "trainee"]},
   "give": {"obeyer": "command", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
   "help": {"obeyer": "the line", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
+  "hint": {"obeyer": "the exercise", "inReplay": false, "afterEnd": false, "roles": ["instructor", "trainee"]},
   "history": {"obeyer": "a question", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
   "hold": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor"]},
   "hover": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor", "ballast", "diving", "trainee"]},

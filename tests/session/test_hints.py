@@ -1,0 +1,182 @@
+"""A hint tells what the reference crew would have ordered by now, and costs marks."""
+
+import re
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+
+import pytest
+from helpers.crewed import Crewed, Typist
+
+from trainer.config.reference_crew import Crew
+from trainer.io.orders.sentences import order_sentence, parse_sentence
+from trainer.io.recording.recording import Recording
+from trainer.session.hints import NOTHING_TEXT
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
+from trainer.session.stations.roles import CREW_ROLES
+
+pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+
+JAMMED = 160  # [tick] some seconds after the stern planes have jammed
+TOLD = "hint, 5 marks: bell astern full, due since 00:01:11: the gauges show stern < -4"
+
+
+def planned(exercise: str | None) -> Plan:
+    return plan_run(RunOptions(exercise=exercise, given=frozenset({"exercise"})))
+
+
+def trainee(ship: Crewed) -> Typist:
+    """Return the line of who trains, alone from now on."""
+    if not ship.instructor.ended:
+        ship.leaves(ship.instructor)
+    return ship.comes("trainee")
+
+
+@pytest.fixture
+def jam(crewed: Callable[..., Crewed]) -> Crewed:
+    """Return the jam where nobody has answered it yet."""
+    ship = crewed(plan=planned("stern-plane-jam"), seconds=600.0)
+    ship.fly(JAMMED)
+    return ship
+
+
+def asks(ship: Crewed, line: Typist, words: str = "hint") -> tuple[str, str]:
+    """Ask for a hint as a program; wait for the answer, and return it."""
+    before = len(line.sent)
+    line.typed = [order_sentence(words, "8")]
+    ship.session.attendance.listen()
+
+    def answers() -> list[tuple[str, ...]]:
+        told = [parse_sentence(each) for each in line.sent[before:]]
+        return [each.fields for each in told if each and each.tag == "8"]
+
+    ship.settle(answers)
+    ((kind, text),) = answers()
+    return kind, text
+
+
+def told_in(ship: Crewed, branch: int) -> list[tuple[int, str]]:
+    """Return the hints that the recording has on a branch, with their ticks."""
+    ship.recording.flush()
+    return [
+        (each.tick, each.answer) for each in ship.recording.orders(branch) if each.text == "hint"
+    ]
+
+
+def test_a_hint_tells_the_overdue_order_and_why_while_time_runs_and_is_recorded(
+    jam: Crewed,
+) -> None:
+    line = trainee(jam)
+    assert not jam.session.time.frozen
+    assert asks(jam, line) == ("ok", TOLD)
+    assert told_in(jam, 1) == [(JAMMED, TOLD)]
+    assert asks(jam, line) == ("ok", f"{TOLD} (told before: no marks more)")
+    assert told_in(jam, 1) == [(JAMMED, TOLD)]
+    kept = jam.conduct.kept
+    assert kept
+    with closing(Recording.look(kept)) as recording:
+        events = [each for each in recording.events() if each.text == TOLD]
+    assert [(each.tick, each.kind) for each in events] == [(JAMMED, "shown")]
+
+
+def test_what_is_ordered_meanwhile_is_overdue_no_more(jam: Crewed) -> None:
+    line = trainee(jam)
+    jam.say(line, "bell astern full")
+    jam.fly(4)
+    assert asks(jam, line)[1].startswith("hint, 5 marks: bow planes rise 30, due since")
+    jam.say(line, "bow planes rise 30")
+    jam.fly(2)
+    assert asks(jam, line) == ("ok", NOTHING_TEXT)
+    assert len(told_in(jam, 1)) == 1
+
+
+def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(plan=planned("first-depth-change"), seconds=600.0)
+    line = trainee(ship)
+    ship.fly(400)
+    _, text = asks(ship, line)
+    assert re.fullmatch(
+        r"hint, 5 marks: (stern|bow) planes [a-z0-9 ]+: so its planesman would steer now", text
+    )
+
+
+def test_a_hint_stays_with_who_goes_back_before_it_and_not_with_a_run_from_the_start(
+    jam: Crewed,
+) -> None:
+    line = trainee(jam)
+    asks(jam, line)
+    jam.say(line, "freeze")
+    assert jam.say(line, "backtrack 20 s")[0] == "ok"
+    jam.fly(1)
+    assert told_in(jam, 2) == [(JAMMED - 40, TOLD)]
+    jam.say(line, "freeze")
+    jam.say(line, "again")
+    jam.fly(1)
+    assert told_in(jam, 3) == []
+
+
+def test_who_may_ask_and_when(jam: Crewed) -> None:
+    line = trainee(jam)
+    for role in CREW_ROLES:
+        other = jam.comes(role)
+        assert "hint" in jam.refused("hint", other)
+        jam.leaves(other)
+    instructor = jam.comes("instructor")
+    assert jam.refused("hint", line).startswith("an instructor is here")
+    helm = jam.comes("helm")
+    assert asks(jam, instructor) == ("ok", TOLD)  # the crew hears it, too
+    assert jam.events(helm, "shown") == [TOLD] == jam.events(line, "shown")
+    jam.say(instructor, "end exercise")
+    assert jam.refused("hint", instructor).startswith("the exercise is over")
+
+
+@pytest.mark.parametrize(
+    ("exercise", "why"),
+    [(None, "this free run has no reference crew"), ("visitor-dive", "this exercise has no refer")],
+)
+def test_without_a_reference_crew_there_is_no_hint(
+    crewed: Callable[..., Crewed], exercise: str | None, why: str
+) -> None:
+    plan = replace(planned(exercise), crew=Crew())
+    assert crewed(plan=plan, seconds=None).refused("hint").startswith(why)
+
+
+def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(
+    crewed: Callable[..., Crewed],
+) -> None:
+    plan = planned("wheel-and-course")
+    ship = crewed(plan=plan, seconds=None)
+    line = trainee(ship)
+    ship.fly(2)
+    hint = plan.steps[0].row.hint
+    assert ship.say(line, "hint") == ("ok", f"hint: {hint}")
+    assert ship.facts(line, "step-hint") == [hint]
+    assert told_in(ship, 1) == []
+
+
+def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
+    jam: Crewed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    line = trainee(jam)
+    with monkeypatch.context() as patch:
+        patch.setattr("trainer.session.hints.follow_run", lambda *_: 1 // 0)
+        assert asks(jam, line) == (
+            "no",
+            "no hint: ZeroDivisionError: integer division or modulo by zero",
+        )
+    assert asks(jam, line) == ("ok", TOLD)
+
+
+def test_a_hint_of_a_moment_that_was_left_is_not_told(jam: Crewed) -> None:
+    line = trainee(jam)
+    line.typed = [order_sentence("hint", "8"), order_sentence("hint", "9")]
+    jam.session.attendance.listen()
+    assert "a hint is being found already" in line.sent[-1]
+    jam.say(line, "freeze")
+    jam.say(line, "backtrack 5 s")
+    jam.settle(lambda: not jam.conduct.hints.preparing)
+    assert "time has gone elsewhere meanwhile: ask again" in line.sent[-1]
+    assert told_in(jam, 1) == []
