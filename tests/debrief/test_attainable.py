@@ -163,6 +163,25 @@ def test_an_order_that_came_late_is_told_with_how_late_it_came(
     assert not [each for each in said if "did not come" in each]
 
 
+def test_the_better_order_is_told_at_each_fall_from_its_moment_on() -> None:
+    run = explored("stern-plane-jam", late("stern-plane-jam", 15))
+    (first, *others) = attainable_curve(run).changes
+    assert first.better == ((142, "bell astern full"), (146, "bow planes rise 30"))
+    told = 'The reference crew orders "bell astern full" at 1:11 and "bow planes rise 30" at 1:13.'
+    assert change_words(first, run.step).endswith(told)
+    assert all(each.better is not None for each in others if each.marks < 0.0)
+    begins = [min(tick for tick, _ in each.better) for each in others if each.better]
+    assert all(tick >= each.told_at for tick, each in zip(begins, others, strict=False))
+
+
+def test_where_the_reference_crew_would_wait_the_debrief_says_so() -> None:
+    run = explored("first-depth-change", planted("first-depth-change", 20.0, "blow all"))
+    (dearest, *_) = sorted(attainable_curve(run).changes, key=lambda change: change.marks)
+    assert dearest.better == ()
+    said = change_words(dearest, run.step)
+    assert said.endswith("The reference crew orders nothing for 30 s from 0:20 on.")
+
+
 def with_nobody_else(name: str, seconds: float, text: str) -> Rehearsal:
     """Return a run in which nobody gives any order but one."""
     plan = plan_of(name)

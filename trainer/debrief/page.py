@@ -88,7 +88,7 @@ def render(debrief: DebriefData, boat: str = "") -> str:
         under=_under(debrief),
         verdict=sections.verdict(debrief),
         briefing=debrief.plan.briefing,
-        parts=list(_parts(debrief)),
+        parts=list(_parts(debrief, sections.play_by_link if boat else sections.play_by_orders)),
         boat=boat,
         version=__version__,
         source=plain(debrief.source.name),
@@ -108,10 +108,10 @@ def _under(debrief: DebriefData) -> str:
     return " - ".join(filter(None, parts))
 
 
-def _parts(debrief: DebriefData) -> Iterator[Markup]:
+def _parts(debrief: DebriefData, play: Callable[[Sequence[str]], Markup]) -> Iterator[Markup]:
     """Yield the sections, in the order in which a crew wants to know."""
     if debrief.card.scores:
-        yield section("minutes", "What each minute cost", sections.minutes(debrief))
+        yield section("minutes", "What each minute cost", sections.minutes(debrief, play))
         yield section("cost", "What cost most", sections.cost(debrief))
     if debrief.changes:
         yield section("changes", "Changed by the instructor", sections.changes(debrief))
