@@ -29,6 +29,7 @@ from trainer.debrief.episodes import read_backs
 from trainer.debrief.judgement import costs
 from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compared, render
 from trainer.debrief.reference import can_fly, join_runs
+from trainer.debrief.sections import OLDER_RULES
 from trainer.io.recording.facts import REFERENCE_GIVER, plan_of
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.svg import CHART_WIDTH_PX, RIGHT_MARGIN_PX, draw_chart
@@ -176,6 +177,17 @@ def test_all_planned_orders_are_of_one_row(jammed: DebriefData) -> None:
     ]
     givers = order_givers(replace(trajectory, orders=(*trajectory.orders, *planned)))
     assert [(each.who, each.orders) for each in givers][-1] == ("instructor at the plan", 3)
+
+
+@pytest.mark.parametrize("rules", [{}, {"rules": "1"}])
+def test_a_debrief_of_an_older_recording_says_that_it_is_marked_by_today_s_rules(
+    jammed: DebriefData, rules: dict[str, str]
+) -> None:
+    older = {key: value for key, value in jammed.header.items() if key != "rules"}
+    for show in (render, as_text):
+        assert OLDER_RULES.partition(":")[0] not in " ".join(show(jammed).split())
+        told = " ".join(show(replace(jammed, header={**older, **rules})).split())
+        assert OLDER_RULES.partition(":")[0] in told
 
 
 def test_the_values_of_an_axis_have_eighty_pixels(jammed: DebriefData) -> None:

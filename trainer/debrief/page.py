@@ -215,6 +215,7 @@ def as_text(debrief: DebriefData) -> str:
         lines.append(f"There is no curve: {comparison.no_curve}.")
     else:
         lines += terminal_lines(comparison.curve, debrief.step)
+    lines += [] if sections.is_of_today(debrief) else [sections.OLDER_RULES]
     lines += [each.told for each in debrief.costs]
     lines += compared_lines(debrief.forms, debrief.final)
     wrapped = (fill(plain(line), TEXT_WIDTH) if len(line) > TEXT_WIDTH else line for line in lines)

@@ -12,6 +12,7 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.config.outcome import Outcome
+from trainer.config.score_rules import RULES_FORM
 from trainer.core.digest import same_core
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
@@ -32,6 +33,10 @@ MAX_TABLE_ROWS: Final = 1000  # lines of the log, of marks, of branches
 CODE: Final = Markup("<code>{}</code>")
 BY_ORDERS: Final = Markup(
     "<p>To play from a moment: {}, then the orders beside it, and <code>run</code>.</p>"
+)
+OLDER_RULES: Final = (
+    "The rules of marking have changed since this was recorded: it is marked by today's, "
+    "with the bands that its exercise had."
 )
 NO_CHANGE: Final = "No minute cost marks that a careful crew would have kept."
 JSON_HINT: Final = "trainer debrief --json has all"
@@ -87,6 +92,8 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
 def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     """Yield the notes about the marks, a sentence or two each."""
     card = debrief.final
+    if not is_of_today(debrief):
+        yield OLDER_RULES
     if debrief.aids:
         yield f"Flown with {' and '.join(debrief.aids)}."
     if debrief.practice:
@@ -121,6 +128,11 @@ def describe_card(card: Scorecard) -> str:
     """Return the outcome and the marks of a card, in words."""
     marks = "no marks" if card.total is None else f"{card.total:.0f} of 100 marks"
     return marks if card.verdict is None else f"{card.verdict.outcome}, {marks}"
+
+
+def is_of_today(debrief: DebriefData) -> bool:
+    """Return whether it was recorded under today's rules of marking, or has no marks."""
+    return not debrief.card.scores or debrief.header.get("rules") == RULES_FORM
 
 
 def explain_total(verdict: Verdict) -> str:
