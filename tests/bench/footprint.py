@@ -23,7 +23,7 @@ from typing import Any, Final
 from helpers.places import tests_environment
 from llvmlite import binding  # type: ignore[import-untyped]
 
-from trainer.boat.entries import BOAT, Entry
+from trainer.boat.entries import BOAT_RECORDS, Entry
 from trainer.boat.export.targets import find_processor
 from trainer.config.files import ConfigError
 from trainer.core import wide
@@ -110,7 +110,7 @@ def sections(function: Callable[..., int]) -> dict[str, tuple[int, int]]:
 
     method = Method("modified", "lagged", "report", "adams2", 0.5)
     scheme = fit_out(load_vessel(VESSEL), method).scheme
-    module = freestanding_module(Entry(function, BOAT, int), scheme, {})
+    module = freestanding_module(Entry(function, BOAT_RECORDS, int), scheme, {})
     return {cpu: sizes(small_object(str(module), cpu)) for cpu in CPUS}
 
 

@@ -105,7 +105,7 @@ def test_every_kernel_that_is_called_from_outside_the_core_is_in_the_object() ->
         for path in sorted((package / folder).rglob("*.py"))
         if path.name != "__main__.py" and not str(path).startswith(left)
         for called in called_kernels(path)
-        if called not in {each.kernel for each in entries.ENTRIES}
+        if called not in {each.kernel for each in entries.KERNEL_ENTRIES}
     }
 
     assert not missing
@@ -122,28 +122,28 @@ def test_the_table_has_what_is_called_and_nothing_else() -> None:
         for each in called_kernels(path)
     }
 
-    assert {each.name for each in entries.ENTRIES if each.kernel not in called} == set()
+    assert {each.name for each in entries.KERNEL_ENTRIES if each.kernel not in called} == set()
 
 
 def test_the_shipped_objects_are_of_this_core_and_whole() -> None:
     card = machine_code.shipped_card()
 
     assert card["core"] == core_digest(), f"make them again: {MAKE}"
-    assert set(card["objects"]) == set(platforms.PLATFORMS)
+    assert set(card["objects"]) == set(platforms.SHIPPED_PLATFORMS)
     for name, said in card["objects"].items():
         code = unpacked(name)
         assert (len(code), hashlib.sha256(code).hexdigest()) == (said["bytes"], said["sha256"])
     assert sum(path.stat().st_size for path in machine_code.SHIPPED_FOLDER.iterdir()) < 850_000
 
 
-@pytest.mark.parametrize("name", platforms.PLATFORMS)
+@pytest.mark.parametrize("name", platforms.SHIPPED_PLATFORMS)
 def test_an_object_has_all_entries_and_asks_for_nothing(name: str) -> None:
     found = [(symbol.removeprefix("_"), known) for symbol, known in symbols(unpacked(name))]
 
     assert [symbol for symbol, known in found if not known] == []
     assert {symbol for symbol, _ in found} == {
         entries.TICK_NAME,
-        *(each.name for each in entries.ENTRIES),
+        *(each.name for each in entries.KERNEL_ENTRIES),
     }
 
 
@@ -152,7 +152,7 @@ def test_the_objects_made_again_are_those_that_are_shipped() -> None:
     card = machine_code.shipped_card()
     here = (platform.python_version(), numba.__version__, llvmlite.__version__)
     if here == (card["python"], card["numba"], card["llvmlite"]):
-        made = objects.make_objects(*platforms.PLATFORMS)
+        made = objects.make_objects(*platforms.SHIPPED_PLATFORMS)
         assert {name: hashlib.sha256(code).hexdigest() for name, code in made.items()} == {
             name: said["sha256"] for name, said in card["objects"].items()
         }
@@ -161,7 +161,7 @@ def test_the_objects_made_again_are_those_that_are_shipped() -> None:
     library = machine_code.Library(made[HERE])
     address = library.address_of("trainer_fly")
     fly = machine_code.call_entry(
-        next(e for e in entries.ENTRIES if e.kernel is entry.fly), address
+        next(e for e in entries.KERNEL_ENTRIES if e.kernel is entry.fly), address
     )
     empty = machine_code.EMPTY_CHART
 
@@ -198,7 +198,7 @@ def test_what_the_object_does_not_take_numba_takes(make_boat: Callable[..., Boat
 
 
 def test_only_calls_of_many_ticks_let_other_threads_go_on() -> None:
-    assert {each.kernel for each in entries.ENTRIES if each.many_ticks} == MANY_PER_CALL
+    assert {each.kernel for each in entries.KERNEL_ENTRIES if each.many_ticks} == MANY_PER_CALL
 
 
 def take(boat: Boat, ticks: int) -> None:
@@ -252,7 +252,7 @@ def cut(path: Path) -> None:
 
 
 def of_another_platform(path: Path) -> None:
-    others = set(platforms.PLATFORMS) - {HERE}
+    others = set(platforms.SHIPPED_PLATFORMS) - {HERE}
     path.write_bytes(gzip.compress(unpacked(others.pop())))
 
 
@@ -333,7 +333,8 @@ def test_where_no_machine_code_may_be_made_that_is_said_and_how_to_allow_it(
 def test_the_newest_processor_level_that_a_machine_has_is_taken(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    all_of_them = dict.fromkeys(platforms.V3_NEEDS, True)
+    flags = platforms.flags_of("x86-64-v3")
+    all_of_them = {platforms.LLVM_NAMES.get(flag, flag): True for flag in flags}
     monkeypatch.setattr(platforms, "platform_name", lambda: "linux-x86_64")
     assert platforms.fitting_name(all_of_them) == "linux-x86_64-v3"
     assert platforms.fitting_name(all_of_them | {"avx2": False}) == "linux-x86_64"

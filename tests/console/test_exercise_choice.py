@@ -100,6 +100,7 @@ def test_the_list_says_how_many_rows_a_small_screen_hides() -> None:
     choice = exercise_choice([*lessons(), *course()], trains=True)
     rows = len(choice.rows)
     drawn = plain(choice.draw(74, 20))
+    assert choice.advice[0] in drawn  # whole
     below = re.search(r"(\d+) more below", drawn)
     assert below
     shown = sum(row.name.split("  ")[0] in drawn for row in choice.rows)

@@ -42,12 +42,12 @@ from trainer.core.update import lost, outside, update
 from trainer.core.vessel import COMPACT, VESSEL
 
 Kind = np.dtype | type | tuple[int, ...]
-ANY: Final = 0  # a size that each call gives, after all other arguments
-ROW: Final = (ANY,)
-ROWS: Final = (ANY, ANY)
-SIX: Final = (6,)
-BOAT: Final = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
-PAIR: Final = tuple[float, float]
+GIVEN_SIZE: Final = 0  # a size that each call gives, after all other arguments
+GIVEN_ROW: Final = (GIVEN_SIZE,)
+GIVEN_ROWS: Final = (GIVEN_SIZE, GIVEN_SIZE)
+SIX_NUMBERS: Final = (6,)
+BOAT_RECORDS: Final = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
+NUMBER_PAIR: Final = tuple[float, float]
 TICK_NAME: Final = "trainer_tick_of"  # the tick with all its arguments in one block of words
 
 
@@ -59,7 +59,7 @@ class Entry(NamedTuple):
 
     kernel: Any
     kinds: tuple[Kind, ...]
-    answer: Any = None  # int, bool, float, PAIR, or None
+    answer: Any = None  # int, bool, float, NUMBER_PAIR, or None
     bundle: int = 0  # so many first arguments are one tuple to the kernel
     many_ticks: bool = False  # in one call, which lets other threads go on
 
@@ -73,24 +73,24 @@ class Entry(NamedTuple):
         """Yield where each size that a call gives belongs: argument, and place in its shape."""
         for place, kind in enumerate(self.kinds):
             if isinstance(kind, tuple):
-                yield from ((place, i) for i, size in enumerate(kind) if size == ANY)
+                yield from ((place, i) for i, size in enumerate(kind) if size == GIVEN_SIZE)
 
     @property
     def answers(self) -> int:
         """Return how many numbers are answered by address, after all arguments."""
-        return {float: 1, PAIR: 2}.get(self.answer, 0)
+        return {float: 1, NUMBER_PAIR: 2}.get(self.answer, 0)
 
 
-ENTRIES: Final = (
-    Entry(tick, (*BOAT, ROW), int, bundle=5),
-    Entry(fly, (*BOAT, ROW, ROW, ROWS), int, bundle=5, many_ticks=True),
-    Entry(sail, (*BOAT, LOOKOUT, ROWS), int, bundle=5, many_ticks=True),
-    Entry(update, BOAT, int),
-    Entry(rates, BOAT),
-    Entry(advance, BOAT),
-    Entry(set_out, BOAT),
-    Entry(level_flight, (*BOAT, float), int),
-    Entry(trim, (*BOAT, int), int),
+KERNEL_ENTRIES: Final = (
+    Entry(tick, (*BOAT_RECORDS, GIVEN_ROW), int, bundle=5),
+    Entry(fly, (*BOAT_RECORDS, GIVEN_ROW, GIVEN_ROW, GIVEN_ROWS), int, bundle=5, many_ticks=True),
+    Entry(sail, (*BOAT_RECORDS, LOOKOUT, GIVEN_ROWS), int, bundle=5, many_ticks=True),
+    Entry(update, BOAT_RECORDS, int),
+    Entry(rates, BOAT_RECORDS),
+    Entry(advance, BOAT_RECORDS),
+    Entry(set_out, BOAT_RECORDS),
+    Entry(level_flight, (*BOAT_RECORDS, float), int),
+    Entry(trim, (*BOAT_RECORDS, int), int),
     Entry(stand_by_all, (VESSEL, float, STATE, SCRATCH)),
     Entry(outside, (VESSEL, SCHEME, STATE, SCRATCH)),
     Entry(lost, (STATE,), int),
@@ -106,15 +106,15 @@ ENTRIES: Final = (
     Entry(is_hovering, (STATE,), bool),
     Entry(wanted_pump, (VESSEL, float, STATE), float),
     Entry(segment, (float,), float),
-    Entry(sound, (VESSEL, ROW, STATE)),
-    Entry(north_and_east, (float,), PAIR),
-    Entry(gaussian_pair, (int, int, int), PAIR),
+    Entry(sound, (VESSEL, GIVEN_ROW, STATE)),
+    Entry(north_and_east, (float,), NUMBER_PAIR),
+    Entry(gaussian_pair, (int, int, int), NUMBER_PAIR),
     Entry(order_sea, (VESSEL, float, float, (TAPER + 1,), SCRATCH, STATE)),
-    Entry(write_elevations, (VESSEL, float, SCRATCH, STATE, ROW)),
+    Entry(write_elevations, (VESSEL, float, SCRATCH, STATE, GIVEN_ROW)),
     Entry(prepare_sum, (float, float, SCRATCH)),
-    Entry(suction, (float, float, float, float), PAIR),
-    Entry(wave_forces, (VESSEL, SCRATCH, STATE, SIX)),
-    Entry(surface_forces, (VESSEL, STATE, SIX)),
+    Entry(suction, (float, float, float, float), NUMBER_PAIR),
+    Entry(wave_forces, (VESSEL, SCRATCH, STATE, SIX_NUMBERS)),
+    Entry(surface_forces, (VESSEL, STATE, SIX_NUMBERS)),
     Entry(sail_height, (VESSEL, STATE), float),
     Entry(deck_height, (VESSEL, STATE), float),
     Entry(height_above_water, (STATE, float, float), float),
@@ -123,4 +123,4 @@ ENTRIES: Final = (
 
 def entry_of(kernel: Callable[..., Any]) -> Entry:
     """Return the row of a kernel."""
-    return next(entry for entry in ENTRIES if entry.kernel is kernel)
+    return next(entry for entry in KERNEL_ENTRIES if entry.kernel is kernel)

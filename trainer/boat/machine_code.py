@@ -27,8 +27,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.assemble import Records
-from trainer.boat.entries import ENTRIES, PAIR, TICK_NAME, Entry
-from trainer.boat.platforms import CARD_FILE, PLATFORMS, fitting_name, platform_name
+from trainer.boat.entries import KERNEL_ENTRIES, NUMBER_PAIR, TICK_NAME, Entry
+from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, fitting_name, platform_name
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
 from trainer.core.kernel import INTERPRETED, Kernel, Numbers
@@ -122,8 +122,8 @@ class Library:
             raise PermissionError(errno.EPERM, FORBIDDEN_TEXT) from None
         binding.initialize_native_target()
         binding.initialize_native_asmprinter()
-        name = platform_name()
-        triple = PLATFORMS[name].triple if name in PLATFORMS else binding.get_process_triple()
+        kind = SHIPPED_PLATFORMS.get(platform_name())
+        triple = kind.triple if kind else binding.get_process_triple()
         machine = binding.Target.from_triple(triple).create_target_machine(opt=3)
         empty = binding.parse_assembly("")
         empty.triple, empty.data_layout = triple, str(machine.target_data)
@@ -206,7 +206,7 @@ def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
             return entry.answer(status) if entry.answer else None
         answer = np.empty(entry.answers)
         function(*words, _address(answer))
-        return tuple(answer.tolist()) if entry.answer is PAIR else float(answer[0])
+        return tuple(answer.tolist()) if entry.answer is NUMBER_PAIR else float(answer[0])
 
     return call
 
@@ -233,7 +233,7 @@ def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], in
 
 def find_code(kernel: Kernel) -> Callable[..., Any] | None:
     """Return what calls the machine code of a kernel, None if it has none here."""
-    entry = next((each for each in ENTRIES if each.kernel is kernel), None)
+    entry = next((each for each in KERNEL_ENTRIES if each.kernel is kernel), None)
     library = _find_way().library if entry else None
     if entry is None or library is None:
         return None

@@ -1,6 +1,7 @@
-"""The platforms that machine code of the core is shipped for.
+"""The platforms that the core's machine code is shipped for, and levels of processors.
 
-``export/objects`` makes an object for each, ``machine_code`` loads the one of this machine.
+``export/objects`` makes an object for each, ``machine_code`` loads the one of this machine;
+``export/targets`` compiles a boat's own core for a level.
 """
 
 import platform
@@ -9,29 +10,44 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 CARD_FILE: Final = "card.json"  # what the objects were made from
+# what each level has over the one before it, by the names of Linux
+PROCESSOR_LEVELS: Final = {
+    "x86-64-v2": ("sse4_2", "ssse3", "popcnt"),
+    "x86-64-v3": ("avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "abm"),
+    "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
+}
+LLVM_NAMES: Final = {"sse4_2": "sse4.2", "bmi1": "bmi", "abm": "lzcnt"}  # where they differ
 
 
 class Platform(NamedTuple):
-    """What an object is compiled for, and what a processor must have for it."""
+    """What an object is compiled for, by the compiler's names."""
 
     triple: str
     cpu: str
-    features: str
-    needs: tuple[str, ...]
 
 
-X86_NEEDS: Final = ("sse4.2", "ssse3", "popcnt")
-V3_NEEDS: Final = (*X86_NEEDS, "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 # by system and machine; the first that a processor can run is taken
-PLATFORMS: Final[Mapping[str, Platform]] = {
-    "linux-x86_64-v3": Platform("x86_64-unknown-linux-gnu", "x86-64-v3", "", V3_NEEDS),
-    "linux-x86_64": Platform("x86_64-unknown-linux-gnu", "x86-64-v2", "", X86_NEEDS),
-    "linux-aarch64": Platform("aarch64-unknown-linux-gnu", "generic", "", ()),
+SHIPPED_PLATFORMS: Final[Mapping[str, Platform]] = {
+    "linux-x86_64-v3": Platform("x86_64-unknown-linux-gnu", "x86-64-v3"),
+    "linux-x86_64": Platform("x86_64-unknown-linux-gnu", "x86-64-v2"),
+    "linux-aarch64": Platform("aarch64-unknown-linux-gnu", "generic"),
     # as ELF, because as COFF it would ask for _fltused
-    "windows-x86_64": Platform("x86_64-pc-windows-msvc-elf", "x86-64-v2", "", X86_NEEDS),
-    "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1", "", ()),
+    "windows-x86_64": Platform("x86_64-pc-windows-msvc-elf", "x86-64-v2"),
+    "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1"),
 }
 SYSTEM_NAMES: Final = {"darwin": "macos", "win32": "windows"}
+
+
+def flags_of(cpu: str) -> tuple[str, ...]:
+    """Return Linux's names of what a level of processor has, () for no level."""
+    levels = list(PROCESSOR_LEVELS)
+    below = levels[: levels.index(cpu) + 1] if cpu in levels else ()
+    return tuple(flag for level in below for flag in PROCESSOR_LEVELS[level])
+
+
+def has_flag(features: Mapping[str, bool], flag: str) -> bool:
+    """Return whether features, by the compiler's names, have what Linux calls ``flag``."""
+    return bool(features.get(LLVM_NAMES.get(flag, flag)))
 
 
 def platform_name() -> str:
@@ -43,7 +59,8 @@ def platform_name() -> str:
 def fitting_name(features: Mapping[str, bool]) -> str | None:
     """Return the first platform whose object a processor of this machine's kind can run."""
     here = platform_name()
-    for name, kind in PLATFORMS.items():
-        if name in (here, f"{here}-v3") and all(features.get(need) for need in kind.needs):
+    for name, kind in SHIPPED_PLATFORMS.items():
+        fits = all(has_flag(features, flag) for flag in flags_of(kind.cpu))
+        if fits and name in (here, f"{here}-v3"):
             return name
     return None

@@ -37,8 +37,10 @@ MIN_REPEATED_SHARE: Final = 0.02  # [-] of all times, likewise
 CLOCK_SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 DECIMAL_COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
 DECIMAL_POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
-THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # or three decimals
-NO_THOUSANDS: Final = re.compile(r"[+-]?(?:\d{4,}(?:[.,]\d+)?|\d*[.,](?:\d\d?|\d{4,})|0*[.,]\d+)")
+GROUPED_NUMBER: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # or three decimals
+UNGROUPED_NUMBER: Final = re.compile(
+    r"[+-]?(?:\d{4,}(?:[.,]\d+)?|\d*[.,](?:\d\d?|\d{4,})|0*[.,]\d+)"
+)
 COMMENT_MARK: Final = re.compile(r"\s*(?:#|%|//)")  # of a line
 SEPARATOR_LINE: Final = re.compile(r"sep=([,;\t])[ \t]*(?=[\r\n])", re.IGNORECASE)  # Excel's
 UTC_ENDING: Final = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
@@ -155,7 +157,7 @@ class CsvTable:
         """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
         text = self.cells[row][place]
         match = ANGLE_PATTERN.fullmatch(text)
-        if match is None or (unit == "ddmm" and "," in text and THOUSANDS.match(text)):
+        if match is None or (unit == "ddmm" and "," in text and GROUPED_NUMBER.match(text)):
             return self.number(row, place, text)
         before, whole, *parts, after = match.groups()
         size, minutes, seconds = (float((x or "0").replace(",", ".")) for x in (whole, *parts))
@@ -383,12 +385,12 @@ def _check_thousands(path: Path, heads: Sequence[str], rows: Rows) -> None:
     # three decimals beside whole numbers: programs print all alike, or cut zeros off the end
     for place, head in enumerate(heads):
         cells = [(line, row[place]) for line, row in rows]
-        groups = [one for one in cells if THOUSANDS.fullmatch(one[1])]
+        groups = [one for one in cells if GROUPED_NUMBER.fullmatch(one[1])]
         rounded = any(text.endswith("0") for _, text in groups)
         wholes = [
             (n, x) for n, x in cells if x.lstrip("+-").isdecimal() and (rounded or x.strip("+-0"))
         ]
-        if groups and wholes and not any(NO_THOUSANDS.fullmatch(text) for _, text in cells):
+        if groups and wholes and not any(UNGROUPED_NUMBER.fullmatch(text) for _, text in cells):
             (line, text), (at, whole) = groups[0], wholes[0]
             readings = f"is it {re.sub('[.,]', '', text)} or {text.replace(',', '.')}?"
             raise ConfigError(

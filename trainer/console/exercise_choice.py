@@ -128,7 +128,7 @@ def exercise_choice(
         for each in offered
     ]
     rows = [*lessons, *rows] if trains else [*rows, *lessons]
-    advice = ("Press Up or Down, or type part of a title or name; Enter begins, Esc leaves",)
+    advice = ("Up or Down, or type part of a title or name; Enter begins, Esc leaves",)
     choice = ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
     following = progress.following(offered) if progress else None
     if progress and following:

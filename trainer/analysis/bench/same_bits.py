@@ -19,8 +19,9 @@ from trainer.analysis.bench.standard_hour import HOUR_TICKS, TickRunner, digest,
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
 from trainer.boat.assemble import Records
-from trainer.boat.export.targets import NATIVE_NAME, PROCESSOR_LEVELS, find_processor
+from trainer.boat.export.targets import NATIVE_NAME, find_processor
 from trainer.boat.machine_code import way_name
+from trainer.boat.platforms import PROCESSOR_LEVELS
 from trainer.config.files import ConfigError
 
 FLEET_MEMBERS: Final = 17  # a full block of LANE_COUNT boats, and one boat that begins the next

@@ -18,7 +18,7 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba import types
 
-from trainer.boat.entries import PAIR, Entry
+from trainer.boat.entries import NUMBER_PAIR, Entry
 from trainer.config.files import ConfigError
 from trainer.core.kernel import INTERPRETED, TESTED_NUMBA, Record, is_tested
 
@@ -36,11 +36,11 @@ class NumbaAnswer(NamedTuple):
     status: str  # from %whole, the answer, to %said
 
 
-ANSWERS: Final[Mapping[Any, NumbaAnswer]] = {
+NUMBA_ANSWERS: Final[Mapping[Any, NumbaAnswer]] = {
     int: NumbaAnswer("i64", "%said = trunc i64 %whole to i32"),
     bool: NumbaAnswer("i8", "%said = zext i8 %whole to i32"),
     float: NumbaAnswer("double", "%said = add i32 0, 0"),
-    PAIR: NumbaAnswer("[2 x double]", "%said = add i32 0, 0"),
+    NUMBER_PAIR: NumbaAnswer("[2 x double]", "%said = add i32 0, 0"),
     None: NumbaAnswer("ptr", "%said = add i32 0, 0"),
 }
 
@@ -142,7 +142,7 @@ def entry_text(entry: Entry, kernel: str, name: str, scheme: bytes | None = None
         size, quoted = len(scheme), quote_bytes(scheme)
         constant = f'@scheme = internal constant [{size} x i8] c"{quoted}", align 8\n'
     taken += [f"double %s{i}" for i, _ in enumerate(entry.sizes)]
-    answer = ANSWERS[entry.answer]
+    answer = NUMBA_ANSWERS[entry.answer]
     if entry.answers:
         taken.append("ptr %place")
     else:

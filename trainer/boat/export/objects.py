@@ -20,7 +20,7 @@ import llvmlite  # type: ignore[import-untyped]
 import numba
 from llvmlite import binding
 
-from trainer.boat.entries import ENTRIES, TICK_NAME
+from trainer.boat.entries import KERNEL_ENTRIES, TICK_NAME
 from trainer.boat.export.lowering import (
     entry_text,
     freestanding_text,
@@ -29,7 +29,7 @@ from trainer.boat.export.lowering import (
     seal_module,
 )
 from trainer.boat.export.targets import optimise_module
-from trainer.boat.platforms import CARD_FILE, PLATFORMS, Platform
+from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, Platform
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
 from trainer.io.outputs import replacing
@@ -64,7 +64,7 @@ def lower(folder: str, *names: str) -> None:
     binding.initialize_all_targets()
     binding.initialize_all_asmprinters()
     texts = []
-    for entry in ENTRIES:
+    for entry in KERNEL_ENTRIES:
         text, kernel = kernel_text(entry)
         texts.append(re.sub(r"^target .*$", "", text, flags=re.MULTILINE))
         texts.append(entry_text(entry, kernel, entry.name))
@@ -73,24 +73,24 @@ def lower(folder: str, *names: str) -> None:
             texts[-1] += block_text(entry.name, kinds)
     for name in names:
         object_path = Path(folder, f"{name}.o")
-        object_path.write_bytes(compile_for(PLATFORMS.get(name) or host_platform(), texts))
+        object_path.write_bytes(compile_for(SHIPPED_PLATFORMS.get(name) or host_platform(), texts))
 
 
 def host_platform() -> Platform:
     """Return the plain processor of this machine's kind."""
-    return Platform(binding.get_process_triple(), "generic", "", ())
+    return Platform(binding.get_process_triple(), "generic")
 
 
 def compile_for(target: Platform, texts: Iterable[str]) -> bytes:
     """Return one object of these texts for a platform."""
     machine = binding.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.cpu, features=target.features, opt=3, reloc="pic", codemodel="small"
+        cpu=target.cpu, features="", opt=3, reloc="pic", codemodel="small"
     )
     head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{target.triple}"\n'
     module = binding.parse_assembly(head + freestanding_text(64))
     for text in texts:
         module.link_in(binding.parse_assembly(head + text))
-    seal_module(module, {*(entry.name for entry in ENTRIES), TICK_NAME})
+    seal_module(module, {*(entry.name for entry in KERNEL_ENTRIES), TICK_NAME})
     optimise_module(module, machine, 3)
     return bytes(machine.emit_object(module))
 
@@ -118,7 +118,7 @@ def card_of(objects: dict[str, bytes]) -> dict[str, Any]:
 
 def write_shipped(folder: Path) -> dict[str, Any]:
     """Write the objects of all platforms and their card into a folder; return the card."""
-    objects = make_objects(*PLATFORMS)
+    objects = make_objects(*SHIPPED_PLATFORMS)
     card = card_of(objects)
     files = {f"{name}.o.gz": gzip.compress(code, 9, mtime=0) for name, code in objects.items()}
     files[CARD_FILE] = (json.dumps(card, indent=1) + "\n").encode()

@@ -16,15 +16,10 @@ from typing import Any, Final
 
 from llvmlite import binding  # type: ignore[import-untyped]
 
+from trainer.boat.platforms import PROCESSOR_LEVELS, flags_of, has_flag
 from trainer.config.files import ConfigError
 
 NATIVE_NAME: Final = "native"
-# what each level has over the one before it, by the names of Linux
-PROCESSOR_LEVELS: Final = {
-    "x86-64-v2": ("sse4_2", "ssse3", "popcnt"),
-    "x86-64-v3": ("avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "abm"),
-    "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
-}
 # what is not in the object is in nobody's: it would be missed when the library is loaded
 STRICT_FLAGS = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
 
@@ -46,20 +41,11 @@ def find_processor(name: str) -> Processor:
     host = binding.get_process_triple().partition("-")[0]
     if name == NATIVE_NAME:
         has = binding.get_host_cpu_features()
-        needs = [
-            flag for level in PROCESSOR_LEVELS.values() for flag in level if has.get(_llvm(flag))
-        ]
+        needs = [flag for flag in flags_of(list(PROCESSOR_LEVELS)[-1]) if has_flag(has, flag)]
         return Processor(binding.get_host_cpu_name(), has.flatten(), tuple(needs))
     if host != "x86_64":
         raise ConfigError(f"--cpu {name}: this machine is {host}; give --cpu {NATIVE_NAME}")
-    levels = list(PROCESSOR_LEVELS)
-    below = levels[: levels.index(name) + 1]
-    return Processor(name, "", tuple(flag for level in below for flag in PROCESSOR_LEVELS[level]))
-
-
-def _llvm(flag: str) -> str:
-    """Return the compiler's name of a feature that Linux calls ``flag``."""
-    return {"sse4_2": "sse4.2", "bmi1": "bmi", "abm": "lzcnt"}.get(flag, flag)
+    return Processor(name, "", flags_of(name))
 
 
 def object_code(module: Any, target: Processor) -> bytes:

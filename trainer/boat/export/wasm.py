@@ -79,7 +79,7 @@ ROOM_SIZES: Final = (
 
 
 # rows of ``entries`` that hosts were written for, by their names there
-FUNCTIONS: Final[Mapping[str, Entry]] = {
+HOST_FUNCTIONS: Final[Mapping[str, Entry]] = {
     "trainer_tick": entry_of(update),
     "trainer_read": entry_of(instruments),
     "trainer_begin": entry_of(begin),
@@ -121,13 +121,13 @@ def lower(scheme: str, target: str) -> None:
         for room, size in zip(ROOM_NAMES, ROOM_SIZES, strict=True)
     )
     module = binding.parse_assembly(head + freestanding_text(32) + rooms)
-    for name, entry in FUNCTIONS.items():
+    for name, entry in HOST_FUNCTIONS.items():
         text, kernel = kernel_text(entry)
         text = re.sub(r"^target .*$", "", text, flags=re.MULTILINE)
         text = settle_method(text, Path(scheme).read_bytes())
         for part in (text, entry_text(entry, kernel, name)):
             module.link_in(binding.parse_assembly(head + part))
-    seal_module(module, {*FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)})
+    seal_module(module, {*HOST_FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)})
     optimise_module(module, machine, 2)
     Path(target).write_bytes(machine.emit_object(module))
 
@@ -141,7 +141,8 @@ def build_module(scheme: Record) -> bytes:
         code, module = Path(folder) / "core.o", Path(folder) / MODULE_FILE
         _lowered(np.asarray(scheme).tobytes(), code)
         shown = [
-            f"--export={name}" for name in (*FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES))
+            f"--export={name}"
+            for name in (*HOST_FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES))
         ]
         call_program([linker, *LINKER_OPTIONS, *shown, "-o", str(module), str(code)], os.environ)
         return module.read_bytes()
