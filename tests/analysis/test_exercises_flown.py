@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,7 @@ from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
 from trainer.config.reference_crew import Crew, read_crew
 from trainer.core.digest import core_digest
+from trainer.debrief.attainable import RunExplorer
 from trainer.debrief.data import gather_debrief
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
@@ -131,6 +133,50 @@ def test_a_baseline_is_kept_that_is_not_stale(name: str) -> None:
     assert now.nobody.total or pytest.approx(kept.nobody.total, abs=5.0) == 0.0, stale
     assert reference(name).total == pytest.approx(kept.crew.total, abs=5.0), stale
     assert kept.fits(text), f"the text has changed: trainer exercise baseline {name}"
+
+
+# where seconds decide, so that 15 s too late cost more than 10 marks
+URGENT = ("emergency-deep", "rise-jam-shallow", "steering-jam", "stern-plane-jam")
+# nothing presses, as their texts for the instructor say
+PATIENT = ("bottoming", "canyon", "heavy-boat")
+# [s] when something first asks for an answer, where that is not the first order or casualty
+ASKED_S = {
+    "crossing-traffic": 120.0,  # its ships come near
+    "hover-by-pump": 60.0,  # she has begun to sink
+    "depth-gauge-failure": 150.0,
+    **dict.fromkeys(("flooding-aft", "steering-jam", "stern-plane-jam"), 66.0),
+    "rise-jam-shallow": 101.0,
+    "loss-of-propulsion": 486.0,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_marks_fall_by_how_late_a_crew_is_and_no_tick_decides(name: str) -> None:
+    crew, best = flown(name).plan.crew, reference(name).total or 0.0
+    late = {s: marks_of(name, crew, CrewReaction(late=s)) for s in (5.0, 15.0, 40.0, 60.0)}
+    totals = [best, *(card.total or 0.0 for card in late.values())]
+    assert all(worse <= better + 1.0 for better, worse in pairwise(totals)), totals
+    assert (late[15.0].total or 0.0) >= 90.0 or name in URGENT
+    assert (late[40.0].total or 0.0) < 90.0
+    for card in late.values():
+        assert (outcome(card) == "won") is ((card.total or 0.0) >= 60.0)
+    for seed in (1, 2, 3):
+        card = marks_of(name, crew, CrewReaction(jitter=8.0, seed=seed))
+        assert (card.total or 0.0) >= best - 10.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in PATIENT])
+def test_two_minutes_after_something_asks_for_an_answer_it_is_too_late(name: str) -> None:
+    plan = flown(name).plan.alone()
+    asking = [e.seconds for e in plan.schedule if e.order.name in ("order", "tell", "casualty")]
+    begun = ASKED_S.get(name, min(asking))
+    judge = functools.partial(judge_run, plan=plan, nobody=flown(name).nobody_marks)
+    run = RunExplorer(plan, fly_rehearsal(plan).trajectory, judge)
+    run.fly_again()
+    tick = round((begun + 120.0) / plan.method.step)
+    assert not run.point(min(tick, run.last)).won
 
 
 def useless_crews(plan: Plan) -> Iterator[Crew]:

@@ -1,5 +1,7 @@
 """What lies before and after the present: what a late screen has not seen, what is planned."""
 
+import re
+
 import pytest
 from helpers.screens import CREW, Tape, sight_of, tape, values
 
@@ -136,6 +138,9 @@ def test_the_time_line_shows_what_is_planned_and_reaches_so_far() -> None:
         "c": room - 1,
     }
     assert time_at(model, 80, 7 + room - 1) == 150.0
+    assert re.findall(r"[\d:]{5,}", signs[:room]) == ["02:00"]  # a sign stands at 01:00
+    middle = 7 + signs.index("02:00") + 2
+    assert abs(time_at(model, 80, middle) - 120.0) < 150.0 / room
 
     talk.say(sentences.fact(124, 62.0, "plans", "0"))
     model.hear()

@@ -60,6 +60,34 @@ PLANTED = (
     ("rise-jam-shallow", None, "", "bow planes dive 30"),
     ("backing", None, "", "hover on"),
 )
+# an order of the reference crew, and what comes in its place: another one, none, or it later [s]
+FAULTS = (
+    # the wrong way
+    ("backing", "bell astern two-thirds", "bell ahead two-thirds", 0.0),
+    ("stern-plane-jam", "bow planes rise 30", "bow planes dive 30", 0.0),
+    ("gyro-stuck", "rudder right 10", "rudder left 10", 0.0),
+    ("loss-of-propulsion", "pump depth-control 5 t", "flood depth-control 5 t", 0.0),
+    ("rise-jam-shallow", "bow planes dive 30", "bow planes rise 30", 0.0),
+    # missing
+    ("air-bank-failure", "drain centre", None, 0.0),
+    ("surface-and-steer", "surface", None, 0.0),
+    ("steering-jam", "bell astern full", None, 0.0),
+    ("crash-stop", "bell astern full", None, 0.0),
+    ("hover-by-pump", "pump depth-control 2 t", None, 0.0),
+    # late
+    ("stern-plane-jam", "bell astern full", "bell astern full", 15.0),
+    ("steering-jam", "bell astern full", "bell astern full", 30.0),
+    ("backing", "bell astern two-thirds", "bell astern two-thirds", 60.0),
+    ("periscope-depth", "periscope depth", "periscope depth", 60.0),
+    ("crash-stop", "bell astern full", "bell astern full", 40.0),
+    # too much
+    ("heavy-boat", "pump depth-control 8 t", "pump depth-control 20 t", 0.0),
+    ("gyro-stuck", "rudder left 10", "rudder left 35", 0.0),
+    ("hover-by-pump", "pump depth-control 2 t", "pump depth-control 10 t", 0.0),
+    ("bottoming", "flood depth-control 1 t", "flood depth-control 15 t", 0.0),
+    ("periscope-depth", "flood depth-control 4 t", "flood depth-control 20 t", 0.0),
+)
+QUICK_FAULTS = (FAULTS[2], FAULTS[12], FAULTS[16])
 SHIPPED = shipped_names("exercises")
 SHORT = ("stern-plane-jam", "rise-jam-shallow", "steering-jam", "flooding-aft", "hover-by-pump")
 
@@ -161,6 +189,25 @@ def test_an_order_that_came_late_is_told_with_how_late_it_came(
     said = sentences(explored(name, late(name, seconds)))
     assert told in said[0]
     assert not [each for each in said if "did not come" in each]
+
+
+def test_the_better_order_is_told_at_each_fall_from_its_moment_on() -> None:
+    run = explored("stern-plane-jam", late("stern-plane-jam", 15))
+    (first, *others) = attainable_curve(run).changes
+    assert first.better == ((142, "bell astern full"), (146, "bow planes rise 30"))
+    told = 'The reference crew orders "bell astern full" at 1:11 and "bow planes rise 30" at 1:13.'
+    assert change_words(first, run.step).endswith(told)
+    assert all(each.better is not None for each in others if each.marks < 0.0)
+    begins = [min(tick for tick, _ in each.better) for each in others if each.better]
+    assert all(tick >= each.told_at for tick, each in zip(begins, others, strict=False))
+
+
+def test_where_the_reference_crew_would_wait_the_debrief_says_so() -> None:
+    run = explored("first-depth-change", planted("first-depth-change", 20.0, "blow all"))
+    (dearest, *_) = sorted(attainable_curve(run).changes, key=lambda change: change.marks)
+    assert dearest.better == ()
+    said = change_words(dearest, run.step)
+    assert said.endswith("The reference crew orders nothing for 30 s from 0:20 on.")
 
 
 def with_nobody_else(name: str, seconds: float, text: str) -> Rehearsal:
@@ -278,6 +325,39 @@ def test_nine_of_ten_planted_orders_are_named() -> None:
     missed = [case for case in PLANTED if not named(*case)]
     assert len({name for name, *_ in PLANTED}) >= 12
     assert len(missed) <= len(PLANTED) // 10, missed
+
+
+def is_named(name: str, right: str, wrong: str | None, late: float) -> bool:
+    """Return whether the debrief of a crew's fault has its order at its moment, within 5 s."""
+    plan = plan_of(name)
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    given = by_crew(name).trajectory.orders
+    own = (each for each in given if each.text == right)
+    due = next(each for each in own if each.giver.kind is GiverKind.REFERENCE)
+    fault = [journalled(9000, due.tick + round(2 * late), "panel", wrong, "")] if wrong else []
+    orders: dict[int, list[Any]] = {}
+    for entry in (*(each for each in given if each is not due), *fault):
+        orders.setdefault(entry.tick, []).append(entry)
+    run = explored(name, fly(plan, Departure(0, boat.records.state.copy()), orders)[0])
+    return any(
+        each.order in (right, wrong) and abs((each.tick or 0) - due.tick) <= 10
+        for each in attainable_curve(run).changes
+    )
+
+
+@pytest.mark.parametrize("fault", QUICK_FAULTS)
+def test_a_fault_of_the_crew_is_named_at_its_moment(
+    fault: tuple[str, str, str | None, float],
+) -> None:
+    assert is_named(*fault)
+
+
+@pytest.mark.slow
+def test_nine_of_ten_faults_of_a_crew_are_named_at_their_moments() -> None:
+    missed = [fault for fault in FAULTS if not is_named(*fault)]
+    assert len({name for name, *_ in FAULTS}) >= 8
+    assert len(missed) <= len(FAULTS) // 10, missed
 
 
 def test_a_run_of_another_core_has_no_curve() -> None:

@@ -19,12 +19,18 @@ from trainer.config.files import ConfigError
 from trainer.debrief.attainable import AttainableCurve, ChangeCause
 from trainer.debrief.attainable_words import TEXT_COLUMNS, text_axis
 from trainer.debrief.charts import attainable_chart, ground_of, runs_beside
-from trainer.debrief.data import DebriefData, ReferenceComparison, debrief_figures
+from trainer.debrief.data import (
+    DebriefData,
+    ReferenceComparison,
+    debrief_figures,
+    order_givers,
+)
 from trainer.debrief.episodes import read_backs
 from trainer.debrief.judgement import costs
 from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compared, render
 from trainer.debrief.reference import can_fly, join_runs
-from trainer.io.recording.facts import REFERENCE_GIVER
+from trainer.debrief.sections import OLDER_RULES
+from trainer.io.recording.facts import REFERENCE_GIVER, plan_of
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.svg import CHART_WIDTH_PX, RIGHT_MARGIN_PX, draw_chart
 
@@ -58,6 +64,12 @@ def idle(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def jam(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a recording of jammed planes answered too late."""
     return record(tmp_path_factory.mktemp("jam") / "jam.trainer", "stern-plane-jam", JAM)
+
+
+@pytest.fixture(scope="module")
+def jammed(jam: Path) -> DebriefData:
+    """Return the debrief of it, with the reference crew from a moment on."""
+    return debriefed(jam, reference_from=78.0)
 
 
 @pytest.fixture(scope="module")
@@ -138,6 +150,49 @@ def test_the_page_leads_to_each_change_in_the_charts(jam: Path) -> None:
     assert '<a href="#change0-attainable">Go there</a>' in told
     assert 'id="change0-attainable"' in told
     assert "What could still be earned [marks]" in told
+
+
+def test_a_page_without_the_boat_has_the_orders_that_lead_to_each_moment(
+    jammed: DebriefData,
+) -> None:
+    (change, *_) = curve_of(jammed).changes
+    told = render(jammed)
+    assert change.tick
+    lapse = f"<code>backtrack {600 - change.tick / 2:g} s</code>"
+    assert f"Play from here: <code>branch 1</code>, {lapse}" in told
+    assert f"<code>trainer resume {jammed.source.name}</code>" in told
+    assert "data-orders" not in told
+    flown = render(jammed, boat="<p>the boat</p>")
+    assert f'data-orders="branch 1; backtrack {600 - change.tick / 2:g} s; run"' in flown
+    assert "trainer resume" not in flown
+
+
+def test_all_planned_orders_are_of_one_row(jammed: DebriefData) -> None:
+    trajectory = jammed.trajectory
+    planned = [
+        replace(
+            journalled(i, 100 + i, "instructor", "depth 80", ""), giver=plan_of("instructor", i)
+        )
+        for i in (1, 2, 3)
+    ]
+    givers = order_givers(replace(trajectory, orders=(*trajectory.orders, *planned)))
+    assert [(each.who, each.orders) for each in givers][-1] == ("instructor at the plan", 3)
+
+
+@pytest.mark.parametrize("rules", [{}, {"rules": "1"}])
+def test_a_debrief_of_an_older_recording_says_that_it_is_marked_by_today_s_rules(
+    jammed: DebriefData, rules: dict[str, str]
+) -> None:
+    older = {key: value for key, value in jammed.header.items() if key != "rules"}
+    for show in (render, as_text):
+        assert OLDER_RULES.partition(":")[0] not in " ".join(show(jammed).split())
+        told = " ".join(show(replace(jammed, header={**older, **rules})).split())
+        assert OLDER_RULES.partition(":")[0] in told
+
+
+def test_the_values_of_an_axis_have_eighty_pixels(jammed: DebriefData) -> None:
+    ends = {float(x) for x in re.findall(r'class="tick end" x="([\d.]+)"', render(jammed))}
+    assert min(ends) >= 80.0
 
 
 def test_the_chart_has_the_figure_of_each_change_and_none_lies_on_another(jam: Path) -> None:

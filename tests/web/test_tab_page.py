@@ -513,6 +513,24 @@ def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path
     assert page.locator("img").count() == 0
 
 
+def test_a_debrief_leads_the_boat_inside_it_to_where_marks_were_lost(
+    opened: Open, drill: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "debrief.html"
+    debrief_file(drill, out, None, DebriefRequest(boat=page_text(None, drill, "instructor")))
+    page = opened(out.read_text(encoding="utf-8"))
+    boat = page.frame_locator("iframe")
+    expect(boat.locator("#state")).to_have_attribute("data-state", "frozen")
+    first = page.get_by_role("link", name="Play from here").first
+    _, lapse, _ = (first.get_attribute("data-orders") or "").split("; ")
+    begun = 600.0 - float(lapse.split()[1])
+
+    first.click()
+
+    expect(boat.locator("#state")).to_have_attribute("data-state", "running")
+    expect(boat.locator("#time")).to_have_text(re.compile(f"^0{begun // 60:.0f}:"))
+
+
 # What is wrong
 
 

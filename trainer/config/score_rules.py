@@ -31,6 +31,7 @@ from trainer.core.surfaces import SURFACES
 from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 
+RULES_FORM: Final = "2"  # of the rules of marking; counted up where a run's marks would change
 OWN_UNIT: Final = ""  # the unit of a measure that is a quantity's
 COURSE_QUANTITY: Final = "course"  # a quantity beside those of conditions: it goes round
 ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # places of the state that hold what is ordered

@@ -56,6 +56,8 @@ POINT_PERIOD_S: Final = 10.0  # [s] from point to point where little changes
 FINEST_PERIOD_S: Final = 1.0  # [s] down to which a change is halved
 MAX_TRIED_ORDERS: Final = 12  # orders left out one after another to explain one change
 SUSPECT_TIME_S: Final = 10.0  # [s] before a change begins, in which an order may have caused it
+BETTER_TIME_S: Final = 30.0  # [s] from a moment, for which the better orders are told
+MAX_BETTER_ORDERS: Final = 2  # told of one moment
 CAUSE_SHARE: Final = 0.5  # [-] of a change that a cause must account for
 HAND_CONTROLS: Final = {  # what the reference crew's hands work, and the orders that do
     "planesman": ("planes", frozenset({"stern", "bow", "planes"})),
@@ -115,6 +117,7 @@ class MarkChange:
     untouched: tuple[str, ...] = ()  # controls that nobody had worked
     who: str = ""  # gave it
     falls: tuple[SteepFall, ...] = ()  # the steep ones within it
+    better: tuple[tuple[int, str], ...] | None = None  # the reference crew's, each with its tick
 
     @property
     def told_at(self) -> int:
@@ -211,6 +214,16 @@ class RunExplorer:
             _, here = fly(self.plan, here, self.recorded, until=tick)
         run, _ = fly(self.plan, here, self.later, speaks_from=tick)
         return run
+
+    def with_better(self, change: MarkChange) -> MarkChange:
+        """Return a fall with what the reference crew orders from its moment on."""
+        if change.marks > 0.0 or not change.told_at < self.last:
+            return change
+        given = self.from_moment(change.told_at).trajectory.orders
+        until = change.told_at + BETTER_TIME_S / self.step
+        own = [each for each in given if each.giver.kind is GiverKind.REFERENCE]
+        near = [(each.tick, each.text) for each in own if each.tick <= until]
+        return replace(change, better=tuple(near[:MAX_BETTER_ORDERS]))
 
     def without(self, order: RecordedOrder, end: int) -> float:
         """Return the marks attainable at ``end`` if an order before it is left out."""
@@ -332,7 +345,7 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
     if abs(rest) > WORTH_MARKS:
         cause = ChangeCause.RECORD_ENDS
         changes.append(MarkChange(flown[-1].tick, points[-1].tick, rest, cause))
-    return AttainableCurve(points, tuple(changes))
+    return AttainableCurve(points, tuple(map(run.with_better, changes)))
 
 
 def refuse_plan(plan: Plan) -> None:

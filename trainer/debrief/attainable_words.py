@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.debrief.attainable import (
+    BETTER_TIME_S,
     AttainableCurve,
     ChangeCause,
     MarkChange,
@@ -48,9 +49,20 @@ def until_words(curve: AttainableCurve, step: float) -> str:
 def change_words(change: MarkChange, step: float) -> str:
     """Return one change of the attainable marks in words.
 
-    It is one sentence, and one more for each of its steep falls.
+    It is one sentence, one more for each of its steep falls, and one with the better order.
     """
-    return " ".join((_cause_words(change, step), *(_fall_words(f, step) for f in change.falls)))
+    falls = (_fall_words(fall, step) for fall in change.falls)
+    return " ".join((_cause_words(change, step), *falls, *_better_words(change, step)))
+
+
+def _better_words(change: MarkChange, step: float) -> Iterator[str]:
+    """Yield what the reference crew orders from the moment of a change."""
+    if change.better is None:
+        return
+    orders = [f'"{text}" at {clock(math.floor(tick * step))}' for tick, text in change.better]
+    begin = clock(math.floor(change.told_at * step))
+    none = f"nothing for {BETTER_TIME_S:g} s from {begin} on"
+    yield f"The reference crew orders {' and '.join(orders) or none}."
 
 
 def _fall_words(fall: SteepFall, step: float) -> str:
@@ -131,6 +143,9 @@ def attainable_figures(curve: AttainableCurve, step: float) -> dict[str, Any]:
                 "order_s": _seconds(each.tick, step),
                 "came_s": _seconds(each.came, step),
                 "by": each.who,
+                "better": [
+                    {"seconds": tick * step, "order": text} for tick, text in each.better or ()
+                ],
                 "told": change_words(each, step),
             }
             for each in curve.changes

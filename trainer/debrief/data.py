@@ -6,6 +6,7 @@ is drawn, so that page, terminal and ``--json`` have the same figures.
 
 # long: one record of a debrief, and all that is gathered for it
 import sys
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
@@ -46,7 +47,7 @@ from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory, read_passage
-from trainer.io.recording.facts import REFERENCE_GIVER, BranchCause, Giver
+from trainer.io.recording.facts import REFERENCE_GIVER, BranchCause, Giver, GiverKind
 from trainer.io.recording.queries import ExcessRows
 from trainer.io.recording.recording import Branch, RecordedEvent, RecordedOrder, Recording
 from trainer.session.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
@@ -361,14 +362,17 @@ def last_tick(recording: Recording, branch: Branch) -> int:
 
 
 def order_givers(trajectory: Trajectory) -> tuple[GiverCount, ...]:
-    """Return who gave orders, in the order in which they began to."""
-    givers = []
-    for giver in dict.fromkeys(each.giver for each in trajectory.orders):
-        orders = [each for each in trajectory.orders if each.giver == giver]
-        givers.append(
-            GiverCount(giver, len(orders), sum(each.accepted is False for each in orders))
-        )
-    return tuple(givers)
+    """Return who gave orders, from the first on; a plan's orders count as one's."""
+    by_giver: dict[Giver, list[RecordedOrder]] = defaultdict(list)
+    for order in trajectory.orders:
+        giver = order.giver
+        if giver.kind is GiverKind.PLAN:
+            giver = Giver(giver.kind, giver.role, f"{giver.role} at the plan")
+        by_giver[giver].append(order)
+    return tuple(
+        GiverCount(giver, len(orders), sum(each.accepted is False for each in orders))
+        for giver, orders in by_giver.items()
+    )
 
 
 def events_of(

@@ -88,7 +88,7 @@ def render(debrief: DebriefData, boat: str = "") -> str:
         under=_under(debrief),
         verdict=sections.verdict(debrief),
         briefing=debrief.plan.briefing,
-        parts=list(_parts(debrief)),
+        parts=list(_parts(debrief, sections.play_by_link if boat else sections.play_by_orders)),
         boat=boat,
         version=__version__,
         source=plain(debrief.source.name),
@@ -108,10 +108,10 @@ def _under(debrief: DebriefData) -> str:
     return " - ".join(filter(None, parts))
 
 
-def _parts(debrief: DebriefData) -> Iterator[Markup]:
+def _parts(debrief: DebriefData, play: Callable[[Sequence[str]], Markup]) -> Iterator[Markup]:
     """Yield the sections, in the order in which a crew wants to know."""
     if debrief.card.scores:
-        yield section("minutes", "What each minute cost", sections.minutes(debrief))
+        yield section("minutes", "What each minute cost", sections.minutes(debrief, play))
         yield section("cost", "What cost most", sections.cost(debrief))
     if debrief.changes:
         yield section("changes", "Changed by the instructor", sections.changes(debrief))
@@ -215,6 +215,7 @@ def as_text(debrief: DebriefData) -> str:
         lines.append(f"There is no curve: {comparison.no_curve}.")
     else:
         lines += terminal_lines(comparison.curve, debrief.step)
+    lines += [] if sections.is_of_today(debrief) else [sections.OLDER_RULES]
     lines += [each.told for each in debrief.costs]
     lines += compared_lines(debrief.forms, debrief.final)
     wrapped = (fill(plain(line), TEXT_WIDTH) if len(line) > TEXT_WIDTH else line for line in lines)

@@ -4,13 +4,15 @@
 it is only rounded and put into words.
 """
 
+# long: the sections of one page, a function each
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Final
 
 from markupsafe import Markup
 
 from trainer.config.outcome import Outcome
+from trainer.config.score_rules import RULES_FORM
 from trainer.core.digest import same_core
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
@@ -28,6 +30,14 @@ from trainer.report.html import paragraph, table
 from trainer.report.svg import clock
 
 MAX_TABLE_ROWS: Final = 1000  # lines of the log, of marks, of branches
+CODE: Final = Markup("<code>{}</code>")
+BY_ORDERS: Final = Markup(
+    "<p>To play from a moment: {}, then the orders beside it, and <code>run</code>.</p>"
+)
+OLDER_RULES: Final = (
+    "The rules of marking have changed since this was recorded: it is marked by today's, "
+    "with the bands that its exercise had."
+)
 NO_CHANGE: Final = "No minute cost marks that a careful crew would have kept."
 JSON_HINT: Final = "trainer debrief --json has all"
 JOINED_KEY_GAP_S: Final = 1.0  # [s] from one press of a key to the next
@@ -79,15 +89,22 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
         yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
 
 
-def _beside_marks(debrief: DebriefData) -> Iterator[str]:
-    """Yield the notes about the marks, a sentence or two each."""
-    card = debrief.final
+def _how_flown(debrief: DebriefData) -> Iterator[str]:
+    """Yield what helped the crew: aids, hints, another try."""
     if debrief.aids:
         yield f"Flown with {' and '.join(debrief.aids)}."
     for hint in hints_told(debrief.trajectory):
         yield f"At {clock(hint.tick * debrief.step)}: {hint.answer}."
     if debrief.practice:
         yield f"Practice: this run was wound back ({debrief.practice})."
+
+
+def _beside_marks(debrief: DebriefData) -> Iterator[str]:
+    """Yield the notes about the marks, a sentence or two each."""
+    card = debrief.final
+    if not is_of_today(debrief):
+        yield OLDER_RULES
+    yield from _how_flown(debrief)
     if card.verdict is not None:
         yield explain_total(card.verdict)
     if debrief.changed is not None:
@@ -120,6 +137,11 @@ def describe_card(card: Scorecard) -> str:
     return marks if card.verdict is None else f"{card.verdict.outcome}, {marks}"
 
 
+def is_of_today(debrief: DebriefData) -> bool:
+    """Return whether it was recorded under today's rules of marking, or has no marks."""
+    return not debrief.card.scores or debrief.header.get("rules") == RULES_FORM
+
+
 def explain_total(verdict: Verdict) -> str:
     """Return in words how the total came about, by the formula of ``judgement``."""
     words = (
@@ -148,21 +170,42 @@ def explain_total(verdict: Verdict) -> str:
     return f"{words}."
 
 
-def minutes(debrief: DebriefData) -> Markup:
-    """Return what each minute cost: each change of the attainable marks, with its cause."""
+def play_by_link(orders: Sequence[str]) -> Markup:
+    """Return the link that has the boat in the page fly on, by orders (js/tab/link)."""
+    link = Markup('<a href="#fly" data-orders="{}">Play from here</a>')
+    return link.format("; ".join((*orders, "run")))
+
+
+def play_by_orders(orders: Sequence[str]) -> Markup:
+    """Return the orders by which a session flies on, for a page without the boat."""
+    return Markup("Play from here: {}").format(Markup(", ").join(map(CODE.format, orders)))
+
+
+def minutes(debrief: DebriefData, play: Callable[[Sequence[str]], Markup]) -> Markup:
+    """Return what each minute cost: each change of the attainable marks, with its cause.
+
+    ``play`` makes of the orders that lead to a moment how it can be flown on from there.
+    """
     comparison = debrief.compared
     if comparison is None:
         return paragraph("This exercise has no reference crew to compare with.")
     curve = comparison.curve
     if curve is None:
         return paragraph(f"There is no curve: {comparison.no_curve}.")
-    item = Markup('<li>{} <a href="#{}-attainable">Go there</a></li>')
-    items = Markup().join(
-        item.format(change_words(each, debrief.step), change_name(i))
-        for i, each in enumerate(curve.changes)
-    )
+    item = Markup('<li>{} <a href="#{}-attainable">Go there</a>{}</li>')
+    items, last = [], int(debrief.trajectory.ticks[-1])
+    for i, each in enumerate(curve.changes):
+        lapse = f"backtrack {(last - each.told_at) * debrief.step:g} s"
+        played = play((f"branch {debrief.branch.id}", lapse)) if each.told_at < last else ""
+        words = change_words(each, debrief.step)
+        items.append(item.format(words, change_name(i), Markup(" · {}").format(played)))
     lines = [Markup("<p><b>{}</b></p>").format(until_words(curve, debrief.step))]
-    lines.append(Markup("<ul>{}</ul>").format(items) if items else paragraph(NO_CHANGE))
+    lines.append(
+        Markup("<ul>{}</ul>").format(Markup().join(items)) if items else paragraph(NO_CHANGE)
+    )
+    if items and play is play_by_orders:
+        resumed = CODE.format(f"trainer resume {plain(debrief.source.name)}")
+        lines.append(BY_ORDERS.format(resumed))
     return Markup().join(lines)
 
 

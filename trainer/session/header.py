@@ -5,7 +5,8 @@ A header holds these texts: ``plan``, the form of the header; ``trainer``, ``cor
 ``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
 key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
 Some have ``width``, by which it is judged, and ``trainees``, names as JSON; ``nomoto`` is the form
-of the equation by which Nomoto ships went, the first where there is none.
+of the equation by which Nomoto ships went, the first where there is none; ``rules``, the same of
+the rules of marking.
 
 ``texts`` makes a recording whole: it can be replayed after its exercise or vessel file has changed.
 ``differences`` lists what has changed since and may change bits, before a replay or a resumed run.
@@ -41,6 +42,7 @@ from trainer.config.files import (
     remembering,
 )
 from trainer.config.progress import file_stem
+from trainer.config.score_rules import RULES_FORM
 from trainer.config.soundings import read_as_kept
 from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest, same_core
@@ -126,6 +128,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
         "seed": json.dumps(int(boat.state.seed)),
         "width": options.width,
         "nomoto": NOMOTO_FORM,
+        "rules": RULES_FORM,
         **({TRAINEES_KEY: json.dumps(names_of(options.trainee))} if options.trainee else {}),
         **({FAMILIARISATION_KEY: "yes"} if options.familiarisation else {}),
     }

@@ -5,12 +5,14 @@ instructor's. A drawing takes the model, and the columns and rows that there are
 and changes nothing.
 """
 
+from trainer.console.drawing.chart import TICK_SPACINGS_S
 from trainer.console.drawing.values import course, no_value_reason, number
 from trainer.console.journal import TimelineMoment, clock, wrap_entry
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 MIN_TIMELINE_COLUMNS = 24  # [columns] of a time line
+MOMENT_COLUMNS = 15  # [columns] from moment to moment named on it, at least
 SHIP_NAME_COLUMNS = 9  # [columns]
 SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
 SHIPS_HEADING = " ship      brg  range crs kn   cpa  sec"
@@ -74,6 +76,14 @@ def scale(model: SessionModel, now: float, end: float, room: int) -> tuple[Run, 
     for moment in moments(model):
         signs[column(moment.seconds)] = (moment.sign, "warning")
     signs[column(now)] = ("┃", "value")
+    least = end * MOMENT_COLUMNS / room
+    rough = TICK_SPACINGS_S[-1] * -(-least // TICK_SPACINGS_S[-1])
+    step = next((each for each in TICK_SPACINGS_S if each >= least), rough)
+    for k in range(1, int(end / step) + 1):
+        named = f" {clock(k * step).removeprefix('00:')} "  # in the middle of its moment
+        cells = slice(first := column(k * step) - len(named) // 2, first + len(named))
+        if cells.stop < room and all(sign in "━╌" for sign, _ in signs[cells]):
+            signs[cells] = [(letter, "dim") for letter in named]
     return tuple(signs)
 
 

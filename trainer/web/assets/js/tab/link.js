@@ -32,6 +32,15 @@ export class Link extends EventTarget {
     this.worker.onmessage = ({ data }) => this.hear(data);
     this.worker.onerror = (event) => this.lose(event.message || "the boat could not be started");
     this.begin().catch((error) => this.lose(String(error)));
+    self.frameElement?.ownerDocument.addEventListener("click", ({ target }) => void this.play(target));
+  }
+
+  /** Flies on from where a link of the debrief around this frame leads. @param {EventTarget | null} target */
+  async play(target) {
+    const link = /** @type {HTMLElement | null} */ (target)?.closest?.("[data-orders]");
+    for (const words of /** @type {HTMLElement} */ (link)?.dataset.orders?.split("; ") ?? []) {
+      if (!(await this.order(words)).ok) return;
+    }
   }
 
   async begin() {
