@@ -44,15 +44,22 @@ def await_end(process: subprocess.Popen[bytes], closing: threading.Event) -> Non
         pass
 
 
+def hear_out(process: subprocess.Popen[bytes], closing: threading.Event) -> tuple[bytes, bytes]:
+    """Return all that a process says; TimeoutExpired where a session that ends cannot wait."""
+    while not closing.is_set():
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return process.communicate(timeout=LOOK_PERIOD_S)
+    return process.communicate(timeout=CLOSE_TIMEOUT_S - CLOSE_MARGIN_S)
+
+
 def written_aside(words: Sequence[str], closing: threading.Event) -> Path:
     """Return the file that a process writes and names; RuntimeError with why there is none.
 
     A session that ends waits for it, though not longer than for what it does itself.
     """
     process = begin_aside(words, stderr=subprocess.PIPE)
-    await_end(process, closing)
     try:
-        said, wrong = process.communicate(timeout=CLOSE_TIMEOUT_S - CLOSE_MARGIN_S)
+        said, wrong = hear_out(process, closing)
     except subprocess.TimeoutExpired:
         process.kill()
         process.communicate()
