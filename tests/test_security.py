@@ -60,6 +60,8 @@ TOLD = {
     "session/nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
     "cli/guide.py",  # when a guide was made
     "debrief/changes.py",  # when a mark was changed
+    "debrief/progress_words.py",  # how many days ago an exercise was flown
+    "console/exercise_choice.py",  # likewise
 }
 TIME_OF_DAY = {"now", "utcnow", "today", "time", "time_ns"}  # of datetime, date and time
 

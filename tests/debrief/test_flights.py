@@ -75,7 +75,7 @@ def test_a_boat_that_is_lost_on_the_way_is_where_it_was_lost(
     for flown, plan in zip(flights, plans, strict=True):
         assert_same(flown, fly_rehearsal(plan))
         assert flown.trajectory.boat.ticks == flown.trajectory.ticks[-1]
-    assert [each.lost for each in flights] == ["collapse at 451 m", "collision with anchored"]
+    assert [each.lost for each in flights] == ["collapse at 450 m", "collision with anchored"]
 
 
 def test_a_member_of_a_sweep_flies_as_tick_by_tick() -> None:

@@ -119,7 +119,7 @@ def test_a_boat_laid_down_well_is_told_so_and_that_it_lies(make_boat: MakeBoat) 
     told = calls(boat, 120.0)
     assert len(told) == 2
     assert told[0].endswith("well done")
-    assert told[1] == "lies on the ground: 10 t on the ground, screw stopped"
+    assert told[1] == "lies on the ground: 9 t on the ground, screw stopped"
 
 
 def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong(make_boat: MakeBoat) -> None:

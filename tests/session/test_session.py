@@ -283,7 +283,7 @@ def test_a_scheduled_order_acts_on_the_first_tick_not_before_its_time() -> None:
     assert isinstance(session.rows.recorder, Rows)
     rudder = [row[MOTION_COLUMNS.index("delta_r")] for row in session.rows.recorder.kept]
     # 1.2 s is within the third tick: the order acts at the start of the fourth
-    assert rudder[:4] == [rudder[0]] * 4
+    assert rudder[:4] == pytest.approx([rudder[0]] * 4, abs=1e-12)
     assert rudder[4] == pytest.approx(rudder[0] - 3.55 * DEGREE)
     assert script.heard == [
         "1.2 s: rudder right 10, by hand",

@@ -258,7 +258,9 @@ def test_the_page_has_the_keys_of_the_terminals_panel_that_lessons_name() -> Non
     (bow,) = re.findall(r"const BOW = \{(.*?)\};", script, re.DOTALL)
 
     assert dict(re.findall(r'(\w): "(.*?)"', orders)) == {
-        key.names[0]: key.act.words for key in KEYS["trainee"] if isinstance(key.act, OrderAction)
+        key.names[0]: key.act.words
+        for key in KEYS["trainee"]
+        if isinstance(key.act, OrderAction) and len(key.names[0]) == 1  # F8 is a button there
     }
     assert {name: int(by) for name, by in re.findall(r'"(\S)": (-?\d)', bow)} == {
         key.label.replace(" ", ""): key.act.by

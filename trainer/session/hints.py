@@ -71,7 +71,7 @@ class Hints:
         A run that begins anew begins without.
         """
         flown = self.history.flown
-        if flown.replaying or flown.shows_way:
+        if not self.told or flown.replaying or flown.shows_way:
             return
         if not self.history.tick:
             self.told.clear()

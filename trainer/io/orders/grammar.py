@@ -222,7 +222,7 @@ def understood_order(tokens: list[str]) -> Order:
     except RefusedError as refused:
         phrase = meaning(tokens)
         if phrase is None:
-            goes = tokens[0] in GOING_WORDS and tokens[1:2] and tokens[1] in MEANT_ORDERS
+            goes = len(tokens) == 2 and tokens[0] in GOING_WORDS and tokens[1] in MEANT_ORDERS
             near = "" if goes or tokens[0] in ORDER_HEADS else nearest_phrase(tokens)
             reason = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
             raise RefusedError(reason if near else str(refused)) from None
