@@ -117,7 +117,7 @@ class ExerciseHeading:
     aids: tuple[str, ...] | None = optional(
         Choices(AIDS, "aids that are allowed; else none with [[scores]], both without")
     )
-    hint_marks: float = with_default(5.0, "-", within(0, 100), "marks that each hint costs")
+    hint_marks: float = with_default(5.0, "-", within(0, 100), "marks that each hint costs; else 5")
     guard_depth_m: float | None = optional(
         Quantity("m", above(0, 12000), "before it the boat levels by itself, planes in hand")
     )
