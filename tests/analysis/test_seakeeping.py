@@ -10,7 +10,7 @@ from trainer.analysis.guide.programme import Leg, guide_legs, own_method
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.seakeeping import (
-    STEEPNESS,
+    WAVE_STEEPNESS,
     BeamSea,
     fast_part,
     peak_period,
@@ -41,7 +41,7 @@ def worst_in_the_sea(file: VesselFile, factors: dict[str, float]) -> float:
 
 
 def test_the_sea_of_bb2_is_sea_state_5_and_smaller_boats_have_less() -> None:
-    heights = [STEEPNESS * math.tau / wave_number(length) for length in (70.2, 5.3, 1.33)]
+    heights = [WAVE_STEEPNESS * math.tau / wave_number(length) for length in (70.2, 5.3, 1.33)]
     periods = [peak_period(length) for length in (70.2, 5.3, 1.33)]
 
     assert heights == pytest.approx([3.25, 1.16, 0.66], rel=0.01)

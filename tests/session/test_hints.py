@@ -162,7 +162,7 @@ def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
 ) -> None:
     line = trainee(jam)
     with monkeypatch.context() as patch:
-        patch.setattr("trainer.session.hints.follow_run", lambda *_: 1 // 0)
+        patch.setattr("trainer.session.second_boat.follow_run", lambda *_: 1 // 0)
         assert asks(jam, line) == (
             "no",
             "no hint: ZeroDivisionError: integer division or modulo by zero",

@@ -88,7 +88,7 @@ def render(debrief: DebriefData, boat: str = "") -> str:
         under=_under(debrief),
         verdict=sections.verdict(debrief),
         briefing=debrief.plan.briefing,
-        parts=list(_parts(debrief, sections.play_by_link if boat else sections.play_by_orders)),
+        parts=list(_parts(debrief, sections.PLAY_BY_LINK if boat else sections.PLAY_BY_ORDERS)),
         boat=boat,
         version=__version__,
         source=plain(debrief.source.name),
@@ -108,7 +108,7 @@ def _under(debrief: DebriefData) -> str:
     return " - ".join(filter(None, parts))
 
 
-def _parts(debrief: DebriefData, play: Callable[[Sequence[str]], Markup]) -> Iterator[Markup]:
+def _parts(debrief: DebriefData, play: sections.PlayOn) -> Iterator[Markup]:
     """Yield the sections, in the order in which a crew wants to know."""
     if debrief.card.scores:
         yield section("minutes", "What each minute cost", sections.minutes(debrief, play))

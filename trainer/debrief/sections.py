@@ -7,13 +7,14 @@ it is only rounded and put into words.
 # long: the sections of one page, a function each
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 from markupsafe import Markup
 
 from trainer.config.outcome import Outcome
 from trainer.config.score_rules import RULES_FORM
 from trainer.core.digest import same_core
+from trainer.debrief.attainable import MarkChange
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name
@@ -30,7 +31,7 @@ from trainer.report.html import paragraph, table
 from trainer.report.svg import clock
 
 MAX_TABLE_ROWS: Final = 1000  # lines of the log, of marks, of branches
-CODE: Final = Markup("<code>{}</code>")
+INLINE_CODE: Final = Markup("<code>{}</code>")
 BY_ORDERS: Final = Markup(
     "<p>To play from a moment: {}, then the orders beside it, and <code>run</code>.</p>"
 )
@@ -170,43 +171,59 @@ def explain_total(verdict: Verdict) -> str:
     return f"{words}."
 
 
-def play_by_link(orders: Sequence[str]) -> Markup:
-    """Return the link that has the boat in the page fly on, by orders (js/tab/link)."""
+class PlayOn(NamedTuple):
+    """How one flies on from a moment of a page."""
+
+    offer: Callable[[Sequence[str]], Markup]  # by the orders that lead to the moment
+    below: Callable[[DebriefData], Markup]  # said once, below all moments
+
+
+def _link_on(orders: Sequence[str]) -> Markup:
+    """Return the link that has the boat in the page fly on (js/tab/link)."""
     link = Markup('<a href="#fly" data-orders="{}">Play from here</a>')
     return link.format("; ".join((*orders, "run")))
 
 
-def play_by_orders(orders: Sequence[str]) -> Markup:
-    """Return the orders by which a session flies on, for a page without the boat."""
-    return Markup("Play from here: {}").format(Markup(", ").join(map(CODE.format, orders)))
+def _orders_on(orders: Sequence[str]) -> Markup:
+    """Return the orders by which a session flies on."""
+    return Markup("Play from here: {}").format(Markup(", ").join(map(INLINE_CODE.format, orders)))
 
 
-def minutes(debrief: DebriefData, play: Callable[[Sequence[str]], Markup]) -> Markup:
-    """Return what each minute cost: each change of the attainable marks, with its cause.
+def _session_on(debrief: DebriefData) -> Markup:
+    """Return how the session is begun in which those orders are given."""
+    return BY_ORDERS.format(INLINE_CODE.format(f"trainer resume {plain(debrief.source.name)}"))
 
-    ``play`` makes of the orders that lead to a moment how it can be flown on from there.
-    """
+
+PLAY_BY_LINK: Final = PlayOn(_link_on, lambda _: Markup())
+PLAY_BY_ORDERS: Final = PlayOn(_orders_on, _session_on)  # of a page without the boat
+
+
+def minutes(debrief: DebriefData, play: PlayOn) -> Markup:
+    """Return what each minute cost: each change of the attainable marks, with its cause."""
     comparison = debrief.compared
     if comparison is None:
         return paragraph("This exercise has no reference crew to compare with.")
     curve = comparison.curve
     if curve is None:
         return paragraph(f"There is no curve: {comparison.no_curve}.")
-    item = Markup('<li>{} <a href="#{}-attainable">Go there</a>{}</li>')
-    items, last = [], int(debrief.trajectory.ticks[-1])
-    for i, each in enumerate(curve.changes):
-        lapse = f"backtrack {(last - each.told_at) * debrief.step:g} s"
-        played = play((f"branch {debrief.branch.id}", lapse)) if each.told_at < last else ""
-        words = change_words(each, debrief.step)
-        items.append(item.format(words, change_name(i), Markup(" · {}").format(played)))
-    lines = [Markup("<p><b>{}</b></p>").format(until_words(curve, debrief.step))]
-    lines.append(
-        Markup("<ul>{}</ul>").format(Markup().join(items)) if items else paragraph(NO_CHANGE)
+    head = Markup("<p><b>{}</b></p>").format(until_words(curve, debrief.step))
+    if not curve.changes:
+        return head + paragraph(NO_CHANGE)
+    items = (
+        _change_item(debrief, play, change_name(i), each) for i, each in enumerate(curve.changes)
     )
-    if items and play is play_by_orders:
-        resumed = CODE.format(f"trainer resume {plain(debrief.source.name)}")
-        lines.append(BY_ORDERS.format(resumed))
-    return Markup().join(lines)
+    return head + Markup("<ul>{}</ul>").format(Markup().join(items)) + play.below(debrief)
+
+
+def _change_item(debrief: DebriefData, play: PlayOn, name: str, change: MarkChange) -> Markup:
+    """Return one change of the curve, the way to its moment, and how to fly on from there."""
+    last = int(debrief.trajectory.ticks[-1])
+    item = Markup('<li>{} <a href="#{}-attainable">Go there</a>')
+    item = item.format(change_words(change, debrief.step), name)
+    if change.told_at < last:
+        back = f"backtrack {(last - change.told_at) * debrief.step:g} s"
+        item += Markup(" · ") + play.offer((f"branch {debrief.branch.id}", back))
+    return item + Markup("</li>")
 
 
 def cost(debrief: DebriefData) -> Markup:

@@ -38,18 +38,17 @@ def begin_aside(
     return process
 
 
-def await_end(process: subprocess.Popen[bytes], closing: threading.Event) -> None:
-    """Wait until a process has ended or the session begins to end."""
-    while process.poll() is None and not closing.wait(LOOK_PERIOD_S):
-        pass
+def hear_out(
+    process: subprocess.Popen[bytes], closing: threading.Event, patience: float
+) -> tuple[bytes, bytes]:
+    """Return all that a process says.
 
-
-def hear_out(process: subprocess.Popen[bytes], closing: threading.Event) -> tuple[bytes, bytes]:
-    """Return all that a process says; TimeoutExpired where a session that ends cannot wait."""
+    TimeoutExpired where it has not ended within ``patience`` [s] of a session's own end.
+    """
     while not closing.is_set():
         with contextlib.suppress(subprocess.TimeoutExpired):
             return process.communicate(timeout=LOOK_PERIOD_S)
-    return process.communicate(timeout=CLOSE_TIMEOUT_S - CLOSE_MARGIN_S)
+    return process.communicate(timeout=patience)
 
 
 def written_aside(words: Sequence[str], closing: threading.Event) -> Path:
@@ -59,7 +58,7 @@ def written_aside(words: Sequence[str], closing: threading.Event) -> Path:
     """
     process = begin_aside(words, stderr=subprocess.PIPE)
     try:
-        said, wrong = hear_out(process, closing)
+        said, wrong = hear_out(process, closing, CLOSE_TIMEOUT_S - CLOSE_MARGIN_S)
     except subprocess.TimeoutExpired:
         process.kill()
         process.communicate()

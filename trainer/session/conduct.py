@@ -10,6 +10,7 @@ here whether an order is barred.
 # long: the end, its marks and its debrief are one state, and each order reads a part of it
 
 import math
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -24,7 +25,7 @@ from trainer.config.course import course, lessons
 from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.aids import Aids
-from trainer.session.aside import await_end, begin_aside
+from trainer.session.aside import begin_aside, hear_out
 from trainer.session.chair import Chair
 from trainer.session.command import Command
 from trainer.session.control import PRESENT_MOMENT, Control
@@ -303,8 +304,10 @@ class Conduct:
 
         def hear() -> str:
             process = begin_aside(whole)
-            await_end(process, self.work.closing)  # a session that ends leaves it to itself
-            return process.communicate()[0].decode().strip() if process.poll() is not None else ""
+            try:
+                return hear_out(process, self.work.closing, 0.0)[0].decode().strip()
+            except subprocess.TimeoutExpired:
+                return ""  # a session that ends leaves it to itself
 
         def tell(text: str) -> None:
             if text:

@@ -8,7 +8,6 @@ moment, frozen.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
@@ -19,7 +18,7 @@ from trainer.io.recording.recording import SHOWN_REASON, Moment
 from trainer.session.parts import Parts
 from trainer.session.plan import Plan
 from trainer.session.run_faces import ShownRun
-from trainer.session.second_boat import follow_run
+from trainer.session.second_boat import follow_later
 from trainer.session.stations.station import Fact, Request
 
 SHOWN_KIND = "shown"
@@ -46,20 +45,16 @@ class Demonstration:
             return "back"
         if why := self._barred():
             return Refused(why)
-        history, plan = self.session.history, self.plan
-        orders, marks, moment = history.said(), history.noted(), history.now()
+        history, moment = self.session.history, self.session.history.now()
         why = f"{order.text}, by {asked.station.giver.words}"
         until = moment.tick + round(order.value / self.session.boat.method.step)
-
-        def task() -> Callable[[], None]:
-            try:
-                assert plan is not None  # noqa: S101 (else it is barred)
-                mute = follow_run(plan, orders, marks, moment.tick)
-            except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
-                failure = f"the way cannot be shown: {type(error).__name__}: {error}"
-                return partial(self._give_up, failure)
-            return lambda: self._begin(mute, moment, until, why)
-
+        assert self.plan is not None  # noqa: S101 (else it is barred)
+        task = follow_later(
+            self.plan,
+            history,
+            lambda mute: self._begin(mute, moment, until, why),
+            lambda trouble: self._give_up(f"the way cannot be shown: {trouble}"),
+        )
         self.preparing = True
         self.session.conduct.work.begin("way", task)
         return f"the reference crew comes aboard and shows the way for {order.value:g} s"

@@ -7,7 +7,6 @@ marks, a hint costs nothing.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from trainer.boat.mute_crew import MuteCrew
@@ -21,7 +20,7 @@ from trainer.session.aids import Aids
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
-from trainer.session.second_boat import follow_run
+from trainer.session.second_boat import follow_later
 from trainer.session.stations.station import Request
 from trainer.session.step_guide import StepGuide
 
@@ -49,18 +48,14 @@ class Hints:
         plan = self.aids.plan
         if why := self._barred():
             return Refused(why)
-        history = self.history
-        orders, marks, moment = history.said(), history.noted(), history.now()
-
-        def task() -> Callable[[], None]:
-            try:
-                assert plan is not None  # noqa: S101 (else it is barred)
-                mute = follow_run(plan, orders, marks, moment.tick)
-            except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
-                failure = f"no hint: {type(error).__name__}: {error}"
-                return lambda: self._answer(asked, Refused(failure))
-            return lambda: self._tell(asked, moment, mute)
-
+        moment = self.history.now()
+        assert plan is not None  # noqa: S101 (else it is barred)
+        task = follow_later(
+            plan,
+            self.history,
+            lambda mute: self._tell(asked, moment, mute),
+            lambda trouble: self._answer(asked, Refused(f"no hint: {trouble}")),
+        )
         self.preparing = True
         self.work.begin("hint", task)
         return None

@@ -12,7 +12,8 @@ import math
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -26,6 +27,7 @@ from trainer.config.reference_crew import MARK_ORDER
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
+from trainer.session.history import History
 from trainer.session.plan import Plan
 from trainer.session.run_faces import order_of
 from trainer.session.stations.aids import GhostReading
@@ -99,6 +101,28 @@ def follow_run(
             time.sleep(REST_S)
     mute.follow(given.get(boat.ticks, ()))
     return mute
+
+
+def follow_later(
+    plan: Plan,
+    history: History,
+    told: Callable[[MuteCrew], None],
+    failed: Callable[[str], None],
+) -> Callable[[], Callable[[], None]]:
+    """Return a task for a thread: the mute crew follows the run so far.
+
+    The task returns what the session then does: it is ``told`` of the crew, or why it ``failed``.
+    """
+    orders, marks, tick = history.said(), history.noted(), history.tick
+
+    def task() -> Callable[[], None]:
+        try:
+            mute = follow_run(plan, orders, marks, tick)
+        except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
+            return partial(failed, f"{type(error).__name__}: {error}")
+        return partial(told, mute)
+
+    return task
 
 
 def orders_by_tick(

@@ -20,7 +20,7 @@ from trainer.core.kernel import Numbers
 # The sea of a hull of BB2's length is sea state 5: 3.25 m, 9 s. Smaller boats go out in less: the
 # exponent is this project's estimate, and gives 5.4 s for a boat of 5 m, 4.1 s for one of 1.3 m.
 PEAK_PERIOD_S, PEAK_PERIOD_LENGTH_M, PEAK_PERIOD_POWER = 9.0, 70.2, 0.2
-STEEPNESS: Final = 0.0257  # [-] significant height over the peak's length: that of the sea above
+WAVE_STEEPNESS: Final = 0.0257  # [-] significant height over the peak's length, as in that sea
 G_M_S2: Final = 9.81  # [m/s2] of the size of a sea, which needs no other planet
 SETTLING_PERIODS: Final = 25.0  # [peak periods] until the boat moves as the waves do
 JUDGED_PERIODS: Final = 150.0  # [peak periods] measured after that
@@ -69,7 +69,6 @@ class SeagoingVehicle(Protocol):
 class BeamSea(Manoeuvre):
     """Waves from port, depth and course kept: how much the boat moves with them."""
 
-    compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("phi", "z", "theta", "v")
     in_waves: ClassVar[bool] = True
 
@@ -80,7 +79,7 @@ class BeamSea(Manoeuvre):
         for quantity in ("depth", "course"):
             conn.vehicle.keep(quantity)
         if isinstance(conn.vehicle, SeagoingVehicle):  # a Nomoto ship feels no sea
-            conn.vehicle.meet_sea(STEEPNESS * 2.0 * math.pi / wave_number(length), period)
+            conn.vehicle.meet_sea(WAVE_STEEPNESS * 2.0 * math.pi / wave_number(length), period)
         yield from conn.hold(SETTLING_PERIODS * period)
         conn.mark("measured")
         yield from conn.hold(JUDGED_PERIODS * period)

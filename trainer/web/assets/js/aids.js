@@ -21,10 +21,11 @@ export function furnishAids(session) {
   const answer = html("span", { role: "status" });
   const off = html("span", { class: "quiet", id: "off-ghost" });
   const ahead = html("span", { class: "quiet", id: "way-ahead" });
-  const give = async (/** @type {string} */ words, answers = false) => {
+  const give = async (/** @type {string} */ words) => {
     const { ok, text } = await session.order(words);
-    write(answer, ok && !answers ? "" : text);
+    write(answer, ok ? "" : text);
   };
+  const hear = async (/** @type {string} */ words) => write(answer, (await session.order(words)).text);
   const isShown = () => session.word("time.shown") === "yes";
   const has = (/** @type {string} */ aid) => session.number(`${aid}.depth`) !== null;
   const type = "button";
@@ -32,7 +33,7 @@ export function furnishAids(session) {
   const ghost = html("button", { type, id: "ghost", click: () => void give(`ghost ${has("ghost") ? "off" : "on"}`) });
   const ask = () => void give(has("predictor") ? "predictor off" : `predictor ${AHEAD} s`);
   const predictor = html("button", { type, id: "predictor", click: ask });
-  const hint = html("button", { type, id: "hint", click: () => void give("hint", true) });
+  const hint = html("button", { type, id: "hint", click: () => void hear("hint") });
   bar.append(way, ghost, predictor, hint, off, ahead, answer);
   let seen = false; // the ghost, whose past is asked for when it comes
   const show = () => {
