@@ -6,7 +6,7 @@ import pytest
 from helpers.screens import CREW, Tape, sight_of, tape, values
 
 from trainer.console.client import LineLoss, RoleTaken
-from trainer.console.drawing.event_log import time_at, time_line
+from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.journal import JournalEntry, Sample, Trace
 from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
@@ -145,3 +145,19 @@ def test_the_time_line_shows_what_is_planned_and_reaches_so_far() -> None:
     talk.say(sentences.fact(124, 62.0, "plans", "0"))
     model.hear()
     assert plain(time_line(model, 80, 1)).endswith("┃ 00:01:00")
+
+
+def test_a_log_without_room_for_an_entry_shows_its_beginning() -> None:
+    _, model = late("planes")
+    told = "hint, 5 marks: bell astern full, due since 00:01:11: the gauges show stern < -4"
+    model.journal.entries.clear()
+    model.journal.entries.append(JournalEntry(70.0, "order", "depth 80"))
+    model.journal.entries.append(JournalEntry(75.0, "answer", told))
+
+    (one,) = log(model, 60, 1)
+    assert plain([one]).strip().startswith("00:01:15")
+    assert "hint, 5 marks: bell astern full, due since ..." in plain([one])
+    assert "stern < -4" in plain(log(model, 60, 2)), "room for all of it"
+    assert "depth 80" in plain(log(model, 60, 3))
+    model.journal.back = 1
+    assert "1 more lines below" in plain(log(model, 60, 1)), "who reads back is told so"

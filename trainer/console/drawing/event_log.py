@@ -12,6 +12,7 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 MIN_TIMELINE_COLUMNS = 24  # [columns] of a time line
+CUT_SIGN = " ..."
 MOMENT_COLUMNS = 15  # [columns] from moment to moment named on it, at least
 SHIP_NAME_COLUMNS = 9  # [columns]
 SHIP_PARTS = ("bearing", "range", "course", "speed", "cpa", "tcpa")
@@ -19,17 +20,27 @@ SHIPS_HEADING = " ship      brg  range crs kn   cpa  sec"
 
 
 def log(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the last entries, the newest at the bottom."""
+    """Return the last entries, the newest at the bottom.
+
+    Where there is no room for all of the newest, its beginning is shown, which has what matters.
+    """
     journal = model.journal
+    newest = wrap_entry(journal.entries[-1], width) if journal.entries else []
+    cut = 0 if journal.back else max(len(newest) - height, 0)
     rows: list[tuple[str, str, str]] = []
     for entry in reversed(journal.entries):
         rows[:0] = wrap_entry(entry, width)
         if len(rows) >= height + journal.back:
             break
-    back = min(journal.back, max(len(rows) - height, 0))
+    back = cut or min(journal.back, max(len(rows) - height, 0))
     shown = rows[max(len(rows) - height - back, 0) : len(rows) - back]
     lines = [line((f" {when} ", "dim"), (text, ink)) for when, text, ink in shown]
-    if back and lines:
+    if cut and lines:
+        when, text, ink = shown[-1]
+        while len(f" {when} {text}{CUT_SIGN}") > width and " " in text:
+            text = text.rpartition(" ")[0]
+        lines[-1] = line((f" {when} ", "dim"), (f"{text}{CUT_SIGN}", ink))
+    elif back and lines:
         lines[-1] = line((f" ... {back} more lines below: Page Down", "warning"))
     return [*(fit(each, width) for each in lines), *[fit(line(), width)] * (height - len(lines))]
 
