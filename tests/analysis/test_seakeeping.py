@@ -9,6 +9,7 @@ import pytest
 from trainer.analysis.guide.programme import Leg, guide_legs, own_method
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly_manoeuvre
+from trainer.analysis.manoeuvres.page import ManoeuvreOptions, fly_boat, render
 from trainer.analysis.manoeuvres.seakeeping import (
     WAVE_STEEPNESS,
     BeamSea,
@@ -95,6 +96,14 @@ def test_a_sea_that_was_asked_for_takes_the_place_of_the_boat_s_own() -> None:
     boat.meet_sea(3.25, 9.0)
 
     assert float(boat.boat.state.sea_height) == pytest.approx(0.875)
+
+
+def test_the_page_tells_the_waves_that_the_manoeuvre_brings() -> None:
+    report, _ = fly_boat(
+        load_vessel("bb2"), "beam-sea", ManoeuvreOptions(rig=Rig(depth=20.0, seed=4))
+    )
+
+    assert "from 20 m; sea: 3.25 m, 9 s, from port, seed 4" in render(report)
 
 
 @pytest.mark.parametrize("name", BOATS)

@@ -85,7 +85,8 @@ def fly_boat(
     boat = Submarine(file, method, options.rig)
     report, flight = fly_vehicle(boat, name, options, file.run.start_speed_kn)
     notices = boat.notices(flight.series.columns)
-    return replace(report, method=method, rig=options.rig, notices=notices), flight
+    rig = replace(options.rig, sea=boat.sea)
+    return replace(report, method=method, rig=rig, notices=notices), flight
 
 
 def fly_vehicle(

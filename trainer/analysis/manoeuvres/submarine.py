@@ -110,6 +110,7 @@ class Submarine:
             self.boat.sea = load_sea(rig.sea)
             if rig.depth is None:
                 raise ConfigError(_no_sea_felt(f"--sea {rig.sea}"))
+        self.sea = rig.sea  # in words, for a page
         self._depth, self._seed = rig.depth, rig.seed
         self._collapsed = ""  # in the last sail
         if rig.trim == "full":
@@ -227,6 +228,7 @@ class Submarine:
         waves[[HEIGHT, OMEGA, GAMMA, COSINES]] = height, 2.0 * math.pi / period, 1.0, 1.0
         waves[DIRECTION] = self.boat.state.psi + 0.5 * math.pi
         self.boat.order_sea(waves, 0.0)
+        self.sea = f"{height:.3g} m, {period:.3g} s, from port"
 
     def order(self, control: str, value: float) -> None:
         """Order a surface [rad] from neutral, or the command speed [m/s]."""
