@@ -29,6 +29,7 @@ from trainer.analysis.validation import (
     Validation,
     fly_silly,
     fly_skilled,
+    fly_trial,
     rank_correlation,
     swapped_share,
     trial_seeds,
@@ -36,7 +37,6 @@ from trainer.analysis.validation import (
 )
 from trainer.cli.main import cli
 from trainer.config.files import shipped_names
-from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.io.orders.grammar import Order, parse
 
@@ -86,6 +86,13 @@ def test_the_rank_correlation_is_spearman_s_with_ties(seed: int) -> None:
 
 def test_marks_that_are_all_alike_order_nothing() -> None:
     assert rank_correlation([0.0, 1.0, 2.0], [7.0, 7.0, 7.0]) == 0.0
+
+
+def test_marks_that_differ_in_their_last_bits_are_a_tie() -> None:
+    trial = fly_trial("first-depth-change", 1, with_silly=False)
+
+    # its hands and its delays are the reference crew's, but for a sum in another order
+    assert trial.skilled["good"] == trial.skilled["reference crew"]
 
 
 def test_neighbours_are_swapped_where_the_worse_crew_has_more() -> None:
@@ -209,11 +216,8 @@ def order_of_marks(name: str, count: int) -> float:
     """Return the rank correlation of marks with grade at some seeds."""
     rows: list[tuple[int, float]] = []
     for _, seed, _ in trial_seeds(name, count):
-        plan = plan_exercise(name, seed)
-        nobody = plain_marks(fly_rehearsal(plan).trajectory, plan)
-        for place, grade in enumerate(GRADED_CREWS):
-            flight = fly_skilled(plan, grade, seed)
-            rows.append((-place, judge_run(flight.trajectory, plan, nobody).total or 0.0))
+        skilled = fly_trial(name, seed, with_silly=False).skilled
+        rows += [(-place, skilled[grade.name]) for place, grade in enumerate(GRADED_CREWS)]
     skills, marks = zip(*rows, strict=True)
     return rank_correlation(skills, marks)
 

@@ -38,6 +38,7 @@ from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.queries import RecordedOrder
 from trainer.session.plan import Plan
 
+MARK_DECIMALS: Final = 6  # of marks [%] that are ranked: a difference in the last bits is a tie
 LEAST_CORRELATION: Final = 0.9  # [-] of marks with skill
 MAX_SILLY_MARKS: Final = 40.0  # [%]
 LEAST_REFERENCE_MARKS: Final = 97.0  # [%] at the exercise's own seed
@@ -163,7 +164,7 @@ def fly_trial(name: str, seed: int, with_silly: bool) -> SeedTrial:  # noqa: FBT
     nobody = plain_marks(alone.trajectory, plan)
 
     def marks(flight: Rehearsal) -> float:
-        return judge_run(flight.trajectory, plan, nobody).total or 0.0
+        return round(judge_run(flight.trajectory, plan, nobody).total or 0.0, MARK_DECIMALS)
 
     skilled = {crew.name: marks(fly_skilled(plan, crew, seed)) for crew in ALL_CREWS}
     policies = SILLY_POLICIES if with_silly else ()
