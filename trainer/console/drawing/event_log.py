@@ -37,9 +37,10 @@ def log(model: SessionModel, width: int, height: int) -> Lines:
     lines = [line((f" {when} ", "dim"), (text, ink)) for when, text, ink in shown]
     if cut and lines:
         when, text, ink = shown[-1]
-        while len(f" {when} {text}{CUT_SIGN}") > width and " " in text:
-            text = text.rpartition(" ")[0]
-        lines[-1] = line((f" {when} ", "dim"), (f"{text}{CUT_SIGN}", ink))
+        words = text.split()
+        while len(words) > 1 and len(f" {when} {' '.join(words)}{CUT_SIGN}") > width:
+            words.pop()
+        lines[-1] = line((f" {when} ", "dim"), (f"{' '.join(words)}{CUT_SIGN}", ink))
     elif back and lines:
         lines[-1] = line((f" ... {back} more lines below: Page Down", "warning"))
     return [*(fit(each, width) for each in lines), *[fit(line(), width)] * (height - len(lines))]
