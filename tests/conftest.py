@@ -48,13 +48,15 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     A boat's core comes with the package, except where settings of numba ask for other code.
 
     Fleets have the core in them and come last, beside the first tests, as ships that are not linear
-    do. So are the browsers installed, where that is allowed.
+    do. So are the browsers installed, where that is allowed. Who names files of tests waits for the
+    core alone: what else those need they compile.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
     gc.enable()  # the workers collect, and not this process
     core = started("helpers.core")
-    if session.config.option.markexpr in NEEDING_THE_CORE_ALONE:
+    named = session.config.args_source is pytest.Config.ArgsSource.ARGS
+    if named or session.config.option.markexpr in NEEDING_THE_CORE_ALONE:
         assert_done(core)
         return
     fits = started("trainer", "identify", "--example")

@@ -423,10 +423,10 @@ def test_asking_leaves_the_boat_as_it_was_and_takes_no_time() -> None:
     speeds = [speed * KNOT for speed in (3.0, 5.0, 10.0, 15.0, 20.0)]
     stable_step(boat, speeds)
 
-    start = time.perf_counter()
+    start = time.thread_time()
     stable_step(boat, speeds)
 
-    assert time.perf_counter() - start < 0.5  # 10 ms on an ordinary machine
+    assert time.thread_time() - start < 0.5  # [s] of processor: 0.01, however busy the machine is
     assert boat.snapshot().tobytes() == before.tobytes()
 
 

@@ -14,6 +14,7 @@ from helpers.screens import run_aside, typed
 from textual.pilot import Pilot
 
 from trainer.cli import run as command
+from trainer.cli.run import trained
 from trainer.config.course import Lesson, course, lessons
 from trainer.config.files import shipped_names
 from trainer.config.outcome import Outcome
@@ -140,7 +141,7 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     asked: list[Lesson] = []
 
     def choose(offered: list[Lesson], *, trains: bool, progress: Progress | None) -> str | None:
-        assert progress is None
+        assert (progress is not None) is trains  # by the name of the account
         asked[:] = offered
         assert trains is (side == I_TRAIN)
         return answer
@@ -235,7 +236,21 @@ def test_a_trainee_is_offered_what_is_weakest_and_told_why() -> None:
     assert re.search(r"   88  Periscope watch", text)
     assert re.search(r">    12  Depth, first steps", text)
     assert "Next: 12 marks today. Depth changes, by hand." in text
+    assert "Kept on this machine as Ann; another: --trainee NAME" in text
     alone = exercise_choice(OFFERED, trains=True)
     assert "88" not in plain(alone.draw(76, 22))
     assert "trainer run --trainee NAME" in plain(alone.draw(76, 22))
     assert "trainer run --trainee NAME" not in text
+
+
+def test_who_trains_is_remembered_by_the_name_of_his_account(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("getpass.getuser", lambda: "ann")
+    alone = RunOptions(train=True)
+    assert trained(alone).trainee == ("ann",)
+    assert trained(replace(alone, trainee=("Bo",))).trainee == ("Bo",)
+    assert trained(replace(alone, no_record=True)).trainee == ()
+    assert trained(RunOptions()).trainee == ()
+    monkeypatch.setattr("getpass.getuser", lambda: "CORP\\ann")  # no name of a file
+    assert trained(alone).trainee == ()

@@ -91,8 +91,29 @@ def test_after_the_marks_the_way_leads_to_where_it_went_wrong_and_to_the_next() 
     assert steps["w"].order == "again from 405 s"
     assert "03:15" in steps["w"].does
     assert steps["n"].order == "next"
-    assert not {"r", "d"} & set(steps)
+    assert "r" not in steps
     assert "cost most: too late" in plain(EndView(model).draw(80, 24))
+
+
+@pytest.mark.parametrize("role", ["trainee", "instructor"])
+def test_the_window_of_an_exercise_tells_how_much_of_its_debrief_is_written(role: str) -> None:
+    facts = (("600.0", "exercise-over", "ended"), ("600.0", "debriefing", "0.41"))
+    line = Heard(*facts)
+    model = SessionModel(line, role, LAYOUTS[role].charts)
+    model.hear()
+    window = EndView(model)
+    assert "the debrief is being written: 41%" in plain(window.draw(80, 24))
+    model.clock = lambda: math.inf
+    assert window.press("d", "d") is None  # it stays open, and is told
+    assert line.orders[-1] == "debrief"
+
+    line.items += Heard(
+        ("600.0", "debriefing", ""), ("600.0", "reason", "71.5,1:11: 30 marks lost")
+    ).items
+    model.hear()
+    drawn = plain(window.draw(80, 24))
+    assert "being written" not in drawn
+    assert "1:11: 30 marks lost" in drawn
 
 
 @pytest.mark.parametrize("role", ["trainee", "instructor"])

@@ -23,11 +23,14 @@ from trainer.debrief.attainable import (
     what_passes,
 )
 from trainer.debrief.attainable_stretches import (
+    MAX_TICKS,
+    POINT_PERIODS,
     AttainablePoint,
     changed_stretches,
+    finest_period,
     without_luck,
 )
-from trainer.debrief.attainable_words import change_words
+from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
 from trainer.io.orders.grammar import Order, parse
@@ -200,6 +203,30 @@ def test_the_better_order_is_told_at_each_fall_from_its_moment_on() -> None:
     assert all(each.better is not None for each in others if each.marks < 0.0)
     begins = [min(tick for tick, _ in each.better) for each in others if each.better]
     assert all(tick >= each.told_at for tick, each in zip(begins, others, strict=False))
+
+
+def test_the_work_for_a_curve_does_not_grow_with_the_length_of_the_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From each point the rest is flown: points lie further apart in a long run, as is told."""
+    for last in (1_200, 4_000, 40_000, 200_000):
+        finest = finest_period(last, 0.5)
+        assert last**2 / (2 * POINT_PERIODS * finest) <= MAX_TICKS
+        assert finest == 2 or last > 4_000
+    monkeypatch.setattr("trainer.debrief.attainable_stretches.MAX_TICKS", 1_500)
+    shares: list[float] = []
+    run = explored("stern-plane-jam", late("stern-plane-jam", 15))
+    run.progress = shares.append
+    shorter = attainable_curve(run)
+    flown = range(0, run.last, POINT_PERIODS * run.finest)
+    assert sum(run.last - tick for tick in flown) <= 1_500 + run.last
+    assert len(run.departures) < 10 * len(flown)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    told = f"a point each {5 * run.finest:g} s, and down to {run.finest / 2:g} s at a change."
+    assert until_words(shorter, run.step).endswith(told)
+    assert "came 15 s late" in change_words(shorter.changes[0], run.step)
+    assert "long" not in until_words(replace(shorter, finest=2), run.step)
 
 
 def test_where_the_reference_crew_would_wait_the_debrief_says_so() -> None:

@@ -25,7 +25,7 @@ from trainer.io.lines import OverlongLine
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.exercise import DebriefSource, ExerciseEnd, Judgement
+from trainer.session.exercise import DebriefSource, ExerciseEnd, Judgement, WrittenDebrief
 from trainer.session.history import History
 from trainer.session.plan import Plan
 from trainer.session.stations.roles import Access
@@ -123,8 +123,16 @@ class Crewed:
         reasons = (f"branch {branch}: 42",)
         return replace(MARKS, reasons=reasons, uncounted=("Stern jam answered",))
 
-    def _write(self, path: Path, branch: int, _closing: threading.Event) -> Path:
-        return path.with_suffix(f".branch{branch}.html")
+    def _write(
+        self,
+        path: Path,
+        branch: int,
+        _closing: threading.Event,
+        share: Callable[[float], object],
+    ) -> WrittenDebrief:
+        share(0.25)
+        page = str(path.with_suffix(f".branch{branch}.html"))
+        return WrittenDebrief(page, [(2.0, "0:02: much was lost.")])
 
     def comes(self, role: str) -> Typist:
         """Let a station come that says who it is."""

@@ -1,9 +1,11 @@
 """How a session is conducted: its exercise's end, branches gone back to, who has command."""
 
 import math
+import os
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -12,18 +14,22 @@ import pytest
 from helpers.crewed import PLACE, Crewed, Typist
 
 from trainer.cli.run import debriefing
+from trainer.config.course import course, lessons
 from trainer.config.derived import ALL_QUANTITIES, Condition
 from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
+from trainer.config.outcome import Outcome
+from trainer.config.progress import ProgressRun, add_run, progress_path
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.session.alarm import Alarm
-from trainer.session.aside import CLOSE_MARGIN_S, written_aside
+from trainer.session.aside import CLOSE_MARGIN_S, answer_aside
 from trainer.session.exercise import (
     DebriefSource,
     ExerciseEnd,
     Judgement,
     NextExercises,
+    WrittenDebrief,
     is_met,
     quantity_of,
 )
@@ -299,6 +305,46 @@ def test_a_debrief_is_written_beside_the_session_which_says_where(
 
     (path,) = ship.facts(ship.instructor, "debrief")
     assert path.endswith(".branch1.html")
+    assert ship.facts(ship.instructor, "debriefing") == ["0.25", ""]
+    assert "2,0:02: much was lost." in ship.facts(ship.instructor, "reason")
+
+
+def test_who_trains_alone_has_a_debrief_written_at_the_end(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=5.0)
+    trainee = ship.comes("trainee")
+    ship.say(ship.instructor, "detach")
+    assert "first end exercise" in ship.refused("debrief", trainee)
+    ship.fly(20)
+    ship.settle(lambda: ship.facts(trainee, "marks"))
+
+    assert ship.say(trainee, "debrief")[0] == "ok"
+    ship.settle(lambda: ship.facts(trainee, "debrief"))
+
+    assert ship.facts(trainee, "debriefing") == ["0.25", ""]
+    assert ship.facts(trainee, "reason")[-1] == "2,0:02: much was lost."
+
+
+def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    may_write = threading.Event()
+
+    def write(
+        path: Path, branch: int, closing: threading.Event, share: Callable[[float], object]
+    ) -> WrittenDebrief:
+        assert may_write.wait(60.0)
+        return ship._write(path, branch, closing, share)  # noqa: SLF001
+
+    ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
+    ship.fly(20)
+    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
+    ship.order("debrief")
+    ship.order("again")
+    may_write.set()
+    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
+
+    assert "much was lost" not in str(ship.facts(ship.instructor, "reason"))
 
 
 def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(
@@ -308,9 +354,11 @@ def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(
     ship = crewed(seconds=5.0)
     may_write = threading.Event()
 
-    def write(path: Path, branch: int, closing: threading.Event) -> Path:
+    def write(
+        path: Path, branch: int, closing: threading.Event, share: Callable[[float], object]
+    ) -> WrittenDebrief:
         assert may_write.wait(60.0)
-        return ship._write(path, branch, closing)  # noqa: SLF001
+        return ship._write(path, branch, closing, share)  # noqa: SLF001
 
     ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
     assert "branch 1" in ship.order("debrief")
@@ -329,7 +377,7 @@ def test_one_debrief_is_a_process_whose_failure_is_told_in_a_line(
     crewed: Callable[..., Crewed], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(RuntimeError, match=r"no\.trainer.*No such file"):  # of the process
-        debriefing().write(Path("no.trainer"), 1, threading.Event())
+        debriefing().write(Path("no.trainer"), 1, threading.Event(), lambda _: None)
     ship = crewed(seconds=None)
     for program, told in (
         ("import sys; print('working', file=sys.stderr); sys.exit('no room')", "no room"),
@@ -337,8 +385,14 @@ def test_one_debrief_is_a_process_whose_failure_is_told_in_a_line(
         ("import threading; threading.Event().wait()", "the session ended before it was written"),
     ):
 
-        def write(_path: Path, _branch: int, closing: threading.Event, it: str = program) -> Path:
-            return written_aside(("-c", it), closing)
+        def write(
+            _path: Path,
+            _branch: int,
+            closing: threading.Event,
+            share: Callable[[float], object],
+            it: str = program,
+        ) -> WrittenDebrief:
+            return WrittenDebrief(answer_aside(("-c", it), closing, share))
 
         ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
         ship.order("debrief")
@@ -346,6 +400,24 @@ def test_one_debrief_is_a_process_whose_failure_is_told_in_a_line(
             monkeypatch.setattr("trainer.session.aside.CLOSE_TIMEOUT_S", CLOSE_MARGIN_S)
             ship.conduct.work.finish()
         ship.settle(partial(is_told, ship, f"no debrief: {told}"))
+
+
+@pytest.mark.process
+def test_the_share_of_a_debrief_is_heard_while_its_process_is_at_work(tmp_path: Path) -> None:
+    """The process waits until a share of it has been heard, so that came before its end."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    program = (
+        f"print(0.10); print(0.37, flush=True); open({str(pipe)!r}).read(); print('the \"answer\"')"
+    )
+    heard: list[float] = []
+
+    def share(done: float) -> None:
+        heard.append(done)
+        pipe.write_text("heard", encoding="utf-8")
+
+    assert answer_aside(("-c", program), threading.Event(), share) == 'the "answer"'
+    assert heard == [0.37]
 
 
 def is_told(ship: Crewed, news: str) -> bool:
@@ -387,6 +459,41 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
     assert ship.facts(helm, "next") == [""]  # a file's name may tell what is hidden
     assert ship.events(helm, "time")[-1] == "the next exercise is being made ready"
     assert not any("backing" in line for line in helm.sent)
+
+
+def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
+    crewed: Callable[..., Crewed], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    run = ProgressRun("a", 1, "backing", "t", "2026", 60.0, Outcome.LOST, 12.0)
+    done = [
+        replace(run, exercise=each.name, outcome=Outcome.DONE, total=None) for each in lessons()
+    ]
+    for place, each in enumerate([run, *done]):
+        add_run("Ann", replace(each, branch=place))
+    ship = crewed(seconds=5.0)
+    ship.conduct.following = NextExercises(lambda _: "", "")
+    trainee = ship.comes("trainee")
+    ship.say(ship.instructor, "detach")
+    ship.fly(20)
+    first = lessons()[0].name
+
+    def answer() -> str:
+        return ship.say(trainee, "next")[1]
+
+    assert answer() == "next: the one after this"  # nobody's progress is kept
+    assert ship.session.control.following == first
+
+    ship.conduct.trainees = ("Ann",)
+    assert answer().startswith("next: 12 marks ")
+    assert ship.session.control.following == "backing"
+
+    ship.conduct.exercise = "backing"  # which is not offered again
+    assert answer() == "next: no marks in it yet, and the next of the course"
+    assert ship.session.control.following == course()[0].name
+
+    progress_path("Ann").write_text("{", encoding="utf-8")
+    assert answer() == "next: the one after this"
 
 
 # Nothing is lost

@@ -38,7 +38,7 @@ OWN = {
 }
 OWN["trainee"] = set().union(*(OWN[name] for name in CREW_ROLES)) | {
     *("run", "freeze", "step", "time", "again", "backtrack", "next", "end", "quit", "autopilot"),
-    *("demonstrate", "hint", "ghost", "predictor"),
+    *("debrief", "demonstrate", "hint", "ghost", "predictor"),
 }
 ALL = {
     *("role", "help", "status", "briefing", "log", "ack", "history"),

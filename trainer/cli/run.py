@@ -4,6 +4,8 @@
 (``console/own_session``); headless, or without a terminal, it runs the session itself.
 """
 
+import getpass
+import json
 import math
 import socket
 import sys
@@ -43,7 +45,6 @@ from trainer.cli.web import require_pages
 
 MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
 Begin = Callable[[RunOptions], NoReturn]
-PAGE_WORDS = ("-X", "utf8", "-m", "trainer", "debrief")  # its answer is a path, in any script
 STATION_ROLES = (
     "instructor",
     "helm",
@@ -168,6 +169,7 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
         return own_session.sail(serve_at, chosen.socket, token, role)
     begun = [chosen.exercise] if chosen.exercise and not asked.exercise else []
     begun += ["--frozen"] if trained(chosen).frozen and not asked.frozen else []
+    begun += [f"--trainee={name}" for name in trained(chosen).trainee if not asked.trainee]
     return own_session.sail_beside([*sys.argv[1:], *begun], token, role)
 
 
@@ -185,7 +187,8 @@ def choose(asked: RunOptions) -> RunOptions:
     side = I_TRAIN if asked.train else I_INSTRUCT if asked.instruct else ask_side()
     trains = side == I_TRAIN
     offered = [*lessons(), *course()] if trains else course()
-    progress = read_progress(asked.trainee[0]) if asked.trainee else None
+    names = trained(replace(asked, train=trains)).trainee
+    progress = read_progress(names[0]) if names else None
     chosen = side and choose_exercise(offered, trains=trains, progress=progress)
     if chosen is None:
         sys.exit(0)
@@ -194,8 +197,25 @@ def choose(asked: RunOptions) -> RunOptions:
 
 
 def trained(asked: RunOptions) -> RunOptions:
-    """Return the options of a session for who trains: an exercise waits for his "run"."""
-    return replace(asked, frozen=asked.frozen or bool(asked.train and asked.exercise))
+    """Return the options of a session for who trains.
+
+    An exercise waits for his "run". His progress is kept by the name of his account, unless he
+    gave another.
+    """
+    if not asked.train:
+        return asked
+    names = asked.trainee or (() if asked.no_record else account_names())
+    return replace(asked, frozen=asked.frozen or bool(asked.exercise), trainee=names)
+
+
+def account_names() -> tuple[str, ...]:
+    """Return the name of the user's account, none where none can be kept."""
+    from trainer.session.header import names_of
+
+    try:
+        return tuple(names_of([getpass.getuser()]))
+    except (ConfigError, OSError, KeyError, ImportError):
+        return ()
 
 
 def take_to_sea(options: RunOptions) -> NoReturn:
@@ -218,7 +238,7 @@ def debriefing() -> "DebriefSource":
     """
     import numpy as np
 
-    from trainer.session.exercise import DebriefSource, Judgement
+    from trainer.session.exercise import DebriefSource, Judgement, WrittenDebrief
 
     def judge(path: Path, branch: int) -> Judgement:
         from trainer.config.outcome import Outcome
@@ -247,11 +267,14 @@ def debriefing() -> "DebriefSource":
         outcome = card.verdict.outcome
         return Judgement(outcome, card.total, tuple(lines), uncounted, tuple(times), debrief.aids)
 
-    def write(path: Path, branch: int, closing: "threading.Event") -> Path:
-        from trainer.session.aside import written_aside
+    def write(
+        path: Path, branch: int, closing: "threading.Event", share: Callable[[float], object]
+    ) -> WrittenDebrief:
+        from trainer.session.aside import answer_aside
 
-        whole = (*PAGE_WORDS, str(path.absolute()), "--branch", str(branch))
-        return written_aside(whole, closing)
+        whole = ("-m", "trainer.debrief.beside", str(path.absolute()), str(branch))
+        answer = json.loads(answer_aside(whole, closing, share))
+        return WrittenDebrief(answer["page"], [tuple(each) for each in answer["minutes"]])
 
     return DebriefSource(
         judge, write, ("-m", "trainer.debrief.evaluator"), ("-m", "trainer.debrief.progress")

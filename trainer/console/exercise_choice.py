@@ -136,6 +136,8 @@ def exercise_choice(
     )
     if progress is None:
         advice += ("What is done, with which marks, is kept by: trainer run --trainee NAME",)
+    elif trains:
+        advice += (f"Kept on this machine as {progress.trainee}; another: --trainee NAME",)
     choice = ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))
     if progress and suggestion:
         passed = sum(progress.passed(each.name) for each in offered)

@@ -364,6 +364,7 @@ NEXT_STEPS: Final = {
 }
 
 
+STAYING_KEYS: Final = frozenset("rd")
 WRONG_LEAD_S: Final = 15.0  # [s] before a moment that went wrong, from where it is flown again
 
 
@@ -378,6 +379,7 @@ def steps_after(model: SessionModel) -> dict[str, NextStep]:
         back = max(model.picture.seconds - begin, 1.0)
         does = f"again, from where it went wrong ({clock(begin)[3:]})"
         steps["w"] = NextStep(f"again from {back:.0f} s", does, asked=True)
+    steps["d"] = NextStep("debrief", "what each minute cost, and a page")
     return {**steps, "h": NEXT_STEPS["h"], "q": NextStep("quit", "leave")}
 
 
@@ -397,7 +399,7 @@ class EndView(TextView):
             return None
         before, self._chosen = self._chosen, key
         steps = steps_after(self._model)
-        if key == "r" and key in steps:  # it stays: the debrief is written next
+        if key in STAYING_KEYS and key in steps:  # what it asks for is shown here
             self._model.order(steps[key].order)
             return None
         if key in steps and steps[key].asked and before != key:
@@ -411,6 +413,8 @@ class EndView(TextView):
         marks = self._model.marks_told or ["the marks are being calculated"]
         if self._model.lesson_done:
             marks = ["the lesson is done, to its last step; lessons have no marks"]
+        if self._model.debriefing:
+            marks = [*marks, f"the debrief is being written: {self._model.debriefing}"]
         rows += [line(), line((f" {self._model.outcome}", "title")), line()]
         return rows + [line((f"   {told}", "plain")) for told in marks]
 

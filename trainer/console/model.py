@@ -134,6 +134,7 @@ class SessionModel:
     endings: int = 0  # of exercises
     marks_told: list[str] = field(default_factory=list)  # the marks and their reasons
     releases: int = 0  # of marks to the crew
+    debriefing: str = ""  # how much of a debrief is written, while it is
     wrong_at: float | None = None  # [s] of the reason that cost most
     attainable: list[AttainablePoint] = field(default_factory=list)  # for the instructor alone
     unevaluated: str = ""  # why there are none
@@ -422,7 +423,7 @@ class SessionModel:
             self._order_crew(seconds, what, subject)
         elif what in ("step", "step-hint"):
             self._lead(what, subject)
-        elif what in ("exercise", "exercise-over", "marks", "reason"):
+        elif what in ("exercise", "exercise-over", "marks", "reason", "debriefing"):
             self._brief(seconds, what, subject)
         else:
             self._list(seconds, what, subject)
@@ -483,6 +484,8 @@ class SessionModel:
             if time_text and self.wrong_at is None:
                 self.wrong_at = float(time_text)
             self.marks_told += [reason] if reason not in self.marks_told else []
+        elif what == "debriefing":
+            self.debriefing = f"{float(subject):.0%}" if subject else ""
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
                 self._forget_exercise()

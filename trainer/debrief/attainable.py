@@ -25,10 +25,13 @@ from trainer.boat.reference_crew import RuleProgress
 from trainer.config.outcome import Outcome
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.debrief.attainable_stretches import (
+    POINT_PERIODS,
     WORTH_MARKS,
     AttainablePoint,
     MarkStretch,
     changed_stretches,
+    finest_period,
+    most_tried,
     without_luck,
 )
 from trainer.debrief.episodes import crew_orders
@@ -52,9 +55,6 @@ from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.plan import Plan
 
-POINT_PERIOD_S: Final = 10.0  # [s] from point to point where little changes
-FINEST_PERIOD_S: Final = 1.0  # [s] down to which a change is halved
-MAX_TRIED_ORDERS: Final = 12  # orders left out one after another to explain one change
 SUSPECT_TIME_S: Final = 10.0  # [s] before a change begins, in which an order may have caused it
 BETTER_TIME_S: Final = 30.0  # [s] from a moment, for which the better orders are told
 MAX_BETTER_ORDERS: Final = 2  # told of one moment
@@ -95,7 +95,7 @@ class PassedKind(Enum):
 
 @dataclass(frozen=True)
 class SteepFall:
-    """Falls by more than WORTH_MARKS within FINEST_PERIOD_S each, and what passes there."""
+    """Falls by more than WORTH_MARKS within the finest period each, and what passes there."""
 
     tick: int  # at the end of the first
     marks: float  # [%]
@@ -131,6 +131,7 @@ class AttainableCurve:
 
     points: tuple[AttainablePoint, ...]
     changes: tuple[MarkChange, ...]
+    finest: int = 1  # [ticks] down to which a change is followed
 
     @property
     def until_won(self) -> int | None:
@@ -150,7 +151,8 @@ class RunExplorer:
     plan: Plan
     trajectory: Trajectory
     judge: Callable[[Trajectory], Scorecard]  # by the rules that count
-    progress: Callable[[int], object] = field(default=lambda _: None)  # as points are known
+    progress: Callable[[float], object] = field(default=lambda _: None)  # the share that is flown
+    finest: int = field(init=False)  # [ticks] between moments to depart from
     departures: dict[int, Departure] = field(init=False, default_factory=dict)  # by tick
     points: dict[int, AttainablePoint] = field(init=False, default_factory=dict)
 
@@ -161,21 +163,21 @@ class RunExplorer:
         self.later = orders_beside_crew(self.trajectory, self.plan)
         self.step = self.plan.method.step
         self.last = int(self.trajectory.ticks[-1])
+        self.finest = finest_period(self.last, self.step)
 
     def fly_again(self) -> None:
-        """Fly the recorded run again; keep each second as a moment to depart from.
+        """Fly the recorded run again; keep moments to depart from.
 
-        NoCurve for a run that has none.
+        NoCurve for a run that has no curve.
         """
         refuse_unfit(self.plan, self.trajectory)
         boat = Boat(self.plan.file, self.plan.method)
         self.plan.start(boat)
         crew = MuteCrew(boat, self.plan.crew)
         flight = Flight(self.plan, boat, ByReference(mute=crew, speaks_from=math.inf))
-        stride = max(round(FINEST_PERIOD_S / self.step), 1)
         to_world: list[Any] = []
         for tick in range(self.last):
-            if tick % stride == 0:
+            if tick % self.finest == 0:
                 state = boat.snapshot()
                 self.departures[tick] = Departure(tick, state, tuple(to_world), crew.aboard(boat))
             given = self.recorded.get(tick, ())
@@ -197,7 +199,6 @@ class RunExplorer:
         """Return what could be earned from a tick on."""
         if tick not in self.points:
             self.points[tick] = self._point(tick)
-            self.progress(len(self.points))
         return self.points[tick]
 
     def _point(self, tick: int) -> AttainablePoint:
@@ -206,21 +207,21 @@ class RunExplorer:
         run = self.from_moment(tick)
         return point_of(tick, self.judge(join_runs(self.trajectory, run.trajectory)))
 
-    def from_moment(self, tick: int) -> Rehearsal:
-        """Return the reference crew's run from a tick on."""
+    def from_moment(self, tick: int, until: int | None = None) -> Rehearsal:
+        """Return the reference crew's run from a tick on, to its end or ``until`` another."""
         before = max(each for each in self.departures if each <= tick)
         here = self.departures[before]
         if before < tick:
             _, here = fly(self.plan, here, self.recorded, until=tick)
-        run, _ = fly(self.plan, here, self.later, speaks_from=tick)
+        run, _ = fly(self.plan, here, self.later, speaks_from=tick, until=until)
         return run
 
     def with_better(self, change: MarkChange) -> MarkChange:
         """Return a fall with what the reference crew orders from its moment on."""
         if change.marks > 0.0 or not change.told_at < self.last:
             return change
-        given = self.from_moment(change.told_at).trajectory.orders
         until = change.told_at + BETTER_TIME_S / self.step
+        given = self.from_moment(change.told_at, math.floor(until) + 1).trajectory.orders
         own = [each for each in given if each.giver.kind is GiverKind.REFERENCE]
         near = [(each.tick, each.text) for each in own if each.tick <= until]
         return replace(change, better=tuple(near[:MAX_BETTER_ORDERS]))
@@ -327,10 +328,11 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
 
     The run has been flown again by ``RunExplorer.fly_again``.
     """
-    stride = max(round(POINT_PERIOD_S / run.step), 1)
+    stride = POINT_PERIODS * run.finest
     ticks = sorted({*range(0, run.last, stride), run.last} & {*run.departures, run.last})
     for before, after in pairwise(ticks):
         halve(run, before, after)
+        run.progress(1.0 - (1.0 - after / run.last) ** 2)  # from later moments less is flown
     points = tuple(run.points[tick] for tick in sorted(run.points))
     cut_short = run.last < last_tick(run.plan) and not points[-1].lost
     flown = points[:-1] if cut_short else points
@@ -345,7 +347,7 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
     if abs(rest) > WORTH_MARKS:
         cause = ChangeCause.RECORD_ENDS
         changes.append(MarkChange(flown[-1].tick, points[-1].tick, rest, cause))
-    return AttainableCurve(points, tuple(map(run.with_better, changes)))
+    return AttainableCurve(points, tuple(map(run.with_better, changes)), run.finest)
 
 
 def refuse_plan(plan: Plan) -> None:
@@ -367,8 +369,7 @@ def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
 
 def halve(run: RunExplorer, before: int, after: int) -> None:
     """Find the points of a stretch, halved where its two ends differ by much."""
-    first, last = run.point(before), run.point(after)
-    stride = max(round(FINEST_PERIOD_S / run.step), 1)
+    first, last, stride = run.point(before), run.point(after), run.finest
     if abs(first.marks - last.marks) <= WORTH_MARKS and first.won == last.won:
         return
     middle = before + stride * ((after - before) // stride // 2)
@@ -400,7 +401,8 @@ def suspects(run: RunExplorer, stretch: MarkStretch) -> list[RecordedOrder]:
     before = stretch.begin.tick - round(SUSPECT_TIME_S / run.step)
     given = [each for each in run.crew if each.tick < stretch.half.tick]
     near = [each for each in given if before <= each.tick] or given[-1:]
-    return sorted(near, key=lambda each: abs(each.tick - stretch.begin.tick))[:MAX_TRIED_ORDERS]
+    near.sort(key=lambda each: abs(each.tick - stretch.begin.tick))
+    return near[: most_tried(run.last)]
 
 
 def worst_order(run: RunExplorer, stretch: MarkStretch) -> tuple[RecordedOrder, float] | None:
@@ -422,13 +424,12 @@ def worst_order(run: RunExplorer, stretch: MarkStretch) -> tuple[RecordedOrder, 
     return None
 
 
-def steep_falls(stretch: MarkStretch, step: float) -> tuple[SteepFall, ...]:
-    """Return the steep falls of a stretch, those of one kind as one."""
-    stride = max(round(FINEST_PERIOD_S / step), 1)
+def steep_falls(stretch: MarkStretch, finest: int) -> tuple[SteepFall, ...]:
+    """Return the falls of a stretch within ``finest`` ticks, those of one kind as one."""
     return join_falls(
         SteepFall(after.tick, before.marks - after.marks, *what_passes(before, after))
         for before, after in pairwise(stretch.points)
-        if after.tick - before.tick <= stride and before.marks - after.marks > WORTH_MARKS
+        if after.tick - before.tick <= finest and before.marks - after.marks > WORTH_MARKS
     )
 
 
@@ -481,7 +482,7 @@ def explain(run: RunExplorer, stretch: MarkStretch) -> Iterator[MarkChange]:
     if change.marks > 0.0:
         yield change
         return
-    change = replace(change, falls=steep_falls(stretch, run.step))
+    change = replace(change, falls=steep_falls(stretch, run.finest))
     if worst := worst_order(run, stretch):
         order, share = worst
         rest = (1.0 - share) * change.marks

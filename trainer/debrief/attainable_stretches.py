@@ -1,8 +1,11 @@
 """The stretches over which the marks that could still be earned fall or rise.
 
-``attainable`` finds the points of the curve, and the causes of what is found here.
+``attainable`` finds the points of the curve, and the causes of what is found here. How near to each
+other points may lie is decided here too: from each the rest of the run is flown, so the work would
+grow by the square of its length.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -13,8 +16,27 @@ import numpy as np
 from trainer.debrief.scoring import Scorecard
 
 WORTH_MARKS: Final = 3.0  # [%] of marks from which a change is looked into, and told
+POINT_PERIODS: Final = 10  # of the finest period, from point to point where little changes
+FINEST_PERIOD_S: Final = 1.0  # [s] down to which a change is halved, in a run that is not too long
+MAX_TICKS: Final = 500_000  # flown for the points where little changes, 10 to 25 s of processor
+MAX_TRIED_ORDERS: Final = 12  # orders left out one after another to explain one change
 STEADY_MARKS: Final = 0.5  # [%] less in STEADY_TIME_S is no change: rounding, and the sea
 STEADY_TIME_S: Final = 30.0  # [s] before and after a moment: a minute in all
+
+
+def finest_period(last: int, step: float) -> int:
+    """Return how many ticks lie between the nearest moments to depart from.
+
+    It widens with the length [ticks] of a run of steps [s], so that the points where little changes
+    take at most MAX_TICKS.
+    """
+    within = math.ceil(last**2 / (2 * POINT_PERIODS * MAX_TICKS))
+    return max(round(FINEST_PERIOD_S / step), within, 1)
+
+
+def most_tried(last: int) -> int:
+    """Return how many orders are left out to explain one change of a run [ticks]."""
+    return min(max(MAX_TICKS // last, 1), MAX_TRIED_ORDERS)
 
 
 @dataclass(frozen=True)

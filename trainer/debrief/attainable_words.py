@@ -18,6 +18,7 @@ from trainer.debrief.attainable import (
     PassedKind,
     SteepFall,
 )
+from trainer.debrief.attainable_stretches import FINEST_PERIOD_S, POINT_PERIODS
 from trainer.report.svg import TIME_STEPS_S, clock, step_of
 from trainer.report.svg import ticks as axis_ticks
 
@@ -32,7 +33,10 @@ TEXT_ROWS_PERCENT: Final = (100.0, 80.0, 60.0, 40.0, 20.0, 0.0)  # [%] of marks,
 
 
 def until_words(curve: AttainableCurve, step: float) -> str:
-    """Return in words until when the exercise could be won, and the boat be saved."""
+    """Return in words until when the exercise could be won, and the boat be saved.
+
+    Where a run is so long that points lie further apart than usual, that is told too.
+    """
     last = curve.points[-1].tick
     sentences = []
     if curve.until_won is None:
@@ -43,6 +47,9 @@ def until_words(curve: AttainableCurve, step: float) -> str:
         sentences.append(f"Until {clock(curve.until_saved * step)} the boat could be saved.")
     if not sentences:
         sentences.append("To its end nothing was lost that decides the exercise.")
+    if curve.finest * step >= 2.0 * FINEST_PERIOD_S:
+        near, far = (f"{each * curve.finest * step:g} s" for each in (1, POINT_PERIODS))
+        sentences.append(f"The run is long: a point each {far}, and down to {near} at a change.")
     return " ".join(sentences)
 
 

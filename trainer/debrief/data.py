@@ -253,12 +253,12 @@ def find_branch(branches: list[Branch], source: Path, number: int | None) -> Bra
 def compare_debrief(
     debrief: DebriefData,
     seconds: float | None = None,
-    progress: Callable[[int], object] = lambda _: None,
+    progress: Callable[[float], object] = lambda _: None,
 ) -> DebriefData:
     """Return a debrief with the reference crew's run beside it, if it has one.
 
     With ``seconds`` the reference crew also takes over at that time. ConfigError if it cannot.
-    ``progress`` is told the points of the curve that are known.
+    ``progress`` is told the share of the curve that is known.
     """
     reference = None
     if not debrief.familiarisation:

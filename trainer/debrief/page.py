@@ -232,20 +232,31 @@ def read_compared(path: Path, asked: DebriefRequest) -> DebriefData:
     """Return the debrief of a recording beside the reference crew's run; ConfigError."""
     with open_whole_recording(path) as recording:
         debrief = gather_debrief(recording, path, asked.branch, asked.width)
-    with told_progress(debrief) as progress:
+    with told_progress() as progress:
         return compare_debrief(debrief, asked.reference_from, progress)
 
 
+def write_beside(path: Path, branch: int, progress: Callable[[float], object]) -> DebriefData:
+    """Write the page of a branch beside its recording; ConfigError, OSError.
+
+    ``progress`` is told the share of the curve that is known.
+    """
+    html = default_page_path(path, branch)
+    _refuse_other(html)
+    debrief = compare_debrief(read_dossier(path, branch), progress=progress)
+    write_over(html, render(debrief))
+    return debrief
+
+
 @contextlib.contextmanager
-def told_progress(debrief: DebriefData) -> Iterator[Callable[[int], object]]:
-    """Show on a terminal from how many moments the run was flown on."""
+def told_progress() -> Iterator[Callable[[float], object]]:
+    """Show on a terminal how much of the curve is known."""
     if not sys.stderr.isatty():
         yield lambda _: None
         return
-    seconds = float(debrief.trajectory.seconds[-1])
 
-    def show(points: int) -> None:
-        sys.stderr.write(f"\rflying on from {points} moments of {clock(seconds)} ... ")
+    def show(share: float) -> None:
+        sys.stderr.write(f"\rflying on from each moment of the run ... {share:.0%} ")
         sys.stderr.flush()
 
     try:

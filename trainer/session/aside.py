@@ -5,8 +5,7 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 from typing import Final
 
 from trainer.session.exercise import CLOSE_TIMEOUT_S
@@ -39,26 +38,45 @@ def begin_aside(
 
 
 def hear_out(
-    process: subprocess.Popen[bytes], closing: threading.Event, patience: float
+    process: subprocess.Popen[bytes],
+    closing: threading.Event,
+    patience: float,
+    heard: Callable[[bytes], object] = lambda _: None,
 ) -> tuple[bytes, bytes]:
     """Return all that a process says.
 
-    TimeoutExpired where it has not ended within ``patience`` [s] of a session's own end.
+    ``heard`` is told, now and then, what it has said so far. TimeoutExpired where it has not ended
+    within ``patience`` [s] of a session's own end.
     """
     while not closing.is_set():
-        with contextlib.suppress(subprocess.TimeoutExpired):
+        try:
             return process.communicate(timeout=LOOK_PERIOD_S)
+        except subprocess.TimeoutExpired as waiting:
+            heard(waiting.output or b"")
     return process.communicate(timeout=patience)
 
 
-def written_aside(words: Sequence[str], closing: threading.Event) -> Path:
-    """Return the file that a process writes and names; RuntimeError with why there is none.
+def answer_aside(
+    words: Sequence[str], closing: threading.Event, share: Callable[[float], object]
+) -> str:
+    """Return the last line of a process; RuntimeError with why there is none.
 
-    A session that ends waits for it, though not longer than for what it does itself.
+    The lines before it are shares of its work, which ``share`` is told. A session that ends waits
+    for it, though not longer than for what it does itself.
     """
+    told = b""
+
+    def heard(said: bytes) -> None:
+        nonlocal told
+        last = said.rpartition(b"\n")[0].rpartition(b"\n")[2]
+        if last != told:
+            told = last
+            with contextlib.suppress(ValueError):  # it is the answer already
+                share(float(last))
+
     process = begin_aside(words, stderr=subprocess.PIPE)
     try:
-        said, wrong = hear_out(process, closing, CLOSE_TIMEOUT_S - CLOSE_MARGIN_S)
+        said, wrong = hear_out(process, closing, CLOSE_TIMEOUT_S - CLOSE_MARGIN_S, heard)
     except subprocess.TimeoutExpired:
         process.kill()
         process.communicate()
@@ -67,4 +85,4 @@ def written_aside(words: Sequence[str], closing: threading.Event) -> Path:
         lines = wrong.decode(errors="replace").split("\n")
         why = next(filter(None, reversed(lines)), "")
         raise RuntimeError(why or f"its process has ended with {process.returncode}")
-    return Path(said.decode("utf-8", "surrogateescape").rstrip("\r\n"))
+    return said.decode().rstrip("\r\n").rpartition("\n")[2]

@@ -9,12 +9,14 @@ here whether an order is barred.
 
 # long: the end, its marks and its debrief are one state, and each order reads a part of it
 
+import contextlib
 import math
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final, TypeVar
 
@@ -22,7 +24,9 @@ from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.course import course, lessons
+from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
+from trainer.config.progress import read_progress
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.aids import Aids
 from trainer.session.aside import begin_aside, hear_out
@@ -39,6 +43,7 @@ from trainer.session.exercise import (
     ExerciseEnd,
     Judgement,
     NextExercises,
+    WrittenDebrief,
 )
 from trainer.session.hints import Hints
 from trainer.session.manning import unmanned_axes
@@ -81,7 +86,7 @@ class Conduct:
     halted: str = ""  # what the exercise has frozen time for, until it runs again
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     exercise: str = ""  # its name, "" for none
-    trainees: bool = False  # somebody's progress is kept
+    trainees: tuple[str, ...] = ()  # whose progress is kept
     command: Command = field(init=False)
     guide: StepGuide = field(init=False)
     chair: Chair = field(init=False)
@@ -251,7 +256,8 @@ class Conduct:
         elif self._unmarked:
             facts.append(Fact("marks", f"{ending.outcome},"))
         if ending.debrief and role is INSTRUCTOR_ROLE:
-            facts.append(Fact("debrief", ending.debrief))
+            facts.append(Fact("debrief", ending.debrief.page))
+            facts += minute_facts(ending.debrief)
         return facts
 
     def desert(self) -> None:
@@ -393,40 +399,61 @@ class Conduct:
             if station.role is INSTRUCTOR_ROLE:
                 self.log.note(station, marks.uncounted_facts)
 
-    def _debrief(self, _asked: Request) -> Reply:
+    def _debrief(self, asked: Request) -> Reply:
         if self.debriefing is None or self.kept is None:
             return Refused("no debrief: this session is not recorded")
         if not self.control.time.frozen:
             return Refused("a debrief takes some seconds: first freeze, or end exercise")
+        if asked.station.role is TRAINEE_ROLE and not self.ending.over:
+            return Refused("a debrief tells what is hidden: first end exercise")
         if not self._pen.acquire(blocking=False):
             return Refused("one is being written: it is told here when it is done")
         write, recording_path = self.debriefing.write, self.kept
         recording = self.control.history.recording
         recording.flush()
-        branch = recording.branch
+        branch, ending = recording.branch, self.ending.over
 
-        def write_alone() -> Path:
+        def note_share(done: str) -> None:
+            fact = Fact("debriefing", done)
+            self.work.post(lambda: self._note([fact], asked.station))
+
+        def share(done: float) -> None:
+            note_share(f"{done:.2f}")
+
+        def write_alone() -> WrittenDebrief:
             try:
-                return write(recording_path, branch, self.work.closing)
+                return write(recording_path, branch, self.work.closing, share)
             finally:
+                note_share("")
                 self._pen.release()
 
-        def written(path: Path) -> None:
-            self.ending.debrief = page_path = str(path.absolute())
-            self.log.tell(
-                "exercise", f"debrief written: {page_path}", fact=Fact("debrief", page_path)
-            )
+        def written(debrief: WrittenDebrief) -> None:
+            stands = bool(ending) and self.ending.over == ending  # else they are of another run
+            debrief = debrief if stands else debrief._replace(minutes=())
+            self.ending.debrief = debrief
+            page = Fact("debrief", debrief.page)
+            kind = "marks" if asked.station.role is TRAINEE_ROLE else "exercise"
+            self.log.tell(kind, f"debrief written: {debrief.page}", fact=page)
+            self._note(minute_facts(debrief), asked.station)
 
         self._begin("debrief", write_alone, written)
         return f"the debrief of branch {branch} is being written"
+
+    def _note(self, facts: Sequence[Fact], asker: Station) -> None:
+        """Send facts to the instructors, and to who has asked."""
+        for station in self.log.stations:
+            if station is asker or station.role is INSTRUCTOR_ROLE:
+                self.log.note(station, facts)
 
     # What follows
 
     def _next(self, asked: Request) -> Reply | LongAnswer:
         name = asked.order.subject
-        trains = asked.station.role is TRAINEE_ROLE
-        if trains and not name and not (name := self._following()):
-            return Refused("this is the last of the course")
+        reason = ""
+        if asked.station.role is TRAINEE_ROLE and not name:
+            name, reason = self._following()
+            if not name:
+                return Refused("this is the last of the course")
         if not name:
             names = [each.name for each in course()]
             return LongAnswer(names, "type next NAME to begin one of these")
@@ -437,13 +464,23 @@ class Conduct:
             name_told = name if station.role is INSTRUCTOR_ROLE else ""
             self.log.note(station, [Fact("next", name_told)])
         self.control.following, self.control.ended = name, True
-        return f"next: {asked.order.subject or 'the one after this'}"
+        return f"next: {asked.order.subject or reason}"
 
-    def _following(self) -> str:
-        """Return the lesson or exercise after this one, "" for none."""
-        names = [each.name for each in (*lessons(), *course())]
+    def _following(self) -> tuple[str, str]:
+        """Return what is best flown next, and why; "" for none.
+
+        That is the weakest and longest ago of who trains, else what follows in the course.
+        """
+        offered = [*lessons(), *course()]
+        if self.trainees:
+            with contextlib.suppress(ConfigError):  # a file that cannot be read tells nothing
+                others = [each for each in offered if each.name != self.exercise]
+                progress = read_progress(self.trainees[0])
+                if suggestion := progress.suggest(others, datetime.now(UTC).date()):
+                    return suggestion.lesson.name, suggestion.reason
+        names = [each.name for each in offered]
         after = names[names.index(self.exercise) + 1 :] if self.exercise in names else names
-        return after[0] if after else ""
+        return (after[0], "the one after this") if after else ("", "")
 
     def _no_next(self, name: str) -> str:
         """Return why that exercise cannot follow, "" if it can."""
@@ -506,3 +543,8 @@ class Conduct:
         """Return the other stations that came by themselves and said who they are."""
         visitors = [each for each in self.log.stations if each.visits and each.settled]
         return [each for each in visitors if each is not station and not each.line.ended]
+
+
+def minute_facts(debrief: WrittenDebrief) -> list[Fact]:
+    """Return what each minute cost, as reasons of the marks with their times [s]."""
+    return [Fact("reason", f"{seconds:g},{told}") for seconds, told in debrief.minutes]

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import scale_of
@@ -69,16 +69,24 @@ class Judgement:
         return [Fact("reason", f",{name}: does not count") for name in self.uncounted]
 
 
+class WrittenDebrief(NamedTuple):
+    """A debrief: its file, and what each minute cost, each with its time [s]."""
+
+    page: str
+    minutes: Sequence[tuple[float, str]] = ()
+
+
 @dataclass(frozen=True)
 class DebriefSource:
     """Two functions: one judges a branch of a recording, one has its debrief written.
 
     They raise RuntimeError with the reason if they cannot. Threads of their own call them, because
-    both may take long. The event tells that the session ends.
+    both may take long. The event tells that the session ends; the last function is told the share
+    that is written.
     """
 
     judge: Callable[[Path, int], Judgement]
-    write: Callable[[Path, int, threading.Event], Path]  # returns the file written
+    write: Callable[[Path, int, threading.Event, Callable[[float], object]], WrittenDebrief]
     evaluator: Sequence[str] = ()  # the command of a process, before the recording
     progress: Sequence[str] = ()  # the same, before recording, branch, and how it ended
 
@@ -147,7 +155,7 @@ class ExerciseEnd:
     outcome: Outcome = Outcome.UNDECIDED  # LOST or ENDED, once it is
     marks: Judgement | None = None  # once they are there
     released: bool = False
-    debrief: str = ""  # the file that was written
+    debrief: WrittenDebrief | None = None  # once it is written
 
     @classmethod
     def of(cls, boat: Boat, losses: Sequence[Loss], seconds: float | None) -> "ExerciseEnd":
@@ -176,7 +184,8 @@ class ExerciseEnd:
 
     def begin_again(self, boat: Boat) -> None:
         """Begin it again, after a jump in time."""
-        self.over = self.why = self.debrief = ""
+        self.over = self.why = ""
+        self.debrief = None
         self.outcome = Outcome.UNDECIDED
         for loss in self.lost:
             loss.settle(boat)

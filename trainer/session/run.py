@@ -316,7 +316,7 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
     conduct.debriefing, conduct.following = prepared.begun.debriefing, prepared.following
     conduct.scored = bool(plan.scores)
     conduct.visitors = plan.visitors
-    conduct.trainees = bool(options.trainee)
+    conduct.trainees = options.trainee
     conduct.exercise = Path(options.exercise).stem if options.exercise else ""
     conduct.guide.steps = plan.steps
     conduct.aids.plan = session.dispatch.way.plan = plan

@@ -190,7 +190,7 @@ _OTHER_ROLES: Final[Mapping[str, Role]] = {
 # All that the crew may order and see, and time, so that nobody else is needed; nothing hidden.
 TRAINEE_ORDERS: Final = frozenset(
     {
-        *("run", "freeze", "step", "time", "again", "backtrack", "next", "end", "quit"),
+        *("run", "freeze", "step", "time", "again", "backtrack", "next", "end", "quit", "debrief"),
         *("autopilot", "demonstrate", "hint", "ghost", "predictor"),
     }
 )

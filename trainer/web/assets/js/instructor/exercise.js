@@ -33,6 +33,7 @@ export function furnishExercise(desk, see) {
   for (const what of ["state", "marks"]) session.on(what, () => pane.notice());
   session.on("fact", (event) => {
     const { what, subject } = /** @type {CustomEvent} */ (event).detail;
+    if (what === "debriefing") pane.debriefing(subject);
     if (what === "debrief") pane.debriefed(subject, "");
     if (what === "debrief-page") pane.debriefed(pane.debrief, subject);
     if (what === "ready") void pane.lookRound();
@@ -81,6 +82,8 @@ class ExerciseWindow {
     this.offered = ""; // for which start or end it has opened by itself
     this.begins = false; // the exercise, as soon as time runs
     this.debrief = "";
+    /** @type {number | null} */
+    this.written = null; // the share of a debrief that is being written
     this.address = ""; // of the debrief, where this server has it
     this.refusal = ""; // of the last order given at the end
     /** @type {string[]} */
@@ -116,6 +119,12 @@ class ExerciseWindow {
       this.offered = "";
       this.dialog.close();
     }
+  }
+
+  /** @param {string} share of a debrief that is written, "" when that has ended */
+  debriefing(share) {
+    this.written = share ? Number(share) : null;
+    this.draw();
   }
 
   /** @param {string} path of the page that was written @param {string} address at this server, "" for none */
@@ -251,6 +260,7 @@ class ExerciseWindow {
       html("h3", {}, say("See")),
       html("div", { class: "row" }, ...this.moments()),
       this.debrief && this.debriefLine(),
+      this.written !== null && html("p", { class: "path" }, say("The debrief is being written: {0} %", Math.round(100 * this.written))),
     ].filter((part) => part instanceof Node);
     const back = this.desk.moment.looking;
     const keys = [

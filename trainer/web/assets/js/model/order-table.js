@@ -28,7 +28,7 @@ export const ORDERS = {
   "course-by": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor", "helm", "pilot", "trainee"]},
   "course-to": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor", "helm", "pilot", "trainee"]},
   "current": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor"]},
-  "debrief": {"obeyer": "the exercise", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
+  "debrief": {"obeyer": "the exercise", "inReplay": true, "afterEnd": true, "roles": ["instructor", "trainee"]},
   "demonstrate": {"obeyer": "the exercise", "inReplay": true, "afterEnd": false, "roles": ["instructor", "trainee"]},
   "depth": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor", "planes", "pilot", "diving", "trainee"]},
   "detach": {"obeyer": "the line", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
