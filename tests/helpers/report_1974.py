@@ -40,7 +40,7 @@ NONLINEAR: Final = "identify/test_nonlinear.py"
 MODELLED: Final = f"{SAMPLING}::test_each_model_has_the_transfer_function_that_its_document_says"
 FOUND: Final = f"{CASES}::test_a_ship_of_the_report_is_found_again"
 SEEN: Final = f"{CASES}::test_what_the_report_saw_is_seen_again"
-DERIVED: Final = f"{TABLES_TEST}::test_the_reports_tables_follow_from_its_printed_derivatives"
+DERIVED: Final = f"{STEERED}::test_a_table_of_derivatives_gives_the_gains_printed_beside_it"
 PLOTTED: Final = f"{STUDY}::test_a_plot_is_drawn"
 SELFTEST: Final = "python -m tests.cases"
 
@@ -420,8 +420,19 @@ TABLES: Final = (
         "trainer identify FILE --armax",
         f"{TABLES_TEST}::test_zeros_of_the_reports_models_are_where_it_says",
     ),
-    Row("Table 8.1", "A K Fernstrom: derivatives to gains", "trainer steering FILE", DERIVED),
+    Row(
+        "Table 8.1",
+        "A K Fernstrom: [derivatives](identification.md#a-table-of-derivatives) to gains",
+        "trainer steering FILE",
+        DERIVED,
+    ),
     Row("Tables 9.1, 9.2", "Sea Splendour: derivatives to gains", "trainer steering FILE", DERIVED),
+    Row(
+        "Table 9.2: SI",
+        "K -0.018 1/s, K_v 3.8 m/s, T1 92.5 and 155.6 s",
+        "trainer steering FILE",
+        f"{STEERED}::test_sea_splendour_has_the_gains_of_table_9_2_in_seconds",
+    ),
     Row("Tables 9.3, 10.4", "noise, biases, initial states", SELFTEST, FOUND),
     Row(
         "Tables 10.1 to 10.3",

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cases.reference_ships import TANKER
 from click.testing import CliRunner
-from helpers.places import ROOT
+from helpers.places import DATA, ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly_manoeuvre
@@ -31,6 +31,8 @@ from trainer.units import DEGREE, KNOT
 
 SPEED = 10.0 * KNOT
 PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
+PUBLISHED = json.loads((DATA / "identification" / "published_tables.json").read_text())
+SIZES = {one["ship"]: (one["L"], one["V_kn"]) for one in PUBLISHED["dimensional"]["ships"]}
 
 
 def nomoto_file(**changes: Any) -> Any:
@@ -267,3 +269,84 @@ def test_a_boat_has_lever_arms_at_each_speed_and_a_nomoto_ship_one_speed(tmp_pat
     refused = CliRunner().invoke(steering, [str(fernstrom(tmp_path)), "--speed", "5"])
     assert refused.exit_code == 2
     assert "--speed is for boats" in refused.output
+
+
+def tabled(folder: Path, row: Any) -> tuple[Path, float, float]:
+    """Write a column of the report's tables as a file; return its path, length and knots."""
+    length, knots = next(SIZES[ship] for ship in SIZES if row["case"].startswith(ship))
+    (m11, m12), (m21, m22) = row["M"]
+    (Y_v, Y_r), (N_v, N_r) = row["F"]
+    Y_delta, N_delta = row["g"]
+    entries = {"m11": m11, "m12": m12, "m21": m21, "m22": m22, "Y_v": Y_v, "Y_r": Y_r}
+    entries |= {"N_v": N_v, "N_r": N_r, "Y_delta": Y_delta, "N_delta": N_delta}
+    heads = [f'schema = "derivatives/1"\nname = "{row["case"]}"']
+    lines = {"length_m": length, "speed_kn": knots, **entries}.items()
+    path = folder / "ship.toml"
+    path.write_text("\n".join([*heads, *(f"{name} = {value}" for name, value in lines)]))
+    return path, length, knots * KNOT
+
+
+@pytest.mark.parametrize("row", PUBLISHED["rows"], ids=lambda row: f"{row['case']} {row['system']}")
+def test_a_table_of_derivatives_gives_the_gains_printed_beside_it(row: Any, tmp_path: Path) -> None:
+    """Tables 8.1, 9.1 and 10.2 give 9.2 and 10.3, within what the digits printed leave open."""
+    path, L, V = tabled(tmp_path, row)
+    result = CliRunner().invoke(steering, [str(path), "--json"], catch_exceptions=False)
+    numbers = json.loads(result.stdout)["speeds"][0]["numbers"]
+    units = {"K": V / L, "Kv": V}
+    compared = 0
+    for name, told in row["comparison"].items():
+        prime = numbers[{"Kv": "K_v"}.get(name, name)] / units.get(name, L / V)
+        assert prime == pytest.approx(row["computed"][name], rel=1e-9)
+        low, high = told["range_from_rounding"]
+        found = prime if told["compared_as"] == "value" else 1.0 / prime
+        printed = float(told["published"])
+        if told["consistent_with_rounding"]:
+            assert low <= found <= high
+            compared += 1
+        if told["compared_as"] == "value":
+            assert printed == pytest.approx(prime, rel=0.06)
+    assert compared >= 3
+
+
+def test_sea_splendour_has_the_gains_of_table_9_2_in_seconds(tmp_path: Path) -> None:
+    """K -0.018 1/s, K_v 3.8 m/s, T1 92.5 s at first, 155.6 s at last, whatever the system."""
+    for system in ("prime", "bis"):
+        for state, printed in (
+            ("initial", {"K": -0.018, "K_v": 3.8, "T1": 92.5}),
+            ("final", {"T1": 155.6}),
+        ):
+            case = (f"Sea Splendour {state}", system)
+            row = next(one for one in PUBLISHED["rows"] if (one["case"], one["system"]) == case)
+            path, *_ = tabled(tmp_path, row)
+            page = CliRunner().invoke(steering, [str(path)], catch_exceptions=False).stdout
+            found = {one[0]: float(one[2]) for one in map(str.split, page.splitlines()[5:11])}
+            for name, value in printed.items():
+                assert found[name] == pytest.approx(value, rel=0.02)
+
+
+def test_the_page_shows_what_a_table_of_derivatives_gives(tmp_path: Path) -> None:
+    text = next(one for one in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "m11" in one)
+    path = tmp_path / "splendour.toml"
+    path.write_text(text)
+    shown = re.findall(r"trainer steering splendour.toml\n(.*?)```", PAGE, re.DOTALL)[0]
+    assert shown in CliRunner().invoke(steering, [str(path)]).stdout
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("derivatives/1", "derivatives/2"), 'must be "nomoto/1" or "derivatives/1"; nearest is'),
+        (("m22", "m_22"), "m_22 = 0.105: no such key; nearest is m22"),
+        (("m22 = 0.105", "m22 = 0"), "m11 m22 = m12 m21: a ship without mass"),
+        (("_delta = 0.199", "_delta = 0"), "turn the ship to neither side"),
+    ],
+)
+def test_a_table_that_is_no_ship_is_refused(change: Any, told: str, tmp_path: Path) -> None:
+    text = next(one for one in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "m11" in one)
+    text = text.replace(*change)
+    if "_delta" in change[0]:
+        text = text.replace("N_delta = -0.065", "N_delta = 0")
+    path = tmp_path / "ship.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=re.escape(told)):
+        CliRunner().invoke(steering, [str(path)], catch_exceptions=False)

@@ -12,10 +12,20 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.nomoto import load_nomoto
+from trainer.config.derivatives import DERIVATIVES_SCHEMA, load_derivatives
+from trainer.config.files import ConfigError, nearest, parse_toml, quote, read_text
+from trainer.config.nomoto import NOMOTO_SCHEMA, load_nomoto
 from trainer.config.vessel import VesselFile
 from trainer.identify.fitting.nonlinear import BentShip
-from trainer.identify.model.nomoto import Nomoto
+from trainer.identify.model.nomoto import (
+    Nomoto,
+    dimensional,
+    levers,
+    nomoto,
+    scale,
+    solve_motion,
+    transfer,
+)
 from trainer.identify.model.steering import find_steering
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut_text, format_number, table, wrap
@@ -37,7 +47,7 @@ class SteeringAtSpeed:
 
     speed_kn: float
     numbers: dict[str, float]  # by NUMBER_UNITS, and T_imag
-    levers_m: dict[str, float] | None  # of a vessel file
+    levers_m: dict[str, float] | None  # of a vessel file or a table of derivatives
     helm: tuple[float, float, float]  # [s, s^2, s^3] H(r) of steady turns: 1/K, -kappa, 0
     neutral_deg: float  # residual helm
     stable: bool
@@ -65,6 +75,40 @@ def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> SteeringReport:
         bent = BentShip(ship.nomoto.K, 0.0, 0.0, 0.0)
         speed_rows.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
     return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, tuple(speed_rows))
+
+
+def of_ship(path: Path) -> SteeringReport | None:
+    """Return how the ship of a Nomoto file or of a table of derivatives steers.
+
+    None of a vessel file; ConfigError for a file that is none of the three.
+    """
+    table = parse_toml(read_text(path), path.name)
+    schema = str(table.get("schema", ""))
+    readers = {NOMOTO_SCHEMA: of_nomoto, DERIVATIVES_SCHEMA: of_derivatives}
+    if schema in readers:
+        return readers[schema](path)
+    if "coefficients" in table:
+        return None
+    raise ConfigError(
+        f"{path.name}: is no vessel file, as it has no [coefficients]; of a ship schema = "
+        f"{quote(schema)} must be {' or '.join(map(quote, readers))}{nearest(schema, readers)}"
+    )
+
+
+def of_derivatives(path: Path) -> SteeringReport:
+    """Return how the ship of a table of derivatives steers, linear."""
+    ship = load_derivatives(path)
+    unit = scale("prime", ship.length_m, ship.speed_kn * KNOT)
+    M = np.array([[ship.m11, ship.m12], [ship.m21, ship.m22]])
+    F = np.array([[ship.Y_v, ship.Y_r], [ship.N_v, ship.N_r]])
+    g = np.array([ship.Y_delta, ship.N_delta])
+    form = dimensional(nomoto(transfer(*solve_motion(M, F, g))), unit)
+    if not form.K:
+        raise ConfigError(f"{path.name}: Y_delta and N_delta turn the ship to neither side")
+    arms = tuple(unit.length * arm for arm in levers(F, g))
+    bent = BentShip(form.K, 0.0, 0.0, 0.0)
+    row = _at_speed(ship.speed_kn, form, bent, arms)
+    return SteeringReport(ship.name, ship.length_m, SHOWN_HELMS_DEG, (row,))
 
 
 def of_nomoto(path: Path) -> SteeringReport:
