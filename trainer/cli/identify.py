@@ -249,8 +249,14 @@ def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float |
 @click.option(
     "--speed", "speeds", type=AHEAD_SPEED_TYPE, multiple=True, metavar="KN", help="May be repeated."
 )
+@click.option(
+    "--record",
+    type=RECORD_FILE,
+    metavar="FILE",
+    help="A zig-zag or a turn: its K and T by the old methods, beside the ship's.",
+)
 @outputs
-def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
+def steering(vessel: str, speeds: tuple[float, ...], record: Path | None, **options: Any) -> None:
     """Show gains, lever arms, and the spiral of a boat or a ship.
 
     VESSEL is a name, or the path of a vessel file, of a Nomoto file, or of a table of derivatives
@@ -259,6 +265,7 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     \b
     Example:  trainer steering bb2 --speed 5 --speed 10
               trainer steering ship.toml --plot spiral.png
+              trainer steering ship.toml --record zigzag.csv
 
     The speed is the vessel's own unless it is given; that of a ship is in its file.
     """
@@ -272,6 +279,8 @@ def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     if report is None:
         file = load_vessel(vessel)
         report = page.of_vessel(file, speeds or (file.run.start_speed_kn,))
+    if record:
+        report = page.with_record(report, record)
     show_report(report, page.render, lambda: page.panels(report), options)
 
 

@@ -6,7 +6,7 @@ curve is an S, and the ship jumps between its ends: the loop.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -16,6 +16,13 @@ from trainer.config.derivatives import DERIVATIVES_SCHEMA, load_derivatives
 from trainer.config.files import ConfigError, nearest, parse_toml, quote, read_text
 from trainer.config.nomoto import NOMOTO_SCHEMA, load_nomoto
 from trainer.config.vessel import VesselFile
+from trainer.identify.fitting.classical import (
+    SMOOTHING_TIME,
+    is_zigzag,
+    measure_turn,
+    measure_zigzag,
+    read_phase_plot,
+)
 from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.model.nomoto import (
     Nomoto,
@@ -27,6 +34,7 @@ from trainer.identify.model.nomoto import (
     transfer,
 )
 from trainer.identify.model.steering import find_steering
+from trainer.identify.record.study import load_study, observe_record, plain_study
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut_text, format_number, table, wrap
 from trainer.units import DEGREE, KNOT
@@ -58,6 +66,18 @@ class SteeringAtSpeed:
 
 
 @dataclass(frozen=True)
+class ClassicalFigure:
+    """A number of a recorded manoeuvre by an old method, SI, beside the ship's."""
+
+    method: str
+    name: str
+    unit: str
+    ship: float
+    value: float
+    prime: float  # of a turn by its own speed, else by the ship's
+
+
+@dataclass(frozen=True)
 class SteeringReport:
     """All that ``trainer steering`` says about a ship."""
 
@@ -65,6 +85,7 @@ class SteeringReport:
     length_m: float
     helms_deg: tuple[float, ...]
     speeds: tuple[SteeringAtSpeed, ...]
+    recorded: tuple[ClassicalFigure, ...] = ()
 
 
 def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> SteeringReport:
@@ -124,6 +145,35 @@ def of_nomoto(path: Path) -> SteeringReport:
     )
 
 
+def with_record(report: SteeringReport, path: Path) -> SteeringReport:
+    """Return the report with what the old methods read off a recorded zig-zag or turn."""
+    record = observe_record(
+        load_study(path) if path.suffix == ".toml" else plain_study(path)
+    ).record
+    one = report.speeds[0]
+    V, L = one.speed_kn * KNOT, report.length_m
+    K, T1, T2, T3 = (one.numbers[name] for name in ("K", "T1", "T2", "T3"))
+    units = {"K": ("1/s", V / L, K), "T": ("s", L / V, T1 + T2 - T3)}
+    units |= {name: ("s", L / V, one.numbers[name]) for name in ("T1", "T2", "T3", "T_imag")}
+    if is_zigzag(record):
+        bent = BentShip(K, T1, T2, T3, delta_0=one.neutral_deg * DEGREE, H=one.helm)
+        constants = read_phase_plot(record, bent, SMOOTHING_TIME * L / V)
+        found = [("Nomoto's", *pair) for pair in zip("KT", measure_zigzag(record), strict=True)]
+        found += [("phase plot", f"T{i}", value.real) for i, value in enumerate(constants, 1)]
+        if constants[0].imag:  # of T1 and, with the other sign, T2
+            found.insert(-1, ("phase plot", "T_imag", constants[0].imag))
+        shown = [(*one, one[2] / units[one[1]][1]) for one in found]
+    else:
+        own_K, own_T, K_by_distance, T_by_distance = measure_turn(record, V)
+        shown = [("effective", "K", own_K, K_by_distance * L / V)]
+        shown += [("effective", "T", own_T, T_by_distance * V / L)]
+    figures = (
+        ClassicalFigure(method, name, units[name][0], units[name][2], value, prime)
+        for method, name, value, prime in shown
+    )
+    return replace(report, recorded=tuple(figures))
+
+
 def _at_speed(
     knots: float, form: Nomoto, bent: BentShip, arms: tuple[float, ...] | None = None
 ) -> SteeringAtSpeed:
@@ -167,6 +217,18 @@ def render(report: SteeringReport) -> str:
                 f"either side; it goes over to the other beyond {fold} deg of opposite rudder, "
                 f"from {fold_rate} deg/s"
             )
+    if report.recorded:
+        found = [
+            (
+                one.name,
+                one.method,
+                one.unit,
+                *(f"{n:.4g}" for n in (one.ship, one.value, one.prime)),
+            )
+            for one in report.recorded
+        ]
+        heads = ("", "method", "unit", "ship's", "record's", "prime")
+        lines += ["", "of the record, beside the ship's", *table(heads, found)]
     return "\n".join(lines)
 
 
