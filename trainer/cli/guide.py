@@ -246,9 +246,10 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreRepo
 )
 @click.option(
     "--programme",
-    type=click.Choice(("today", "1969")),
+    type=click.Choice(("today", "1969", "trainer")),
     default="today",
-    help="1969: the overshoots, turns, meanders and accelerations of the report.",
+    help="1969: the overshoots, turns, meanders and accelerations of the report. trainer: the "
+    "short one that its section V asks of a trainer, by its own rules, and nothing else.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 @click.option(
@@ -282,7 +283,7 @@ def guide(vessel: str, **options: Any) -> None:
         ships.print_figures(vessel, as_json=options["as_json"])
         return
     from trainer.analysis.guide import moves, page, summary
-    from trainer.analysis.guide.programme import guide_legs, legs_of_1969
+    from trainer.analysis.guide.programme import guide_legs, legs_of_1969, legs_of_trainer
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
@@ -291,11 +292,13 @@ def guide(vessel: str, **options: Any) -> None:
     if options["uncertainty"]:
         write_uncertainty(file, options["cores"])
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    choose = legs_of_1969 if options["programme"] == "1969" else guide_legs
-    book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
+    programmes = {"today": guide_legs, "1969": legs_of_1969, "trainer": legs_of_trainer}
+    legs = programmes[options["programme"]](file, options["depth"])
+    render = page.render_trainer if options["programme"] == "trainer" else page.render
+    book = write_guide(file, legs, made, options["cores"])
     now = json.loads(json_of(asdict(book.guide)))
     moved = None if earlier is None else moves.compare_guides(earlier, now)
-    write_document(page.render(book, moved), options["html"], options["pdf"])
+    write_document(render(book, moved), options["html"], options["pdf"])
     if options["as_json"]:
         extra = {} if moved is None else {"moved": [asdict(one) for one in moved]}
         click.echo(json_of({**now, **extra}))
@@ -305,13 +308,18 @@ def guide(vessel: str, **options: Any) -> None:
 
 
 def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
-    """Return the guide's book of some legs, with a progress bar on a terminal."""
+    """Return the guide's book of some legs, with a progress bar on a terminal.
+
+    Legs with checks of their own are a trainer's, which has no studies.
+    """
     from trainer.analysis.guide import contents
     from trainer.analysis.guide.programme import processor_count
 
-    count = len(contents.guide_tasks(file, legs))
+    alone = any(leg.checks for leg in legs)
+    write = contents.write_trainer_guide if alone else contents.write_guide
+    count = len((contents.leg_tasks if alone else contents.guide_tasks)(file, legs))
     with show_progress(count, "flying") as step:
-        return contents.write_guide(file, legs, made, cores or processor_count(), lambda: step(1))
+        return write(file, legs, made, cores or processor_count(), lambda: step(1))
 
 
 def write_uncertainty(file: Any, cores: int | None) -> None:

@@ -328,6 +328,39 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
     names = dict(CHAPTER_TITLES)
     if moves is not None:
         names["moved"] = "Since the baseline"
+    parts = [
+        judged_page.validation(book),
+        *([since_baseline(moves)] if moves is not None else []),
+        judged_page.predicted(book),
+        findings(guide),
+        drops(guide),
+        programs(book),
+        steps(guide),
+        software(guide),
+        judged_page.delays(guide),
+        judged_page.benchmark(book),
+        judged_page.causes(book),
+        *judged_page.statements(),
+        overview(guide),
+        *manoeuvres(book),
+        judged_page.sources(book),
+    ]
+    return _fill(book, names, parts)
+
+
+def render_trainer(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
+    """Return the page of a trainer's short guide: its manoeuvres, and what it is made from."""
+    names = {name: CHAPTER_TITLES[name] for name in ("overview", "software")}
+    parts = [overview(book.guide), *manoeuvres(book), software(book.guide)]
+    if moves is not None:
+        names["moved"] = "Since the baseline"
+        parts.append(since_baseline(moves))
+    return _fill(book, names, parts)
+
+
+def _fill(book: GuideContents, names: dict[str, str], parts: list[Markup]) -> str:
+    """Return the page of these chapters."""
+    guide = book.guide
     return fill_page(
         "guide.html",
         "guide.css",
@@ -336,23 +369,7 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
         made=guide.made,
         contents=names.items(),
         legs=[(anchor(leg.title), leg.title) for leg in book.legs],
-        parts=[
-            judged_page.validation(book),
-            *([since_baseline(moves)] if moves is not None else []),
-            judged_page.predicted(book),
-            findings(guide),
-            drops(guide),
-            programs(book),
-            steps(guide),
-            software(guide),
-            judged_page.delays(guide),
-            judged_page.benchmark(book),
-            judged_page.causes(book),
-            *judged_page.statements(),
-            overview(guide),
-            *manoeuvres(book),
-            judged_page.sources(book),
-        ],
+        parts=parts,
         data=embed_json(asdict(guide)),
     )
 

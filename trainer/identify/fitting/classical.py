@@ -19,7 +19,6 @@ STEADY_SHARE: Final = 0.1  # [-] of a turn, its end, in which it is steady
 THROWN_SHARE: Final = 0.5  # [-] of the largest rudder: from there on it has been thrown
 MIN_SWINGS: Final = 3  # turning points of the heading that Nomoto's method needs
 SMOOTHING_TIME: Final = 0.3  # [lengths at speed] of the phase plot's window, as of trials
-
 MIN_HALF_WINDOW, MIN_SAMPLES = 4, 20  # [samples]
 
 
@@ -31,10 +30,11 @@ def is_zigzag(record: Record) -> bool:
 
 
 def measure_zigzag(record: Record) -> tuple[float, float]:
-    """Return K [1/s] and T [s] of a zig-zag by Nomoto's method; ConfigError of few swings.
+    """Return K [1/s] and T [s] of a zig-zag by Nomoto's method.
 
     T r' + r = K (delta + delta_0) is integrated. Between turning points of the heading r is zero at
-    both ends, so that K and delta_0 are left; from a turning point to a zero of the heading T is.
+    both ends, so that K and delta_0 are left; from there to a zero of the heading T is. ConfigError
+    of fewer turning points than MIN_SWINGS.
     """
     t, rudder, rate, heading = _columns(record)
     helm, heading = _integral(t, rudder), heading - heading[0]
@@ -81,10 +81,11 @@ def read_phase_plot(record: Record, ship: BentShip, window: float) -> tuple[comp
 
 
 def measure_turn(record: Record, speed: float) -> tuple[float, ...]:
-    """Return the effective K [1/s] and T [s] of a turn, and those by ``speed`` over its own [m/s].
+    """Return the effective K [1/s] and T [s] of a turn, twice.
 
     K is the steady rate over the rudder, T the time by which the heading lags behind K times the
-    rudder. The others are by the distance run, as if the ship had kept ``speed``.
+    rudder. The last two are by the distance run, as if the ship had kept
+    ``speed`` [m/s].
     """
     sailed = np.full_like(record.t, speed)
     if record.speed is not None:
