@@ -294,11 +294,10 @@ def guide(vessel: str, **options: Any) -> None:
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     programmes = {"today": guide_legs, "1969": legs_of_1969, "trainer": legs_of_trainer}
     legs = programmes[options["programme"]](file, options["depth"])
-    render = page.render_trainer if options["programme"] == "trainer" else page.render
     book = write_guide(file, legs, made, options["cores"])
     now = json.loads(json_of(asdict(book.guide)))
     moved = None if earlier is None else moves.compare_guides(earlier, now)
-    write_document(render(book, moved), options["html"], options["pdf"])
+    write_document(page.render(book, moved), options["html"], options["pdf"])
     if options["as_json"]:
         extra = {} if moved is None else {"moved": [asdict(one) for one in moved]}
         click.echo(json_of({**now, **extra}))
@@ -308,18 +307,13 @@ def guide(vessel: str, **options: Any) -> None:
 
 
 def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
-    """Return the guide's book of some legs, with a progress bar on a terminal.
-
-    Legs with checks of their own are a trainer's, which has no studies.
-    """
+    """Return the guide's book of some legs, with a progress bar on a terminal."""
     from trainer.analysis.guide import contents
     from trainer.analysis.guide.programme import processor_count
 
-    alone = any(leg.checks for leg in legs)
-    write = contents.write_trainer_guide if alone else contents.write_guide
-    count = len((contents.leg_tasks if alone else contents.guide_tasks)(file, legs))
+    count = len(contents.guide_tasks(file, legs))
     with show_progress(count, "flying") as step:
-        return write(file, legs, made, cores or processor_count(), lambda: step(1))
+        return contents.write_guide(file, legs, made, cores or processor_count(), lambda: step(1))
 
 
 def write_uncertainty(file: Any, cores: int | None) -> None:

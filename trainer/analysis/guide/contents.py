@@ -9,7 +9,7 @@ import hashlib
 import platform
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import metadata
 from typing import Any, Final
 
@@ -81,16 +81,16 @@ class Guide:
     versions: dict[str, str]
     checksums: dict[str, str]  # sha256 of what it was made from
     sheets: tuple[LegSheet, ...]
+    findings: tuple[Finding, ...]
+    steps: tuple[StepRun, ...]
+    drops: tuple[reasons.DropEffect, ...]
+    trials: tuple[TrialComparison, ...]
+    doubts: tuple[str, ...]  # why published results are not judged, or not judged rightly
+    delays: tuple[DelaySheet, ...]
     neutral: neutral.NeutralReport
     modes: characteristic.ModesReport
     thrust: thrust.ThrustReport
     passed: bool  # something is judged, and nothing beyond tolerance
-    findings: tuple[Finding, ...] = ()
-    steps: tuple[StepRun, ...] = ()
-    drops: tuple[reasons.DropEffect, ...] = ()
-    trials: tuple[TrialComparison, ...] = ()
-    doubts: tuple[str, ...] = ()  # why published results are not judged, or not judged rightly
-    delays: tuple[DelaySheet, ...] = ()
 
     @property
     def conclusion(self) -> str:
@@ -112,16 +112,18 @@ class GuideContents:
     spreads: SpreadTable | None
 
 
-def leg_tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
-    """Return the flights of the legs by every equation set."""
-    return tuple(leg.task(file, equations) for leg in legs for equations in SET_METHODS)
+def stand_alone(legs: Sequence[Leg]) -> bool:
+    """Return whether legs have checks of their own, and so a guide without studies."""
+    return any(leg.checks for leg in legs)
 
 
 def guide_tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
     """Return every flight that a guide of these legs needs, each once."""
     published = _published(file)
+    if stand_alone(legs):
+        return tuple(leg.task(file, equations) for leg in legs for equations in SET_METHODS)
     wanted = (
-        *leg_tasks(file, legs),
+        *(leg.task(file, equations) for leg in legs for equations in SET_METHODS),
         *findings.step_tasks(file),
         *findings.finding_tasks(file),
         *reasons.drop_tasks(file),
@@ -142,48 +144,21 @@ def assemble_guide(
     file: VesselFile, legs: Sequence[Leg], made: str, flown: FlightTable
 ) -> GuideContents:
     """Return the guide from its flights."""
-    stepped = findings.step_study(file, flown)
-    published = _published(file)
+    sheets = tuple(_sheet(file, leg, flown) for leg in legs)
+    alone = stand_alone(legs)
+    stepped = () if alone else findings.step_study(file, flown)
+    published = None if alone else _published(file)
     spreads = load_spreads(file, published) if published else None
-    made_from = {}
+    made_from = {file.path.name: file.text}
     if published:
         made_from[f"{published.path.stem} (published results)"] = published.text
     if spreads:
         made_from[f"{spreads.file} (u_input)"] = spreads.text
-    guide = replace(
-        _judge_legs(file, legs, made, flown, made_from),
-        findings=findings.study_findings(file, flown, stepped),
-        steps=stepped,
-        drops=reasons.drop_study(file, flown),
-        trials=compare_figures(file, published, flown, spreads.by_figure() if spreads else {})
-        if published
-        else (),
-        doubts=tuple(_doubts(file, published, spreads)) if published else (),
-        delays=measure_delays(file),
-    )
-    return GuideContents(file, guide, tuple(legs), flown, published, spreads)
-
-
-def write_trainer_guide(
-    file: VesselFile, legs: Sequence[Leg], made: str, cores: int, step: Callable[[], None]
-) -> GuideContents:
-    """Return the guide of these legs alone, without the studies; ``step`` as for a whole one."""
-    flown = fly_all(file.path, leg_tasks(file, legs), cores, step)
-    guide = _judge_legs(file, legs, made, flown, {})
-    return GuideContents(file, guide, tuple(legs), flown, None, None)
-
-
-def _judge_legs(
-    file: VesselFile, legs: Sequence[Leg], made: str, flown: FlightTable, further: dict[str, str]
-) -> Guide:
-    """Return a guide without studies; ``further`` has the texts it is made from beside the boat."""
-    sheets = tuple(_sheet(file, leg, flown) for leg in legs)
     checksums = {
-        name: hashlib.sha256(text.encode()).hexdigest()
-        for name, text in {file.path.name: file.text, **further}.items()
+        name: hashlib.sha256(text.encode()).hexdigest() for name, text in made_from.items()
     }
     speeds = round_speeds(*file.run.speed_range_kn)
-    return Guide(
+    guide = Guide(
         vessel=file.name,
         made=made,
         step_s=file.run.step_s,
@@ -196,11 +171,20 @@ def _judge_legs(
         },
         checksums=checksums,
         sheets=sheets,
+        findings=() if alone else findings.study_findings(file, flown, stepped),
+        steps=stepped,
+        drops=() if alone else reasons.drop_study(file, flown),
+        trials=compare_figures(file, published, flown, spreads.by_figure() if spreads else {})
+        if published
+        else (),
+        doubts=tuple(_doubts(file, published, spreads)) if published else (),
+        delays=() if alone else measure_delays(file),
         neutral=neutral.report_neutral(file, speeds),
         modes=characteristic.report_modes(file, speeds, characteristic.MeanMotions()),
         thrust=thrust.survey_thrust(file, (0.0, *speeds), thrust.command_speeds(file)),
         passed=passes_all([sheet.passed(VERDICT_SET) for sheet in sheets]),
     )
+    return GuideContents(file, guide, tuple(legs), flown, published, spreads)
 
 
 def _published(file: VesselFile) -> Published | None:

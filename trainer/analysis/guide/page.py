@@ -11,7 +11,14 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.analysis.guide import judged_page
-from trainer.analysis.guide.contents import REDUCED_SETS, Guide, GuideContents, LegSheet, tally_set
+from trainer.analysis.guide.contents import (
+    REDUCED_SETS,
+    Guide,
+    GuideContents,
+    LegSheet,
+    stand_alone,
+    tally_set,
+)
 from trainer.analysis.guide.findings import ClaimVerdict
 from trainer.analysis.guide.moves import GuideMove
 from trainer.analysis.guide.programme import SET_METHODS, Leg
@@ -328,7 +335,29 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
     names = dict(CHAPTER_TITLES)
     if moves is not None:
         names["moved"] = "Since the baseline"
-    parts = [
+    if stand_alone(book.legs):
+        names = {name: names[name] for name in names if name in ("overview", "software", "moved")}
+        since = [] if moves is None else [since_baseline(moves)]
+        parts = [*since, overview(guide), *manoeuvres(book), software(guide)]
+    else:
+        parts = _chapters(book, moves)
+    return fill_page(
+        "guide.html",
+        "guide.css",
+        vessel=guide.vessel,
+        verdict=Cell(guide.conclusion, "good" if guide.passed else "bad"),
+        made=guide.made,
+        contents=names.items(),
+        legs=[(anchor(leg.title), leg.title) for leg in book.legs],
+        parts=parts,
+        data=embed_json(asdict(guide)),
+    )
+
+
+def _chapters(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> list[Markup]:
+    """Return the chapters of a whole guide."""
+    guide = book.guide
+    return [
         judged_page.validation(book),
         *([since_baseline(moves)] if moves is not None else []),
         judged_page.predicted(book),
@@ -345,33 +374,6 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
         *manoeuvres(book),
         judged_page.sources(book),
     ]
-    return _fill(book, names, parts)
-
-
-def render_trainer(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
-    """Return the page of a trainer's short guide: its manoeuvres, and what it is made from."""
-    names = {name: CHAPTER_TITLES[name] for name in ("overview", "software")}
-    parts = [overview(book.guide), *manoeuvres(book), software(book.guide)]
-    if moves is not None:
-        names["moved"] = "Since the baseline"
-        parts.append(since_baseline(moves))
-    return _fill(book, names, parts)
-
-
-def _fill(book: GuideContents, names: dict[str, str], parts: list[Markup]) -> str:
-    """Return the page of these chapters."""
-    guide = book.guide
-    return fill_page(
-        "guide.html",
-        "guide.css",
-        vessel=guide.vessel,
-        verdict=Cell(guide.conclusion, "good" if guide.passed else "bad"),
-        made=guide.made,
-        contents=names.items(),
-        legs=[(anchor(leg.title), leg.title) for leg in book.legs],
-        parts=parts,
-        data=embed_json(asdict(guide)),
-    )
 
 
 def _panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, ...]:

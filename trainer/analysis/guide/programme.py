@@ -224,7 +224,7 @@ def legs_of_1969(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...
 
 
 def legs_of_trainer(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
-    """Return the short programme that section V of 1969 asks of a trainer, with its checks.
+    """Return the short programme that section V of 1969 asks of a trainer.
 
     Meanders at five speeds, of which one has the largest damping ratio; overshoots and turns at a
     low and a high speed, these with depth kept by the stern planes; ahead from rest and stopped.

@@ -162,9 +162,3 @@ def scale(system: str, length: float, speed: float) -> Scale:
         return Scale(length / speed, speed, length)
     time = math.sqrt(length / GRAVITY_M_S2)
     return Scale(time, length / time, length)
-
-
-def dimensional(form: Nomoto, unit: Scale) -> Nomoto:
-    """Return in SI a form that is in the units of a dimensionless system (3.6)."""
-    times = (form.T1 * unit.time, form.T2 * unit.time, form.T3 * unit.time)
-    return Nomoto(form.K / unit.time, *times, form.K_v * unit.speed, form.T3v * unit.time)

@@ -16,24 +16,10 @@ from trainer.config.derivatives import DERIVATIVES_SCHEMA, load_derivatives
 from trainer.config.files import ConfigError, nearest, parse_toml, quote, read_text
 from trainer.config.nomoto import NOMOTO_SCHEMA, load_nomoto
 from trainer.config.vessel import VesselFile
-from trainer.identify.fitting.classical import (
-    SMOOTHING_TIME,
-    is_zigzag,
-    measure_turn,
-    measure_zigzag,
-    read_phase_plot,
-)
+from trainer.identify.fitting import classical
 from trainer.identify.fitting.nonlinear import BentShip
-from trainer.identify.model.nomoto import (
-    Nomoto,
-    dimensional,
-    levers,
-    nomoto,
-    scale,
-    solve_motion,
-    transfer,
-)
-from trainer.identify.model.steering import find_steering
+from trainer.identify.model.nomoto import Nomoto
+from trainer.identify.model.steering import SteeringModel, find_steering, tabled_steering
 from trainer.identify.record.study import load_study, observe_record, plain_study
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut_text, format_number, table, wrap
@@ -43,6 +29,8 @@ SHOWN_HELMS_DEG: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the t
 CURVE_POINTS: Final = 201  # points
 NUMBER_UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
 
+NOMOTO_METHOD, PHASE_PLOT = "Nomoto's", "phase plot"
+SMOOTHING_TIME: Final = 0.3  # [lengths at speed] of the phase plot's window, as of trials
 LEVER_NAMES: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
 
 
@@ -71,7 +59,6 @@ class ClassicalFigure:
 
     method: str
     name: str
-    unit: str
     ship: float
     value: float
     prime: float  # of a turn by its own speed, else by the ship's
@@ -90,12 +77,13 @@ class SteeringReport:
 
 def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> SteeringReport:
     """Return how a boat steers at ``speeds_kn``, by its vessel file; roll is left out."""
-    speed_rows = []
-    for knots in speeds_kn:
-        ship = find_steering(file, knots * KNOT)
-        bent = BentShip(ship.nomoto.K, 0.0, 0.0, 0.0)
-        speed_rows.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
-    return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, tuple(speed_rows))
+    rows = tuple(_linear(knots, find_steering(file, knots * KNOT)) for knots in speeds_kn)
+    return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, rows)
+
+
+def _linear(knots: float, ship: SteeringModel) -> SteeringAtSpeed:
+    """Return how a ship without a bend steers."""
+    return _at_speed(knots, ship.nomoto, BentShip(ship.nomoto.K, 0.0, 0.0, 0.0), ship.levers)
 
 
 def of_ship(path: Path) -> SteeringReport | None:
@@ -119,16 +107,10 @@ def of_ship(path: Path) -> SteeringReport | None:
 def of_derivatives(path: Path) -> SteeringReport:
     """Return how the ship of a table of derivatives steers, linear."""
     ship = load_derivatives(path)
-    unit = scale("prime", ship.length_m, ship.speed_kn * KNOT)
-    M = np.array([[ship.m11, ship.m12], [ship.m21, ship.m22]])
-    F = np.array([[ship.Y_v, ship.Y_r], [ship.N_v, ship.N_r]])
-    g = np.array([ship.Y_delta, ship.N_delta])
-    form = dimensional(nomoto(transfer(*solve_motion(M, F, g))), unit)
-    if not form.K:
+    steering = tabled_steering(ship)
+    if not steering.nomoto.K:
         raise ConfigError(f"{path.name}: Y_delta and N_delta turn the ship to neither side")
-    arms = tuple(unit.length * arm for arm in levers(F, g))
-    bent = BentShip(form.K, 0.0, 0.0, 0.0)
-    row = _at_speed(ship.speed_kn, form, bent, arms)
+    row = _linear(ship.speed_kn, steering)
     return SteeringReport(ship.name, ship.length_m, SHOWN_HELMS_DEG, (row,))
 
 
@@ -147,29 +129,25 @@ def of_nomoto(path: Path) -> SteeringReport:
 
 def with_record(report: SteeringReport, path: Path) -> SteeringReport:
     """Return the report with what the old methods read off a recorded zig-zag or turn."""
-    record = observe_record(
-        load_study(path) if path.suffix == ".toml" else plain_study(path)
-    ).record
-    one = report.speeds[0]
+    study = load_study(path) if path.suffix == ".toml" else plain_study(path)
+    record, one = observe_record(study).record, report.speeds[0]
     V, L = one.speed_kn * KNOT, report.length_m
     K, T1, T2, T3 = (one.numbers[name] for name in ("K", "T1", "T2", "T3"))
-    units = {"K": ("1/s", V / L, K), "T": ("s", L / V, T1 + T2 - T3)}
-    units |= {name: ("s", L / V, one.numbers[name]) for name in ("T1", "T2", "T3", "T_imag")}
-    if is_zigzag(record):
+    own = one.numbers | {"T": T1 + T2 - T3}
+    if classical.is_zigzag(record):
         bent = BentShip(K, T1, T2, T3, delta_0=one.neutral_deg * DEGREE, H=one.helm)
-        constants = read_phase_plot(record, bent, SMOOTHING_TIME * L / V)
-        found = [("Nomoto's", *pair) for pair in zip("KT", measure_zigzag(record), strict=True)]
-        found += [("phase plot", f"T{i}", value.real) for i, value in enumerate(constants, 1)]
-        if constants[0].imag:  # of T1 and, with the other sign, T2
-            found.insert(-1, ("phase plot", "T_imag", constants[0].imag))
-        shown = [(*one, one[2] / units[one[1]][1]) for one in found]
+        constants = classical.read_phase_plot(record, bent, SMOOTHING_TIME * L / V)
+        by_nomoto = zip("KT", classical.measure_zigzag(record), strict=True)
+        found = [(NOMOTO_METHOD, name, value, value) for name, value in by_nomoto]
+        reals = {f"T{i}": value.real for i, value in enumerate(constants, 1)}
+        reals["T_imag"] = constants[0].imag  # of T1 and, with the other sign, T2
+        found += [(PHASE_PLOT, *pair, pair[1]) for pair in reals.items() if pair[1]]
     else:
-        own_K, own_T, K_by_distance, T_by_distance = measure_turn(record, V)
-        shown = [("effective", "K", own_K, K_by_distance * L / V)]
-        shown += [("effective", "T", own_T, T_by_distance * V / L)]
+        gain, lag, *at_speed = classical.measure_turn(record, V)
+        found = [("effective", "K", gain, at_speed[0]), ("effective", "T", lag, at_speed[1])]
     figures = (
-        ClassicalFigure(method, name, units[name][0], units[name][2], value, prime)
-        for method, name, value, prime in shown
+        ClassicalFigure(method, name, own[name], value, at_V * (L / V if name == "K" else V / L))
+        for method, name, value, at_V in found
     )
     return replace(report, recorded=tuple(figures))
 
@@ -219,15 +197,10 @@ def render(report: SteeringReport) -> str:
             )
     if report.recorded:
         found = [
-            (
-                one.name,
-                one.method,
-                one.unit,
-                *(f"{n:.4g}" for n in (one.ship, one.value, one.prime)),
-            )
+            (one.name, one.method, *(f"{n:.4g}" for n in (one.ship, one.value, one.prime)))
             for one in report.recorded
         ]
-        heads = ("", "method", "unit", "ship's", "record's", "prime")
+        heads = ("SI", "method", "ship's", "record's", "prime")
         lines += ["", "of the record, beside the ship's", *table(heads, found)]
     return "\n".join(lines)
 
