@@ -53,7 +53,7 @@ def measure_zigzag(record: Record) -> tuple[float, float]:
 
 
 def read_phase_plot(record: Record, ship: BentShip, window: float) -> tuple[complex, ...]:
-    """Return T1, T2 and T3 [s] from the phase plot of a zig-zag, r' over r (Bech and Smitt).
+    """Return T1, T2, T3 [s] from a zig-zag's phase plot, r' over r (Bech, Smitt).
 
     What the steady turns of ``ship`` leave is (T1 + T2) r' + T1 T2 r'' - K T3 delta'. r'' is r'
     times the plot's slope. All are smoothed alike over ``window`` [s]: a throw breaks no term.
