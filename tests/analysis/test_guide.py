@@ -15,7 +15,13 @@ from trainer.analysis.guide import page as guide_page
 from trainer.analysis.guide import programme, verdicts
 from trainer.analysis.guide.contents import GuideContents, assemble_guide, write_guide
 from trainer.analysis.guide.moves import compare_guides, load_earlier
-from trainer.analysis.guide.programme import Task, fly_all, guide_legs, legs_of_1969
+from trainer.analysis.guide.programme import (
+    Task,
+    fly_all,
+    guide_legs,
+    legs_of_1969,
+    legs_of_trainer,
+)
 from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
@@ -180,6 +186,89 @@ def test_the_programme_of_1969_has_its_forty_overshoots_and_fifteen_turns() -> N
     assert {leg.speed_kn for leg in legs_of_1969(load_vessel("bb2")) if leg.name == "turn"} == {
         *(4.0, 8.0, 12.0, 16.0, 20.0)
     }
+
+
+def test_the_programme_of_a_trainer_is_what_section_v_asks() -> None:
+    file = load_vessel("bb2")
+    legs = legs_of_trainer(file)
+
+    flights = [(leg.name, leg.speed_kn) for leg in legs]
+    # of the report's boat the damping ratio is largest at about 7 kn
+    assert flights[:5] == [("meander", speed) for speed in (4.0, 7.5, 12.0, 16.0, 20.0)]
+    angles = {(leg.speed_kn, leg.variant) for leg in legs if leg.name in ("overshoot", "turn")}
+    assert angles == {
+        (speed, variant)
+        for speed in (4.0, 20.0)
+        for variant in ("execute 5 deg", "execute 20 deg", "rudder 15 deg", "rudder 30 deg")
+    }
+    assert [leg.title for leg in legs[13:]] == ["utmost-acceleration, from rest"]
+    assert 4 * len(legs) < len(legs_of_1969(file))
+    assert {leg.rig.depth for leg in legs_of_trainer(file, 60.0)} == {60.0}
+
+
+def test_a_trainer_s_turn_keeps_its_depth_by_the_stern_planes_alone() -> None:
+    file = load_vessel("bb2")
+    leg = next(leg for leg in legs_of_trainer(file) if leg.name == "turn")
+
+    flight = programme.fly_task(file.path, leg.task(file, "full"))
+    assert isinstance(flight, Flight)
+    assert np.ptp(flight.column("delta_b")) == 0.0
+    assert np.ptp(flight.column("delta_s")) > np.deg2rad(0.5)
+
+
+def judgement(quantity: str, verdict: str) -> verdicts.Judgement:
+    return verdicts.Judgement(quantity, "rad", 1.0, 1.0, 0.05, verdict)
+
+
+def test_a_trainer_s_meander_is_judged_by_swings_else_by_the_change_at_two_minutes() -> None:
+    swings = (judgement("pitch peak 1", WITHIN_TOLERANCE), judgement("pitch zero 1", "BEYOND"))
+    change = judgement("change of theta, 120 s", BEYOND_TOLERANCE)
+    other = judgement("largest pitch", BEYOND_TOLERANCE)
+    lost = judgement(verdicts.LOST_QUANTITY, BEYOND_TOLERANCE)
+
+    def judged(*found: verdicts.Judgement) -> list[str]:
+        kept = verdicts.keep_checks(found, programme.TRAINER_CHECKS["meander"])
+        return [one.quantity for one in kept if one.verdict != NOT_JUDGED]
+
+    assert judged(*swings, change, other) == ["pitch peak 1", "pitch zero 1"]
+    assert judged(change, other) == ["change of theta, 120 s"]
+    assert judged(*swings, lost) == ["pitch peak 1", "pitch zero 1", verdicts.LOST_QUANTITY]
+
+
+def run_trainer_guide(*arguments: str) -> Result:
+    asked = [*arguments, "--programme", "trainer", "--cores", "1"]
+    return CliRunner().invoke(guide, asked, catch_exceptions=False)
+
+
+def test_a_trainer_s_guide_has_page_figures_and_verdict(tmp_path: Path) -> None:
+    document = tmp_path / "short.html"
+    result = run_trainer_guide("bb2", "--html", str(document), "--json")
+
+    told = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert told["passed"]
+    assert not told["findings"]
+    assert not told["steps"]
+    turn = next(sheet for sheet in told["sheets"] if sheet["title"] == "turn, rudder 30 deg, 20 kn")
+    judged = [one["quantity"] for one in turn["judgements"]["modified"] if one["allowed"]]
+    assert judged == [
+        *("heading after 60 s", "steady speed, of the first", "snap roll", "steady roll"),
+    ]
+    text = document.read_text(encoding="utf-8")
+    assert text.count("<section") == len(told["sheets"]) + 2
+    assert "meander, 7.5 kn" in text
+    assert "Published figures" not in text
+
+
+def test_a_trainer_s_guide_of_a_set_that_is_out_ends_with_exit_code_1(tmp_path: Path) -> None:
+    path = tmp_path / "boat.toml"
+    path.write_text(without_reduction(load_vessel("bb2").text), encoding="utf-8")
+
+    result = run_trainer_guide(str(path))
+
+    assert result.exit_code == 1
+    assert "The compact set beside the full one: Out of tolerance." in result.stdout
+    assert "FINDINGS" not in result.stdout
 
 
 @pytest.mark.parametrize(("term", "sheet"), [("N_v", "starboard"), ("K_v", "port")])

@@ -31,6 +31,7 @@ from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.casualties import parse_casualties
 from trainer.config.check_case import parse_case
+from trainer.config.derivatives import load_derivatives
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Place, read_text
@@ -85,6 +86,19 @@ T_s = 20.0
 rudder_limit_deg = 35
 rudder_rate_deg_s = 3
 step_s = 0.5
+"""
+DERIVATIVES: Final = b"""schema = "derivatives/1"
+name = "A ship"
+length_m = 329
+speed_kn = 15.9
+m11 = 1.7
+m22 = 0.105
+Y_v = -1.59
+Y_r = -0.616
+N_v = -0.183
+N_r = -0.125
+Y_delta = 0.199
+N_delta = -0.065
 """
 SYSTEM: Final = b"""schema = "system/1"
 name = "A swing"
@@ -443,6 +457,13 @@ TARGETS: Final = (
         "a ship of a few parameters",
         load_proof(load_nomoto),
         lambda: [NOMOTO],
+        spared=(),
+    ),
+    Target(
+        "derivatives",
+        "a table of a ship's derivatives",
+        load_proof(load_derivatives),
+        lambda: [DERIVATIVES],
         spared=(),
     ),
     Target("system", "matrices with expressions", load_proof(load_system), lambda: [SYSTEM], 512),

@@ -19,6 +19,7 @@ from trainer.config.bottom import BottomTable
 from trainer.config.casualties import SEVERITY_MEASURES, CasualtyEntry
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.current import Current, Tide
+from trainer.config.derivatives import DerivativesFile
 from trainer.config.nomoto import NomotoFile
 from trainer.config.schema import kind_of
 from trainer.config.score_rules import SCORE_MEASURES, TIMELESS_MEASURES, WINDOW_KEYS, ScoreRow
@@ -128,9 +129,9 @@ def key_rows(record: type[Any], table: str) -> list[str]:
     return [f"### `[{table}]`", "", "| key | unit | range | meaning |", "|---|---|---|---|", *rows]
 
 
-def nomoto_table() -> str:
-    """Return the table of a Nomoto file's keys, without a heading, as it has no tables."""
-    return tables_of({"nomoto": NomotoFile}).replace("### `[nomoto]`\n\n", "")
+def plain_table(record: type[Any]) -> str:
+    """Return the table of a file's keys, without a heading, as the file has no tables."""
+    return tables_of({"plain": record}).replace("### `[plain]`\n\n", "")
 
 
 def kind_table() -> str:
@@ -218,12 +219,13 @@ TABLES: Final[Mapping[str, Callable[[], str]]] = {  # by the page, or what it is
     "decca": lambda: tables_of(
         {"": decca.DeccaHeading, "[slaves]": decca.SlaveRow, **decca.DECCA_TABLES}
     ),
+    "derivatives": lambda: plain_table(DerivativesFile),
     "documentary": documentary_list,
     "exercises": lambda: tables_of(EXERCISE_RECORDS),
     "identification": lambda: tables_of(IDENTIFICATION_RECORDS),
     "laws": law_table,
     "measures": measure_table,
-    "nomoto": nomoto_table,
+    "nomoto": lambda: plain_table(NomotoFile),
     "nonlinear-ships": lambda: tables_of(SHIP_RECORDS),
     "own-hull": lambda: tables_of({**hull.HULL_TABLES, "[surfaces]": hull.Panels}),
     "seas": lambda: tables_of({"sea": Sea}),

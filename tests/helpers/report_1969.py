@@ -274,6 +274,13 @@ FIGURES: Final = (
         "test_the_programme_of_1969_has_its_forty_overshoots_and_fifteen_turns",
     ),
     Row(
+        "section V: the guide of a trainer",
+        "14 manoeuvres: meanders, one at the largest damping ratio (7.5 kn, there about 7), "
+        "overshoots, turns, an acceleration",
+        "trainer guide FILE --programme trainer",
+        "analysis/test_guide.py::test_the_programme_of_a_trainer_is_what_section_v_asks",
+    ),
+    Row(
         "a run over time",
         "chosen columns of one run",
         "trainer manoeuvre meander bb2 --csv m.csv && trainer export m.csv --plot m.svg "

@@ -40,7 +40,7 @@ NONLINEAR: Final = "identify/test_nonlinear.py"
 MODELLED: Final = f"{SAMPLING}::test_each_model_has_the_transfer_function_that_its_document_says"
 FOUND: Final = f"{CASES}::test_a_ship_of_the_report_is_found_again"
 SEEN: Final = f"{CASES}::test_what_the_report_saw_is_seen_again"
-DERIVED: Final = f"{TABLES_TEST}::test_the_reports_tables_follow_from_its_printed_derivatives"
+DERIVED: Final = f"{STEERED}::test_a_table_of_derivatives_gives_the_gains_printed_beside_it"
 PLOTTED: Final = f"{STUDY}::test_a_plot_is_drawn"
 SELFTEST: Final = "python -m tests.cases"
 
@@ -304,6 +304,33 @@ THEORY: Final = (
         f"{STEERED}::test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa",
     ),
     Row(
+        "section 2.3: effective K', T'",
+        "of a turn, by its own speed, beside K and T; Sea Splendour -1.63 and 3.62",
+        "trainer manoeuvre turning-circle FILE --csv turn.csv && "
+        "trainer steering FILE --record turn.csv",
+        f"{STEERED}::test_a_turn_of_sea_splendour_has_the_gain_and_lag_of_table_9_2",
+    ),
+    Row(
+        "section 2.8: K and T by Nomoto's method",
+        "of A K Fernstrom's zig-zag, K -0.08 1/s and T 148.3 s as section 8 has them",
+        "trainer manoeuvre zigzag-20 FILE --duration 1500 --csv zz.csv && "
+        "trainer steering FILE --record zz.csv",
+        f"{STEERED}::test_nomoto_s_method_finds_the_first_order_ship_that_the_report_found",
+    ),
+    Row(
+        "section 2.8: against a likelihood",
+        "both of one zig-zag, within a sixth",
+        "trainer identify FILE --model nomoto1 --length 244 --at 14.2 --write-nomoto likely.toml "
+        "&& trainer steering likely.toml --record FILE",
+        f"{STEERED}::test_nomoto_s_method_and_a_likelihood_find_one_ship",
+    ),
+    Row(
+        "phase plot of a zig-zag",
+        "Bech and Smitt's T1', T2', T3': those of Tables 8.1 and 9.2 come back",
+        "trainer steering FILE --record FILE",
+        f"{STEERED}::test_the_phase_plot_of_a_zigzag_gives_the_time_constants_back",
+    ),
+    Row(
         "spirals",
         "Dieudonne's direct spiral, Bech's reversed one",
         "trainer manoeuvre spiral FILE && trainer manoeuvre reverse-spiral FILE",
@@ -415,13 +442,30 @@ TABLES: Final = (
         f"{TABLES_TEST}::test_a_second_order_model_gives_the_reports_time_constant_without_wind",
     ),
     Row(
+        "Table 6.2: the third-order model",
+        "K' -2.38, T' 8.32, 1.11, 4.61: K -0.115 1/s, T 172.3, 22.9, 95.5 s",
+        "trainer steering FILE",
+        f"{STEERED}::test_the_third_order_model_has_the_numbers_of_table_6_2",
+    ),
+    Row(
         "(6.3), (6.4): zeros",
         "of A and B",
         "trainer identify FILE --armax",
         f"{TABLES_TEST}::test_zeros_of_the_reports_models_are_where_it_says",
     ),
-    Row("Table 8.1", "A K Fernstrom: derivatives to gains", "trainer steering FILE", DERIVED),
+    Row(
+        "Table 8.1",
+        "A K Fernstrom: [derivatives](identification.md#a-table-of-derivatives) to gains",
+        "trainer steering FILE",
+        DERIVED,
+    ),
     Row("Tables 9.1, 9.2", "Sea Splendour: derivatives to gains", "trainer steering FILE", DERIVED),
+    Row(
+        "Table 9.2: SI",
+        "K -0.018 1/s, K_v 3.8 m/s, T1 92.5 and 155.6 s",
+        "trainer steering FILE",
+        f"{STEERED}::test_sea_splendour_has_the_gains_of_table_9_2_in_seconds",
+    ),
     Row("Tables 9.3, 10.4", "noise, biases, initial states", SELFTEST, FOUND),
     Row(
         "Tables 10.1 to 10.3",

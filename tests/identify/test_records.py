@@ -272,7 +272,7 @@ def test_an_output_without_any_value_is_refused(tmp_path: Path) -> None:
         observed(tmp_path, columns)
 
 
-@pytest.mark.parametrize("name", ["identification", "decca", "nomoto", "systems"])
+@pytest.mark.parametrize("name", ["identification", "decca", "derivatives", "nomoto", "systems"])
 def test_every_key_is_documented_as_it_is_read(name: str) -> None:
     page = ROOT / "docs" / "identification.md"
     text = page.read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cases.reference_ships import TANKER
 from click.testing import CliRunner
-from helpers.places import ROOT
+from helpers.places import DATA, ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly_manoeuvre
@@ -18,7 +18,7 @@ from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.guide import manoeuvre
-from trainer.cli.identify import steering
+from trainer.cli.identify import identify, steering
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import NomotoFile, is_nomoto, load_nomoto, nomoto_text_of
 from trainer.config.vessel import load_vessel
@@ -31,6 +31,8 @@ from trainer.units import DEGREE, KNOT
 
 SPEED = 10.0 * KNOT
 PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
+PUBLISHED = json.loads((DATA / "identification" / "published_tables.json").read_text())
+SIZES = {one["ship"]: (one["L"], one["V_kn"]) for one in PUBLISHED["dimensional"]["ships"]}
 
 
 def nomoto_file(**changes: Any) -> Any:
@@ -267,3 +269,221 @@ def test_a_boat_has_lever_arms_at_each_speed_and_a_nomoto_ship_one_speed(tmp_pat
     refused = CliRunner().invoke(steering, [str(fernstrom(tmp_path)), "--speed", "5"])
     assert refused.exit_code == 2
     assert "--speed is for boats" in refused.output
+
+
+def tabled(folder: Path, row: Any) -> tuple[Path, float, float]:
+    """Write a column of the report's tables as a file; return its path, length and knots."""
+    length, knots = next(SIZES[ship] for ship in SIZES if row["case"].startswith(ship))
+    (m11, m12), (m21, m22) = row["M"]
+    (Y_v, Y_r), (N_v, N_r) = row["F"]
+    Y_delta, N_delta = row["g"]
+    entries = {"m11": m11, "m12": m12, "m21": m21, "m22": m22, "Y_v": Y_v, "Y_r": Y_r}
+    entries |= {"N_v": N_v, "N_r": N_r, "Y_delta": Y_delta, "N_delta": N_delta}
+    heads = [f'schema = "derivatives/1"\nname = "{row["case"]}"']
+    lines = {"length_m": length, "speed_kn": knots, **entries}.items()
+    path = folder / "ship.toml"
+    path.write_text("\n".join([*heads, *(f"{name} = {value}" for name, value in lines)]))
+    return path, length, knots * KNOT
+
+
+@pytest.mark.parametrize("row", PUBLISHED["rows"], ids=lambda row: f"{row['case']} {row['system']}")
+def test_a_table_of_derivatives_gives_the_gains_printed_beside_it(row: Any, tmp_path: Path) -> None:
+    """Tables 8.1, 9.1 and 10.2 give 9.2 and 10.3, within what the digits printed leave open."""
+    path, L, V = tabled(tmp_path, row)
+    result = CliRunner().invoke(steering, [str(path), "--json"], catch_exceptions=False)
+    numbers = json.loads(result.stdout)["speeds"][0]["numbers"]
+    units = {"K": V / L, "Kv": V}
+    compared = 0
+    for name, told in row["comparison"].items():
+        prime = numbers[{"Kv": "K_v"}.get(name, name)] / units.get(name, L / V)
+        assert prime == pytest.approx(row["computed"][name], rel=1e-9)
+        low, high = told["range_from_rounding"]
+        found = prime if told["compared_as"] == "value" else 1.0 / prime
+        printed = float(told["published"])
+        if told["consistent_with_rounding"]:
+            assert low <= found <= high
+            compared += 1
+        if told["compared_as"] == "value":
+            assert printed == pytest.approx(prime, rel=0.06)
+    assert compared >= 3
+
+
+def test_sea_splendour_has_the_gains_of_table_9_2_in_seconds(tmp_path: Path) -> None:
+    """K -0.018 1/s, K_v 3.8 m/s, T1 92.5 s at first, 155.6 s at last, whatever the system."""
+    for system in ("prime", "bis"):
+        for state, printed in (
+            ("initial", {"K": -0.018, "K_v": 3.8, "T1": 92.5}),
+            ("final", {"T1": 155.6}),
+        ):
+            case = (f"Sea Splendour {state}", system)
+            row = next(one for one in PUBLISHED["rows"] if (one["case"], one["system"]) == case)
+            path, *_ = tabled(tmp_path, row)
+            page = CliRunner().invoke(steering, [str(path)], catch_exceptions=False).stdout
+            found = {one[0]: float(one[2]) for one in map(str.split, page.splitlines()[5:11])}
+            for name, value in printed.items():
+                assert found[name] == pytest.approx(value, rel=0.02)
+
+
+def test_the_page_shows_what_a_table_of_derivatives_gives(tmp_path: Path) -> None:
+    text = next(one for one in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "m11" in one)
+    path = tmp_path / "splendour.toml"
+    path.write_text(text)
+    shown = re.findall(r"trainer steering splendour.toml\n(.*?)```", PAGE, re.DOTALL)[0]
+    assert shown in CliRunner().invoke(steering, [str(path)]).stdout
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("derivatives/1", "derivatives/2"), 'must be "nomoto/1" or "derivatives/1"; nearest is'),
+        (("m22", "m_22"), "m_22 = 0.105: no such key; nearest is m22"),
+        (("m22 = 0.105", "m22 = 0"), "m11 m22 = m12 m21: a ship without mass"),
+        (("_delta = 0.199", "_delta = 0"), "turn the ship to neither side"),
+    ],
+)
+def test_a_table_that_is_no_ship_is_refused(change: Any, told: str, tmp_path: Path) -> None:
+    text = next(one for one in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "m11" in one)
+    text = text.replace(*change)
+    if "_delta" in change[0]:
+        text = text.replace("N_delta = -0.065", "N_delta = 0")
+    path = tmp_path / "ship.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=re.escape(told)):
+        CliRunner().invoke(steering, [str(path)], catch_exceptions=False)
+
+
+SPLENDOUR = {"K": -1.63, "T1": 3.87, "T2": 0.54, "T3": 0.79}  # Table 9.2, prime
+SONG = {"K": -2.38, "T1": 8.32, "T2": 1.11, "T3": 4.61}  # Table 6.2, prime
+
+
+def printed_ship(folder: Path, name: str, prime: dict[str, float]) -> Path:
+    """Write a Nomoto file of a ship of the report by its prime numbers; return its path."""
+    length, knots = SIZES[name]
+    time = length / (knots * KNOT)
+    numbers = {f"{key}_s": value * time for key, value in prime.items() if key != "K"}
+    sizes = {"length_m": length, "speed_kn": knots, "rudder_rate_deg_s": 2.5}
+    ship = nomoto_file(**numbers, **sizes, name=name, K_per_s=prime["K"] / time)
+    path = folder / f"{name.rsplit(maxsplit=1)[-1]}.toml"
+    path.write_text(nomoto_text_of(ship, "the report of 1974", {}))
+    return path
+
+
+def by_old_methods(path: Path, manoeuvre_name: str, *arguments: str) -> dict[Any, Any]:
+    """Fly a manoeuvre, and return what ``trainer steering --record`` finds in it."""
+    record = path.with_suffix(".csv")
+    flight = [manoeuvre_name, str(path), "--csv", str(record), *arguments]
+    CliRunner().invoke(manoeuvre, flight, catch_exceptions=False)
+    return recorded(path, record)
+
+
+def recorded(path: Path, record: Path) -> dict[Any, Any]:
+    asked = [str(path), "--record", str(record), "--json"]
+    result = CliRunner().invoke(steering, asked, catch_exceptions=False)
+    return {(one["method"], one["name"]): one for one in json.loads(result.stdout)["recorded"]}
+
+
+def test_a_turn_of_sea_splendour_has_the_gain_and_lag_of_table_9_2(tmp_path: Path) -> None:
+    """The effective K' and T' = T1' + T2' - T3' of a linear ship are those of small helm."""
+    path = printed_ship(tmp_path, "Sea Splendour", SPLENDOUR)
+    found = by_old_methods(path, "turning-circle", "--duration", "1500")
+    gain, lag = found["effective", "K"], found["effective", "T"]
+    assert gain["prime"] == pytest.approx(-1.63, abs=0.005)
+    assert lag["prime"] == pytest.approx(3.87 + 0.54 - 0.79, abs=0.01)
+    assert gain["ship"] == pytest.approx(gain["value"], rel=1e-3)
+
+
+def test_a_turn_of_an_unstable_ship_has_the_gain_of_its_bend(tmp_path: Path) -> None:
+    path = fernstrom(tmp_path)
+    gain = by_old_methods(path, "turning-circle", "--angle", "20")["effective", "K"]
+    (rate,) = BentShip(0.114, -304.0, 13.4, 33.4, 1230.0).rates(20.0 * DEGREE)
+    assert gain["value"] == pytest.approx(rate / (20.0 * DEGREE), rel=1e-3)
+    assert gain["value"] < 0.0 < gain["ship"]
+
+
+def test_the_gain_of_a_turn_that_loses_speed_is_length_over_radius(tmp_path: Path) -> None:
+    record = tmp_path / "turn.csv"
+    flight = ["turning-circle", "bb2", "--speed", "10", "--csv", str(record), "--json"]
+    report = json.loads(CliRunner().invoke(manoeuvre, flight, catch_exceptions=False).stdout)
+    diameter = next(one for one in report["measures"] if one["name"] == "steady diameter")["value"]
+    asked = ["bb2", "--speed", "10", "--record", str(record), "--json"]
+    found = json.loads(CliRunner().invoke(steering, asked, catch_exceptions=False).stdout)
+    (gain, _), length = found["recorded"], found["length_m"]
+    held = np.loadtxt(record, delimiter=",", skiprows=1)[-1]
+    names = record.read_text().split("\n", 1)[0].split(",")
+    rudder = held[names.index("delta_r")]
+    assert gain["prime"] == pytest.approx(2.0 * length / diameter / rudder, rel=0.02)
+    assert abs(gain["value"]) < abs(gain["prime"]) * 10.0 * KNOT / length  # by its rate alone
+
+
+def test_nomoto_s_method_finds_the_first_order_ship_that_the_report_found(tmp_path: Path) -> None:
+    """Section 8: K -0.08 1/s and T 148.3 s of a ship that is not stable."""
+    found = by_old_methods(fernstrom(tmp_path), "zigzag-20", "--duration", "1500")
+    assert found["Nomoto's", "K"]["value"] == pytest.approx(-0.08, abs=0.005)
+    assert found["Nomoto's", "T"]["value"] == pytest.approx(148.3, abs=3.0)
+
+
+@pytest.mark.parametrize("name", ["A K Fernstrom", "Sea Splendour"])
+def test_the_phase_plot_of_a_zigzag_gives_the_time_constants_back(
+    name: str, tmp_path: Path
+) -> None:
+    """T1', T2', T3' of Tables 8.1 (-9.1, 0.4, 1.0) and 9.2 (3.87, 0.54, 0.79)."""
+    splendour = name == "Sea Splendour"
+    path = printed_ship(tmp_path, name, SPLENDOUR) if splendour else fernstrom(tmp_path)
+    found = by_old_methods(path, "zigzag-20", "--duration", "1500")
+    printed = (3.87, 0.54, 0.79) if splendour else (-9.1, 0.4, 1.0)
+    for constant, value in zip(("T1", "T2", "T3"), printed, strict=True):
+        one = found["phase plot", constant]
+        assert one["prime"] == pytest.approx(value, abs=0.01)
+        assert one["value"] == pytest.approx(one["ship"], rel=0.01)
+
+
+def test_nomoto_s_method_and_a_likelihood_find_one_ship(tmp_path: Path) -> None:
+    """The method by hand is within a sixth of the likelihood's K and T of the same zig-zag."""
+    pytest.importorskip("scipy")
+    path = fernstrom(tmp_path)
+    by_old_methods(path, "zigzag-20", "--duration", "1500")
+    record, likely = path.with_suffix(".csv"), tmp_path / "likely.toml"
+    wishes = ["--model", "nomoto1", "--length", "244", "--at", "14.2", "--every", "10"]
+    fit = [str(record), *wishes, "--write-nomoto", str(likely), "--output", "yaw_rate"]
+    CliRunner().invoke(identify, fit, catch_exceptions=False)
+    found = recorded(likely, record)
+    for name in ("K", "T"):
+        one = found["Nomoto's", name]
+        assert one["value"] == pytest.approx(one["ship"], rel=0.17)
+        assert one["value"] != one["ship"]
+
+
+def test_a_zigzag_of_two_swings_is_too_short(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="turning points: sail the zig-zag for longer"):
+        by_old_methods(fernstrom(tmp_path), "zigzag-20", "--duration", "300")
+
+
+def test_a_record_without_helm_is_refused(tmp_path: Path) -> None:
+    record = tmp_path / "still.csv"
+    rows = "".join(f"{t},0,0,{0.001 * t}\n" for t in range(40))
+    record.write_text("t,delta_r,r,psi\n" + rows)
+    with pytest.raises(ConfigError):
+        recorded(fernstrom(tmp_path), record)
+
+
+def test_the_third_order_model_has_the_numbers_of_table_6_2(tmp_path: Path) -> None:
+    """Atlantic Song: K' -2.38, T' 8.32, 1.11 and 4.61 are K -0.115 1/s, T 172.3, 22.9, 95.5 s."""
+    ship = printed_ship(tmp_path, "Atlantic Song", SONG)
+    result = CliRunner().invoke(steering, [str(ship), "--json"], catch_exceptions=False)
+    numbers = json.loads(result.stdout)["speeds"][0]["numbers"]
+    printed = {"K": (-0.115, 0.0005), "T1": (172.3, 0.15), "T2": (22.9, 0.1), "T3": (95.5, 0.1)}
+    for name, (value, within) in printed.items():
+        assert numbers[name] == pytest.approx(value, abs=within)
+    found = by_old_methods(ship, "zigzag-10", "--duration", "1500")
+    for name in ("T1", "T2", "T3"):
+        assert found["phase plot", name]["prime"] == pytest.approx(SONG[name], rel=0.04)
+
+
+def test_the_page_shows_what_the_old_methods_find(tmp_path: Path) -> None:
+    path = fernstrom(tmp_path)
+    by_old_methods(path, "zigzag-20", "--duration", "1500")
+    shown = re.findall(
+        r"trainer steering fernstrom.toml --record zz.csv\nof(.*?)```", PAGE, re.DOTALL
+    )
+    asked = [str(path), "--record", str(path.with_suffix(".csv"))]
+    assert shown[0] in CliRunner().invoke(steering, asked).stdout

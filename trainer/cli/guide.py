@@ -246,9 +246,10 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreRepo
 )
 @click.option(
     "--programme",
-    type=click.Choice(("today", "1969")),
+    type=click.Choice(("today", "1969", "trainer")),
     default="today",
-    help="1969: the overshoots, turns, meanders and accelerations of the report.",
+    help="1969: the overshoots, turns, meanders and accelerations of the report. trainer: the "
+    "short one that its section V asks of a trainer, by its own rules, and nothing else.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 @click.option(
@@ -282,7 +283,7 @@ def guide(vessel: str, **options: Any) -> None:
         ships.print_figures(vessel, as_json=options["as_json"])
         return
     from trainer.analysis.guide import moves, page, summary
-    from trainer.analysis.guide.programme import guide_legs, legs_of_1969
+    from trainer.analysis.guide.programme import guide_legs, legs_of_1969, legs_of_trainer
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
@@ -291,8 +292,9 @@ def guide(vessel: str, **options: Any) -> None:
     if options["uncertainty"]:
         write_uncertainty(file, options["cores"])
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    choose = legs_of_1969 if options["programme"] == "1969" else guide_legs
-    book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
+    programmes = {"today": guide_legs, "1969": legs_of_1969, "trainer": legs_of_trainer}
+    legs = programmes[options["programme"]](file, options["depth"])
+    book = write_guide(file, legs, made, options["cores"])
     now = json.loads(json_of(asdict(book.guide)))
     moved = None if earlier is None else moves.compare_guides(earlier, now)
     write_document(page.render(book, moved), options["html"], options["pdf"])

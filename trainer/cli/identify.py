@@ -249,30 +249,38 @@ def _only_speed(vessel: str, speeds: tuple[tuple[float, float], ...]) -> float |
 @click.option(
     "--speed", "speeds", type=AHEAD_SPEED_TYPE, multiple=True, metavar="KN", help="May be repeated."
 )
+@click.option(
+    "--record",
+    type=RECORD_FILE,
+    metavar="FILE",
+    help="A zig-zag or a turn: its K and T by the old methods, beside the ship's.",
+)
 @outputs
-def steering(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
-    """Show gains, lever arms, and the spiral of a boat or a Nomoto ship.
+def steering(vessel: str, speeds: tuple[float, ...], record: Path | None, **options: Any) -> None:
+    """Show gains, lever arms, and the spiral of a boat or a ship.
 
-    VESSEL is a name, or the path of a vessel file or a Nomoto file.
+    VESSEL is a name, or the path of a vessel file, of a Nomoto file, or of a table of derivatives
+    in the prime or bis system (schema = "derivatives/1").
 
     \b
     Example:  trainer steering bb2 --speed 5 --speed 10
               trainer steering ship.toml --plot spiral.png
+              trainer steering ship.toml --record zigzag.csv
 
-    The speed is the vessel's own unless it is given; that of a Nomoto ship is in its file.
+    The speed is the vessel's own unless it is given; that of a ship is in its file.
     """
-    from trainer.config.nomoto import is_nomoto
     from trainer.config.vessel import load_vessel
     from trainer.identify.pages import steering as page
 
     path = Path(vessel)
-    if path.suffix == ".toml" and is_nomoto(path):
-        if speeds:
-            raise click.UsageError(f"{vessel} is a Nomoto ship: --speed is for boats")
-        report = page.of_nomoto(path)
-    else:
+    report = page.of_ship(path) if path.suffix == ".toml" else None
+    if report and speeds:
+        raise click.UsageError(f"{vessel} is a ship at its own speed: --speed is for boats")
+    if report is None:
         file = load_vessel(vessel)
         report = page.of_vessel(file, speeds or (file.run.start_speed_kn,))
+    if record:
+        report = page.with_record(report, record)
     show_report(report, page.render, lambda: page.panels(report), options)
 
 

@@ -32,6 +32,7 @@ from trainer.analysis.guide.verdicts import (
     WITHIN_TOLERANCE,
     Judgement,
     judge,
+    keep_checks,
     passes_all,
     verdict_account,
 )
@@ -111,9 +112,16 @@ class GuideContents:
     spreads: SpreadTable | None
 
 
+def stand_alone(legs: Sequence[Leg]) -> bool:
+    """Return whether legs have checks of their own, and so a guide without studies."""
+    return any(leg.checks for leg in legs)
+
+
 def guide_tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
     """Return every flight that a guide of these legs needs, each once."""
     published = _published(file)
+    if stand_alone(legs):
+        return tuple(leg.task(file, equations) for leg in legs for equations in SET_METHODS)
     wanted = (
         *(leg.task(file, equations) for leg in legs for equations in SET_METHODS),
         *findings.step_tasks(file),
@@ -137,8 +145,9 @@ def assemble_guide(
 ) -> GuideContents:
     """Return the guide from its flights."""
     sheets = tuple(_sheet(file, leg, flown) for leg in legs)
-    stepped = findings.step_study(file, flown)
-    published = _published(file)
+    alone = stand_alone(legs)
+    stepped = () if alone else findings.step_study(file, flown)
+    published = None if alone else _published(file)
     spreads = load_spreads(file, published) if published else None
     made_from = {file.path.name: file.text}
     if published:
@@ -162,14 +171,14 @@ def assemble_guide(
         },
         checksums=checksums,
         sheets=sheets,
-        findings=findings.study_findings(file, flown, stepped),
+        findings=() if alone else findings.study_findings(file, flown, stepped),
         steps=stepped,
-        drops=reasons.drop_study(file, flown),
+        drops=() if alone else reasons.drop_study(file, flown),
         trials=compare_figures(file, published, flown, spreads.by_figure() if spreads else {})
         if published
         else (),
         doubts=tuple(_doubts(file, published, spreads)) if published else (),
-        delays=measure_delays(file),
+        delays=() if alone else measure_delays(file),
         neutral=neutral.report_neutral(file, speeds),
         modes=characteristic.report_modes(file, speeds, characteristic.MeanMotions()),
         thrust=thrust.survey_thrust(file, (0.0, *speeds), thrust.command_speeds(file)),
@@ -207,7 +216,8 @@ def _sheet(file: VesselFile, leg: Leg, flown: FlightTable) -> LegSheet:
     for equations in REDUCED_SETS:
         other = flights[equations]
         if not isinstance(full, str) and not isinstance(other, str):
-            judgements[equations] = judge(leg.manoeuvre, full, other)
+            found = judge(leg.manoeuvre, full, other)
+            judgements[equations] = keep_checks(found, leg.checks) if leg.checks else found
     problems = {each: flight for each, flight in flights.items() if isinstance(flight, str)}
     return LegSheet(leg.title, leg.name, manoeuvre_parameters(leg.manoeuvre), problems, judgements)
 

@@ -11,7 +11,14 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.analysis.guide import judged_page
-from trainer.analysis.guide.contents import REDUCED_SETS, Guide, GuideContents, LegSheet, tally_set
+from trainer.analysis.guide.contents import (
+    REDUCED_SETS,
+    Guide,
+    GuideContents,
+    LegSheet,
+    stand_alone,
+    tally_set,
+)
 from trainer.analysis.guide.findings import ClaimVerdict
 from trainer.analysis.guide.moves import GuideMove
 from trainer.analysis.guide.programme import SET_METHODS, Leg
@@ -328,6 +335,12 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
     names = dict(CHAPTER_TITLES)
     if moves is not None:
         names["moved"] = "Since the baseline"
+    if stand_alone(book.legs):
+        names = {name: names[name] for name in names if name in ("overview", "software", "moved")}
+        since = [] if moves is None else [since_baseline(moves)]
+        parts = [*since, overview(guide), *manoeuvres(book), software(guide)]
+    else:
+        parts = _chapters(book, moves)
     return fill_page(
         "guide.html",
         "guide.css",
@@ -336,25 +349,31 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
         made=guide.made,
         contents=names.items(),
         legs=[(anchor(leg.title), leg.title) for leg in book.legs],
-        parts=[
-            judged_page.validation(book),
-            *([since_baseline(moves)] if moves is not None else []),
-            judged_page.predicted(book),
-            findings(guide),
-            drops(guide),
-            programs(book),
-            steps(guide),
-            software(guide),
-            judged_page.delays(guide),
-            judged_page.benchmark(book),
-            judged_page.causes(book),
-            *judged_page.statements(),
-            overview(guide),
-            *manoeuvres(book),
-            judged_page.sources(book),
-        ],
+        parts=parts,
         data=embed_json(asdict(guide)),
     )
+
+
+def _chapters(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> list[Markup]:
+    """Return the chapters of a whole guide."""
+    guide = book.guide
+    return [
+        judged_page.validation(book),
+        *([since_baseline(moves)] if moves is not None else []),
+        judged_page.predicted(book),
+        findings(guide),
+        drops(guide),
+        programs(book),
+        steps(guide),
+        software(guide),
+        judged_page.delays(guide),
+        judged_page.benchmark(book),
+        judged_page.causes(book),
+        *judged_page.statements(),
+        overview(guide),
+        *manoeuvres(book),
+        judged_page.sources(book),
+    ]
 
 
 def _panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, ...]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import product
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -59,6 +59,13 @@ RUDDER_ANGLES_DEG: Final = (15.0, 35.0)  # [deg] of the turns
 SPEED_GRID_KN: Final = 0.5  # [kn] between the speeds among which the best damped is sought
 OFFSETS_1969, EXECUTES_1969 = (10.0, 20.0), (4.0, 8.0, 12.0, 16.0)  # [deg] of the overshoots
 RUDDERS_1969: Final = (15.0, 25.0, 35.0)  # [deg]
+SWINGS: Final = ("pitch peak", "pitch zero")
+TRAINER_CHECKS: Final = {  # what a trainer's guide judges, by the beginnings of measures
+    "meander": SWINGS,
+    "overshoot": SWINGS,
+    "turn": ("snap roll", "steady roll", "steady speed, of the first", "heading after 60 s"),
+    "utmost-acceleration": ("speed after",),
+}
 RUDDER_PLACEHOLDER: Final = "rudder"  # stands for its angle until the boat's limit is known
 
 
@@ -146,6 +153,7 @@ class Leg:
     speed_kn: float
     manoeuvre: Manoeuvre
     rig: Rig = OWN_RIG
+    checks: tuple[str, ...] = ()  # beginnings of the measures that are judged; (): all are
 
     @property
     def title(self) -> str:
@@ -181,11 +189,16 @@ def own_method(file: VesselFile, equations: str) -> Method:
 
 def best_damped(file: VesselFile) -> float | None:
     """Return the speed [kn] on a grid at which vertical motion dies away fastest. None: at none."""
+    return _best_speed(file, lambda roots: -roots.real)
+
+
+def _best_speed(file: VesselFile, damping: Callable[[Any], Any]) -> float | None:
+    """Return the speed [kn] on a grid whose least damping of vertical roots is largest, if any."""
     low, high = file.run.speed_range_kn
     grid = np.arange(np.ceil(low / SPEED_GRID_KN) * SPEED_GRID_KN, high + 1e-9, SPEED_GRID_KN)
-    slowest = [float(-vertical_system(file, float(u) * KNOT).eigenvalues.real.max()) for u in grid]
-    best = int(np.argmax(slowest))
-    return float(grid[best]) if slowest[best] > 0.0 else None
+    least = [damping(vertical_system(file, float(u) * KNOT).eigenvalues).min() for u in grid]
+    best = int(np.argmax(least))
+    return float(grid[best]) if least[best] > 0.0 else None
 
 
 def guide_legs(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
@@ -210,6 +223,43 @@ def legs_of_1969(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...
     return _manned(boat, (replace(leg, rig=Rig(depth=depth)) for leg in bare_legs))
 
 
+def legs_of_trainer(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
+    """Return the short programme that section V of 1969 asks of a trainer.
+
+    Meanders at five speeds, of which one has the largest damping ratio; overshoots and turns at a
+    low and a high speed, these with depth kept by the stern planes; ahead from rest and stopped.
+    """
+    legs = (
+        replace(leg, rig=Rig(depth=depth), checks=TRAINER_CHECKS[leg.name])
+        for leg in _legs_of_trainer(file)
+    )
+    return _manned(_boat_at(file, depth), legs)
+
+
+def _legs_of_trainer(file: VesselFile) -> Iterator[Leg]:
+    """Yield the legs of the short programme, each one way."""
+    speeds = _fifths(file)
+    damped = _best_speed(file, lambda roots: -roots.real / abs(roots))
+    if damped is not None:
+        nearest = min(speeds, key=lambda speed: abs(speed - damped))
+        speeds[speeds.index(nearest)] = damped
+    for speed in speeds:
+        yield Leg("meander", "", speed, Meander())
+    ends = (speeds[0], speeds[-1])
+    for speed, execute in product(ends, EXECUTE_ANGLES_DEG):
+        yield Leg("overshoot", f"execute {execute:g} deg", speed, Overshoot(execute_deg=execute))
+    for speed, rudder in product(ends, RUDDER_ANGLES_DEG):
+        turn = Turn(angle_deg=rudder, keep=("depth by stern planes",))
+        yield Leg("turn", RUDDER_PLACEHOLDER, speed, turn)
+    yield Leg("utmost-acceleration", "", 0.0, find_manoeuvre("utmost-acceleration"))
+
+
+def _fifths(file: VesselFile) -> list[float]:
+    """Return five speeds [kn] to the boat's top speed."""
+    low, top = file.run.speed_range_kn
+    return [round(max(low, top * fifth / 5), 2) for fifth in range(1, 6)]
+
+
 def _boat_at(file: VesselFile, depth: float | None) -> Submarine:
     """Return the boat; ConfigError where it cannot begin at a ``depth`` [m]."""
     boat = Submarine(file, own_method(file, "full"), Rig(depth=depth))
@@ -230,9 +280,7 @@ def _manned(boat: Submarine, wanted: Iterable[Leg]) -> tuple[Leg, ...]:
 
 def _legs_of_1969(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs of the report's programme, each one way as there."""
-    low, top = file.run.speed_range_kn
-    speeds = [round(max(low, top * fifth / 5), 2) for fifth in range(1, 6)]
-    for speed in speeds:
+    for speed in _fifths(file):
         yield Leg("meander", "", speed, Meander())
         for angle, execute in product(OFFSETS_1969, EXECUTES_1969):
             variant = f"planes {angle:g} deg, execute {execute:g} deg"

@@ -31,7 +31,7 @@ def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
     lines = [ascii_text(f"QUALIFICATION TEST GUIDE: {guide.vessel}"), ""]
     rows = [(cut_text(sheet.title, 40), *chain(*verdicts_of(sheet))) for sheet in guide.sheets]
     lines += table(heads, rows)
-    lines += ["", "FINDINGS OF 1969"]
+    lines += ["", "FINDINGS OF 1969"] if guide.findings else [""]
     for one in guide.findings:
         lines += wrap(f"{one.title}: {one.verdict}; {one.words}")
     if guide.trials:

@@ -19,6 +19,7 @@ from trainer.analysis.programs.compare import compare_runs
 WITHIN_TOLERANCE: Final = "within"
 BEYOND_TOLERANCE: Final = "BEYOND"
 NOT_JUDGED: Final = "not judged"
+LOST_QUANTITY, CHANGE_PREFIX = "flown, without being lost, to", "change of "
 RATE_UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
 TURN_RATES: Final = ("p", "q", "r")
 MAX_JUDGED_SHARE: Final = 0.3  # [-] of a published value: a larger uncertainty judges nothing
@@ -122,7 +123,7 @@ def _pair_measures(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterato
     if full.lost or other.lost:
         verdict = BEYOND_TOLERANCE if other.lost else NOT_JUDGED
         ends = float(full.t[-1]), float(other.t[-1])
-        yield Judgement("flown, without being lost, to", "s", *ends, None, verdict)
+        yield Judgement(LOST_QUANTITY, "s", *ends, None, verdict)
     by_other = {one.name: one for one in manoeuvre.measures(other)}
     for one in manoeuvre.measures(full):
         yield judge_measure(one, by_other.pop(one.name, None))
@@ -143,6 +144,21 @@ def judge_measure(one: Measure, other: Measure | None) -> Judgement:
     return Judgement(one.name, one.unit, one.value, value, one.allowed, verdict)
 
 
+def keep_checks(found: Sequence[Judgement], checks: tuple[str, ...]) -> tuple[Judgement, ...]:
+    """Return the judgements, those alone judged whose quantities begin as ``checks``.
+
+    Where damping leaves none of them, the change at two minutes is (report of 1969, section V).
+    """
+    judged = any(one.allowed is not None and one.quantity.startswith(checks) for one in found)
+    kept = checks if judged else (CHANGE_PREFIX,)
+    return tuple(
+        one
+        if one.quantity.startswith((*kept, LOST_QUANTITY))
+        else replace(one, allowed=None, verdict=NOT_JUDGED)
+        for one in found
+    )
+
+
 def _changes(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
     """Yield the change of change at 120 s of the columns that the manoeuvre names."""
     names = [name for name in manoeuvre.compared if full.has(name)]
@@ -156,7 +172,7 @@ def _changes(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judg
             (WITHIN_TOLERANCE if point.passed else BEYOND_TOLERANCE) if point.judged else NOT_JUDGED
         )
         yield Judgement(
-            f"change of {point.variable}, {when}",
+            f"{CHANGE_PREFIX}{point.variable}, {when}",
             unit_of(point.variable),
             point.change_full,
             point.change_reduced,

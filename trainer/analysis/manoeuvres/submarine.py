@@ -243,7 +243,7 @@ class Submarine:
     def keep(self, quantity: str) -> None:
         """Leave "depth" to both pairs of planes, "course" to the rudder, "speed" to the propeller.
 
-        Each is kept as it is now.
+        Each is kept as it is now; "depth by stern planes" leaves the bow planes where they are.
         """
         s = self.boat.state
         if quantity == "course":
@@ -255,7 +255,8 @@ class Submarine:
                 s.ordered_speed, s.speed_trim, s.speed_by_hand = s.u, s.u_c - s.u, 0.0
             return
         s.ordered_depth = s.z
-        for surface, letter in (("stern", "s"), ("bow", "b")):
+        pairs = (("stern", "s"), ("bow", "b"))
+        for surface, letter in pairs[:1] if quantity == "depth by stern planes" else pairs:
             if self.boat.toward[surface] and self.boat.vessel[f"limit_{letter}"] > 0.0:
                 s[f"{surface}_by_hand"] = 0.0
 

@@ -18,9 +18,11 @@ from trainer.analysis.programs.characteristic import (
     dimensional_constants,
     horizontal_system,
 )
+from trainer.config.derivatives import DerivativesFile
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto, levers, nomoto, solve_motion, transfer
+from trainer.units import KNOT
 
 STEERED_STATES: Final = ("v", "r")
 
@@ -77,6 +79,17 @@ def find_steering(
     g = speed**2 * np.array([c.Y_dr, c.N_dr])
     length, density = file.hull.length, file.fluid.rho
     return SteeringModel(linear.E[pick], linear.F[pick], g, speed, length, density)
+
+
+def tabled_steering(ship: DerivativesFile) -> SteeringModel:
+    """Return the steering of a table's derivatives, its unit of mass as 1 kg."""
+    L, V = ship.length_m, ship.speed_kn * KNOT
+    arms = np.array([1.0, L])
+    powers = np.outer(arms, arms)
+    M = np.array([[ship.m11, ship.m12], [ship.m21, ship.m22]]) * powers
+    F = np.array([[ship.Y_v, ship.Y_r], [ship.N_v, ship.N_r]]) * powers * V / L
+    g = np.array([ship.Y_delta, ship.N_delta]) * arms * V**2 / L
+    return SteeringModel(M, F, g, V, L, density=2.0 / L**3)
 
 
 def limits(file: VesselFile) -> tuple[float, float]:

@@ -6,17 +6,21 @@ curve is an S, and the ship jumps between its ends: the loop.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from trainer.config.nomoto import load_nomoto
+from trainer.config.derivatives import DERIVATIVES_SCHEMA, load_derivatives
+from trainer.config.files import ConfigError, nearest, parse_toml, quote, read_text
+from trainer.config.nomoto import NOMOTO_SCHEMA, load_nomoto
 from trainer.config.vessel import VesselFile
+from trainer.identify.fitting import classical
 from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.model.nomoto import Nomoto
-from trainer.identify.model.steering import find_steering
+from trainer.identify.model.steering import SteeringModel, find_steering, tabled_steering
+from trainer.identify.record.study import load_study, observe_record, plain_study
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut_text, format_number, table, wrap
 from trainer.units import DEGREE, KNOT
@@ -25,6 +29,8 @@ SHOWN_HELMS_DEG: Final = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # [deg] of the t
 CURVE_POINTS: Final = 201  # points
 NUMBER_UNITS: Final = {"K": "1/s", "T1": "s", "T2": "s", "T3": "s", "K_v": "m/s", "T3v": "s"}
 
+NOMOTO_METHOD, PHASE_PLOT = "Nomoto's", "phase plot"
+SMOOTHING_TIME: Final = 0.3  # [lengths at speed] of the phase plot's window, as of trials
 LEVER_NAMES: Final = ("l_v", "l_r", "N_delta/Y_delta", "l_r - l_v")  # as a fit calls them
 
 
@@ -37,7 +43,7 @@ class SteeringAtSpeed:
 
     speed_kn: float
     numbers: dict[str, float]  # by NUMBER_UNITS, and T_imag
-    levers_m: dict[str, float] | None  # of a vessel file
+    levers_m: dict[str, float] | None  # of a vessel file or a table of derivatives
     helm: tuple[float, float, float]  # [s, s^2, s^3] H(r) of steady turns: 1/K, -kappa, 0
     neutral_deg: float  # residual helm
     stable: bool
@@ -48,6 +54,17 @@ class SteeringAtSpeed:
 
 
 @dataclass(frozen=True)
+class ClassicalFigure:
+    """A number of a recorded manoeuvre by an old method, SI, beside the ship's."""
+
+    method: str
+    name: str
+    ship: float
+    value: float
+    prime: float  # of a turn by its own speed, else by the ship's
+
+
+@dataclass(frozen=True)
 class SteeringReport:
     """All that ``trainer steering`` says about a ship."""
 
@@ -55,16 +72,46 @@ class SteeringReport:
     length_m: float
     helms_deg: tuple[float, ...]
     speeds: tuple[SteeringAtSpeed, ...]
+    recorded: tuple[ClassicalFigure, ...] = ()
 
 
 def of_vessel(file: VesselFile, speeds_kn: Sequence[float]) -> SteeringReport:
     """Return how a boat steers at ``speeds_kn``, by its vessel file; roll is left out."""
-    speed_rows = []
-    for knots in speeds_kn:
-        ship = find_steering(file, knots * KNOT)
-        bent = BentShip(ship.nomoto.K, 0.0, 0.0, 0.0)
-        speed_rows.append(_at_speed(knots, ship.nomoto, bent, ship.levers))
-    return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, tuple(speed_rows))
+    rows = tuple(_linear(knots, find_steering(file, knots * KNOT)) for knots in speeds_kn)
+    return SteeringReport(file.name, file.hull.length, SHOWN_HELMS_DEG, rows)
+
+
+def _linear(knots: float, ship: SteeringModel) -> SteeringAtSpeed:
+    """Return how a ship without a bend steers."""
+    return _at_speed(knots, ship.nomoto, BentShip(ship.nomoto.K, 0.0, 0.0, 0.0), ship.levers)
+
+
+def of_ship(path: Path) -> SteeringReport | None:
+    """Return how the ship of a Nomoto file or of a table of derivatives steers.
+
+    None of a vessel file; ConfigError for a file that is none of the three.
+    """
+    table = parse_toml(read_text(path), path.name)
+    schema = str(table.get("schema", ""))
+    readers = {NOMOTO_SCHEMA: of_nomoto, DERIVATIVES_SCHEMA: of_derivatives}
+    if schema in readers:
+        return readers[schema](path)
+    if "coefficients" in table:
+        return None
+    raise ConfigError(
+        f"{path.name}: is no vessel file, as it has no [coefficients]; of a ship schema = "
+        f"{quote(schema)} must be {' or '.join(map(quote, readers))}{nearest(schema, readers)}"
+    )
+
+
+def of_derivatives(path: Path) -> SteeringReport:
+    """Return how the ship of a table of derivatives steers, linear."""
+    ship = load_derivatives(path)
+    steering = tabled_steering(ship)
+    if not steering.nomoto.K:
+        raise ConfigError(f"{path.name}: Y_delta and N_delta turn the ship to neither side")
+    row = _linear(ship.speed_kn, steering)
+    return SteeringReport(ship.name, ship.length_m, SHOWN_HELMS_DEG, (row,))
 
 
 def of_nomoto(path: Path) -> SteeringReport:
@@ -78,6 +125,31 @@ def of_nomoto(path: Path) -> SteeringReport:
     return SteeringReport(
         ship.name, ship.length_m, SHOWN_HELMS_DEG, (_at_speed(ship.speed_kn, form, bent),)
     )
+
+
+def with_record(report: SteeringReport, path: Path) -> SteeringReport:
+    """Return the report with what the old methods read off a recorded zig-zag or turn."""
+    study = load_study(path) if path.suffix == ".toml" else plain_study(path)
+    record, one = observe_record(study).record, report.speeds[0]
+    V, L = one.speed_kn * KNOT, report.length_m
+    K, T1, T2, T3 = (one.numbers[name] for name in ("K", "T1", "T2", "T3"))
+    own = one.numbers | {"T": T1 + T2 - T3}
+    if classical.is_zigzag(record):
+        bent = BentShip(K, T1, T2, T3, delta_0=one.neutral_deg * DEGREE, H=one.helm)
+        constants = classical.read_phase_plot(record, bent, SMOOTHING_TIME * L / V)
+        by_nomoto = zip("KT", classical.measure_zigzag(record), strict=True)
+        found = [(NOMOTO_METHOD, name, value, value) for name, value in by_nomoto]
+        reals = {f"T{i}": value.real for i, value in enumerate(constants, 1)}
+        reals["T_imag"] = constants[0].imag  # of T1 and, with the other sign, T2
+        found += [(PHASE_PLOT, *pair, pair[1]) for pair in reals.items() if pair[1]]
+    else:
+        gain, lag, *at_speed = classical.measure_turn(record, V)
+        found = [("effective", "K", gain, at_speed[0]), ("effective", "T", lag, at_speed[1])]
+    figures = (
+        ClassicalFigure(method, name, own[name], value, at_V * (L / V if name == "K" else V / L))
+        for method, name, value, at_V in found
+    )
+    return replace(report, recorded=tuple(figures))
 
 
 def _at_speed(
@@ -123,6 +195,13 @@ def render(report: SteeringReport) -> str:
                 f"either side; it goes over to the other beyond {fold} deg of opposite rudder, "
                 f"from {fold_rate} deg/s"
             )
+    if report.recorded:
+        found = [
+            (one.name, one.method, *(f"{n:.4g}" for n in (one.ship, one.value, one.prime)))
+            for one in report.recorded
+        ]
+        heads = ("SI", "method", "ship's", "record's", "prime")
+        lines += ["", "of the record, beside the ship's", *table(heads, found)]
     return "\n".join(lines)
 
 
