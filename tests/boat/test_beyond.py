@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
+from trainer.boat.calls import Rank
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.envelope import surface_modes
 from trainer.boat.limits import LimitMonitor
@@ -368,7 +369,8 @@ def called(boat: Boat, monitor: LimitMonitor | PilotMonitor, seconds: float) -> 
     said = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
-        said += [text.partition(": ")[2] for text in monitor.look(boat)]
+        texts = [call if isinstance(call, str) else call.text for call in monitor.look(boat)]
+        said += [text.partition(": ")[2] for text in texts]
     return said
 
 
@@ -387,6 +389,21 @@ def test_leaving_the_range_is_called_out_once_and_can_be_a_limit(
         *("EQUATIONS EXTRAPOLATED", "OUTSIDE THE EQUATIONS", "LIMIT"),
     ]
     assert said[2] == "LIMIT: validity level above 1"
+
+
+def test_a_remark_on_the_model_is_no_alarm_and_a_limit_passed_is_one(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(10 * KNOT, 300.0, 0.0)
+    monitor = LimitMonitor.over(boat, ExerciseLimits(validity_level_max=1.0))
+    in_hand(boat, -8.0)
+    ranks = []
+    for _ in range(600):
+        assert boat.tick() == 0
+        ranks += [call.rank for call in monitor.look(boat)]
+
+    assert ranks == [Rank.CAUTION, Rank.WARNING, Rank.ALARM]
 
 
 def test_what_rudder_and_stern_planes_of_an_x_tail_lack_is_told_and_not_why(

@@ -306,7 +306,7 @@ def watched(boat: Boat, monitor: LimitMonitor, seconds: float) -> list[str]:
     said = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
-        said += monitor.look(boat)
+        said += [call.text for call in monitor.look(boat)]
     return said
 
 

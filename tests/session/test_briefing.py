@@ -11,6 +11,7 @@ from helpers.places import ROOT
 from helpers.sessions import session_over
 
 from trainer.boat.boat import Boat
+from trainer.boat.calls import Rank
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS, load_exercise
 from trainer.config.files import shipped_names
@@ -281,6 +282,18 @@ def test_alerts_have_numbers_and_are_acknowledged_before_the_others() -> None:
     assert here.answer("planes", "ack all") == "no such alert is open here; there is none"
     assert here.answer("instructor", "ack all") == "seen: 1"
     assert not log.alerts
+
+
+def test_a_caution_is_told_with_its_rank_and_asks_nobody_to_acknowledge_it() -> None:
+    here = attended("stern-plane-jam", "planes")
+    here.enter()
+    log = here.session.event_log
+    log.alert("depth", "lies on the ground", rank=Rank.CAUTION)
+
+    assert here.facts_of("planes", "alert-rank") == ["1,caution"]
+    assert here.facts_of("planes", "alert") == ["1,depth,lies on the ground"]
+    assert not any("[1]" in line for line in here.lines["planes"].sent)
+    assert here.answer("planes", "ack 1") == "no such alert is open here; there is none"
 
 
 def test_who_comes_late_is_told_the_alerts_that_nobody_has_seen() -> None:

@@ -145,7 +145,7 @@ def test_speed_over_the_ground_is_a_quantity_and_a_limit(make_boat: Callable[...
         (condition,) = compile_conditions(text, Place("my.toml", ""))
         assert is_met(condition, boat) is holds
     monitor = LimitMonitor(ExerciseLimits(speed_over_ground_kn_max=11.4))
-    assert "LIMIT: faster than 11.4 kn over the ground" in monitor.look(boat)[0]
+    assert "LIMIT: faster than 11.4 kn over the ground" in monitor.look(boat)[0].text
     boat.state.held_position = 1.0
     (condition,) = compile_conditions("speed_over_ground < 0.1", Place("my.toml", ""))
     assert is_met(condition, boat)

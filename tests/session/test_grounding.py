@@ -159,7 +159,7 @@ def test_clearance_is_the_keel_s_and_a_limit(make_boat: MakeBoat) -> None:
     s.theta = math.radians(-10.0)  # bow down
     assert clearance(boat) == pytest.approx(level - 0.45 * 70.2 * math.sin(0.17453), abs=0.2)
     (told,) = monitor.look(boat)
-    assert "m of water under the keel" in told
+    assert "m of water under the keel" in told.text
 
 
 # In a session

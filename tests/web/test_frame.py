@@ -183,6 +183,19 @@ def test_an_alert_sounds_again_until_it_is_seen_and_anew_when_it_comes_again(
     ]
 
 
+FEW: Final = 6  # alerts whose keys are all on the screen
+RANK_SEEN: Final = "document.querySelector('.all .rank').checkVisibility()"
+WORDS_WHOLE: Final = """() => {
+  const words = document.querySelector(".worst b");
+  words.textContent = "No link: readings are old, controls do nothing. It is dialled again.";
+  const { bottom, right } = words.getBoundingClientRect();
+  const bar = document.querySelector("alert-bar").getBoundingClientRect();
+  const { overflow } = getComputedStyle(words);
+  const cut = overflow !== "visible" || words.scrollWidth > words.clientWidth;
+  return !cut && bottom <= bar.bottom && right <= innerWidth && bar.height <= 49;
+}"""
+
+
 def test_the_list_has_all_alerts_and_silence_is_there_while_one_is_new(
     shared: Served, instructor: Caller, look: Look
 ) -> None:
@@ -193,6 +206,7 @@ def test_the_list_has_all_alerts_and_silence_is_there_while_one_is_new(
     for words in ("stern planes dive 20", "bow planes dive 20", "time max", "run"):
         assert instructor.ask(words)[0]
     expect(page.locator("alert-bar .worst .alert")).to_have_attribute("data-new", "")
+    page.wait_for_function(f"() => document.querySelector('.bell .count').textContent >= {FEW}")
     for words in ("freeze", "time x1"):
         assert instructor.ask(words)[0]
     expect(page.locator("#state")).to_have_text("FROZEN")
@@ -202,12 +216,22 @@ def test_the_list_has_all_alerts_and_silence_is_there_while_one_is_new(
     expect(entries.first).to_be_visible()
     for width, height in ((390, 844), (844, 390), (1366, 768)):
         page.set_viewport_size({"width": width, "height": height})
-        for key in page.locator("alert-bar .all button").all()[:6]:
-            expect(key).to_be_in_viewport(ratio=0.99)
-    page.locator("alert-bar .all button").first.click()
+        keys = page.locator("alert-bar .all button")
+        for at in range(FEW):
+            expect(keys.nth(at)).to_be_in_viewport(ratio=0.99)
+        assert page.evaluate(RANK_SEEN)
+    first = page.locator("alert-bar .all button").first
+    first.focus()
+    fresh = page.locator("alert-bar .all .alert[data-new]")
+    for left in (fresh.count() - 1, fresh.count() - 2):  # the focus goes on to the next
+        page.keyboard.press("Enter")
+        expect(fresh).to_have_count(left)
+        expect(page.locator("alert-bar .all button").first).to_be_focused()
     page.keyboard.press("Escape")
     expect(entries).to_have_count(0)
     expect(page.locator("alert-bar .worst .alert")).to_have_count(1)
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate(WORDS_WHOLE)
 
 
 def test_rig_for_red_makes_every_page_night_and_white_gives_back_its_own(

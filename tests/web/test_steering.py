@@ -382,6 +382,13 @@ def test_the_briefing_opens_first_its_keys_are_worked_and_the_end_is_told(
         assert heard(session, "is ready")  # told once each time
         session.news.clear()
     assert session.ask("run")[0]
-    assert session.ask("end exercise")[0]
-    expect(page.locator("#state")).to_have_text("ENDED")
-    expect(briefing).to_contain_text("The exercise is over")
+    for end in (1, 2):  # of the exercise, and of the branch that runs on from before it
+        assert session.ask("end exercise")[0]
+        expect(page.locator("#state")).to_have_text("ENDED")
+        expect(briefing).to_be_visible()
+        expect(briefing).to_contain_text("The exercise is over")
+        if end == 1:
+            for words in ("again from 0.5 s", "run"):
+                assert session.ask(words)[0]
+            expect(page.locator("#state")).to_have_text("RUNNING")
+            expect(briefing).to_be_hidden()

@@ -114,6 +114,9 @@ READ: Final = (  # an order as it is told, which the pages are to read as the se
 )
 
 
+JS_URI: Final = (ASSETS_FOLDER / "js").as_uri()
+
+
 def evaluated(module: str, names: str, code: str) -> object:
     """Return what code makes of what a module of the pages exports."""
     address = (ASSETS_FOLDER / "js" / module).as_uri()
@@ -130,6 +133,44 @@ def test_the_pages_read_an_order_as_the_session_does() -> None:
     names = [order.name if isinstance(order, Order) else "" for order in orders]
 
     assert read == names
+
+
+RANKED: Final = """((role) => {
+  const numbers = { "gauges.depth": 150, "gauges.pitch": 31, "air.main_full": 0.5 };
+  const open = new OpenAlerts();
+  for (const [number, rank, kind] of [["1", "alarm", "watch"], ["2", "alarm", "depth"],
+      ["3", "caution", "watch"], ["4", "emergency", "watch"]]) {
+    open.take(9, "alert-rank", `${number},${rank}`);
+    open.take(9, "alert", `${number},${kind},${rank} of ${kind}`);
+  }
+  const session = { role, seconds: 10, state: "running", alerts: open, on: () => undefined,
+    number: (place) => numbers[place] ?? null, exercise: { limits: "depth_m_max:140" } };
+  const alerts = new Alerts(session, [bankWatch("Bank", "air.main_full")]);
+  alerts.look();
+  return alerts.shown.map(({ rank, words, fresh }) => `${rank} ${words}${fresh ? "" : ", seen"}`);
+})"""
+
+
+@pytest.mark.parametrize(
+    ("role", "limits"),
+    [("planes", ["alarm Beyond the limit: depth at most 140 m"]), ("instructor", [])],
+)
+def test_the_worst_alert_comes_first_then_depth_and_no_situation_is_told_twice(
+    role: str, limits: list[str]
+) -> None:
+    """The session tells the instructor of a limit passed; a remark waits for nobody."""
+    names = "Alerts, bankWatch"
+    opened = f'const {{ OpenAlerts }} = await import("{JS_URI}/model/open-alerts.js");'
+    code = f'(await (async () => {{ {opened} return {RANKED}("{role}"); }})())'
+    shown = evaluated("model/alerts.js", names, code)
+
+    assert shown == [
+        "emergency emergency of watch",
+        *limits,
+        *("alarm alarm of depth", "alarm alarm of watch"),
+        *("alarm Pitch beyond 30 degrees", "alarm Bank empty"),
+        "caution caution of watch, seen",
+    ]
 
 
 def test_an_alert_has_the_rank_that_the_session_tells_whatever_its_words() -> None:

@@ -1,6 +1,6 @@
 """The calls when a boat passes a limit, or leaves the sea.
 
-A session asks ``LimitMonitor.look`` after each tick, and announces the texts. The limits are those
+A session asks ``LimitMonitor.look`` after each tick, and announces the calls. The limits are those
 of the exercise, and those of the equations' range. A limit is called once when it is passed, and
 again only if the boat has come back within it meanwhile.
 """
@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.grounding import clearance
 from trainer.boat.world.bottom import heights_of_keel, keel_of
@@ -44,6 +45,8 @@ FOLLOWING_SEA_TEXT: Final = "followed by a sea that the filter cannot follow"
 FOLLOWING_SPEED_RATIO: Final = 0.15  # [-] speed with the waves over the peak wave's
 MAST_SPEED_TEXT: Final = "faster than the mast stands"
 WAVE_FELT_DEPTH: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
+# remarks on the model, which are no danger to the boat; only what it does astern is a mere estimate
+RANGE_RANKS: Final = (Rank.CAUTION, Rank.CAUTION, Rank.WARNING)
 RANGE_REASONS: Final = (
     "",
     "the flow is further off the bow than the boat was ever tested",
@@ -176,7 +179,7 @@ class LimitMonitor:
         self._out_of_range(boat)
         self._shaking_mast(boat)
 
-    def look(self, boat: Boat) -> list[str]:
+    def look(self, boat: Boat) -> list[MonitorCall]:
         """Return what there is to call out after a tick."""
         met = self.encounters.look(boat)
         usual = boat.plain[VALIDITY_PLACE] == 0.0 and self.validity == 0
@@ -188,9 +191,10 @@ class LimitMonitor:
         news += self._following_sea(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
-        return met + [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
+        tick = f"tick {boat.ticks} ({boat.time:g} s)"
+        return met + [call._replace(text=f"{tick}: {call.text}") for _, call in news]
 
-    def _passed(self, boat: Boat) -> list[tuple[str, str]]:
+    def _passed(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return each limit passed since the last look, and the words for it."""
         news = []
         for name, limit in self._set:
@@ -201,7 +205,7 @@ class LimitMonitor:
             elif name not in self.beyond:
                 self.beyond.add(name)
                 said = LIMIT_WORDS[name].format(limit)
-                news.append((said, f"LIMIT: {said}"))
+                news.append((said, MonitorCall(f"LIMIT: {said}")))
         return news
 
     def _value(self, boat: Boat, key: str) -> float:
@@ -274,7 +278,7 @@ class LimitMonitor:
         faster: Mask = ratio > FOLLOWING_SPEED_RATIO - RATIO_ERROR
         return slower if self.followed else faster
 
-    def _out_of_range(self, boat: Boat) -> list[tuple[str, str]]:
+    def _out_of_range(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the equations are extrapolated or at their end, if that is news."""
         now = int(boat.plain[VALIDITY_PLACE])
         if now > 0:
@@ -284,9 +288,10 @@ class LimitMonitor:
         if now <= self.validity:
             return []
         self.validity = now
-        return [(RANGE_WORDS[now], f"{RANGE_WORDS[now].upper()}: {RANGE_REASONS[now]}")]
+        said = RANGE_WORDS[now]
+        return [(said, MonitorCall(f"{said.upper()}: {RANGE_REASONS[now]}", RANGE_RANKS[now]))]
 
-    def _following_sea(self, boat: Boat) -> list[tuple[str, str]]:
+    def _following_sea(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the sea follows too fast for the wave filter, if that is news."""
         chase = following_speed_ratio(boat)
         if chase <= FOLLOWING_SPEED_RATIO:
@@ -301,9 +306,9 @@ class LimitMonitor:
             f"FOLLOWING SEA: at {chase:.2f} of the waves' speed the filter puts energy into wrong "
             'bands; a sea with generator = "cosines" does not'
         )
-        return [(FOLLOWING_SEA_TEXT, said)]
+        return [(FOLLOWING_SEA_TEXT, MonitorCall(said, Rank.CAUTION))]
 
-    def _shaking_mast(self, boat: Boat) -> list[tuple[str, str]]:
+    def _shaking_mast(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the mast is out at a speed that it does not stand, if that is news."""
         scope, speed = periscope_of(boat), float(boat.plain[SPEED_PLACE])
         if scope is None or not scope.acts or not scope.shakes(speed, scope.at(boat.ticks)):
@@ -314,9 +319,10 @@ class LimitMonitor:
         if self.shaken:
             return []
         self.shaken = True
-        return [(MAST_SPEED_TEXT, f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured")]
+        said = f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured"
+        return [(MAST_SPEED_TEXT, MonitorCall(said, Rank.WARNING))]
 
-    def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
+    def _broken_surface(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that sail or deck has come out of the sea, if it has."""
         if is_deep(boat):
             self.shows = False
@@ -327,8 +333,10 @@ class LimitMonitor:
             return []
         self.shows = True
         if is_surfacing(boat):
-            return [("surfaced", "surfaced: the boat shows above the sea")]
-        return [("broached", f"BROACHED: the boat shows {height:.1f} m above the sea")]
+            return [
+                ("surfaced", MonitorCall("surfaced: the boat shows above the sea", Rank.CAUTION))
+            ]
+        return [("broached", MonitorCall(f"BROACHED: the boat shows {height:.1f} m above the sea"))]
 
     def account(self) -> str:
         """Return how often each has happened, in words."""

@@ -20,6 +20,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final, TypeVar
 
+from trainer.boat.calls import Rank
 from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
@@ -33,7 +34,7 @@ from trainer.session.aside import begin_aside, hear_out
 from trainer.session.chair import Chair
 from trainer.session.command import Command
 from trainer.session.control import PRESENT_MOMENT, Control
-from trainer.session.event_log import EventLog, Rank
+from trainer.session.event_log import EventLog
 from trainer.session.exercise import (
     EXERCISE_OVER,
     OVER_TEXT,
@@ -170,7 +171,7 @@ class Conduct:
         """Announce contact with the ground; return the calls."""
         calls = list(self.ground.look()) if self.ground.bottom else []
         for call in calls:
-            self.tell_depth(call.text)
+            self.tell_depth(call.text, rank=Rank.ALARM if call.aground else Rank.CAUTION)
         return calls
 
     def collide(self, met: EncounterMonitor) -> None:

@@ -10,9 +10,9 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Final, Protocol
 
+from trainer.boat.calls import Rank
 from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import RecordingError
@@ -29,14 +29,6 @@ SPOKEN_FACTS: Final = ("wrong-way", "exercise", "report")
 MAX_OPEN_ALERTS: Final = 100  # alerts at most that wait to be seen
 UNSAFE_TEXT: Final = "should the power go, the last orders would be lost; they act and are recorded"
 SAFE_TEXT: Final = "what was ordered is safe should the power go"
-
-
-class Rank(Enum):
-    """How urgent an alert is. The value is the word that programs get."""
-
-    EMERGENCY = "emergency"
-    ALARM = "alarm"
-    WARNING = "warning"
 
 
 KIND_RANKS: Final = {"depth": Rank.ALARM, "watch": Rank.ALARM, "pilot": Rank.WARNING}
@@ -101,19 +93,22 @@ class EventLog:
     ) -> None:
         """Send news that somebody has to see, with a number by which it is acknowledged.
 
-        Its rank is that of its kind, unless ``rank`` is given.
+        Its rank is that of its kind, unless ``rank`` is given. A caution goes by itself: it is
+        neither kept open nor acknowledged.
         """
         self._alert += 1
+        rank = rank or KIND_RANKS[kind]
+        opens = rank is not Rank.CAUTION
         news = News(self.history.tick, self.history.boat.time, kind, text, fact)
         self.history.recording.event(news.tick, kind, "", text)
-        self.alerts[self._alert] = news
-        self.ranks[self._alert] = rank or KIND_RANKS[kind]
+        if opens:
+            self.alerts[self._alert], self.ranks[self._alert] = news, rank
         for kept in (self.alerts, self.ranks):
             kept.pop(self._alert - MAX_OPEN_ALERTS, None)
         for hear in self.hearers:  # they get it as it is recorded, without the alert's number
             hear(news)
-        self._spread(news._replace(text=f"{text} [{self._alert}]"), None)
-        for each in self._numbered(self._alert, news):
+        self._spread(news._replace(text=f"{text} [{self._alert}]") if opens else news, None)
+        for each in self._numbered(self._alert, news, rank):
             self._note(each)
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
@@ -160,14 +155,14 @@ class EventLog:
         """Send a program the alerts that nobody has acknowledged yet."""
         for number, news in self.alerts.items():
             if hears_kind(station.role, news.kind):
-                for each in self._numbered(number, news):
+                for each in self._numbered(number, news, self.ranks[number]):
                     station.note(each)
 
-    def _numbered(self, number: int, news: News) -> tuple[News, News]:
+    def _numbered(self, number: int, news: News, rank: Rank) -> tuple[News, News]:
         """Return two news for programs: an alert's rank, and its number with its text."""
-        rank = Fact("alert-rank", f"{number},{self.ranks[number].value}")
+        ranked = Fact("alert-rank", f"{number},{rank.value}")
         alert = Fact("alert", f"{number},{news.kind},{news.text}")
-        return news._replace(fact=rank), news._replace(fact=alert)
+        return news._replace(fact=ranked), news._replace(fact=alert)
 
     def _note(self, news: News) -> None:
         """Send programs one more fact about news that they have."""

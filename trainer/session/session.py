@@ -11,12 +11,12 @@ from dataclasses import InitVar, dataclass, field
 from typing import Final
 
 from trainer.boat.boat import TICK_PLACE
+from trainer.boat.calls import Rank
 from trainer.io.orders.grammar import Order, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
-from trainer.session.event_log import Rank
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
 from trainer.session.quiet import QuietTicks
@@ -178,9 +178,10 @@ class Session(Parts):
         self.event_log.tell_trouble()
         flown.keep_row(self._write_row)
         self.shown.show_tick(tick, state)
-        for kind, monitor in (("watch", self.monitors.limits), ("pilot", self.monitors.pilot)):
-            for text in monitor.look(self.boat):
-                self.event_log.alert(kind, text)
+        for call in self.monitors.limits.look(self.boat):
+            self.event_log.alert("watch", call.text, rank=call.rank)
+        for text in self.monitors.pilot.look(self.boat):
+            self.event_log.alert("pilot", text)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
             rank = Rank.EMERGENCY if passed.too_deep else None
             self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)

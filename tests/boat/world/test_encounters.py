@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
+from trainer.boat.calls import Rank
 from trainer.boat.helm import obey_order
 from trainer.boat.world.contacts import Contacts
 from trainer.boat.world.encounters import (
@@ -106,7 +107,7 @@ def fly(boat: Boat, monitor: EncounterMonitor, seconds: float) -> list[str]:
     told = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
-        told += monitor.look(boat)
+        told += [call.text for call in monitor.look(boat)]
     return told
 
 
@@ -206,6 +207,15 @@ def test_a_boat_runs_into_a_ship_in_its_way_and_passes_below_it(
     boat = under_way(tmp_path, AHEAD, depth)
     told = fly(boat, EncounterMonitor.over(boat), 120.0)
     assert ["COLLISION with anchored, a tanker" in each for each in told].count(True) == struck
+
+
+def test_a_collision_is_an_emergency(tmp_path: Path) -> None:
+    boat = under_way(tmp_path, AHEAD, 17.5)
+    monitor, ranks = EncounterMonitor.over(boat), []
+    for _ in range(240):
+        assert boat.tick() == 0
+        ranks += [call.rank for call in monitor.look(boat) if monitor.struck]
+    assert ranks == [Rank.EMERGENCY]
 
 
 def test_the_sail_alone_touches_a_keel(tmp_path: Path) -> None:

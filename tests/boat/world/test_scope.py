@@ -250,7 +250,7 @@ def test_a_mast_that_shakes_is_called_once_until_it_stood_still_for_long(tmp_pat
             give(boat, "scope raise")
         fly(boat, 1)
         if said := monitor.look(boat):
-            told[boat.time] = said
+            told[boat.time] = [call.text for call in said]
     first, again = told
     assert (first, 75.0 <= again < 80.0) == (0.5, True)
     (call,) = told[first]

@@ -14,6 +14,7 @@ from typing import Any, Final, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.world.contacts import Contacts, Ship, Ticks, contacts_in
 from trainer.boat.world.hulls import OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, Situation, situation
@@ -271,7 +272,7 @@ class EncounterMonitor:
         for memory in (self.closest, self.called, self.clear_since, self.touching, self._past):
             memory.clear()
 
-    def look(self, boat: Any) -> list[str]:
+    def look(self, boat: Any) -> list[MonitorCall]:
         """Return what there is to call out after a tick."""
         self.struck, self.nearest = "", ("", math.inf)
         contacts, before = self.contacts, self._pose
@@ -283,9 +284,11 @@ class EncounterMonitor:
             self._pose = None
             return []
         now = self._pose = Pose(*read_pose(boat.plain))
-        news = [] if before is None else self.step(contacts, tick, before, now)
-        news += self._calls(boat, fleet.order, fleet.motions(tick), now)
-        return [f"tick {tick} ({boat.time:g} s): {text}" for text in news]
+        struck = [] if before is None else self.step(contacts, tick, before, now)
+        near = self._calls(boat, fleet.order, fleet.motions(tick), now)
+        now_text = f"tick {tick} ({boat.time:g} s)"
+        calls = [MonitorCall(f"{now_text}: {text}", Rank.EMERGENCY) for text in struck]
+        return calls + [MonitorCall(f"{now_text}: {text}") for text in near]
 
     def ranges(self, flown: TickColumns) -> Numbers:
         """Return the least ranges [m] of the ships at some ticks, a row each."""

@@ -80,7 +80,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "range": "a key of the vessel and its value: `rudder=35`",
     "rate": "orders that wait beyond: `second=20`, or given at once `once=100`",
     "alert": "the number of an alert, its kind and its words, after commas",
-    "alert-rank": "the number of the next alert: emergency, alarm or warning, after a comma",
+    "alert-rank": "the number of the next alert, then emergency, alarm, warning or caution",
     "ack": "the number of an alert that somebody has seen",
     "over": "nothing: the session has ended",
     "no-room": "how many lines a session takes: so many are here, and this one is closed",

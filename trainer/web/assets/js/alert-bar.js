@@ -16,6 +16,8 @@ const SHAPES = {
   caution: "M2 2H22V22H2Z",
 };
 const BELL = "M12 2a2 2 0 0 1 2 2 7 7 0 0 1 5 7v5l2 3H3l2-3v-5a7 7 0 0 1 5-7 2 2 0 0 1 2-2ZM9.5 20h5a2.5 2.5 0 0 1-5 0Z";
+const STRUCK_BELL = `${BELL}M3 2L22 22`; // what says Silence where words have no room
+const TICK = "M4 13l5 6L20 5"; // and Acknowledge
 const RANK_WORDS = {
   emergency: say("emergency"),
   alarm: say("alarm"),
@@ -38,7 +40,7 @@ export class AlertBar extends HTMLElement {
       svg("svg", { viewBox: "0 0 24 24", "aria-hidden": "true" }, svg("path", { d: BELL })),
       this.count,
     );
-    this.hush = html("button", { type: "button", class: "hush", click: () => this.silence() }, say("Silence"));
+    this.hush = html("button", { type: "button", class: "hush", click: () => this.silence() }, ...said(STRUCK_BELL, say("Silence")));
     this.worst = html("p", { class: "worst", role: "log" });
     this.list = html("ul", { class: "all", "aria-label": say("All alerts"), hidden: true });
   }
@@ -104,19 +106,27 @@ export class AlertBar extends HTMLElement {
   fill(place, shown, name) {
     const now = JSON.stringify(shown.map((each) => [each.key, each.words, each.fresh]));
     if (place.dataset.shown !== now) {
+      const held = place.contains(document.activeElement) && document.activeElement?.closest(".alert");
       place.dataset.shown = now;
       place.replaceChildren(...shown.map((each) => this.entry(each, name)));
+      if (held instanceof HTMLElement) this.hold(place, held.dataset.key ?? "");
     }
     place.querySelectorAll("time").forEach((time, at) => write(time, this.age(shown[at])));
+  }
+
+  /** Gives the focus back to the key of an alert, else to that of the first new one. @param {HTMLElement} place @param {string} of its key */
+  hold(place, of) {
+    const same = [...place.querySelectorAll("button")].find((key) => key.closest(".alert")?.getAttribute("data-key") === of);
+    (same ?? this.list.querySelector("button") ?? this.bell).focus();
   }
 
   /** @param {Shown} alert @param {string} name of its element */
   entry(alert, name) {
     const seen = () => this.alerts?.acknowledge(alert);
-    const key = html("button", { type: "button", class: "seen", click: seen }, say("Acknowledge"));
+    const key = html("button", { type: "button", class: "seen", click: seen }, ...said(TICK, say("Acknowledge")));
     return html(
       name,
-      { class: "alert", "data-rank": alert.rank, "data-new": alert.fresh },
+      { class: "alert", "data-key": alert.key, "data-rank": alert.rank, "data-new": alert.fresh },
       alert.fresh ? key : html("span", { class: "seen" }, alert.rank === "caution" ? "" : say("seen")),
       svg(
         "svg",
@@ -135,4 +145,10 @@ export class AlertBar extends HTMLElement {
     return clock((this.alerts?.session.seconds ?? 0) - alert.seconds);
   }
 }
+/** Returns what a key says: words, and a sign that stands for them on a small screen. @param {string} sign @param {string} words */
+function said(sign, words) {
+  const picture = svg("svg", { viewBox: "0 0 24 24", class: "sign", "aria-hidden": "true" }, svg("path", { d: sign }));
+  return [picture, html("span", { class: "words" }, words)];
+}
+
 customElements.define("alert-bar", AlertBar);

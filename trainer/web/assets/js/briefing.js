@@ -21,7 +21,8 @@ const UNITS = { deg: say("deg") };
 /** @typedef {import("./model/session.js").Session} Session */
 
 /**
- * Furnishes the briefing of a station. It opens by itself before time runs, and at the end.
+ * Furnishes the briefing of a station. It opens by itself before time runs, and at the end, and goes
+ * as soon as time runs or the end is undone: nothing lies over a running boat.
  * @param {Session} session
  */
 export function furnishBriefing(session) {
@@ -30,21 +31,22 @@ export function furnishBriefing(session) {
   if (!CREW.includes(session.role) && session.role !== "observer") return;
   const trains = session.role === "trainee"; // alone: nobody else begins or goes on
   const [close, ready] = [one("#close-briefing"), one("#ready")];
-  let shown = ""; // what it has opened for by itself
+  let [shown, of] = ["", ""]; // for what it has opened by itself, and of which exercise
   const show = () => {
     key.hidden = !session.exercise.title && !session.outcome && !trains;
-    write(one("#briefing-title"), session.exercise.title ?? say("Free sailing"));
+    const { title = "" } = session.exercise;
+    write(one("#briefing-title"), title || say("Free sailing"));
     one("#briefing-text").replaceChildren(...text(session));
     const begins = session.state === "frozen" && session.seconds === 0;
     ready.hidden = !begins || trains || !session.may("ready");
-    const why = session.outcome ? "end" : begins && (session.exercise.title || trains) ? "begin" : "";
-    if (why && shown !== `${why} ${session.exercise.title}` && !dialog.open) {
-      shown = `${why} ${session.exercise.title}`;
+    const why = session.outcome ? "end" : begins && (title || trains) ? "begin" : "";
+    if (why && (shown !== why || of !== title) && !dialog.open) {
+      [shown, of] = [why, title];
       dialog.show();
     }
-    if (!why && session.state === "running" && shown.startsWith("begin") && dialog.open) {
+    if (!why && (shown === "end" || (shown && session.state === "running"))) {
+      shown = "";
       dialog.close();
-      shown = "running";
     }
   };
   key.onclick = () => (dialog.open ? dialog.close() : dialog.show());

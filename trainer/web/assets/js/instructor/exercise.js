@@ -109,13 +109,13 @@ class ExerciseWindow {
     } else if (this.dialog.open) this.draw();
     const begun = this.begins && state === "running";
     this.begins = starts;
-    if (begun && this.view === "briefing") this.dialog.close(); // whoever has let time run
+    if (begun) this.dialog.close(); // whoever has let time run
   }
 
   /** Time has gone back: there is no end any more. */
   goBack() {
     this.debrief = this.address = this.refusal = "";
-    if (this.view === "end") {
+    if (this.view !== "briefing") { // what has ended goes on, perhaps by another hand
       this.offered = "";
       this.dialog.close();
     }

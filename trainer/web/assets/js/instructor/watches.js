@@ -1,5 +1,5 @@
 // What calls for the instructor's eyes beside what the session itself tells.
-import { surfaceWatch } from "../model/alerts.js";
+import { EMPTY, surfaceWatch } from "../model/alerts.js";
 import { limitsOf } from "../model/limits.js";
 import { shortLength } from "../units.js";
 import { say } from "../words.js";
@@ -11,7 +11,6 @@ import { say } from "../words.js";
 
 const NEAR = 15; // [m] to a limit
 const USED = 92; // [%] of the air bank
-const EMPTY = 1; // [%]
 
 /** @param {Session} session @returns {Found[]} */
 function depth(session) {
@@ -19,7 +18,7 @@ function depth(session) {
   const greatest = session.ranges["test-depth"] ?? Infinity;
   const limit = Math.min(limitsOf(session).depth ?? Infinity, greatest);
   if (is === null || is > limit || limit - is > NEAR) return [];
-  return [{ key: "near", rank: "warning", words: say("Depth within {0} of {1}", shortLength(NEAR), shortLength(limit)) }];
+  return [{ key: "near", kind: "depth", rank: "warning", words: say("Depth within {0} of {1}", shortLength(NEAR), shortLength(limit)) }];
 }
 
 /** @param {Session} session @returns {Found[]} */
@@ -27,7 +26,7 @@ function air(session) {
   const full = session.number("air.main_full");
   const blows = ["forward", "mid", "aft"].some((tank) => session.word(`valves.blow_${tank}`) === "open");
   if (full === null) return [];
-  if (full <= EMPTY) return [{ key: "empty", rank: "alarm", words: say("Main air bank empty") }];
+  if (full < EMPTY) return [{ key: "empty", rank: "alarm", words: say("{0} empty", say("Main air bank")) }];
   if (full >= USED || !blows) return [];
   return [{ key: "air", rank: "caution", words: say("{0} below {1} %", say("Main air bank"), USED) }];
 }

@@ -6,8 +6,8 @@ import { say } from "../words.js";
 /**
  * @typedef {"emergency" | "alarm" | "warning" | "caution"} Rank
  * @typedef {{ key: string, kind: string, rank: Rank, words: string, seconds: number, fresh: boolean,
- *   number: string }} Shown one alert; `number` and `kind` are the session's, "" for one of the page's own
- * @typedef {{ key: string, rank: Rank, words: string }} Found
+ *   number: string }} Shown one alert; `number` is the session's, "" for one of the page's own
+ * @typedef {{ key: string, rank: Rank, words: string, kind?: string }} Found
  * @typedef {import("./session.js").Session} Session
  */
 
@@ -18,8 +18,8 @@ const OFF_FOR = 3; // [s]
 const STEEP = 30; // [deg] of pitch
 const MUTE_TOLD = 2; // of the four ranks, the first ones, whose muting is told
 const NEAR_LIMIT = 0.8; // of a limit of the exercise, from which the crew is cautioned
-/** Kinds of the session's alerts, those of one rank in this order: depth before remarks on the model. */
-const KINDS = ["depth", "watch", "pilot"];
+/** Kinds of alerts, those of one rank in this order: depth first; "" is most of a page's own. */
+const KINDS = ["depth", "watch", "", "pilot"];
 
 /** Keeps the alerts of a page: those of the session, and what its own gauges show. */
 export class Alerts extends EventTarget {
@@ -27,7 +27,8 @@ export class Alerts extends EventTarget {
   constructor(session, watches = []) {
     super();
     this.session = session;
-    this.watches = [link, steepness, nearLimits, ...watches];
+    const told = session.role === "instructor"; // by the session, which limits are passed
+    this.watches = [link, steepness, ...(told ? [] : [nearLimits]), ...watches];
     /** @type {Map<string, Shown>} */
     this.own = new Map();
     for (const what of ["tick", "state", "alerts"]) session.on(what, () => this.look());
@@ -41,7 +42,7 @@ export class Alerts extends EventTarget {
       rank: alert.rank,
       words: alert.words,
       seconds: alert.seconds,
-      fresh: !alert.seen,
+      fresh: !alert.seen && alert.rank !== "caution",
       number: alert.number,
     }));
     const open = told.filter((alert) => alert.fresh || this.session.seconds - alert.seconds < 60);
@@ -63,7 +64,7 @@ export class Alerts extends EventTarget {
       if (before) before.words = each.words;
       else {
         const fresh = each.rank !== "caution";
-        this.own.set(each.key, { ...each, kind: "", seconds: this.session.seconds, fresh, number: "" });
+        this.own.set(each.key, { kind: "", ...each, seconds: this.session.seconds, fresh, number: "" });
       }
     }
     for (const [key, alert] of this.own) {
@@ -124,8 +125,9 @@ function nearLimits(session) {
  */
 function nearLimit(name, limit, shown, words) {
   if (limit === null || shown === null || Math.abs(shown) < NEAR_LIMIT * limit) return [];
-  if (Math.abs(shown) > limit) return [{ key: `past ${name}`, rank: "alarm", words: words.past }];
-  return [{ key: `near ${name}`, rank: "caution", words: words.near }];
+  const kind = KINDS.find((each) => each === name) ?? "";
+  if (Math.abs(shown) > limit) return [{ key: `past ${name}`, kind, rank: "alarm", words: words.past }];
+  return [{ key: `near ${name}`, kind, rank: "caution", words: words.near }];
 }
 
 /**
@@ -165,8 +167,10 @@ export function surfaceWatch(title, actual, ordered) {
   };
 }
 
+export const EMPTY = 1; // [%] of a bank's air, below which it is empty
 /** Of a bank's air [%]: what is told below each. @type {[number, Rank][]} */
 const AIR = [
+  [EMPTY, "alarm"],
   [5, "warning"],
   [20, "caution"],
 ];
@@ -182,6 +186,7 @@ export function bankWatch(title, place) {
     const full = session.number(place);
     const [share, rank] = AIR.find(([least]) => full !== null && full < least) ?? [];
     if (!share || !rank) return [];
-    return [{ key: `${title} ${rank}`, rank, words: say("{0} below {1} %", title, share) }];
+    const words = share === EMPTY ? say("{0} empty", title) : say("{0} below {1} %", title, share);
+    return [{ key: `${title} ${rank}`, rank, words }];
   };
 }

@@ -1,0 +1,20 @@
+"""What a monitor calls out after a tick, and how urgent it is."""
+
+from enum import Enum
+from typing import NamedTuple
+
+
+class Rank(Enum):
+    """How urgent an alert is, by IMO MSC.302(87). The value is the word that programs get."""
+
+    EMERGENCY = "emergency"
+    ALARM = "alarm"
+    WARNING = "warning"
+    CAUTION = "caution"  # a remark, which nobody has to acknowledge
+
+
+class MonitorCall(NamedTuple):
+    """One call of a monitor."""
+
+    text: str
+    rank: Rank = Rank.ALARM
