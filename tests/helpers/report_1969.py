@@ -8,6 +8,17 @@ in the folder of the tests' helpers writes it; a test compares page, commands an
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
+from helpers.tables_1969 import (
+    COMPUTER_DOLLARS,
+    CORE_WORDS,
+    HOST_WORDS,
+    NEAR_SURFACE,
+    NEAR_SURFACE_STARS_DEEP,
+    TERMS_OF_TABLES,
+    three_figures,
+    words_in_parts,
+)
+
 ABSENT: Final = "not there yet"
 NEVER: Final = "cannot be"
 HEAD: Final = """# The report of 1969
@@ -35,6 +46,16 @@ class Row(NamedTuple):
 
 
 Parts = Mapping[str, tuple[Row, ...]]  # by their titles
+
+
+def named_terms(table: str, motion: str) -> str:
+    """Return how many coefficients one of the tables 6 and 8 names, in words."""
+    necessary, rest = TERMS_OF_TABLES[table], TERMS_OF_TABLES[f"{table}, to be investigated"]
+    return (
+        f"{len(necessary)} {motion} coefficients that are necessary, and {len(rest)} to be "
+        "investigated; [which](coefficients.md)"
+    )
+
 
 VECTORS: Final = "analysis/test_programs_vessel.py"
 RUNS: Final = "analysis/test_programs_runs.py"
@@ -125,6 +146,12 @@ PROGRAMS: Final = (
         f"{VECTORS}::test_the_flattest_neutral_flight_is_that_of_the_reference",
     ),
     Row(
+        "EC470 near the surface",
+        "neutral angles with Z_star and M_star of the depth",
+        "trainer neutral bb2 --depth 15",
+        f"{VECTORS}::test_neutral_angles_near_the_surface_balance_its_force_and_moment",
+    ),
+    Row(
         "ZC300",
         "thrust less drag, acceleration",
         "trainer thrust bb2",
@@ -137,6 +164,12 @@ PROGRAMS: Final = (
         "linear coefficients adjusted by mean v, w, p, q, r",
         "trainer modes bb2 --mean-w 0.2 --mean-p 0.02",
         f"{VECTORS}::test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference",
+    ),
+    Row(
+        "EC140 near the surface",
+        "roots where Z_star and M_star change with depth",
+        "trainer modes bb2 --depth 15",
+        f"{VECTORS}::test_modes_near_the_surface_feel_how_its_force_changes_with_depth",
     ),
     Row(
         "EC310, EC120, EC150, EC330",
@@ -188,6 +221,14 @@ PROGRAMS: Final = (
         "analysis/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
     ),
 )
+KNOWN_TERMS: Final = (
+    "core/test_terms.py::test_tables_6_8_and_10_of_1969_name_terms_and_the_compact_set_"
+    "keeps_the_necessary"
+)
+TOLD_NEAR_SURFACE: Final = "; ".join(
+    f"{speed:g} kn {three_figures(figures)} %" for speed, figures in NEAR_SURFACE.items()
+)
+TOLD_PRICES: Final = ", ".join(f"{name} {price:,}" for name, price in COMPUTER_DOLLARS.items())
 SENSITIVE: Final = (
     "analysis/test_reduce.py::test_sensitivities_are_those_of_the_full_set_without_the_coefficient"
 )
@@ -212,9 +253,9 @@ TABLES: Final = (
     ),
     Row(
         "Table 6",
-        "the coefficients, those to be investigated among them",
-        "[coefficients](coefficients.md)",
-        "core/test_terms.py::test_the_page_has_every_term",
+        named_terms("6", "longitudinal"),
+        "trainer check bb2 --constants",
+        KNOWN_TERMS,
     ),
     Row(
         "Tables 7, 9, 11",
@@ -223,22 +264,30 @@ TABLES: Final = (
         SENSITIVE,
     ),
     Row(
-        "Tables 8, 10, 16, 17",
-        "not known to this project",
-        f"{ABSENT}: nothing that was read of the report tells what is in them",
-        "",
+        "Table 8",
+        named_terms("8", "lateral"),
+        "trainer check bb2 --constants",
+        KNOWN_TERMS,
+    ),
+    Row(
+        "Table 10",
+        f"{len(TERMS_OF_TABLES['10'])} coefficients of cross-coupling that are not zero",
+        "trainer check bb2 --constants",
+        KNOWN_TERMS,
     ),
     Row(
         "Table 12",
-        "neutral angles and roots near the surface",
-        "trainer neutral bb2 --depth 15",
-        f"{VECTORS}::test_neutral_angles_near_the_surface_balance_its_force_and_moment",
+        "overshoot, deep coefficients against those of the surface, change of change of u, theta, "
+        f"z: {TOLD_NEAR_SURFACE}",
+        f"{ABSENT}: manoeuvres begin in the trim of deep water",
+        "",
     ),
     Row(
         "Table 13",
-        "Z_star and M_star near the surface",
-        "trainer modes bb2 --depth 15",
-        f"{VECTORS}::test_modes_near_the_surface_feel_how_its_force_changes_with_depth",
+        "the same at 12 kn, Z_star and M_star left deep: "
+        f"{three_figures(NEAR_SURFACE_STARS_DEEP)} %",
+        f"{ABSENT}: manoeuvres begin in the trim of deep water",
+        "",
     ),
     Row(
         "Table 14",
@@ -251,6 +300,20 @@ TABLES: Final = (
         "constants of the wave filter at 35, 40 and 45 knots of wind",
         "[seas](seas.md)",
         "core/test_seaway.py::test_the_winds_of_the_table_have_its_frequencies",
+    ),
+    Row(
+        "Table 16",
+        "words of 16 bits of the compact program: "
+        f"{words_in_parts(CORE_WORDS)}; {words_in_parts(HOST_WORDS)}",
+        "`python -m tests.bench --footprint`",
+        "analysis/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
+    ),
+    Row(
+        "Table 17",
+        f"computers of 1969 and their prices, dollars: {TOLD_PRICES}; the whole trainer's hardware "
+        "285 to 325 % of the computer",
+        "trainer export-core core --vessel bb2",
+        "boat/test_export.py::test_the_host_in_the_documents_compiles_and_steers",
     ),
     Row(
         "Tables 18, 19",
