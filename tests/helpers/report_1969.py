@@ -229,6 +229,7 @@ TOLD_NEAR_SURFACE: Final = "; ".join(
     f"{speed:g} kn {three_figures(figures)} %" for speed, figures in NEAR_SURFACE.items()
 )
 TOLD_PRICES: Final = ", ".join(f"{name} {price:,}" for name, price in COMPUTER_DOLLARS.items())
+TANKAGE: Final = "analysis/test_tankage.py"
 SENSITIVE: Final = (
     "analysis/test_reduce.py::test_sensitivities_are_those_of_the_full_set_without_the_coefficient"
 )
@@ -247,7 +248,14 @@ TABLES: Final = (
     ),
     Row(
         "Table 5",
-        "x_G and z_G at 5 and 25 knots, here 6 and 20; rules of 5 and 15 %",
+        "overshoot by tankage, x_G and z_G alone moved, 5 and 25 knots, here 6 and 20: "
+        "[change of change](sweeps.md#table-5-itself) of u, theta, z",
+        "trainer tanks bb2 --overshoots",
+        f"{TANKAGE}::test_tankage_changes_an_overshoot_of_a_shipped_boat_by_the_figures_of_the_page",
+    ),
+    Row(
+        "Table 5: its rules",
+        "x_G known to 5 %, z_G to 15 %",
         "trainer sweep centre-of-gravity --plot centre.svg",
         "analysis/test_sweep_study.py::test_the_centre_of_gravity_is_known_well_enough_by_the_rules_of_1969",
     ),
@@ -323,6 +331,12 @@ TABLES: Final = (
     ),
 )
 FIGURES: Final = (
+    Row(
+        "Figure 4",
+        "overshoots at two speeds for three tankages: u, theta, z over time",
+        "trainer tanks bb2 --overshoots --plot overshoots.svg",
+        f"{TANKAGE}::test_figure_4_draws_u_theta_and_z_slow_and_fast_by_tankage",
+    ),
     Row(
         "550 graphs of manoeuvres",
         "full against compact: meanders, overshoots, turns, accelerations",
