@@ -287,14 +287,18 @@ TABLES: Final = (
         "Table 12",
         "overshoot, deep coefficients against those of the surface, change of change of u, theta, "
         f"z: {TOLD_NEAR_SURFACE}",
-        f"{ABSENT}: manoeuvres begin in the trim of deep water",
-        "",
+        "trainer manoeuvre overshoot bb2 --speed 6 --csv deep.csv && trainer manoeuvre overshoot "
+        "bb2 --speed 6 --depth 25 --csv near.csv && trainer compare deep.csv near.csv --column u "
+        "--column theta --column z --allow 100",
+        "analysis/test_manoeuvres.py::test_an_overshoot_near_the_surface_differs_from_a_deep_one_"
+        "by_the_figures_of_the_page",
     ),
     Row(
         "Table 13",
         "the same at 12 kn, Z_star and M_star left deep: "
         f"{three_figures(NEAR_SURFACE_STARS_DEEP)} %",
-        f"{ABSENT}: manoeuvres begin in the trim of deep water",
+        f"{ABSENT}: with these two deep nothing is left of the surface, since Z_w and M_w have no "
+        "keys there",
         "",
     ),
     Row(
