@@ -303,15 +303,19 @@ TABLES: Final = (
     ),
     Row(
         "Table 14",
-        "shares of the five directions of the waves",
-        "trainer sea sea-state-5",
-        "core/test_seaway.py::test_the_cosine_sum_has_the_whole_variance_in_the_report_s_shares",
+        "weights of the waves' directions, -60, -30, 0, 30, 60 deg: 0.0906, 0.4330, 0.5236 "
+        "(printed 0.5325), 0.4330, 0.0906",
+        "trainer sea sea-state-1",
+        "analysis/test_sea_page.py::"
+        "test_the_page_has_the_weights_of_table_14_for_a_sum_of_cosines_alone",
     ),
     Row(
         "Table 15",
-        "constants of the wave filter at 35, 40 and 45 knots of wind",
-        "[seas](seas.md)",
-        "core/test_seaway.py::test_the_winds_of_the_table_have_its_frequencies",
+        "constants of the wave filter at 45, 40 and 35 knots of wind: w_nL 0.39, 0.43, 0.48; d_L "
+        "0.325 (printed 0.25 at 40); w_nH 0.21, 0.24, 0.27; d_H 0.707",
+        'trainer sea FILE` with `generator = "filter-1969"',
+        "analysis/test_sea_page.py::"
+        "test_the_page_has_the_constants_of_table_15_for_the_filter_of_1969",
     ),
     Row(
         "Table 16",
@@ -336,10 +340,31 @@ TABLES: Final = (
 )
 FIGURES: Final = (
     Row(
+        "Figure 2",
+        "axes and signs: [glossary](glossary.md)",
+        "trainer evaluate bb2 --equations full --rates exact < states.jsonl",
+        "analysis/test_evaluate.py::test_vectors_of_an_independent_program_are_met",
+    ),
+    Row(
         "Figure 4",
         "overshoots at two speeds for three tankages: u, theta, z over time",
         "trainer tanks bb2 --overshoots --plot overshoots.svg",
         f"{TANKAGE}::test_figure_4_draws_u_theta_and_z_slow_and_fast_by_tankage",
+    ),
+    Row(
+        "Figures 6, 7",
+        "the points compared: largest change of pitch and depth, largest and steady heel",
+        "trainer manoeuvre turn bb2 --csv full.csv && trainer manoeuvre turn bb2 --integrator rk4 "
+        "--csv other.csv && trainer compare full.csv other.csv --plot points.svg",
+        f"{RUNS}::test_percent_change_of_change_is_that_of_the_reference",
+    ),
+    Row(
+        "Figures 1, 3, 5, 8",
+        "block diagrams of EB920 and ZC790, the angle of attack, 400 s of the cosine sea in per "
+        "cent of its largest",
+        f"{ABSENT}: the diagrams are the table of [rooms](architecture.md), and `trainer sea "
+        "sea-state-1 --plot sea.svg` draws 300 s in metres",
+        "",
     ),
     Row(
         "550 graphs of manoeuvres",

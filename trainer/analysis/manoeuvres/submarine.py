@@ -80,9 +80,9 @@ def _no_sea_felt(what: str) -> str:
 
 @contextmanager
 def feeling_surface(boat: Boat, speed: float, depth: float) -> Iterator[None]:
-    """Let trims feel a calm surface ``depth`` [m] above inside the block, as Z_star and M_star.
+    """Let trims feel a calm surface at ``depth`` [m] inside the block.
 
-    They are of the equations in deep water, which know the surface by these two alone.
+    As Z_star and M_star, because trims are of the equations in deep water.
     """
     felt, (vessel, compact) = surface_at(boat.file, speed, depth), boat.records[:2]
     force, moment = felt.Z_N / speed**2, felt.M_N_m / speed**2
