@@ -167,7 +167,7 @@ def test_at_a_depth_every_leg_begins_there_and_what_the_boat_cannot_is_refused()
 
     assert {leg.rig.depth for leg in guide_legs(file, 60.0)} == {60.0}
     assert len(guide_legs(file, 60.0)) < len(guide_legs(file))
-    with pytest.raises(ConfigError, match=r"begin at 11\.3 m or deeper"):
+    with pytest.raises(ConfigError, match=r"begin at 11\.2 m or deeper"):
         guide_legs(file, 5.0)
     with pytest.raises(ConfigError, match="below max_depth_m = 250 m"):
         legs_of_1969(file, 900.0)

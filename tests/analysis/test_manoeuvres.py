@@ -16,6 +16,7 @@ from helpers.places import DATA
 from trainer.analysis import manoeuvres
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjust_manoeuvre, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.page import ManoeuvreOptions, fly_boat
 from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
 from trainer.analysis.manoeuvres.steadiness import PullOut
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
@@ -29,9 +30,12 @@ from trainer.analysis.manoeuvres.vehicle import (
     zero_crossings,
 )
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
+from trainer.analysis.programs.compare import compare_runs
+from trainer.analysis.programs.neutral import trim_at
 from trainer.analysis.recording_export import panel_of
 from trainer.analysis.series import Series
 from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
 from trainer.cli.guide import manoeuvre as command
 from trainer.cli.main import main
 from trainer.config.files import ConfigError
@@ -371,15 +375,66 @@ def test_an_utmost_acceleration_stops_when_it_is_told_to() -> None:
 # --- at a depth, in a sea
 
 
-def test_a_boat_near_the_surface_is_sucked_up_and_a_deep_one_is_not() -> None:
-    still = Meander(angle_deg=0.0, duration_s=60.0)
-    rises = [
-        -float(fly_manoeuvre(boat_of("bb2", Rig(depth=depth)), still, 10.0 * KNOT).change("z")[-1])
-        for depth in (20.0, 200.0)
-    ]
+@pytest.mark.parametrize(
+    ("equations", "trim"),
+    [
+        ("full", "own"),
+        ("modified", "own"),
+        ("basic", "own"),
+        ("longitudinal", "own"),
+        ("full", "full"),
+    ],
+)
+def test_a_boat_near_the_surface_begins_in_the_neutral_flight_of_that_depth(
+    equations: str, trim: str
+) -> None:
+    file = load_vessel("bb2")
+    method = Method(equations, "exact", "exact", "rk4", 0.5)
+    still = Meander(angle_deg=0.0, duration_s=120.0)
+    boat = Submarine(file, method, Rig(depth=18.4, trim=trim))
+    deep = float(boat.boat.vessel.Z_star), float(boat.boat.vessel.M_star)
+    flight = fly_manoeuvre(boat, still, 6.0 * KNOT)
+    under = trim_at(Boat(file, method), 6.0 * KNOT, 18.4)
 
-    assert rises[0] > 0.1
-    assert abs(rises[1]) < 0.01
+    assert abs(flight.change("z")).max() < 1e-6
+    assert under is not None
+    assert flight.column("delta_s")[0] == pytest.approx(math.radians(under.stern_planes_deg))
+    # suction is felt once, as a force and not as a coefficient besides
+    assert (boat.boat.vessel.Z_star, boat.boat.vessel.M_star) == deep
+
+
+def test_below_the_tables_of_the_surface_a_depth_changes_no_bit_of_the_start() -> None:
+    starts = []
+    for depth in (60.0, None):
+        boat = boat_of("bb2", Rig(depth=depth))
+        boat.start(6.0 * KNOT)
+        starts.append([*boat.observe()[:9], *boat.observe()[10:]])
+
+    assert starts[0] == starts[1]
+
+
+TABLE_12 = {6.0: (-26.5, -2.6, -34.4), 12.0: (3.2, 25.5, 36.2)}  # [%] of u, theta, z at 25 m
+
+
+@pytest.mark.parametrize("speed", TABLE_12)
+def test_an_overshoot_near_the_surface_differs_from_a_deep_one_by_the_figures_of_the_page(
+    speed: float,
+) -> None:
+    names = ("u", "theta", "z")
+    deep, near = (
+        fly_boat(
+            load_vessel("bb2"), "overshoot", ManoeuvreOptions(speed=speed, rig=Rig(depth=depth))
+        )
+        for depth in (None, 25.0)
+    )
+    points = compare_runs(deep[1].series, near[1].series, names).points
+    found = {point.variable: point.percent for point in reversed(points)}
+    cells = " | ".join(f"{figure:.1f}" for figure in TABLE_12[speed])
+
+    assert near[0].notices == ()
+    assert [found[name] for name in names] == pytest.approx(TABLE_12[speed], abs=0.06)
+    text = (DATA.parents[1] / "docs" / "engineer.md").read_text(encoding="utf-8")
+    assert f"| BB2, 25 m | {speed:g} | {cells} |" in text
 
 
 def test_a_depth_that_is_no_place_for_the_boat_is_refused() -> None:

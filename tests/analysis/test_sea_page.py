@@ -131,3 +131,30 @@ def test_suction_that_is_off_is_told() -> None:
     still = parse_sea('[sea]\nsea_state = 4\nsuction = "off"', Path("still.toml"))
 
     assert "suction is off in this sea" in seaway.render(seaway.survey(still, BB2, (18.0,), 0.5))
+
+
+@pytest.mark.parametrize(
+    ("wind", "constants"),
+    [(45, "0.39 0.325 0.21"), (40, "0.43 0.325 0.24"), (35, "0.48 0.325 0.27")],
+)
+def test_the_page_has_the_constants_of_table_15_for_the_filter_of_1969(
+    wind: int, constants: str
+) -> None:
+    text = f'[sea]\nwind_kn = {wind}\ngenerator = "filter-1969"\n'
+    vessel = load_vessel("bb2")
+    report = seaway.survey(parse_sea(text, Path("wind.toml")), vessel, (), 0.5)
+    low, damping, high = map(float, constants.split())
+    found = report.sea.made_of
+
+    assert found == pytest.approx(
+        {"w_nL": low, "d_L": damping, "w_nH": high, "d_H": 0.707}, rel=2e-3
+    )
+    assert f"made of: w_nL {found['w_nL']:.4f}, d_L 0.3250, w_nH" in seaway.render(report)
+
+
+def test_the_page_has_the_weights_of_table_14_for_a_sum_of_cosines_alone() -> None:
+    result = CliRunner().invoke(sea, ["sea-state-1"])
+
+    weights = "-60 deg 0.0906, -30 deg 0.4330, 0 deg 0.5236, 30 deg 0.4330, 60 deg 0.0906"
+    assert f"made of: {weights}" in " ".join(result.output.split())
+    assert "made of" not in CliRunner().invoke(sea, ["sea-state-5"]).output

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from helpers.tables_1969 import TERMS_OF_TABLES, table_of
+
 from trainer.core.terms import (
     BASIC_DROPS,
     COEFFICIENTS,
@@ -29,7 +31,8 @@ def row(term: Term) -> str:
         else ""
     )
     multiplied = multiplies.replace("|", "\\|")
-    return f"| {equation} | `{key}` | {power} | {multiplied} | {mnemonic} | {kept} |"
+    cells = (equation, f"`{key}`", power, multiplied, mnemonic, table_of(mnemonic), kept)
+    return f"| {' | '.join(map(str, cells))} |"
 
 
 def test_the_page_has_every_term() -> None:
@@ -42,6 +45,26 @@ def test_the_sets_are_of_the_table() -> None:
     assert len(COEFFICIENTS) == len(LENGTH_POWERS) == 131 - len(THRUST_KEYS)
     assert set(BASIC_DROPS) < set(COMPACT_TERMS) < set(LENGTH_POWERS)
     assert set(EXTRA_TERMS) < set(LENGTH_POWERS) - set(COMPACT_TERMS)
+
+
+def test_tables_6_8_and_10_of_1969_name_terms_and_the_compact_set_keeps_the_necessary() -> None:
+    by_name = {term.mnemonic: term for term in TERM_TABLE}
+    named = [name for names in TERMS_OF_TABLES.values() for name in names]
+    necessary = [*TERMS_OF_TABLES["6"], *TERMS_OF_TABLES["8"]]
+    kept = {
+        table: [name for name in names if by_name[name].kept]
+        for table, names in TERMS_OF_TABLES.items()
+    }
+
+    assert len(named) == len(set(named)) == 75
+    assert set(named) <= set(by_name)
+    assert all(by_name[name].equation in "XZM" for name in TERMS_OF_TABLES["6"])
+    assert all(by_name[name].equation in "YKN" for name in TERMS_OF_TABLES["8"])
+    assert [name for name in necessary if not by_name[name].kept] == []
+    # of the others what Table 18 keeps
+    assert kept["6, to be investigated"] == ["ZWAW", "MAWQ", "MWAW"]
+    assert kept["8, to be investigated"] == ["YVAV", "KVAV", "NVAV"]
+    assert kept["10"] == ["ZRR", "ZVR", "ZVV", "MRR", "MVR", "MVV", "MRP", "NPQ"]
 
 
 def test_the_power_of_the_length_makes_a_force_or_a_moment() -> None:

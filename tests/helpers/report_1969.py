@@ -8,6 +8,17 @@ in the folder of the tests' helpers writes it; a test compares page, commands an
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
+from helpers.tables_1969 import (
+    COMPUTER_DOLLARS,
+    CORE_WORDS,
+    HOST_WORDS,
+    NEAR_SURFACE,
+    NEAR_SURFACE_STARS_DEEP,
+    TERMS_OF_TABLES,
+    three_figures,
+    words_in_parts,
+)
+
 ABSENT: Final = "not there yet"
 NEVER: Final = "cannot be"
 HEAD: Final = """# The report of 1969
@@ -35,6 +46,16 @@ class Row(NamedTuple):
 
 
 Parts = Mapping[str, tuple[Row, ...]]  # by their titles
+
+
+def named_terms(table: str, motion: str) -> str:
+    """Return how many coefficients one of the tables 6 and 8 names, in words."""
+    necessary, rest = TERMS_OF_TABLES[table], TERMS_OF_TABLES[f"{table}, to be investigated"]
+    return (
+        f"{len(necessary)} {motion} coefficients that are necessary, and {len(rest)} to be "
+        "investigated; [which](coefficients.md)"
+    )
+
 
 VECTORS: Final = "analysis/test_programs_vessel.py"
 RUNS: Final = "analysis/test_programs_runs.py"
@@ -125,6 +146,12 @@ PROGRAMS: Final = (
         f"{VECTORS}::test_the_flattest_neutral_flight_is_that_of_the_reference",
     ),
     Row(
+        "EC470 near the surface",
+        "neutral angles with Z_star and M_star of the depth",
+        "trainer neutral bb2 --depth 15",
+        f"{VECTORS}::test_neutral_angles_near_the_surface_balance_its_force_and_moment",
+    ),
+    Row(
         "ZC300",
         "thrust less drag, acceleration",
         "trainer thrust bb2",
@@ -137,6 +164,12 @@ PROGRAMS: Final = (
         "linear coefficients adjusted by mean v, w, p, q, r",
         "trainer modes bb2 --mean-w 0.2 --mean-p 0.02",
         f"{VECTORS}::test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference",
+    ),
+    Row(
+        "EC140 near the surface",
+        "roots where Z_star and M_star change with depth",
+        "trainer modes bb2 --depth 15",
+        f"{VECTORS}::test_modes_near_the_surface_feel_how_its_force_changes_with_depth",
     ),
     Row(
         "EC310, EC120, EC150, EC330",
@@ -188,6 +221,15 @@ PROGRAMS: Final = (
         "analysis/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
     ),
 )
+KNOWN_TERMS: Final = (
+    "core/test_terms.py::test_tables_6_8_and_10_of_1969_name_terms_and_the_compact_set_"
+    "keeps_the_necessary"
+)
+TOLD_NEAR_SURFACE: Final = "; ".join(
+    f"{speed:g} kn {three_figures(figures)} %" for speed, figures in NEAR_SURFACE.items()
+)
+TOLD_PRICES: Final = ", ".join(f"{name} {price:,}" for name, price in COMPUTER_DOLLARS.items())
+TANKAGE: Final = "analysis/test_tankage.py"
 SENSITIVE: Final = (
     "analysis/test_reduce.py::test_sensitivities_are_those_of_the_full_set_without_the_coefficient"
 )
@@ -206,15 +248,22 @@ TABLES: Final = (
     ),
     Row(
         "Table 5",
-        "x_G and z_G at 5 and 25 knots, here 6 and 20; rules of 5 and 15 %",
+        "overshoot by tankage, x_G and z_G alone moved, 5 and 25 knots, here 6 and 20: "
+        "[change of change](sweeps.md#table-5-itself) of u, theta, z",
+        "trainer tanks bb2 --overshoots",
+        f"{TANKAGE}::test_tankage_changes_an_overshoot_of_a_shipped_boat_by_the_figures_of_the_page",
+    ),
+    Row(
+        "Table 5: its rules",
+        "x_G known to 5 %, z_G to 15 %",
         "trainer sweep centre-of-gravity --plot centre.svg",
         "analysis/test_sweep_study.py::test_the_centre_of_gravity_is_known_well_enough_by_the_rules_of_1969",
     ),
     Row(
         "Table 6",
-        "the coefficients, those to be investigated among them",
-        "[coefficients](coefficients.md)",
-        "core/test_terms.py::test_the_page_has_every_term",
+        named_terms("6", "longitudinal"),
+        "trainer check bb2 --constants",
+        KNOWN_TERMS,
     ),
     Row(
         "Tables 7, 9, 11",
@@ -223,34 +272,64 @@ TABLES: Final = (
         SENSITIVE,
     ),
     Row(
-        "Tables 8, 10, 16, 17",
-        "not known to this project",
-        f"{ABSENT}: nothing that was read of the report tells what is in them",
-        "",
+        "Table 8",
+        named_terms("8", "lateral"),
+        "trainer check bb2 --constants",
+        KNOWN_TERMS,
+    ),
+    Row(
+        "Table 10",
+        f"{len(TERMS_OF_TABLES['10'])} coefficients of cross-coupling that are not zero",
+        "trainer check bb2 --constants",
+        KNOWN_TERMS,
     ),
     Row(
         "Table 12",
-        "neutral angles and roots near the surface",
-        "trainer neutral bb2 --depth 15",
-        f"{VECTORS}::test_neutral_angles_near_the_surface_balance_its_force_and_moment",
+        "overshoot, deep coefficients against those of the surface, change of change of u, theta, "
+        f"z: {TOLD_NEAR_SURFACE}",
+        "trainer manoeuvre overshoot bb2 --speed 6 --csv deep.csv && trainer manoeuvre overshoot "
+        "bb2 --speed 6 --depth 25 --csv near.csv && trainer compare deep.csv near.csv --column u "
+        "--column theta --column z --allow 100",
+        "analysis/test_manoeuvres.py::test_an_overshoot_near_the_surface_differs_from_a_deep_one_"
+        "by_the_figures_of_the_page",
     ),
     Row(
         "Table 13",
-        "Z_star and M_star near the surface",
-        "trainer modes bb2 --depth 15",
-        f"{VECTORS}::test_modes_near_the_surface_feel_how_its_force_changes_with_depth",
+        "the same at 12 kn, Z_star and M_star left deep: "
+        f"{three_figures(NEAR_SURFACE_STARS_DEEP)} %",
+        f"{ABSENT}: with these two deep nothing is left of the surface, since Z_w and M_w have no "
+        "keys there",
+        "",
     ),
     Row(
         "Table 14",
-        "shares of the five directions of the waves",
-        "trainer sea sea-state-5",
-        "core/test_seaway.py::test_the_cosine_sum_has_the_whole_variance_in_the_report_s_shares",
+        "weights of the waves' directions, -60, -30, 0, 30, 60 deg: 0.0906, 0.4330, 0.5236 "
+        "(printed 0.5325), 0.4330, 0.0906",
+        "trainer sea sea-state-1",
+        "analysis/test_sea_page.py::"
+        "test_the_page_has_the_weights_of_table_14_for_a_sum_of_cosines_alone",
     ),
     Row(
         "Table 15",
-        "constants of the wave filter at 35, 40 and 45 knots of wind",
-        "[seas](seas.md)",
-        "core/test_seaway.py::test_the_winds_of_the_table_have_its_frequencies",
+        "constants of the wave filter at 45, 40 and 35 knots of wind: w_nL 0.39, 0.43, 0.48; d_L "
+        "0.325 (printed 0.25 at 40); w_nH 0.21, 0.24, 0.27; d_H 0.707",
+        'trainer sea FILE` with `generator = "filter-1969"',
+        "analysis/test_sea_page.py::"
+        "test_the_page_has_the_constants_of_table_15_for_the_filter_of_1969",
+    ),
+    Row(
+        "Table 16",
+        "words of 16 bits of the compact program: "
+        f"{words_in_parts(CORE_WORDS)}; {words_in_parts(HOST_WORDS)}",
+        "`python -m tests.bench --footprint`",
+        "analysis/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
+    ),
+    Row(
+        "Table 17",
+        f"computers of 1969 and their prices, dollars: {TOLD_PRICES}; the whole trainer's hardware "
+        "285 to 325 % of the computer",
+        "trainer export-core core --vessel bb2",
+        "boat/test_export.py::test_the_host_in_the_documents_compiles_and_steers",
     ),
     Row(
         "Tables 18, 19",
@@ -260,6 +339,33 @@ TABLES: Final = (
     ),
 )
 FIGURES: Final = (
+    Row(
+        "Figure 2",
+        "axes and signs: [glossary](glossary.md)",
+        "trainer evaluate bb2 --equations full --rates exact < states.jsonl",
+        "analysis/test_evaluate.py::test_vectors_of_an_independent_program_are_met",
+    ),
+    Row(
+        "Figure 4",
+        "overshoots at two speeds for three tankages: u, theta, z over time",
+        "trainer tanks bb2 --overshoots --plot overshoots.svg",
+        f"{TANKAGE}::test_figure_4_draws_u_theta_and_z_slow_and_fast_by_tankage",
+    ),
+    Row(
+        "Figures 6, 7",
+        "the points compared: largest change of pitch and depth, largest and steady heel",
+        "trainer manoeuvre turn bb2 --csv full.csv && trainer manoeuvre turn bb2 --integrator rk4 "
+        "--csv other.csv && trainer compare full.csv other.csv --plot points.svg",
+        f"{RUNS}::test_percent_change_of_change_is_that_of_the_reference",
+    ),
+    Row(
+        "Figures 1, 3, 5, 8",
+        "block diagrams of EB920 and ZC790, the angle of attack, 400 s of the cosine sea in per "
+        "cent of its largest",
+        f"{ABSENT}: the diagrams are the table of [rooms](architecture.md), and `trainer sea "
+        "sea-state-1 --plot sea.svg` draws 300 s in metres",
+        "",
+    ),
     Row(
         "550 graphs of manoeuvres",
         "full against compact: meanders, overshoots, turns, accelerations",

@@ -15,6 +15,8 @@ from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
+from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, DIRECTION_WEIGHTS
+from trainer.core.sea.filter_1969 import HIGH_DAMPING, LOW_DAMPING, corner
 from trainer.core.sea.forces import MIN_KAPPA, suction
 from trainer.core.sea.sea import (
     COSINES,
@@ -68,6 +70,7 @@ class Seaway:
     suction: bool
     longest_step_s: float | None  # None: any
     followed_kn: float | None  # with the waves, from where on the filter is untrue; None: never
+    made_of: dict[str, float]  # weights of directions, or constants of the filter of 1969
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,22 @@ def water_speed(settings: Numbers, g: float, depth: float) -> float:
     return float(0.25 * settings[HEIGHT] * settings[OMEGA]) * math.sqrt(energy)
 
 
+def made_of(settings: Numbers, g: float) -> dict[str, float]:
+    """Return weights of a cosine sum's directions, or constants of the filter of 1969.
+
+    The weights [-] add up to pi/2, as Table 14 of [ASSES] has them; the constants, [rad/s] and [-],
+    are those of its Table 15. Empty for any other sea.
+    """
+    if settings[COSINES]:
+        weights = 0.25 * math.pi * BAND_COUNT * np.square(DIRECTION_WEIGHTS)
+        degrees = np.degrees(np.arctan2(ANGLE_SIN, ANGLE_COS))
+        return {f"{at:.0f} deg": float(a) for at, a in zip(degrees, weights, strict=True)}
+    if not settings[OLD]:
+        return {}
+    low, high = (float(corner(settings[OMEGA], g, which)) for which in (0, 1))
+    return {"w_nL": low, "d_L": LOW_DAMPING, "w_nH": high, "d_H": HIGH_DAMPING}
+
+
 def describe_sea(file: SeaFile, settings: Numbers, g: float) -> Seaway:
     """Return the sea by its settings [SI]."""
     omega = float(settings[OMEGA])
@@ -141,6 +160,7 @@ def describe_sea(file: SeaFile, settings: Numbers, g: float) -> Seaway:
         suction=file.sea.suction == "on",
         longest_step_s=STEEPEST_TURN / omega if filtered else None,
         followed_kn=MAX_CHASE_RATIO * g / omega / KNOT if filtered else None,
+        made_of=made_of(settings, g),
     )
 
 
@@ -243,6 +263,9 @@ def render(report: SeaReport) -> str:
             f"following    above {sea.followed_kn:.2g} kn with the waves it is untrue: take cosines"
         )
     lines = [ascii_text(sea.name), *(INDENT + fact for fact in facts)]
+    if sea.made_of:
+        told = ", ".join(f"{name} {number:.4f}" for name, number in sea.made_of.items())
+        lines += wrap(f"made of: {told}")
     lines += titled_table(
         ascii_text(f"AT REST IN {report.vessel}"), DEPTH_HEADS, map(_depth_row, report.depths)
     )

@@ -246,13 +246,21 @@ class TankFill(click.ParamType[tuple[str, float]]):
     metavar="TANK=SHARE",
     help="How full a tank is, 0 to 1, may be repeated. [default: the vessel file's]",
 )
+@click.option("--overshoots", is_flag=True, help="What x_G and z_G do to an overshoot.")
 @outputs
-def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None:
+def tanks(
+    vessel: str, fills: tuple[tuple[str, float], ...], *, overshoots: bool, **how: Any
+) -> None:
     """Weight and balance over all fillings (EC430).
 
     \b
     Example:  trainer tanks bb2 --fill auxiliary=1 --plot polygon.svg
+              trainer tanks bb2 --overshoots --plot overshoots.svg
+
+    With --overshoots the table of 1969 instead: the same overshoot slow and fast, x_G and z_G
+    alone moved as far as the tanks do, or by 2 % of BG where there are none.
     """
+    from trainer.analysis.programs import tankage
     from trainer.analysis.programs import tanks as program
     from trainer.config.vessel import load_vessel
 
@@ -260,7 +268,12 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:
         raise click.UsageError(f"--fill {twice[0]} is given twice")
-    report = program.report_fillings(load_vessel(vessel), dict(fills))
+    file = load_vessel(vessel)
+    if overshoots:
+        changes, flights = tankage.survey_tankage(file, dict(fills))
+        show_report(changes, tankage.render, lambda: tankage.panels(changes, flights), how)
+        return
+    report = program.report_fillings(file, dict(fills))
     show_report(report, program.render, lambda: program.panels(report), how)
 
 
