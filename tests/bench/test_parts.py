@@ -11,6 +11,7 @@ import pytest
 from c_twin import comparison
 from c_twin.compiler import BUILDS, SAME_BITS
 from click.testing import CliRunner
+from helpers.tables_1969 import CORE_WORDS
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from bench import control, footprint, peers, sections, wasm
@@ -324,6 +325,8 @@ def test_the_words_are_printed_beside_those_of_1969() -> None:
 
     page = footprint.lines(figures)
 
+    assert footprint.WORDS_1969["update"] == CORE_WORDS["UPDATE"]  # Table 16
+    assert footprint.WORDS_1969["tick"] == sum(CORE_WORDS.values())
     assert "  update  x86-64-v4       2506        100    1253    2.00" in page
     assert "  the tick with all of it 4000; half the memory of 1969: 4096" in page
     assert page[-2:] == ["  wide    x86-64-v4       3000         50", "  state, the wide set 24"]
