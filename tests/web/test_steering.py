@@ -45,6 +45,12 @@ OVERLAPS: Final = """() => [...document.querySelectorAll("level-bar")].flatMap((
     const ends = all.map((each) => each.getBoundingClientRect());
     return ends.slice(1).filter((each, at) => each.left < ends[at].right + 1).map(() => bar.id);
 })"""
+WAY: Final = """() => ["speed", "rpm"].filter((name) => { // neither a bar has it nor digits
+    const bar = document.getElementById(name);
+    const digits = document.querySelector(`.way [data-place$=".${name}"]`);
+    const read = digits.checkVisibility() && /[0-9]/.test(digits.textContent);
+    return !(bar.checkVisibility() || read);
+})"""
 COUNT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
 WebSocket.prototype.send = function (line) {
     if (/TRO,\\d+,(rudder|bell|stern)/.test(line)) window.sent.push([performance.now(), line]);
@@ -359,6 +365,8 @@ def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
         for place in range(max(keys.count(), 1)):
             if keys.count():
                 keys.nth(place).click()
+            if page.locator("order-lever[name=rudder]").is_visible():
+                see_whole(page, size, WAY)
             for parts in (TOO_WIDE, BEYOND, OVERLAPS):
                 see_whole(page, size, parts)
 
