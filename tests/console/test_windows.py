@@ -184,7 +184,8 @@ def test_the_instructor_is_offered_what_follows_an_exercise(
                 await click(pilot, app, "#dialog", f"{letter.upper()} ")
             else:
                 await pilot.press(letter)
-        assert len(app.screen_stack) == 1
+        # who asks for the debrief reads there how far it is, and what each minute cost
+        assert len(app.screen_stack) == 1 + (order == "debrief")
 
     assert at_the_console(end, talk)[1].orders == [order]
 
