@@ -27,7 +27,6 @@ from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat import entries, machine_code, platforms
 from trainer.boat.boat import Boat
 from trainer.boat.export import objects
-from trainer.config.files import shipped_names
 from trainer.core import ballast, entry, kernel
 from trainer.core.ballast.hover import wanted_pump
 from trainer.core.current import north_and_east
@@ -374,53 +373,3 @@ def test_line_ends_of_a_checkout_do_not_change_the_digest(tmp_path: Path) -> Non
         (tmp_path / name).write_bytes(b"x = 1" + ends + b"y = 2" + ends)
 
     assert read_source(tmp_path / "a.py") == read_source(tmp_path / "b.py")
-
-
-STATE = '{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0.01, "phi": 0, "theta": 0, "psi": 0}'
-
-
-def commands(folder: Path, seconds: str) -> list[list[str]]:
-    """Return commands that a user's session is made of."""
-    run = ["run", "--headless", "--speed", "max"]
-    kept = str(folder / "kept.trainer")
-    flown = [
-        [run[0], name, *run[1:], "--duration", seconds, "--no-record"]
-        for name in shipped_names("exercises")
-    ]
-    return [
-        [*run, "--duration", "90", "--sea", "sea-state-5", "--csv", str(folder / "run.csv")],
-        ["run", "stern-plane-jam", *run[1:], "--duration", "2m", "--record", kept],
-        ["debrief", kept, "--text"],
-        ["replay", kept],
-        ["resume", kept, "--headless", "--speed", "max", "--duration", "3m"],
-        ["export", kept, "--csv", str(folder / "kept.csv")],
-        ["manoeuvre", "zigzag-20", "bb2", "--equations", "modified"],
-        ["manoeuvre", "turning-circle", "sdv-mk9"],
-        ["exercise", "check", "stern-plane-jam"],
-        ["sea", "sea-state-5", "--depth", "20"],
-        ["neutral", "bb2", "--depth", "20"],
-        ["vessels"],
-        *flown,
-    ]
-
-
-@jitted
-@pytest.mark.process
-@pytest.mark.parametrize("seconds", ["20", pytest.param("30m", marks=pytest.mark.slow)])
-def test_a_user_s_session_needs_no_numba(tmp_path: Path, seconds: str) -> None:
-    listed = tmp_path / "commands.json"
-    listed.write_text(json.dumps(commands(tmp_path, seconds)))
-    done = subprocess.run(
-        [sys.executable, "-m", "helpers.without_numba", str(listed)],
-        env=places.tests_environment(XDG_CACHE_HOME=str(tmp_path / "cache"), NUMBA_CACHE_DIR=""),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    told = [json.loads(line) for line in done.stdout.splitlines()]
-
-    assert len(told) == len(commands(tmp_path, seconds))
-    for each in told:
-        assert (each["raised"], each["code"]) in {("", 0), ("", 1)}, each
-        assert "Traceback" not in each["said"]
-    assert not (tmp_path / "cache").exists()

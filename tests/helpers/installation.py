@@ -13,14 +13,17 @@ from typing import Final, NoReturn
 import pytest
 
 INSTALLING_S: Final = 600.0  # [s] for all of them
-PACKAGES: Final = {  # by program
+PACKAGES: Final = {  # one or more, by program
+    "aarch64-linux-gnu-gcc": "gcc-aarch64-linux-gnu libc6-dev-arm64-cross",
     "chromium": "chromium",
     "chromium-headless-shell": "chromium-headless-shell",
     "gpsd": "gpsd",
     "gpsdecode": "gpsd-clients",
     "node": "nodejs",
     "npm": "npm",
+    "qemu-aarch64": "qemu-user",
     "tmux": "tmux",
+    "valgrind": "valgrind",
     "wasm-ld": "lld",
 }
 # A network that is away for two minutes, and another process that installs, are waited for.
@@ -40,7 +43,8 @@ def find(program: str) -> str | None:
 def install_missing() -> None:
     """Install at once all programs that are missing, where that is allowed."""
     if is_complete():
-        install([package for program, package in PACKAGES.items() if find(program) is None])
+        missing = [program for program in PACKAGES if find(program) is None]
+        install([name for program in missing for name in PACKAGES[program].split()])
 
 
 def install(packages: list[str]) -> None:

@@ -1,7 +1,9 @@
 """Commands of ``trainer`` in a process that cannot import numba.
 
-``python -m helpers.without_numba FILE`` runs the commands of a JSON file, a list of words each, and
+A kernel that the machine code lacks would import it: so whatever runs is the machine code.
+``python -m helpers.without_numba FILE.json`` runs the commands of a file, a list of words each, and
 writes a line of JSON for each: its exit code, its output, and what was raised.
+``python -m helpers.without_numba WORD...`` is the command ``trainer WORD...``.
 """
 
 import json
@@ -24,6 +26,13 @@ class NumbaRefusal:
         return None
 
 
+def refuse_numba() -> None:
+    """Let this process import no numba, which is installed and was not imported."""
+    assert version("numba")
+    assert "numba" not in sys.modules
+    sys.meta_path.insert(0, NumbaRefusal)
+
+
 def run_commands(commands: Sequence[Sequence[str]]) -> None:
     """Run commands one after another, and write what became of each."""
     from click.testing import CliRunner  # noqa: PLC0415  numba is refused first
@@ -40,6 +49,10 @@ def run_commands(commands: Sequence[Sequence[str]]) -> None:
 
 
 if __name__ == "__main__":
-    assert version("numba")
-    sys.meta_path.insert(0, NumbaRefusal)
-    run_commands(json.loads(Path(sys.argv[1]).read_text("utf-8")))
+    refuse_numba()
+    if sys.argv[1].endswith(".json"):
+        run_commands(json.loads(Path(sys.argv[1]).read_text("utf-8")))
+    else:
+        from trainer.cli.main import cli
+
+        cli(sys.argv[1:])
