@@ -245,13 +245,7 @@ def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
     assert at_the_console(press, talk)[1].orders == []
 
 
-@pytest.mark.parametrize(
-    "role",
-    [
-        *("helm", "pilot"),
-        *(pytest.param(role, marks=pytest.mark.slow) for role in CREW[1:2] + CREW[3:]),
-    ],
-)
+@pytest.mark.parametrize("role", CREW)
 def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None:
     moves = [
         (key.act, name)
@@ -259,13 +253,13 @@ def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None
         if isinstance(key.act, MoveAction)
         for name in key.names
     ]
-    for act, name in moves:
-        (order,) = pressed((name,), role)
-        found, start = parse(order), parse(pressed((opposite(moves, act),), role)[0])
-        assert isinstance(found, Order)
-        assert isinstance(start, Order)
-        assert found.name == act.surface
-        assert math.degrees(found.value - start.value) == pytest.approx(2 * act.by)
+    there_and_back = [key for act, name in moves for key in (name, opposite(moves, act))]
+    orders = [parse(words) for words in pressed(tuple(there_and_back), role)]
+    for (act, _), moved, back in zip(moves, orders[::2], orders[1::2], strict=True):
+        assert isinstance(moved, Order)
+        assert isinstance(back, Order)
+        assert moved.name == back.name == act.surface
+        assert math.degrees(moved.value - back.value) == pytest.approx(act.by)
 
 
 def opposite(moves: list[tuple[MoveAction, str]], act: MoveAction) -> str:

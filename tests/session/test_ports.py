@@ -211,12 +211,11 @@ def test_a_flood_that_nobody_takes_is_held_back_and_the_inbox_still_closes() -> 
         return b"run\n" * 100
 
     inbox = Inbox(flood, threading.Event(), capacity=50)
-    assert eventually(lambda: len(inbox._lines) == 50)  # noqa: SLF001  take() would empty it
-    time.sleep(0.05)  # in which it would read again
-
-    assert reads == 1
+    assert eventually(lambda: inbox.waiting == 50)
     inbox.close(PATIENCE)
+
     assert inbox.ended
+    assert reads == 1
 
 
 def test_an_inbox_whose_port_fails_says_so() -> None:
