@@ -12,7 +12,7 @@ from pathlib import Path
 
 import hypothesis
 import pytest
-from helpers.installation import install_missing
+from helpers.installation import PACKAGES, SLOW_PACKAGES, install_missing
 from helpers.places import DATA
 
 from trainer.boat.assemble import Method
@@ -60,7 +60,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         assert_done(core)
         return
     fits = started("trainer", "identify", "--example")
-    install_missing()
+    slow = session.config.option.markexpr == "slow"
+    install_missing(PACKAGES | (SLOW_PACKAGES if slow else {}))
     assert_done(core)
     folder = tempfile.TemporaryDirectory()
     few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]

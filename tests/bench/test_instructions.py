@@ -20,6 +20,7 @@ counted = pytest.mark.skipif(
 
 
 @counted
+@pytest.mark.slow
 @pytest.mark.process
 def test_a_count_is_exact_and_a_sea_costs_more(tmp_path: Path) -> None:
     installed("valgrind", "valgrind")

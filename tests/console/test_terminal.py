@@ -197,6 +197,7 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.type("F2")
     terminal.wait("RUNNING")
     terminal.type("F9")
+    terminal.wait("<words>")  # what may follow `mark`
     terminal.type("good recovery", "Enter")
     terminal.wait(r"marked at \d+")
     terminal.type("F10")

@@ -8,23 +8,27 @@ import contextlib
 import os
 import shutil
 import subprocess
+from collections.abc import Mapping
 from typing import Final, NoReturn
 
 import pytest
 
 INSTALLING_S: Final = 600.0  # [s] for all of them
 PACKAGES: Final = {  # one or more, by program
-    "aarch64-linux-gnu-gcc": "gcc-aarch64-linux-gnu libc6-dev-arm64-cross",
     "chromium": "chromium",
     "chromium-headless-shell": "chromium-headless-shell",
     "gpsd": "gpsd",
     "gpsdecode": "gpsd-clients",
     "node": "nodejs",
     "npm": "npm",
-    "qemu-aarch64": "qemu-user",
     "tmux": "tmux",
-    "valgrind": "valgrind",
     "wasm-ld": "lld",
+}
+SLOW_PACKAGES: Final = {  # of the slow lane alone
+    "aarch64-linux-gnu-gcc": "gcc-aarch64-linux-gnu libc6-dev-arm64-cross",
+    "firefox-esr": "firefox-esr",
+    "qemu-aarch64": "qemu-user",
+    "valgrind": "valgrind",
 }
 # A network that is away for two minutes, and another process that installs, are waited for.
 PATIENT: Final = ("-o", "Acquire::Retries=8", "-o", "DPkg::Lock::Timeout=300")
@@ -40,11 +44,11 @@ def find(program: str) -> str | None:
     return shutil.which(program, path=f"{os.environ['PATH']}:/usr/sbin")
 
 
-def install_missing() -> None:
-    """Install at once all programs that are missing, where that is allowed."""
+def install_missing(packages: Mapping[str, str]) -> None:
+    """Install at once those that lack their programs, where that is allowed."""
     if is_complete():
-        missing = [program for program in PACKAGES if find(program) is None]
-        install([name for program in missing for name in PACKAGES[program].split()])
+        missing = [names for program, names in packages.items() if find(program) is None]
+        install([name for names in missing for name in names.split()])
 
 
 def install(packages: list[str]) -> None:

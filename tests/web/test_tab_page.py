@@ -235,6 +235,7 @@ def test_the_core_in_the_page_ends_the_standard_hour_in_its_bits(opened: Open) -
     assert hashlib.sha256(base64.b64decode(state)).hexdigest() == end
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_in_firefox_a_page_flies_and_the_hour_has_the_same_bits(tmp_path: Path) -> None:
     deeds, end = standard_hour()
