@@ -193,7 +193,8 @@ def test_the_report_tells_how_large_the_terms_are(path: Any) -> None:
     for equation in ("sway force", "yaw moment"):
         shares = [one["share"] for one in report["terms"] if one["equation"] == equation]
         assert sum(shares) == pytest.approx(1.0)
-        assert all(one["rms"] <= one["largest"] for one in report["terms"])
+        # a constant's two may differ in the last bit
+        assert all(one["rms"] <= one["largest"] * (1.0 + 1e-12) for one in report["terms"])
     assert report["matrices"] == []
 
 
