@@ -165,5 +165,5 @@ def test_the_page_has_the_weights_of_table_14_for_a_sum_of_cosines_alone() -> No
 @pytest.mark.parametrize("knots", [20.0, 34.3, 35.0, 39.2, 40.0, 40.9, 45.0, 60.0])
 def test_the_page_has_the_corners_of_the_core_s_filter(knots: float) -> None:
     omega = filter_1969.PEAK_FACTOR * 9.81 / (knots * KNOT)
-    of_core = [filter_1969.corner.py_func(omega, 9.81, which) for which in (0, 1)]
+    of_core = [filter_1969.corner(omega, 9.81, which) for which in (0, 1)]
     assert seaway.filter_corners(omega, 9.81) == pytest.approx(of_core, rel=1e-12)
