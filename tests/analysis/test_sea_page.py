@@ -13,8 +13,6 @@ from trainer.cli.vessel import sea
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea, parse_sea
 from trainer.config.vessel import load_vessel
-from trainer.core.sea import filter_1969
-from trainer.units import KNOT
 
 BB2 = load_vessel("bb2")
 
@@ -160,10 +158,3 @@ def test_the_page_has_the_weights_of_table_14_for_a_sum_of_cosines_alone() -> No
     weights = "-60 deg 0.0906, -30 deg 0.4330, 0 deg 0.5236, 30 deg 0.4330, 60 deg 0.0906"
     assert f"made of: {weights}" in " ".join(result.output.split())
     assert "made of" not in CliRunner().invoke(sea, ["sea-state-5"]).output
-
-
-@pytest.mark.parametrize("knots", [20.0, 34.3, 35.0, 39.2, 40.0, 40.9, 45.0, 60.0])
-def test_the_page_has_the_corners_of_the_core_s_filter(knots: float) -> None:
-    omega = filter_1969.PEAK_FACTOR * 9.81 / (knots * KNOT)
-    of_core = [filter_1969.corner(omega, 9.81, which) for which in (0, 1)]
-    assert seaway.filter_corners(omega, 9.81) == pytest.approx(of_core, rel=1e-12)

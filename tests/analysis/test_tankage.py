@@ -8,9 +8,9 @@ import pytest
 from helpers.places import DATA
 
 from trainer.analysis.programs.tankage import (
+    CHANGED_VARIABLES,
     IN_BALANCE,
     PERCENT_1969,
-    VARIABLES,
     Flights,
     TankageReport,
     centres_of,
@@ -31,7 +31,7 @@ def surveyed(boat: str) -> tuple[TankageReport, Flights]:
 def figures_of(boat: str) -> dict[tuple[float, str], list[float | None]]:
     """Return the nine figures [%] at each speed [kn]."""
     return {
-        (one.speed_kn, one.tankage): [one.percent[name] for name in VARIABLES]
+        (one.speed_kn, one.tankage): [one.percent[name] for name in CHANGED_VARIABLES]
         for one in surveyed(boat)[0].changes
     }
 
@@ -86,7 +86,9 @@ def test_tankage_changes_an_overshoot_of_a_shipped_boat_by_the_figures_of_the_pa
 def test_the_figures_are_changes_of_the_largest_change_whenever_it_is() -> None:
     for speed, flown in surveyed("bb2")[1].items():
         for tankage in PERCENT_1969:
-            for name, percent in zip(VARIABLES, figures_of("bb2")[speed, tankage], strict=True):
+            for name, percent in zip(
+                CHANGED_VARIABLES, figures_of("bb2")[speed, tankage], strict=True
+            ):
                 balanced = flown[IN_BALANCE].change(name)
                 largest = balanced[np.argmax(abs(balanced))]
                 moved = max(math.copysign(1.0, largest) * flown[tankage].change(name))
@@ -129,7 +131,7 @@ def test_figure_4_draws_u_theta_and_z_slow_and_fast_by_tankage() -> None:
     drawn = panels(report, flights)
 
     assert [panel.title.split(": ")[1] for panel in drawn] == [
-        f"{name} at {speed} kn" for speed in (6, 20) for name in VARIABLES
+        f"{name} at {speed} kn" for speed in (6, 20) for name in CHANGED_VARIABLES
     ]
     for panel in drawn:
         assert [curve.label for curve in panel.curves] == [IN_BALANCE, *PERCENT_1969]

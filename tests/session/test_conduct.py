@@ -324,10 +324,8 @@ def test_who_trains_alone_has_a_debrief_written_at_the_end(crewed: Callable[...,
     assert ship.facts(trainee, "reason")[-1] == "2,0:02: much was lost."
 
 
-def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(
-    crewed: Callable[..., Crewed],
-) -> None:
-    ship = crewed(seconds=5.0)
+def hold_debrief(ship: Crewed) -> threading.Event:
+    """Have no debrief written before the event that is returned."""
     may_write = threading.Event()
 
     def write(
@@ -337,6 +335,25 @@ def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(
         return ship._write(path, branch, closing, share)  # noqa: SLF001
 
     ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
+    return may_write
+
+
+def test_what_a_run_cost_stays_when_its_marks_are_released(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=5.0)
+    ship.fly(20)
+    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
+    ship.order("debrief")
+    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
+    ship.order("release marks")  # which are told anew, with their reasons
+    assert ship.facts(ship.instructor, "reason").count("2,0:02: much was lost.") == 2
+    assert ship.facts(ship.instructor, "reason")[-1] == "2,0:02: much was lost."
+
+
+def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    may_write = hold_debrief(ship)
     ship.fly(20)
     ship.settle(lambda: ship.facts(ship.instructor, "marks"))
     ship.order("debrief")
@@ -352,15 +369,7 @@ def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(
 ) -> None:
     """Twenty at once took 425 MB, and answers came after seconds."""
     ship = crewed(seconds=5.0)
-    may_write = threading.Event()
-
-    def write(
-        path: Path, branch: int, closing: threading.Event, share: Callable[[float], object]
-    ) -> WrittenDebrief:
-        assert may_write.wait(60.0)
-        return ship._write(path, branch, closing, share)  # noqa: SLF001
-
-    ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
+    may_write = hold_debrief(ship)
     assert "branch 1" in ship.order("debrief")
     assert "one is being written" in ship.refused("debrief")
     ship.order("run")

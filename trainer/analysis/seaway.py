@@ -16,16 +16,7 @@ from trainer.config.sea import SeaFile, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, DIRECTION_WEIGHTS
-from trainer.core.sea.filter_1969 import (
-    CORNERS,
-    G_OF_TABLE,
-    HIGH_DAMPING,
-    LOW_DAMPING,
-    PEAK_FACTOR,
-    SIMILAR_FREQUENCIES,
-    WIND,
-    WIND_TABLE,
-)
+from trainer.core.sea.filter_1969 import HIGH_DAMPING, LOW_DAMPING, corner
 from trainer.core.sea.forces import MIN_KAPPA, suction
 from trainer.core.sea.sea import (
     COSINES,
@@ -137,19 +128,6 @@ def water_speed(settings: Numbers, g: float, depth: float) -> float:
     return float(0.25 * settings[HEIGHT] * settings[OMEGA]) * math.sqrt(energy)
 
 
-def filter_corners(omega: float, g: float) -> tuple[float, float]:
-    """Return the filter's w_L and w_H [rad/s] for a peak at ``omega`` [rad/s].
-
-    They are the core's ``filter_1969.corner``, which would have to be compiled for a page.
-    """
-    wind = PEAK_FACTOR * g / omega  # [m/s]
-    near = np.maximum(1.0 - abs(wind / KNOT - WIND_TABLE[:, WIND]), 0.0)  # to a row, within a knot
-    tabled = WIND_TABLE[:, CORNERS:] * WIND_TABLE[:, [WIND]] * KNOT / G_OF_TABLE
-    products = np.array(SIMILAR_FREQUENCIES)
-    low, high = (products + near @ (tabled - products)) * g / wind
-    return float(low), float(high)
-
-
 def made_of(settings: Numbers, g: float) -> dict[str, float]:
     """Return weights of a cosine sum's directions, or constants of the filter of 1969.
 
@@ -162,7 +140,7 @@ def made_of(settings: Numbers, g: float) -> dict[str, float]:
         return {f"{at:.0f} deg": float(a) for at, a in zip(degrees, weights, strict=True)}
     if not settings[OLD]:
         return {}
-    low, high = filter_corners(float(settings[OMEGA]), g)
+    low, high = (float(corner(float(settings[OMEGA]), g, which)) for which in (0, 1))
     return {"w_nL": low, "d_L": LOW_DAMPING, "w_nH": high, "d_H": HIGH_DAMPING}
 
 

@@ -26,6 +26,7 @@ from trainer.core.propulsion import answer_telegraph
 from trainer.core.rates import rates
 from trainer.core.scheme import SCHEME
 from trainer.core.sea.cosine_sum import prepare_sum
+from trainer.core.sea.filter_1969 import corner
 from trainer.core.sea.forces import suction, wave_forces
 from trainer.core.sea.free_surface import (
     deck_height,
@@ -111,6 +112,7 @@ KERNEL_ENTRIES: Final = (
     Entry(gaussian_pair, (int, int, int), NUMBER_PAIR),
     Entry(order_sea, (VESSEL, float, float, (TAPER + 1,), SCRATCH, STATE)),
     Entry(write_elevations, (VESSEL, float, SCRATCH, STATE, GIVEN_ROW)),
+    Entry(corner, (float, float, int), float),
     Entry(prepare_sum, (float, float, SCRATCH)),
     Entry(suction, (float, float, float, float), NUMBER_PAIR),
     Entry(wave_forces, (VESSEL, SCRATCH, STATE, SIX_NUMBERS)),

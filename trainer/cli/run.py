@@ -45,6 +45,7 @@ from trainer.cli.web import require_pages
 
 MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
 Begin = Callable[[RunOptions], NoReturn]
+WRITER_WORDS = ("-X", "utf8", "-m", "trainer.debrief.beside")  # a refusal may name any path
 STATION_ROLES = (
     "instructor",
     "helm",
@@ -272,7 +273,7 @@ def debriefing() -> "DebriefSource":
     ) -> WrittenDebrief:
         from trainer.session.aside import answer_aside
 
-        whole = ("-m", "trainer.debrief.beside", str(path.absolute()), str(branch))
+        whole = (*WRITER_WORDS, str(path.absolute()), str(branch))
         answer = json.loads(answer_aside(whole, closing, share))
         return WrittenDebrief(answer["page"], [tuple(each) for each in answer["minutes"]])
 

@@ -396,9 +396,11 @@ class Conduct:
         self.ending.released = True
         self.log.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
         self._tell_reasons("marks", marks)
+        written = self.ending.debrief
+        minutes = minute_facts(written) if written else []
         for station in self.log.stations:  # the marks told anew take the place of all before
             if station.role is INSTRUCTOR_ROLE:
-                self.log.note(station, marks.uncounted_facts)
+                self.log.note(station, [*marks.uncounted_facts, *minutes])
 
     def _debrief(self, asked: Request) -> Reply:
         if self.debriefing is None or self.kept is None:

@@ -112,6 +112,27 @@ class GuideContents:
     spreads: SpreadTable | None
 
 
+@dataclass(frozen=True)
+class Studies:
+    """What a whole guide has beside its manoeuvres, and a short one has not."""
+
+    findings: tuple[Finding, ...] = ()
+    steps: tuple[StepRun, ...] = ()
+    drops: tuple[reasons.DropEffect, ...] = ()
+    delays: tuple[DelaySheet, ...] = ()
+
+
+def make_studies(file: VesselFile, flown: FlightTable) -> Studies:
+    """Return the studies of a boat from the flights of its guide."""
+    steps = findings.step_study(file, flown)
+    return Studies(
+        findings.study_findings(file, flown, steps),
+        steps,
+        reasons.drop_study(file, flown),
+        measure_delays(file),
+    )
+
+
 def stand_alone(legs: Sequence[Leg]) -> bool:
     """Return whether legs have checks of their own, and so a guide without studies."""
     return any(leg.checks for leg in legs)
@@ -146,7 +167,7 @@ def assemble_guide(
     """Return the guide from its flights."""
     sheets = tuple(_sheet(file, leg, flown) for leg in legs)
     alone = stand_alone(legs)
-    stepped = () if alone else findings.step_study(file, flown)
+    studies = Studies() if alone else make_studies(file, flown)
     published = None if alone else _published(file)
     spreads = load_spreads(file, published) if published else None
     made_from = {file.path.name: file.text}
@@ -171,14 +192,14 @@ def assemble_guide(
         },
         checksums=checksums,
         sheets=sheets,
-        findings=() if alone else findings.study_findings(file, flown, stepped),
-        steps=stepped,
-        drops=() if alone else reasons.drop_study(file, flown),
+        findings=studies.findings,
+        steps=studies.steps,
+        drops=studies.drops,
         trials=compare_figures(file, published, flown, spreads.by_figure() if spreads else {})
         if published
         else (),
         doubts=tuple(_doubts(file, published, spreads)) if published else (),
-        delays=() if alone else measure_delays(file),
+        delays=studies.delays,
         neutral=neutral.report_neutral(file, speeds),
         modes=characteristic.report_modes(file, speeds, characteristic.MeanMotions()),
         thrust=thrust.survey_thrust(file, (0.0, *speeds), thrust.command_speeds(file)),

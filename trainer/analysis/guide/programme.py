@@ -59,10 +59,10 @@ RUDDER_ANGLES_DEG: Final = (15.0, 35.0)  # [deg] of the turns
 SPEED_GRID_KN: Final = 0.5  # [kn] between the speeds among which the best damped is sought
 OFFSETS_1969, EXECUTES_1969 = (10.0, 20.0), (4.0, 8.0, 12.0, 16.0)  # [deg] of the overshoots
 RUDDERS_1969: Final = (15.0, 25.0, 35.0)  # [deg]
-SWINGS: Final = ("pitch peak", "pitch zero")
+PITCH_SWING_MEASURES: Final = ("pitch peak", "pitch zero")
 TRAINER_CHECKS: Final = {  # what a trainer's guide judges, by the beginnings of measures
-    "meander": SWINGS,
-    "overshoot": SWINGS,
+    "meander": PITCH_SWING_MEASURES,
+    "overshoot": PITCH_SWING_MEASURES,
     "turn": ("snap roll", "steady roll", "steady speed, of the first", "heading after 60 s"),
     "utmost-acceleration": ("speed after",),
 }

@@ -25,11 +25,11 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import format_number, titled_table, wrap
 from trainer.units import KNOT
 
-VARIABLES: Final = ("u", "theta", "z")
+CHANGED_VARIABLES: Final = ("u", "theta", "z")
 IN_BALANCE: Final = "in balance"
 SPEED_RATIO: Final = 1.25  # [-] slow over the speed at which stern planes reverse: an estimate
 BALLAST_SHARE: Final = 0.02  # [-] of BG, without tanks: what ballast moves, either way; an estimate
-PERCENT_1969: Final = {  # [%] by tankage, slow (5 kn) and fast (25 kn), of VARIABLES
+PERCENT_1969: Final = {  # [%] by tankage, slow (5 kn) and fast (25 kn), of CHANGED_VARIABLES
     "largest z_G": ((-1.3, -6.6, -23.4), (-2.9, 0.2, 7.7)),
     "as filled": ((-372.6, -681.2, -1307.7), (-11.6, -16.4, -41.4)),
     "largest x_G": ((-692.1, -856.8, -1545.0), (-16.0, -20.7, -53.5)),
@@ -98,7 +98,7 @@ def survey_tankage(file: VesselFile, fills: Mapping[str, float]) -> tuple[Tankag
         for name, then in PERCENT_1969.items():
             x, _, z = centres[name]
             percent = percent_of(flown[IN_BALANCE], flown[name])
-            told = dict(zip(VARIABLES, then[column], strict=True))
+            told = dict(zip(CHANGED_VARIABLES, then[column], strict=True))
             changes.append(TankageChange(speed, name, x, z, percent, told, flown[name].lost))
     return TankageReport(file.name, moved_by, tuple(changes)), flights
 
@@ -116,24 +116,24 @@ def _fly(file: VesselFile, balanced: Centre, centre: Centre, speed: float) -> Fl
 
 def percent_of(balanced: Flight, moved: Flight) -> dict[str, float | None]:
     """Return the change of change [%] by variable, None of a lost flight."""
-    percent: dict[str, float | None] = dict.fromkeys(VARIABLES)
+    percent: dict[str, float | None] = dict.fromkeys(CHANGED_VARIABLES)
     if balanced.lost or moved.lost:
         return percent
-    points = compare_runs(balanced.series, moved.series, VARIABLES).points
+    points = compare_runs(balanced.series, moved.series, CHANGED_VARIABLES).points
     return percent | {point.variable: point.percent for point in reversed(points)}
 
 
 def render(report: TankageReport) -> str:
     """Return the report as text."""
-    heads = ("speed\n[kn]", "", "x_G\n[m]", "z_G\n[m]", *VARIABLES)
+    heads = ("speed\n[kn]", "", "x_G\n[m]", "z_G\n[m]", *CHANGED_VARIABLES)
     rows = [
         (
             f"{one.speed_kn:g}",
             one.tankage,
             f"{one.x_g_m:+z.4f}",
             f"{one.z_g_m:+z.4f}",
-            *(format_number(one.percent[name], "+z.1f") for name in VARIABLES),
-            *(f"{one.percent_1969[name]:+.1f}" for name in VARIABLES),
+            *(format_number(one.percent[name], "+z.1f") for name in CHANGED_VARIABLES),
+            *(f"{one.percent_1969[name]:+.1f}" for name in CHANGED_VARIABLES),
         )
         for one in report.changes
     ]
@@ -143,7 +143,7 @@ def render(report: TankageReport) -> str:
             report.vessel,
             *titled_table(
                 "OVERSHOOT BY TANKAGE (Table 5: change of change [%], beside that of 1969)",
-                (*heads, *(f"{name}\n1969" for name in VARIABLES)),
+                (*heads, *(f"{name}\n1969" for name in CHANGED_VARIABLES)),
                 rows,
             ),
             *wrap(f"x_G and z_G are moved alone, by {report.moved_by}; the weight is the buoyancy"),
@@ -157,7 +157,7 @@ def panels(report: TankageReport, flights: Flights) -> tuple[Panel, ...]:
     """Return Figure 4: u, theta and z over time, a curve for each tankage."""
     drawn = []
     for speed, flown in flights.items():
-        for name in VARIABLES:
+        for name in CHANGED_VARIABLES:
             factor, unit = page_unit(name)
             curves = tuple(
                 Curve(tankage, flight.t, factor * flight.change(name))

@@ -43,7 +43,8 @@ export class Judgement {
     const [first, ...rest] = subject.split(",");
     const text = rest.join(",");
     if (what === "reason") {
-      this.reasons.push({ seconds: first ? Number(first) : null, text });
+      const known = this.reasons.some((reason) => reason.text === text); // a debrief tells its own each time
+      if (!known) this.reasons.push({ seconds: first ? Number(first) : null, text });
       return;
     }
     const [total, ...aids] = rest;
