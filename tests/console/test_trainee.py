@@ -141,6 +141,10 @@ def test_enter_begins_at_the_briefing_of_who_trains_while_time_stands() -> None:
         outcome = window.press(key, None)
         assert outcome
         assert outcome.orders == ("run",)
+    over = Heard(("1.0", "exercise-over", "ended"))  # which freezes time too
+    line.items += over.items
+    time_now(model, line, 1, "frozen")
+    assert "Enter begins" not in plain(briefing(model).draw(80, 24))
     time_now(model, line, 2, "running")
     assert "Enter begins" not in plain(briefing(model).draw(80, 24))
 

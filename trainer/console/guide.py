@@ -335,7 +335,7 @@ def guide(model: SessionModel) -> TextView:
 def briefing(model: SessionModel) -> TextView:
     """Return the window with the briefing; the time left goes on in it."""
     keys = {} if model.instructs or not model.exercise else {"r": ("ready", "R says ready")}
-    if model.trains and model.picture.frozen:
+    if model.trains and model.picture.frozen and not model.outcome:
         keys = {"enter": ("run", "Enter begins"), "r": ("run", "")}
     return TextView("Briefing", lambda: briefing_rows(model), keys)
 
