@@ -152,7 +152,7 @@ def cosine_and_sine(x: float) -> tuple[float, float]:
 
 @part
 def cosine_and_sine_of_any(x: float) -> tuple[float, float]:
-    """Return cos x and sin x [-] likewise, by one way for small and large angles."""
+    """Return cos x and sin x [-] by one way for all angles."""
     size = abs(x)
     if not size < 1e9:
         return 1.0 + (x - x), x - x

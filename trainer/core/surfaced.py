@@ -207,7 +207,7 @@ def take_off_dry_sail(vessel: Record, state: Record, force: Numbers) -> None:
 
 @part
 def emerges(vessel: Record, state: Record) -> bool:
-    """Return whether the surface may cut the hull now, or the sail stands out of it."""
+    """Return whether the surface may cut the hull, or the sail stands out."""
     if not is_shallow(vessel, state):
         return False
     return room_below(vessel, state) < 0.0 or dry_sail(vessel, state) != 0.0
