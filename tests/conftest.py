@@ -47,9 +47,9 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
     A boat's core comes with the package, except where settings of numba ask for other code.
 
-    Fits and fleets are compiled side by side, and waited for, because tests of both come first. Ships
-    that are not linear come beside the first tests. Browsers are installed, where that is allowed.
-    Who names files of tests waits for the core alone: what else those need they compile.
+    Fits and fleets are compiled side by side, and waited for, because tests of both come first.
+    Ships that are not linear come beside the first tests. Browsers are installed, where that is
+    allowed. Who names files of tests waits for the core alone: what else those need they compile.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return

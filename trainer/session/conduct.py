@@ -486,7 +486,7 @@ class Conduct:
         return (after[0], "the one after this") if after else ("", "")
 
     def lessons_done(self) -> str:
-        """Return which lessons who trains has flown, as ``first-steps:done``; "" for none."""
+        """Return the lessons of who trains, as ``planes-and-bubble:done``; "" for none."""
         if not self.trainees:
             return ""
         with contextlib.suppress(ConfigError):  # a file that cannot be read tells nothing
