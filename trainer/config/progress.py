@@ -81,7 +81,10 @@ class Progress:
         return any(each.passed for each in self.of(exercise))
 
     def best(self, exercise: str) -> str:
-        """Return the best marks of an exercise, or how far it came; "" where it has no run."""
+        """Return the best marks of an exercise, or how far it came.
+
+        "" is for one without any run.
+        """
         runs = self.of(exercise)
         marks = [each.total for each in runs if each.total is not None]
         if marks:
