@@ -47,9 +47,9 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
     A boat's core comes with the package, except where settings of numba ask for other code.
 
-    Fleets have the core in them and come last, beside the first tests, as ships that are not linear
-    do. So are the browsers installed, where that is allowed. Who names files of tests waits for the
-    core alone: what else those need they compile.
+    Fits and fleets are compiled side by side, and waited for, because tests of both come first.
+    Ships that are not linear come beside the first tests. Browsers are installed, where that is
+    allowed. Who names files of tests waits for the core alone: what else those need they compile.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
@@ -63,13 +63,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     slow = session.config.option.markexpr == "slow"
     install_missing(PACKAGES | (SLOW_PACKAGES if slow else {}))
     assert_done(core)
-    folder = tempfile.TemporaryDirectory()
-    few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
-    fleets = started("trainer", "sweep", "turn-uncertainty", *few)
-    assert_done(fits)
+    with tempfile.TemporaryDirectory() as folder:
+        few = ["--members", "2", "--jobs", "1", "--out", f"{folder}/few"]
+        fleets = started("trainer", "sweep", "turn-uncertainty", *few)
+        assert_done(fits)
+        assert_done(fleets)
     ships = started("helpers.ships")
-    session.config.add_cleanup(folder.cleanup)
-    session.config.add_cleanup(lambda: assert_done(fleets))
     session.config.add_cleanup(lambda: assert_done(ships))
 
 

@@ -33,6 +33,7 @@ from trainer.core.current import north_and_east
 from trainer.core.digest import core_digest, read_source
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.rates import rates
+from trainer.core.sea.free_surface import sail_height
 from trainer.core.sea.sea import order_sea
 from trainer.core.state import new_sea, new_state
 
@@ -194,6 +195,25 @@ def test_what_the_object_does_not_take_numba_takes(make_boat: Callable[..., Boat
         order_sea(vessel, 0.5, 0.0, wanted, scratch, state)
 
     assert states[0].tobytes() == states[1].tobytes()
+
+
+@jitted
+def test_a_kernel_called_for_two_boats_in_turns_takes_each_one_s_records(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boats = [make_boat() for _ in range(2)]
+    depths = (8.0, 12.0)
+    for boat, depth in zip(boats, depths, strict=True):
+        boat.start(5.0, depth, 0.0)
+    heights = [sail_height(boat.records.vessel, boat.records.state) for boat in boats * 3]
+
+    assert heights == heights[:2] * 3
+    assert heights[0] - heights[1] == pytest.approx(depths[1] - depths[0])
+    other = make_boat("remus100")  # one record is another, and one the same
+    changed = sail_height(other.records.vessel, boats[1].records.state)
+    assert changed != heights[1]
+    with pytest.raises(Exception, match="none"):  # numba's, and no end of the process
+        sail_height(None, None)  # type: ignore[arg-type]
 
 
 def test_only_calls_of_many_ticks_let_other_threads_go_on() -> None:

@@ -31,7 +31,7 @@ from trainer.core.sea.filter_1969 import (
     warp,
 )
 from trainer.core.sea.sea import advance_sea, order_sea
-from trainer.core.state import STATE, new_sea, new_state
+from trainer.core.state import STATE, new_scratch, new_state
 from trainer.core.vessel import VESSEL
 from trainer.units import KNOT
 
@@ -72,7 +72,7 @@ class Waves:
         self.h = h
         self.vessel = np.zeros(1, VESSEL)
         self.vessel["g"] = G
-        self.sea = new_sea()
+        self.sea = new_scratch()
         self.state = new_state()
         self.state["seed"] = seed
         self.order(settings, 0.0)
@@ -171,7 +171,7 @@ def test_the_shape_of_the_analogue_filter() -> None:
 
 @pytest.mark.parametrize(("case", "form"), [p for p in FILTERS if "bilinear" in str(p.id)])
 def test_the_core_uses_that_filter_in_bilinear_form(case: Any, form: Any) -> None:
-    sea = new_sea()
+    sea = new_scratch()
     prepare_filter(G_OF_TABLE, PEAK_FACTOR * G_OF_TABLE / (case["knots"] * KNOT), form["h"], sea)
     low, high = form["sections_b0b1b2a1a2"][:2]
     power = float(sea["elevation_power"][0]) / case["wl"] ** 4
@@ -231,7 +231,7 @@ def test_the_noise_is_scaled_to_the_exact_variance_of_the_discrete_filter(
 
 
 def test_the_sum_of_squares_is_the_impulse_response_s_own() -> None:
-    sea = new_sea()
+    sea = new_scratch()
     for wind, h in ((10.0, 1.0), (25.0, 0.05), (60.0, 2.0)):
         low = (0.90 * G / (wind * KNOT), 0.325)
         high = (0.50 * G / (wind * KNOT), 0.707)
@@ -311,7 +311,7 @@ def test_the_cosine_sum_has_the_whole_variance_in_the_report_s_shares() -> None:
 
 
 def test_each_component_has_a_frequency_of_its_own_inside_its_band() -> None:
-    sea = new_sea()
+    sea = new_scratch()
     prepare_sum(1.0, 5.0, sea)
     part = np.exp(-1.25 * sea["relative"][0] ** -4.0) / VARIANCE_SHARE
 
@@ -320,7 +320,7 @@ def test_each_component_has_a_frequency_of_its_own_inside_its_band() -> None:
 
 
 def test_a_peaked_spectrum_weights_the_components_by_how_much_it_exceeds_the_flat_one() -> None:
-    sea, flat = new_sea(), new_sea()
+    sea, flat = new_scratch(), new_scratch()
     prepare_sum(3.3, 5.0, sea)
     prepare_sum(1.0, 5.0, flat)
     x = sea["relative"][0]
@@ -467,7 +467,7 @@ def test_a_snapshot_of_the_state_alone_goes_on_to_the_same_bits(generator: float
     kept = waves.state.copy()
     first = waves.run(200)
     waves.state[:] = kept
-    waves.sea = new_sea()
+    waves.sea = new_scratch()
 
     assert waves.run(200).tobytes() == first.tobytes()
 

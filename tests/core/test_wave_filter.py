@@ -18,7 +18,7 @@ from trainer.core.sea.wave_filter import (
     PHASE_STEP,
     WAVE_ROWS,
 )
-from trainer.core.state import new_sea, new_state
+from trainer.core.state import new_scratch, new_state
 from trainer.core.vessel import VESSEL
 
 pytestmark = pytest.mark.core
@@ -58,7 +58,7 @@ class Sea:
 
     def __init__(self, state: int, bank: float, h: float, seed: int, speed: float = 0.0) -> None:
         self.h, self.unit = h, SEAS[state][0] / 4.0
-        self.vessel, self.sea, self.state = np.zeros(1, VESSEL), new_sea(), new_state()
+        self.vessel, self.sea, self.state = np.zeros(1, VESSEL), new_scratch(), new_state()
         self.vessel["g"] = G
         self.state["seed"], self.state["z"], self.state["through_north"] = seed, 17.5, speed
         self.order(state, bank, 0.0)

@@ -13,7 +13,7 @@ from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, DIRECTION_WEIGHTS,
 from trainer.core.sea.forces import suction, wave_forces
 from trainer.core.sea.free_surface import deck_height, sail_height, surface_forces
 from trainer.core.sea.sea import advance_sea, order_sea
-from trainer.core.state import new_sea, new_state
+from trainer.core.state import new_scratch, new_state
 from trainer.core.vessel import STRIP_PLACES, STRIP_SHARES, vessel_record
 
 pytestmark = pytest.mark.core
@@ -62,7 +62,7 @@ def force_of(state: Record, vessel: Record | None = None, sea: Record | None = N
     force = np.zeros(6)
     wave_forces(
         a_vessel() if vessel is None else vessel,
-        sea if sea is not None else new_sea(),
+        sea if sea is not None else new_scratch(),
         state,
         force,
     )
@@ -221,7 +221,7 @@ def test_only_the_relative_heading_counts() -> None:
 def test_the_cosine_sum_is_the_sum_of_its_components() -> None:
     state = one_wave(25.0, 0.4, psi=0.1, sea_cosines=1.0, sea_gamma=1.0, seed=4)
     state["sea_turned"], state["sea_along"], state["sea_across"] = 12.0, 3.0, -2.0
-    sea = new_sea()
+    sea = new_scratch()
     prepare_sum(1.0, 4.0, sea)
     total = np.zeros(6)
     for i in range(50):
@@ -334,7 +334,7 @@ def vertical_forces(
     vessel = a_vessel()
     records = []
     for seed in range(8):
-        state, sea = new_state(), new_sea()
+        state, sea = new_state(), new_scratch()
         state["seed"], state["z"] = seed, depth
         wanted = np.array([4.426, 0.5974, 1.0, np.pi, generator, pull, old, 0.0, 0.0])
         order_sea(vessel, 0.5, 0.0, wanted, sea, state)

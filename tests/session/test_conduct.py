@@ -501,6 +501,10 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
     assert answer() == "next: no marks in it yet, and the next of the course"
     assert ship.session.control.following == course()[0].name
 
+    (passed,) = (each for each in ship.facts(ship.comes("trainee"), "exercise") if "done=" in each)
+    assert passed == "done=" + ",".join(f"{each.name}:done" for each in lessons())
+    assert not any("done=" in each for each in ship.facts(ship.comes("helm"), "exercise"))
+
     progress_path("Ann").write_text("{", encoding="utf-8")
     assert answer() == "next: the one after this"
 

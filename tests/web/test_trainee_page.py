@@ -13,6 +13,8 @@ from playwright.sync_api import Page, WebSocket, expect
 
 from trainer.config.course import course, lessons
 from trainer.config.exercise import load_exercise
+from trainer.config.outcome import Outcome
+from trainer.config.progress import ProgressRun, add_run
 from trainer.config.steps import LIGHTED_INSTRUMENTS
 from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.web.modules import ASSETS_FOLDER
@@ -131,6 +133,21 @@ def test_who_sails_freely_may_choose_a_lesson_and_the_last_one_is_left(
     expect(page.locator("#briefing-title")).to_have_text(lessons()[1].title)
     begin(page)
     head(page, 1, 6)
+
+
+def test_the_list_of_lessons_says_which_of_them_who_trains_has_done(
+    serve: Serve, look: Look, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = serve("--trainee", "Ann")
+    monkeypatch.setenv("XDG_STATE_HOME", str(session.folder))
+    for branch, outcome in enumerate([Outcome.DONE, Outcome.LEFT]):
+        name = lessons()[branch].name
+        add_run("Ann", ProgressRun("a", branch, name, "t", "2026", 60.0, outcome, None))
+
+    kept = look(session, "trainee").locator("#lessons small")
+    expect(kept.nth(0)).to_have_text(f"{lessons()[0].steps} steps done")
+    expect(kept.nth(1)).to_have_text(f"{lessons()[1].steps} steps begun")
+    expect(kept.nth(2)).to_have_text(f"{lessons()[2].steps} steps ")
 
 
 # Led through a lesson

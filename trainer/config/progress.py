@@ -80,6 +80,17 @@ class Progress:
         """Return whether any run has passed it."""
         return any(each.passed for each in self.of(exercise))
 
+    def best(self, exercise: str) -> str:
+        """Return the best marks of an exercise, or how far it came.
+
+        "" is for one without any run.
+        """
+        runs = self.of(exercise)
+        marks = [each.total for each in runs if each.total is not None]
+        if marks:
+            return f"{max(marks):.0f}"
+        return "done" if self.passed(exercise) else "begun" if runs else ""
+
     def suggest(self, offered: Iterable[Lesson], today: date) -> Suggestion | None:
         """Return what is weakest and longest ago, None where nothing is offered.
 

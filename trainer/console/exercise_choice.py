@@ -93,15 +93,6 @@ def side_choice() -> ExerciseChoice:
     return ExerciseChoice("What do you want?", rows, advice, size=(76, 14))
 
 
-def passed_mark(each: Lesson, progress: Progress | None) -> str:
-    """Return the best marks of a trainee, or that it is done."""
-    runs = progress.of(each.name) if progress else []
-    marks = [run.total for run in runs if run.total is not None]
-    done = "done" if any(run.passed for run in runs) else "begun" if runs else ""
-    best = f"{max(marks):.0f}" if marks else done
-    return f"{best:>5}  " if progress else ""
-
-
 def row_title(each: Lesson) -> str:
     """Return title, length and what is in hand, in columns."""
     return f"{each.title:<{TITLE_COLUMNS}} {each.length:>7}  {each.in_hand}".rstrip()
@@ -123,7 +114,7 @@ def exercise_choice(
     ]
     lessons = [
         ChoiceRow(
-            passed_mark(each, progress) + row_title(each),
+            (f"{progress.best(each.name):>5}  " if progress else "") + row_title(each),
             each.name,
             "",
             reasons.get(each, "") + " ".join(each.briefing.split()),

@@ -18,7 +18,7 @@ from trainer.session.evaluation import Evaluation
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, Role
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE, Role
 from trainer.session.stations.station import (
     Fact,
     LongAnswer,
@@ -140,8 +140,11 @@ class Attendance:
     def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
         """Return the facts of the exercise at this moment, as keys and values."""
         role, seconds = station.role, self.history.boat.time
-        facts = self.introduction.exercise.facts(role, seconds)
-        return [*facts, *self.crew.conditions(role.name)]
+        facts = [*self.introduction.exercise.facts(role, seconds)]
+        facts += self.crew.conditions(role.name)
+        if role is TRAINEE_ROLE and (done := self.conduct.lessons_done()):
+            facts.append(("done", done))
+        return facts
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return the briefing of the exercise for a station."""

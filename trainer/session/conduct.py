@@ -485,6 +485,16 @@ class Conduct:
         after = names[names.index(self.exercise) + 1 :] if self.exercise in names else names
         return (after[0], "the one after this") if after else ("", "")
 
+    def lessons_done(self) -> str:
+        """Return the lessons of who trains, as ``planes-and-bubble:done``; "" for none."""
+        if not self.trainees:
+            return ""
+        with contextlib.suppress(ConfigError):  # a file that cannot be read tells nothing
+            progress = read_progress(self.trainees[0])
+            best = ((each.name, progress.best(each.name)) for each in lessons())
+            return ",".join(f"{name}:{how}" for name, how in best if how)
+        return ""
+
     def _no_next(self, name: str) -> str:
         """Return why that exercise cannot follow, "" if it can."""
         elsewhere = self.following.barred

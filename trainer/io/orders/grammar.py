@@ -14,6 +14,7 @@ import difflib
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 from trainer.io.orders.phrases import meaning, nearest_phrase
@@ -46,6 +47,7 @@ TOKEN_PATTERN = re.compile(
 HELP_HEAD = "help"
 GOING_WORDS = ("go", "come")  # before a direction that says what is meant
 CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
+KEPT_ORDERS = 1024  # of the wordings that were understood last
 MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
 PRINTABLE_PATTERN = re.compile(r"[\t -~]*")
 SPLIT_WORDS = (
@@ -168,7 +170,7 @@ def parse(line: str) -> Order | BadOrder | None:
         for pattern, whole in SPLIT_WORDS:  # one in the table
             words = pattern.sub(whole, words)
         tokens = tokenise(hide_token(words))
-        return with_token(understood_order(tokens), find_token(words)) if tokens else None
+        return with_token(understood_order(*tokens), find_token(words)) if tokens else None
     except RefusedError as refused:
         return BadOrder(printable(text), str(refused))
 
@@ -213,8 +215,13 @@ def supposed_order(words: str) -> Order:
     return Order("what-if", 0.0, "", text, (), inner.text)
 
 
-def understood_order(tokens: list[str]) -> Order:
-    """Return the order of the tokens, or of the phrase they are. Refuses what is neither."""
+@lru_cache(maxsize=KEPT_ORDERS)
+def understood_order(*words: str) -> Order:
+    """Return the order of the tokens, or of the phrase they are. Refuses what is neither.
+
+    A debrief asks for the same few orders ten thousand times. A token is not among the words.
+    """
+    tokens = list(words)
     if tokens[0] == HELP_HEAD and MEANT_ORDERS.get(" ".join(tokens[1:])) in ORDER_HEADS:
         tokens = [HELP_HEAD, MEANT_ORDERS[tokens[1]]]
     try:

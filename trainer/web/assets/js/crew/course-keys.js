@@ -26,9 +26,22 @@ export function furnishCourse(session) {
   const offered = /** @type {{ name: string, title: string, steps: number }[]} */ (JSON.parse(one("#led-lessons").textContent ?? "[]"));
   one(".keys", lessons).append(
     ...offered.map(({ name, title, steps }) =>
-      html("button", { type: "button", click: () => lead(name) }, html("b", {}, title), " ", html("small", {}, say("{0} steps", steps))),
+      html(
+        "button",
+        { type: "button", "data-name": name, click: () => lead(name) },
+        html("b", {}, title),
+        " ",
+        html("small", {}, say("{0} steps", steps), " ", html("span", { "data-done": "" })),
+      ),
     ),
   );
+  const showDone = () => {
+    const words = { done: say("done"), begun: say("begun") }; // a lesson has no marks
+    for (const each of (session.exercise.done ?? "").split(",").filter(Boolean)) {
+      const [name, how] = /** @type {[string, keyof words]} */ (each.split(":"));
+      write(one(`[data-name="${name}"] [data-done]`, lessons), words[how]);
+    }
+  };
   const show = () => {
     const { outcome, exercise, judgement } = session;
     const there = [begin, next].map((key) => key.hidden);
@@ -40,6 +53,7 @@ export function furnishCourse(session) {
     wrong.hidden = !outcome || moment === null;
     write(wrong, say("Again from {0}, where it went wrong", clock(from)));
     wrong.onclick = () => void order(`again from ${Math.max(session.seconds - from, 1).toFixed(0)} s`);
+    showDone();
     if (!exercise.title) lessons.open = true;
     const shown = [begin, next].find((key, at) => there[at] && !key.hidden);
     if (dialog.open) shown?.focus(); // Enter goes on
