@@ -231,7 +231,8 @@ class Boat:
         Return 0, or the status of the tick that failed, which writes no row. A row gets the numbers
         of the state at ``places``, then what the gauges read, if it is longer.
         """
-        if not self.world.acts:
+        if self.world.stands(self.ticks):
+            self.world.write(self.state)  # once for all
             chart = EMPTY_CHART if self.chart is None else self.chart
             return int(fly(self.records, chart, places.astype(np.float64), rows))
         numbers = self.records.state.view(np.float64)

@@ -323,3 +323,40 @@ def test_a_wrong_current_ends_a_run_with_code_2(words: tuple[str, ...], tmp_path
 
 def test_the_page_of_the_world_has_every_key() -> None:
     assert TABLES["world"]() in (ROOT / "docs" / "world.md").read_text(encoding="utf-8")
+
+
+# Many ticks at once
+
+
+@pytest.mark.parametrize(
+    ("current", "words", "stands"),
+    [
+        (UNIFORM, "", True),
+        (UNIFORM, "current set 180 drift 1", False),  # until it is whole, after a minute
+        ("[current.tide]\nmajor_kn = 2.0\ntowards_deg = 10.0\nperiod_h = 1.0\n", "", False),
+    ],
+)
+def test_many_ticks_at_once_are_in_the_same_water_as_each_by_itself(
+    tmp_path: Path,
+    current: str,
+    words: str,
+    stands: bool,  # noqa: FBT001
+) -> None:
+    path = tmp_path / "adrift.toml"
+    path.write_text(HEAD + current, encoding="utf-8")
+    plan = plan_run(RunOptions(exercise=str(path)))
+    boats = [Boat(plan.file, plan.method) for _ in range(2)]
+    for boat in boats:
+        plan.start(boat)
+        if words:
+            boat.world.obey(order(words), 0)
+    together, singly = boats
+    assert together.world.stands(0) == stands
+    places = np.arange(3)
+    rows = np.empty((300, 3))
+
+    assert together.fly(places, rows) == 0
+    for _ in rows:
+        assert singly.tick() == 0
+    assert together.records.state.tobytes() == singly.records.state.tobytes()
+    assert together.world.stands(300) == (stands or bool(words))

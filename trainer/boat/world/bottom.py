@@ -108,6 +108,10 @@ class Ground:
     def forget(self) -> None:
         """Do nothing: no order changes the ground."""
 
+    def stands(self, _tick: int) -> bool:
+        """Return yes: the ground stays as it is, and the core sounds it by its chart."""
+        return True
+
     def write(self, _state: Any) -> None:
         """Write nothing: ``Boat`` sounds the chart instead."""
 

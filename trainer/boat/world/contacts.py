@@ -257,6 +257,10 @@ class Contacts:
         """Forget all orders: the ships are those of the exercise."""
         self._fleets = ((0, self._first),)
 
+    def stands(self, _tick: int) -> bool:
+        """Return whether no ship pulls at the boat."""
+        return self._pull is None
+
     def write(self, state: Any) -> None:
         """Write the pull of the ships near for the tick that comes."""
         if self._pull is None:

@@ -87,6 +87,17 @@ class TidalEllipse:
         return self.mean[0] + north, self.mean[1] + east, 0.0, 0.0
 
 
+@dataclass(frozen=True)
+class SteadyWater:
+    """Water that goes the same way at all times and depths."""
+
+    line: Line
+
+    def __call__(self, _time: float, _depth: float) -> Line:
+        """Return the water of any time and depth."""
+        return self.line
+
+
 def flow_of(current: Current | None) -> Flow | None:
     """Return the water of an exercise, None without any."""
     if current is None:
@@ -95,8 +106,7 @@ def flow_of(current: Current | None) -> Flow | None:
         return WaterLayers(current.table)
     if current.tide:
         return TidalEllipse(current.tide)
-    line = (*current_vector(current.set_deg or 0.0, current.drift_kn or 0.0), 0.0, 0.0)
-    return lambda _time, _depth: line
+    return SteadyWater((*current_vector(current.set_deg or 0.0, current.drift_kn or 0.0), 0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -137,6 +147,12 @@ class CurrentAround:
     def forget(self) -> None:
         """Forget all orders: the current is that of the exercise."""
         self.changes, self._carried = (), ((), START_MARKS)
+
+    def stands(self, tick: int) -> bool:
+        """Return whether the current is the same from a tick on, at every depth."""
+        if self.changes:
+            return all(self._share(each, tick) >= 1.0 for each in self.changes)
+        return isinstance(self.flow, SteadyWater)
 
     def write(self, state: Any) -> None:
         """Write the current at the boat's depth for the tick that comes."""

@@ -163,6 +163,10 @@ class Periscope:
         """Return whether the mast has been ordered up: it may show."""
         return self._stood[-1].raised > 0
 
+    def stands(self, _tick: int) -> bool:
+        """Return no: a mast that is up is looked at, at each tick."""
+        return False
+
     def write(self, state: Any) -> None:
         """Write nothing; note that the head is out of the water.
 

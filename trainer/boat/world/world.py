@@ -33,6 +33,9 @@ class WorldPart(Protocol):
     def forget(self) -> None:
         """Forget all orders: the part is as the exercise has it."""
 
+    def stands(self, tick: int) -> bool:
+        """Return whether it would write the same at every tick from this one on."""
+
     def write(self, state: Any) -> None:
         """Write its numbers for the tick that comes."""
 
@@ -51,6 +54,10 @@ class World:
     def acts(self) -> bool:
         """Return whether anything writes into the state."""
         return any(part.acts for part in self.parts.values())
+
+    def stands(self, tick: int) -> bool:
+        """Return whether the same would be written at every tick from this one on."""
+        return all(part.stands(tick) for part in self.parts.values() if part.acts)
 
     def write(self, state: Any) -> None:
         """Write the numbers for the tick that comes."""
