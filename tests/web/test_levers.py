@@ -9,6 +9,7 @@ from typing import Any, Final
 import pytest
 from helpers.hands import await_truth, on_groove
 from helpers.pages import SIZES, Served
+from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
@@ -207,16 +208,77 @@ def test_the_figure_stands_above_the_thumb_while_it_holds(
     expect(figure).to_be_hidden()
 
 
-@each_lever
-@pytest.mark.usefixtures("instructor")
-def test_the_groove_is_three_hundred_pixels_long_on_a_phone(
-    shared: Served, look: Look, name: str, lever: str
+def await_shown(page: Page, faults: str, where: object) -> None:
+    """Await that a page has none of these faults; it is laid out a moment after a change."""
+    await_that(lambda: page.evaluate(faults) == [], lambda: f"{where}: {page.evaluate(faults)}")
+
+
+# The lengths of grooves that are too short [px].
+GROOVES: Final = """() => [...document.querySelectorAll("order-lever")]
+  .filter((each) => each.checkVisibility()).map((each) => {
+    const { width, height } = each.querySelector(".groove").getBoundingClientRect();
+    return Math.max(width, height);
+  }).filter((each) => each < 300)"""
+
+
+@pytest.mark.parametrize("name", ["helm", "planes", "pilot", "trainee"])
+def test_each_groove_is_three_hundred_pixels_long_on_a_phone(
+    shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:
-    page = opened(look, shared, name)
-    assert travel(page, lever) >= 300.0
-    box = box_of(page.locator(f"order-lever[name={lever}] .groove"))
-    assert max(box["width"], box["height"]) >= 300.0
-    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+    page = look(shared, name, has_touch=True)
+    for words in ("order course 45", "order depth 70"):  # which take room until they are repeated
+        assert instructor.ask(words)[0]
+    expect(page.locator("repeat-bar button")).to_be_visible()
+    halves = page.locator("part-keys[part=half] button")
+    for width, height in (PHONE, (360, 640), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        for part in range(min(halves.count(), 2) or 1):  # to steer, to dive
+            if halves.count():
+                halves.nth(part).evaluate("(each) => each.click()")
+            expect(page.locator("order-lever:visible")).not_to_have_count(0)
+            await_shown(page, GROOVES, (width, height, part))
+            assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+
+
+@pytest.mark.parametrize("lever", ["stern", "bow"])
+def test_a_phone_on_its_side_has_the_planes_levers_across_and_rise_to_the_right(
+    shared: Served, instructor: Caller, look: Look, lever: str
+) -> None:
+    page = opened(look, shared, "planes", (844, 390))
+    knob = knob_of(page, lever)
+    expect(knob).to_have_attribute("aria-orientation", "horizontal")
+    knob.press("Home")
+    box, along = box_of(knob), 12 * travel(page, lever) / 60.0
+    x, y = box["x"] + 3.0, box["y"] + 3.0
+    finger = Finger(page)
+    with finger.down(x, y):
+        for part in range(1, 7):
+            finger.send("touchMove", (x + along * part / 6.0, y))
+        await_that(lambda: abs(standing(page, lever) - 12) <= 1, lambda: str(standing(page, lever)))
+    ordered = standing(page, lever)
+    await_truth(instructor, f"diving.ordered_{lever}", f"{ordered:.1f}")
+    page.set_viewport_size({"width": PHONE[0], "height": PHONE[1]})
+    expect(knob).to_have_attribute("aria-orientation", "vertical")
+    assert standing(page, lever) == ordered
+
+
+ARROWS: Final = """() => [...document.querySelectorAll("order-lever .fine")]
+  .filter((each) => each.checkVisibility()).filter((each) => {
+    const [key, arrow] = [each, each.firstElementChild].map((part) => part.getBoundingClientRect());
+    const within = arrow.left >= key.left && arrow.right <= key.right
+      && arrow.top >= key.top && arrow.bottom <= key.bottom;
+    return !within || arrow.width < 5;
+  }).map((each) => each.className)"""
+
+
+@pytest.mark.usefixtures("instructor")
+def test_each_fine_key_has_its_arrow_inside_it(shared: Served, look: Look) -> None:
+    page = opened(look, shared, "pilot")
+    for width, height in LOOKED_AT:
+        page.set_viewport_size({"width": width, "height": height})
+        for part in range(parts_of(page)):
+            show_part(page, part)
+            await_shown(page, ARROWS, (width, height, part))
 
 
 # Where the scale of a dial and the knob of its lever stand, by angles; set and read at one moment.
