@@ -19,7 +19,8 @@ Look = Callable[..., Page]
 Serve = Callable[..., Served]
 PHONE: Final = (390, 844)
 # Those at which pages are looked at: phones both ways, a tablet, laptops, a desk.
-LOOKED_AT: Final = (*SIZES.values(), PHONE, (844, 390), (1366, 768))
+LOOKED_AT: Final = (*SIZES.values(), PHONE, (844, 390), (1366, 768), (1024, 768))
+SIX: Final = ((1920, 1080), (1366, 768), (1024, 768), (844, 390), PHONE, (360, 640))
 LEVERS: Final = (("helm", "rudder"), ("planes", "stern"), ("planes", "bow"))
 CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 STEP: Final = 5  # [deg] of a tap on the groove
@@ -365,7 +366,7 @@ LARGEST: Final = """() => {
 def test_the_own_control_is_the_biggest_instrument_of_its_page(
     shared: Served, look: Look, name: str
 ) -> None:
-    for size in (PHONE, (768, 1024), (1366, 768), (1920, 1080)):
+    for size in (*SIX, (768, 1024)):
         page = opened(look, shared, name, size)
         own, other = page.evaluate(LARGEST)
         assert own > other, f"{name} at {size}: {own:.0f} px, another {other:.0f} px"
@@ -435,6 +436,72 @@ def test_no_drawn_text_is_smaller_than_eleven_pixels_at_any_size(
             assert not small_texts(page), f"{name} at {width}x{height}, part {part}"
 
 
+# Pointers that touch words of their instrument, and words that touch others, all over its range.
+TOUCHED: Final = """() => {
+  const ranges = { "angle-dial": [-30, 30], "depth-gauge": [0, 300], "pitch-gauge": [-30, 30],
+    "course-ring": [0, 357] };
+  const found = new Set();
+  const words = (gauge) => [...gauge.querySelectorAll("text")]
+    .filter((each) => each.textContent && each.checkVisibility()).map((each) => {
+      const box = each.getBBox();
+      const wide = each.getComputedTextLength() / 2;
+      const high = 0.34 * parseFloat(getComputedStyle(each).fontSize); // half of a digit
+      const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+      return { each, left: x - wide, right: x + wide, top: y - high, bottom: y + high };
+    });
+  const see = (gauge) => {
+    const seen = words(gauge);
+    for (const pointer of gauge.querySelectorAll(".pointer")) {
+      if (!pointer.checkVisibility()) continue;
+      const long = pointer.getTotalLength();
+      for (let at = 0; at < long; at += long / 40) {
+        const place = pointer.getPointAtLength(at).matrixTransform(pointer.getScreenCTM());
+        for (const { each, left, right, top, bottom } of seen) {
+          const { x, y } = place.matrixTransform(each.getScreenCTM().inverse());
+          if (x > left && x < right && y > top && y < bottom) {
+            found.add(`${gauge.tagName} ${gauge.id}: pointer on ${each.textContent}`);
+          }
+        }
+      }
+    }
+    const level = seen.filter(({ each }) => !each.closest("[transform]")); // but a ring's, turned
+    level.forEach((one, at) => level.slice(at + 1).forEach((other) => {
+      const across = one.left < other.right && other.left < one.right;
+      if (across && one.top < other.bottom && other.top < one.bottom) {
+        const texts = [one, other].map(({ each }) => each.textContent);
+        found.add(`${gauge.tagName} ${gauge.id}: ${texts.join(" on ")}`);
+      }
+    }));
+  };
+  for (const [tag, [low, high]] of Object.entries(ranges)) {
+    for (const gauge of document.querySelectorAll(tag)) {
+      if (!gauge.checkVisibility()) continue;
+      for (let at = 0; at <= 60; at += 1) {
+        const value = low + ((high - low) * at) / 60;
+        gauge.wrote = -Infinity; // digits change at once
+        gauge.show(value, Math.round(value));
+        see(gauge);
+      }
+    }
+  }
+  return [...found].slice(0, 9);
+}"""
+
+
+@pytest.mark.usefixtures("instructor")
+@pytest.mark.parametrize("name", ["helm", "planes", "trainee", "diving", "observer"])
+def test_no_needle_lies_on_a_numeral_and_no_word_on_another(
+    shared: Served, look: Look, name: str
+) -> None:
+    page = look(shared, name)
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    for width, height in SIX:
+        page.set_viewport_size({"width": width, "height": height})
+        for part in range(parts_of(page)):
+            show_part(page, part)
+            await_shown(page, TOUCHED, (width, height, part))
+
+
 CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]
   .filter((each) => each.checkVisibility()).map((each) => {
     const box = each.getBoundingClientRect();
@@ -461,7 +528,7 @@ def test_charts_are_as_wide_as_their_panel(serve: Serve, look: Look, vessel: str
 
 def see_wide(page: Page) -> None:
     """See that charts are as wide as their panel on any screen."""
-    for width, height in (PHONE, (768, 1024), (1366, 768), (1920, 1080)):
+    for width, height in (*SIX, (768, 1024)):
         page.set_viewport_size({"width": width, "height": height})
         expect(page.locator("[data-state=connecting]")).to_have_count(0)
         words = page.get_by_role("button", name="Charts", exact=True)
