@@ -454,7 +454,7 @@ TOUCHED: Final = """() => {
     for (const pointer of gauge.querySelectorAll(".pointer")) {
       if (!pointer.checkVisibility()) continue;
       const long = pointer.getTotalLength();
-      for (let at = 0; at < long; at += long / 40) {
+      for (let at = 0; at < long; at += long / 24) {
         const place = pointer.getPointAtLength(at).matrixTransform(pointer.getScreenCTM());
         for (const { each, left, right, top, bottom } of seen) {
           const { x, y } = place.matrixTransform(each.getScreenCTM().inverse());
@@ -476,8 +476,8 @@ TOUCHED: Final = """() => {
   for (const [tag, [low, high]] of Object.entries(ranges)) {
     for (const gauge of document.querySelectorAll(tag)) {
       if (!gauge.checkVisibility()) continue;
-      for (let at = 0; at <= 60; at += 1) {
-        const value = low + ((high - low) * at) / 60;
+      for (let at = 0; at <= 30; at += 1) {
+        const value = low + ((high - low) * at) / 30;
         gauge.wrote = -Infinity; // digits change at once
         gauge.show(value, Math.round(value));
         see(gauge);

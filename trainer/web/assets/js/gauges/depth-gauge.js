@@ -29,7 +29,7 @@ class DepthGauge extends Gauge {
     this.order = text([160, 182], "order");
     const label = text([160, 126], "label spare", feet ? say("feet") : say("metres"));
     const moving = [this.faint, this.level, this.needle, this.bug, this.ordered, this.mark];
-    this.picture([412, 320], ...dial(), this.scale, this.allowed, ...moving, this.figure, this.order, label);
+    this.picture([418, 320], ...dial(), this.scale, this.allowed, ...moving, this.figure, this.order, label);
     this.limit(null);
   }
 
@@ -65,7 +65,7 @@ class DepthGauge extends Gauge {
       parts.push(svg("line", { x1: LEFT - (major ? 9 : 5), x2: LEFT, y1: y, y2: y, class: style }));
       if (major) parts.push(text([LEFT - 13, y], "numeral end", String(depth)));
     }
-    if (periscope) parts.push(text([LEFT + 24, this.height(periscope)], "numeral begin", say("P")));
+    if (periscope) parts.push(text([LEFT + 27, this.height(periscope)], "numeral begin", say("P")));
     return parts;
   }
 
