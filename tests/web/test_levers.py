@@ -447,17 +447,18 @@ TOUCHED: Final = """() => {
       const wide = each.getComputedTextLength() / 2;
       const high = 0.34 * parseFloat(getComputedStyle(each).fontSize); // half of a digit
       const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-      return { each, left: x - wide, right: x + wide, top: y - high, bottom: y + high };
+      const back = each.getScreenCTM().inverse();
+      return { each, back, left: x - wide, right: x + wide, top: y - high, bottom: y + high };
     });
   const see = (gauge) => {
     const seen = words(gauge);
     for (const pointer of gauge.querySelectorAll(".pointer")) {
       if (!pointer.checkVisibility()) continue;
-      const long = pointer.getTotalLength();
+      const [long, matrix] = [pointer.getTotalLength(), pointer.getScreenCTM()];
       for (let at = 0; at < long; at += long / 24) {
-        const place = pointer.getPointAtLength(at).matrixTransform(pointer.getScreenCTM());
-        for (const { each, left, right, top, bottom } of seen) {
-          const { x, y } = place.matrixTransform(each.getScreenCTM().inverse());
+        const place = pointer.getPointAtLength(at).matrixTransform(matrix);
+        for (const { each, back, left, right, top, bottom } of seen) {
+          const { x, y } = place.matrixTransform(back);
           if (x > left && x < right && y > top && y < bottom) {
             found.add(`${gauge.tagName} ${gauge.id}: pointer on ${each.textContent}`);
           }

@@ -91,9 +91,11 @@ class DepthGauge extends Gauge {
     turn(this.bug, near ? (ordered * 360) / TURN : null, CENTRE);
     place(this.mark, depth === null ? null : this.height(depth), LEFT + 8);
     place(this.ordered, ordered === null ? null : this.height(ordered), LEFT + WIDE + 2);
-    this.digits(this.figure, metres === null ? "" : lengthDigits(metres));
+    const few = this.dataset.room === "few"; // where the needle leaves less room
+    const digits = metres === null || depth === null ? "" : few && depth >= 100 ? depth.toFixed(0) : lengthDigits(metres);
+    this.digits(this.figure, digits);
     const order = ordered === null ? "" : say("ordered {0}", round(ordered));
-    if (this.order) write(this.order, ordered !== null && this.dataset.room === "few" ? round(ordered) : order);
+    if (this.order) write(this.order, ordered !== null && few ? round(ordered) : order);
     if (depth === null) return;
     const said = feet ? say("{0} feet", depth.toFixed(0)) : say("{0} metres", depth.toFixed(0));
     const words = `${said}${order && `, ${order}`}`;
