@@ -3,6 +3,7 @@
 import contextlib
 import io
 import os
+import re
 import tempfile
 import traceback
 from collections.abc import Callable, Iterator
@@ -26,6 +27,7 @@ from simulation.network import Network
 from simulation.script import Ending, Life, Script
 from simulation.seam import played_on
 from simulation.stations import Program
+from trainer.config.files import read_text, shipped_path
 from trainer.config.outcome import Outcome
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise import DebriefSource, Judgement, WrittenDebrief
@@ -63,6 +65,16 @@ def folder_in_memory() -> Iterator[None]:
     folder = tempfile.TemporaryDirectory(prefix="trainer-s-", dir=where)
     with folder as name, contextlib.chdir(name):
         yield
+
+
+def exercise_of(script: Script) -> str:
+    """Return the exercise of a script, "" for none: a file with its duration, where it has one."""
+    if not script.duration:
+        return script.exercise
+    text = read_text(shipped_path("exercises", script.exercise))
+    path = Path(f"{script.exercise}.toml")
+    path.write_text(re.sub(r"(?m)^duration_s = .*$", f"duration_s = {script.duration}", text))
+    return str(path)
 
 
 @dataclass
@@ -141,10 +153,15 @@ class Stage:
             lambda: session.done or machine.deaths or self.docket.breaches,
         )
         if life.ending is not Ending.SIGNAL:  # the very turn is drawn, too
-            last = machine.turns + life.turns
+            last, answered = machine.turns + life.turns, len(self.docket.promises)
+
+            def strikes() -> bool:
+                due = machine.turns >= last
+                return due and (not life.at_answer or len(self.docket.promises) > answered)
+
             machine.run(
                 machine.now + KILL_TIMEOUT_NS,
-                lambda: session.done or machine.deaths or machine.turns >= last,
+                lambda: session.done or machine.deaths or strikes(),
             )
 
     def _look(self, session: Task, others: int) -> None:
@@ -178,11 +195,11 @@ class Stage:
         disk, session, now = self.disk, self.witness.session, self.machine.now
         system = Image.of(disk.path)
         self._left, until, since = system, now, 0
+        disk.kept = disk.kept or Image(system.file, b"")  # it was made whole, and never asked for
         self.docket.kills += ending is Ending.KILLED
         if ending is Ending.POWER:
             self.docket.power_cuts += 1
-            self._left = disk.kept or Image(system.file, b"")
-            disk.kept = self._left
+            self._left = disk.kept
             told = session and session.history.recording.behind  # then nothing is promised
             asleep = now - disk.woken_at < MAX_AWAKE_NS
             until, since = 0 if told or asleep else now - SAFE_AFTER_NS, disk.opened_at
@@ -214,9 +231,8 @@ class Stage:
             resume_boat(self.disk.path, RunOptions(**options), source, anyway=False)  # type: ignore[arg-type]
             return
         begun = {
-            "exercise": script.exercise or None,
+            "exercise": exercise_of(script) or None,
             "record": self.disk.path,
-            "duration": script.duration or None,
             "given": frozenset({"exercise"}),
         }
         run_boat(RunOptions(**options, **begun), debriefing=source)  # type: ignore[arg-type]

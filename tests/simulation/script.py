@@ -6,7 +6,7 @@ the end of what comes before it.
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import Enum
 from pathlib import Path
 from random import Random
@@ -26,12 +26,13 @@ LIFE_TIMES_S: Final = (3.0, 8.0, 20.0, 40.0)
 MAX_LIVES: Final = 4
 MAX_SEED: Final = 2**31
 FEW_BYTES: Final = 2_000  # that a small client keeps before it reads
-# Each twice as likely as those after the bar.
+# What is there more than once is said more often.
 WORDS: Final[Mapping[str, str]] = {
     "instructor": """freeze|run|run|run|step 3|step 40|time 20|time 1|time 100|snapshot A|snapshot B
         |restore A|restore B|reset|backtrack 5 s|backtrack 30 s|replay 10 s|replay 20 s|take over
-        |again|again from here|again from A|again from 20 s|branch 1|branch 2|branch 9|branches
-        |snapshots|plans|at 30 s depth 70|in 10 s depth 80|in 2 s course 010
+        |again|again from here|again from A|again from 20 s|branch 1|branch 2|branch 9
+        |branches|branches|branches|snapshots|snapshots|snapshots|plans
+        |at 30 s depth 70|in 10 s depth 80|in 2 s course 010
         |when depth over 62 then rudder left 5|cancel 1|cancel all|end exercise|release marks
         |debrief|take command|give command|keep command|mark hello|casualty rudder-stuck 5
         |casualties|clear casualty|sea state 4|sea state 0|order depth 90|order course 120
@@ -128,6 +129,7 @@ class Life:
     turns: int  # of threads after that time, until a kill strikes
     players: tuple[Player, ...]
     mishaps: tuple[Mishap, ...] = ()
+    at_answer: bool = False  # then it waits for the next answer, and strikes before all else
     interleaving: float = 0.05  # [-] the chance that a thread comes in between
     frozen: bool = False
     slow_disk: bool = False
@@ -162,6 +164,8 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
     lives: list[Life] = []
     while True:
         lives.append(_draw_life(dice, exercise, rate, longest))
+        if len(lives) > 1 and lives[-2].ending is Ending.KILLED and dice.random() < 0.25:
+            lives[-1] = _strike_again(dice, lives[-1])
         if lives[-1].ending is Ending.SIGNAL or len(lives) == MAX_LIVES:
             return Script(exercise, duration, speed, tuple(lives))
 
@@ -178,6 +182,7 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
         seconds=seconds,
         ending=dice.choices(tuple(Ending), (0.4, 0.2, 0.4))[0],
         turns=dice.randrange(1, 300),
+        at_answer=dice.random() < 0.5,
         players=tuple(_draw_player(dice, role, rate, seconds, wait) for role in roles),
         mishaps=_draw_mishaps(dice, seconds) if dice.random() < 0.5 else (),
         interleaving=dice.choice((0.0, 0.05, 0.3)),
@@ -185,6 +190,12 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
         slow_disk=dice.random() < 0.2,
         rest=dice.choice((0.0, 60.0)),
     )
+
+
+def _strike_again(dice: Random, life: Life) -> Life:
+    """Return a life after a kill in which nobody says anything, and then the power goes."""
+    seconds = dice.uniform(1.0, 4.0)
+    return replace(life, seconds=seconds, ending=Ending.POWER, players=(), mishaps=(), frozen=True)
 
 
 def _draw_player(dice: Random, role: str, rate: float, seconds: float, wait: float) -> Player:
@@ -225,7 +236,7 @@ def _draw_act(dice: Random, role: str, rate: float) -> Act:
 def _draw_mishaps(dice: Random, seconds: float) -> tuple[Mishap, ...]:
     mishaps, now = [], 0.0
     while now < seconds:
-        trouble = dice.choice((*Trouble, Trouble.LOCKED))
+        trouble = dice.choice((*Trouble, Trouble.LOCKED, Trouble.UNREADABLE))
         times = (0.1, 20.0) if trouble is Trouble.ASLEEP else (0.05, 5.0)
         mishaps.append(Mishap(dice.expovariate(0.25), trouble, dice.uniform(*times)))
         now += mishaps[-1].after + mishaps[-1].seconds
