@@ -143,7 +143,7 @@ def forget_command(patch: pytest.MonkeyPatch) -> None:
 
 
 def take_end_back(patch: pytest.MonkeyPatch) -> None:
-    """Do not look, after a jump, whether it has come to the end of the exercise."""
+    """Do not look whether a jump has come to the exercise's end."""
     arrive = Parts.arrive
 
     def arrive_unseen(self: Parts) -> None:
@@ -155,7 +155,7 @@ def take_end_back(patch: pytest.MonkeyPatch) -> None:
 
 
 def spin_hub(patch: pytest.MonkeyPatch) -> None:
-    """Have each line that is closed ring the bell of the thread that closes it, each time."""
+    """Have a line that is closed ring the bell of the thread that closes it."""
     close = Connection.close
 
     def close_and_stir(self: Connection, patience: float) -> None:

@@ -68,7 +68,10 @@ def folder_in_memory() -> Iterator[None]:
 
 
 def exercise_of(script: Script) -> str:
-    """Return the exercise of a script, "" for none: a file with its duration, where it has one."""
+    """Return the exercise of a script, "" for none.
+
+    Where the script has a duration, it is a file with that.
+    """
     if not script.duration:
         return script.exercise
     text = read_text(shipped_path("exercises", script.exercise))

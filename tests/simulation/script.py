@@ -158,7 +158,7 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
     """Return the script of a seed, no process of which is played for longer [s]."""
     dice = Random(f"{seed}/script")  # noqa: S311  no secrets
     exercise = dice.choice(EXERCISES)
-    duration = dice.choice((0.0, 0.0, 20.0, 120.0)) if exercise else 0.0
+    duration = dice.choice((0.0, 5.0, 20.0, 120.0)) if exercise else 0.0
     rate = dice.choice(ORDER_RATES_HZ)
     speed = dice.choice(TIME_SPEEDS)
     lives: list[Life] = []
