@@ -46,7 +46,7 @@ def test_what_once_broke_a_law_breaks_none(path: Path) -> None:
     docket = play(read_script(path))
 
     assert not docket.breaches
-    assert docket.orders
+    assert docket.ticks or docket.orders
 
 
 def test_a_script_is_read_back_from_its_file(tmp_path: Path) -> None:
