@@ -62,7 +62,7 @@ def play(script: Script, *changes: Change) -> Docket:
 def folder_in_memory() -> Iterator[None]:
     """Stand in a new folder, which is gone afterwards: no path is on any line."""
     where = RAM_FOLDER if os.access(RAM_FOLDER, os.W_OK) else None
-    folder = tempfile.TemporaryDirectory(prefix="trainer-s-", dir=where)
+    folder = tempfile.TemporaryDirectory(prefix="trainer-s-", dir=where, ignore_cleanup_errors=True)
     with folder as name, contextlib.chdir(name):
         yield
 
