@@ -53,6 +53,10 @@ PARTS: Final = {
         "half an hour of it by the clock: no tick missed", ("tests.soak", "--real-time")
     ),
     "faults": Part("kills, full disks, pulled plugs", ("tests.faults",)),
+    "simulation": Part(
+        "whole sessions by ten thousand seeds",
+        ("tests.simulation", "--seeds", "10000", "--jobs", "2"),
+    ),
     "damaged": Part("damaged recordings", ("tests.faults", "--damaged", "2000")),
     "fuzz": Part(
         "bad input at every reader", ("tests.fuzz", "--seconds", FUZZING_S, "--jobs", "2")

@@ -11,7 +11,15 @@ from helpers.syntax import nodes_of, tree_of
 
 MOST = 15  # [words]
 SENTENCE = re.compile(r"(?<=[.!?])[\"')\]]*\s+(?=[A-Z\"`'(\[0-9])|\n\s*\n")
-PROVING = ("bench", "c_twin", "cases", "faults", "fuzz", "soak")  # rooms of tests/ with programs
+PROVING = (
+    "bench",
+    "c_twin",
+    "cases",
+    "faults",
+    "fuzz",
+    "simulation",
+    "soak",
+)  # rooms of tests/ with programs
 MODULES = [
     *sorted((ROOT / "trainer").rglob("*.py")),
     *(path for room in PROVING for path in sorted((ROOT / "tests" / room).glob("[!t]*.py"))),

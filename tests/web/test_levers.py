@@ -9,6 +9,7 @@ from typing import Any, Final
 import pytest
 from helpers.hands import await_truth, on_groove
 from helpers.pages import SIZES, Served
+from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
@@ -18,7 +19,8 @@ Look = Callable[..., Page]
 Serve = Callable[..., Served]
 PHONE: Final = (390, 844)
 # Those at which pages are looked at: phones both ways, a tablet, laptops, a desk.
-LOOKED_AT: Final = (*SIZES.values(), PHONE, (844, 390), (1366, 768))
+LOOKED_AT: Final = (*SIZES.values(), PHONE, (844, 390), (1366, 768), (1024, 768))
+SIX: Final = ((1920, 1080), (1366, 768), (1024, 768), (844, 390), PHONE, (360, 640))
 LEVERS: Final = (("helm", "rudder"), ("planes", "stern"), ("planes", "bow"))
 CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 STEP: Final = 5  # [deg] of a tap on the groove
@@ -207,16 +209,77 @@ def test_the_figure_stands_above_the_thumb_while_it_holds(
     expect(figure).to_be_hidden()
 
 
-@each_lever
-@pytest.mark.usefixtures("instructor")
-def test_the_groove_is_three_hundred_pixels_long_on_a_phone(
-    shared: Served, look: Look, name: str, lever: str
+def await_shown(page: Page, faults: str, where: object) -> None:
+    """Await that a page has none of these faults; it is laid out a moment after a change."""
+    await_that(lambda: page.evaluate(faults) == [], lambda: f"{where}: {page.evaluate(faults)}")
+
+
+# The lengths of grooves that are too short [px].
+GROOVES: Final = """() => [...document.querySelectorAll("order-lever")]
+  .filter((each) => each.checkVisibility()).map((each) => {
+    const { width, height } = each.querySelector(".groove").getBoundingClientRect();
+    return Math.max(width, height);
+  }).filter((each) => each < 300)"""
+
+
+@pytest.mark.parametrize("name", ["helm", "planes", "pilot", "trainee"])
+def test_each_groove_is_three_hundred_pixels_long_on_a_phone(
+    shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:
-    page = opened(look, shared, name)
-    assert travel(page, lever) >= 300.0
-    box = box_of(page.locator(f"order-lever[name={lever}] .groove"))
-    assert max(box["width"], box["height"]) >= 300.0
-    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+    page = look(shared, name, has_touch=True)
+    for words in ("order course 45", "order depth 70"):  # which take room until they are repeated
+        assert instructor.ask(words)[0]
+    expect(page.locator("repeat-bar button")).to_be_visible()
+    halves = page.locator("part-keys[part=half] button")
+    for width, height in (PHONE, (360, 640), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        for part in range(min(halves.count(), 2) or 1):  # to steer, to dive
+            if halves.count():
+                halves.nth(part).evaluate("(each) => each.click()")
+            expect(page.locator("order-lever:visible")).not_to_have_count(0)
+            await_shown(page, GROOVES, (width, height, part))
+            assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+
+
+@pytest.mark.parametrize("lever", ["stern", "bow"])
+def test_a_phone_on_its_side_has_the_planes_levers_across_and_rise_to_the_right(
+    shared: Served, instructor: Caller, look: Look, lever: str
+) -> None:
+    page = opened(look, shared, "planes", (844, 390))
+    knob = knob_of(page, lever)
+    expect(knob).to_have_attribute("aria-orientation", "horizontal")
+    knob.press("Home")
+    box, along = box_of(knob), 12 * travel(page, lever) / 60.0
+    x, y = box["x"] + 3.0, box["y"] + 3.0
+    finger = Finger(page)
+    with finger.down(x, y):
+        for part in range(1, 7):
+            finger.send("touchMove", (x + along * part / 6.0, y))
+        await_that(lambda: abs(standing(page, lever) - 12) <= 1, lambda: str(standing(page, lever)))
+    ordered = standing(page, lever)
+    await_truth(instructor, f"diving.ordered_{lever}", f"{ordered:.1f}")
+    page.set_viewport_size({"width": PHONE[0], "height": PHONE[1]})
+    expect(knob).to_have_attribute("aria-orientation", "vertical")
+    assert standing(page, lever) == ordered
+
+
+ARROWS: Final = """() => [...document.querySelectorAll("order-lever .fine")]
+  .filter((each) => each.checkVisibility()).filter((each) => {
+    const [key, arrow] = [each, each.firstElementChild].map((part) => part.getBoundingClientRect());
+    const within = arrow.left >= key.left && arrow.right <= key.right
+      && arrow.top >= key.top && arrow.bottom <= key.bottom;
+    return !within || arrow.width < 5;
+  }).map((each) => each.className)"""
+
+
+@pytest.mark.usefixtures("instructor")
+def test_each_fine_key_has_its_arrow_inside_it(shared: Served, look: Look) -> None:
+    page = opened(look, shared, "pilot")
+    for width, height in LOOKED_AT:
+        page.set_viewport_size({"width": width, "height": height})
+        for part in range(parts_of(page)):
+            show_part(page, part)
+            await_shown(page, ARROWS, (width, height, part))
 
 
 # Where the scale of a dial and the knob of its lever stand, by angles; set and read at one moment.
@@ -303,7 +366,7 @@ LARGEST: Final = """() => {
 def test_the_own_control_is_the_biggest_instrument_of_its_page(
     shared: Served, look: Look, name: str
 ) -> None:
-    for size in (PHONE, (768, 1024), (1366, 768), (1920, 1080)):
+    for size in (*SIX, (768, 1024)):
         page = opened(look, shared, name, size)
         own, other = page.evaluate(LARGEST)
         assert own > other, f"{name} at {size}: {own:.0f} px, another {other:.0f} px"
@@ -373,6 +436,73 @@ def test_no_drawn_text_is_smaller_than_eleven_pixels_at_any_size(
             assert not small_texts(page), f"{name} at {width}x{height}, part {part}"
 
 
+# Pointers that touch words of their instrument, and words that touch others, all over its range.
+TOUCHED: Final = """() => {
+  const ranges = { "angle-dial": [-30, 30], "depth-gauge": [0, 300], "pitch-gauge": [-30, 30],
+    "course-ring": [0, 357] };
+  const found = new Set();
+  const words = (gauge) => [...gauge.querySelectorAll("text")]
+    .filter((each) => each.textContent && each.checkVisibility()).map((each) => {
+      const box = each.getBBox();
+      const wide = each.getComputedTextLength() / 2;
+      const high = 0.34 * parseFloat(getComputedStyle(each).fontSize); // half of a digit
+      const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+      const back = each.getScreenCTM().inverse();
+      return { each, back, left: x - wide, right: x + wide, top: y - high, bottom: y + high };
+    });
+  const see = (gauge) => {
+    const seen = words(gauge);
+    for (const pointer of gauge.querySelectorAll(".pointer")) {
+      if (!pointer.checkVisibility()) continue;
+      const [long, matrix] = [pointer.getTotalLength(), pointer.getScreenCTM()];
+      for (let at = 0; at < long; at += long / 24) {
+        const place = pointer.getPointAtLength(at).matrixTransform(matrix);
+        for (const { each, back, left, right, top, bottom } of seen) {
+          const { x, y } = place.matrixTransform(back);
+          if (x > left && x < right && y > top && y < bottom) {
+            found.add(`${gauge.tagName} ${gauge.id}: pointer on ${each.textContent}`);
+          }
+        }
+      }
+    }
+    const level = seen.filter(({ each }) => !each.closest("[transform]")); // but a ring's, turned
+    level.forEach((one, at) => level.slice(at + 1).forEach((other) => {
+      const across = one.left < other.right && other.left < one.right;
+      if (across && one.top < other.bottom && other.top < one.bottom) {
+        const texts = [one, other].map(({ each }) => each.textContent);
+        found.add(`${gauge.tagName} ${gauge.id}: ${texts.join(" on ")}`);
+      }
+    }));
+  };
+  for (const [tag, [low, high]] of Object.entries(ranges)) {
+    for (const gauge of document.querySelectorAll(tag)) {
+      if (!gauge.checkVisibility()) continue;
+      for (let at = 0; at <= 30; at += 1) {
+        const value = low + ((high - low) * at) / 30;
+        gauge.wrote = -Infinity; // digits change at once
+        gauge.show(value, Math.round(value));
+        see(gauge);
+      }
+    }
+  }
+  return [...found].slice(0, 9);
+}"""
+
+
+@pytest.mark.usefixtures("instructor")
+@pytest.mark.parametrize("name", ["helm", "planes", "trainee", "diving", "observer"])
+def test_no_needle_lies_on_a_numeral_and_no_word_on_another(
+    shared: Served, look: Look, name: str
+) -> None:
+    page = look(shared, name)
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    for width, height in SIX:
+        page.set_viewport_size({"width": width, "height": height})
+        for part in range(parts_of(page)):
+            show_part(page, part)
+            await_shown(page, TOUCHED, (width, height, part))
+
+
 CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]
   .filter((each) => each.checkVisibility()).map((each) => {
     const box = each.getBoundingClientRect();
@@ -399,7 +529,7 @@ def test_charts_are_as_wide_as_their_panel(serve: Serve, look: Look, vessel: str
 
 def see_wide(page: Page) -> None:
     """See that charts are as wide as their panel on any screen."""
-    for width, height in (PHONE, (768, 1024), (1366, 768), (1920, 1080)):
+    for width, height in (*SIX, (768, 1024)):
         page.set_viewport_size({"width": width, "height": height})
         expect(page.locator("[data-state=connecting]")).to_have_count(0)
         words = page.get_by_role("button", name="Charts", exact=True)

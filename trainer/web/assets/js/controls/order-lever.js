@@ -19,7 +19,8 @@ const KEYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 
  * Dispatches `order` (detail: degrees): at most ten a second, the last one always.
  *
  * `<order-lever name label low high limit face>` holds an `<angle-dial>`, to whose arc it is the
- * lower rim (face `down`) or the chord (`left`, `right`).
+ * lower rim (face `down`) or the chord (`left`, `right`). A style's `--lever-face: down` lays it across
+ * where a screen is too low for it.
  */
 class OrderLever extends HTMLElement {
   most = USUAL; // [deg] the largest angle either way
@@ -28,6 +29,7 @@ class OrderLever extends HTMLElement {
 
   connectedCallback() {
     if (this.groove) return;
+    this.own = this.getAttribute("face") ?? "right"; // which the page's style may lay across
     this.value = 0;
     this.held = false;
     this.sent = -Infinity;
@@ -40,7 +42,6 @@ class OrderLever extends HTMLElement {
       role: "slider",
       tabindex: 0,
       "aria-label": this.getAttribute("label") ?? "",
-      "aria-orientation": this.face === "down" ? "horizontal" : "vertical",
       keydown: (event) => this.press(/** @type {KeyboardEvent} */ (event)),
       pointerdown: (event) => this.drag(/** @type {PointerEvent} */ (event)),
     });
@@ -74,13 +75,9 @@ class OrderLever extends HTMLElement {
           if (/** @type {MouseEvent} */ (event).detail === 0) by(); // by the keyboard
         },
       },
-      html("span", { class: "way" }),
+      html("span", { class: "arrow" }),
       word,
     );
-  }
-
-  get face() {
-    return this.getAttribute("face") ?? "right";
   }
 
   get ends() {
@@ -108,10 +105,13 @@ class OrderLever extends HTMLElement {
   lay() {
     const { bed, groove, knob, reach } = this;
     if (!groove || !knob || !reach || !bed?.clientWidth || !bed.clientHeight) return;
+    const face = getComputedStyle(this).getPropertyValue("--lever-face").trim() || this.own || "right";
+    this.setAttribute("face", face);
+    knob.setAttribute("aria-orientation", face === "down" ? "horizontal" : "vertical");
     const size = /** @type {[number, number]} */ ([knob.offsetWidth, knob.offsetHeight]);
-    this.fan = new Fan(this.face, [bed.clientWidth, bed.clientHeight], readable(this), size);
+    this.fan = new Fan(face, [bed.clientWidth, bed.clientHeight], readable(this), size);
     const { fan } = this;
-    const over = 1 + ((this.face === "down" ? size[0] : size[1]) / 2 - 2) / fan.half; // under the whole knob
+    const over = 1 + ((face === "down" ? size[0] : size[1]) / 2 - 2) / fan.half; // under the whole knob
     const path = fan.path(-over, over, (share) => fan.knob(share));
     for (const part of [groove, reach]) part.setAttribute("d", path);
     const dial = /** @type {any} */ (this.querySelector("angle-dial"));

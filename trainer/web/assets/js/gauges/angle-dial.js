@@ -8,7 +8,10 @@ const USUAL = 30; // [deg]
 const BEYOND = 3; // [deg] past the stops that a pointer shows
 const LEAST = 24; // [px] of a side that is worth drawing on
 const FINE = 4; // [px] between ticks at least
-const WIDE = 2.4; // of the text's size: room for a numeral
+const POINTER = 1.15; // of the text's size: its length, which ends before the numerals
+const NUMERAL = 2.3; // of the text's size: how far inside the arc a numeral stands
+const SPREAD = 3; // of the text's size: half the width of the digits and what is ordered below them
+const WIDE = 2.1; // of the text's size: room for a numeral
 const LARGE = 3.6; // of the text's size: the digits, where there is room
 const WORD = 3.7; // of the text's size: room for the word of a side
 const SIDES = 8; // of the text's size: half a scale that has such words
@@ -55,7 +58,7 @@ class AngleDial extends Gauge {
     this.laid = room ? fan : null;
     this.scale?.replaceChildren(...(room ? this.ticks(fan) : []));
     const { text: size } = fan;
-    this.pointer?.setAttribute("d", `M0 1l${0.6 * size} ${1.7 * size}h${-1.2 * size}Z`);
+    this.pointer?.setAttribute("d", `M0 1l${0.5 * size} ${POINTER * size}h${-size}Z`);
     this.faint?.setAttribute("d", `M0 1v${2 * size}`);
     this.bug?.setAttribute("d", `M0 -2l${0.6 * size} ${-0.9 * size}h${-1.2 * size}Z`);
     this.digitsAt(fan);
@@ -65,11 +68,14 @@ class AngleDial extends Gauge {
   /** Puts the digits where the arc leaves room, or leaves them out. @param {Fan} fan */
   digitsAt(fan) {
     const { box, face, half, inner, text: size } = fan;
-    const room = Math.max(inner[1] - inner[0], 0);
-    const lines = face === "down" ? Math.min(room / 1.9, box[0] / 4) : Math.min(room / 2.4, half / 2);
+    const [down, begin] = [face === "down", inner[0]];
+    const end = Math.min(inner[1], fan.chord ? Infinity : fan.within(SPREAD * size));
+    const room = Math.max(end - begin, 0);
+    const lines = down ? Math.min(room / 1.4, room - size, box[0] / 4) : Math.min(room / 2.6, half / 2);
     const large = Math.min(lines, LARGE * size);
-    const [x, y] = fan.place(0, (inner[0] + inner[1]) / 2);
     const small = Math.max(0.42 * large, size);
+    const below = down ? (small + 0.14 * large) / 2 : 0; // what is ordered stands there
+    const [x, y] = fan.place(0, (begin + end) / 2 - below);
     put(this.figure, x, y, large);
     put(this.order, x, y + 0.5 * large + 0.6 * small, small);
     for (const part of [this.figure, this.order]) part?.toggleAttribute("hidden", large < SMALL * size);
@@ -93,12 +99,16 @@ class AngleDial extends Gauge {
       parts.push(svg("line", { x1, y1, x2, y2, class: style }));
     };
     const step = [1, 5, 10].find((each) => (each * half) / most >= FINE) ?? 10;
-    const numbered = [10, 20, 30].find((each) => (each * half) / most >= WIDE * size) ?? most;
+    const room = (/** @type {number} */ from, /** @type {number} */ to) => {
+      const [[x1, y1], [x2, y2]] = [from, to].map((share) => fan.point(share, NUMERAL * size));
+      return Math.hypot(x2 - x1, y2 - y1) >= WIDE * size;
+    };
+    const numbered = [10, 20, 30].find((each) => each <= most && room(0, each / most) && room(1, 1 - each / most));
     for (let value = -Math.floor(most / step) * step; value <= most; value += step) {
       const [major, middle] = [value % 10 === 0, value % 5 === 0];
       line(value, size * (major ? 1.2 : middle ? 0.85 : 0.5), major ? "tick" : "tick minor");
-      const [x, y] = fan.point(at(value), 2 * size);
-      if (value % numbered === 0) parts.push(text([x, y], "numeral", String(Math.abs(value))));
+      const [x, y] = fan.point(at(value), NUMERAL * size);
+      if (numbered ? value % numbered === 0 : Math.abs(value) === most && room(1, -1)) parts.push(text([x, y], "numeral", String(Math.abs(value))));
     }
     for (const end of [-most, most]) line(end, size * 1.3, "stop");
     if (this.closest("order-lever")) return parts; // whose keys bear the words
@@ -108,10 +118,11 @@ class AngleDial extends Gauge {
   /** Returns the words of both sides, where there is room for them. @param {Fan} fan */
   sides(fan) {
     const { face, half, inner, text: size } = fan;
-    if (half < SIDES * size || inner[1] - inner[0] < WORD * size) return [];
+    const end = face === "down" ? inner[1] : fan.within(0.6 * half);
+    if (half < SIDES * size || end - inner[0] < WORD * size) return [];
     return (this.words ?? []).map((word, high) => {
       const way = high ? 1 : -1;
-      const at = face === "down" ? fan.point(way, WORD * size) : fan.place(0.6 * way * half, (inner[0] + inner[1]) / 2);
+      const at = face === "down" ? fan.point(way, WORD * size) : fan.place(0.6 * way * half, (inner[0] + end) / 2);
       return text(at, "label", word);
     });
   }

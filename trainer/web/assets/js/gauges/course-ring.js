@@ -47,7 +47,8 @@ class CourseRing extends Gauge {
     const held = clamp(rate ?? 0, -MOST, MOST);
     this.rate.setAttribute("d", Math.abs(held) < 0.02 ? "" : arc(CENTRE, RATE, 0, held * WIDE));
     this.digits(this.figure, heading === null ? "" : bearing(heading));
-    write(this.order, ordered === null ? "" : say("ordered {0}", bearing(ordered)));
+    const told = ordered === null ? "" : say("ordered {0}", bearing(ordered));
+    write(this.order, ordered !== null && this.dataset.room === "few" ? bearing(ordered) : told);
     write(this.error, heading === null || ordered === null ? "" : toGo(ordered, heading));
     if (heading === null) return;
     const order = ordered === null ? [] : [say("ordered {0}", bearing(ordered))];

@@ -1,6 +1,6 @@
 // Depth: digits in the middle, one fine needle round once in 100 m or 300 ft, a column over the whole range.
-import { svg } from "../draw.js";
-import { Gauge, around, bug, clamp, pointer, text, tick, turn } from "./gauge.js";
+import { svg, write } from "../draw.js";
+import { Gauge, around, bug, clamp, text, tick, turn } from "./gauge.js";
 import { feet, inUnit, lengthDigits } from "../units.js";
 import { decimals, say } from "../words.js";
 
@@ -17,7 +17,7 @@ const MARKS = 50; // of the column at most
 class DepthGauge extends Gauge {
   draw() {
     this.range = UNKNOWN;
-    this.needle = pointer(CENTRE, 70, RADIUS - 2, 9);
+    this.needle = svg("path", { class: "pointer", d: `M160 ${162 - RADIUS}l11 24h-22Z` }); // outside the numerals
     this.bug = bug(CENTRE, RADIUS + 2);
     this.faint = svg("path", { class: "ghost", d: `M160 ${160 - RADIUS}V90`, hidden: true });
     this.level = svg("path", { class: "ghost", d: "M-14 0h22", hidden: true });
@@ -29,7 +29,7 @@ class DepthGauge extends Gauge {
     this.order = text([160, 182], "order");
     const label = text([160, 126], "label spare", feet ? say("feet") : say("metres"));
     const moving = [this.faint, this.level, this.needle, this.bug, this.ordered, this.mark];
-    this.picture([412, 320], ...dial(), this.scale, this.allowed, ...moving, this.figure, this.order, label);
+    this.picture([418, 320], ...dial(), this.scale, this.allowed, ...moving, this.figure, this.order, label);
     this.limit(null);
   }
 
@@ -65,7 +65,7 @@ class DepthGauge extends Gauge {
       parts.push(svg("line", { x1: LEFT - (major ? 9 : 5), x2: LEFT, y1: y, y2: y, class: style }));
       if (major) parts.push(text([LEFT - 13, y], "numeral end", String(depth)));
     }
-    if (periscope) parts.push(text([LEFT + 24, this.height(periscope)], "numeral begin", say("P")));
+    if (periscope) parts.push(text([LEFT + 27, this.height(periscope)], "numeral begin", say("P")));
     return parts;
   }
 
@@ -91,9 +91,11 @@ class DepthGauge extends Gauge {
     turn(this.bug, near ? (ordered * 360) / TURN : null, CENTRE);
     place(this.mark, depth === null ? null : this.height(depth), LEFT + 8);
     place(this.ordered, ordered === null ? null : this.height(ordered), LEFT + WIDE + 2);
-    this.digits(this.figure, metres === null ? "" : lengthDigits(metres));
+    const few = this.dataset.room === "few"; // where the needle leaves less room
+    const digits = metres === null || depth === null ? "" : few && depth >= 100 ? depth.toFixed(0) : lengthDigits(metres);
+    this.digits(this.figure, digits);
     const order = ordered === null ? "" : say("ordered {0}", round(ordered));
-    if (this.order && this.order.textContent !== order) this.order.textContent = order;
+    if (this.order) write(this.order, ordered !== null && few ? round(ordered) : order);
     if (depth === null) return;
     const said = feet ? say("{0} feet", depth.toFixed(0)) : say("{0} metres", depth.toFixed(0));
     const words = `${said}${order && `, ${order}`}`;
@@ -109,7 +111,7 @@ function dial() {
     const rank = depth % (TURN / 10) === 0 ? 0 : depth % (TURN / 20) === 0 ? 1 : 2;
     const angle = (depth * 360) / TURN;
     parts.push(tick(CENTRE, RADIUS, angle, rank));
-    const numeral = around(CENTRE, RADIUS - 33, angle);
+    const numeral = around(CENTRE, RADIUS - 48, angle);
     const spare = depth % (TURN / 5) === 0 ? "" : " spare";
     if (rank === 0) parts.push(text(numeral, `numeral${spare}`, String(depth)));
   }

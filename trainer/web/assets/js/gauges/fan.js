@@ -3,7 +3,7 @@ import { clamp } from "./gauge.js";
 
 /** @typedef {import("./gauge.js").Point} Point */
 
-const BAND = 2.7; // of the text's size: ticks and numerals, inside the arc
+const BAND = 2.9; // of the text's size: ticks and numerals, inside the arc
 const BUG = 1.4; // of the text's size: what is ordered, outside the arc of a dial without a lever
 const RIM = 8; // [px] between the arc and a lever below it
 const CORNER = 50; // [px] that a lever's ends lie above its middle, so that keys have the corners
@@ -43,6 +43,7 @@ export class Fan {
       this.rail = across / 2;
       this.inner = knob ? [this.middle + text, deep] : [spare, this.middle - band];
     }
+    this.chord = Boolean(knob) && !down; // along which the lever lies, its digits outside the arc
     this.radius = this.sag > 0.5 ? (this.half ** 2 + this.sag ** 2) / (2 * this.sag) : Infinity;
   }
 
@@ -51,6 +52,11 @@ export class Fan {
     const [width, height] = this.box;
     if (this.face === "down") return [width / 2 + along, across];
     return [this.face === "right" ? across : width - across, height / 2 - along];
+  }
+
+  /** Returns where the room inside the arc's numerals ends. @param {number} along from the middle */
+  within(along) {
+    return this.middle - BAND * this.text - this.fall(Math.min(along, this.half));
   }
 
   /** Returns how far the arc falls behind its middle. @param {number} along */

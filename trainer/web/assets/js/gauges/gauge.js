@@ -6,7 +6,7 @@ const WORDS = 2000; // [ms] between two changes of what a screen reader is told
 
 const LEAST_TEXT = 11.5; // [px]
 const SOME = 0.66; // [px] for a unit, below which words that may be spared are left out
-const FEW = 0.36; // below which numerals are, too
+const FEW = 0.45; // below which numerals are, too
 
 /** @typedef {[number, number]} Point */
 
@@ -166,19 +166,6 @@ export function line(centre, inner, outer, angle, style) {
  */
 export function text([x, y], style, words = "") {
   return svg("text", { x, y, class: style }, words);
-}
-
-/**
- * Returns a solid pointer from one radius to another, which points up until it is turned.
- * @param {Point} centre
- * @param {number} inner
- * @param {number} outer
- * @param {number} [half] half the width of its head
- */
-export function pointer([x, y], inner, outer, half = 8) {
-  const shaft = outer - inner - 20;
-  const d = `M${x} ${y - outer}l${half} 20h${2 - half}v${shaft}h-4v${-shaft}h${2 - half}Z`;
-  return svg("path", { class: "pointer", d });
 }
 
 /**

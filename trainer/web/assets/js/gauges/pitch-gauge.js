@@ -16,7 +16,7 @@ const PARTS = {
   tail: "M-97 -2L-88 -19L-77 -17L-79 -6ZM-97 2L-88 19L-77 17L-79 6ZM-108 -9L-104 -9L-104 9L-108 9Z",
   hull: "M-104 0C-84 -7 -58 -14 -26 -14H58C84 -14 102 -8 102 0C102 8 84 14 58 14H-26C-58 14 -84 7 -104 0Z",
 };
-const ENDS = "M148 0l-18 -6v12ZM-148 0l18 -6v12Z";
+const ENDS = "M128 0l-16 -6v12ZM-128 0l16 -6v12Z"; // which end at the arcs
 
 class PitchGauge extends Gauge {
   draw() {
@@ -26,11 +26,11 @@ class PitchGauge extends Gauge {
     const [x, y] = CENTRE;
     this.faint = svg("path", { class: "ghost", d: `M${x - RADIUS} ${y}h40M${x + RADIUS} ${y}h-40`, hidden: true });
     this.bubble = svg("ellipse", { cx: 190, cy: TUBE, rx: 15, ry: 8, class: "bubble" });
-    this.figure = text([190, 192], "digits");
-    this.way = text([254, 192], "side begin");
+    this.figure = svg("tspan");
+    this.way = svg("tspan", { class: "side", dx: 8 });
     this.allowed = svg("path", { class: "bracket", hidden: true });
     const middle = svg("g", { transform: `translate(${CENTRE})` }, this.boat);
-    const words = [this.figure, this.way];
+    const words = [svg("text", { x: CENTRE[0], y: 192, class: "digits" }, this.figure, this.way)];
     this.picture([380, 276], ...arcs(), ...tube(), this.allowed, this.faint, middle, this.bug, this.bubble, ...words);
   }
 
@@ -58,7 +58,8 @@ class PitchGauge extends Gauge {
       const [x, y] = around(CENTRE, RADIUS - 14, 90 - clamp(ordered, -SCALE, SCALE));
       this.bug.setAttribute("transform", `translate(${x} ${y}) rotate(${-ordered})`);
     }
-    this.digits(this.figure, pitch === null ? "" : decimals(Math.abs(pitch), 1));
+    const fine = this.dataset.room === "few" ? 0 : 1; // digits after the point
+    this.digits(this.figure, pitch === null ? "" : decimals(Math.abs(pitch), fine));
     const way = pitch === null ? "" : Math.abs(pitch) < 0.05 ? say("level") : pitch < 0 ? say("down") : say("up");
     write(this.way, way);
     if (pitch === null) return;

@@ -1,0 +1,38 @@
+"""Whole sessions on a machine of one thread, by a seed.
+
+**What it is for.** A session has a thread that ticks, one for its sockets, one that sends, two for
+the disk, and some that come and go. An order that is lost once in a thousand sessions is lost at
+one place of one of these threads, while another stands at one place of its own. A test with real
+threads meets that place by chance, and never again. Here chance is a number: the seed.
+
+**The machine** (``machine``). Each thread of the product is a greenlet, of which one runs at a
+time. Whatever may wait (a lock, an event, a socket, a sleep, the disk) gives the turn back to the
+machine, which draws who goes on. Time does not pass: it jumps to the next deadline when nobody can
+go on. So a minute of a session costs as much as its work, and the same seed gives the same bytes,
+on any machine and with any hash seed.
+
+**The seam** (``seam``). The product is not changed for this: it uses threads, time, sockets and the
+disk by the names of their modules (``threading.Event``), and those names are replaced in its
+modules while a session is played. Only what is listed there can be replaced; ``test_seam``
+reads the product's syntax trees and refuses another clock, thread or socket.
+
+**A script** (``script``) is all that happens to one session, as data: the exercise, its stations
+with every line that they send and when, what befalls the disk, and how each process ends: killed,
+without power, or by a signal. A seed draws a script. A script can be written to a file, read back
+and made smaller, which a seed cannot.
+
+**The laws** (``laws``) are what must hold whatever the script. They are looked at from outside, on
+the lines and in the file, and from beside each order, by wrapping three methods of the product.
+
+**What is found** is shrunk (``shrink``): lives, stations, visits, lines and mishaps are taken away
+as long as the same law is broken. What is left goes into ``tests/corpus/simulation``, in a file
+named after the fault, and is played again by every test run.
+
+**That it finds anything** is shown by faults put back into the product (``mutants``), each of which
+has to break a law within a hundred seeds.
+
+**What it cannot show.** Threads change places where one waits, sets, sends or takes a lock, and
+nowhere else: not between two bytecodes. The disk has what was last asked for and nothing later:
+not torn sectors, nor what a system writes by itself (``tests/io/test_power.py`` has these). Real
+kills, signals, sockets, serial lines and pages have tests of their own.
+"""

@@ -1,0 +1,131 @@
+"""``python -m tests.simulation`` plays whole sessions by seeds, and shrinks what breaks a law."""
+
+import concurrent.futures
+import functools
+import multiprocessing
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import click
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by their own names
+
+from helpers.progress import Bar
+
+from simulation.play import play
+from simulation.script import draw_script, read_script, write_script
+from simulation.seeds import Played, breaks_law, play_seed
+from simulation.shrink import shrink
+from trainer.cli.main import run_command
+
+SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
+
+
+@click.command()
+@click.option("--seeds", type=click.IntRange(1), default=100, show_default=True, metavar="N")
+@click.option(
+    "--from", "first", type=click.IntRange(0), default=1, show_default=True, metavar="SEED"
+)
+@click.option(
+    "--minutes", type=click.FloatRange(0.01), default=None, help="End after so many, at the latest."
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(1.0),
+    default=40.0,
+    show_default=True,
+    help="That a process lives, at most.",
+)
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, metavar="N")
+@click.option(
+    "--play",
+    "script",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    default=None,
+    help="Instead play this script.",
+)
+def simulation(
+    *,
+    seeds: int,
+    first: int,
+    minutes: float | None,
+    seconds: float,
+    jobs: int,
+    script: Path | None,
+) -> None:
+    """Play whole sessions on a machine of one thread: stations, kills, power cuts, disks.
+
+    A seed that breaks a law is shrunk to a script, which is written into this folder.
+
+    \b
+    Example:  python -m tests.simulation --seeds 500
+              python -m tests.simulation --from 31 --seeds 1
+              python -m tests.simulation --play simulation-31.json
+
+    Exit codes: 0 every law held, 1 one is broken.
+    """
+    if script:
+        sys.exit(play_script(script))
+    until = time.monotonic() + 60.0 * minutes if minutes else None
+    totals: Counter[str] = Counter()
+    broken = []
+    with Bar("playing", seeds) as bar:
+        for played in play_seeds(range(first, first + seeds), seconds, jobs):
+            totals.update(played.counts)
+            bar.at("seeds", totals["seeds"])
+            if played.breaches:
+                broken.append(played)
+                report_breach(played, seconds)
+            if until and time.monotonic() > until:
+                break
+    counts = ", ".join(f"{count} {what}" for what, count in totals.items())
+    seeds_broken = ", ".join(str(each.seed) for each in broken)
+    verdict = f"BROKEN by the seeds {seeds_broken}" if broken else "every law held"
+    click.echo(f"from seed {first}: {counts}: {verdict}")
+    sys.exit(1 if broken else 0)
+
+
+def play_seeds(seeds: range, seconds: float, jobs: int) -> Iterator[Played]:
+    """Yield what came of each seed, in order."""
+    play_one = functools.partial(play_seed, longest=seconds)
+    if jobs == 1:
+        yield from map(play_one, seeds)
+        return
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(jobs, context) as pool:
+        many = SEEDS_AHEAD * jobs
+        for begin in range(0, len(seeds), many):
+            yield from pool.map(play_one, seeds[begin : begin + many])
+
+
+def report_breach(played: Played, seconds: float) -> None:
+    """Print what a seed has broken, and write its script, shrunk."""
+    for breach in played.breaches:
+        click.echo(f"seed {played.seed} breaks {breach}")
+    law = played.breaches[0].law
+    script = draw_script(played.seed, seconds)
+    small = shrink(script, functools.partial(breaks_law, law=law))
+    path = Path(f"simulation-{played.seed}.json")
+    write_script(small, path)
+    click.echo(
+        f"{path}: of {script.acts} lines {small.acts} are left, of {len(script.lives)} "
+        f"processes {len(small.lives)}; once mended, keep it in tests/corpus/simulation"
+    )
+
+
+def play_script(path: Path) -> int:
+    """Play a script of a file, and print what it breaks. Return the exit code."""
+    breaches = play(read_script(path)).breaches
+    for breach in breaches:
+        click.echo(f"{path} breaks {breach}")
+    if not breaches:
+        click.echo(f"{path}: every law held")
+    return 1 if breaches else 0
+
+
+if __name__ == "__main__":
+    run_command(simulation, "python -m tests.simulation")

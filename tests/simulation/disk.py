@@ -1,0 +1,146 @@
+"""The disk of the machine, and what befalls the recording on it.
+
+The recording is a real file of SQLite's, which stands for the memory of the system. ``kept`` is
+what the disk had of it when it was last asked. A killed process leaves the file, lost power
+leaves ``kept``.
+"""
+
+import contextlib
+import errno
+import sqlite3
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from simulation.machine import Machine
+
+SYNC_TIMES_S: Final = (0.001, 0.02)  # [s] that the disk takes when it is asked
+SLOW_SYNC_TIMES_S: Final = (0.001, 0.01, 0.3, 2.5)  # [s] a disk that has other work
+
+
+class Image(NamedTuple):
+    """The bytes of a recording: its file, and the log written ahead of it."""
+
+    file: bytes
+    log: bytes
+
+    @classmethod
+    def of(cls, path: Path) -> "Image":
+        """Return what is at ``path``."""
+        return cls(*(each.read_bytes() if each.exists() else b"" for each in (path, log_of(path))))
+
+    def write(self, path: Path) -> None:
+        """Put it at ``path``."""
+        path.write_bytes(self.file)
+        log_of(path).write_bytes(self.log)
+
+
+def log_of(path: Path) -> Path:
+    """Return where the log of the recording at ``path`` is."""
+    return path.with_name(path.name + "-wal")
+
+
+class Trouble(Enum):
+    """What befalls a recording for a while."""
+
+    LOCKED = "another program writes into it"
+    REFUSED = "the disk refuses to sync (EIO)"
+    FULL = "the disk is full"
+    UNREADABLE = "what is in it cannot be read"
+    ASLEEP = "the machine sleeps"
+
+
+@dataclass
+class Disk:
+    """The disk with the recording at ``path``."""
+
+    machine: Machine
+    path: Path = Path()
+    slow: bool = False
+    kept: Image | None = None
+    opened_at: int = 0  # [ns] when the present process began
+    woken_at: int = -(2**62)  # [ns] when the machine last woke
+    _refuses: bool = False
+    _writer: sqlite3.Connection | None = field(default=None, repr=False)
+    _reader: sqlite3.Connection | None = field(default=None, repr=False)
+
+    def boot(self, path: Path, *, slow: bool) -> None:
+        """Begin with the recording of a process that stands at ``path``."""
+        self.path, self.slow, self._refuses = path, slow, False
+        self._writer = self._reader = None
+        self.opened_at = self.machine.now
+
+    def fsync(self, _descriptor: int) -> None:
+        """Put on the disk what was written before the call; OSError while it refuses."""
+        image = Image.of(self.path)
+        self.machine.sleep(
+            self.machine.dice.choice(SLOW_SYNC_TIMES_S if self.slow else SYNC_TIMES_S)
+        )
+        if self._refuses:
+            raise OSError(errno.EIO, "Input/output error")
+        self.kept = image
+
+    def keep(self) -> None:
+        """Note that SQLite itself has put all on the disk."""
+        self.kept = Image.of(self.path)
+
+    def writes_by(self, connection: sqlite3.Connection) -> sqlite3.Connection:
+        """Note the connection by which the recording is written; return it."""
+        self._writer = connection
+        return connection
+
+    def reads_by(self, connection: sqlite3.Connection) -> sqlite3.Connection:
+        """Note the connection by which the recording is read; return it."""
+        self._reader = connection
+        return connection
+
+    def trouble(self, trouble: Trouble, seconds: float) -> None:
+        """Have trouble for a time [s]."""
+        if trouble is Trouble.ASLEEP:
+            self.machine.now += int(seconds * 1e9)
+            self.woken_at = self.machine.now
+            return
+        befall = {
+            Trouble.LOCKED: self._locked,
+            Trouble.REFUSED: self._refused,
+            Trouble.FULL: self._full,
+            Trouble.UNREADABLE: self._unreadable,
+        }
+        with contextlib.suppress(sqlite3.Error), befall[trouble]():  # closed meanwhile: no trouble
+            self.machine.sleep(seconds)
+
+    @contextlib.contextmanager
+    def _locked(self) -> Iterator[None]:
+        if not self.path.exists():
+            return (yield)
+        with contextlib.closing(sqlite3.connect(self.path, 0.0, isolation_level=None)) as other:
+            other.execute("BEGIN IMMEDIATE")
+            try:
+                yield
+            finally:
+                other.execute("ROLLBACK")
+
+    @contextlib.contextmanager
+    def _refused(self) -> Iterator[None]:
+        self._refuses = True
+        yield
+        self._refuses = False
+
+    @contextlib.contextmanager
+    def _full(self) -> Iterator[None]:
+        if self._writer:
+            (pages,) = self._writer.execute("PRAGMA page_count").fetchone()
+            self._writer.execute(f"PRAGMA max_page_count = {pages}")
+        yield
+        if self._writer:
+            self._writer.execute("PRAGMA max_page_count = 1000000000")
+
+    @contextlib.contextmanager
+    def _unreadable(self) -> Iterator[None]:
+        if self._reader:
+            self._reader.set_authorizer(lambda *_: sqlite3.SQLITE_DENY)
+        yield
+        if self._reader:
+            self._reader.set_authorizer(None)

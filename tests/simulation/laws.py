@@ -1,0 +1,304 @@
+"""The laws of a session, and who looks whether they hold.
+
+``Docket`` takes the breaches. ``Witness`` stands beside each order and each tick; ``check_kept``
+reads what a process has left behind; ``check_whole`` reads the recording at the end. What is seen
+on the lines is in ``stations``.
+"""
+
+import contextlib
+import hashlib
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+import pytest
+
+from simulation.disk import Disk, log_of
+from simulation.machine import SECOND_NS, Machine
+from trainer.io.orders.grammar import Refused, Reply
+from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
+from trainer.io.recording.recording import MARK_KIND, Recording
+from trainer.session.dispatch import ORDERS, Dispatch
+from trainer.session.event_log import MAX_OPEN_ALERTS
+from trainer.session.history import MAX_KEPT_MOMENTS
+from trainer.session.replay import replay_anyway
+from trainer.session.session import Session
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
+from trainer.session.stations.station import Request, Station
+
+SAFE_AFTER_NS: Final = SECOND_NS  # that lost power may take of what was answered: docs/promises.md
+FOREVER_NS: Final = 2**62
+MAX_THREADS: Final = 24  # of a session: its own, a debrief's, and those that see lines out
+
+
+class Law(Enum):
+    """What must hold, whatever the script."""
+
+    KEPT = "L1: an answered order or mark is in the file with its tick"
+    REFUSED = "L2: a refusal changes no bit, no branch, no freeze"
+    FLOWN_AGAIN = "L3: every branch is flown again to the same bits and answers"
+    SAME_BYTES = "L4: the same script gives the same bytes"
+    ANSWERS = "L5: each whole order has one answer, in order"
+    ENDED = "L6: an exercise's end is taken back by a jump away from it alone; no tick follows it"
+    COMMAND = "L7: an instructor without command is refused"
+    LIVES = "L8: no thread dies, and a session ends within a minute of a signal"
+    RESTS = "L9: no thread spins"
+    BOUNDED = "L10: threads, moments, alerts and files are bounded"
+    SECRETS = "L11: a line has the channels and events of its role alone"
+    RESTORED = "L12: a snapshot restored is the moment that it was"
+
+
+class Breach(NamedTuple):
+    """A broken law."""
+
+    law: Law
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.law.value}\n    {self.text}"
+
+
+class Promise(NamedTuple):
+    """An order or a mark that was answered."""
+
+    who: str
+    what: str
+    tick: int
+    kind: str  # "order" or "mark"
+
+
+@dataclass
+class Docket:
+    """The breaches of one script, and what was done in it."""
+
+    machine: Machine
+    breaches: list[Breach] = field(default_factory=list)
+    trace: "hashlib._Hash" = field(default_factory=hashlib.sha256)
+    promises: list[tuple[Promise, int]] = field(default_factory=list)  # and when [ns]
+    snapshots: dict[str, set[bytes]] = field(default_factory=lambda: defaultdict(set))
+    life: int = 1
+    orders: int = 0
+    answers: int = 0
+    ticks: int = 0
+    kills: int = 0
+    power_cuts: int = 0
+
+    def enter(self, law: Law, text: str) -> None:
+        """Enter a breach of a law, now."""
+        now = self.machine.now / SECOND_NS
+        self.breaches.append(Breach(law, f"process {self.life}, {now:.3f} s: {text}"))
+
+
+@dataclass
+class Witness:
+    """What stands beside each order and each tick of the present session."""
+
+    docket: Docket
+    machine: Machine
+    session: Session | None = None
+    _reply: object = None  # the last that a station was given
+
+    def watch(self, patch: pytest.MonkeyPatch) -> None:
+        """Wrap what is looked at. Nothing of it is changed."""
+        init, hear, answer = Session.__post_init__, Dispatch.hear, Station.answer
+        tick = Session.tick
+
+        def begin(session: Session, introduction: object) -> None:
+            init(session, introduction)  # type: ignore[arg-type]
+            self.session = session
+
+        def hear_order(dispatch: Dispatch, asked: Request) -> None:
+            with self._beside(asked):
+                hear(dispatch, asked)
+
+        def answer_order(station: Station, asked: Request, reply: Reply, *lines: str) -> None:
+            self._promise(station, asked, reply)
+            answer(station, asked, reply, *lines)
+
+        def take_tick(session: Session) -> None:
+            if session.conduct.ending.over and not session.history.flown.replaying:
+                self.docket.enter(Law.ENDED, f"a tick follows tick {session.history.tick}, the end")
+            self.docket.ticks += 1
+            tick(session)
+
+        patch.setattr(Session, "__post_init__", begin)
+        patch.setattr(Session, "tick", take_tick)
+        patch.setattr(Dispatch, "hear", hear_order)
+        patch.setattr(Station, "answer", answer_order)
+
+    @contextlib.contextmanager
+    def _beside(self, asked: Request) -> Iterator[None]:
+        """Look at a session before and after an order."""
+        session = self.session
+        assert session
+        before = Posture.of(session)
+        elsewhere = is_elsewhere(session, asked.station)
+        self._reply = None
+        self.docket.orders += 1
+        yield
+        after, name = Posture.of(session), asked.order.name
+        text = f"{asked.order.text!r} at tick {before.tick}"
+        if isinstance(self._reply, Refused):
+            if changed := before.changed(after):
+                reason = self._reply.reason
+                self.docket.enter(Law.REFUSED, f"{text}: refused ({reason}), and {changed}")
+        elif elsewhere and not ORDERS[name].watching:
+            self.docket.enter(Law.COMMAND, f"{text}: obeyed without command")
+        elif before.over:
+            self._check_end(session, name, text)
+        restored = name == "restore" and not isinstance(self._reply, Refused)
+        if restored and after.state not in self.docket.snapshots[asked.order.subject]:
+            self.docket.enter(Law.RESTORED, f"{text}: another moment than was kept")
+
+    def _check_end(self, session: Session, name: str, text: str) -> None:
+        """L6, after an order that was obeyed where the exercise was over."""
+        ending, rule = session.conduct.ending, ORDERS[name]
+        at_end = session.history.tick >= ending.last_tick
+        if ending.over or session.history.flown.replaying:
+            return
+        if not (rule.jumps or name in ("replay", "take")):
+            self.docket.enter(Law.ENDED, f"{text}: has taken the end back")
+        elif rule.jumps and ending.watched and at_end:
+            self.docket.enter(Law.ENDED, f"{text}: at the end, and yet it is not over")
+
+    def _promise(self, station: Station, asked: Request, reply: Reply) -> None:
+        """Note what a station is told, before it is."""
+        self._reply = reply
+        session, name = self.session, asked.order.name
+        assert session
+        if name == "snapshot":  # one that was "not kept" may yet be, once the disk has room again
+            self.docket.snapshots[asked.order.subject].add(session.boat.plain.tobytes())
+        if isinstance(reply, Refused) or session.history.recording.trouble:
+            return  # "(not recorded)"
+        tick = session.history.tick
+        if ORDERS[name].journalled:
+            promise = Promise(station.who, session.crew.meant(asked.order).text, tick, "order")
+        elif name == "mark":
+            promise = Promise(station.who, asked.order.subject or "marked", tick, "mark")
+        else:
+            return
+        self.docket.promises.append((promise, self.machine.now))
+
+    def check_bounds(self, threads: int, disk: Disk) -> None:
+        """L10: look at what the session holds."""
+        session, ahead = self.session, log_of(disk.path)
+        if not session:
+            return
+        held = {
+            "threads": (threads, MAX_THREADS),
+            "moments": (len(session.history.automatic), MAX_KEPT_MOMENTS),
+            "alerts": (len(session.event_log.alerts), MAX_OPEN_ALERTS),
+            "bytes ahead": (ahead.stat().st_size if ahead.exists() else 0, 2 * MAX_AHEAD_BYTES),
+            "files": (len(list(disk.path.parent.iterdir())), 3),
+        }
+        for what, (number, most) in held.items():
+            if number > most:
+                self.docket.enter(Law.BOUNDED, f"{number} {what}, at most {most}")
+
+
+class Posture(NamedTuple):
+    """What a refusal must leave as it is."""
+
+    state: bytes
+    branch: int
+    frozen: bool
+    place: int  # of the schedule: what was due comes before an order, also before a refusal
+    tick: int
+    over: str
+
+    @classmethod
+    def of(cls, session: Session) -> "Posture":
+        """Return how a session stands."""
+        history = session.history
+        return cls(
+            session.boat.plain.tobytes(),
+            history.recording.branch,
+            session.time.frozen,
+            history.place,
+            history.tick,
+            session.conduct.ending.over,
+        )
+
+    def changed(self, after: "Posture") -> str:
+        """Return what has changed that a refusal does not change, "" for nothing."""
+        if self.branch != after.branch:
+            return "began a branch"
+        if self.frozen != after.frozen:
+            return "stopped time or let it go on"
+        return (
+            "changed the state" if self.state != after.state and self.place == after.place else ""
+        )
+
+
+def is_elsewhere(session: Session, station: Station) -> bool:
+    """Return whether another instructor has command, who is here."""
+    holder = session.conduct.command.holder
+    return (
+        station.role is INSTRUCTOR_ROLE
+        and holder is not None
+        and holder is not station
+        and holder in session.event_log.stations
+        and not holder.line.ended
+    )
+
+
+def check_kept(docket: Docket, path: Path, *, until: int, since: int = 0) -> None:
+    """L1: look for what was promised until a time [ns] at ``path``.
+
+    A process has left that.
+    What was promised before ``since`` [ns] was for the process to see to from then on.
+    """
+    with contextlib.closing(Recording.look(path)) as recording:
+        kept = promises_in(recording)
+    due = Counter(promise for promise, at in docket.promises if max(at, since) <= until)
+    for promise, count in due.items():
+        if kept[promise] < count:
+            docket.enter(
+                Law.KEPT,
+                f"{promise.kind} {promise.what!r} of {promise.who}, tick "
+                f"{promise.tick}: {count} answered, {kept[promise]} in the file",
+            )
+    remaining = []
+    for promise, at in docket.promises:  # what lost power has taken was never promised
+        if kept[promise] > 0:
+            kept[promise] -= 1
+            remaining.append((promise, at))
+    docket.promises = remaining
+
+
+def promises_in(recording: Recording) -> Counter[Promise]:
+    """Return the orders and marks in a recording, and how often each is there."""
+    kept: Counter[Promise] = Counter()
+    for branch in recording.branches():
+        for order in recording.orders(branch.id):
+            if order.branch == branch.id:
+                kept[Promise(order.who, order.text, order.tick, "order")] += 1
+    for event in recording.events():
+        if event.kind == MARK_KIND:
+            kept[Promise(event.who, event.text, event.tick, "mark")] += 1
+    return kept
+
+
+def check_whole(docket: Docket, path: Path) -> None:
+    """L3, and what L4 compares: fly all branches of the recording again."""
+    with contextlib.closing(Recording.look(path)) as recording, np.errstate(all="ignore"):
+        for flight in replay_anyway(recording):
+            if not flight.same:
+                why = flight.parting or flight.answers[:2] or flight.trouble
+                docket.enter(
+                    Law.FLOWN_AGAIN,
+                    f"branch {flight.branch.id}: {flight.unequal} of {flight.compared} states "
+                    f"differ: {why}",
+                )
+        for branch in recording.branches():
+            docket.trace.update(repr(branch).encode())
+            for order in recording.orders(branch.id):
+                docket.trace.update(repr(order).encode())
+            for tick, state in recording.states(branch.id):
+                docket.trace.update(b"%d:" % tick + state)
+        for event in recording.events():
+            docket.trace.update(repr(event).encode())

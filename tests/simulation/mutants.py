@@ -1,0 +1,227 @@
+"""Faults put back into the product, each of which a law has to find.
+
+``FAULTS`` has ten that nobody made, at the places where a careless hand would make them, and four
+that seeds found in the product. Those are mended; the scripts that show them are kept in
+``tests/corpus/simulation``.
+"""
+
+# ruff: noqa: SLF001  a fault lies in private parts
+
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from simulation.play import Change
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey_order
+from trainer.io.connection import MAX_WAITING_LINES, Connection
+from trainer.io.lines import OverlongLine
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording import file
+from trainer.io.recording.durability import NEVER_DUE, Syncer
+from trainer.io.recording.facts import Giver
+from trainer.io.recording.recording import Recording, RecordingError
+from trainer.session import dispatch, resume
+from trainer.session.dispatch import Dispatch
+from trainer.session.parts import Parts
+from trainer.session.questions import Questions
+from trainer.session.run_faces import LiveRun
+from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
+
+Fault = Callable[[pytest.MonkeyPatch], None]
+
+
+def gather_journal(patch: pytest.MonkeyPatch) -> None:
+    """Gather the journal as ticks are: an answered order reaches the file within a second."""
+    order = Recording.order
+
+    def gather(
+        self: Recording, tick: int, giver: Giver, text: str, place: int | None = None
+    ) -> int:
+        with pytest.MonkeyPatch.context() as quiet:
+            quiet.setattr(Recording, "flush", lambda *_: None)
+            return order(self, tick, giver, text, place)
+
+    patch.setattr(Recording, "order", gather)
+
+
+def answer_before_journal(patch: pytest.MonkeyPatch) -> None:
+    """Write the journal when the answer has gone out."""
+    gather_journal(patch)
+    hear = Dispatch.hear
+
+    def hear_and_write(self: Dispatch, asked: Request) -> None:
+        hear(self, asked)
+        self.session.history.recording.flush()
+
+    patch.setattr(Dispatch, "hear", hear_and_write)
+
+
+def leave_mark_waiting(patch: pytest.MonkeyPatch) -> None:
+    """Answer a mark, and let it wait until others are written."""
+
+    def mark(self: Questions, asked: Request) -> Reply:
+        remark = asked.order.subject
+        self.log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
+        return self.log.as_kept(f"marked at {self.history.boat.time:g} s")
+
+    patch.setattr(Questions, "_mark", mark)
+
+
+def run_after_end(patch: pytest.MonkeyPatch) -> None:
+    """Let time go on after the end of an exercise."""
+    for word in ("run", "step"):
+        patch.setitem(dispatch.ORDERS, word, dispatch.ORDERS[word]._replace(after_end=True))
+
+
+def refuse_too_late(patch: pytest.MonkeyPatch) -> None:
+    """Have a refused order leave a trace in the boat."""
+
+    def obey(boat: Boat, order: Order) -> Reply:
+        answer = obey_order(boat, order)
+        if isinstance(answer, Refused):
+            boat.state.hover_integral += 1.0
+        return answer
+
+    patch.setattr(dispatch, "obey_order", obey)
+
+
+def forget_last_orders(patch: pytest.MonkeyPatch) -> None:
+    """Go on with a recording without the orders after its last state."""
+    patch.setattr(resume, "obey_order", lambda _boat, _order: "done")
+
+
+def lose_short_write(patch: pytest.MonkeyPatch) -> None:
+    """Throw away what a short write leaves of a line."""
+
+    def write(self: Connection) -> None:
+        with self._lock:
+            batch = b"".join(self._said)
+        if not batch:
+            return
+        sent = self._end.send(batch)
+        with self._lock:
+            self._said_bytes -= sent
+            while sent > 0:
+                sent -= len(self._said.popleft())
+
+    patch.setattr(Connection, "_write", write)
+
+
+def never_sync(patch: pytest.MonkeyPatch) -> None:
+    """Do not ask the disk."""
+    patch.setattr(Syncer, "_sync", lambda self: setattr(self, "_due", NEVER_DUE))
+
+
+def lose_line(patch: pytest.MonkeyPatch) -> None:
+    """Lose a line that comes while those before it are taken."""
+
+    def take(self: Connection, most: int) -> list[str | OverlongLine]:
+        with self._lock:
+            held_back = len(self._heard) >= MAX_WAITING_LINES
+        lines = list(self._heard)[:most]
+        with self._lock:  # between the two another may have come
+            if len(lines) < most:
+                self._heard.clear()
+            else:
+                for _ in lines:
+                    self._heard.popleft()
+            self._asks = self._asks or bool(lines)
+        if held_back:
+            self._stir()
+        return lines
+
+    patch.setattr(Connection, "take", take)
+
+
+def forget_command(patch: pytest.MonkeyPatch) -> None:
+    """Let an instructor order who has no command."""
+    patch.setattr(dispatch, "ORDER_GATES", dispatch.ORDER_GATES[1:])
+
+
+def take_end_back(patch: pytest.MonkeyPatch) -> None:
+    """Do not look whether a jump has come to the exercise's end."""
+    arrive = Parts.arrive
+
+    def arrive_unseen(self: Parts) -> None:
+        with pytest.MonkeyPatch.context() as blind:
+            blind.setattr(LiveRun, "judge_arrival", LiveRun.judge_hull)
+            arrive(self)
+
+    patch.setattr(Parts, "arrive", arrive_unseen)
+
+
+def spin_hub(patch: pytest.MonkeyPatch) -> None:
+    """Have a line that is closed ring the bell of the thread that closes it."""
+    close = Connection.close
+
+    def close_and_stir(self: Connection, patience: float) -> None:
+        close(self, patience)
+        self._stir()
+
+    patch.setattr(Connection, "close", close_and_stir)
+
+
+def die_of_question(patch: pytest.MonkeyPatch) -> None:
+    """Let a question about a past that cannot be read end the session."""
+    duties = Questions.duties
+
+    def uncaught(duty: Duty) -> Duty:
+        def ask(asked: Request) -> Reply | LongAnswer | None:
+            try:
+                return duty(asked)
+            except RecordingError as error:
+                raise RuntimeError(str(error)) from error
+
+        return ask
+
+    def uncaught_duties(self: Questions) -> Mapping[str, Duty]:
+        answered: Mapping[str, Duty] = duties.__get__(self)
+        return {word: uncaught(duty) for word, duty in answered.items()}
+
+    patch.setattr(Questions, "duties", property(uncaught_duties))
+
+
+def trust_killed(patch: pytest.MonkeyPatch) -> None:
+    """Do not ask the disk for what a killed process had not asked for."""
+
+    def reopen(path: Path) -> Recording:
+        return Recording._writing(file.reopen(path), path)
+
+    patch.setattr(Recording, "reopen", reopen)
+
+
+FOUND: Final[Mapping[str, Fault]] = {
+    "end-taken-back": take_end_back,
+    "hub-spins": spin_hub,
+    "question-kills": die_of_question,
+    "kill-then-power": trust_killed,
+}
+FAULTS: Final[Mapping[str, Fault]] = {
+    "journal-gathered": gather_journal,
+    "answer-before-journal": answer_before_journal,
+    "mark-waiting": leave_mark_waiting,
+    "run-after-end": run_after_end,
+    "refused-too-late": refuse_too_late,
+    "last-orders-forgotten": forget_last_orders,
+    "short-write-lost": lose_short_write,
+    "never-synced": never_sync,
+    "line-lost": lose_line,
+    "command-forgotten": forget_command,
+    **FOUND,
+}
+
+
+def with_fault(fault: Fault) -> Change:
+    """Return the change of the product that puts a fault back."""
+
+    @contextlib.contextmanager
+    def change() -> Iterator[None]:
+        with pytest.MonkeyPatch.context() as patch:
+            fault(patch)
+            yield
+
+    return change

@@ -1,0 +1,253 @@
+"""A script is played: its processes one after the other, each until its end."""
+
+import contextlib
+import io
+import os
+import re
+import tempfile
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from threading import Event
+from typing import Final
+
+from simulation.disk import Disk, Image
+from simulation.laws import (
+    FOREVER_NS,
+    SAFE_AFTER_NS,
+    Docket,
+    Law,
+    Witness,
+    check_kept,
+    check_whole,
+)
+from simulation.machine import SECOND_NS, Machine, Task
+from simulation.network import Network
+from simulation.script import Ending, Life, Script
+from simulation.seam import played_on
+from simulation.stations import Program
+from trainer.config.files import read_text, shipped_path
+from trainer.config.outcome import Outcome
+from trainer.io.recording.recording import Recording
+from trainer.session.exercise import DebriefSource, Judgement, WrittenDebrief
+from trainer.session.options import RunOptions
+from trainer.session.resume import resume_boat
+from trainer.session.run import run_boat
+
+END_TIMEOUT_NS: Final = 60 * SECOND_NS  # for a session to end, once it is asked to
+KILL_TIMEOUT_NS: Final = 10 * SECOND_NS  # for the turns until a kill
+MAX_AWAKE_NS: Final = 3 * SECOND_NS // 2  # after which a machine that slept has asked its disk
+JUDGE_TIMES_S: Final = (0.0, 0.1, 1.0, 3.0)  # that marks take
+WRITE_TIME_S: Final = 0.5  # that a debrief takes
+RAM_FOLDER: Final = Path("/dev/shm")  # noqa: S108  where there is one: files that no disk waits for
+RECORDING: Final = "it.trainer"
+NOTHING_LEFT: Final = Image(b"", b"")
+
+Change = Callable[[], contextlib.AbstractContextManager[object]]  # of the product
+
+
+def play(script: Script, *changes: Change) -> Docket:
+    """Play a script on a machine of its own. Return what was seen.
+
+    The product is changed as ``changes`` say, as long as it is played.
+    """
+    with folder_in_memory(), contextlib.ExitStack() as stack:
+        for change in changes:
+            stack.enter_context(change())
+        return Stage(script).play()
+
+
+@contextlib.contextmanager
+def folder_in_memory() -> Iterator[None]:
+    """Stand in a new folder, which is gone afterwards: no path is on any line."""
+    where = RAM_FOLDER if os.access(RAM_FOLDER, os.W_OK) else None
+    folder = tempfile.TemporaryDirectory(prefix="trainer-s-", dir=where, ignore_cleanup_errors=True)
+    with folder as name, contextlib.chdir(name):
+        yield
+
+
+def exercise_of(script: Script) -> str:
+    """Return the exercise of a script, "" for none.
+
+    Where the script has a duration, it is a file with that.
+    """
+    if not script.duration:
+        return script.exercise
+    text = read_text(shipped_path("exercises", script.exercise))
+    path = Path(f"{script.exercise}.toml")
+    path.write_text(re.sub(r"(?m)^duration_s = .*$", f"duration_s = {script.duration}", text))
+    return str(path)
+
+
+@dataclass
+class Stage:
+    """The machine on which one script is played, and who looks on."""
+
+    script: Script
+    machine: Machine = field(default_factory=Machine)
+    network: Network = field(init=False)
+    disk: Disk = field(init=False)
+    docket: Docket = field(init=False)
+    witness: Witness = field(init=False)
+    _left: Image = NOTHING_LEFT  # of the recording, by the process before
+
+    def __post_init__(self) -> None:
+        self.network, self.disk = Network(self.machine), Disk(self.machine)
+        self.docket = Docket(self.machine)
+        self.witness = Witness(self.docket, self.machine)
+
+    def play(self) -> Docket:
+        """Play all processes, then look at the file.
+
+        None follows one that ends by itself or breaks a law.
+        """
+        with played_on(self.machine, self.network, self.disk) as patch:
+            self.witness.watch(patch)
+            for number, life in enumerate(self.script.lives, 1):
+                self.docket.life = number
+                if not self._live(life) or self.docket.breaches:
+                    break
+        if not self.docket.breaches:
+            check_kept(self.docket, self.disk.path, until=FOREVER_NS)
+            check_whole(self.docket, self.disk.path)
+        return self.docket
+
+    def _live(self, life: Life) -> bool:
+        """Play a process to its end; return whether another goes on with its recording."""
+        machine, first = self.machine, self.docket.life == 1
+        machine.boot(life.seed, life.interleaving)
+        self.network.boot()
+        path = Path(f"{self.docket.life}") / RECORDING
+        path.parent.mkdir()
+        if not first:
+            self._left.write(path)
+        self.disk.boot(path, slow=life.slow_disk)
+        self.witness.session = None
+        with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+            session = machine.begin(lambda: self._serve(life), "session")
+            others = self._begin_others(life)
+            self._let_live(life, session)
+            self._look(session, others)
+            goes_on = self._end(life, session)
+            machine.kill()
+        machine.now += int(life.rest * SECOND_NS)
+        return goes_on
+
+    def _begin_others(self, life: Life) -> int:
+        """Begin the stations and the mishaps of a process; return how many tasks."""
+        for number, player in enumerate(life.players):
+            hear = self._hearing(number)
+            program = Program(player, number, self.machine, self.network, self.docket, hear)
+            self.machine.begin(program.run, f"{player.role} {number}")
+        if life.mishaps:
+            self.machine.begin(lambda: self._befall(life), "mishaps")
+        return len(self.machine.tasks) - 1
+
+    def _hearing(self, number: int) -> Callable[[bytes], None]:
+        trace, machine = self.docket.trace, self.machine
+        return lambda data: trace.update(b"%d:%d:" % (number, machine.now) + data)
+
+    def _let_live(self, life: Life, session: Task) -> None:
+        """Let the process live for its time, and a killed one for some turns more."""
+        machine = self.machine
+        machine.run(
+            machine.now + int(life.seconds * SECOND_NS),
+            lambda: session.done or machine.deaths or self.docket.breaches,
+        )
+        if life.ending is not Ending.SIGNAL:  # the very turn is drawn, too
+            last, answered = machine.turns + life.turns, len(self.docket.promises)
+
+            def strikes() -> bool:
+                due = machine.turns >= last
+                return due and (not life.at_answer or len(self.docket.promises) > answered)
+
+            machine.run(
+                machine.now + KILL_TIMEOUT_NS,
+                lambda: session.done or machine.deaths or strikes(),
+            )
+
+    def _look(self, session: Task, others: int) -> None:
+        """Look at what a process has done, L8 to L10."""
+        machine = self.machine
+        for name, error in machine.deaths:
+            where = "".join(traceback.format_exception(error)[-3:])
+            self.docket.enter(Law.LIVES, f"the thread {name} died: {where}")
+        if not session.done:
+            self.witness.check_bounds(len(machine.tasks) - others, self.disk)
+
+    def _end(self, life: Life, session: Task) -> bool:
+        """End a process as the script says; return whether another is to go on."""
+        machine = self.machine
+        goes_on = not (session.done or machine.deaths or self.docket.breaches)
+        if goes_on and life.ending is not Ending.SIGNAL:
+            self._cut(life.ending)
+        elif goes_on:
+            goes_on = False
+            if self.witness.session:
+                self.witness.session.stop()
+            machine.run(machine.now + END_TIMEOUT_NS, lambda: session.done)
+            if self.witness.session and not session.done:
+                self.docket.enter(Law.LIVES, "it does not end within 60 s of a signal")
+        for name, at in machine.spinning[:1]:
+            self.docket.enter(Law.RESTS, f"the thread {name} spins at {at / SECOND_NS:.3f} s")
+        return goes_on
+
+    def _cut(self, ending: Ending) -> None:
+        """Take what a killed process leaves, or one without power; L1."""
+        disk, session, now = self.disk, self.witness.session, self.machine.now
+        system = Image.of(disk.path)
+        self._left, until, since = system, now, 0
+        disk.kept = disk.kept or Image(system.file, b"")  # it was made whole, and never asked for
+        self.docket.kills += ending is Ending.KILLED
+        if ending is Ending.POWER:
+            self.docket.power_cuts += 1
+            self._left = disk.kept
+            told = session and session.history.recording.behind  # then nothing is promised
+            asleep = now - disk.woken_at < MAX_AWAKE_NS
+            until, since = 0 if told or asleep else now - SAFE_AFTER_NS, disk.opened_at
+        looked = Path(f"{self.docket.life}-left") / RECORDING
+        looked.parent.mkdir()
+        self._left.write(looked)
+        check_kept(self.docket, looked, until=until, since=since)
+
+    def _befall(self, life: Life) -> None:
+        for mishap in life.mishaps:
+            self.machine.sleep(mishap.after)
+            self.disk.trouble(mishap.trouble, mishap.seconds)
+
+    def _serve(self, life: Life) -> None:
+        """Be the process: a session that is served, begun or gone on with."""
+        script = self.script
+        options = {
+            "serve": True,
+            "listen": "127.0.0.1:0",
+            "socket": "none",
+            "priority": "normal",
+            "headless": True,
+            "unsafe_step": True,
+            "speed": script.speed,
+            "frozen": life.frozen,
+        }
+        source = DebriefSource(self._judge, self._write)
+        if self.docket.life > 1:
+            resume_boat(self.disk.path, RunOptions(**options), source, anyway=False)  # type: ignore[arg-type]
+            return
+        begun = {
+            "exercise": exercise_of(script) or None,
+            "record": self.disk.path,
+            "given": frozenset({"exercise"}),
+        }
+        run_boat(RunOptions(**options, **begun), debriefing=source)  # type: ignore[arg-type]
+
+    def _judge(self, path: Path, branch: int) -> Judgement:
+        self.machine.sleep(self.machine.dice.choice(JUDGE_TIMES_S))
+        with contextlib.closing(Recording.look(path)) as recording:
+            return Judgement(Outcome.WON, float(recording.last_tick(branch)), ("reason",))
+
+    def _write(
+        self, path: Path, _branch: int, _closing: Event, share: Callable[[float], object]
+    ) -> WrittenDebrief:
+        share(0.5)
+        self.machine.sleep(WRITE_TIME_S)
+        return WrittenDebrief(f"{path.stem}.html")

@@ -1,0 +1,283 @@
+"""A script is all that happens to one session, as data.
+
+``draw_script`` makes one of a seed. Times are in seconds of the machine's clock, each counted from
+the end of what comes before it.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from enum import Enum
+from pathlib import Path
+from random import Random
+from typing import Any, Final
+
+from simulation.disk import Trouble
+from simulation.network import ROOM_BYTES
+
+EXERCISES: Final = (
+    *("", "", "depth-changes", "visitor-dive", "rise-jam-shallow", "watch"),
+    *("crossing-traffic", "bottoming", "periscope-depth"),
+)  # "": none
+ROLES: Final = ("instructor", "instructor", "helm", "planes", "ballast", "observer")
+TIME_SPEEDS: Final = (1.0, 5.0, 20.0, 100.0)
+ORDER_RATES_HZ: Final = (0.5, 2.0, 5.0)
+LIFE_TIMES_S: Final = (3.0, 8.0, 20.0, 40.0)
+MAX_LIVES: Final = 4
+MAX_SEED: Final = 2**31
+FEW_BYTES: Final = 2_000  # that a small client keeps before it reads
+# What is there more than once is said more often.
+WORDS: Final[Mapping[str, str]] = {
+    "instructor": """freeze|run|run|run|step 3|step 40|time 20|time 1|time 100|snapshot A|snapshot B
+        |restore A|restore B|reset|backtrack 5 s|backtrack 30 s|replay 10 s|replay 20 s|take over
+        |again|again from here|again from A|again from 20 s|branch 1|branch 2|branch 9
+        |branches|branches|branches|snapshots|snapshots|snapshots|plans
+        |at 30 s depth 70|in 10 s depth 80|in 2 s course 010
+        |when depth over 62 then rudder left 5|cancel 1|cancel all|end exercise|release marks
+        |debrief|take command|give command|keep command|mark hello|casualty rudder-stuck 5
+        |casualties|clear casualty|sea state 4|sea state 0|order depth 90|order course 120
+        |tell helm steady|depth 70|course 090|rudder left 10|history motion 20 s|who|status|log 5
+        |quit|current set 090 2|ack 1|restart|emergency blow|subscribe motion|subscribe ledger""",
+    "helm": """rudder left 10|rudder right 20|rudder midships|course 045|speed 8|bell ahead full|aye
+        |report ready|ready|status|depth 70|freeze|who|subscribe steering|history gauges 20 s
+        |rudder manual|rudder auto""",
+    "planes": """stern rise 5|stern dive 10|bow dive 3|planes zero|depth 80|aye|report ready|ready
+        |planes manual|planes auto|rudder left 5|log 3|subscribe diving""",
+    "ballast": """blow forward|blow aft|vent forward open|vent aft open|vent forward shut
+        |negative flood|trim auto|trim manual|emergency blow|compressor on|hover on|hover off
+        |flood auxiliary 500|ready|report ready|aye""",
+    "observer": "mark one|mark two|who|status|log 9|subscribe gauges|history events 60 s|help",
+    "visitor": "lever dive 3|lever rise 2|lever zero|restart|status|freeze|mark no",
+}
+CHOICES: Final = {
+    role: tuple(each.strip() for each in words.split("|")) for role, words in WORDS.items()
+}
+NOISE: Final = (
+    *("\xff\xfd\x01hel\xff\r\n", "$TRO,900001,depth 70*00\r\n", "nonsense\r\n", "\r\n\n\r"),
+    *("x" * 3000 + "\r\n", "depth 99999\r\n", "\x1b[2J\r\n", "caf\xe9\r\n", "$$$***\r\n"),
+    *("depth 7\b80\r\n", "name \u20ac\r\n".encode().decode("latin-1")),
+)
+LINE_ENDS: Final = ("\r\n", "\n", "\r")
+
+
+class Farewell(Enum):
+    """How a program leaves its line."""
+
+    HANGS_UP = "hangs up"
+    RESET = "resets the connection"
+    HALF = "hangs up within a line"
+
+
+class Ending(Enum):
+    """How a process ends that does not end by itself."""
+
+    KILLED = "kill -9"
+    POWER = "the power goes"
+    SIGNAL = "a signal asks it to end"
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a script."""
+
+    after: float  # what comes before it has ended
+
+
+@dataclass(frozen=True)
+class Act(Part):
+    """Something that a program sends."""
+
+    words: str
+    noise: bool = False  # the words are bytes (latin-1), and no sentence
+    pause: float = 0.0  # within the line
+    end: str = "\r\n"
+
+
+@dataclass(frozen=True)
+class Visit(Part):
+    """A line of a program, from its call to its farewell."""
+
+    acts: tuple[Act, ...]
+    reads: bool = True  # False: it never takes what it is sent
+    room: int = ROOM_BYTES  # [bytes] that it keeps before it reads
+    farewell: Farewell = Farewell.HANGS_UP
+
+
+@dataclass(frozen=True)
+class Player:
+    """A program at the far end of a line, with a role."""
+
+    role: str
+    visits: tuple[Visit, ...]
+
+
+@dataclass(frozen=True)
+class Mishap(Part):
+    """What befalls the disk, or the machine."""
+
+    trouble: Trouble
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Life:
+    """A process of the session, and how it ends."""
+
+    seed: int  # of whose turn it is
+    seconds: float  # until it is ended
+    ending: Ending
+    turns: int  # of threads after that time, until a kill strikes
+    players: tuple[Player, ...]
+    mishaps: tuple[Mishap, ...] = ()
+    at_answer: bool = False  # then it waits for the next answer, and strikes before all else
+    interleaving: float = 0.05  # [-] the chance that a thread comes in between
+    frozen: bool = False
+    slow_disk: bool = False
+    rest: float = 0.0  # before the next process begins
+
+
+@dataclass(frozen=True)
+class Script:
+    """A session: its exercise and its processes, each of which goes on with the recording."""
+
+    exercise: str
+    duration: float  # of the exercise, 0 for its own
+    speed: float  # of time
+    lives: tuple[Life, ...]
+
+    @property
+    def acts(self) -> int:
+        """Return how many lines are sent."""
+        visits = (
+            visit for life in self.lives for player in life.players for visit in player.visits
+        )
+        return sum(len(visit.acts) for visit in visits)
+
+
+def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
+    """Return the script of a seed, no process of which is played for longer [s]."""
+    dice = Random(f"{seed}/script")  # noqa: S311  no secrets
+    exercise = dice.choice(EXERCISES)
+    duration = dice.choice((0.0, 5.0, 20.0, 120.0)) if exercise else 0.0
+    rate = dice.choice(ORDER_RATES_HZ)
+    speed = dice.choice(TIME_SPEEDS)
+    lives: list[Life] = []
+    while True:
+        lives.append(_draw_life(dice, exercise, rate, longest))
+        if len(lives) > 1 and lives[-2].ending is Ending.KILLED and dice.random() < 0.25:
+            lives[-1] = _strike_again(dice, lives[-1])
+        if lives[-1].ending is Ending.SIGNAL or len(lives) == MAX_LIVES:
+            return Script(exercise, duration, speed, tuple(lives))
+
+
+def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life:
+    seconds = dice.uniform(0.3, 1.0) * min(dice.choice(LIFE_TIMES_S), longest)
+    quiet = dice.random() < 0.15  # frozen, and nobody comes at once
+    roles = list(ROLES[: dice.randrange(2, len(ROLES) + 1)])
+    if exercise == "visitor-dive":
+        roles.append("visitor")
+    wait = dice.choice((0.5, 5.0)) if quiet else 1.0
+    return Life(
+        seed=dice.randrange(MAX_SEED),
+        seconds=seconds,
+        ending=dice.choices(tuple(Ending), (0.4, 0.2, 0.4))[0],
+        turns=dice.randrange(1, 300),
+        at_answer=dice.random() < 0.5,
+        players=tuple(_draw_player(dice, role, rate, seconds, wait) for role in roles),
+        mishaps=_draw_mishaps(dice, seconds) if dice.random() < 0.5 else (),
+        interleaving=dice.choice((0.0, 0.05, 0.3)),
+        frozen=quiet or dice.random() < 0.25,
+        slow_disk=dice.random() < 0.2,
+        rest=dice.choice((0.0, 60.0)),
+    )
+
+
+def _strike_again(dice: Random, life: Life) -> Life:
+    """Return a life after a kill in which nobody says anything, and then the power goes."""
+    seconds = dice.uniform(1.0, 4.0)
+    return replace(life, seconds=seconds, ending=Ending.POWER, players=(), mishaps=(), frozen=True)
+
+
+def _draw_player(dice: Random, role: str, rate: float, seconds: float, wait: float) -> Player:
+    visits, now = [], 0.0
+    while now < seconds:
+        after = dice.expovariate(1.0 / wait)
+        acts = []
+        now += after
+        for _ in range(dice.choice((5, 30, 100))):
+            acts.append(_draw_act(dice, role, rate))
+            now += acts[-1].after + acts[-1].pause
+            if now > seconds:
+                break
+        visits.append(
+            Visit(
+                after,
+                tuple(acts),
+                reads=dice.random() < 0.9,
+                room=dice.choice((ROOM_BYTES, ROOM_BYTES, ROOM_BYTES, FEW_BYTES)),
+                farewell=dice.choice(tuple(Farewell)),
+            )
+        )
+    return Player(role, tuple(visits))
+
+
+def _draw_act(dice: Random, role: str, rate: float) -> Act:
+    after = dice.expovariate(rate)
+    if dice.random() < 0.08:
+        return Act(after, dice.choice(NOISE), noise=True)
+    whose = role if dice.random() < 0.9 else dice.choice(tuple(CHOICES))
+    words = dice.choice(CHOICES[whose])
+    if words == "quit" and dice.random() < 0.8:  # else no session lives long
+        words = "status"
+    pause = dice.expovariate(5.0) if dice.random() < 0.1 else 0.0
+    return Act(after, words, pause=pause, end=dice.choice(LINE_ENDS))
+
+
+def _draw_mishaps(dice: Random, seconds: float) -> tuple[Mishap, ...]:
+    mishaps, now = [], 0.0
+    while now < seconds:
+        trouble = dice.choice((*Trouble, Trouble.LOCKED, Trouble.UNREADABLE))
+        times = (0.1, 20.0) if trouble is Trouble.ASLEEP else (0.05, 5.0)
+        mishaps.append(Mishap(dice.expovariate(0.25), trouble, dice.uniform(*times)))
+        now += mishaps[-1].after + mishaps[-1].seconds
+    return tuple(mishaps)
+
+
+def write_script(script: Script, path: Path) -> None:
+    """Write a script into a file of JSON."""
+    table = asdict(script)
+    text = json.dumps(table, indent=1, default=lambda each: each.value)
+    path.write_text(f"{text}\n", encoding="utf-8")
+
+
+def read_script(path: Path) -> Script:
+    """Read a script back."""
+    return _script_of(json.loads(path.read_text(encoding="utf-8")))
+
+
+def _script_of(table: dict[str, Any]) -> Script:
+    return Script(**{**table, "lives": tuple(_life_of(each) for each in table["lives"])})
+
+
+def _life_of(table: dict[str, Any]) -> Life:
+    mishaps = (Mishap(**{**each, "trouble": Trouble(each["trouble"])}) for each in table["mishaps"])
+    parts = {
+        "ending": Ending(table["ending"]),
+        "players": tuple(_player_of(each) for each in table["players"]),
+        "mishaps": tuple(mishaps),
+    }
+    return Life(**{**table, **parts})
+
+
+def _player_of(table: dict[str, Any]) -> Player:
+    visits = (
+        Visit(
+            **{
+                **each,
+                "acts": tuple(Act(**act) for act in each["acts"]),
+                "farewell": Farewell(each["farewell"]),
+            }
+        )
+        for each in table["visits"]
+    )
+    return Player(table["role"], tuple(visits))

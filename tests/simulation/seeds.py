@@ -1,0 +1,45 @@
+"""A seed is played: its script once, and some scripts twice."""
+
+from typing import Final, NamedTuple
+
+from simulation.laws import Breach, Law
+from simulation.play import Change, play
+from simulation.script import Script, draw_script
+
+TWICE_EVERY: Final = 10  # seeds: of these one is played again, for L4
+
+
+class Played(NamedTuple):
+    """What came of a seed."""
+
+    seed: int
+    breaches: tuple[Breach, ...]
+    counts: dict[str, int]
+    trace: str  # the digest of all bytes
+
+
+def play_seed(seed: int, longest: float) -> Played:
+    """Play the script of a seed, no process of which lives longer [s]."""
+    script = draw_script(seed, longest)
+    docket = play(script)
+    breaches = list(docket.breaches)
+    trace = docket.trace.hexdigest()
+    if seed % TWICE_EVERY == 0 and play(script).trace.hexdigest() != trace:
+        breaches.append(Breach(Law.SAME_BYTES, "played again, its bytes are others"))
+    counts = {
+        "seeds": 1,
+        "processes": docket.life,
+        "kills": docket.kills,
+        "power cuts": docket.power_cuts,
+        "orders": docket.orders,
+        "answers": docket.answers,
+        "ticks": docket.ticks,
+    }
+    return Played(seed, tuple(breaches), counts, trace)
+
+
+def breaks_law(script: Script, law: Law, *changes: Change) -> bool:
+    """Return whether a script breaks a law, with the product changed so."""
+    if law is Law.SAME_BYTES:
+        return play(script, *changes).trace.digest() != play(script, *changes).trace.digest()
+    return any(breach.law is law for breach in play(script, *changes).breaches)

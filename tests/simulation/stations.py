@@ -1,0 +1,152 @@
+"""The programs at the far ends of the lines.
+
+They say what the script has, and read what they are sent.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+from simulation.laws import Docket, Law
+from simulation.machine import Machine
+from simulation.network import Network, Socket
+from simulation.script import Act, Farewell, Player, Visit
+from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
+from trainer.session.stations.roles import ROLES, hears_kind
+
+NOISE_TAG: Final = 900_000  # and above: of sentences that are noise
+REDIAL_S: Final = 0.5  # [s] until a program calls again where nobody listens
+HEAR_OUT_S: Final = 1.0  # [s] for which a program that hangs up waits for answers
+GIVE_UP_S: Final = 0.2  # [s] after which a program that cannot send hangs up
+
+
+@dataclass
+class Program:
+    """One program, through its visits."""
+
+    player: Player
+    number: int
+    machine: Machine
+    network: Network
+    docket: Docket
+    hear: Callable[[bytes], object]  # told all that comes
+    _end: Socket = field(init=False, repr=False)
+    _asked: deque[str] = field(default_factory=deque)  # tags of whole orders on this line
+    _tag: int = 0
+    _rest: bytes = b""
+    _entered: bool = False  # its role was granted
+
+    def run(self) -> None:
+        """Make all visits."""
+        for visit in self.player.visits:
+            self.machine.sleep(visit.after)
+            while (end := self.network.call(visit.room)) is None:
+                self.machine.sleep(REDIAL_S)
+            self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
+            if self._say(Act(0.0, f"role {self.player.role}")) and self._act(visit):
+                self._leave(visit.farewell)
+            end.close()
+
+    def _act(self, visit: Visit) -> bool:
+        """Say all that is to be said; return whether the line is still there."""
+        machine = self.machine
+        for act in visit.acts:
+            if not visit.reads:
+                machine.sleep(act.after)
+            elif not self._listen(act.after):
+                return False
+            if not self._say(act):
+                return False
+        hears_out = visit.reads and visit.farewell is Farewell.HANGS_UP
+        return not hears_out or self._listen(HEAR_OUT_S)
+
+    def _listen(self, seconds: float) -> bool:
+        """Read what comes for a time; return whether the line is still there."""
+        machine = self.machine
+        until = machine.now + int(seconds * 1e9)
+        while machine.wait(self._is_heard, max(until - machine.now, 0) / 1e9):
+            if not self._read():
+                return False
+        return True
+
+    def _is_heard(self) -> bool:
+        return self._end.readable
+
+    def _say(self, act: Act) -> bool:
+        """Send a line; return whether the line is still there."""
+        if act.noise:
+            return self._send(act.words.encode("latin-1"))
+        self._tag += 1
+        data = f"{order_sentence(act.words, str(self._tag))}{act.end}".encode()
+        half = len(data) // 2 if act.pause else 0
+        if half:
+            if not self._send(data[:half]):
+                return False
+            self.machine.sleep(act.pause)
+        self._asked.append(str(self._tag))  # it may be answered before the last turn comes back
+        return self._send(data[half:])
+
+    def _send(self, data: bytes) -> bool:
+        try:
+            while data:
+                data = data[self._end.send(data) :]
+        except BlockingIOError:
+            self.machine.sleep(GIVE_UP_S)
+            return False
+        except OSError:
+            return False
+        return True
+
+    def _leave(self, farewell: Farewell) -> None:
+        if farewell is Farewell.HALF:
+            self._send(order_sentence("depth 90", str(NOISE_TAG)).encode()[:-7])
+        self._end.peer.reset = farewell is Farewell.RESET
+
+    def _read(self) -> bool:
+        """Take what has come; return whether the line is still there."""
+        try:
+            data = self._end.recv(100_000)
+        except OSError:
+            return False
+        self.hear(data)
+        *lines, self._rest = (self._rest + data).split(b"\r\n")
+        for line in lines:
+            if line.startswith(b"$"):
+                self._hear_sentence(line.decode("ascii"))
+        return bool(data)
+
+    def _hear_sentence(self, line: str) -> None:
+        sentence = parse_sentence(line)
+        if sentence is None:
+            self.docket.enter(Law.ANSWERS, f"{self._name}: a damaged line: {line!r}")
+        elif sentence.kind == "TRA":
+            self._hear_answer(sentence, line)
+        elif self._entered:
+            self._hear_shown(sentence, line)
+
+    def _hear_answer(self, sentence: Sentence, line: str) -> None:
+        """L5: the next answer on a line is that of the oldest order that has none."""
+        if sentence.fields[0] == "say" or not sentence.tag or int(sentence.tag) >= NOISE_TAG:
+            return
+        if not self._asked or self._asked[0] != sentence.tag:
+            waiting = ", ".join(list(self._asked)[:4]) or "none"
+            self.docket.enter(Law.ANSWERS, f"{self._name}: {line!r}, where {waiting} wait")
+        while self._asked and self._asked.popleft() != sentence.tag:
+            pass
+        self._entered = self._entered or sentence.fields[0] == "ok"
+        self.docket.answers += 1
+
+    def _hear_shown(self, sentence: Sentence, line: str) -> None:
+        """L11: a line has the channels and the events of its role alone."""
+        role, shown = ROLES[self.player.role], sentence.fields
+        if sentence.kind in ("TRN", "TRS"):
+            allowed = shown[0] in role.channels
+        else:
+            allowed = sentence.kind != "TRE" or hears_kind(role, shown[2])
+        if not allowed:
+            self.docket.enter(Law.SECRETS, f"{self._name} may not see {line!r}")
+
+    @property
+    def _name(self) -> str:
+        return f"{self.player.role} {self.number}"

@@ -1,0 +1,111 @@
+"""Whole sessions hold every law, by as many seeds as half a minute of processor holds."""
+
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Final
+
+import pytest
+from helpers import places
+
+from simulation.laws import Law
+from simulation.play import play
+from simulation.script import (
+    Act,
+    Ending,
+    Life,
+    Player,
+    Script,
+    Visit,
+    draw_script,
+    read_script,
+    write_script,
+)
+from simulation.seeds import play_seed
+
+SEEDS: Final = 60  # `python -m tests.simulation` plays more
+GROUPS: Final = 4  # of them, for several workers
+LONGEST_S: Final = 10.0  # that a process lives
+KEPT: Final = sorted((places.TESTS / "corpus" / "simulation").glob("*.json"))
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("group", range(GROUPS))
+def test_sessions_of_many_seeds_hold_every_law(group: int) -> None:
+    played = [play_seed(seed, LONGEST_S) for seed in range(1 + group, 1 + SEEDS, GROUPS)]
+
+    assert not [(each.seed, *map(str, each.breaches)) for each in played if each.breaches]
+    assert sum(each.counts["kills"] for each in played)
+    assert sum(each.counts["power cuts"] for each in played)
+
+
+@pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem)
+def test_what_once_broke_a_law_breaks_none(path: Path) -> None:
+    docket = play(read_script(path))
+
+    assert not docket.breaches
+    assert docket.ticks or docket.orders
+
+
+def test_a_script_is_read_back_from_its_file(tmp_path: Path) -> None:
+    script = draw_script(random.Random(1969).randrange(1000))  # noqa: S311
+    write_script(script, tmp_path / "script.json")
+
+    assert read_script(tmp_path / "script.json") == script
+
+
+PLAY: Final = """
+import sys
+from simulation.seeds import play_seed
+print(*(play_seed(seed, 5.0).trace for seed in (3, 7, 10)))
+"""
+
+
+@pytest.mark.process
+def test_a_seed_gives_the_same_bytes_in_another_process_with_another_hash_seed() -> None:
+    traces = {
+        subprocess.run(
+            [sys.executable, "-c", PLAY],
+            env=places.tests_environment(PYTHONHASHSEED=hash_seed),
+            stdout=subprocess.PIPE,
+            check=True,
+        ).stdout
+        for hash_seed in ("1", "2")
+    }
+
+    assert len(traces) == 1
+    assert len(set(traces.pop().split())) == 3
+
+
+def lone(*words: str, seconds: float = 10.0) -> Script:
+    """Return the script of an instructor alone, who says these words, one each second."""
+    acts = tuple(Act(1.0, each) for each in words)
+    player = Player("instructor", (Visit(0.1, acts),))
+    return Script("", 0.0, 1.0, (Life(1, seconds, Ending.SIGNAL, 1, (player,)),))
+
+
+def test_time_jumps_to_what_comes_next() -> None:
+    """A second that nobody uses costs nothing, and one that is flown its ticks."""
+    docket = play(lone("freeze", seconds=1000.0))
+
+    assert not docket.breaches
+    assert docket.answers == 2
+    assert docket.ticks < 10
+
+
+def test_a_session_that_goes_on_flies_its_ticks() -> None:
+    docket = play(lone("depth 70", "course 010", seconds=30.0))
+
+    assert not docket.breaches
+    assert abs(docket.ticks - 60) <= 1
+    assert docket.answers == 3
+
+
+def test_a_law_that_is_broken_is_told_with_its_process() -> None:
+    docket = play(lone("depth 70"))
+    docket.enter(Law.KEPT, "an order is gone")
+
+    assert "L1" in str(docket.breaches[0])
+    assert "process 1" in str(docket.breaches[0])
