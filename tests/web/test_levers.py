@@ -545,4 +545,4 @@ def see_wide(page: Page) -> None:
             assert min(each["right"] for each in beside) < 2.0, f"{width}x{height}"
         for each in charts:
             assert each["canvas"] == pytest.approx(1.0, abs=0.02)
-            assert each["plot"] > 0.75, (width, height, each)
+            assert each["plot"] > 0.7, (width, height, each)  # the rest is figures at the axes
