@@ -140,7 +140,7 @@ def within_engine(vessel: Record, wanted: float, state: Record) -> float:
 
 @part
 def lag_share(vessel: Record, h: float) -> float:
-    """Return the share [-] of the way to their target that the revolutions go in ``h`` [s]."""
+    """Return the share [-] of their way that the revolutions go in ``h`` [s]."""
     lag = vessel[0].propulsion_lag
     return 1.0 - exponential(-h / lag) if lag > 0.0 else 1.0
 
@@ -155,7 +155,7 @@ def write_lag_share(vessel: Record, h: float, scratch: Record) -> None:
 
 @part
 def kept_lag_share(vessel: Record, h: float, scratch: Record) -> float:
-    """Return the share of a tick of ``h`` [s] from the work space, made where it does not fit."""
+    """Return the share of a tick of ``h`` [s], made anew where it does not fit."""
     work = scratch[0]
     if work.lag_h != h or work.lag != vessel[0].propulsion_lag:
         write_lag_share(vessel, h, scratch)
