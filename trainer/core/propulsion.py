@@ -155,7 +155,7 @@ def write_lag_share(vessel: Record, h: float, scratch: Record) -> None:
 
 @part
 def kept_lag_share(vessel: Record, h: float, scratch: Record) -> float:
-    """Return the share of a tick of ``h`` [s], made anew where it does not fit."""
+    """Return the share of a tick of ``h`` [s], made anew where needed."""
     work = scratch[0]
     if work.lag_h != h or work.lag != vessel[0].propulsion_lag:
         write_lag_share(vessel, h, scratch)
