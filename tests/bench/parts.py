@@ -123,7 +123,7 @@ def loop_autopilot(
 ) -> None:
     """Let the autopilot command, so many ticks."""
     for _ in range(count):
-        autopilot(vessel, scheme[0].h, state, scratch[0].gains)
+        autopilot(vessel, scheme[0].h, state, scratch)
 
 
 @kernel

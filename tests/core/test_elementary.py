@@ -1,5 +1,6 @@
 """The core's own sine, cosine, exponential and logarithm against a wider format."""
 
+import math
 import subprocess
 import sys
 from typing import Any
@@ -7,7 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.core.elementary import cosine, cosine_and_sine, exponential, logarithm, sine
+from trainer.core.elementary import (
+    MAX_POWER,
+    POWERS_OF_TWO,
+    cosine,
+    cosine_and_sine,
+    cosine_and_sine_of_any,
+    exponential,
+    logarithm,
+    sine,
+)
 
 pytestmark = pytest.mark.core
 
@@ -52,9 +62,17 @@ def test_sine_is_odd_and_cosine_even_to_the_bit() -> None:
 
 
 def test_cosine_and_sine_together_are_the_same_to_the_bit() -> None:
-    for x in np.random.default_rng(5).uniform(-20.0, 20.0, 500):
-        assert cosine_and_sine(x) == (cosine(x), sine(x))
+    for reach in (20.0, 0.8, 1e-9):  # 0.78 rad is small
+        for x in np.random.default_rng(5).uniform(-reach, reach, 500):
+            assert cosine_and_sine(x) == (cosine(x), sine(x))
+            assert cosine_and_sine(x) == cosine_and_sine_of_any(x)
     assert cosine_and_sine(-1e12) == (cosine(-1e12), sine(-1e12))
+
+
+def test_the_table_of_powers_of_two_has_the_bits_of_ldexp() -> None:
+    for k in range(-MAX_POWER, MAX_POWER + 1):
+        for x in (0.7, 1.0, 1.4142135623730951):
+            assert x * POWERS_OF_TWO[MAX_POWER + k] == math.ldexp(x, k)
 
 
 def test_values_at_the_corners() -> None:

@@ -19,6 +19,7 @@ from trainer.core.kinematics import EXACT_TRIGONOMETRY, attitude_of
 from trainer.core.sea.sea import COSINES, DIRECTION
 from trainer.core.state import new_scratch, new_state
 from trainer.core.surfaced import is_near_surface
+from trainer.core.update import LATE_PLACES, WRITTEN_COUNT, is_sound, lost
 from trainer.units import KNOT
 
 SEAS: Final = ("calm", "sea-state-3", "sea-state-6")
@@ -107,6 +108,72 @@ def test_a_sea_that_turns_has_the_bits_of_a_work_space_that_knows_no_direction(
         in_a_loop(fresh.records, 1)
         assert boat.records.state.tobytes() == fresh.records.state.tobytes(), tick
     assert boat.records.scratch[0].direction == boat.state.sea_direction
+
+
+def test_a_tick_has_the_bits_of_one_whose_work_space_is_empty() -> None:
+    boat, fresh = boat_at(18.0, "sea-state-5"), boat_at(18.0, "sea-state-5")
+    periods = set()
+    for tick in range(FLIGHT_TICKS):
+        if tick == FLIGHT_TICKS - 40:
+            for each in (boat, fresh):
+                each.records.scheme["h"] = 0.25
+                each.vessel.propulsion_lag *= 2.0
+        fresh.records.scratch[:] = new_scratch()
+        in_a_loop(boat.records, 1)
+        in_a_loop(fresh.records, 1)
+        assert boat.records.state.tobytes() == fresh.records.state.tobytes(), tick
+        periods.add(float(boat.records.scratch[0].notch_period))
+    work = boat.records.scratch[0]
+    assert len(periods) > 2  # notches were made anew as waves were counted
+    assert (work.notch_h, work.lag_h, work.lag) == (0.25, 0.25, boat.vessel.propulsion_lag)
+
+
+def test_numbers_whose_sums_are_in_range_are_in_range_one_by_one() -> None:
+    state = new_state()
+    s, rng = state[0], np.random.default_rng(9)
+    seen = set()
+    for _ in range(4000):
+        numbers = rng.normal(size=24) * 10.0 ** rng.uniform(-3.0, 10.0, 24)
+        numbers[rng.integers(0, 24)] *= rng.choice([1.0, 1.0, 1.0, math.inf, math.nan])
+        s.motion[:6], s.motion[6:], s.rates[:] = (
+            numbers[:6] * 1e-6,
+            numbers[6:12],
+            numbers[12:] * 1e-3,
+        )
+        seen.add((is_sound(state), lost(state) == 0))
+    assert seen == {(True, True), (False, True), (False, False)}
+    s.motion[:], s.rates[:] = 1.0, 1.0
+    assert is_sound(state)
+    for place in ("motion", "rates"):
+        for i in range(12):
+            for wrong in (math.nan, math.inf, -1e9):
+                s[place][i] = wrong
+                assert not is_sound(state), (place, i)
+                s[place][i] = 1.0
+
+
+def test_a_tick_writes_no_number_that_it_does_not_save() -> None:
+    for depth, way in product((60.0, 12.0), (*WAYS, ("full", "exact", "adams4"))):
+        boat = boat_at(depth, "sea-state-3", way)
+        s = boat.state
+        s.bottom[0], s.ship_force[:], s.current[:] = depth + 4.0, 1e3, 0.1
+        s.crew_order[:] = s.crew_order_tick[:] = 3.0
+        s.blow_forward, s.casualty[0], s.casualty_ticks[0] = 2.0, 1.0, 9.0
+        for _ in range(60):
+            before = s.whole.copy()
+            in_a_loop(boat.records, 1)
+            written = np.flatnonzero(before != s.whole)
+            saved = (written < WRITTEN_COUNT) | np.isin(written, LATE_PLACES)
+            assert saved.all(), written[~saved]
+
+
+def test_a_hand_over_is_faded_while_there_is_any() -> None:
+    boat = boat_at(60.0)
+    for surface in range(3):
+        boat.state.handover[:] = 0.0
+        boat.state.handover[surface] = 1e-3
+        in_a_loop(boat.records, 1)
+        assert 0.0 < boat.state.handover[surface] < 1e-3
 
 
 def test_pitch_and_roll_have_the_bits_of_sine_and_cosine() -> None:

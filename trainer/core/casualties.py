@@ -18,7 +18,7 @@ import numpy as np
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED_TANKS, PUMPS
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
-from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, STATE, VALVES
+from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, VALVES, place_of
 from trainer.core.surfaces import SURFACES
 
 # Of two faults on one surface or gauge only the one that is later in these lists acts.
@@ -54,11 +54,6 @@ class CasualtyKind(NamedTuple):
     holds: bool = False  # it holds what it finds, whatever amount it is given
 
 
-def _place(name: str) -> int:
-    """Return the place in the state [-] of a field."""
-    return int((STATE.fields or {})[name][1]) // 8  # type: ignore[index]
-
-
 CASUALTY_TABLE: Final = (
     *(
         CasualtyKind(f"{surface}-{name}", surface=number, fault=fault, holds=fault == SURFACE_STUCK)
@@ -68,10 +63,10 @@ CASUALTY_TABLE: Final = (
     CasualtyKind("propulsion-lost"),
     CasualtyKind("propulsion-stuck", holds=True),
     CasualtyKind("autopilot-failed"),
-    *(CasualtyKind(name, place=place) for place, name in enumerate(FAULTS, _place("breach"))),
+    *(CasualtyKind(name, place=place) for place, name in enumerate(FAULTS, place_of("breach"))),
     *(  # a vent stuck open is a vent shut with the sign turned: one place has both faults
         CasualtyKind(f"vent-{name}-open", place=place, sense=-1)
-        for place, name in enumerate(VALVES, _place("vent_fault"))
+        for place, name in enumerate(VALVES, place_of("vent_fault"))
     ),
     *(
         CasualtyKind(f"{name}-{how}", gauge=gauge, fault=fault, holds=fault == GAUGE_STUCK)

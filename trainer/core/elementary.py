@@ -38,6 +38,9 @@ ARCTANGENT_EIGHTHS: Final = np.array(  # arctan k/8, to the nearest double
         0.7853981633974483,
     ]
 )
+MAX_POWER: Final = 64  # of two in the table, whose products are exact
+POWERS_OF_TWO: Final = np.ldexp(1.0, np.arange(-MAX_POWER, MAX_POWER + 1))
+SMALL_ANGLE: Final = 0.78  # [rad] below pi/4, where no quarter turn is the nearest
 LOGARITHM_COEFFICIENTS: Final = np.array([1.0 / (2 * k + 1) for k in range(10, 0, -1)])
 
 
@@ -79,6 +82,8 @@ def _as_float(k: int) -> float:
 @part
 def _times_power_of_two(x: float, k: int) -> float:
     """Return ``x`` times 2 to the ``k`` [-]."""
+    if -MAX_POWER <= k <= MAX_POWER:
+        return float(x * POWERS_OF_TWO[MAX_POWER + k])
     return math.ldexp(x, k)
 
 
@@ -136,8 +141,18 @@ def cosine(x: float) -> float:
 def cosine_and_sine(x: float) -> tuple[float, float]:
     """Return cos x and sin x [-], with the bits of ``cosine`` and ``sine``.
 
-    Both cost little more than one.
+    Both cost little more than one. A small angle has no quarter turns to take off.
     """
+    size = abs(x)
+    if size < SMALL_ANGLE:
+        odd = _sine_series(size)
+        return _cosine_series(size), -odd if x < 0.0 else odd
+    return cosine_and_sine_of_any(x)
+
+
+@part
+def cosine_and_sine_of_any(x: float) -> tuple[float, float]:
+    """Return cos x and sin x [-] by one way for all angles."""
     size = abs(x)
     if not size < 1e9:
         return 1.0 + (x - x), x - x

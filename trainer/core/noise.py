@@ -11,13 +11,12 @@ numbers.
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine_and_sine, cosine_of_size, logarithm_of_positive
+from trainer.core.elementary import cosine_and_sine_of_any, cosine_of_size, logarithm_of_positive
 from trainer.core.kernel import part
 
 WORD_MASK = 0xFFFFFFFF
 KEY_PARITY = 0x1BD11BDA
-ROUND_COUNT = 20
-ROTATION_BITS = 0x1810_1D11_061A_0F0D  # [bits] of eight rounds in a row, the first one lowest
+ODD_TURNS, EVEN_TURNS = (13, 15, 26, 6), (17, 29, 16, 24)  # [bits] of four rounds, in turn
 
 # Streams. Each user of randomness has its own.
 SEA_FILTER: Final = 1
@@ -29,18 +28,38 @@ SOUNDER_NOISE: Final = 9
 
 
 @part
+def _round(x: int, y: int, turn: int) -> tuple[int, int]:
+    """Return two words [-] after a round."""
+    x = (x + y) & WORD_MASK
+    return x, (((y << turn) | (y >> (32 - turn))) & WORD_MASK) ^ x
+
+
+@part
+def _four_rounds(
+    x: int, y: int, turns: tuple[int, int, int, int], first: int, second: int
+) -> tuple[int, int]:
+    """Return two words [-] after four rounds and two words of the key."""
+    turn_1, turn_2, turn_3, turn_4 = turns
+    x, y = _round(x, y, turn_1)
+    x, y = _round(x, y, turn_2)
+    x, y = _round(x, y, turn_3)
+    x, y = _round(x, y, turn_4)
+    return (x + first) & WORD_MASK, (y + second) & WORD_MASK
+
+
+@part
 def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[int, int]:
-    """Return two random 32-bit words [-]."""
+    """Return two random 32-bit words [-].
+
+    The rounds are written out, because a turn by a constant is one instruction.
+    """
     x, y = (counter_0 + key_0) & WORD_MASK, (counter_1 + key_1) & WORD_MASK
-    first, second, third = key_1, KEY_PARITY ^ key_0 ^ key_1, key_0
-    for i in range(ROUND_COUNT):
-        turn = (ROTATION_BITS >> (8 * (i & 7))) & 0xFF
-        x = (x + y) & WORD_MASK
-        y = (((y << turn) | (y >> (32 - turn))) & WORD_MASK) ^ x
-        if i & 3 == 3:
-            x, y = (x + first) & WORD_MASK, (y + second + (i >> 2) + 1) & WORD_MASK
-            first, second, third = second, third, first
-    return x, y
+    parity = KEY_PARITY ^ key_0 ^ key_1
+    x, y = _four_rounds(x, y, ODD_TURNS, key_1, parity + 1)
+    x, y = _four_rounds(x, y, EVEN_TURNS, parity, key_0 + 2)
+    x, y = _four_rounds(x, y, ODD_TURNS, key_0, key_1 + 3)
+    x, y = _four_rounds(x, y, EVEN_TURNS, key_1, parity + 4)
+    return _four_rounds(x, y, ODD_TURNS, parity, key_0 + 5)
 
 
 @part
@@ -78,5 +97,5 @@ def gaussian_pair(seed: int, stream: int, tick: int) -> tuple[float, float]:
     """Return the deviate of ``gaussian`` [-] and the other of its pair, which is independent."""
     x, y = _words(seed, stream, tick)
     radius = math.sqrt(-2.0 * logarithm_of_positive((x + 0.5) * 2.3283064365386963e-10))
-    even, odd = cosine_and_sine(y * 1.4629180792671596e-09)
+    even, odd = cosine_and_sine_of_any(y * 1.4629180792671596e-09)
     return radius * even, radius * odd

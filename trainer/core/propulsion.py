@@ -139,12 +139,42 @@ def within_engine(vessel: Record, wanted: float, state: Record) -> float:
 
 
 @part
+def lag_share(vessel: Record, h: float) -> float:
+    """Return the share [-] of their way that the revolutions go in ``h`` [s]."""
+    lag = vessel[0].propulsion_lag
+    return 1.0 - exponential(-h / lag) if lag > 0.0 else 1.0
+
+
+@kernel
+def write_lag_share(vessel: Record, h: float, scratch: Record) -> None:
+    """Write the share of a tick of ``h`` [s], and what it is of."""
+    work = scratch[0]
+    work.lag_h, work.lag = h, vessel[0].propulsion_lag
+    work.lag_share = lag_share(vessel, h)
+
+
+@part
+def kept_lag_share(vessel: Record, h: float, scratch: Record) -> float:
+    """Return the share of a tick of ``h`` [s], made anew where needed."""
+    work = scratch[0]
+    if work.lag_h != h or work.lag != vessel[0].propulsion_lag:
+        write_lag_share(vessel, h, scratch)
+    return float(work.lag_share)
+
+
+@part
 def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     """Advance the command speed by ``h`` [s] towards ``command_u_c``.
 
     The engine room acts upon a new standing order after the dead time. The revolutions then
     approach it exponentially ([ASSES] suggests the form, the vessel file gives the numbers).
     """
+    turn_propeller(vessel, h, lag_share(vessel, h), state)
+
+
+@part
+def turn_propeller(vessel: Record, h: float, share: float, state: Record) -> None:
+    """Advance the command speed likewise, by a ``share`` [-] that is known."""
     c = vessel[0]
     s = state[0]
     revolutions, speed = s.ordered_u_c, s.ordered_speed
@@ -156,9 +186,6 @@ def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
         s.telegraph_ticks -= 1.0
     else:
         s.telegraph_answer = s.command_u_c
-    share = 1.0
-    if c.propulsion_lag > 0.0:
-        share = 1.0 - exponential(-h / c.propulsion_lag)
     target = propulsion_target(state)
     if c.torque_limit > 0.0:
         target = within_engine(vessel, target, state)

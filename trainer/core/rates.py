@@ -15,7 +15,7 @@ from trainer.core.kinematics import Attitude, attitude_of, kinematics
 from trainer.core.scheme import COMPACT_EQUATIONS, LONGITUDINAL_EQUATIONS
 from trainer.core.solve import exact, sweep
 from trainer.core.stall import is_stalled, write_stalled
-from trainer.core.surfaced import is_shallow, write_near
+from trainer.core.surfaced import emerges, write_near
 
 
 @part
@@ -93,7 +93,7 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
     how = scheme[0]
     work = scratch[0]
     outer = work.external
-    if how.envelope != 0 and is_shallow(vessel, state):
+    if how.envelope != 0 and emerges(vessel, state):
         write_near(vessel, scratch, state)
         outer = work.near
     felt = outer

@@ -4,8 +4,8 @@ The state has everything that evolves, standing orders included, so that a snaps
 backtrack and an ensemble are copies of it. All fields are float64.
 
 A tick reads nothing that an earlier tick left in the work space, except what follows from the sea
-in force. That part is a pure function of the state and the step. It is computed whenever it does
-not fit them, so that a snapshot need not hold it.
+in force, the waves met, the step and the boat. That part is a pure function of them. It is computed
+whenever it does not fit them, so that a snapshot need not hold it.
 """
 
 from typing import Final
@@ -243,11 +243,17 @@ STATE: Final = record_dtype(
 STATE_FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]
 
 
+def place_of(name: str) -> int:
+    """Return the place in the state [-] of a field."""
+    return int((STATE.fields or {})[name][1]) // 8  # type: ignore[index]
+
+
 def new_state() -> Record:
     """Return a state record of zeros."""
     return np.zeros(1, STATE)
 
 
+SECTION_NUMBERS: Final = 5  # of a filter's section, see autopilot/sections
 FILTER_DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
 
 SEA_FIELDS: Final[tuple[Field, ...]] = (
@@ -318,6 +324,18 @@ SCRATCH: Final = record_dtype(
     ("origin_rates", (12,)),
     ("coarse", (12,)),  # the variable step taken whole
     ("gains", (20,)),  # autopilot gains at the present speed
+    # depth keeping in waves: factors, then two notches and the period and step they are made for
+    "law_factor",  # [-]
+    "pitch_rate_factor",  # [-]
+    "learning",  # [-]
+    "notch_period",  # [s]
+    "notch_h",  # [s]
+    ("lower_notch", (SECTION_NUMBERS,)),  # [-]
+    ("upper_notch", (SECTION_NUMBERS,)),
+    # the share of its way that the propeller goes in a tick, and the step [s] and lag [s] of it
+    "lag_h",
+    "lag",
+    "lag_share",  # [-]
     ("reading", (4,)),  # of depth gauge [m], gyro [rad], log [m/s], sounder [m]
     *SEA_FIELDS,
     ("before", (STATE.itemsize // 8,)),  # the state before the tick

@@ -46,9 +46,16 @@ def is_near_surface(vessel: Record, h: float, state: Record) -> bool:
         return False
     c, s = vessel[0], state[0]
     pitch = abs(s.theta)
-    room = s.z - c.station_reach * pitch - c.hull_reach - TROUGH_SHARE * s.sea_height
     rise = abs(s.u) * pitch + abs(s.v) + abs(s.w) + c.station_reach * (abs(s.q) + abs(s.r))
-    return bool(room < TRAVEL_SHARE * h * rise)
+    return bool(room_below(vessel, state) < TRAVEL_SHARE * h * rise)
+
+
+@part
+def room_below(vessel: Record, state: Record) -> float:
+    """Return the least room [m] between the hull and the deepest trough."""
+    c, s = vessel[0], state[0]
+    deepest = TROUGH_SHARE * s.sea_height
+    return float(s.z - c.station_reach * abs(s.theta) - c.hull_reach - deepest)
 
 
 @part
@@ -170,7 +177,7 @@ def take_off(x: float, z: float, lateral: float, force: Numbers) -> None:
     force[YAWING] -= x * lateral
 
 
-@part
+@kernel
 def take_off_dry_sail(vessel: Record, state: Record, force: Numbers) -> None:
     """Take off what the sail's share in the air no longer does, and its heel.
 
@@ -199,15 +206,23 @@ def take_off_dry_sail(vessel: Record, state: Record, force: Numbers) -> None:
 
 
 @part
+def emerges(vessel: Record, state: Record) -> bool:
+    """Return whether the surface may cut the hull, or the sail stands out."""
+    if not is_shallow(vessel, state):
+        return False
+    return room_below(vessel, state) < 0.0 or dry_sail(vessel, state) != 0.0
+
+
+@part
 def write_near(vessel: Record, scratch: Record, state: Record) -> None:
     """Write ``near``: what acts from outside in this tick, and what the surface does now.
 
-    ``rates`` calls it within a step, because the wet part of the hull changes faster than the sea.
-    Forces are in [N], moments in [N m].
+    ``rates`` calls it within a step for a boat that ``emerges``, because the wet part of the hull
+    changes faster than the sea. Forces are in [N], moments in [N m].
     """
     work = scratch[0]
     for i in range(6):
         work.near[i] = work.external[i]
-    if is_near_surface(vessel, 0.0, state):  # a sail stands out before the hull does
+    if room_below(vessel, state) < 0.0:  # a sail stands out before the hull does
         add_waterplane(vessel, scratch, state, work.near)
     take_off_dry_sail(vessel, state, work.near)

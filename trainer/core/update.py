@@ -9,6 +9,8 @@ feels the depth that is held.
 
 from typing import Final
 
+import numpy as np
+
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot.autopilot import autopilot
 from trainer.core.ballast.ballast import advance_ballast
@@ -18,11 +20,11 @@ from trainer.core.casualties import advance_casualties, fire_triggers
 from trainer.core.envelope import validity
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record, kernel, part
-from trainer.core.propulsion import answer_telegraph
+from trainer.core.propulsion import kept_lag_share, turn_propeller
 from trainer.core.sea.forces import wave_forces
 from trainer.core.sea.free_surface import surface_forces
 from trainer.core.sea.sea import advance_sea
-from trainer.core.state import GROUND_DEPTH, MOTION, PAST_CYCLES, RATES
+from trainer.core.state import GROUND_DEPTH, MOTION, PAST_CYCLES, RATES, place_of
 from trainer.core.surfaced import is_cut, is_near_surface
 
 X: Final = MOTION.index("x")  # y follows
@@ -64,6 +66,11 @@ def make_fast(x: float, y: float, z: float, state: Record) -> None:
 
 
 WATCHED_NAMES = (*RATES, *MOTION)  # a failing status points into this list
+# a tick writes the state up to the orders to the crew, and after them at these places alone
+WRITTEN_COUNT: Final = place_of("crew_order")
+LATE_PLACES: Final = np.array(
+    [place_of(name) for name in ("through_north", "through_east", "bottom_load", "aground")]
+)
 MAX_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
 MAX_SPEED = 1e3  # [m/s] or [rad/s]
 MAX_DISTANCE = 1e9  # [rad] or [m]
@@ -85,6 +92,40 @@ def lost(state: Record) -> int:
         if not abs(s.rates[i]) < MAX_RATE:
             found = 1 + i
     return found
+
+
+@part
+def save(state: Record, scratch: Record) -> None:
+    """Save what a tick may write, in case that it fails."""
+    for i in range(WRITTEN_COUNT):
+        scratch[0].before[i] = state[0].whole[i]
+    for i in range(LATE_PLACES.size):
+        scratch[0].before[LATE_PLACES[i]] = state[0].whole[LATE_PLACES[i]]
+
+
+@kernel
+def put_back(state: Record, scratch: Record) -> None:
+    """Put the state back to where it was saved."""
+    for i in range(WRITTEN_COUNT):
+        state[0].whole[i] = scratch[0].before[i]
+    for i in range(LATE_PLACES.size):
+        state[0].whole[LATE_PLACES[i]] = scratch[0].before[LATE_PLACES[i]]
+
+
+@part
+def is_sound(state: Record) -> bool:
+    """Return whether even the sums of the sizes are in range.
+
+    They are in nearly every tick. Then no number is ``lost``, which asks one by one.
+    """
+    s = state[0]
+    speeds = places = rates = 0.0
+    for i in range(6):
+        speeds += abs(s.motion[i])
+        places += abs(s.motion[6 + i])
+    for i in range(12):
+        rates += abs(s.rates[i])
+    return speeds < MAX_SPEED and places < MAX_DISTANCE and rates < MAX_RATE
 
 
 @part
@@ -125,13 +166,10 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     """
     h = scheme[0].h
     s = state[0]
-    work = scratch[0]
-    for i in range(s.whole.size):
-        work.before[i] = s.whole[i]
-
+    save(state, scratch)
     fire_triggers(scheme, state)
     advance_casualties(state)
-    autopilot(vessel, h, state, work.gains)
+    autopilot(vessel, h, state, scratch)
     if s.held_tanks == 0.0:
         advance_ballast(vessel, h, state)
     advance_sea(vessel, h, scratch, state)
@@ -141,12 +179,11 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     advance(vessel, compact, scheme, state, scratch)
     make_fast(x, y, z, state)
     move_surfaces(vessel, h, state)
-    answer_telegraph(vessel, h, state)
+    turn_propeller(vessel, h, kept_lag_share(vessel, h, scratch), state)
     s.tick += 1.0
     s.validity = validity(vessel, state)
 
-    failed = lost(state)
+    failed = 0 if is_sound(state) else lost(state)
     if failed != 0:
-        for i in range(s.whole.size):
-            s.whole[i] = work.before[i]
+        put_back(state, scratch)
     return failed

@@ -39,7 +39,7 @@ from trainer.core.compact import (
     lagged_rates,
     slip_forces,
 )
-from trainer.core.elementary import cosine_and_sine
+from trainer.core.elementary import cosine_and_sine_of_any
 from trainer.core.envelope import AHEAD, BY_FLOW_FLOW, BY_N_FLOW, BY_N_N, cross_speed_squared
 from trainer.core.integrators import adams_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
@@ -62,9 +62,7 @@ def _no_fault(_surface: int, _state: Record) -> int:
 
 
 @inlined
-def _no_waves(
-    _vessel: Record, _h: float, _gains: Numbers, _state: Record, _surface: int, _law: float
-) -> None:
+def _no_waves(_h: float, _work: Record, _state: Record, _surface: int, _law: float) -> None:
     """Do nothing: there are no waves."""
 
 
@@ -75,9 +73,14 @@ def _in_a_calm(_state: Record, _surface: int, law: float) -> float:
 
 
 @inlined
-def _learning_in_a_calm(_vessel: Record, _gains: Numbers, _state: Record) -> float:
+def _learning_in_a_calm(_work: Record, _state: Record) -> float:
     """Return 1: there are no waves."""
     return 1.0
+
+
+@inlined
+def _not_softened(_vessel: Record, _h: float, _work: Record, _state: Record) -> None:
+    """Do nothing likewise."""
 
 
 @inlined
@@ -105,7 +108,7 @@ LANE_KERNELS = {
     "_as_float": as_float,
     "_times_power_of_two": times_power_of_two,
 }
-_both = relay_kernel(cosine_and_sine, LANE_KERNELS)
+_both = relay_kernel(cosine_and_sine_of_any, LANE_KERNELS)
 
 
 @inlined
@@ -122,6 +125,7 @@ def _cosine(x: float) -> float:
 
 LANE_REPLACEMENTS = {
     **LANE_KERNELS,
+    "cosine_and_sine": _both,
     "sine": _sine,
     "cosine": _cosine,
     "slot_of": _no_slot,
@@ -130,6 +134,7 @@ LANE_REPLACEMENTS = {
     "within_engine": _no_engine_limit,
     "pass_notches": _no_waves,
     "law_in_waves": _in_a_calm,
+    "soften": _not_softened,
     "learning_in_waves": _learning_in_a_calm,
 }
 _slew_depth = relay_kernel(slew_depth, LANE_REPLACEMENTS)
@@ -206,7 +211,7 @@ def command_controls(h: float, out: Numbers) -> None:
     As one loop it would not be vector code.
     """
     for lane in every_lane():
-        _keep_depth(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
+        _keep_depth(vessel_in(out, lane), h, work_in(out, lane), state_in(out, lane))
     for lane in every_lane():
         _keep_course(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
     for lane in every_lane():

@@ -148,7 +148,7 @@ def start_fleet(
             continue
         s.z, s.seed = how.depth, 1.0
         set_out(vessel, compact, scheme, state, scratch)
-        autopilot(vessel, scheme[0].h, state, scratch[0].gains)
+        autopilot(vessel, scheme[0].h, state, scratch)
         s.telegraph_order = s.u_c
         calm = how.calm[min(member, how.calm.shape[0] - 1)]
         for i in range(1, s.sea.size):

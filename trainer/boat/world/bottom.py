@@ -109,7 +109,7 @@ class Ground:
         """Do nothing: no order changes the ground."""
 
     def stands(self, _tick: int) -> bool:
-        """Return yes: the ground stays as it is, and the core sounds it by its chart."""
+        """Return yes: the ground stays, and the core sounds it by its chart."""
         return True
 
     def write(self, _state: Any) -> None:

@@ -18,6 +18,7 @@ from trainer.core.autopilot.steering import (
     STERN,
     fade,
     first_gain,
+    is_handed_over,
     scheduled_gains,
     stand_by,
 )
@@ -48,13 +49,13 @@ def hold_commands(gains: Numbers, state: Record) -> None:
 
 
 @part
-def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+def keep_planes(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Command both pairs of planes.
 
     They keep the depth, or bring the boat up after an emergency blow. While the boat hovers, its
     tank keeps the depth and the planes lie amidships.
     """
-    s = state[0]
+    s, gains = state[0], scratch[0].gains
     watch_blow(vessel, state)
     if s.ascent != NO_ASCENT:
         come_up(vessel, h, gains, state)
@@ -65,19 +66,19 @@ def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None
         stand_by(state, STERN, plane_law(state, gains, first_gain(STERN)), False)  # noqa: FBT003 a fact
         stand_by(state, BOW, plane_law(state, gains, first_gain(BOW)), False)  # noqa: FBT003
     else:
-        keep_depth(vessel, h, gains, state)
+        keep_depth(vessel, h, scratch, state)
         return
     s.wave_share = 0.0  # the law for waves begins anew
 
 
 @part
-def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
+def autopilot(vessel: Record, h: float, state: Record, scratch: Record) -> None:
     """Write the commanded rudder, planes and revolutions of this tick.
 
     The references move first, then each keeper commands its part. A failed autopilot leaves all as
-    it is. ``gains`` is work space: it is filled for the present speed.
+    it is. The gains in the work space are filled for the present speed.
     """
-    s = state[0]
+    s, gains = state[0], scratch[0].gains
     if vessel[0].gain_count > 0.0:
         scheduled_gains(vessel, abs(s.u), gains)
     slew_depth(h, gains, state)
@@ -86,9 +87,10 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
         hold_commands(gains, state)
         return
     sense_waves(vessel, h, gains, state)
-    keep_planes(vessel, h, gains, state)
+    keep_planes(vessel, h, scratch, state)
     keep_course(vessel, h, gains, state)
-    fade(vessel, h, state)
+    if is_handed_over(state):
+        fade(vessel, h, state)
     keep_speed(vessel, h, state)
     keep_trim(vessel, h, state)
 
@@ -99,4 +101,4 @@ def stand_by_all(vessel: Record, h: float, state: Record, scratch: Record) -> No
 
     A boat that is started calls it once, before the first tick.
     """
-    autopilot(vessel, h, state, scratch[0].gains)
+    autopilot(vessel, h, state, scratch)

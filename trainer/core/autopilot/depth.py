@@ -31,7 +31,7 @@ from trainer.core.autopilot.steering import (
     stand_by,
     steer,
 )
-from trainer.core.autopilot.waves import law_in_waves, learning_in_waves, pass_notches
+from trainer.core.autopilot.waves import law_in_waves, learning_in_waves, pass_notches, soften
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.vessel import (
     DEPTH_GAIN,
@@ -114,16 +114,16 @@ def back(vessel: Record, gains: Numbers, state: Record, surface: int) -> None:
 
 @part
 def keep_plane(
-    vessel: Record, h: float, gains: Numbers, state: Record, surface: int, lasting: float
+    vessel: Record, h: float, scratch: Record, state: Record, surface: int, lasting: float
 ) -> None:
     """Command one pair of planes.
 
     ``lasting`` [rad] is the bow planes' angle that the stern planes are to take over.
     """
-    s = state[0]
+    s, gains = state[0], scratch[0].gains
     first = first_gain(surface)
     law = plane_law(state, gains, first)
-    pass_notches(vessel, h, gains, state, surface, law)
+    pass_notches(h, scratch, state, surface, law)
     law = law_in_waves(state, surface, law)
     if s.by_hand[surface] != 0.0:
         s.command[surface] = s.ordered[surface]
@@ -136,12 +136,12 @@ def keep_plane(
         stand_by(state, surface, law, False)  # noqa: FBT003 a fact
     else:
         step = h * gains[first + INTEGRAL_GAIN] * depth_error(gains, state)
-        step *= learning_in_waves(vessel, gains, state)
+        step *= learning_in_waves(scratch, state)
         steer(vessel, state, surface, law, step + h * gains[first + RELIEF_GAIN] * lasting)
 
 
 @part
-def keep_depth(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+def keep_depth(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Command both pairs of planes.
 
     The stern planes relieve the bow planes only while they can move as commanded: they are not in
@@ -151,5 +151,6 @@ def keep_depth(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     able = abs(s.command_s - s.delta_s) <= vessel[0].surface_rate * h
     automatic = s.stern_by_hand == 0.0 and s.bow_by_hand == 0.0
     lasting = s.delta_b if able and automatic and is_turning(vessel, state) else 0.0
-    keep_plane(vessel, h, gains, state, STERN, lasting)
-    keep_plane(vessel, h, gains, state, BOW, lasting)
+    soften(vessel, h, scratch, state)
+    keep_plane(vessel, h, scratch, state, STERN, lasting)
+    keep_plane(vessel, h, scratch, state, BOW, lasting)

@@ -12,8 +12,10 @@ from typing import Final
 
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, part
+from trainer.core.state import SECTION_NUMBERS
 
 Section = tuple[float, float, float, float, float]
+B0, B1, B2, A1, A2 = range(SECTION_NUMBERS)  # places of its numbers
 SECTION_SIZE: Final = 3  # numbers of a section in the state
 EARLY, LATE, OUTPUT = 0, 1, 2  # their places: two memories, and the output
 MAX_HALF_ANGLE: Final = 1.4  # [rad] largest half angle per step; a larger one cannot be warped
@@ -52,6 +54,12 @@ def low_pass(omega: float, h: float, damping: float) -> Section:
     gain = square / a0
     middle = 2.0 * (square - 1.0) / a0
     return gain, 2.0 * gain, gain, middle, (1.0 - 2.0 * damping * c + square) / a0
+
+
+@part
+def section_in(numbers: Numbers) -> Section:
+    """Return the section [-] whose numbers are in the work space."""
+    return numbers[B0], numbers[B1], numbers[B2], numbers[A1], numbers[A2]
 
 
 @part

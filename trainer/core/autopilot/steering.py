@@ -104,6 +104,13 @@ def steer(vessel: Record, state: Record, surface: int, law: float, step: float) 
 
 
 @part
+def is_handed_over(state: Record) -> bool:
+    """Return whether a hand-over is left to fade."""
+    s = state[0]
+    return bool(s.rudder_handover != 0.0 or s.stern_handover != 0.0 or s.bow_handover != 0.0)
+
+
+@part
 def fade(vessel: Record, h: float, state: Record) -> None:
     """Make the hand-overs of steered surfaces smaller, by ``h`` [s] of their fading.
 

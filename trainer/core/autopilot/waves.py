@@ -15,9 +15,10 @@ what failed.
 
 from typing import Final
 
-from trainer.core.autopilot.sections import OUTPUT, SECTION_SIZE, notch, pass_section
+from trainer.core.autopilot.sections import OUTPUT, SECTION_SIZE, notch, pass_section, section_in
 from trainer.core.autopilot.steering import STERN, first_gain
 from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.state import SECTION_NUMBERS
 from trainer.core.vessel import PITCH_RATE_GAIN, STERN_GAINS
 
 SLOW_FREQUENCY: Final = 0.3  # [rad/s] slower motion is the boat's own
@@ -120,32 +121,50 @@ def sense_waves(vessel: Record, h: float, gains: Numbers, state: Record) -> None
 
 
 @kernel
-def pass_notches(
-    vessel: Record, h: float, gains: Numbers, state: Record, surface: int, law: float
-) -> None:
+def write_notches(h: float, scratch: Record, state: Record) -> None:
+    """Write both notches at the waves that are met, for a step ``h`` [s]."""
+    work = scratch[0]
+    work.notch_period, work.notch_h = state[0].wave_period, h
+    omega = frequency_met(state)
+    lower = notch(LOWER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING)
+    upper = notch(UPPER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING)
+    for i in range(SECTION_NUMBERS):
+        work.lower_notch[i], work.upper_notch[i] = lower[i], upper[i]
+
+
+@part
+def soften(vessel: Record, h: float, scratch: Record, state: Record) -> None:
+    """Write factors [-] and notches for the waves that are felt, if there are any.
+
+    The notches change with the period met, so at a crossing only. Most ticks find them made.
+    """
+    s, work = state[0], scratch[0]
+    if s.wave_share == 0.0:
+        return
+    if work.notch_period != s.wave_period or work.notch_h != h:
+        write_notches(h, scratch, state)
+    ratio = frequency_ratio(vessel, work.gains, state)
+    work.law_factor = between_limits(ratio, SOFT_GAINS)
+    work.pitch_rate_factor = between_limits(ratio, PITCH_RATE_GAINS)
+    work.learning = 1.0 + s.wave_share * (between_limits(ratio, INTEGRAL_GAINS) - 1.0)
+
+
+@part
+def pass_notches(h: float, scratch: Record, state: Record, surface: int, law: float) -> None:
     """Pass the softened ``law`` [rad] of a pair through its notches.
 
     The notches lie at the waves that are felt.
     """
-    s = state[0]
+    s, work = state[0], scratch[0]
     if s.wave_share == 0.0:
         return
     place = NOTCH_SIZE * (surface - STERN)
-    ratio = frequency_ratio(vessel, gains, state)
-    damping = gains[first_gain(surface) + PITCH_RATE_GAIN] * s.q
-    x = (
-        between_limits(ratio, SOFT_GAINS) * (law - damping)
-        + between_limits(ratio, PITCH_RATE_GAINS) * damping
-    )
-    omega = frequency_met(state)
+    damping = work.gains[first_gain(surface) + PITCH_RATE_GAIN] * s.q
+    x = work.law_factor * (law - damping) + work.pitch_rate_factor * damping
     fresh = s.wave_share <= h / FADE_TIME_S
-    pass_section(
-        notch(LOWER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING), x, fresh, place + LOWER, s.notch
-    )
+    pass_section(section_in(work.lower_notch), x, fresh, place + LOWER, s.notch)
     x = s.notch[place + LOWER + OUTPUT]
-    pass_section(
-        notch(UPPER_NOTCH * omega, h, ZERO_DAMPING, POLE_DAMPING), x, fresh, place + UPPER, s.notch
-    )
+    pass_section(section_in(work.upper_notch), x, fresh, place + UPPER, s.notch)
 
 
 @part
@@ -159,10 +178,6 @@ def law_in_waves(state: Record, surface: int, law: float) -> float:
 
 
 @part
-def learning_in_waves(vessel: Record, gains: Numbers, state: Record) -> float:
+def learning_in_waves(scratch: Record, state: Record) -> float:
     """Return the factor [-] on what the integrals learn in the waves that are felt."""
-    s = state[0]
-    if s.wave_share == 0.0:
-        return 1.0
-    factor = between_limits(frequency_ratio(vessel, gains, state), INTEGRAL_GAINS)
-    return 1.0 + s.wave_share * (factor - 1.0)
+    return 1.0 if state[0].wave_share == 0.0 else float(scratch[0].learning)

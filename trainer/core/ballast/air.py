@@ -169,6 +169,8 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
         return False
     if s.tank_air[tank] > 0.0 or s.water[tank] < b.capacity[tank]:
         return True
+    if s.blow[tank] == 0.0 and s.vent[tank] == 0.0 and s.vent_fault[tank] == 0.0:
+        return False
     opened = s.blow[tank] > 0.0 or vent_opening(tank, state) > 0.0
     return opened and b.capacity[tank] > 0.0
 
