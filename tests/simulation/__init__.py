@@ -25,7 +25,7 @@ and made smaller, which a seed cannot.
 the lines and in the file, and from beside each order, by wrapping three methods of the product.
 
 **What is found** is shrunk (``shrink``): lives, stations, visits, lines and mishaps are taken away
-as long as the same law is broken. What is left goes into ``tests/corpus/simulation``, in a file
+as long as the same law is broken. What is left goes into ``tests/simulation/kept``, in a file
 named after the fault, and is played again by every test run.
 
 **That it finds anything** is shown by faults put back into the product (``mutants``), each of which

@@ -113,7 +113,7 @@ def report_breach(played: Played, seconds: float) -> None:
     write_script(small, path)
     click.echo(
         f"{path}: of {script.acts} lines {small.acts} are left, of {len(script.lives)} "
-        f"processes {len(small.lives)}; once mended, keep it in tests/corpus/simulation"
+        f"processes {len(small.lives)}; once mended, keep it in tests/simulation/kept"
     )
 
 

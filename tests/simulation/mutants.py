@@ -2,7 +2,7 @@
 
 ``FAULTS`` has ten that nobody made, at the places where a careless hand would make them, and four
 that seeds found in the product. Those are mended; the scripts that show them are kept in
-``tests/corpus/simulation``.
+``tests/simulation/kept``.
 """
 
 # ruff: noqa: SLF001  a fault lies in private parts

@@ -27,7 +27,7 @@ from simulation.seeds import play_seed
 SEEDS: Final = 60  # `python -m tests.simulation` plays more
 GROUPS: Final = 4  # of them, for several workers
 LONGEST_S: Final = 10.0  # that a process lives
-KEPT: Final = sorted((places.TESTS / "corpus" / "simulation").glob("*.json"))
+KEPT: Final = sorted((places.TESTS / "simulation" / "kept").glob("*.json"))
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 
 

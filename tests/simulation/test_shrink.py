@@ -78,7 +78,7 @@ def test_no_more_scripts_are_played_than_are_allowed() -> None:
 
 def test_a_script_that_breaks_a_law_is_shrunk_to_what_breaks_it() -> None:
     fault = with_fault(FOUND["question-kills"])
-    script = read_script(TESTS / "corpus" / "simulation" / "question-kills.json")
+    script = read_script(TESTS / "simulation" / "kept" / "question-kills.json")
     life = script.lives[0]
     visit = life.players[0].visits[0]
     wordy = dataclasses.replace(visit, acts=(Act(0.0, "who"), *visit.acts, Act(0.1, "status")))
