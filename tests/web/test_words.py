@@ -240,7 +240,7 @@ def test_decimals_stand_behind_the_mark_of_the_language(shared: Served, look: Lo
         page = look(shared, "pilot", query=f"?lang={language}")
         for place in ("depth-gauge", "pitch-gauge", "angle-dial#rudder"):
             digits = page.locator(f"{place} .digits")
-            expect(digits).to_have_text(re.compile(rf"^\d+\{mark}\d$"))
+            expect(digits).to_have_text(re.compile(rf"^\d+\{mark}\d\D*$"))  # and which way
         expect(page.locator("#speed .head b")).to_have_text(re.compile(rf"^\d+\{mark}\d kn$"))
         expect(page.locator("[role=slider]").first).to_have_attribute(
             "aria-valuenow", re.compile(r"^-?\d+$")
