@@ -147,6 +147,7 @@ def test_an_object_has_all_entries_and_asks_for_nothing(name: str) -> None:
     }
 
 
+@pytest.mark.process
 @pytest.mark.slow
 def test_the_objects_made_again_are_those_that_are_shipped() -> None:
     card = machine_code.shipped_card()
