@@ -145,9 +145,9 @@ def test_the_list_of_lessons_says_which_of_them_who_trains_has_done(
         add_run("Ann", ProgressRun("a", branch, name, "t", "2026", 60.0, outcome, None))
 
     kept = look(session, "trainee").locator("#lessons small")
-    expect(kept.nth(0)).to_have_text(f"{lessons()[0].steps} steps done")
-    expect(kept.nth(1)).to_have_text(f"{lessons()[1].steps} steps begun")
-    expect(kept.nth(2)).to_have_text(f"{lessons()[2].steps} steps ")
+    expect(kept.nth(0)).to_have_text(f"{lessons()[0].steps} steps, done")
+    expect(kept.nth(1)).to_have_text(f"{lessons()[1].steps} steps, begun")
+    expect(kept.nth(2)).to_have_text(f"{lessons()[2].steps} steps")
 
 
 # Led through a lesson

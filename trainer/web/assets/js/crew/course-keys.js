@@ -31,7 +31,7 @@ export function furnishCourse(session) {
         { type: "button", "data-name": name, click: () => lead(name) },
         html("b", {}, title),
         " ",
-        html("small", {}, say("{0} steps", steps), " ", html("span", { "data-done": "" })),
+        html("small", {}, say("{0} steps", steps), html("span", { "data-done": "" })),
       ),
     ),
   );
@@ -39,7 +39,7 @@ export function furnishCourse(session) {
     const words = { done: say("done"), begun: say("begun") }; // a lesson has no marks
     for (const each of (session.exercise.done ?? "").split(",").filter(Boolean)) {
       const [name, how] = /** @type {[string, keyof words]} */ (each.split(":"));
-      write(one(`[data-name="${name}"] [data-done]`, lessons), words[how]);
+      write(one(`[data-name="${name}"] [data-done]`, lessons), `, ${words[how]}`);
     }
   };
   const show = () => {
