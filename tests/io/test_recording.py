@@ -789,6 +789,21 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
     check_whole(path, 100)
 
 
+@pytest.mark.usefixtures("impatient")
+def test_a_moment_that_could_not_be_kept_at_once_is_not_kept_later(path: Path) -> None:
+    with closing(begin(path)) as recording:
+        recording.snapshot("a", Moment(1, 0, state_of(0), 0, 0))
+        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
+            other.execute("BEGIN EXCLUSIVE")
+            recording.snapshot("b", Moment(1, 0, state_of(0), 0, 0))
+            assert "locked" in recording.trouble
+            other.execute("COMMIT")
+        recording.event(1, "mark", "helm", "here")
+        assert eventually(lambda: not recording.trouble)
+        assert [each.text for each in recording.events()] == ["here"]
+        assert [name for name, _ in recording.snapshots()] == ["a"]
+
+
 def unreadable(*_: object) -> None:
     raise RecordingError("a disk that does not answer")
 

@@ -170,7 +170,7 @@ class Witness:
         self._reply = reply
         session, name = self.session, asked.order.name
         assert session
-        if name == "snapshot":  # one that was "not kept" may yet be, once the disk has room again
+        if name == "snapshot" and not isinstance(reply, Refused):
             self.docket.snapshots[asked.order.subject].add(session.boat.plain.tobytes())
         if isinstance(reply, Refused) or session.history.recording.trouble:
             return  # "(not recorded)"

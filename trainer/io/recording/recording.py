@@ -243,11 +243,19 @@ class Recording(Past):
         self._put(EVENT_INSERT, (self.branch, tick, kind, who, role, text, wall_time()))
 
     def snapshot(self, name: str, moment: Moment) -> None:
-        """Write a moment under a name, at once."""
+        """Write a moment under a name, at once, or where `trouble` says why not, never.
+
+        Only a disk that hangs within that very write may have it later all the same.
+        """
         branch = self._owner(moment)
         moment_columns = (branch, moment.tick, moment.state, moment.after, moment.place)
-        self._put(SNAPSHOT_INSERT, (name, *moment_columns, wall_time()))
+        row = (name, *moment_columns, wall_time())
+        self._put(SNAPSHOT_INSERT, row)
         self.flush()
+        if self.trouble and self._writing_it.acquire(blocking=False):
+            with contextlib.suppress(ValueError):  # it was dropped, or written meanwhile
+                self._waiting[SNAPSHOT_INSERT].remove(row)
+            self._writing_it.release()
 
     def fork(self, moment: Moment, why: str, cause: BranchCause = BranchCause.JUMP) -> int:
         """Begin a new branch at a moment, at once. Return its number, from now on the present."""
