@@ -43,6 +43,7 @@ def beyond(found: dict[str, Any]) -> list[str]:
 
 
 @pytest.mark.process
+@pytest.mark.slow
 def test_stations_in_a_browser_are_within_ten_times_the_goals(tmp_path: Path) -> None:
     find_chromium()
 

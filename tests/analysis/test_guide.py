@@ -390,6 +390,7 @@ def test_the_summary_fits_a_terminal(book: GuideContents) -> None:
 
 @pytest.mark.process
 @pytest.mark.skipif(find_browser() is None, reason="no browser here")
+@pytest.mark.slow  # the whole guide is flown again in this lane
 def test_a_browser_opens_the_page_without_complaint(page: str, tmp_path: Path) -> None:
     path = tmp_path / "guide.html"
     path.write_text(page, encoding="utf-8")

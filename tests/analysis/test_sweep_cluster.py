@@ -74,7 +74,7 @@ def scheduler(tmp_path: Path) -> Iterator[str]:
 
 
 @pytest.mark.process
-@pytest.mark.long
+@pytest.mark.slow
 def test_two_workers_behind_a_scheduler_give_the_file_of_a_run_here(
     scheduler: str, tmp_path: Path
 ) -> None:

@@ -1,5 +1,6 @@
 """The speed of identification: what is compared is the same, and what is not here is said."""
 
+import functools
 import json
 from typing import Any
 
@@ -13,23 +14,23 @@ from bench.identify import Paces, Row, Speed, by_statsmodels, likelihoods_of_a_f
 from trainer.identify.fitting.likelihood import Likelihood
 
 
-def records() -> Any:
-    """Yield records of every kind that the filter treats in its own way."""
-    yield "whole", identify.draw_record(TANKER.problem(TANKER_RUDDER[:300]))
-    yield "missing", identify.draw_record(TANKER.problem(TANKER_RUDDER[:300], 0.2))
+@functools.cache
+def record_of(name: str) -> Any:
+    """Return a record of a kind that the filter treats in its own way."""
+    if name == "whole":
+        return identify.draw_record(TANKER.problem(TANKER_RUDDER[:300]))
+    if name == "missing":
+        return identify.draw_record(TANKER.problem(TANKER_RUDDER[:300], 0.2))
     variances = {"P11": 0.02, "P22": 1e-6, "P33": 1e-3, "P12": 1e-5}
     wind = {"Y_psi": 2e-3, "l_psi": 0.3}
     started = TANKER.freed(*variances, *wind, **variances, **wind)
-    yield "started", identify.draw_record(started.problem(TANKER_RUDDER[:200]))
+    return identify.draw_record(started.problem(TANKER_RUDDER[:200]))
 
 
-RECORDS = dict(records())
-
-
-@pytest.mark.parametrize("name", RECORDS)
+@pytest.mark.parametrize("name", ["whole", "missing", "started"])
 def test_the_likelihood_of_statsmodels_is_ours(name: Any) -> None:
     kalman = pytest.importorskip("statsmodels.tsa.statespace.kalman_filter")
-    problem = RECORDS[name]
+    problem = record_of(name)
     value = Likelihood(problem).value(problem.start)
     # its gain is kept from when its covariance changes by less than 1e-19, in squares of knots
     assert by_statsmodels(kalman, problem, problem.start)() == pytest.approx(value, rel=1e-6)
@@ -40,7 +41,7 @@ def test_a_minimiser_by_differences_asks_for_many_likelihoods(
 ) -> None:
     pytest.importorskip("scipy.optimize")
     monkeypatch.setattr(identify, "MOST", 2)
-    problem = RECORDS["whole"]
+    problem = record_of("whole")
     asked = likelihoods_of_a_fit(Likelihood(problem), TANKER.start())
     assert asked >= 3 * (1 + len(problem.free))
 

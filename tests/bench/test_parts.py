@@ -221,6 +221,7 @@ def test_the_fastest_of_several_flights_counts_but_never_the_first() -> None:
 
 
 @pytest.mark.process
+@pytest.mark.slow
 def test_rates_are_measured_of_fleets_alone_in_threads_and_by_level(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -286,6 +287,7 @@ def test_the_tick_is_told_by_its_parts_and_beside_another_commit() -> None:
 
 
 @pytest.mark.process
+@pytest.mark.slow
 def test_the_tick_is_timed_beside_that_of_a_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(parts_module, "TICKS", 50)
     with parts_module.core_process(parts_module.ROOT, load_vessel("bb2")) as child:

@@ -131,7 +131,7 @@ def test_after_an_hour_the_c_host_the_library_and_the_trainer_are_the_same_to_th
         pytest.param("x86-64-v2", "full", "rkv", "bb2", marks=pytest.mark.slow),
         pytest.param("x86-64-v3", "full", "rk4", "remus100", marks=pytest.mark.slow),
         pytest.param("x86-64-v4", "basic", "abm4", "sdv-mk9", marks=pytest.mark.slow),
-        ("native", "modified", "adams3", "bb2"),
+        pytest.param("native", "modified", "adams3", "bb2", marks=pytest.mark.slow),
     ],
 )
 def test_every_processor_and_method_gives_the_trainers_bits(
@@ -322,6 +322,7 @@ def test_a_tick_that_fails_says_which_number_and_leaves_the_state(core: Core) ->
 # The command
 
 
+@pytest.mark.slow  # the core is compiled anew
 def test_without_a_compiler_the_object_is_written_and_the_way_to_link_it_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

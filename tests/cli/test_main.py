@@ -38,8 +38,9 @@ def typed(*words: str | bytes, folder: Path, memory: int | None = None) -> tuple
 
 
 @pytest.mark.process
+@pytest.mark.parametrize("closed", [pytest.param("2>&-", marks=pytest.mark.slow), "<&- >&- 2>&-"])
 def test_closed_standard_streams_change_no_exit_code_and_nothing_that_is_written(
-    tmp_path: Path,
+    tmp_path: Path, closed: str
 ) -> None:
     fly = "--duration 2 --speed max --no-record --socket none"
     commands = {
@@ -52,20 +53,17 @@ def test_closed_standard_streams_change_no_exit_code_and_nothing_that_is_written
     }
     trainer_of = f'"{sys.executable}" -m trainer'
     script = "\n".join(f'{trainer_of} {words} $CLOSED; echo "$?" >> codes' for words in commands)
-    for closed in ("2>&-", "<&- >&- 2>&-"):
-        folder = tmp_path / str(len(closed))
-        folder.mkdir()
-        subprocess.run(
-            ["sh", "-c", script.replace("$CLOSED", closed)],
-            cwd=folder,
-            env=environment(XDG_STATE_HOME=str(folder)),
-            stdout=subprocess.DEVNULL,
-            timeout=600,
-            check=True,
-        )
-        codes = (folder / "codes").read_text(encoding="utf-8").split()
-        assert dict(zip(commands, map(int, codes), strict=True)) == commands
-        assert (folder / "d.html").stat().st_size > 10_000
+    subprocess.run(
+        ["sh", "-c", script.replace("$CLOSED", closed)],
+        cwd=tmp_path,
+        env=environment(XDG_STATE_HOME=str(tmp_path)),
+        stdout=subprocess.DEVNULL,
+        timeout=600,
+        check=True,
+    )
+    codes = (tmp_path / "codes").read_text(encoding="utf-8").split()
+    assert dict(zip(commands, map(int, codes), strict=True)) == commands
+    assert (tmp_path / "d.html").stat().st_size > 10_000
 
 
 @pytest.fixture

@@ -237,6 +237,7 @@ def lost(account: str) -> int:
     return int(found[1]) if found else 0
 
 
+@pytest.mark.slow
 def test_no_tick_is_missed_among_hung_and_babbling_stations(
     serve: Serve, pty: Callable[[], tuple[int, str]]
 ) -> None:

@@ -1,7 +1,7 @@
 """Levers that are held, not hit: fingers on glass, one scale with the dial, words that are read."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, Final
@@ -26,6 +26,14 @@ CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 STEP: Final = 5  # [deg] of a tap on the groove
 LEAST_TEXT_PX: Final = 11.0
 each_lever = pytest.mark.parametrize(("name", "lever"), LEVERS, ids=[each[1] for each in LEVERS])
+
+
+def commit_s(cases: Sequence[Any], *quick: object) -> list[Any]:
+    """Return cases of which those that are not quick are left to the night."""
+    return [each if each in quick else pytest.param(each, marks=pytest.mark.slow) for each in cases]
+
+
+FOUR: Final = commit_s([PHONE, (768, 1024), (1366, 768), (1920, 1080)], PHONE, (1366, 768))
 
 SENT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
 WebSocket.prototype.send = function (line) {
@@ -309,7 +317,7 @@ SCALE: Final = """(name) => {
 
 
 @pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize("size", [PHONE, (768, 1024), (1366, 768), (1920, 1080)])
+@pytest.mark.parametrize("size", FOUR)
 def test_the_rudders_lever_is_the_lower_rim_of_an_arc_across_the_panel_on_one_scale(
     shared: Served, look: Look, size: tuple[int, int]
 ) -> None:
@@ -329,7 +337,7 @@ def test_the_rudders_lever_is_the_lower_rim_of_an_arc_across_the_panel_on_one_sc
 
 @pytest.mark.usefixtures("instructor")
 @pytest.mark.parametrize("lever", ["stern", "bow"])
-@pytest.mark.parametrize("size", [PHONE, (768, 1024), (1366, 768), (1920, 1080)])
+@pytest.mark.parametrize("size", FOUR)
 def test_the_planes_lever_lies_on_the_chord_of_its_dial_twice_as_large_as_it_was(
     shared: Served, look: Look, lever: str, size: tuple[int, int]
 ) -> None:
@@ -362,7 +370,7 @@ LARGEST: Final = """() => {
 
 
 @pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize("name", ["helm", "planes"])
+@pytest.mark.parametrize("name", ["helm", pytest.param("planes", marks=pytest.mark.slow)])
 def test_the_own_control_is_the_biggest_instrument_of_its_page(
     shared: Served, look: Look, name: str
 ) -> None:
@@ -422,7 +430,9 @@ def small_texts(page: Page) -> list[Any]:
 
 
 @pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize("name", [page.name for page in PAGES], ids=lambda name: name or "first")
+@pytest.mark.parametrize(
+    "name", commit_s([page.name for page in PAGES], "trainee"), ids=lambda name: name or "first"
+)
 def test_no_drawn_text_is_smaller_than_eleven_pixels_at_any_size(
     shared: Served, look: Look, name: str
 ) -> None:
@@ -490,7 +500,9 @@ TOUCHED: Final = """() => {
 
 
 @pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize("name", ["helm", "planes", "trainee", "diving", "observer"])
+@pytest.mark.parametrize(
+    "name", commit_s(["helm", "planes", "trainee", "diving", "observer"], "helm")
+)
 def test_no_needle_lies_on_a_numeral_and_no_word_on_another(
     shared: Served, look: Look, name: str
 ) -> None:
@@ -515,7 +527,7 @@ CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]
   })"""
 
 
-@pytest.mark.parametrize("vessel", ["bb2", "sdv-mk9"])
+@pytest.mark.parametrize("vessel", ["bb2", pytest.param("sdv-mk9", marks=pytest.mark.slow)])
 def test_charts_are_as_wide_as_their_panel(serve: Serve, look: Look, vessel: str) -> None:
     served = serve("--vessel", vessel)
     page = look(served, "instructor")
