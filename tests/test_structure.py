@@ -35,6 +35,30 @@ def test_the_wheel_has_no_c_but_the_host_of_an_exported_core() -> None:
     assert [path.name for path in PACKAGE.rglob("*.[ch]")] == ["host.c"]
 
 
+def calls_of_the_core() -> dict[str, set[str]]:
+    """Return what each function of the core calls by name."""
+    found: dict[str, set[str]] = {}
+    for path in sorted((PACKAGE / "core").rglob("*.py")):
+        for each in nodes_of(path):
+            if isinstance(each, ast.FunctionDef):
+                called = [node.func for node in ast.walk(each) if isinstance(node, ast.Call)]
+                found[each.name] = {name.id for name in called if isinstance(name, ast.Name)}
+    return found
+
+
+def test_the_block_diagram_says_who_calls_whom() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    diagram = text.partition("### Who calls whom")[2].split("```")[1].strip().splitlines()
+    calls, above = calls_of_the_core(), {-1: ""}
+    for line in diagram:
+        name, level = line.split()[0], (len(line) - len(line.lstrip())) // 2
+        assert name in calls
+        if level:
+            assert name in calls[above[level - 1]], f"{above[level - 1]} does not call {name}"
+        above[level] = name
+    assert len(diagram) == 20
+
+
 def is_too_long(text: str) -> bool:
     """Return whether a module is long and has no comment `# long: why`."""
     return len(text.splitlines()) > MAX_LINES and not REASONED.search(text)

@@ -101,16 +101,19 @@ def test_json_has_numbers_only_and_a_calm_has_no_waves() -> None:
     assert json.loads(ask("calm", "--json").stdout)["depths"] == []
 
 
-def test_a_plot_has_a_series_the_spectrum_and_the_suction(tmp_path: Path) -> None:
+def test_a_plot_has_two_series_the_spectrum_and_the_suction(tmp_path: Path) -> None:
     path = tmp_path / "sea.svg"
     done = ask("sea-state-5", "--plot", str(path))
     file = load_sea("sea-state-5")
     found = seaway.panels(file, BB2, seaway.survey(file, BB2, (17.5, 60.0), 0.5))
-    series, energy, lift = (panel.curves for panel in found)
+    series, shares, energy, lift = (panel.curves for panel in found)
 
     assert done.exit_code == 0
     assert path.read_bytes().startswith(b"<?xml")
-    assert series[0].x[-1] == 300.0
+    assert series[0].x[-1] == 400.0
+    assert (shares[0].x == np.arange(1, 401)).all()
+    assert np.max(abs(shares[0].y)) == pytest.approx(100.0)
+    assert shares[0].y[99] / shares[0].y[7] == pytest.approx(series[0].y[199] / series[0].y[15])
     assert 0.6 < np.std(series[0].y) < 1.0  # a quarter of 3.25 m
     assert np.max(energy[0].y) == pytest.approx(np.max(energy[1].y), rel=0.1)
     assert np.all(np.diff(lift[0].y) < 0.0)

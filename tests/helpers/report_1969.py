@@ -366,11 +366,16 @@ FIGURES: Final = (
         f"{VECTORS}::test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference",
     ),
     Row(
-        "Figures 1, 3, 8",
-        "block diagrams of EB920 and ZC790, 400 s of the cosine sea in per cent of its largest",
-        f"{ABSENT}: the diagrams are the table of [rooms](architecture.md), and `trainer sea "
-        "sea-state-1 --plot sea.svg` draws 300 s in metres",
-        "",
+        "Figures 1, 3",
+        "block diagrams of EB920 and ZC790",
+        "[who calls whom](architecture.md#who-calls-whom)",
+        "test_structure.py::test_the_block_diagram_says_who_calls_whom",
+    ),
+    Row(
+        "Figure 8",
+        "400 s of the cosine sea, a point each second, in per cent of its largest",
+        "trainer sea sea-state-5 --plot sea.svg",
+        "analysis/test_sea_page.py::test_a_plot_has_two_series_the_spectrum_and_the_suction",
     ),
     Row(
         "550 graphs of manoeuvres",

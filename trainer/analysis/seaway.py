@@ -1,6 +1,7 @@
 """``trainer sea``: a sea in numbers and pictures: height, period, energy by band, forces.
 
-The plot has a series, its spectrum against the target, and the mean suction by depth. The sea is
+The plot has a series, in metres and in per cent of its largest as figure 8 of the report of 1969
+has it, its spectrum against the target, and the mean suction by depth. The sea is
 the one that the core makes in its ticks, not the formula, so that the plot checks it.
 """
 
@@ -39,7 +40,7 @@ BAND_EDGES: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the p
 BAND_WIDTH: Final = 0.1  # [-] of a band
 SERIES_COUNT: Final = 20  # series of the sea, each by its own seed
 SERIES_HOURS: Final = 3.0  # of each
-SHOWN_SERIES_S: Final = 300.0  # [s] of the first
+SHOWN_SERIES_S: Final = 400.0  # [s] of the first, as in the report of 1969
 MAX_CHASE_RATIO: Final = (
     0.15  # [-] speed with the waves over the peak's, beyond which the filter is untrue
 )
@@ -295,13 +296,15 @@ def _depth_row(one: DepthEffect) -> tuple[str, ...]:
 
 
 def panels(file: SeaFile, vessel: VesselFile, report: SeaReport) -> tuple[Panel, ...]:
-    """Return a series, the spectrum and the suction by depth; ConfigError of a calm."""
+    """Return a series twice, the spectrum, the suction by depth; ConfigError of a calm."""
     sea = report.sea
     if sea.height_m == 0.0:
         raise ConfigError(f"--plot: {file.path.name} is a calm: there is nothing to draw")
     settings, step = sea_settings(file, vessel.fluid.g), report.step_s
     series = make_series(settings, vessel.fluid.g, step, 1, SHOWN_SERIES_S / 3600.0)[0]
     seconds = step * np.arange(1, series.size + 1)
+    every = max(round(1.0 / step), 1)  # tick, for a point each second
+    seen = series[every - 1 :: every]
     return (
         Panel(
             f"{sea.name}: elevation above a boat at rest",
@@ -309,6 +312,13 @@ def panels(file: SeaFile, vessel: VesselFile, report: SeaReport) -> tuple[Panel,
             "elevation [m]",
             (Curve("elevation", seconds, 0.25 * sea.height_m * series),),
             levels=(-0.5 * sea.height_m, 0.5 * sea.height_m),
+        ),
+        Panel(
+            "the same, as figure 8 of the report of 1969",
+            "time [s]",
+            "share of the largest [%]",
+            (Curve("elevation", seconds[every - 1 :: every], 100.0 * seen / abs(seen).max()),),
+            levels=(0.0,),
         ),
         _spectrum_panel(sea, report.bands),
         _suction_panel(vessel, settings, report),
