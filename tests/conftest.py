@@ -20,6 +20,7 @@ from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
 NEEDING_THE_CORE_ALONE = ("core", "core and not slow", "laws")  # what is chosen by -m
+FLEETS = ("test_fleet", "test_sweep", "test_python_face")  # files of tests that fly members at once
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
 pytest_plugins = ["helpers.browser", "helpers.crewed", "helpers.once_more", "helpers.process_guard"]
 # One commit, one verdict: the same examples each time, however slow the machine.
@@ -47,9 +48,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
     A boat's core comes with the package, except where settings of numba ask for other code.
 
-    Fits and fleets are compiled side by side, and waited for, because tests of both come first.
-    Ships that are not linear come beside the first tests. Browsers are installed, where that is
-    allowed. Who names files of tests waits for the core alone: what else those need they compile.
+    Fits and fleets are compiled side by side; fits are waited for, as tests of them come early.
+    Fleets, whose tests come last, and ships that are not linear go on beside the first tests.
+    Browsers are installed, where that is allowed. Who names files of tests waits for the core
+    alone: what else those need they compile.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
@@ -63,11 +65,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     slow = session.config.option.markexpr == "slow"
     install_missing(PACKAGES | (SLOW_PACKAGES if slow else {}))
     assert_done(core)
-    with tempfile.TemporaryDirectory() as folder:
-        few = ["--members", "2", "--jobs", "1", "--out", f"{folder}/few"]
-        fleets = started("trainer", "sweep", "turn-uncertainty", *few)
-        assert_done(fits)
-        assert_done(fleets)
+    folder = tempfile.TemporaryDirectory()
+    session.config.add_cleanup(folder.cleanup)
+    few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
+    fleets = started("trainer", "sweep", "turn-uncertainty", *few)
+    session.config.add_cleanup(lambda: assert_done(fleets))
+    assert_done(fits)
     ships = started("helpers.ships")
     session.config.add_cleanup(lambda: assert_done(ships))
 
@@ -90,8 +93,10 @@ def started(*words: str) -> subprocess.Popen[bytes]:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with tests that wait in half of the processes, with those that compute in the others.
 
-    Each process takes its share as it stands here, and what others have left over.
+    Each process takes its share as it stands here, and what others have left over. Tests of fleets
+    come last of all, when these are compiled.
     """
+    items.sort(key=lambda item: item.path.name.startswith(FLEETS))
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     half = max(processes // 2, 1)
     waiting = [item for item in items if item.path.parent.name in WAITING]

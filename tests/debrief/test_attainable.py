@@ -319,7 +319,9 @@ def test_marks_that_come_back_while_nobody_does_anything_were_never_lost() -> No
     assert [each.tick for each in level] == [0, 20, 40, 60, 80, 100]
 
 
-@pytest.mark.parametrize("name", ["canyon", "hover-by-pump", "heavy-boat"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("canyon", marks=pytest.mark.slow), "hover-by-pump", "heavy-boat"]
+)
 def test_with_nobody_aboard_no_marks_are_won_and_all_are_accounted_for(name: str) -> None:
     curve = attainable_curve(explored(name, fly_rehearsal(plan_of(name))))
     assert [each for each in curve.changes if each.marks > 0.0] == []

@@ -548,7 +548,7 @@ def test_a_page_for_which_the_session_has_no_room_is_told_so() -> None:
     with pages() as stub, dialled(stub.port) as line:
         await_that(lambda: len(stub.sessions) == 1)
         stub.sessions[0].sendall(f"{sentences.fact(0, 0.0, 'no-room', '40')}\n".encode("ascii"))
-        stub.sessions[0].close()
+        stub.sessions[0].shutdown(socket.SHUT_WR)  # a close would take it back with what is unread
         assert refused(line) == NO_ROOM_CODE
         assert line.close_reason == "no room: 40 stations are here; close a page"
 

@@ -21,7 +21,7 @@ from trainer.boat.flown_ticks import count_before
 from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew
-from trainer.boat.world.contacts import contacts_in
+from trainer.boat.world.contacts import Contacts, contacts_in
 from trainer.boat.world.encounters import POSE_NAMES, EncounterMonitor, collisions_in, passed_ships
 from trainer.boat.world.hulls import OwnHull, Pose
 from trainer.boat.world.world import WORLD_PARTS
@@ -48,6 +48,7 @@ LOOKOUT_GIVER: Final = Giver(GiverKind.REFERENCE, LOOKOUT_ROLE, LOOKOUT_ROLE)
 COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS], np.int64)
 POSE_PLACES: Final = [PASSAGE_COLUMNS.index(name) for name in POSE_NAMES]
 MAX_STRIDE_TICKS: Final = 4096  # ticks flown at once
+PLANE_PLACES: Final = POSE_PLACES[:2]  # north and east
 FEW_ROWS: Final = 16  # with ships near, below which one after another takes less time
 HULL_COLUMNS: Final = ("z", "theta", "held_depth")
 
@@ -224,7 +225,9 @@ class Flight:
             crushed = is_crushed(self.boat.file.hull, *columns)
             count = min(count_before(crushed) + 1, count)
         contacts, hull = self.watch.contacts, self.watch.hull
-        if contacts is None or hull is None:
+        if contacts is None or hull is None or not count:
+            return count, ""
+        if self._is_clear(contacts, hull, begun, rows[:count]):
             return count, ""
         poses = np.vstack([self.rows[-1][-1:], rows[:count, : COLUMN_PLACES.size]])[:, POSE_PLACES]
         if count < FEW_ROWS:
@@ -237,6 +240,22 @@ class Flight:
         passed = passed_ships(contacts, ticks, poses.T)
         struck = collisions_in(passed, hull, poses.T)
         return struck[0] if struck else (count, "")
+
+    def _is_clear(self, contacts: Contacts, hull: OwnHull, begun: int, rows: Numbers) -> bool:
+        """Return whether no ship can have come near in the rows since a tick.
+
+        A ship that the water carries, or that has a rudder, may go faster than its kind.
+        """
+        here, there = self.rows[-1][-1, PLANE_PLACES], rows[:, PLANE_PLACES]
+        own = float(np.abs(there - here).max(axis=0).sum())  # [m] at most
+        seconds, (north, east) = len(rows) * self.plan.method.step, here.tolist()
+        fleet = contacts.fleet(begun)
+        for ship, motion in zip(fleet.order, fleet.motions(begun), strict=True):
+            apart = math.hypot(motion.north - north, motion.east - east)
+            gone = own + ship.type.fastest * seconds
+            if ship.drifts or ship.steered or not hull.far(apart - gone, 0.0, ship.type):
+                return False
+        return True
 
     def rehearsal(self) -> Rehearsal:
         """Return what was flown so far."""

@@ -175,7 +175,7 @@ def _sights(
         mast = scope.at(int(trajectory.ticks[row]))
         mast = scope.raised(mast) if up else mast
         eye = scope.place(state_of(trajectory, row), mast, float(heights[row]))
-        yield from ((row, sight.name) for sight in scope.sights(eye, mast))
+        yield from ((row, name) for name in scope.names_in_sight(eye, mast))
 
 
 def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:

@@ -343,6 +343,22 @@ def test_exposure_is_counted_in_all_and_by_the_raise(tmp_path: Path) -> None:
     assert scope_of(boat).exposed(100, raised=True) < live
 
 
+def test_a_mast_counts_the_same_when_ticks_are_flown_at_once(tmp_path: Path) -> None:
+    singly, at_once = at_sea(tmp_path), at_sea(tmp_path)
+    places, stood = np.array([0], np.int64), []
+    for words, ticks in (("raise", 40), ("lower", 60), ("lower", 20), ("raise", 30)):
+        for boat in (singly, at_once):
+            give(boat, f"scope {words}")
+        stood.append(scope_of(at_once).stands(at_once.ticks))
+        fly(singly, ticks)
+        assert at_once.fly(places, np.empty((ticks, 1))) == 0
+        assert at_once.plain.tobytes() == singly.plain.tobytes()
+    counts = [scope_of(boat).exposed(150, raised=False) for boat in (singly, at_once)]
+
+    assert stood == [False, False, True, False]
+    assert counts[0] == counts[1] > 10.0
+
+
 def test_a_resumed_run_goes_on_counting(tmp_path: Path) -> None:
     path, file = tmp_path / "look.toml", tmp_path / "r.trainer"
     path.write_text(HEAD + START.format(speed=5.0, depth=18.5) + "[sea]\nsea_state = 4\n")

@@ -6,6 +6,7 @@ they were then. A ship that drifts goes its way through the water, and the curre
 carries its way along.
 """
 
+import functools
 import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -52,6 +53,8 @@ from trainer.units import KNOT
 Ticks = NDArray[np.int64]
 STRAIGHT_ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
 BLOCK_TICKS: Final = 256  # ticks of ships computed at once
+KNOWN_BLOCKS: Final = 16  # [blocks] kept, of KNOWN_SHIPS at most, 1.5 MB each
+KNOWN_SHIPS: Final = 20
 EMPTY_PIECE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 # from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
 Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
@@ -120,8 +123,7 @@ class ContactFleet:
         begins, block = self._latest
         if not begins <= tick < begins + len(block):
             begins = tick - tick % BLOCK_TICKS
-            ways = np.array(self._ways(np.arange(begins, begins + BLOCK_TICKS, dtype=np.int64)))
-            block = [[ShipMotion(*row) for row in rows] for rows in ways.T.tolist()]
+            block = self._block(begins)
             self._latest = begins, block
         if not self._drifting:
             return block[tick - begins]
@@ -129,6 +131,13 @@ class ContactFleet:
         for i in self._drifting:  # orders may change the current, and so it is in no block
             motions[i] = ShipMotion(*map(operator.add, motions[i], carried))
         return motions
+
+    def _block(self, begins: int) -> list[list[ShipMotion]]:
+        """Return how all would go in BLOCK_TICKS from a tick on if no water carried them."""
+        if len(self.order) > KNOWN_SHIPS or any(ship.steered for ship in self.order):
+            ways = self._ways(np.arange(begins, begins + BLOCK_TICKS, dtype=np.int64))
+            return motions_in(ways)
+        return laid_block(self.order, self.step, begins)
 
     def over(self, ticks: Ticks) -> Situation:
         """Return where all are over ticks, a row for each ship."""
@@ -149,8 +158,7 @@ class ContactFleet:
         if not self.order:
             return Situation(*np.empty((len(Situation._fields), 0, ticks.size)))
         times = ticks.astype(np.float64) * self.step
-        pieces = np.stack([ship.way.over(times) for ship in self.order], axis=1)
-        ways = Situation(*(column.copy() for column in situation(pieces, times)))
+        ways = laid_ways(self.order, times)
         for i, ship in enumerate(self.order):
             if ship.steered:
                 self._steer(ship.steered, times, Situation(*(column[i] for column in ways)))
@@ -164,6 +172,29 @@ class ContactFleet:
                 column[k] = value
             row.set_north[k] = -now.sway * math.sin(now.course)
             row.set_east[k] = now.sway * math.cos(now.course)
+
+
+def laid_ways(ships: Sequence[Ship], times: Numbers) -> Situation:
+    """Return where ships are at times [s] by their laid ways, a row each."""
+    pieces = np.stack([ship.way.over(times) for ship in ships], axis=1)
+    return Situation(*(column.copy() for column in situation(pieces, times)))
+
+
+def motions_in(ways: Situation) -> list[list[ShipMotion]]:
+    """Return how ships go, by column of a situation."""
+    return [[ShipMotion(*row) for row in rows] for rows in np.array(ways).T.tolist()]
+
+
+@functools.lru_cache(maxsize=KNOWN_BLOCKS)
+def laid_block(ships: tuple[Ship, ...], step: float, begins: int) -> list[list[ShipMotion]]:
+    """Return how ships go by their laid ways in BLOCK_TICKS from a tick on. Nobody may alter it.
+
+    It is kept because a debrief flies the same minutes among the same ships many times.
+    """
+    if not ships:
+        return [[] for _ in range(BLOCK_TICKS)]
+    ticks = np.arange(begins, begins + BLOCK_TICKS, dtype=np.int64)
+    return motions_in(laid_ways(ships, ticks.astype(np.float64) * step))
 
 
 class Contacts:

@@ -8,7 +8,7 @@ American Practical Navigator (2019), tables 8 and 12, as a larger earth has it.
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -101,11 +101,22 @@ def hidden_height(distance: float, eye: float) -> float:
     return beyond * beyond / (2.0 * EARTH_RADIUS_M)
 
 
+def distance_in_sight(target: ContactState, eye: Eye) -> float | None:
+    """Return how far [m] a ship is, at least 1.
+
+    None: it is below the horizon, or the head is washed over.
+    """
+    distance = max(math.hypot(target.north - eye.north, target.east - eye.east), 1.0)
+    if eye.height <= 0.0 or hidden_height(distance, eye.height) >= target.mast:
+        return None
+    return distance
+
+
 def look_at(target: ContactState, eye: Eye) -> Sight | None:
     """Return how a ship is seen. None: it is below the horizon, or the head is washed over."""
     north, east = target.north - eye.north, target.east - eye.east
-    distance = max(math.hypot(north, east), 1.0)
-    if eye.height <= 0.0 or hidden_height(distance, eye.height) >= target.mast:
+    distance = distance_in_sight(target, eye)
+    if distance is None:
         return None
     bearing = math.atan2(east, north)
     aspect = math.remainder(bearing + math.pi - target.heading, math.tau)
@@ -163,9 +174,10 @@ class Periscope:
         """Return whether the mast has been ordered up: it may show."""
         return self._stood[-1].raised > 0
 
-    def stands(self, _tick: int) -> bool:
-        """Return no: a mast that is up is looked at, at each tick."""
-        return False
+    def stands(self, tick: int) -> bool:
+        """Return whether the mast is down: one that is not is looked at, at each tick."""
+        mast = self.at(tick)
+        return not mast.up and mast.out == 0.0
 
     def write(self, state: Any) -> None:
         """Write nothing; note that the head is out of the water.
@@ -250,6 +262,14 @@ class Periscope:
         ships = ships_near(self._boat, mast.tick)
         seen = [sight for ship in ships if (sight := look_at(ship, eye))]
         return sorted(seen, key=attrgetter("distance"))
+
+    def names_in_sight(self, eye: Eye, mast: Mast) -> list[str]:
+        """Return the names of the ships in sight all round, the nearest first."""
+        if mast.out < OPTICS_SHOWING_M:
+            return []
+        ships = ships_near(self._boat, mast.tick)
+        seen = [(far, ship.name) for ship in ships if (far := distance_in_sight(ship, eye))]
+        return [name for _, name in sorted(seen, key=itemgetter(0))]
 
     def near(self, s: Any, tick: int) -> list[tuple[str, float]]:
         """Return each ship at a tick and its true bearing [rad], seen or not."""
