@@ -26,6 +26,7 @@ from trainer.boat.export.orders import order_rows
 from trainer.boat.helm import obey_order
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
+from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, parse
@@ -39,9 +40,14 @@ OPTIONS = RunOptions(vessel="bb2")
 # a run of ten minutes: after which tick, as the trainer's crew says it, as a simulator sets it
 ORDERS: list[tuple[int, str, dict[str, float]]] = [
     (0, "course 100", {"ordered_psi": 100.0}),
+    (30, "casualty rudder-slow 0.5", {"casualty_rudder_slow": 0.5}),
     (60, "depth 90", {"ordered_depth": 90.0}),
-    (200, "rudder left 12.5", {"rudder_by_hand": 1, "ordered_r": -12.5}),
-    (420, "course 350", {"rudder_by_hand": 0, "ordered_psi": 350.0}),
+    (80, "clear rudder-slow", {"casualty_rudder_slow": 0.0}),
+    (85, "casualty rudder-slow 0.5", {"casualty_rudder_slow": 0.5}),  # not clear yet
+    (130, "clear rudder-slow", {"casualty_rudder_slow": 0.0}),
+    (200, "rudder left 22.5", {"rudder_by_hand": 1, "ordered_r": -22.5}),
+    (440, "rudder auto", {"rudder_by_hand": 0}),
+    (470, "course 350", {"ordered_psi": 350.0}),
     (500, "casualty stern-hard-over -0.4", {"casualty_stern_hard_over": -0.4}),
     (560, "casualty rudder-stuck", {"casualty_rudder_stuck": 1}),
     (600, "clear stern-hard-over", {"casualty_stern_hard_over": 0.0}),
@@ -127,8 +133,7 @@ def test_a_run_by_orders_is_the_trainers_to_the_last_bit(
                 for name, value in values.items():
                     assert flown.set(name, value) == OK, flown.told[-1]
         assert boat.tick() == flown.step() == OK
-        if tick % 50 == 49:
-            assert flown.numbers() == boat.records.state.tobytes(), tick
+        assert flown.numbers() == boat.records.state.tobytes(), tick
 
     shown = [flown.get(name) for name in MOTION_COLUMNS if name != "t"]
     assert shown == boat.numbers(tuple(name for name in MOTION_COLUMNS if name != "t"))
@@ -411,19 +416,21 @@ def test_each_output_but_pure_numbers_has_a_unit(unit: Unit) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("compiler", "words", "told"),
     [
-        (["bb2.fmu"], "there is no C compiler 'no-such-compiler' here: install one"),
-        (["bb2.fmu", "--seed", str(2**40)], "--seed 1099511627776: must be at most 2147483647"),
-        (["bb2.html"], ".fmu"),
+        ("no-such", "bb2.fmu", "there is no C compiler 'no-such' here: install one"),
+        ("false", "bb2.fmu", "CC names a compiler for linux-x86_64"),
+        ("cc", f"bb2.fmu --seed {2**40}", "--seed 1099511627776: must be at most 2147483647"),
+        ("cc", "bb2.html", ".fmu"),
+        ("cc", "no/folder/bb2.fmu", "No such file or directory"),
     ],
 )
 def test_what_cannot_be_exported_is_told_in_a_line_and_nothing_is_written(
-    words: list[str], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    compiler: str, words: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("CC", "no-such-compiler")
+    monkeypatch.setenv("CC", compiler)
     done = subprocess.run(
-        [sys.executable, "-m", "trainer", "export-fmu", *words],
+        [sys.executable, "-m", "trainer", "export-fmu", *words.split()],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -434,6 +441,24 @@ def test_what_cannot_be_exported_is_told_in_a_line_and_nothing_is_written(
     assert told in done.stderr
     assert done.stderr.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_a_core_that_is_not_the_objects_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("trainer.boat.export.fmu.shipped_object", lambda _name: None)
+
+    with pytest.raises(ConfigError, match="export-core trainer/boat/shipped --cpu shipped"):
+        fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm")), load_sea("calm"))
+
+
+def test_a_sea_that_the_step_is_too_long_for_is_refused(tmp_path: Path) -> None:
+    words = ["export-fmu", str(tmp_path / "slow.fmu"), "--step", "2", "--unsafe-step"]
+    done = CliRunner().invoke(cli, words)
+    boat = Instance(unpack(tmp_path / "slow.fmu", tmp_path))
+
+    assert done.exit_code == 0
+    assert boat.set("sea_state", 1) == ERROR
+    assert "above Nyquist for this step" in boat.told[-1]
+    assert boat.set("sea_state", 6) == OK
 
 
 # Another's simulator

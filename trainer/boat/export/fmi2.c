@@ -14,18 +14,21 @@ enum { REAL, INTEGER, BOOLEAN };                           /* types of variables
 enum { READ, GAUGE, NUMBER, COURSE, PARAMETER, CASUALTY }; /* what getting or setting one does */
 enum { INSTANTIATED = 1, INITIALIZING = 2, STEPPING = 4, TERMINATED = 8, ANY_PHASE = 15 };
 
+enum { WANTED_DOUBLES = 9, WANTED_DIRECTION = 3, SEA_DOUBLES = 8, MAX_TICKS = 1000000 };
+
+struct sea { double wanted[WANTED_DOUBLES], fits; }; /* as it is ordered; 0: too short for the step */
+
 struct variable {
     int type, rule;
-    const char *name, *limits;      /* limits in words */
-    double low, high, scale;        /* SI = scale x value */
-    int place, cleared, shortened;  /* in the moment; -1 none */
-    double ramp, clear_ramp;        /* [ticks] of a casualty */
+    const char *name, *limits;     /* limits in words */
+    double low, high, scale;       /* SI = scale x value */
+    int place, cleared, shortened; /* in the moment; -1 none */
+    double ramp, clear_ramp;       /* [ticks] of a casualty */
 };
 
 #include "model.h"
 
 enum { SEA_STATE = STATE_DOUBLES, SEA_FROM, START_TIME, PHASE, MOMENT_DOUBLES };
-enum { WANTED_DOUBLES = 9, WANTED_DIRECTION = 3, SEA_DOUBLES = 8, MAX_TICKS = 1000000 };
 static const double TURN = 6.283185307179586;
 
 /* The kernels in trainer's object: all numbers are doubles, all records addresses. */
@@ -74,12 +77,6 @@ static int tell(const struct host *host, const char *name, const char *form, ...
                          "initialization, step, terminate", __func__)))                        \
         return ERROR
 
-/* The sea of a degree as it is ordered, then whether the step is short enough for it. */
-static const double *sea_of(double degree)
-{
-    return SEAS + ((int)degree + 1) * (WANTED_DOUBLES + 1);
-}
-
 static double value_of(const struct variable *v, struct instance *boat)
 {
     const double *moment = boat->moment;
@@ -107,7 +104,7 @@ static const char *set_value(const struct variable *v, double value, struct inst
         return "a parameter is set before initialization ends";
     if (!(value >= v->low && value <= v->high)) /* true of what is not a number too */
         return v->limits;
-    if (v->place == SEA_STATE && v->rule == PARAMETER && !sea_of(value)[WANTED_DOUBLES])
+    if (v->place == SEA_STATE && v->rule == PARAMETER && !SEAS[(int)value + 1].fits)
         return "a sea above Nyquist for this step: export with a shorter --step";
     if (v->rule == CASUALTY) {
         if (value == value_of(v, boat))
@@ -244,7 +241,7 @@ SHOWN int fmi2ExitInitializationMode(struct instance *boat)
 {
     double wanted[WANTED_DOUBLES];
     EXPECT(INITIALIZING);
-    memcpy(wanted, sea_of(boat->moment[SEA_STATE]), sizeof wanted);
+    memcpy(wanted, SEAS[(int)boat->moment[SEA_STATE] + 1].wanted, sizeof wanted);
     wanted[WANTED_DIRECTION] = fmod(boat->moment[SEA_FROM] + 180.0, 360.0) * DEGREE;
     boat->moment[SEA_PLACE] = 0.0;
     memcpy(boat->moment + SEA_PLACE + 1, wanted + 1, (SEA_DOUBLES - 1) * sizeof *wanted);

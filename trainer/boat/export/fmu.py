@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import jinja2
 import numpy as np
@@ -90,11 +90,8 @@ def order_rules(boat: Boat) -> Iterator[tuple[str, list[float], dict[int, tuple[
     for row in order_rows(boat):
         words, *limits, writes = row.split(";")
         rules = (re.split("[=:]", write) for write in writes.split(","))
-        yield (
-            words,
-            [float(number or 0.0) for number in limits],
-            {int(place): (kind, float(argument)) for place, kind, argument in rules},
-        )
+        by_place = {int(place): (kind, float(argument)) for place, kind, argument in rules}
+        yield words, [float(number or 0.0) for number in limits], by_place
 
 
 def order_inputs(boat: Boat, names: dict[int, str]) -> Iterator[Variable]:
@@ -168,19 +165,17 @@ def state_outputs(names: dict[int, str]) -> Iterator[Variable]:
 def variables_of(boat: Boat, sea: SeaFile) -> list[Variable]:
     """Return the variables of a boat; a value reference is a place among them."""
     names = {offset // 8: name for name, offset, shape in record_members(STATE) if not shape}
-    chosen = Variable("", "", 0, "Integer", "parameter", "PARAMETER", low=-1.0, start=-1.0)
     degrees = f"degree of the sea, WMO code 3700; -1: {sea.name}, as exported"
-    seed = replace(chosen, name="seed", meaning="of all random numbers", place=STATE_PLACES["seed"])
-    sea_from = replace(chosen, name="sea_from", meaning="true, where the waves come from")
-    way = replace(sea_from, type="Real", place=STATE_DOUBLES + 1, unit="deg", low=0.0, high=360.0)
-    degree = replace(chosen, name="sea_state", meaning=degrees, place=STATE_DOUBLES)
-    settable = [
-        replace(seed, low=0.0, high=float(MAX_SEED), start=float(boat.state.seed)),
-        replace(degree, high=len(SEA_STATE_HEIGHT) - 1.0),
-        replace(way, start=float(sea.sea.direction_deg)),
-        *order_inputs(boat, names),
-        *casualty_inputs(boat),
+    seed = Variable("seed", "of all random numbers", STATE_PLACES["seed"], "Integer", "parameter")
+    degree = replace(seed, name="sea_state", meaning=degrees, place=STATE_DOUBLES, low=-1.0)
+    way = Variable("sea_from", "true, where the waves come from", STATE_DOUBLES + 1, unit="deg")
+    parameters = [
+        replace(seed, high=MAX_SEED, start=boat.state.seed),
+        replace(degree, high=len(SEA_STATE_HEIGHT) - 1, start=-1.0),
+        replace(way, causality="parameter", high=360.0, start=sea.sea.direction_deg),
     ]
+    settable = [replace(each, rule="PARAMETER") for each in parameters]
+    settable += [*order_inputs(boat, names), *casualty_inputs(boat)]
     gauges = [
         Variable(name.replace("-", "_"), "as it reads", i, "Real", "output", "GAUGE", unit, scale=x)
         for i, (name, (unit, x)) in enumerate(casualties.GAUGE_UNITS.items())
@@ -214,8 +209,8 @@ def model_text(boat: Boat, sea: SeaFile, variables: list[Variable]) -> str:
     degrees = range(len(SEA_STATE_HEIGHT))
     others = [replace(sea, sea=fully_developed(sea.sea, "state", float(n))) for n in degrees]
     wanted = [sea_settings(each, g) for each in (sea, *others)]
-    rows = [[*row.tolist(), float(not step_problem(row, step))] for row in wanted]
-    text += c_array("double", "SEAS", (x for row in rows for x in row))
+    fits = (f"{{{{{str(w.tolist())[1:-1]}}}, {not step_problem(w, step):d}}}" for w in wanted)
+    text += c_array("struct sea", "SEAS", fits)
     text += c_array("char *const", "WATCHED", (f'"{name}"' for name in WATCHED_NAMES))
     return text + c_array("struct variable", "VARIABLES", (each.row for each in variables))
 
@@ -237,9 +232,7 @@ def link_binary(model: str, code: bytes) -> bytes:
         if done.returncode == 0:
             return Path(folder, "boat.so").read_bytes()
     said = (done.stderr.strip().splitlines() or ["no word"])[-1]
-    raise ConfigError(
-        f"export-fmu: {said}; name by CC a compiler for {PLATFORM_NAME}, not {words[0]}"
-    )
+    raise ConfigError(f"export-fmu: {said}; CC names a compiler for {PLATFORM_NAME}")
 
 
 def fmu_bytes(boat: Boat, sea: SeaFile) -> bytes:
@@ -260,12 +253,10 @@ def fmu_bytes(boat: Boat, sea: SeaFile) -> bytes:
     digest = hashlib.sha256(model.encode() + (SOURCE_FOLDER / "fmi2.c").read_bytes() + code)
     guid = f"{{{uuid.UUID(bytes=digest.digest()[:16])}}}"
     identifier = re.sub(r"\W", "_", f"trainer_{boat.file.path.stem}", flags=re.ASCII)
-    facts: dict[str, Any] = {"name": boat.file.name, "guid": guid, "identifier": identifier}
-    facts |= {"version": __version__, "step": boat.method.step, "variables": variables}
-    facts |= {"degree": DEGREES.factor, "knot": KNOTS.factor}
-    pages = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(SOURCE_FOLDER), autoescape=True, trim_blocks=True
-    )
+    facts = {"boat": boat, "guid": guid, "identifier": identifier, "variables": variables}
+    facts |= {"version": __version__, "degree": DEGREES.factor, "knot": KNOTS.factor}
+    folder = jinja2.FileSystemLoader(SOURCE_FOLDER)
+    pages = jinja2.Environment(loader=folder, autoescape=True, trim_blocks=True)
     licence = metadata.distribution("submarine-trainer").read_text("licenses/LICENSE")
     files: dict[str, str | bytes] = {
         "modelDescription.xml": pages.get_template("fmu.xml").render(facts),
@@ -275,6 +266,8 @@ def fmu_bytes(boat: Boat, sea: SeaFile) -> bytes:
     }
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
-        for name, data in files.items():  # of one date, so that two exports have the same bytes
-            archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED, 9)
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name)  # without a date, so that two exports have the same bytes
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, data, zipfile.ZIP_DEFLATED, 9)
     return packed.getvalue()
