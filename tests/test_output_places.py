@@ -24,6 +24,7 @@ OUTPUTS = "io/outputs.py"
 REASONS = {
     "analysis/bench/end_to_end.py on_terminal": "a terminal",
     "boat/compilation.py announce_compiling": "the cache",
+    "boat/export/fmu.py link_binary": "a folder of its own, which goes",
     "boat/export/objects.py lower": "a folder of its own, which goes",
     "boat/machine_code.py made_object": "the cache",
     "boat/export/wasm.py lower": "a folder of its own, which goes",

@@ -90,7 +90,15 @@ def test_the_walk_sees_the_commands_with_an_output() -> None:
     assert names >= {
         *("run", "serve", "resume", "export", "debrief", "recordings", "identify", "identify new"),
         *("decca", "prbs", "steering", "estimate", "reduce", "guide", "manoeuvre", "sweep", "sea"),
-        *("schema", "export-page", "export-core", "exercise new", "exercise form", "vessel new"),
+        *(
+            "schema",
+            "export-page",
+            "export-core",
+            "export-fmu",
+            "exercise new",
+            "exercise form",
+            "vessel new",
+        ),
         *("exercise validate", "check-cases", "compare", "fit"),
     }
 

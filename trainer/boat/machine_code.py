@@ -56,14 +56,14 @@ def shipped_card() -> dict[str, Any]:
     return card if isinstance(card, dict) else {}
 
 
-def shipped_object() -> bytes | None:
-    """Return the shipped object for this machine and core, None if there is none.
+def shipped_object(platform_asked: str | None = None) -> bytes | None:
+    """Return the shipped object for a platform or this machine, None if there is none.
 
     One that is not whole is told, and not used.
     """
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
-    name, card = fitting_name(binding.get_host_cpu_features()), shipped_card()
+    name, card = platform_asked or fitting_name(binding.get_host_cpu_features()), shipped_card()
     if card.get("core") != core_digest() or name is None:
         return None
     path = SHIPPED_FOLDER / f"{name}.o.gz"

@@ -1,7 +1,7 @@
 """The commands that write a boat for other programs, and as one page.
 
-``export-core`` and ``export-page``. ``boat/export`` compiles the core, and ``web/single_file`` puts
-the page together; here options become a boat at its start.
+``export-core``, ``export-fmu`` and ``export-page``. ``boat/export`` compiles the core and links it,
+``web/single_file`` puts the page together; here options become a boat at its start.
 """
 
 import sys
@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from trainer.cli.options import (
+    FMU_OUTPUT,
     HTML_OUTPUT,
     RECORDING_FILE,
     SEA_NAME,
@@ -109,6 +110,32 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     if missing:
         click.echo(f"trainer: {missing}", err=True)
         sys.exit(1)
+
+
+@click.command(name="export-fmu")
+@click.argument("file", type=FMU_OUTPUT)
+@boat_options
+def export_fmu(file: Path, **options: Any) -> None:
+    """Write a boat as a functional mock-up unit (FMI 2.0), for other simulators.
+
+    \b
+    Example:  trainer export-fmu bb2.fmu --vessel bb2
+              trainer export-fmu bb2.fmu --sea sea-state-4 --seed 7
+
+    It is for co-simulation, for Linux on x86-64, with no Python inside. The bits are the trainer's.
+    The simulator may choose another sea state, its direction and the seed. It needs a C compiler.
+    """
+    from trainer.boat.export.fmu import fmu_bytes
+    from trainer.boat.export.library import name_trouble
+    from trainer.io.outputs import replacing
+
+    chosen = run_options(options)
+    sea = boat_at_start(chosen).sea  # a sea that this step and boat can have
+    boat = boat_at_start(replace(chosen, sea="calm"))
+    whole = fmu_bytes(boat, sea)
+    with name_trouble(), replacing(file) as made:
+        made.write_bytes(whole)
+    click.echo(f"{boat.file.name}: {file}, {len(whole):,} bytes")
 
 
 @click.command(name="export-page")

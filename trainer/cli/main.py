@@ -78,6 +78,7 @@ COMMAND_SECTIONS: Final = {
         listings.instruments,
         schema.schema,
         export.export_core,
+        export.export_fmu,
         export.export_page,
     ),
 }

@@ -26,6 +26,7 @@ FILE_KINDS: Final = {  # what has an ending
     ".rrd": "a file for Rerun",
     ".html": "a page",
     ".pdf": "a document",
+    ".fmu": "a functional mock-up unit",
     ".png": "a picture",
     ".svg": "a picture",
     ".py": "a program",

@@ -1,0 +1,500 @@
+"""The functional mock-up unit of a boat: FMI 2.0, co-simulation."""
+
+import ctypes
+import math
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from helpers.fmu import ERROR, OK, Instance, Unit, begun, unpack
+from helpers.places import ROOT
+
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import instrument_readings
+from trainer.boat.export.fmu import fmu_bytes
+from trainer.boat.export.header import record_members
+from trainer.boat.export.orders import order_rows
+from trainer.boat.helm import obey_order
+from trainer.cli.export import boat_at_start
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError
+from trainer.config.sea import load_sea
+from trainer.core.state import STATE
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.tables import MOTION_COLUMNS
+from trainer.session.options import RunOptions
+from trainer.units import KNOT
+
+PAGE = ROOT / "docs" / "fmu.md"
+MAX_BYTES = 300_000  # of a unit
+OPTIONS = RunOptions(vessel="bb2")
+# a run of ten minutes: after which tick, as the trainer's crew says it, as a simulator sets it
+ORDERS: list[tuple[int, str, dict[str, float]]] = [
+    (0, "course 100", {"ordered_psi": 100.0}),
+    (30, "casualty rudder-slow 0.5", {"casualty_rudder_slow": 0.5}),
+    (60, "depth 90", {"ordered_depth": 90.0}),
+    (80, "clear rudder-slow", {"casualty_rudder_slow": 0.0}),
+    (85, "casualty rudder-slow 0.5", {"casualty_rudder_slow": 0.5}),  # not clear yet
+    (130, "clear rudder-slow", {"casualty_rudder_slow": 0.0}),
+    (200, "rudder left 22.5", {"rudder_by_hand": 1, "ordered_r": -22.5}),
+    (440, "rudder auto", {"rudder_by_hand": 0}),
+    (470, "course 350", {"ordered_psi": 350.0}),
+    (500, "casualty stern-hard-over -0.4", {"casualty_stern_hard_over": -0.4}),
+    (560, "casualty rudder-stuck", {"casualty_rudder_stuck": 1}),
+    (600, "clear stern-hard-over", {"casualty_stern_hard_over": 0.0}),
+    (640, "clear rudder-stuck", {"casualty_rudder_stuck": 0}),
+    (650, "flood auxiliary 3", {"move_auxiliary": 3.0}),
+    (660, "pump trim aft 2", {"move_trim": -2.0}),
+    (700, "turns -4", {"speed_by_hand": 1, "ordered_u_c": -4.0}),
+    (740, "speed 8", {"speed_by_hand": 0, "ordered_speed": 8.0}),
+    (800, "emergency blow", {"blow_forward": 2, "blow_mid": 2, "blow_aft": 2}),
+    (1000, "casualty gyro-biased", {"casualty_gyro_biased": 1.0}),
+    (1050, "depth 70", {"ordered_depth": 70.0}),
+    (1060, "rudder right 5", {"rudder_by_hand": 1, "ordered_r": 5.0}),
+    (1150, "rudder auto", {"rudder_by_hand": 0}),
+]
+TICKS = 1200
+pytestmark = [
+    pytest.mark.process,
+    pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler here"),
+    pytest.mark.skipif(
+        (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="of Linux on x86-64"
+    ),
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of BB2's unit, packed and unpacked."""
+    path = tmp_path_factory.mktemp("fmu")
+    done = CliRunner().invoke(cli, ["export-fmu", str(path / "bb2.fmu")])
+    assert done.exit_code == 0, done.output
+    unpack(path / "bb2.fmu", path)
+    return path
+
+
+@pytest.fixture
+def unit(folder: Path) -> Unit:
+    """Return BB2's unit."""
+    return Unit(folder)
+
+
+def obey(boat: Boat, text: str) -> None:
+    """Give a boat of the trainer an order."""
+    order = parse(text)
+    assert isinstance(order, Order), text
+    answer = obey_order(boat, order)
+    assert not isinstance(answer, Refused), answer
+
+
+def fly(boat: Instance, ticks: int = TICKS) -> None:
+    """Fly the run by orders in a unit."""
+    for tick in range(ticks):
+        for at, _, values in ORDERS:
+            if at == tick:
+                assert [boat.set(name, value) for name, value in values.items()] == [OK] * len(
+                    values
+                ), boat.told[-1]
+        assert boat.step() == OK, boat.told[-1]
+
+
+# The bits
+
+
+@pytest.mark.parametrize(
+    ("sea", "seed", "start"),
+    [
+        ("calm", 1, {}),
+        ("sea-state-4", 7, {"sea_state": 4, "seed": 7, "sea_from": 250.0}),
+    ],
+)
+def test_a_run_by_orders_is_the_trainers_to_the_last_bit(
+    unit: Unit, sea: str, seed: int, start: dict[str, float]
+) -> None:
+    boat = boat_at_start(replace(OPTIONS, sea="calm", seed=seed))
+    file = load_sea(sea)
+    boat.put_to_sea(replace(file, sea=replace(file.sea, direction_deg=start.get("sea_from", 0.0))))
+    flown = begun(unit, **start)
+    assert flown.numbers() == boat.records.state.tobytes()
+
+    for tick in range(TICKS):
+        for at, text, values in ORDERS:
+            if at == tick:
+                obey(boat, text)
+                for name, value in values.items():
+                    assert flown.set(name, value) == OK, flown.told[-1]
+        assert boat.tick() == flown.step() == OK
+        assert flown.numbers() == boat.records.state.tobytes(), tick
+
+    shown = [flown.get(name) for name in MOTION_COLUMNS if name != "t"]
+    assert shown == boat.numbers(tuple(name for name in MOTION_COLUMNS if name != "t"))
+    readings = instrument_readings(boat)
+    assert flown.get("gyro") == readings.heading / math.radians(1.0) != flown.get("psi")
+    assert flown.get("log") == readings.speed / KNOT
+    assert (boat.state.eta_wave != 0.0) == (sea != "calm")
+
+
+def test_a_boat_in_the_sea_of_its_export_is_the_trainers(tmp_path: Path) -> None:
+    options = replace(OPTIONS, vessel="remus100", sea="sea-state-3", seed=5)
+    path = tmp_path / "remus.fmu"
+    done = CliRunner().invoke(
+        cli,
+        [
+            *("export-fmu", str(path), "--vessel", "remus100", "--sea", "sea-state-3"),
+            *("--seed", "5", "--integrator", "rk4"),
+        ],
+    )
+    assert done.exit_code == 0, done.output
+    boat = boat_at_start(replace(options, integrator="rk4"))
+    flown = begun(unpack(path, tmp_path / "remus"))
+    ticks = round(30.0 / boat.method.step)
+
+    for _ in range(ticks):
+        assert boat.tick() == OK
+    assert flown.step(10, boat.method.step * ticks / 10) == OK  # many ticks in a step
+
+    assert flown.numbers() == boat.records.state.tobytes()
+
+
+def test_a_value_that_is_set_again_at_each_step_changes_nothing(unit: Unit) -> None:
+    once, often = begun(unit), begun(unit)
+    values = {"ordered_psi": 200.0, "ordered_depth": 80.0, "casualty_bow_slow": 0.5}
+
+    for tick in range(400):
+        for name, value in values.items():
+            often.set(name, value)
+            if tick == 0:
+                once.set(name, value)
+        assert once.step() == often.step() == OK
+
+    assert once.numbers() == often.numbers()
+    for name, value in values.items():
+        assert often.get(name) == pytest.approx(value, rel=1e-15)
+
+
+# States
+
+
+def test_a_state_goes_on_in_another_instance_and_in_another_process(
+    unit: Unit, folder: Path, tmp_path: Path
+) -> None:
+    whole, first, second = begun(unit), begun(unit), Instance(unit)
+    fly(whole, 700)
+    fly(first, 600)
+    kept = first.serialised()
+    (file := tmp_path / "state").write_bytes(kept)
+
+    assert second.restore(kept) == OK
+    second.time = 300.0
+    for boat in (first, second):
+        assert boat.set("casualty_stern_hard_over", 0.0) == OK
+    assert first.step(40) == second.step(40) == OK
+    assert first.serialised() == second.serialised()
+
+    assert second.restore(kept) == OK
+    second.time = 300.0
+    assert second.step(100) == OK
+    child = [sys.executable, "-m", "helpers.fmu", str(folder), str(file), "100"]
+    path = os.pathsep.join([str(ROOT / "tests"), str(ROOT)])
+    subprocess.run(child, check=True, env=os.environ | {"PYTHONPATH": path})
+    assert file.read_bytes() == second.serialised() != whole.serialised()
+
+
+def test_a_boat_that_is_reset_is_as_new(unit: Unit) -> None:
+    new, again = begun(unit, sea_state=4), begun(unit, sea_state=5, seed=9)
+    fly(again, 300)
+
+    assert again.call("Terminate") == OK
+    assert again.call("Reset") == OK
+    again.begin(sea_state=4)
+    fly(new, 300)
+    fly(again, 300)
+
+    assert new.serialised() == again.serialised()
+
+
+def test_two_boats_at_once_do_not_disturb_each_other(unit: Unit) -> None:
+    alone, one, other = begun(unit, sea_state=5), begun(unit, sea_state=5), begun(unit)
+    fly(alone, 300)
+
+    for tick in range(300):
+        for at, _, values in ORDERS:
+            if at == tick:
+                assert [one.set(name, value) for name, value in values.items()]
+        assert one.step() == OK
+        assert other.step() == OK
+
+    assert alone.serialised() == one.serialised() != other.serialised()
+
+
+def test_a_thousand_resets_instances_and_states_leave_no_memory_behind(unit: Unit) -> None:
+    def rounds(count: int) -> None:
+        boat = begun(unit, sea_state=4)
+        for _ in range(count):
+            kept = boat.serialised()
+            assert boat.call("Reset") == OK
+            boat.begin(sea_state=4)
+            assert boat.step(2) == OK
+            assert boat.restore(kept) == OK
+            other = begun(unit)
+            other.free()
+        boat.free()
+
+    def resident() -> int:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
+
+    rounds(100)
+    before = resident()
+    rounds(1000)
+
+    assert resident() - before < 1_000_000  # an instance and its state have 20 kB
+
+
+# What is refused
+
+
+def limit_faults(boat: Instance) -> list[str]:
+    """Return inputs that refuse a limit of theirs, or take what is beyond it."""
+    faults = []
+    for name, place in boat.unit.variables.items():
+        if place.causality != "input" or place.kind == "Boolean" or "casualty" in name:
+            continue
+        low, high = (
+            int(end) if place.kind == "Integer" else float(end)
+            for end in (place.facts["min"], place.facts["max"])
+        )
+        beyond = 1 if place.kind == "Integer" else 1e-4
+        answers = [boat.set(name, x) for x in (low, high, low - beyond, high + beyond)]
+        if answers != [OK, OK, ERROR, ERROR]:
+            faults.append(f"{name} {answers}")
+    return faults
+
+
+def test_each_input_takes_its_limits_and_nothing_beyond_them(unit: Unit) -> None:
+    boat = begun(unit)
+
+    assert not limit_faults(boat)
+    assert "must be 0 to 250 m" in next(told for told in boat.told if "ordered_depth" in told)
+
+
+def double(number: float) -> ctypes.c_double:
+    """Return a double."""
+    return ctypes.c_double(number)
+
+
+FAULTS: list[tuple[Callable[[Instance], Any], str]] = [
+    (lambda b: b.set("ordered_depth", math.nan), "ordered_depth (12) = nan: must be 0 to 250 m"),
+    (lambda b: b.set("ordered_r", 31.0), "ordered_r (3) = 31: must be -30 to 30 deg"),
+    (lambda b: b.set("blow_mid", 3), "= 3: must be 0 to 2"),
+    (lambda b: b.set("rudder_by_hand", 2), "= 2: must be 0 to 1"),
+    (lambda b: b.set("casualty_stern_hard_over", -1.5), "= -1.5: must be -1 to 1"),
+    (lambda b: b.set("z", 10.0), ") = 10: can only be read"),
+    (lambda b: b.set("seed", 3), "a parameter is set before initialization ends"),
+    (lambda b: b.step(size=0.3), "step of 0.3 s: must be 0.5 s or its multiple"),
+    (lambda b: b.step(size=0.0), "step of 0 s"),
+    (lambda b: b.step(size=math.nan), "step of nan s"),
+    (lambda b: b.step(size=math.inf), "step of inf s"),
+    (lambda b: b.call("DoStep", double(7.0), double(0.5), 1), "from 7 s: the last step ended at 5"),
+    (lambda b: b.call("EnterInitializationMode"), "not in this phase"),
+    (lambda b: b.restore(b.serialised()[:-8]), "no state of this model"),
+    (lambda b: b.restore(b"x" + b.serialised()[1:]), "no state of this model"),
+    (lambda b: b.call("CancelStep"), "fmi2CancelStep: none"),
+    (lambda b: bad_reference(b, "SetReal", 9999), "no Real (9999) = 1: no such value reference"),
+    (lambda b: bad_reference(b, "SetReal", 3, 9999), "no Real (9999)"),
+    (lambda b: bad_reference(b, "GetReal", 9999), "no Real has value reference 9999"),
+    (lambda b: bad_reference(b, "SetReal", 0), "no Real (0)"),  # which is an Integer
+]
+
+
+def bad_reference(boat: Instance, name: str, *references: int) -> int:
+    """Call a function on value references, of which the last is none."""
+    places = (ctypes.c_uint * len(references))(*references)
+    numbers = (ctypes.c_double * len(references))(*[1.0] * len(references))
+    return boat.call(name, places, ctypes.c_size_t(len(references)), numbers)
+
+
+def test_what_is_refused_is_told_and_leaves_the_boat_as_it_was(unit: Unit) -> None:
+    boat = begun(unit)
+    assert boat.step(10) == OK
+    before, faults = boat.serialised(), []
+    for number, (fault, message) in enumerate(FAULTS):
+        if fault(boat) != ERROR or message not in boat.told[-1]:
+            faults.append(f"{number} {message!r}: {boat.told[-1]!r}")
+        if boat.serialised() != before:
+            faults.append(f"{number} {message!r} changed the boat")
+
+    assert not faults
+    assert boat.step() == OK
+
+
+def test_nine_casualties_and_a_step_before_the_start_are_refused(unit: Unit) -> None:
+    boat = begun(unit)
+    names = [name for name in unit.variables if name.startswith("casualty_")][:9]
+
+    answers = [boat.set(name, 1) for name in names]
+    early = Instance(unit)
+
+    assert answers == [OK] * 8 + [ERROR]
+    assert "as many casualties as can be" in boat.told[-1]
+    assert boat.set(names[0], 0) == OK
+    assert boat.step(600) == OK
+    assert boat.set(names[8], 1) == OK
+    assert early.step() == ERROR
+    assert "not in this phase" in early.told[-1]
+
+
+def test_a_unit_of_another_guid_is_no_instance(unit: Unit) -> None:
+    unit.guid = b"{00000000-0000-0000-0000-000000000000}"
+
+    with pytest.raises(AssertionError):
+        Instance(unit)
+
+
+# The file
+
+
+def test_two_exports_have_the_same_bytes_and_what_is_inside_is_small_and_whole(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", "cc -Wall -Werror")
+    path = folder / "bb2.fmu"
+    again = fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm")), load_sea("calm"))
+
+    assert again == path.read_bytes()
+    assert len(again) < MAX_BYTES
+    with zipfile.ZipFile(path) as archive:
+        assert archive.namelist() == [
+            "modelDescription.xml",
+            "binaries/linux64/trainer_bb2.so",
+            "documentation/index.html",
+            "documentation/licenses/license.txt",
+        ]
+        assert "ordered_depth" in archive.read("documentation/index.html").decode()
+        assert b"Permission is hereby granted" in archive.read("documentation/licenses/license.txt")
+        assert b"libpython" not in archive.read("binaries/linux64/trainer_bb2.so")
+    other = fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm", seed=2)), load_sea("calm"))
+    assert other != again
+
+
+def test_every_place_that_an_order_writes_a_number_to_is_an_input(unit: Unit) -> None:
+    boat = boat_at_start(replace(OPTIONS, sea="calm"))
+    written = {
+        int(write.partition("=")[0])
+        for row in order_rows(boat)
+        for write in row.split(";")[-1].split(",")
+        if "=number" in write or "=short:" in write
+    }
+    inputs = [name for name, place in unit.variables.items() if place.causality == "input"]
+    names = {place: name for name, place in reversed(list(boat_places()))}
+
+    assert {names[place] for place in written} <= set(inputs)
+    assert len(written) >= 10
+
+
+def boat_places() -> list[tuple[str, int]]:
+    """Return the places of the single numbers of a state."""
+    return [(name, offset // 8) for name, offset, shape in record_members(STATE) if not shape]
+
+
+def test_each_output_but_pure_numbers_has_a_unit(unit: Unit) -> None:
+    outputs = {n: p for n, p in unit.variables.items() if p.causality == "output"}
+    bare = {name for name, place in outputs.items() if "unit" not in place.facts}
+
+    assert bare == {"tick", "validity"}
+    assert outputs["z"].facts["unit"] == outputs["z_g"].facts["unit"] == "m"
+    assert outputs["delta_b"].facts["unit"] == "rad"
+    assert {name for name in MOTION_COLUMNS if name != "t"} <= set(outputs)
+
+
+@pytest.mark.parametrize(
+    ("compiler", "words", "told"),
+    [
+        ("no-such", "bb2.fmu", "there is no C compiler 'no-such' here: install one"),
+        ("false", "bb2.fmu", "CC names a compiler for linux-x86_64"),
+        ("cc", f"bb2.fmu --seed {2**40}", "--seed 1099511627776: must be at most 2147483647"),
+        ("cc", "bb2.html", ".fmu"),
+        ("cc", "no/folder/bb2.fmu", "No such file or directory"),
+    ],
+)
+def test_what_cannot_be_exported_is_told_in_a_line_and_nothing_is_written(
+    compiler: str, words: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", compiler)
+    done = subprocess.run(
+        [sys.executable, "-m", "trainer", "export-fmu", *words.split()],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_core_that_is_not_the_objects_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("trainer.boat.export.fmu.shipped_object", lambda _name: None)
+
+    with pytest.raises(ConfigError, match="export-core trainer/boat/shipped --cpu shipped"):
+        fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm")), load_sea("calm"))
+
+
+def test_a_sea_that_the_step_is_too_long_for_is_refused(tmp_path: Path) -> None:
+    words = ["export-fmu", str(tmp_path / "slow.fmu"), "--step", "2", "--unsafe-step"]
+    done = CliRunner().invoke(cli, words)
+    boat = Instance(unpack(tmp_path / "slow.fmu", tmp_path))
+
+    assert done.exit_code == 0
+    assert boat.set("sea_state", 1) == ERROR
+    assert "above Nyquist for this step" in boat.told[-1]
+    assert boat.set("sea_state", 6) == OK
+
+
+# Another's simulator
+
+
+@pytest.mark.slow
+def test_fmpy_finds_nothing_wrong_and_flies_the_trainers_bits(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It runs the example of the page, whose last line prints where the boat has come to."""
+    pytest.importorskip("fmpy")
+    validation = pytest.importorskip("fmpy.validation")
+    monkeypatch.chdir(folder)
+    names = tuple(name for name in MOTION_COLUMNS if name not in ("t", "tick"))
+    example = PAGE.read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    scope: dict[str, Any] = {}
+
+    assert validation.validate_fmu("bb2.fmu") == []
+    exec(example.replace('["z", "psi"]', repr(names)), scope)  # noqa: S102
+
+    boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
+    rows = [boat.numbers(names)]
+    for tick in range(TICKS):
+        if tick == 60:
+            obey(boat, "depth 90")
+        if tick == 180:
+            obey(boat, "course 100")
+        boat.tick()
+        rows.append(boat.numbers(names))
+    assert [[row[name] for name in names] for row in scope["flown"]] == rows
+
+
+def test_the_page_names_every_input_that_is_no_casualty(unit: Unit) -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    chosen = {n for n, p in unit.variables.items() if p.causality in ("input", "parameter")}
+    broken = {name for name in chosen if name.startswith("casualty_")}
+
+    assert [name for name in chosen - broken if f"`{name}`" not in page] == []
+    assert f"and {len(broken) - 1} others" in page
