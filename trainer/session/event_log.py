@@ -135,6 +135,14 @@ class EventLog:
         for counter, times in zip(counting, begun, strict=True):
             past = {what: [t for t in when if t <= now] for what, when in times.items()}
             counter.times = {what: when for what, when in past.items() if when}
+        for station in self.stations:
+            if station.role is INSTRUCTOR_ROLE:
+                self._note_branches(station)
+
+    def _note_branches(self, station: Station) -> None:
+        """Send a program the branches, before it hears of a jump to one of them."""
+        with contextlib.suppress(RecordingError):
+            self.note(station, [Fact("branch", each.fields) for each in self.history.branches()])
 
     def _parent(self) -> int:
         """Return the branch that the present one began from, 0 where that cannot be read."""

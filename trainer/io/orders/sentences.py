@@ -40,7 +40,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "order": "an order that was obeyed, in the grammar's words",
     "mark": "the remark of a mark",
     "back": "the order that has jumped to this tick; the orders to the crew that wait there follow",
-    "branch": "number, parent, begun and last [s], and why it began; all before that to `branches`",
+    "branch": "number, parent, begun, last [s], and why; all before `back`, or that to `branches`",
     "exercise-over": "how it ended: lost, or ended; time stands still, the session goes on",
     "marks": "outcome, total [%], aids that were used; to all once they are released",
     "shown": "an order of the reference crew, which shows the way",
