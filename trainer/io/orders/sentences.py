@@ -82,6 +82,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "alert": "the number of an alert, its kind and its words, after commas",
     "alert-rank": "the number of the next alert, then emergency, alarm, warning or caution",
     "ack": "the number of an alert that somebody has seen",
+    "own-alert": "an alert of a page's own: its name, `seen`, `silent` or `over`, for how long [s]",
     "over": "nothing: the session has ended",
     "no-room": "how many lines a session takes: so many are here, and this one is closed",
     "left": "nothing: this line has been let go, as it asked",
