@@ -7,7 +7,8 @@ from typing import Final
 import pytest
 from helpers.hands import WAYS, heard, step, work
 from helpers.pages import Served
-from playwright.sync_api import Page, expect
+from helpers.waiting import await_that
+from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
 Look = Callable[..., Page]
@@ -150,7 +151,7 @@ SOUNDER: Final = """async () => {
   const { AlertSounder } = await import("/assets/js/alert-sounder.js");
   const heard = [];
   let now = 0;
-  const alerts = Object.assign(new EventTarget(), { shown: [] });
+  const alerts = Object.assign(new EventTarget(), { shown: [], tellSilent() {} });
   const sound = { alert: (rank) => heard.push(`${now / 1000} ${rank}`) };
   const sounder = new AlertSounder(alerts, sound, () => now);
   const pass = (seconds) => {
@@ -181,6 +182,57 @@ def test_an_alert_sounds_again_until_it_is_seen_and_anew_when_it_comes_again(
         *("1 alarm", "11 alarm", "42 alarm"),  # silent from 12 s for half a minute
         *("45 alarm", "46 emergency", "48 emergency"),
     ]
+
+
+def listening(look: Look, session: Served) -> Page:
+    """Return a page of the planes whose sound is on, and which counts what it sounds."""
+    page = opened(look, session, "planes")
+    page.evaluate(LISTEN)
+    page.locator("#sound").click()
+    return page
+
+
+def sail_until(instructor: Caller, alert: Locator, *, shows: bool = True) -> None:
+    """Let a frozen session make ticks until a page shows an alert, or does so no more."""
+
+    def is_so() -> bool:
+        step(instructor, 8)
+        return alert.is_visible() is shows
+
+    await_that(is_so)
+
+
+def test_what_was_seen_or_silenced_is_so_on_a_second_page_and_after_a_reload(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    jammed = "Stern planes off their order"
+    first = listening(look, shared)
+    for words in ("casualty stern-stuck", "stern planes dive 20"):
+        assert instructor.ask(words)[0]
+    new = first.locator("alert-bar .alert[data-new]", has_text=jammed)
+    sail_until(instructor, new)
+    first.wait_for_function("() => window.struck.length > 0")
+    first.locator("alert-bar .hush").click()
+
+    second = listening(look, shared)
+    second.evaluate("() => { const now = performance.now(); performance.now = () => now; }")
+    fresh = second.locator("alert-bar .alert[data-new]", has_text=jammed)
+    sail_until(instructor, fresh)  # it finds by its own gauges that they are off
+    assert second.evaluate("window.struck") == []  # silenced on the first page, by its clock
+    fresh.get_by_role("button").click()
+    expect(new).to_have_count(0)
+    seen = first.locator("alert-bar .alert:not([data-new])", has_text=jammed)
+    expect(seen).to_be_visible()
+    first.reload()
+    expect(first.locator("#state")).to_have_text("FROZEN")
+    sail_until(instructor, seen)
+
+    assert instructor.ask("clear stern-stuck")[0]
+    sail_until(instructor, seen, shows=False)
+    for words in ("casualty stern-stuck", "stern planes rise 20"):
+        assert instructor.ask(words)[0]
+    sail_until(instructor, new)  # it ended, and has come again
+    second.wait_for_function("() => window.struck.length > 0")
 
 
 FEW: Final = 6  # alerts whose keys are all on the screen

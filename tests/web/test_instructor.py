@@ -1,13 +1,12 @@
 """The instructor's page: the truth, what breaks, what was flown, and a whole exercise by mouse."""
 
 import re
-import time
 from collections.abc import Callable, Iterator
-from functools import partial
 
 import pytest
-from helpers.hands import WAYS, await_obeyed, await_truth, read, see_whole, work
+from helpers.hands import WAYS, await_obeyed, await_truth, see_whole, work
 from helpers.pages import QUIET, SIZES, Served, find_chromium
+from helpers.time_line import drag, drawn, fly, seconds_of, settled
 from helpers.waiting import PATIENCE, await_that
 from playwright.sync_api import Browser, Page, expect
 from soak.session_process import Caller
@@ -28,66 +27,9 @@ def caller(shared: Served) -> Iterator[Caller]:
     attached.hang_up()
 
 
-def settled(session: Served, look: Look, size: str = "desk", **how: object) -> Page:
-    """Return the page, with no window before it."""
-    page = look(session, "instructor", size=size, **how)
-    expect(page.locator("#state")).to_have_text(re.compile("FROZEN|RUNNING"))
-    expect(page.locator("#truth tr[data-of='depth'] td >> nth=0")).not_to_be_empty()
-    expect(page.locator("#offers li").first).to_be_attached()
-    page.keyboard.press("Escape")
-    expect(page.locator("#exercise")).to_be_hidden()
-    return page
-
-
 def opened(session: Served, look: Look, way: str) -> Page:
     """Return the page in a browser that has a touch panel where it is to be touched."""
     return settled(session, look, has_touch=way == "touch")
-
-
-def drag(page: Page, seconds: float, upon: str = "time-line .track") -> None:
-    """Drag with the mouse on the time line to a moment."""
-    await_that(page.locator(upon).bounding_box)  # a lane may be drawn anew just now
-    box = page.locator(upon).bounding_box()
-    assert box
-    end = page.locator("time-line").evaluate("(line) => line.flown.end")
-    high = box["y"] + box["height"] / 2
-    page.mouse.move(box["x"] + box["width"] * (seconds + 8.0) / end, high)
-    page.mouse.down()
-    page.mouse.move(box["x"] + box["width"] * seconds / end, high, steps=3)
-    page.mouse.up()
-
-
-def fly(caller: Caller, seconds: float, pace: str = "max") -> float:
-    """Sail fast for so long, then stand still; return the time [s] there."""
-    end = seconds_of(caller) + seconds
-    assert caller.ask(f"time {pace}")[0]
-    while (left := end - (now := seconds_of(caller))) > 0.0:
-        steps = min(left, 500.0)
-        assert caller.ask(f"step {steps / 0.5:.0f}")[0]
-        await_that(partial(has_come_to, caller, now + steps))
-    assert caller.ask("time 1")[0]
-    return seconds_of(caller)
-
-
-def has_come_to(caller: Caller, seconds: float) -> bool:
-    """Return whether the present moment is at a time [s], or later."""
-    return seconds_of(caller) >= seconds
-
-
-def drawn(page: Page, seconds: float) -> None:
-    """Wait until the time line has been drawn up to a time [s]."""
-    page.wait_for_function(
-        "(now) => document.querySelector('time-line').flown.now >= now",
-        arg=seconds,
-        timeout=1000.0 * PATIENCE,
-    )
-
-
-def seconds_of(caller: Caller) -> float:
-    """Return the time of the present moment [s]."""
-    assert caller.ask("branches")[0]
-    (now,) = re.findall(r"to ([\d.]+) s;[^;]*; the present one", "\n".join(caller.said))
-    return float(now)
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -223,28 +165,6 @@ def test_a_ship_is_added_by_bearing_and_range_and_steered_from_its_tab(
     expect(page.locator("#no-ships")).to_be_visible()
 
 
-def test_who_looks_back_sees_the_ships_where_they_were(
-    shared: Served, look: Look, caller: Caller
-) -> None:
-    page = settled(shared, look)
-    assert caller.ask("contact add ferry2 ferry at 3000 1500 course 270 speed 20")[0]
-    end = fly(caller, 30.0)
-    drawn(page, end)
-    drag(page, end - 20.0)
-    expect(page.locator("#when")).to_contain_text("as it was")
-    nameless = page.wait_for_function(  # a picture is drawn after the words
-        "() => document.querySelector('track-chart').shown.more.ships.find(({ name }) => !name)",
-        timeout=1000.0 * PATIENCE,
-    )
-    now = float(read(caller, "contacts.contact_1_range"))
-    assert nameless.json_value()["range"] != now
-    page.locator("#ships-tab").click()
-    expect(page.locator("#ships-now")).to_contain_text("as they are now")
-    page.keyboard.press("Escape")
-    expect(page.locator("#ships-now")).to_be_hidden()
-    assert caller.ask("contact ferry2 remove")[0]
-
-
 CHOOSE_TANK = """() => document.querySelector("tank-mimic")
     .dispatchEvent(new CustomEvent("choose", { detail: "mid" }))"""
 
@@ -351,118 +271,6 @@ def test_looking_back_sends_nothing_and_returns(
     work(page, page.get_by_role("button", name="Return to now"), way)
     expect(page.locator("#when")).to_have_text("truth")
     assert seconds_of(caller) == now
-
-
-# The moment [s] that is looked at, the time at the right end of each chart and of its last reading,
-# and how many places the track has.
-MOMENTS = """() => {
-  const charts = [...document.querySelectorAll("strip-chart")].filter((each) => !each.hidden);
-  const line = document.querySelector("time-line");
-  return {looked: line.looking?.seconds ?? line.flown.now,
-          ends: charts.map(({ series }) => series.now),
-          last: charts.map(({ series }) => series.actual.at(-1)[0]),
-          places: document.querySelector("track-chart").shown.places.length};
-}"""
-
-
-def await_moment(page: Page, seconds: float) -> int:
-    """Wait until all charts end at a moment; return how many places the track has."""
-    until = time.monotonic() + PATIENCE
-    while True:
-        shown = page.evaluate(MOMENTS)
-        looked = shown["looked"]
-        near = abs(looked - seconds) <= 1.0  # a mouse hits a time so well
-        if near and set(shown["ends"]) == {looked} and max(shown["last"]) <= looked:
-            return int(shown["places"])
-        assert time.monotonic() < until, shown
-        page.wait_for_timeout(50)
-
-
-def test_looking_back_moves_all_charts_the_track_and_the_log(
-    shared: Served, caller: Caller, look: Look
-) -> None:
-    page = settled(shared, look)
-    log = page.locator("#log")
-    for seconds, remark in ((60.0, "early"), (40.0, "late"), (20.0, "")):
-        now = fly(caller, seconds)
-        assert not remark or caller.ask(f"mark {remark}")[0]
-    drawn(page, now)
-    whole = await_moment(page, now)
-    expect(log).to_contain_text("mark: late")
-
-    drag(page, 80.0)
-    assert await_moment(page, 80.0) < whole
-    expect(log).to_contain_text("mark: early")
-    expect(log).not_to_contain_text("mark: late")
-    page.keyboard.press("Escape")
-    expect(log).to_contain_text("mark: late")
-
-    lane = f"time-line [data-branch='{read(caller, 'time.branch')}']"
-    assert caller.ask("backtrack 70 s")[0]
-    fly(caller, 30.0)
-    expect(page.locator(lane)).to_be_visible()
-    drag(page, 110.0, lane)
-    assert await_moment(page, 110.0) > 0
-    expect(log).to_contain_text("mark: late")
-    drag(page, 75.0)  # the same time on the present branch, where nobody has marked
-    await_moment(page, 75.0)
-    expect(log).not_to_contain_text("mark: early")
-
-
-def test_a_key_and_a_button_step_from_cause_to_cause(serve: Serve, look: Look) -> None:
-    session = serve("stern-plane-jam")
-    caller = session.attach()
-    fly(caller, 80.0)
-    assert caller.ask("bow planes rise 2")[0]
-    assert caller.ask("rudder left 1")[0]
-    now = fly(caller, 30.0)
-    page = settled(session, look)
-    says, when = page.locator("time-line .says"), page.locator("#when")
-    drawn(page, now)
-    causes = ["casualty: stern-hard-over", "first order: bow planes rise 2", "limit: pitch more"]
-
-    def by_key(*, later: bool) -> None:
-        page.keyboard.press("c" if later else "Shift+C")
-
-    def by_mouse(*, later: bool) -> None:
-        page.locator(f"[data-deed={'next' if later else 'before'}]").click()
-
-    for step_on in (by_mouse, by_key):
-        for cause in causes:
-            step_on(later=True)
-            expect(says).to_contain_text(cause)
-        expect(when).to_contain_text("as it was at")
-        for cause in reversed(causes[:2]):
-            step_on(later=False)
-            expect(says).to_contain_text(cause)
-        for _ in causes:
-            step_on(later=True)
-        expect(says).to_contain_text("limit: deeper than 140 m")
-        step_on(later=True)
-        expect(when).to_have_text("truth")
-
-
-@pytest.mark.parametrize("back", ["again", "backtrack 80 s"])
-def test_the_end_tells_of_the_branch_that_stands(serve: Serve, look: Look, back: str) -> None:
-    session = serve("stern-plane-jam")
-    caller = session.attach()
-    assert caller.ask("time max")[0]
-    page = look(session, "instructor")
-    expect(page.locator("#state")).to_have_text("FROZEN")
-    fly(caller, 80.0)
-    assert caller.ask("bow planes rise 2")[0]
-    fly(caller, 30.0)
-    expect(page.locator("#log")).to_contain_text("deeper than 140 m")
-    assert caller.ask(back)[0]
-    fly(caller, 10.0)
-    assert caller.ask("end exercise")[0]
-    window = page.locator("#exercise")
-    expect(window.locator(".marks li").first).to_be_visible()
-    expect(window.get_by_role("button", name="Release marks")).to_be_visible()
-    expect(window.locator("#exercise-title")).to_have_text("Passage, fast and deep: OVER")
-    expect(window).to_contain_text("First answer: does not count")
-    expect(window).not_to_contain_text("deeper than 140 m")
-    expect(window).not_to_contain_text("bow planes rise 2")
 
 
 def test_the_briefing_closes_when_time_runs_whoever_lets_it_run(

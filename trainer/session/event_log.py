@@ -18,6 +18,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.session.history import History
+from trainer.session.own_alerts import OwnAlerts
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, hears_kind
 from trainer.session.stations.station import Fact, News, Saying, Station
 
@@ -51,6 +52,7 @@ class EventLog:
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
     alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
     ranks: dict[int, Rank] = field(default_factory=dict)  # of the alerts, by their numbers
+    own_alerts: OwnAlerts = field(default_factory=OwnAlerts)  # of the pages
     unrecorded: str = ""  # why nothing more is recorded, once that has been announced
     unsafe: bool = False  # it was announced that the disk is behind
     _alert: int = 0  # the number of the last
@@ -124,10 +126,19 @@ class EventLog:
             self.tell(seen.kind, ": ".join(saying), by, Fact("ack", str(number)), saying)
         return f"seen: {', '.join(map(str, wanted))}"
 
+    def note_own_alert(self, order: Order, by: Station) -> Reply:
+        """Note what a page says of an alert of its own. Tell the other pages of its role."""
+        fact = self.own_alerts.note(order, by.role.name, self.history.tick)
+        for station in self.stations:
+            if station.role is by.role and station is not by:
+                self.note(station, [fact])
+        return order.text
+
     def settle(self, counting: Sequence[CallCounter]) -> None:
         """Forget alerts and counts later than the moment to which time has jumped."""
         tick = self.history.tick
         self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= tick}
+        self.own_alerts.settle(tick)
         left_branch, self._branch = self._branch, self.history.recording.branch
         self._counts[left_branch] = [each.times for each in counting]
         begun = self._counts.get(self._parent(), self._counts[left_branch])
@@ -135,6 +146,14 @@ class EventLog:
         for counter, times in zip(counting, begun, strict=True):
             past = {what: [t for t in when if t <= now] for what, when in times.items()}
             counter.times = {what: when for what, when in past.items() if when}
+        for station in self.stations:
+            if station.role is INSTRUCTOR_ROLE:
+                self._note_branches(station)
+
+    def _note_branches(self, station: Station) -> None:
+        """Send a program the branches, before it hears of a jump to one of them."""
+        with contextlib.suppress(RecordingError):
+            self.note(station, [Fact("branch", each.fields) for each in self.history.branches()])
 
     def _parent(self) -> int:
         """Return the branch that the present one began from, 0 where that cannot be read."""
@@ -152,7 +171,10 @@ class EventLog:
                 station.note(News(tick, tick * step, CREW_KIND, "", fact))
 
     def note_alerts(self, station: Station) -> None:
-        """Send a program the alerts that nobody has acknowledged yet."""
+        """Send a program the alerts not acknowledged yet, and what was seen of its own."""
+        step = self.history.boat.method.step
+        for tick, fact in self.own_alerts.standing(station.role.name):
+            station.note(News(tick, tick * step, "exercise", "", fact))
         for number, news in self.alerts.items():
             if hears_kind(station.role, news.kind):
                 for each in self._numbered(number, news, self.ranks[number]):

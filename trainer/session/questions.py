@@ -42,7 +42,7 @@ class Questions:
             "branches": self._branches,
             "snapshots": self._snapshots,
             "mark": self._mark,
-            "ack": lambda asked: self.log.acknowledge(asked.order, asked.station),
+            "ack": self._acknowledge,
         }
 
     def _status(self, asked: Request) -> LongAnswer:
@@ -78,6 +78,11 @@ class Questions:
             asked.station.note(News(moment.tick, seconds, "moment", "", Fact("snapshot", name)))
         names = [f"{name} ({moment.tick * step:g} s)" for name, moment in moments.items()]
         return f"snapshots: {', '.join(names) or 'none by name'}; backtrack reaches any tick"
+
+    def _acknowledge(self, asked: Request) -> Reply:
+        own = bool(asked.order.subject)  # named, and not numbered: a page's own
+        take = self.log.note_own_alert if own else self.log.acknowledge
+        return take(asked.order, asked.station)
 
     def _mark(self, asked: Request) -> Reply:
         """Mark this moment. The mark is in the file before the answer goes out."""

@@ -92,7 +92,7 @@ function valueAt(fields, seconds, index) {
     const same = Math.abs((times[index] ?? NaN) - seconds) < 1e-6;
     const row = same ? rows[index] : rows[before(times, seconds + 1e-6) - 1];
     const value = row?.[field];
-    if (value !== undefined) return value;
+    if (typeof value === "number") return value;
   }
   return null;
 }

@@ -174,10 +174,10 @@ export class TimeLine extends HTMLElement {
     const { looking, flown } = this;
     if (!looking) return flown.replaying ? REPLAY : HINT;
     const at = clock(looking.seconds);
-    if (looking.branch) return say("Looking at {0} of branch {1}. Nothing is sent.", at, looking.branch);
-    const ago = clock(flown.now - looking.seconds);
     const cause = flown.causes.find(({ seconds }) => Math.abs(seconds - looking.seconds) < CLOSE);
     if (cause) return say("Looking at {0}, {1}: {2}. Nothing is sent.", at, CAUSES[cause.kind], cause.words);
+    if (looking.branch) return say("Looking at {0} of branch {1}. Nothing is sent.", at, looking.branch);
+    const ago = clock(flown.now - looking.seconds);
     return say("Looking at {0}, {1} ago. Nothing is sent; the session goes its way.", at, ago);
   }
 
@@ -213,7 +213,7 @@ export class TimeLine extends HTMLElement {
     const next = later
       ? causes.find(({ seconds }) => seconds > at + CLOSE)
       : causes.findLast(({ seconds }) => seconds < at - CLOSE);
-    if (next) this.look({ branch: null, seconds: next.seconds });
+    if (next) this.look({ branch: this.looking?.branch ?? null, seconds: next.seconds });
     else if (later && this.looking) this.look(null);
   }
 

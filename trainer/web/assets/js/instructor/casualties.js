@@ -23,6 +23,7 @@ export function showCasualties(desk) {
   const { session } = desk;
   const chooser = new Chooser(desk);
   session.on("tick", () => showBroken(desk));
+  desk.moment.addEventListener("look", () => showBroken(desk));
   session.on("line", () => {
     chooser.list();
     showAhead(desk);
@@ -34,10 +35,10 @@ export function showCasualties(desk) {
   };
 }
 
-/** @param {Desk} desk */
+/** Lists what is broken, or was at the moment that is looked at. @param {Desk} desk */
 function showBroken(desk) {
-  const { session } = desk;
-  const word = (/** @type {number} */ slot, field = "") => session.word(`casualties.casualty_${slot}${field}`);
+  const { moment } = desk;
+  const word = (/** @type {number} */ slot, field = "") => moment.word(`casualties.casualty_${slot}${field}`);
   const slots = Array.from({ length: SLOTS }, (_, at) => at + 1).filter((slot) => word(slot));
   write(one("#broken-count"), slots.length ? say("{0} of {1}", slots.length, SLOTS) : say("none"));
   const told = slots.map((slot) => {
@@ -48,7 +49,7 @@ function showBroken(desk) {
     return { name, says, when: left > 0 ? does : "" };
   });
   const list = one("#broken");
-  const now = JSON.stringify(told);
+  const now = JSON.stringify([told, moment.looking !== null]);
   if (list.dataset.shown === now) return;
   list.dataset.shown = now;
   list.replaceChildren(...told.map((each) => brokenRow(desk, each)));
@@ -57,12 +58,14 @@ function showBroken(desk) {
 /** @param {Desk} desk @param {{ name: string, says: string, when: string }} told */
 function brokenRow(desk, { name, says, when }) {
   const clear = () => void desk.give(`clear ${name}`);
+  const key = html("button", { type: "button", "aria-label": say("Clear {0}", name), click: clear }, say("Clear"));
+  const past = desk.moment.looking !== null; // then nothing is sent
   return html(
     "li",
     { class: "broken" },
     html("b", { class: "grow" }, says ? `${name}, ${says}` : name),
     html("span", {}, when),
-    html("button", { type: "button", "aria-label": say("Clear {0}", name), click: clear }, say("Clear")),
+    ...(past ? [] : [key]),
   );
 }
 

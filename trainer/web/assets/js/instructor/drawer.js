@@ -71,7 +71,7 @@ function list(lines, none) {
 
 /** @param {Desk} desk */
 function moments(desk) {
-  const kept = desk.session.kept.filter(({ sign }) => sign === "S");
+  const kept = desk.session.signs.kept.filter(({ sign }) => sign === "S");
   const rows = kept.map(({ seconds, text }) => {
     const restore = () => void desk.give(`restore ${text}`);
     const key = html("button", { type: "button", click: restore }, say("Restore {0}", text));

@@ -31,6 +31,7 @@ export function furnishExercise(desk, see) {
     pane.notice();
   });
   for (const what of ["state", "marks"]) session.on(what, () => pane.notice());
+  for (const what of ["line", "log"]) session.on(what, () => pane.draw());
   session.on("fact", (event) => {
     const { what, subject } = /** @type {CustomEvent} */ (event).detail;
     if (what === "debriefing") pane.debriefing(subject);
@@ -305,7 +306,7 @@ class ExerciseWindow {
   /** Returns keys for what broke and its first answer, the limits passed, and what was marked. */
   moments() {
     const { session } = this.desk;
-    const marks = session.kept.filter(({ sign }) => sign === "M");
+    const marks = session.signs.kept.filter(({ sign }) => sign === "M");
     const found = [...causesOf(session), ...marks.map(({ seconds, text }) => ({ seconds, words: text }))];
     found.sort((a, b) => a.seconds - b.seconds);
     return found.slice(0, 12).map(({ seconds, words }) => this.moment(seconds, words));

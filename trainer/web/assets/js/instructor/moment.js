@@ -33,15 +33,26 @@ export class Moment extends EventTarget {
   /** Returns a value, null where there is none. @param {string} place such as `motion.depth` */
   number(place) {
     if (!this.looking) return this.session.number(place);
-    const [channel, field] = place.split(".");
-    return this.row(channel)?.[field] ?? null;
+    const value = this.value(place);
+    return typeof value === "number" ? value : null;
   }
 
-  /** Returns all values of a channel. @param {string} channel @returns {Record<string, number> | undefined} */
+  /** Returns a value as it was sent, "" where there is none. @param {string} place */
+  word(place) {
+    return this.looking ? String(this.value(place) ?? "") : this.session.word(place);
+  }
+
+  /** @param {string} place @returns {unknown} what is known of the moment that is looked at */
+  value(place) {
+    const [channel, field] = place.split(".");
+    return this.row(channel)?.[field];
+  }
+
+  /** Returns all values of a channel. @param {string} channel @returns {import("../model/history.js").Row | undefined} */
   row(channel) {
     const { looking, session } = this;
     const { history } = session;
-    if (!looking) return undefined;
+    if (!looking) return session.readings.latest.get(channel)?.values;
     const { branch, seconds } = looking;
     const { branches, present } = session;
     if (branch === null || seconds <= shared(branches, branch, present)) {

@@ -45,7 +45,7 @@ class OrderLine {
   /** What names an order may hold, as they are known now. */
   get names() {
     const { session } = this.desk;
-    const kept = () => session.kept.filter(({ sign }) => sign === "S").map(({ text }) => text);
+    const kept = () => session.signs.kept.filter(({ sign }) => sign === "S").map(({ text }) => text);
     return {
       NAME: () => [...session.casualties.map(({ name }) => name), "all"],
       LABEL: () => [...kept(), "here"],

@@ -6,7 +6,7 @@ import { html, one } from "../draw.js";
 import { PLACES } from "./moment.js";
 import { paced } from "./desk.js";
 import { TITLES } from "../tanks/places.js";
-import { shipsOf, shipsThen } from "./ships.js";
+import { shipsOf } from "./ships.js";
 import { inUnit, lengthDigits, unit } from "../units.js";
 import { decimals, say } from "../words.js";
 
@@ -89,7 +89,7 @@ function broken({ moment }, span) {
 }
 
 /** @param {Desk} desk */
-function drawTrack({ session, moment }) {
+function drawTrack({ moment }) {
   const chart = /** @type {TrackChart} */ (one("track-chart"));
   const { times, rows } = moment.past("motion");
   const until = times.length;
@@ -103,8 +103,7 @@ function drawTrack({ session, moment }) {
     if (times[at] >= moment.seconds - RECENT) recent += 1;
   }
   const ordered = moment.first(...PLACES.heading.slice(1));
-  const ships = moment.looking ? shipsThen(moment.row("contacts")) : shipsOf(session);
-  chart.show(places, moment.number("motion.heading"), { ordered, recent, ships });
+  chart.show(places, moment.number("motion.heading"), { ordered, recent, ships: shipsOf(moment) });
 }
 
 /** The pointers of the attitude, which move between ticks. */
@@ -143,10 +142,9 @@ const MAIN = ["forward", "mid", "aft"];
 export function showTanks(desk) {
   const { session, moment } = desk;
   const mimic = /** @type {Picture} */ (one("tank-mimic"));
-  const of = (/** @type {string} */ channel) =>
-    moment.row(channel) ?? session.readings.latest.get(channel)?.values ?? {};
+  const of = (/** @type {string} */ channel) => moment.row(channel) ?? {};
   const draw = paced(DRAWN * 2, () =>
-    mimic.show?.({ tanks: of("tanks"), air: of("air"), valves: of("valves") }),
+    mimic.show?.({ tanks: of("tanks"), air: of("air"), valves: of("valves"), still: moment.looking !== null }),
   );
   session.on("tick", draw);
   moment.addEventListener("look", draw);

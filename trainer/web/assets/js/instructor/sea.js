@@ -21,7 +21,7 @@ const WATER = [
 
 /** Fills the tab of the sea. @param {Desk} desk */
 export function showSea(desk) {
-  const { session } = desk;
+  const { session, moment } = desk;
   const rows = ROWS.map(([name, field]) => {
     const cells = [html("td"), html("td", { class: "ordered" })];
     return { field, cells, line: html("tr", {}, html("th", { scope: "row" }, name), ...cells) };
@@ -36,20 +36,21 @@ export function showSea(desk) {
   const fill = paced(500, () => {
     for (const { field, cells } of rows) {
       ["", "ordered_"].forEach((which, at) => {
-        const value = session.number(`sea.${which}${field}`);
+        const value = moment.number(`sea.${which}${field}`);
         const says = value === null ? "" : field === "from" ? bearing(value) : field === "height" ? lengthDigits(value) : decimals(value, 1);
         write(cells[at], value !== null && Number(value.toFixed(1)) === 0 && field !== "from" ? say("calm") : says);
       });
     }
-    const deep = session.number("sea.over_sail");
+    const deep = moment.number("sea.over_sail");
     write(over, deep === null ? "" : lengthDigits(deep));
     for (const { field, cell } of water) {
-      const value = session.number(`current.${field}`);
+      const value = moment.number(`current.${field}`);
       const course = field === "set" || field === "course_over_ground";
       write(cell, value === null ? say("none") : course ? bearing(value) : decimals(value, 1));
     }
   });
   session.on("tick", fill);
+  moment.addEventListener("look", fill);
   furnishOrders(desk);
   furnishTabs();
 }

@@ -29,14 +29,18 @@ function typeOf(type) {
   return TYPES[type] ?? type;
 }
 
-/** Returns the ships near, the nearest first. @param {Desk["session"]} session @returns {Ship[]} */
-export function shipsOf(session) {
+/**
+ * Returns the ships near, the nearest first.
+ * @param {{ word(place: string): string, number(place: string): number | null }} seen the session, or a moment of it
+ * @returns {Ship[]}
+ */
+export function shipsOf(seen) {
   return Array.from({ length: MOST }, (_, at) => `contacts.contact_${at + 1}`)
-    .filter((name) => session.word(name))
+    .filter((name) => seen.word(name))
     .map((name) => {
-      const number = (/** @type {string} */ field) => session.number(`${name}_${field}`);
+      const number = (/** @type {string} */ field) => seen.number(`${name}_${field}`);
       return {
-        ...{ name: session.word(name), type: session.word(`${name}_type`) },
+        ...{ name: seen.word(name), type: seen.word(`${name}_type`) },
         ...{ bearing: number("bearing") ?? 0, range: number("range") ?? 0 },
         ...{ course: number("course") ?? 0, speed: number("speed") ?? 0 },
         ...{ cpa: number("cpa") ?? 0, tcpa: number("tcpa") },
@@ -44,20 +48,9 @@ export function shipsOf(session) {
     });
 }
 
-/** Returns the places of ships as they were; a past has numbers alone. @param {Record<string, number>} [row] */
-export function shipsThen(row = {}) {
-  const places = Array.from({ length: MOST }, (_, at) => `contact_${at + 1}`);
-  return places
-    .filter((place) => row[`${place}_range`] !== undefined)
-    .map((place) => {
-      const [from, range, course] = ["bearing", "range", "course"].map((field) => row[`${place}_${field}`] ?? 0);
-      return { name: "", bearing: from, range, course };
-    });
-}
-
 /** Fills the tab of the ships, and keeps it filled. @param {Desk} desk */
 export function showShips(desk) {
-  const { session } = desk;
+  const { session, moment } = desk;
   const choice = furnishOrders(desk);
   const body = one("#ships tbody");
   const lines = Array.from({ length: MOST }, () => {
@@ -67,10 +60,10 @@ export function showShips(desk) {
   });
   body.append(...lines.map(({ line }) => line));
   const fill = paced(DIGITS, () => {
-    const ships = shipsOf(session);
+    const ships = shipsOf(moment);
     one("#no-ships").hidden = ships.length > 0;
     one("#ships").hidden = ships.length === 0;
-    choice.offer(ships);
+    choice.offer(shipsOf(session)); // orders are to those of now
     lines.forEach(({ head, cells, line }, at) => {
       const ship = ships[at];
       line.hidden = !ship;
@@ -82,6 +75,7 @@ export function showShips(desk) {
     });
   });
   session.on("tick", fill);
+  moment.addEventListener("look", fill);
 }
 
 /** Furnishes the orders to ships: a new one, or one of those near. @param {Desk} desk */
@@ -132,6 +126,7 @@ function furnishOrders(desk) {
     },
     /** Fills the fields by a ship of the list. @param {Ship} ship */
     choose(ship) {
+      if (!near.some(({ name }) => name === ship.name)) return; // it was near at a moment looked at
       chosen.value = ship.name;
       const fields = { bearing: bearing(ship.bearing), range: String(ship.range), course: bearing(ship.course) };
       for (const [of, value] of Object.entries({ ...fields, speed: ship.speed.toFixed(1) })) {

@@ -93,17 +93,17 @@ function fillRow({ moment, session }, { row, line, cells }) {
   write(cells[0], is === null ? "" : row.says(is));
   write(cells[1], told === null ? "" : (row.orders ?? row.says)(told));
   const off = apart !== null && Math.abs(apart) > (row.band ?? Infinity);
-  const lies = gaugeLies(session, row) && !moment.looking;
+  const lies = gaugeLies(moment, row);
   line.toggleAttribute("data-off", off);
   line.toggleAttribute("data-lies", lies);
   const far = apart === null || row.of !== "depth" ? apart : inUnit(apart);
   const says = far === null || !row.sides ? "" : sided(far, ...row.sides);
-  const shown = row.gauge ? session.number(row.gauge[0]) : null;
+  const shown = row.gauge ? moment.number(row.gauge[0]) : null;
   write(cells[2], lies && shown !== null ? say("GAUGE {0}", `\u25cb ${row.says(shown)}`) : says === "0.0" ? "" : says || also);
 }
 
-/** Whether the crew's gauge of this is broken. @param {Desk["session"]} session @param {Row} row */
-function gaugeLies(session, { gauge }) {
-  const broken = session.readings.latest.get("casualties")?.values ?? {};
-  return Boolean(gauge) && Object.values(broken).some((kind) => kind.startsWith(`${gauge?.[1]}-`));
+/** Whether the crew's gauge of this is broken. @param {Desk["moment"]} moment @param {Row} row */
+function gaugeLies(moment, { gauge }) {
+  const broken = moment.row("casualties") ?? {};
+  return Boolean(gauge) && Object.values(broken).some((kind) => String(kind).startsWith(`${gauge?.[1]}-`));
 }

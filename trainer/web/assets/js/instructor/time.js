@@ -53,10 +53,11 @@ export function furnishTimeLine(desk) {
     const now = session.seconds;
     const left = lanes(session.branches, session.present);
     const replaying = session.state === "replay";
-    const signs = [...session.kept, ...planned(session)];
-    line.show({ now, end: endOf(desk, left), signs, causes: causesOf(session), lanes: left, replaying });
+    const signs = [...session.signs.kept, ...planned(session)];
+    line.show({ now, end: endOf(desk, left), signs, causes: causesOf(session, moment.looking?.branch), lanes: left, replaying });
   });
   for (const what of ["tick", "line", "log", "state", "exercise"]) session.on(what, draw);
+  moment.addEventListener("look", draw);
   session.on("tick", () => learnBranch(desk));
   session.on("fact", (event) => {
     const { what } = /** @type {CustomEvent} */ (event).detail;

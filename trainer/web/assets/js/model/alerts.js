@@ -17,11 +17,16 @@ const OFF = 3; // [deg] that a surface may be off its order
 const OFF_FOR = 3; // [s]
 const STEEP = 30; // [deg] of pitch
 const MUTE_TOLD = 2; // of the four ranks, the first ones, whose muting is told
+const HELD = 10; // [s] after which an alert that was seen is over, where this page does not find it
 const NEAR_LIMIT = 0.8; // of a limit of the exercise, from which the crew is cautioned
 /** Kinds of alerts, those of one rank in this order: depth first; "" is most of a page's own. */
 const KINDS = ["depth", "watch", "", "pilot"];
 
-/** Keeps the alerts of a page: those of the session, and what its own gauges show. */
+/**
+ * Keeps the alerts of a page: those of the session, and what its own gauges show. Which of its own
+ * were seen or silenced the session keeps for all pages of the station. Events: `change`, and
+ * `silent` (detail: a key, for how many seconds).
+ */
 export class Alerts extends EventTarget {
   /** @param {Session} session @param {((session: Session) => Found[])[]} [watches] of this page */
   constructor(session, watches = []) {
@@ -31,6 +36,9 @@ export class Alerts extends EventTarget {
     this.watches = [link, steepness, ...(told ? [] : [nearLimits]), ...watches];
     /** @type {Map<string, Shown>} */
     this.own = new Map();
+    /** @type {Map<string, { seconds: number, held: number | null }>} when each was seen, and when it held last [s] */
+    this.seen = new Map();
+    session.on("fact", (event) => this.hear(/** @type {CustomEvent} */ (event).detail));
     for (const what of ["tick", "state", "alerts"]) session.on(what, () => this.look());
   }
 
@@ -63,17 +71,16 @@ export class Alerts extends EventTarget {
       const before = this.own.get(each.key);
       if (before) before.words = each.words;
       else {
-        const fresh = each.rank !== "caution";
+        const fresh = each.rank !== "caution" && !this.seen.has(each.key);
         this.own.set(each.key, { kind: "", ...each, seconds: this.session.seconds, fresh, number: "" });
       }
     }
     for (const [key, alert] of this.own) {
       const ended = !keys.has(key) && (!alert.fresh || alert.seconds > this.session.seconds); // time has gone back
-      if (ended) this.own.delete(key);
+      if (ended || (!keys.has(key) && alert.rank === "warning")) this.end(key);
+      else if (this.seen.has(key)) alert.fresh = false;
     }
-    for (const [key, alert] of this.own) {
-      if (!keys.has(key) && alert.rank === "warning") this.own.delete(key);
-    }
+    if (this.session.tickAt) this.hold(keys);
     this.dispatchEvent(new Event("change"));
   }
 
@@ -81,9 +88,52 @@ export class Alerts extends EventTarget {
   acknowledge(alert) {
     if (alert.number) void this.session.ask(`ack ${alert.number}`);
     else {
-      alert.fresh = false;
+      this.see(alert.key, this.session.seconds);
+      void this.session.ask(`ack seen ${alert.key}`);
       this.look();
     }
+  }
+
+  /** @param {string} key @param {number} seconds */
+  see(key, seconds) {
+    this.seen.set(key, { seconds, held: null });
+  }
+
+  /** Ends what was seen and does not hold here: it was over before this page came. @param {Set<string>} keys of what holds */
+  hold(keys) {
+    const now = this.session.seconds;
+    for (const [key, seen] of this.seen) {
+      if (keys.has(key)) seen.held = now;
+      seen.held ??= now;
+      if (now - seen.held > HELD) this.end(key);
+    }
+  }
+
+  /** Tells the station's other pages that an alert is silent for a while. @param {string} key */
+  tellSilent(key) {
+    void this.session.ask(`ack silent ${key}`);
+  }
+
+  /** Forgets an alert of this page that is over: it is new when it comes again. @param {string} key */
+  end(key) {
+    const remark = this.own.get(key)?.rank === "caution"; // which nobody sees or silences
+    this.own.delete(key);
+    this.seen.delete(key);
+    if (!remark) void this.session.ask(`ack over ${key}`);
+  }
+
+  /** Hears what another page of the station has seen or silenced. @param {{ seconds: number, what: string, subject: string }} fact */
+  hear({ seconds, what, subject }) {
+    if (what === "back") {
+      for (const [key, seen] of this.seen) if (seen.seconds > seconds) this.seen.delete(key);
+    }
+    if (what === "next") this.seen.clear();
+    if (what !== "own-alert") return;
+    const [key, state, left] = subject.split(",");
+    if (state === "seen") this.see(key, seconds);
+    else if (state === "over") this.seen.delete(key);
+    this.dispatchEvent(new CustomEvent("silent", { detail: { key, seconds: Number(left) } }));
+    this.look();
   }
 }
 
@@ -126,8 +176,8 @@ function nearLimits(session) {
 function nearLimit(name, limit, shown, words) {
   if (limit === null || shown === null || Math.abs(shown) < NEAR_LIMIT * limit) return [];
   const kind = KINDS.find((each) => each === name) ?? "";
-  if (Math.abs(shown) > limit) return [{ key: `past ${name}`, kind, rank: "alarm", words: words.past }];
-  return [{ key: `near ${name}`, kind, rank: "caution", words: words.near }];
+  if (Math.abs(shown) > limit) return [{ key: `past-${name}`, kind, rank: "alarm", words: words.past }];
+  return [{ key: `near-${name}`, kind, rank: "caution", words: words.near }];
 }
 
 /**
@@ -163,7 +213,7 @@ export function surfaceWatch(title, actual, ordered) {
     if (off < least - 0.1 || since > session.seconds) since = session.seconds;
     least = Math.min(least, off);
     if (session.seconds - since < OFF_FOR) return [];
-    return [{ key: title, rank: "warning", words: title }];
+    return [{ key: actual.replaceAll(/\W/g, "-"), rank: "warning", words: title }];
   };
 }
 
@@ -187,6 +237,6 @@ export function bankWatch(title, place) {
     const [share, rank] = AIR.find(([least]) => full !== null && full < least) ?? [];
     if (!share || !rank) return [];
     const words = share === EMPTY ? say("{0} empty", title) : say("{0} below {1} %", title, share);
-    return [{ key: `${title} ${rank}`, rank, words }];
+    return [{ key: `${place.replaceAll(/[\W_]/g, "-")}-${rank}`, rank, words }];
   };
 }

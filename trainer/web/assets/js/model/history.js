@@ -1,4 +1,4 @@
-// What channels have shown so far, for charts: numbers by channel and field, at times.
+// What channels have shown so far: numbers and words by channel and field, at times.
 
 import { partAt } from "./branches.js";
 
@@ -6,7 +6,8 @@ const SEAM = 1; // [s] between two parts of a past
 const MOST = 7200; // rows of a channel: an hour of ticks of half a second
 
 /**
- * @typedef {{ times: number[], rows: Record<string, number>[] }} Past
+ * @typedef {Record<string, any>} Row numbers, and words where a channel has them
+ * @typedef {{ times: number[], rows: Row[] }} Past
  * @typedef {import("./branches.js").Part} Part
  */
 
@@ -33,7 +34,7 @@ export class History {
    * Adds a reading; time that has gone back forgets what was later.
    * @param {string} channel
    * @param {number} seconds
-   * @param {Record<string, number>} row
+   * @param {Row} row
    */
   add(channel, seconds, row) {
     const past = this.of(channel);
@@ -49,7 +50,7 @@ export class History {
   /**
    * Lays an earlier past before what has been seen.
    * @param {string} channel
-   * @param {[number, Record<string, number>][]} earlier
+   * @param {[number, Row][]} earlier
    */
   recall(channel, earlier) {
     const past = this.of(channel);
@@ -72,7 +73,7 @@ export class History {
     this.cutOff = new Map();
   }
 
-  /** @param {number} branch @param {string} channel @param {number} seconds @param {Record<string, number>} row */
+  /** @param {number} branch @param {string} channel @param {number} seconds @param {Row} row */
   keep(branch, channel, seconds, row) {
     const channels = this.left.get(branch) ?? new Map();
     this.left.set(branch, channels);
@@ -182,7 +183,7 @@ export function joined(first, next) {
   return first;
 }
 
-/** Returns the row of a past at a time, the last before it. @param {Past} past @param {number} seconds @returns {Record<string, number> | undefined} */
+/** Returns the row of a past at a time, the last before it. @param {Past} past @param {number} seconds @returns {Row | undefined} */
 export function rowAt({ times, rows }, seconds) {
   if (times[0] > seconds + SEAM) return undefined;
   return rows[Math.max(before(times, seconds + 1e-6) - 1, 0)];

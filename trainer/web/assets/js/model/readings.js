@@ -61,13 +61,13 @@ export class Readings {
   }
 }
 
-/** Returns the numbers in a reading, by name. @param {Reading} reading */
-export function numbers(reading) {
-  /** @type {Record<string, number>} */
+/** Returns what a reading holds, by name: numbers, and words where there are no numbers. @param {Reading} reading */
+export function rowOf(reading) {
+  /** @type {import("./history.js").Row} */
   const found = {};
   for (const [name, word] of Object.entries(reading.values)) {
     const value = Number(word);
-    if (word !== "" && !Number.isNaN(value)) found[name] = value;
+    if (word !== "") found[name] = Number.isNaN(value) ? word : value;
   }
   return found;
 }

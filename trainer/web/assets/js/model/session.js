@@ -1,12 +1,14 @@
 // The session as one page sees it: values, news, orders, alerts. It knows nothing of elements.
-import { partAt, shared, way } from "./branches.js";
+import { shared, way } from "./branches.js";
 import { CrewOrders } from "./crew.js";
 import { History } from "./history.js";
 import { Judgement } from "./judgement.js";
 import { OpenAlerts } from "./open-alerts.js";
 import { ANEW } from "./order-table.js";
-import { mayGive, objectOf, wordOf } from "./orders.js";
-import { Readings, numbers } from "./readings.js";
+import { mayGive, wordOf } from "./orders.js";
+import { Readings, rowOf } from "./readings.js";
+import { Recall } from "./recall.js";
+import { Signs } from "./signs.js";
 import { Stations } from "./stations.js";
 import { entryOf, laidIn, planOf, signOf } from "./told.js";
 import { Vessel } from "./vessel.js";
@@ -25,7 +27,6 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
  * @typedef {{ seconds: number, kind: string, text: string, speaker: string, words: string }} Told
  *   something that happened; where somebody has said it, who (a role, `schedule`) and in which words
  * @typedef {Told & { branch: number }} Entry with the branch that was flown then, 0 where none is known
- * @typedef {{ seconds: number, sign: string, text: string }} Kept a sign on the time line
  * @typedef {{ number: number, parent: number, begun: number, last: number, why: string }} Branch
  * @typedef {{ name: string, degree: string, says: string }} Casualty
  * @typedef {"connecting" | "role" | "running" | "frozen" | "replay" | "lost" | "ended"} State
@@ -69,12 +70,9 @@ export class Session extends EventTarget {
     this.ranges = this.vessel.ranges;
     this.bells = this.vessel.bells;
     this.tanks = this.vessel.tanks;
-    /** @type {Kept[]} */
-    this.kept = [];
+    this.signs = new Signs();
     /** @type {Map<number, Branch>} */
     this.branches = new Map();
-    /** @type {Map<number, Map<string, Kept>>} signs of branches that were left */
-    this.keptOf = new Map();
     /** @type {Casualty[]} */
     this.casualties = [];
     /** @type {import("./told.js").Plan[]} */
@@ -89,10 +87,7 @@ export class Session extends EventTarget {
     this.over = false;
     this.tickAt = 0; // [ms] when the last reading came
     this.caughtUp = false;
-    /** @type {Set<string>} channels whose past is coming */
-    this.past = new Set();
-    /** @type {Map<string, [number, Record<string, number>][]>} */
-    this.recalled = new Map();
+    this.past = new Recall();
     /** @type {Entry[]} */
     this.earlier = [];
     /** @type {Set<string>} */
@@ -210,7 +205,7 @@ export class Session extends EventTarget {
     this.crew = new CrewOrders();
     this.told = {};
     this.vessel.forget();
-    this.past.clear();
+    this.past = new Recall();
     this.update();
     for (const what of ["crew", "exercise"]) this.tell(what);
   }
@@ -243,7 +238,7 @@ export class Session extends EventTarget {
   hear(sentence) {
     const { kind, fields } = sentence;
     if (kind === "TRF" && fields[2] === "past") this.recall(fields[3]);
-    else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(fields);
+    else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(this.readings.reading(fields));
     else if (kind === "TRF" && fields[2] === "chair") location.assign(`/${fields[3]}${location.search}`);
     else if (kind === "TRF" && fields[2] === "said") this.saying = fields[3];
     else if (kind === "TRE") this.hearEntry(entryOf(fields, this.saying));
@@ -257,7 +252,7 @@ export class Session extends EventTarget {
     this.tickAt = reading.at;
     const { channel, seconds } = reading;
     if (channel !== "time" || seconds > this.furthest) this.furthest = Math.max(this.furthest, seconds);
-    this.history.add(channel, seconds, numbers(reading));
+    this.history.add(channel, seconds, rowOf(reading));
     this.dispatchEvent(new CustomEvent("reading", { detail: reading }));
     this.catchUp(seconds);
     this.tell("tick");
@@ -280,27 +275,23 @@ export class Session extends EventTarget {
   recall(subject) {
     const [which, channel] = subject.split(",");
     if (which === "begin") {
-      this.past.add(channel);
+      this.past.begin(channel);
       return;
     }
-    this.past.delete(channel);
+    const rows = this.past.end(channel);
     if (channel === "events") {
       this.log = laidIn(this.log, this.earlier);
       this.earlier = [];
       this.tell("log");
     } else {
-      this.history.recall(channel, this.recalled.get(channel) ?? []);
-      this.recalled.delete(channel);
+      this.history.recall(channel, rows);
       this.tell("tick");
     }
   }
 
-  /** @param {string[]} fields */
-  keepPast(fields) {
-    const reading = this.readings.reading(fields);
-    const rows = this.recalled.get(reading.channel) ?? [];
-    rows.push([reading.seconds, numbers(reading)]);
-    this.recalled.set(reading.channel, rows);
+  /** @param {Reading} reading */
+  keepPast(reading) {
+    this.past.take(reading.channel, reading.seconds, rowOf(reading));
   }
 
   /** @param {Told} told */
@@ -373,8 +364,7 @@ export class Session extends EventTarget {
 
   /** @param {number} seconds @param {string} sign @param {string} text */
   keep(seconds, sign, text) {
-    const there = this.kept.some((each) => each.seconds === seconds && each.text === text);
-    if (!there) this.kept.push({ seconds, sign, text });
+    this.signs.keep(seconds, sign, text);
     this.tell("line");
   }
 
@@ -382,8 +372,10 @@ export class Session extends EventTarget {
   branch(subject) {
     const [number, parent, begun, last, ...why] = subject.split(",");
     const [id, from, since, until] = [number, parent, begun, last].map(Number);
+    const before = this.present;
     this.branches.set(id, { number: id, parent: from, begun: since, last: until, why: why.join(",") });
-    this.tell("line");
+    if (before && id > before) this.turn(before, id);
+    for (const what of ["line", "log"]) this.tell(what);
   }
 
   /** @param {string} what @param {string} subject */
@@ -421,7 +413,7 @@ export class Session extends EventTarget {
     const name = this.exercise.name;
     this.exercise = name ? { name } : {};
     this.told = {};
-    this.kept = [];
+    this.signs = new Signs();
     this.judgement = new Judgement();
     this.outcome = "";
     this.furthest = 0;
@@ -430,30 +422,40 @@ export class Session extends EventTarget {
     this.plans = [];
     this.alerts = new OpenAlerts();
     this.history.left.clear();
-    this.keptOf.clear();
   }
 
-  /** Keeps what was flown after a moment, with the branches on which it was flown. @param {number} seconds */
-  setAside(seconds) {
-    const parts = way(this.branches, this.present);
+  /**
+   * Leaves the way of one branch for that of another, from where they part.
+   * @param {number} left
+   * @param {number} taken
+   */
+  turn(left, taken) {
+    const from = shared(this.branches, taken, left);
+    const parted = from < (this.branches.get(taken)?.begun ?? 0);
+    if (!parted && this.number("time.branch") === taken) return; // what came since is its own
+    this.setAside(from, left);
+    this.signs.cut(from);
+    if (parted) this.takeUp(taken, from);
+  }
+
+  /** Keeps what was flown after a moment, with the branches on which it was flown. @param {number} seconds @param {number} [branch] */
+  setAside(seconds, branch = this.present) {
+    const parts = way(this.branches, branch);
+    this.past.goBack(seconds);
     this.history.goBack(seconds, parts);
-    for (const each of this.kept) {
-      if (each.seconds <= seconds) continue;
-      const signs = this.keptOf.get(partAt(parts, each.seconds)) ?? new Map();
-      this.keptOf.set(partAt(parts, each.seconds), signs.set(`${each.seconds} ${each.text}`, each));
-    }
+    this.signs.setAside(seconds, parts);
   }
 
   /** Takes up the past of a branch that was left, from where it differs. @param {number} branch @param {number} from [s] */
   takeUp(branch, from) {
     const parts = way(this.branches, branch);
-    for (const { number } of parts) {
-      const signs = [...(this.keptOf.get(number)?.values() ?? [])];
-      const own = signs.filter(({ seconds }) => partAt(parts, seconds) === number);
-      this.kept.push(...own.filter(({ seconds }) => seconds > from));
-    }
-    if (this.history.takeUp(parts, from)) return;
-    this.history.channels.clear(); // this page has not seen it: the session tells it
+    this.signs.kept.push(...this.signs.leftOn(parts, from));
+    if (!this.history.takeUp(parts, from)) this.forgetPast();
+  }
+
+  /** Forgets what channels have shown, where this page has not seen it: the session tells it. */
+  forgetPast() {
+    this.history.channels.clear();
     this.caughtUp = false;
   }
 
@@ -464,21 +466,17 @@ export class Session extends EventTarget {
 
   /** @param {number} seconds @param {string} order that has brought time there */
   goBack(seconds, order) {
-    const branch = wordOf(order) === "branch" ? Number(objectOf(order)) : 0;
-    const from = branch ? shared(this.branches, branch, this.present) : seconds;
-    this.setAside(from);
-    const last = ANEW.includes(order) ? from - 0.001 : from;
-    this.kept = this.kept.filter((each) => each.seconds <= last);
-    if (branch) this.takeUp(branch, from);
+    this.setAside(seconds);
+    const last = ANEW.includes(order) ? seconds - 0.001 : seconds;
+    this.signs.cut(last);
+    this.log = this.log.filter((each) => each.branch || each.seconds <= last);
+    if (!this.present && wordOf(order) === "branch") this.forgetPast();
     this.crew.goBack(seconds);
     this.alerts.goBack(seconds);
-    this.setAside(seconds);
     this.outcome = "";
     this.judgement = new Judgement();
     this.furthest = seconds;
-    if (this.role === "instructor") {
-      for (const words of ["snapshots", "branches"]) void this.ask(words);
-    }
+    if (this.role === "instructor") void this.ask("snapshots");
     for (const what of ["line", "crew", "tick", "log", "alerts"]) this.tell(what);
     this.update();
   }

@@ -18,8 +18,9 @@ const LEAST = 0.05; // [t] of water where none belongs, or still to move, that i
  * @typedef {import("./places.js").Form} Form
  * @typedef {Record<string, string | number | null | undefined>} Values a reading, as it was sent
  * @typedef {{ tanks?: Values, air?: Values, valves?: Values,
- *   capacities?: Record<string, number> }} Shown
- * `capacities` [t] are those that the session tells of its boat.
+ *   capacities?: Record<string, number>, still?: boolean }} Shown
+ * `capacities` [t] are those that the session tells of its boat; `still`: at a moment that is looked
+ * at, where an amount that is another than the last drawn one is no flow.
  * @typedef {{ amount: number, at: number, flow: number }} Flow
  */
 
@@ -171,6 +172,8 @@ class TankMimic extends HTMLElement {
 
   /** Returns which way water flows, 1 in, -1 out, by how the amount changes. */
   #flowing(/** @type {string} */ name, /** @type {number} */ amount) {
+    if (this.#shown.still) this.#flows.delete(name);
+    if (this.#shown.still) return 0;
     const now = performance.now();
     const before = this.#flows.get(name);
     if (before?.amount === amount) return now - before.at < FLOWS ? before.flow : 0;
