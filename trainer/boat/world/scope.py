@@ -175,7 +175,7 @@ class Periscope:
         return self._stood[-1].raised > 0
 
     def stands(self, tick: int) -> bool:
-        """Return whether the mast is down: one that is not is looked at, at each tick."""
+        """Return whether the mast is down. One that is up is looked at in each tick."""
         mast = self.at(tick)
         return not mast.up and mast.out == 0.0
 
