@@ -166,9 +166,12 @@ def way_name() -> str:
 def _address(array: Any) -> int:
     """Return where the numbers of an array are.
 
-    Its array interface would tell it too, but lists the names of all fields: 100 us of a record.
+    The array interface tells it in a third of the time, but lists the names of a record's fields,
+    in 100 us.
     """
-    return int(array.ctypes.data)
+    if array.dtype.names:
+        return int(array.ctypes.data)
+    return int(array.__array_interface__["data"][0])
 
 
 def _fits(kind: Any, given: Any) -> bool:
