@@ -133,3 +133,27 @@ def test_a_page_begins_with_what_its_reader_can_do_after_it() -> None:
 
     assert pages
     assert not silent
+
+
+def test_a_release_has_forty_lines_of_changelog_at_most() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    releases = text.split("\n## ")[1:]
+
+    assert releases
+    assert [each.splitlines()[0] for each in releases if len(each.splitlines()) > 40] == []
+
+
+def test_the_hosted_workflow_calls_the_gate_and_nothing_else() -> None:
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+
+    assert re.findall(r"run: (.*)", workflow) == [".ci/run"]
+
+
+def test_commits_are_linted_by_the_linter_of_the_gate() -> None:
+    hooks = (ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8")
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    (linter,) = (
+        each for each in table["project"]["optional-dependencies"]["dev"] if "ruff" in each
+    )
+
+    assert re.findall(r'additional_dependencies: \["(.*?)"\]', hooks) == [linter] * 2
