@@ -18,7 +18,7 @@ from trainer.boat.machine_code import EMPTY_CHART, bind_tick
 from trainer.boat.world.world import World
 from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
-from trainer.config.sea import SeaFile, calm_sea, sea_settings, step_problem
+from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
@@ -77,7 +77,7 @@ class Boat:
         self.toward = {
             name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()
         }
-        self.sea = calm_sea()
+        self.sea = load_sea("calm")
         self.casualties = load_casualties()
         self.world = World()
         self.chart: Numbers | None = None  # of the ground, as core.soundings has it

@@ -44,7 +44,7 @@ from trainer.config.schema import (
     with_default,
     within,
 )
-from trainer.config.sea import SeaFile, calm_sea
+from trainer.config.sea import SeaFile, load_sea
 from trainer.config.tables import read_table
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.config.words import EQUATION_SETS
@@ -255,7 +255,7 @@ def _read_case(table: Mapping[str, Any], path: Path) -> CheckCase:
     with collecting(problems):
         parts["orders"] = tuple(read_orders(table, place))
     with collecting(problems):
-        parts["sea"] = sea_given(table["sea"], path) if "sea" in table else calm_sea()
+        parts["sea"] = sea_given(table["sea"], path) if "sea" in table else load_sea("calm")
     with collecting(problems):
         parts["world"] = read_world(table, path)
     raise_problems(problems)

@@ -4,7 +4,6 @@ What a file leaves out comes from the shipped sea-defaults file; no default stan
 ``exercise`` and the command line read seas here; ``sea_settings`` gives the boat its numbers.
 """
 
-import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -109,12 +108,6 @@ def load_sea(name_or_path: str) -> SeaFile:
     """
     path = path_named(name_or_path, "seas")
     return parse_sea(read_text(path), path)
-
-
-@functools.cache
-def calm_sea() -> SeaFile:
-    """Return the shipped calm, which each boat begins in; it is read once."""
-    return load_sea("calm")
 
 
 def parse_sea(text: str, path: Path) -> SeaFile:

@@ -20,7 +20,7 @@ from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.helm import obey_order
 from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
-from trainer.config.sea import calm_sea
+from trainer.config.sea import load_sea
 from trainer.config.vessel import read_vessel
 from trainer.debrief.rehearsal import due_orders, last_tick, stretches
 from trainer.io.orders.grammar import Refused
@@ -70,7 +70,7 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
     return Plan(
         file=file,
         method=method_of(replace(table, **study_fields), file),
-        sea=exercise.sea or calm_sea(),
+        sea=exercise.sea or load_sea("calm"),
         seed=seed,
         duration=duration,
         title=exercise.heading.name,

@@ -25,7 +25,7 @@ from trainer.boat.assemble import (
 )
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.envelope import write_envelope
-from trainer.config.sea import calm_sea, sea_settings
+from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.autopilot import autopilot
 from trainer.core.kernel import Numbers, Record, kernel
@@ -233,7 +233,7 @@ def start_members(
     scheme = scheme_record(method)
     exact = equations_alone(scheme)
     exact["exact"] = 1
-    calm = calm_sea()
+    calm = load_sea("calm")
     gravities = np.unique(made.vessels["g"])
     if len(gravities) > 1:
         gravities = made.vessels["g"]
