@@ -748,6 +748,7 @@ def run(*arguments: str) -> tuple[int, str, str]:
     return done.exit_code, done.stdout, done.stderr or str(done.exception or "")
 
 
+@pytest.mark.slow
 def test_the_command_finds_writes_and_then_checks_a_set(slim: VesselFile, tmp_path: Path) -> None:
     result = tmp_path / "found.toml"
 

@@ -106,7 +106,11 @@ def in_bands(x: np.ndarray, power: np.ndarray, bands: np.ndarray = BANDS) -> np.
 
 
 CASES = [
-    pytest.param(state, bank, h, id=f"{state}-{GAMMA[int(bank)]}-{h:g}s")
+    pytest.param(
+        *(state, bank, h),
+        id=f"{state}-{GAMMA[int(bank)]}-{h:g}s",
+        marks=[] if h == 0.5 or state == 5 else pytest.mark.slow,
+    )
     for state in SEAS
     for bank in (STANDARD, RAISED)
     for h in (0.1, 0.25, 0.5, 1.0)

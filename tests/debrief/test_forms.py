@@ -24,7 +24,10 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat
 
-pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::RuntimeWarning"),
+    pytest.mark.usefixtures("few_points"),
+]
 EXERCISE = "steady-course"
 MARKS = {"B. Smith": 80, "C. Brown": 60, "D. White": 70}
 

@@ -22,7 +22,10 @@ from trainer.io.recording import queries
 from trainer.io.recording.recording import Recording
 from trainer.session.replay import replay_anyway
 
-pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::RuntimeWarning"),
+    pytest.mark.usefixtures("few_points"),
+]
 COUNTING = "WITH RECURSIVE n(v) AS (SELECT 1 UNION ALL SELECT v + 1 FROM n WHERE v < {}) "
 Run = Callable[..., tuple[int, str, str]]
 CHAINED = (

@@ -27,7 +27,10 @@ from trainer.debrief.progress import costs_of, remember_run
 from trainer.debrief.progress_words import progress_lines
 from trainer.session.header import names_of
 
-pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::RuntimeWarning"),
+    pytest.mark.usefixtures("few_points"),
+]
 ANN = "Ann O Briain"
 LOST = ProgressRun(
     *("a.trainer", 1, "first-depth-change", "Depth, first steps", "2026-01-01T10:00:00"),

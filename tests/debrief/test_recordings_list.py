@@ -40,7 +40,10 @@ from trainer.session.header import names_of, open_whole_recording, plan_of, trai
 from trainer.session.options import RunOptions
 from trainer.session.run import run_boat
 
-pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::RuntimeWarning"),
+    pytest.mark.usefixtures("few_points"),
+]
 ANN, MARKUP = "Ann O Briain", "<b>Bób<b> & sons"
 
 

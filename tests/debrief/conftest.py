@@ -1,0 +1,21 @@
+"""What tests of debriefs share."""
+
+import pytest
+
+from trainer.debrief import attainable
+from trainer.debrief.attainable import RunExplorer
+
+
+@pytest.fixture
+def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a debrief look at few moments for what could still be earned, where that is not tested.
+
+    They lie ten times further apart than else, and are not halved where marks fall.
+    """
+
+    def look_at_ends(run: RunExplorer, before: int, after: int) -> None:
+        run.point(before)
+        run.point(after)
+
+    monkeypatch.setattr(attainable, "POINT_PERIODS", 100)
+    monkeypatch.setattr(attainable, "halve", look_at_ends)
