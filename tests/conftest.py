@@ -22,7 +22,10 @@ from trainer.config.vessel import load_vessel
 NEEDING_THE_CORE_ALONE = ("core", "core and not slow", "laws")  # what is chosen by -m
 FLEETS = ("test_fleet", "test_sweep", "test_python_face")  # files of tests that fly members at once
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
-pytest_plugins = ["helpers.browser", "helpers.crewed", "helpers.once_more", "helpers.process_guard"]
+pytest_plugins = [
+    *("helpers.browser", "helpers.crewed", "helpers.few_points", "helpers.once_more"),
+    "helpers.process_guard",
+]
 # One commit, one verdict: the same examples each time, however slow the machine.
 hypothesis.settings.register_profile("steady", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("steady")

@@ -1,4 +1,4 @@
-"""What tests of debriefs share."""
+"""Debriefs that look at few moments, for tests of all else that they say."""
 
 import pytest
 
