@@ -461,6 +461,13 @@ def test_a_sea_that_the_step_is_too_long_for_is_refused(tmp_path: Path) -> None:
     assert boat.set("sea_state", 6) == OK
 
 
+def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "nowhere" / "x.fmu"
+    done = CliRunner().invoke(cli, ["export-fmu", str(path)])
+
+    assert str(done.exception) == f"{path} cannot be written: No such file or directory"
+
+
 # Another's simulator
 
 

@@ -10,6 +10,7 @@ import click
 import pytest
 from helpers.decca_run import FILE as DECCA_STUDY
 
+from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.cli import main
 from trainer.cli.recordings import export
@@ -230,6 +231,7 @@ def test_what_a_file_names_is_an_input_too(
     monkeypatch.setattr(Boat, "__init__", no_work)
     for name in ("fit_study", "simulate_study"):
         monkeypatch.setattr(results, name, no_work)
+    monkeypatch.setattr(compilation, "mark_path", lambda *_: tmp_path)  # as if fits were compiled
     make_study(tmp_path)
     before = (tmp_path / lost).read_bytes()
     (name,) = (word for word in line.split() if word.startswith("OUT"))

@@ -126,15 +126,13 @@ def export_fmu(file: Path, **options: Any) -> None:
     The simulator may choose another sea state, its direction and the seed. It needs a C compiler.
     """
     from trainer.boat.export.fmu import fmu_bytes
-    from trainer.boat.export.library import name_trouble
-    from trainer.io.outputs import replacing
+    from trainer.config.files import write_over
 
     chosen = run_options(options)
     sea = boat_at_start(chosen).sea  # a sea that this step and boat can have
     boat = boat_at_start(replace(chosen, sea="calm"))
     whole = fmu_bytes(boat, sea)
-    with name_trouble(), replacing(file) as made:
-        made.write_bytes(whole)
+    write_over(file, whole)
     click.echo(f"{boat.file.name}: {file}, {len(whole):,} bytes")
 
 

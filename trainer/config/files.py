@@ -317,10 +317,10 @@ def write_once(path: Path, text: str) -> None:
         raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
 
 
-def write_over(path: Path, text: str) -> None:
-    """Write a text over a file, whole. ConfigError if it cannot be written."""
+def write_over(path: Path, content: str | bytes) -> None:
+    """Write a file whole, over what was there. ConfigError if it cannot be written."""
     try:
-        write_whole(path, text)
+        write_whole(path, content)
     except OSError as error:
         raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
 

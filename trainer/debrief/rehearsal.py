@@ -22,8 +22,8 @@ from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew
 from trainer.boat.world.contacts import Contacts, contacts_in
-from trainer.boat.world.encounters import POSE_NAMES, EncounterMonitor, collisions_in, passed_ships
-from trainer.boat.world.hulls import OwnHull, Pose
+from trainer.boat.world.encounters import POSE_NAMES, collisions_in, passed_ships
+from trainer.boat.world.hulls import OwnHull
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.reference_crew import MARK_ORDER, Crew
 from trainer.core.kernel import Numbers, Record
@@ -49,7 +49,6 @@ COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS]
 POSE_PLACES: Final = [PASSAGE_COLUMNS.index(name) for name in POSE_NAMES]
 MAX_STRIDE_TICKS: Final = 4096  # ticks flown at once
 PLANE_PLACES: Final = POSE_PLACES[:2]  # north and east
-FEW_ROWS: Final = 16  # with ships near, below which one after another takes less time
 HULL_COLUMNS: Final = ("z", "theta", "held_depth")
 
 ComeAboard = Callable[[Boat, Crew, CrewReaction | None], ReferenceCrew]
@@ -154,7 +153,8 @@ class Flight:
         self.rows = [boat.records.state.view(np.float64)[None, COLUMN_PLACES]]
         contacts = contacts_in(boat)
         ends = contacts is not None and contacts.encounters.collision == "end"
-        self.watch = EncounterMonitor(contacts if ends else None, OwnHull.of(boat))
+        self.contacts = contacts if ends else None  # those whose touch ends the flight
+        self.hull = OwnHull.of(boat)
         self.given: list[RecordedOrder] = []  # in this tick so far
 
     def give_scheduled(self, places: Sequence[int]) -> None:
@@ -224,18 +224,10 @@ class Flight:
             columns = (rows[:, PASSAGE_COLUMNS.index(name)] for name in HULL_COLUMNS)
             crushed = is_crushed(self.boat.file.hull, *columns)
             count = min(count_before(crushed) + 1, count)
-        contacts, hull = self.watch.contacts, self.watch.hull
-        if contacts is None or hull is None or not count:
-            return count, ""
-        if self._is_clear(contacts, hull, begun, rows[:count]):
+        contacts, hull = self.contacts, self.hull
+        if contacts is None or not count or self._is_clear(contacts, hull, begun, rows[:count]):
             return count, ""
         poses = np.vstack([self.rows[-1][-1:], rows[:count, : COLUMN_PLACES.size]])[:, POSE_PLACES]
-        if count < FEW_ROWS:
-            for row, pair in enumerate(pairwise(Pose(*each) for each in poses.tolist()), 1):
-                self.watch.step(contacts, begun + row, *pair)
-                if self.watch.struck:
-                    return row, self.watch.struck
-            return count, ""
         ticks = np.arange(begun, begun + len(poses), dtype=np.int64)
         passed = passed_ships(contacts, ticks, poses.T)
         struck = collisions_in(passed, hull, poses.T)

@@ -121,10 +121,10 @@ def open_new(path: Path) -> BinaryIO:
     return file
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text as an output, or leave what was there. OSError if it cannot be written."""
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write an output, or leave what was there. OSError if it cannot be written."""
     with replacing(path) as made:
-        made.write_text(text, encoding="utf-8", newline="\n")
+        made.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 def renew_whole(path: Path, text: str) -> None:
