@@ -615,14 +615,14 @@ def test_another_method_is_refused_by_name() -> None:
 def test_a_disk_without_room_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(path: Path, text: str, **_how: object) -> int:
-        with path.open("w") as file:
-            file.write(text[:10])
+    def full(path: Path, data: bytes) -> int:
+        with path.open("wb") as file:
+            file.write(data[:10])
         raise OSError(28, "No space left on device", str(path))
 
     out = tmp_path / "boat.html"
     out.write_text("before")
-    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
 
     with pytest.raises(ConfigError, match=r"boat\.html cannot be written: No space left"):
         write_page(out, "text")
