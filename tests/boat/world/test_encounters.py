@@ -3,6 +3,7 @@
 import math
 import time
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ from trainer.boat.world.encounters import (
     OwnMotion,
     closest_approach,
     collisions_in,
+    nears_on_arcs,
+    on_arcs,
     passed_ships,
     passing_range,
     plot_ship,
@@ -88,6 +91,22 @@ def test_a_turning_ship_is_foreseen_on_its_arc() -> None:
         OwnMotion(0.0, 0.0, 0.0, 0.0, 0.0), one(0.0, 1500.0, -0.5 * math.pi, 5.0), LIMIT
     )
     assert straight.closest == pytest.approx(0.0, abs=1e-9)
+
+
+def test_no_ship_that_nears_on_an_arc_is_taken_for_one_far_off() -> None:
+    """A few ranges tell of most ships that they stay away, and of none that comes near."""
+    dice, may, will = Random(8), 0, 0  # noqa: S311  chances, not secrets
+    for _ in range(4000):
+        own = OwnMotion(0.0, 0.0, dice.uniform(-3.0, 3.0), 9.0, dice.uniform(-0.03, 0.03))
+        north, east, course, turning = (dice.uniform(-x, x) for x in (4000.0, 4000.0, 3.0, 0.02))
+        ship = ShipMotion(north, east, course, dice.choice((0.0, 8.0)), turning, 0.5, -0.5)
+        limit, seconds = dice.uniform(100.0, 1500.0), dice.uniform(30.0, 900.0)
+        closest, until = on_arcs(own, ship)
+        nears = closest <= limit and until < seconds
+        told = nears_on_arcs(own, ship, limit, seconds)
+        assert told >= nears
+        may, will = may + told, will + nears
+    assert 300 < will <= may < 1.5 * will
 
 
 CROSSING = """

@@ -25,7 +25,9 @@ from trainer.core.state import STATE
 
 MIN_RELATIVE_SPEED: Final = 0.1  # [m/s] below which it is the range now, without a time
 ARC_DEVIATION_SHARE: Final = 0.1  # [-] of the limit: arcs that leave straight lines by more count
-ARC_TIMES_S: Final = np.arange(5.0, 1201.0, 5.0)  # [s] ahead at which places on arcs are compared
+ARC_STEP_S: Final = 5.0
+ARC_TIMES_S: Final = np.arange(ARC_STEP_S, 1201.0, ARC_STEP_S)  # ahead: places are compared there
+ARC_ROUNDING_M: Final = 1e-3  # by which one place differs from the same one among many
 MIN_TURN_RATE: Final = math.radians(0.1)  # [rad/s] of the boat; below, waves yaw it
 MEAN_PERIOD_S: Final = 20.0  # [s] of the mean of the boat's course and turn, which waves swing
 POSE_NAMES: Final = ("x", "y", "z", "phi", "theta", "psi")
@@ -141,11 +143,42 @@ def plot_ship(own: OwnMotion, ship: ShipMotion, limit: float) -> ShipPlot:
     north, east = ship.north - own.north, ship.east - own.east
     (v_north, v_east), by = ship.velocity(), own.velocity()
     closest, until = closest_approach(north, east, v_north - by[0], v_east - by[1])
-    bend = 0.5 * (abs(own.speed * own.turning) + abs(ship.speed * ship.turning))
-    turning = until > 0.0 and bend * until * until >= ARC_DEVIATION_SHARE * limit
+    turning = leaves_lines(own, ship, until, limit)
     if turning:
         closest, until = on_arcs(own, ship)
     return ShipPlot(north, east, closest, until, turning)
+
+
+def leaves_lines(own: OwnMotion, ship: ShipMotion, until: float, limit: float) -> bool:
+    """Return whether arcs leave straight lines by a share of a limit [m] before a time [s]."""
+    bend = 0.5 * (abs(own.speed * own.turning) + abs(ship.speed * ship.turning))
+    return until > 0.0 and bend * until * until >= ARC_DEVIATION_SHARE * limit
+
+
+def nears_on_arcs(own: OwnMotion, ship: ShipMotion, limit: float, seconds: float) -> bool:
+    """Return whether ``on_arcs`` may find a range below a limit [m] within some seconds.
+
+    Most ships that turn are too far off, and a few ranges tell: none changes faster than both go.
+    """
+    fastest = own.speed + ship.speed + math.hypot(ship.set_north, ship.set_east)
+    time = ARC_STEP_S
+    while time < seconds:
+        (north, east), theirs = _place_ahead(own, time), _place_ahead(ship, time)
+        north = theirs[0] + ship.set_north * time - north
+        east = theirs[1] + ship.set_east * time - east
+        spare = math.hypot(north, east) - limit
+        if spare < ARC_ROUNDING_M:
+            return True
+        time += max(spare // (fastest * ARC_STEP_S), 1.0) * ARC_STEP_S
+    return False
+
+
+def _place_ahead(now: OwnMotion | ShipMotion, time: float) -> tuple[float, float]:
+    """Return where boat or ship will be at one time [s], as ``_ahead`` does."""
+    half = 0.5 * now.turning * time
+    chord = now.speed * time * (math.sin(half) / half if half else 1.0)
+    course = now.course + half
+    return now.north + chord * math.cos(course), now.east + chord * math.sin(course)
 
 
 def on_arcs(own: OwnMotion, ship: ShipMotion) -> tuple[float, float]:
@@ -396,7 +429,7 @@ class EncounterMonitor:
         """Return each closest approach that is to be called now."""
         rules, soon = self.rules, []
         own, (own_north, own_east) = self._own(boat, now)
-        bends = abs(own.turning) >= MIN_TURN_RATE
+        recall = (1.0 + RECALL_CHANGE_SHARE) * rules.cpa_m
         over = []  # of the ships called, because only those can be news again
         for ship, motion in zip(ships, motions, strict=True):
             v_north, v_east = motion.velocity()
@@ -407,10 +440,11 @@ class EncounterMonitor:
                 over += [ship.name] if called else []
                 continue
             closest, until = closest_approach(north, east, v_north, v_east)
-            if bends or motion.turning:
-                closest, until = plot_ship(own, motion, rules.cpa_m)[2:4]
+            if leaves_lines(own, motion, until, rules.cpa_m):
+                near = nears_on_arcs(own, motion, recall, rules.warn_s)
+                closest, until = on_arcs(own, motion) if near else (math.inf, math.inf)
             ahead = 0.0 <= until < rules.warn_s
-            if called and not (ahead and closest <= (1.0 + RECALL_CHANGE_SHARE) * rules.cpa_m):
+            if called and not (ahead and closest <= recall):
                 over.append(ship.name)
             if ahead and closest < rules.cpa_m:
                 soon.append((ship, plot_ship(own, motion, rules.cpa_m)))
@@ -447,9 +481,10 @@ class EncounterMonitor:
         del self._past[:-count]
         seconds = count * boat.method.step
         north, east = (now.north - first.north) / seconds, (now.east - first.east) / seconds
-        turned = math.remainder(now.heading - first.heading, math.tau)
+        turning = math.remainder(now.heading - first.heading, math.tau) / seconds
+        turning = turning if abs(turning) >= MIN_TURN_RATE else 0.0
         course, speed = math.atan2(east, north), math.hypot(north, east)
-        return OwnMotion(now.north, now.east, course, speed, turned / seconds), (north, east)
+        return OwnMotion(now.north, now.east, course, speed, turning), (north, east)
 
     def account(self) -> str:
         """Return the closest that each ship has been, in words."""
