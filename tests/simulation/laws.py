@@ -19,6 +19,7 @@ import pytest
 
 from simulation.disk import Disk, log_of
 from simulation.machine import SECOND_NS, Machine
+from trainer.debrief.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
@@ -50,6 +51,7 @@ class Law(Enum):
     BOUNDED = "L10: threads, moments, alerts and files are bounded"
     SECRETS = "L11: a line has the channels and events of its role alone"
     RESTORED = "L12: a snapshot restored is the moment that it was"
+    DEBRIEFED = "L13: a debrief made twice is the same bytes"
 
 
 class Breach(NamedTuple):
@@ -281,6 +283,17 @@ def promises_in(recording: Recording) -> Counter[Promise]:
         if event.kind == MARK_KIND:
             kept[Promise(event.who, event.text, event.tick, "mark")] += 1
     return kept
+
+
+def check_debriefs(docket: Docket, path: Path) -> None:
+    """L13: debrief each branch of the recording twice, without what each minute cost."""
+    with contextlib.closing(Recording.look(path)) as recording:
+        flown = [each.id for each in recording.branches() if recording.last_tick(each.id)]
+    for branch in flown:
+        first, second = (render(read_dossier(path, branch)) for _ in range(2))
+        if first != second:
+            docket.enter(Law.DEBRIEFED, f"branch {branch}: two pages differ")
+        docket.trace.update(first.encode())
 
 
 def check_whole(docket: Docket, path: Path) -> None:

@@ -19,6 +19,7 @@ from simulation.laws import (
     Docket,
     Law,
     Witness,
+    check_debriefs,
     check_kept,
     check_whole,
 )
@@ -38,6 +39,7 @@ from trainer.session.run import run_boat
 END_TIMEOUT_NS: Final = 60 * SECOND_NS  # for a session to end, once it is asked to
 KILL_TIMEOUT_NS: Final = 10 * SECOND_NS  # for the turns until a kill
 MAX_AWAKE_NS: Final = 3 * SECOND_NS // 2  # after which a machine that slept has asked its disk
+DEBRIEFED_EVERY: Final = 8  # scripts, by their first seed: a debrief takes as long as a play does
 JUDGE_TIMES_S: Final = (0.0, 0.1, 1.0, 3.0)  # that marks take
 WRITE_TIME_S: Final = 0.5  # that a debrief takes
 RAM_FOLDER: Final = Path("/dev/shm")  # noqa: S108  where there is one: files that no disk waits for
@@ -111,6 +113,8 @@ class Stage:
         if not self.docket.breaches:
             check_kept(self.docket, self.disk.path, until=FOREVER_NS)
             check_whole(self.docket, self.disk.path)
+            if self.script.lives[0].seed % DEBRIEFED_EVERY == 0:
+                check_debriefs(self.docket, self.disk.path)
         return self.docket
 
     def _live(self, life: Life) -> bool:
