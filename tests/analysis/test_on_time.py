@@ -36,6 +36,7 @@ def test_a_loop_of_the_clock_begins_every_tick_and_none_before_its_time() -> Non
     assert summary.lateness.p50_ns > 0
 
 
+@pytest.mark.alone
 @pytest.mark.process
 def test_a_loop_in_a_process_of_its_own_says_what_it_was_granted() -> None:
     found = on_time.measure_loop(0.1, "busy")
@@ -142,6 +143,7 @@ def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
     assert page[5].endswith("100 ms    0")
 
 
+@pytest.mark.alone
 @pytest.mark.clock
 @pytest.mark.process
 @pytest.mark.long
@@ -172,6 +174,7 @@ def test_where_nothing_is_compiled_a_run_compiles_nothing_and_leaves_nothing_beh
     assert "interpreted" not in done.stdout
 
 
+@pytest.mark.alone
 @pytest.mark.clock
 @pytest.mark.process
 def test_the_console_is_timed_until_it_shows_figures() -> None:

@@ -50,6 +50,7 @@ def interrupt(process: "subprocess.Popen[str]") -> int:
     return process.wait(END)
 
 
+@pytest.mark.alone
 @pytest.mark.clock
 @pytest.mark.process
 @pytest.mark.parametrize(
@@ -74,6 +75,7 @@ def test_an_overloaded_session_hears_every_order_and_ctrl_c(tmp_path: Path, poli
     assert len(fallen) <= (policy != "freeze")
 
 
+@pytest.mark.alone
 @pytest.mark.clock
 @pytest.mark.process
 def test_as_fast_as_it_goes_hears_orders_too(tmp_path: Path) -> None:
@@ -84,6 +86,7 @@ def test_as_fast_as_it_goes_hears_orders_too(tmp_path: Path) -> None:
         assert interrupt(process) == 0
 
 
+@pytest.mark.alone
 @pytest.mark.clock
 @pytest.mark.process
 def test_a_thousand_slow_steps_are_cut_short_by_an_order(tmp_path: Path) -> None:

@@ -127,6 +127,7 @@ def test_an_instructor_who_comes_too_late_leaves_without_a_word() -> None:
     assert not bill.answered
 
 
+@pytest.mark.alone
 @pytest.mark.clock
 @pytest.mark.process
 @posix
@@ -138,6 +139,7 @@ def test_a_soak_at_full_speed_keeps_every_promise() -> None:
     assert found.visits > 0
 
 
+@pytest.mark.alone
 @pytest.mark.clock
 @pytest.mark.process
 @posix
