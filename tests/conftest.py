@@ -52,7 +52,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     A boat's core comes with the package, except where settings of numba ask for other code.
 
     Fits and fleets are compiled side by side; fits are waited for, as tests of them come early.
-    Fleets, whose tests come last, and ships that are not linear go on beside the first tests.
+    Fleets, whose tests come last, and ships that are not linear go on beside the first tests. Tests
+    of fleets are marked process, because to compile fleets takes longer than all that they test.
     Browsers are installed, where that is allowed. Who names files of tests waits for the core
     alone: what else those need they compile.
     """
@@ -68,11 +69,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     slow = session.config.option.markexpr == "slow"
     install_missing(PACKAGES | (SLOW_PACKAGES if slow else {}))
     assert_done(core)
-    folder = tempfile.TemporaryDirectory()
-    session.config.add_cleanup(folder.cleanup)
-    few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
-    fleets = started("trainer", "sweep", "turn-uncertainty", *few)
-    session.config.add_cleanup(lambda: assert_done(fleets))
+    if "not process" not in session.config.option.markexpr:
+        folder = tempfile.TemporaryDirectory()
+        session.config.add_cleanup(folder.cleanup)
+        few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
+        fleets = started("trainer", "sweep", "turn-uncertainty", *few)
+        session.config.add_cleanup(lambda: assert_done(fleets))
     assert_done(fits)
     ships = started("helpers.ships")
     session.config.add_cleanup(lambda: assert_done(ships))

@@ -32,6 +32,8 @@ from trainer.core.kinematics import EXACT_TRIGONOMETRY, LINEAR_TRIGONOMETRY, POL
 from trainer.core.state import STATE, new_scratch
 from trainer.core.update import update
 
+pytestmark = pytest.mark.process  # fleets are compiled
+
 TICKS = 120
 MEMBERS = LANE_COUNT + 5  # a whole block, and one that is not full
 MakeBoat = Callable[..., Boat]
@@ -372,7 +374,6 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
     assert digest(fleets[1].states) == digest(fleets[3].states)
 
 
-@pytest.mark.process
 @compiled
 @pytest.mark.parametrize(
     ("name", "first"),

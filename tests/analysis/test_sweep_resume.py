@@ -23,6 +23,8 @@ from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.core import digest
 
+pytestmark = pytest.mark.process  # fleets are compiled
+
 TURNS = """
 schema = "sweep/1"
 name = "Short turns"
@@ -107,7 +109,6 @@ def test_members_finished_before_an_interruption_are_not_flown_again(tmp_path: P
     assert fly(path, out) == []  # the result is there
 
 
-@pytest.mark.process
 def test_processes_in_any_order_give_the_file_of_one(tmp_path: Path) -> None:
     path, one, two = study(tmp_path), tmp_path / "one.parquet", tmp_path / "two.parquet"
     fly(path, one)
@@ -190,7 +191,6 @@ def test_a_second_sweep_that_would_write_the_same_result_is_told_which_process_d
     assert not folder_of(out).exists()
 
 
-@pytest.mark.process
 def test_a_sweep_that_is_killed_keeps_nobody_from_its_result(tmp_path: Path) -> None:
     path, out = study(tmp_path, members=600), tmp_path / "a.parquet"
     holder = subprocess.Popen(
@@ -324,7 +324,6 @@ def test_killed_at_any_instant_and_run_again_no_finished_member_is_lost(tmp_path
     assert out.read_bytes() == whole.read_bytes()
 
 
-@pytest.mark.process
 @pytest.mark.long
 def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     path, out = study(tmp_path, members=6000, seconds=40.0), tmp_path / "a.parquet"

@@ -20,6 +20,8 @@ from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names
 from trainer.report.plots import Panel
 
+pytestmark = pytest.mark.process  # fleets are compiled
+
 HEAD = """schema = "sweep/1"
 name = "test"
 [manoeuvre]

@@ -494,6 +494,7 @@ def test_a_wrong_manoeuvre_is_told_in_the_command_line_s_words(options: Any, tol
     assert str(wrong.value).startswith(told)
 
 
+@pytest.mark.process  # fleets are compiled
 def test_a_sweep_by_call_is_that_of_the_command_and_keeps_nothing_unasked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
