@@ -128,7 +128,7 @@ def test_a_shell_is_told_how_to_complete(tmp_path: Path, shell: str) -> None:
 def test_bash_completes_by_the_line_that_the_documents_show(tmp_path: Path) -> None:
     script = """
         eval "$(_TRAINER_COMPLETE=bash_source trainer)"
-        COMP_WORDS=(trainer manoeuvre zig) COMP_CWORD=2
+        COMP_WORDS=(trainer boat manoeuvre zig) COMP_CWORD=2
         _trainer_completion trainer
         echo "${COMPREPLY[@]}"
     """
