@@ -45,7 +45,7 @@ def exercises(*, as_json: bool) -> None:
     ):
         click.echo("\n".join((heading, *map(exercise_line, listed), "")))
     click.echo(
-        "Stations: helm (rudder, speed), planes, ballast. The autopilot works the rest.\n"
+        "Stations: helm (rudder, speed), planes, ballast. The rest is automatic.\n"
         "Alone, take all of them: trainer run NAME --train. A crew: trainer serve NAME."
     )
 

@@ -79,13 +79,11 @@ class Commands(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return a command by its name or an earlier one, None for no command."""
-        if cmd_name not in self.earlier_names:
-            return super().get_command(ctx, cmd_name)
-        first, *words = self.earlier_names[cmd_name].split()
-        command = self.commands[first]
-        for word in words:
-            command = command.commands[word]
-        return command
+        name, _, below = self.earlier_names.get(cmd_name, cmd_name).partition(" ")
+        command = super().get_command(ctx, name)
+        return (
+            command.get_command(ctx, below) if isinstance(command, Commands) and below else command
+        )
 
     def nearest(self, name: str) -> str:
         """Return the hint at the command of the nearest name, "" if none is near."""

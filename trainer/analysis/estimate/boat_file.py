@@ -1,8 +1,7 @@
 """The vessel file of an estimated boat: every number with its unit and its basis.
 
-``trainer boat estimate -o`` writes it. The file flies at once, because the gains are designed here
-too. Its table [estimate] has the standard deviations, from which ``trainer boat sweep`` draws
-boats.
+``trainer boat estimate -o`` writes it. It flies at once, because the gains are designed here too.
+Its table [estimate] has the standard deviations, from which ``trainer boat sweep`` draws boats.
 """
 
 # long: one file, table by table

@@ -187,8 +187,7 @@ def shipped_module(boat: Boat) -> bytes:
     if not same_core(card["core"]):
         raise ConfigError(
             f"{SHIPPED_PATH}: of core {card['core']}, not {core_digest()}: trainer boat "
-            f"export-core DIR --cpu {WASM32} builds it again; copy {MODULE_FILE} and {CARD_FILE} "
-            f"from DIR"
+            f"export-core DIR --cpu {WASM32} builds it; copy {MODULE_FILE} and {CARD_FILE} from DIR"
         )
     if method_of(boat) != card["method"]:
         raise ConfigError(
