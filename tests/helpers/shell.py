@@ -92,7 +92,9 @@ def name_of(words: list[str]) -> str:
     with click.Context(cli, info_name="trainer") as top:
         command: click.Command = cli
         while isinstance(command, click.Group) and said and said[0] not in {"-h", "--help"}:
-            name, command, said = command.resolve_command(top, said)
+            name, found, said = command.resolve_command(top, said)
+            assert found
+            command = found
             names.append(str(name))
         try:
             command.make_context(" ".join(names), said, parent=top)
