@@ -91,13 +91,18 @@ async def look(role: str, size: tuple[int, int], where: str, seconds: float) -> 
     async with app.run_test(size=size) as pilot:
         while app.model.picture.seconds < seconds:
             await pilot.pause(0.1)
-        svg = app.export_screenshot(title=f"trainer: {role}")
+        svg = svg_of(app, role)
     client.close(1.0)
-    svg = re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)  # no fonts from elsewhere
+    (IMAGES / f"{role}.svg").write_text(svg, encoding="utf-8")
+
+
+def svg_of(app: Console, role: str) -> str:
+    """Return what a console shows, without fonts from elsewhere."""
+    svg = app.export_screenshot(title=f"trainer: {role}")
+    svg = re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)
     svg = svg.replace("Fira Code, monospace", "monospace")
     svg = re.sub(rf'<rect fill="{GROUND_COLOUR}"[^>]*/>', "", svg).replace("#292929", GROUND_COLOUR)
-    svg = re.sub(r"[ \t]+$", "", svg, flags=re.MULTILINE)
-    (IMAGES / f"{role}.svg").write_text(svg, encoding="utf-8")
+    return re.sub(r"[ \t]+$", "", svg, flags=re.MULTILINE)
 
 
 def draw() -> None:

@@ -61,23 +61,38 @@ def test_every_document_is_in_the_index_once() -> None:
     assert sorted(listed) == sorted(there)
 
 
-def test_the_readme_can_be_read_in_a_minute() -> None:
-    table = re.findall(r"^\| .*`trainer.*\|$|^\| .*type `.*\|$", README, re.MULTILINE)
+def test_the_readme_is_one_screen_with_a_picture_two_commands_and_three_links() -> None:
+    assert len(README.splitlines()) <= 36
+    assert re.findall(r"^# (set up .*)\n.* && .*\n```$", README, re.MULTILINE) == [
+        "set up and take a submarine to sea",
+        "set up and run the tests",
+    ]
+    assert re.findall(r"[^!]\[[^]]*\]\((.*?)\)", README) == [
+        "docs/tutorial.md",
+        "docs/index.md",
+        "CONTRIBUTING.md",
+    ]
+    assert "](docs/images/session.png)" in README
 
-    assert len(README.splitlines()) <= 90
-    assert 0 < len(table) <= 12
-    assert "docs/tutorial.md" in README
-    assert "docs/index.md" in README
-    assert "](docs/images/" in README
+
+def test_the_moving_picture_is_small_and_moves() -> None:
+    picture = (DOCS / "images" / "session.png").read_bytes()
+    _, animation, rest = picture.partition(b"acTL")
+    pictures = int.from_bytes(rest[:4], "big")
+
+    assert animation, "python tests/moving_picture.py draws it"
+    assert pictures >= 12
+    assert len(picture) <= 400_000
 
 
-def test_the_readme_names_every_extra() -> None:
+def test_the_index_names_every_extra() -> None:
+    index = (DOCS / "index.md").read_text(encoding="utf-8")
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     extras = project.partition("[project.optional-dependencies]")[2].partition("\n[")[0]
 
     named = re.findall(r"^(\w+) = \[", extras, re.MULTILINE)
     assert len(named) > 6
-    assert [name for name in named if f"`{name}`" not in README] == []
+    assert [name for name in named if f"`{name}`" not in index] == []
 
 
 def test_the_page_of_exit_codes_is_made_of_the_help_of_the_commands() -> None:

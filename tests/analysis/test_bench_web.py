@@ -22,7 +22,7 @@ TRIES = 3  # a machine that others use may be held up once
 
 def measured(folder: Path) -> dict[str, Any]:
     """Return the figures of the shortest run: a few seconds beside starting and stopping."""
-    done = typed("trainer bench --web --seconds 2 --json", folder, "")
+    done = typed("trainer dev bench --web --seconds 2 --json", folder, "")
     assert done.returncode == 0, done.stderr
     found: dict[str, Any] = json.loads(done.stdout)["web"]
     return found
@@ -96,4 +96,4 @@ def test_without_a_browser_the_bench_says_what_to_install(monkeypatch: pytest.Mo
     done = CliRunner().invoke(main.cli, ["bench", "--web"])
 
     assert done.exit_code == 0
-    assert done.stdout == "trainer bench --web needs Chromium: install the package chromium\n"
+    assert done.stdout == "trainer dev bench --web needs Chromium: install the package chromium\n"

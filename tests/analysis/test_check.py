@@ -1,4 +1,4 @@
-"""What ``trainer check`` finds in a boat, and that its verdict on a step is what then happens."""
+"""What ``trainer boat check`` finds in a boat; its verdict on a step is what then happens."""
 
 import json
 import math

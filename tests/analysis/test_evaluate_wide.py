@@ -1,4 +1,4 @@
-"""States outside the range: ``trainer evaluate --wide`` against a second implementation."""
+"""States outside the range: ``trainer boat evaluate --wide`` against a second implementation."""
 
 import json
 

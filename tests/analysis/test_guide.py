@@ -533,7 +533,7 @@ def test_a_manoeuvre_is_told_on_a_page_with_an_example_in_its_help(tmp_path: Pat
     series = load_series(Path(csv))
     assert {"t", "u", "z", "psi", "delta_r"} <= set(series.columns)
     assert series.t[-1] == 300.0
-    assert "Example:  trainer manoeuvre" in ask(manoeuvre, "--help").output
+    assert "Example:  trainer boat manoeuvre" in ask(manoeuvre, "--help").output
 
 
 def test_a_manoeuvre_as_json_has_every_measure() -> None:

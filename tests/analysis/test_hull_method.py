@@ -1,4 +1,4 @@
-"""The method of trainer estimate: published figures, limits of theory, symmetry, draws."""
+"""The method of trainer boat estimate: published figures, limits of theory, symmetry, draws."""
 
 import math
 import tomllib

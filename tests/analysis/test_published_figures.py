@@ -83,7 +83,7 @@ def test_a_shipped_table_of_uncertainty_is_of_that_boat_and_of_every_figure(name
         return
     spreads = uncertainty.load_spreads(file, published)
 
-    assert spreads, f"trainer guide {name} --uncertainty writes it"
+    assert spreads, f"trainer boat guide {name} --uncertainty writes it"
     assert spreads.stale == ""
     assert {(title, each.quantity) for title, each in published.figures} == set(spreads.by_figure())
     prior = {one.name: one for one in uncertainty.prior_deviations(file, published)}
@@ -351,7 +351,7 @@ def test_a_boat_that_cannot_fly_level_at_the_waves_speed_says_so(tmp_path: Path)
 
 def test_our_figures_are_those_of_the_command_beside_them(book: GuideContents) -> None:
     one = next(each for each in book.guide.trials if "15 kn" in each.title)
-    words = one.command.removeprefix("trainer manoeuvre ").split()
+    words = one.command.removeprefix("trainer boat manoeuvre ").split()
     done = CliRunner().invoke(manoeuvre, [*words, "--json"])
 
     told = {each["name"]: each["value"] for each in json.loads(done.stdout)["measures"]}

@@ -68,7 +68,7 @@ def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path)
     assert done.exit_code == 1
     assert "BEYOND" in done.output
     assert "The compact set is NOT within tolerance." in done.output
-    assert f"trainer reduce {path} --write" in done.output
+    assert f"trainer boat reduce {path} --write" in done.output
 
 
 def test_a_change_of_length_alone_is_not_accepted() -> None:
@@ -86,13 +86,13 @@ def test_a_complete_boat_lacks_nothing() -> None:
 def test_what_is_missing_is_told_with_what_makes_it() -> None:
     found = examine_boat(changed(OF_AUTOPILOT.sub("", load_vessel("bb2").text)))
 
-    assert remedies(found)["gains"] == "trainer gains boat.toml >> boat.toml"
+    assert remedies(found)["gains"] == "trainer boat gains boat.toml >> boat.toml"
 
 
 def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
     told = remedies(examine_boat(load_vessel("remus100")))
 
-    assert "trainer vessel new like.toml --from bb2 --length 1.33" in told["[ballast]"]
+    assert "trainer boat new like.toml --from bb2 --length 1.33" in told["[ballast]"]
     assert told["periscope_depth_m"] == "a line in [run]"
 
 
@@ -120,7 +120,8 @@ def test_a_boat_without_a_compact_set_is_flown_by_the_full_one(tmp_path: Path) -
 
     assert plan.method.equations == "full"
     assert plan.note == (
-        "boat.toml has no compact set of its own: the full set is flown; trainer reduce makes one"
+        "boat.toml has no compact set of its own: the full set is flown; "
+        "trainer boat reduce makes one"
     )
 
 
@@ -164,4 +165,4 @@ def test_a_check_says_that_there_is_no_compact_set(tmp_path: Path) -> None:
 
     assert done.exit_code == 0, done.output
     assert "COMPACT SET: the file has none of its own; the full set is flown." in done.output
-    assert f"trainer reduce {tmp_path / 'boat.toml'} --write" in done.output
+    assert f"trainer boat reduce {tmp_path / 'boat.toml'} --write" in done.output

@@ -1,4 +1,4 @@
-"""A sea in numbers and pictures: the command `trainer sea`."""
+"""A sea in numbers and pictures: the command `trainer boat sea`."""
 
 import json
 import math

@@ -39,7 +39,7 @@ from trainer.core.state import new_sea, new_state
 
 FOLDER = machine_code.SHIPPED_FOLDER
 HERE = platforms.fitting_name(binding.get_host_cpu_features()) or ""
-MAKE = "trainer export-core trainer/boat/shipped --cpu shipped"
+MAKE = "trainer boat export-core trainer/boat/shipped --cpu shipped"
 CALLERS = ("analysis", "boat", "config", "debrief", "report", "session", "cli")
 # what goes on compiling: fleets, ships, and what is lowered
 COMPILING = ("analysis/fleet", "analysis/sweep", "boat/ship", "boat/export", "identify")

@@ -23,7 +23,9 @@ from trainer.session.options import RunOptions
 
 SHIPPED_CARD = wasm.SHIPPED_PATH.with_name(wasm.CARD_FILE)
 CARD = dict(line.split(" ", 1) for line in SHIPPED_CARD.read_text().splitlines())
-BUILD = "trainer export-core DIR --cpu wasm32 builds it; copy core.wasm and core.wasm.txt from DIR"
+BUILD = (
+    "trainer boat export-core DIR --cpu wasm32 builds it; copy core.wasm and core.wasm.txt from DIR"
+)
 AGAIN = f"core.wasm is of another core: {BUILD}"
 
 

@@ -93,7 +93,7 @@ def test_a_name_that_a_shell_has_to_quote_is_left_to_the_shell(tmp_path: Path) -
 
 @pytest.mark.process
 def test_a_command_that_is_not_there_is_no_error_while_it_is_typed(tmp_path: Path) -> None:
-    assert words_of(completed(tmp_path, "vess")) == ["vessels", "vessel"]
+    assert words_of(completed(tmp_path, "exer")) == ["exercises", "exercise"]
     assert completed(tmp_path, "nothing-like-it", "x") == []
 
 
@@ -128,7 +128,7 @@ def test_a_shell_is_told_how_to_complete(tmp_path: Path, shell: str) -> None:
 def test_bash_completes_by_the_line_that_the_documents_show(tmp_path: Path) -> None:
     script = """
         eval "$(_TRAINER_COMPLETE=bash_source trainer)"
-        COMP_WORDS=(trainer manoeuvre zig) COMP_CWORD=2
+        COMP_WORDS=(trainer boat manoeuvre zig) COMP_CWORD=3
         _trainer_completion trainer
         echo "${COMPREPLY[@]}"
     """

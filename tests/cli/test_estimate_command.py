@@ -1,4 +1,4 @@
-"""The command trainer estimate: what it writes sails, and what is wrong is told in one line."""
+"""The command trainer boat estimate: what it writes sails; what is wrong is told in one line."""
 
 import json
 import math
@@ -309,7 +309,7 @@ def test_no_turn_is_advised_to_a_boat_without_a_rudder(tmp_path: Path) -> None:
     said = type_estimate(str(hull), "-o", str(tmp_path / "boat.toml"), "--draws", "0").output
 
     assert "(NO DRAWS, NO BANDS)" in said
-    assert "next: trainer check" in said
+    assert "next: trainer boat check" in said
     assert "turning-circle" not in said
 
 

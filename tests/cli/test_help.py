@@ -19,9 +19,9 @@ from trainer.cli.main import cli
 from trainer.report.pdf import find_browser
 
 
-def pages(command: click.Command, path: str) -> Iterator[tuple[str, str]]:
-    """Yield the help of a command and of those below it, by what is typed."""
-    yield path, command.help or ""
+def pages(command: click.Command, path: str) -> Iterator[tuple[click.Command, str]]:
+    """Yield a command and those below it with what is typed for each."""
+    yield command, path
     for name, below in getattr(command, "commands", {}).items():
         yield from pages(below, f"{path} {name}")
 
@@ -33,7 +33,9 @@ def examples(text: str) -> list[str]:
     return [re.split(r" {2,}", line.strip())[0] for line in lines]
 
 
-PAGES = dict(pages(cli, "trainer"))
+# A command that stands in two places is shown at the first.
+TYPED = dict(reversed([*pages(cli, "trainer")]))
+PAGES = {path: command.help or "" for command, path in reversed(TYPED.items())}
 
 # What takes longer than a reader of the test would wait, or needs what no test has: shorter.
 SHORTER = (
@@ -56,8 +58,8 @@ SHORTER = (
     ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
     ("bench --all", "bench --same-bits"),  # minutes of measuring
-    (r"(trainer estimate (?!new).*)", r"\1 --draws 2"),
-    ("trainer bench", "trainer bench --seconds 1"),
+    (r"(trainer boat estimate (?!new).*)", r"\1 --draws 2"),
+    ("trainer dev bench", "trainer dev bench --seconds 1"),
     ("--armax --most 5", "--armax --most 2"),
     ("--model 1 --vessel bb2", "--model 1 --vessel bb2 --every 10"),
 )
@@ -65,13 +67,13 @@ KEPT = "state/submarine-trainer/recordings"
 FLIGHT = "trainer run {} --headless --speed max"
 DRILL = f'{FLIGHT.format("depth-changes")} --trainee "A. Jones" --record drill.trainer'
 TRIAL = (
-    "trainer prbs bb2 --amplitude 3 --write trial.toml",
+    "trainer ship prbs bb2 --amplitude 3 --write trial.toml",
     f"{FLIGHT.format('trial.toml')} --record trial.trainer --csv trial.csv",
 )
 TURN = f"{FLIGHT.format('')} --duration 150 --orders turn.txt"
 FIRST = {  # what is typed before
-    "trainer vessel": ("rm -f boat.toml",),
-    "trainer vessel new": ("rm -f boat.toml",),
+    "trainer boat": ("rm -f boat.toml",),
+    "trainer boat new": ("rm -f boat.toml",),
     "trainer attach": ("trainer serve periscope-depth --frozen",),
     "trainer station": ("trainer serve periscope-depth --frozen",),
     "trainer web": ("trainer serve periscope-depth --frozen",),
@@ -83,20 +85,23 @@ FIRST = {  # what is typed before
     "trainer resume": (DRILL,),
     "trainer replay": (DRILL,),
     "trainer export": (DRILL,),
-    "trainer export-page": (DRILL,),
-    "trainer compare": (
+    "trainer boat export-page": (DRILL,),
+    "trainer report-1969 compare": (
         f"{TURN} --equations full --csv full.csv",
         f"{TURN} --equations modified --csv modified.csv",
     ),
-    "trainer check-cases": (f"cp {ROOT}/configs/check-cases/turn.rk4.csv turn.mine.csv",),
-    "trainer fit": ("trainer manoeuvre impulse bb2 --csv impulse.csv",),
-    "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
-    "trainer prbs": ("cp known.toml ship.toml",),
+    "trainer boat check-cases": (f"cp {ROOT}/configs/check-cases/turn.rk4.csv turn.mine.csv",),
+    "trainer report-1969 fit": ("trainer boat manoeuvre impulse bb2 --csv impulse.csv",),
+    "trainer boat sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
+    "trainer ship prbs": ("cp known.toml ship.toml",),
+    "trainer ship steering": (
+        "trainer boat manoeuvre zigzag-20 ship.toml --duration 800 --csv zigzag.csv",
+    ),
     "trainer identify": (
         *TRIAL,
         "cp hull.toml ship.toml",
-        "trainer manoeuvre zigzag-20 known.toml --duration 800 --csv zz20.csv",
-        "trainer manoeuvre zigzag-10 known.toml --duration 800 --side port --csv zz10.csv",
+        "trainer boat manoeuvre zigzag-20 known.toml --duration 800 --csv zz20.csv",
+        "trainer boat manoeuvre zigzag-10 known.toml --duration 800 --side port --csv zz10.csv",
     ),
     "trainer identify new": (
         "rm -rf lesson trial.toml study.toml",
@@ -107,20 +112,36 @@ FIRST = {  # what is typed before
 PATIENCE = 5.0  # [s] from one Ctrl-C to the next
 LACKING = re.compile(r"^trainer: .* needs \w+: pip install '.*'$", re.MULTILINE)
 SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of its own
-    *("trainer exercise baseline", "trainer exercise validate", "trainer guide", "trainer reduce"),
-    "trainer sweep",
-    *("trainer identify", "trainer prbs", "trainer bench"),
     *(
-        "trainer export-core",
-        "trainer export-fmu",
-        "trainer export-page",
-        "trainer export",
-        "trainer instruments",
+        "trainer exercise baseline",
+        "trainer exercise validate",
+        "trainer boat guide",
+        "trainer boat reduce",
     ),
-    *("trainer debrief", "trainer manoeuvre", "trainer estimate", "trainer identify new"),
-    *("trainer sea", "trainer check", "trainer resume", "trainer neutral", "trainer recordings"),
-    *("trainer replay", "trainer compare", "trainer gains", "trainer exercise check"),
-    *("trainer steering", "trainer fit", "trainer", "trainer exercise"),
+    "trainer boat sweep",
+    *("trainer identify", "trainer ship prbs", "trainer dev bench"),
+    *(
+        "trainer boat export-core",
+        "trainer boat export-fmu",
+        "trainer boat export-page",
+        "trainer export",
+        "trainer dev instruments",
+    ),
+    *("trainer debrief", "trainer boat manoeuvre", "trainer boat estimate", "trainer identify new"),
+    *(
+        "trainer boat sea",
+        "trainer boat check",
+        "trainer resume",
+        "trainer report-1969 neutral",
+        "trainer recordings",
+    ),
+    *(
+        "trainer replay",
+        "trainer report-1969 compare",
+        "trainer boat gains",
+        "trainer exercise check",
+    ),
+    *("trainer ship steering", "trainer report-1969 fit", "trainer", "trainer exercise"),
 }
 STUDY = """schema = "identify/1"
 name = "A trial"
@@ -148,7 +169,12 @@ rudder_rate_deg_s = 3
 step_s = 0.5
 """
 # 1: the answer is no
-UNSETTLED = {"trainer compare", "trainer identify", "trainer fit", "trainer exercise validate"}
+UNSETTLED = {
+    "trainer report-1969 compare",
+    "trainer identify",
+    "trainer report-1969 fit",
+    "trainer exercise validate",
+}
 CASES = [
     pytest.param(page, marks=[pytest.mark.slow] if page in SLOW else [], id=page) for page in PAGES
 ]
@@ -176,7 +202,7 @@ def test_what_an_example_types_are_commands_and_options_that_there_are(page: str
 @pytest.mark.parametrize("line", ["trainer rum", "trainer run --headles", "trainer replay"])
 def test_an_example_that_is_wrong_is_seen(line: str) -> None:
     with pytest.raises(click.UsageError):
-        understand(f"{line} && trainer vessels")
+        understand(f"{line} && trainer boat vessels")
 
 
 class Typist:

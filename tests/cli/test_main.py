@@ -140,7 +140,7 @@ def test_a_run_without_enough_memory_ends_without_a_traceback(memory: int, tmp_p
     assert "SystemError" not in told
 
 
-@pytest.mark.parametrize("group", ["exercise", "vessel"])
+@pytest.mark.parametrize("group", ["exercise", "boat", "ship", "report-1969", "dev"])
 def test_the_help_of_a_group_lists_its_commands(group: str) -> None:
     command = main.cli.commands[group]
     assert isinstance(command, click.Group)

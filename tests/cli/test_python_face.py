@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 import trainer
 from trainer.analysis.series import load_series
+from trainer.cli import guide, identify, run, sweep
 from trainer.cli.boat import BoatOptions
 from trainer.cli.calls import IdentifyOptions, ManoeuvreOptions, SweepOptions
 from trainer.cli.main import cli
@@ -104,10 +105,10 @@ def test_a_type_checker_is_told_of_every_public_name() -> None:
 @pytest.mark.parametrize(
     ("command", "keywords"),
     [
-        (cli.commands["run"], BoatOptions.__annotations__.keys() - {"exercise", "depth", "course"}),
-        (cli.commands["manoeuvre"], ManoeuvreOptions.__annotations__),
-        (cli.commands["sweep"], SweepOptions.__annotations__),
-        (cli.commands["identify"], IdentifyOptions.__annotations__),
+        (run.run, BoatOptions.__annotations__.keys() - {"exercise", "depth", "course"}),
+        (guide.manoeuvre, ManoeuvreOptions.__annotations__),
+        (sweep.sweep, SweepOptions.__annotations__),
+        (identify.identify, IdentifyOptions.__annotations__),
     ],
 )
 def test_every_keyword_is_an_option_of_its_command(

@@ -174,7 +174,7 @@ def test_a_new_boat_has_the_name_that_is_given(tmp_path: Path) -> None:
     told = write_new(tmp_path / "boat.toml", "bb2", 60.0, "Halibut")
 
     assert load_vessel(str(tmp_path / "boat.toml")).name == "Halibut"
-    assert told.endswith(f"next: trainer check {tmp_path / 'boat.toml'}")
+    assert told.endswith(f"next: trainer boat check {tmp_path / 'boat.toml'}")
 
 
 # --- the boat

@@ -337,7 +337,7 @@ def condition(data: bytes) -> None:
 
 
 def states(data: bytes) -> None:
-    """Read states as `trainer evaluate` does, and compute what they lead to."""
+    """Read states as `trainer boat evaluate` does, and compute what they lead to."""
     records, at_rest = _bb2()
     records.state[:] = at_rest
     with suppress(ConfigError):

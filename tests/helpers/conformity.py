@@ -30,7 +30,7 @@ reason. A line that says *has* names the test that shows it, and a test refuses 
 not there.
 
 ```sh
-trainer conform
+trainer dev conform
 ```
 
 {counts}.

@@ -50,7 +50,8 @@ def told(command: click.Command) -> str:
 
 def page() -> str:
     """Return docs/exit-codes.md."""
-    rows = [f"| `{typed}` | {told(command)} |\n" for typed, command in commands(cli)]
+    by_command = {command: typed for typed, command in reversed([*commands(cli)])}
+    rows = [f"| `{typed}` | {told(command)} |\n" for command, typed in reversed(by_command.items())]
     return HEAD + "".join(row for row in rows if not row.endswith("|  |\n"))
 
 

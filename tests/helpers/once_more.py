@@ -62,10 +62,8 @@ class FailureLog:
                 terminal.stats.setdefault("flaky" if passed else kind, []).append(report)
                 if passed:
                     terminal.write_line(f"  {report.longreprtext.strip().splitlines()[-1]}")
-        folder = self._config.cache.mkdir("flaky") if self._config.cache else None
-        if folder:
-            with (folder / LIST_NAME).open("a", encoding="utf-8") as kept:
-                kept.writelines(f"{test}\n" for test, passed in again.items() if passed)
+        with (self._config.cache.mkdir("flaky") / LIST_NAME).open("a", encoding="utf-8") as kept:
+            kept.writelines(f"{test}\n" for test, passed in again.items() if passed)
 
 
 def waits_for_clock(report: pytest.TestReport) -> bool:

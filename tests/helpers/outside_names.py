@@ -12,8 +12,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
+import click
+
 from helpers.places import ROOT
 from helpers.recorded import record
+from trainer.cli.main import EARLIER_NAMES, cli
 from trainer.cli.schema import SCHEMA_MODULES, schema_of
 from trainer.config.check_case import CASE_CHANNELS, TIME_COLUMN
 from trainer.core.casualties import KINDS
@@ -42,6 +45,7 @@ def outside_names() -> dict[str, Any]:
     """Return all names that are not ours alone, by where they stand."""
     return {
         "orders": sorted(dispatch.ORDERS),
+        "commands": sorted(commands_below(cli)) + sorted(EARLIER_NAMES),
         "facts": sorted(FACTS),
         "roles": sorted(ROLES),
         "channels": {
@@ -61,6 +65,15 @@ def outside_names() -> dict[str, Any]:
         **of_a_recording(),
         "files": {kind: keys_of(schema_of(kind)) for kind in SCHEMA_MODULES},
     }
+
+
+def commands_below(group: click.Group) -> list[str]:
+    """Return what is typed for each command of a group, without the earlier names."""
+    found = []
+    for name, command in group.commands.items():
+        below = command.commands if isinstance(command, click.Group) else {}
+        found += [name, *(f"{name} {each}" for each in below)]
+    return found
 
 
 def of_a_recording() -> dict[str, list[str]]:

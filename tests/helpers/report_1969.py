@@ -74,25 +74,25 @@ PROGRAMS: Final = (
     Row(
         "EB920: EVAL",
         "accelerations by the 6x6 solve (INVER2, MATMPY)",
-        "trainer evaluate bb2 --equations full --rates exact < states.jsonl",
+        "trainer boat evaluate bb2 --equations full --rates exact < states.jsonl",
         "analysis/test_evaluate.py::test_vectors_of_an_independent_program_are_met",
     ),
     Row(
         "EB920: EVAL 1",
         "each acceleration from its own equation, others of the last cycle",
-        "trainer evaluate bb2 --equations full --rates lagged < states.jsonl",
+        "trainer boat evaluate bb2 --equations full --rates lagged < states.jsonl",
         "analysis/test_evaluate.py::test_vectors_of_an_independent_program_are_met",
     ),
     Row(
         "EB920: KUTTA",
         "Runge and Kutta, step fixed or variable",
-        "trainer manoeuvre meander bb2 --integrator rkv",
+        "trainer boat manoeuvre meander bb2 --integrator rkv",
         "core/test_integrators.py::test_variable_runge_kutta_keeps_its_tolerance",
     ),
     Row(
         "EB920: INTEG",
         "Euler, second-order Adams, a third formula",
-        "trainer manoeuvre meander bb2 --integrator best2",
+        "trainer boat manoeuvre meander bb2 --integrator best2",
         "core/test_integrators.py::test_each_method_has_its_order",
     ),
     Row(
@@ -105,95 +105,106 @@ PROGRAMS: Final = (
     Row(
         "EB920: INPUT",
         "the listing of all coefficients and constants",
-        "trainer check bb2 --constants",
+        "trainer boat check bb2 --constants",
         f"{VECTORS}::test_a_listed_constant_is_the_one_that_is_flown",
     ),
-    Row("EB920: CONTR", "schedules of rudder and planes", "trainer manoeuvre --list", FLOWN),
+    Row("EB920: CONTR", "schedules of rudder and planes", "trainer boat manoeuvre --list", FLOWN),
     Row(
         "ZC790",
         "the vertical plane alone, (8)-(11)",
-        "trainer manoeuvre trim bb2 --equations longitudinal",
+        "trainer boat manoeuvre trim bb2 --equations longitudinal",
         "analysis/test_evaluate.py::test_longitudinal_is_full_for_motion_in_the_vertical_plane",
     ),
     Row(
         "EC780, modified",
         "the compact set (12)-(17), 60 coefficients, 0.5 s",
-        "trainer manoeuvre turn bb2 --equations modified --trig report --controls once",
+        "trainer boat manoeuvre turn bb2 --equations modified --trig report --controls once",
         FLOWN,
     ),
     Row(
         "EC780, basic",
         "three coefficients fewer, straight lines for sine and cosine, 1 s",
-        "trainer manoeuvre turn bb2 --equations basic --trig report --step 1",
+        "trainer boat manoeuvre turn bb2 --equations basic --trig report --step 1",
         FLOWN,
     ),
     Row(
         "EC790",
         "constants of the compact set, (18)",
-        "trainer check bb2 --constants",
+        "trainer boat check bb2 --constants",
         f"{VECTORS}::test_the_compact_constants_are_those_of_both_sets",
     ),
     Row(
         "EC430",
         "weight and balance, limits over all fillings",
-        "trainer tanks bb2",
+        "trainer report-1969 tanks bb2",
         f"{VECTORS}::test_the_reference_tanks_have_the_reference_balance_through_any_filling",
     ),
     Row(
         "EC470",
         "neutral angles, critical speed",
-        "trainer neutral bb2",
+        "trainer report-1969 neutral bb2",
         f"{VECTORS}::test_the_flattest_neutral_flight_is_that_of_the_reference",
     ),
     Row(
         "EC470 near the surface",
         "neutral angles with Z_star and M_star of the depth",
-        "trainer neutral bb2 --depth 15",
+        "trainer report-1969 neutral bb2 --depth 15",
         f"{VECTORS}::test_neutral_angles_near_the_surface_balance_its_force_and_moment",
     ),
     Row(
         "ZC300",
         "thrust less drag, acceleration",
-        "trainer thrust bb2",
+        "trainer report-1969 thrust bb2",
         f"{VECTORS}::test_thrust_and_acceleration_are_those_of_the_reference",
     ),
-    Row("EC140", "cubic and roots of the vertical plane", "trainer modes bb2", POLYNOMIALS),
-    Row("EC200", "quartic and roots of the horizontal plane", "trainer modes bb2", POLYNOMIALS),
+    Row(
+        "EC140",
+        "cubic and roots of the vertical plane",
+        "trainer report-1969 modes bb2",
+        POLYNOMIALS,
+    ),
+    Row(
+        "EC200",
+        "quartic and roots of the horizontal plane",
+        "trainer report-1969 modes bb2",
+        POLYNOMIALS,
+    ),
     Row(
         "EC320",
         "linear coefficients adjusted by mean v, w, p, q, r",
-        "trainer modes bb2 --mean-w 0.2 --mean-p 0.02",
+        "trainer report-1969 modes bb2 --mean-w 0.2 --mean-p 0.02",
         f"{VECTORS}::test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference",
     ),
     Row(
         "EC140 near the surface",
         "roots where Z_star and M_star change with depth",
-        "trainer modes bb2 --depth 15",
+        "trainer report-1969 modes bb2 --depth 15",
         f"{VECTORS}::test_modes_near_the_surface_feel_how_its_force_changes_with_depth",
     ),
     Row(
         "EC310, EC120, EC150, EC330",
         "damped sinusoids fitted to a response, and where the fit starts",
-        "trainer manoeuvre impulse bb2 --csv pulse.csv && trainer fit pulse.csv",
+        "trainer boat manoeuvre impulse bb2 --csv pulse.csv && trainer report-1969 fit pulse.csv",
         f"{RUNS}::test_a_boat_disturbed_answers_with_the_roots_of_its_characteristic_polynomial",
     ),
     Row(
         "ZC590, ZC691",
         "percent change of change of two runs",
-        "trainer manoeuvre trim bb2 --csv full.csv && trainer manoeuvre trim bb2 "
-        "--integrator rk4 --csv other.csv && trainer compare full.csv other.csv",
+        "trainer boat manoeuvre trim bb2 --csv full.csv && trainer boat manoeuvre trim bb2 "
+        "--integrator rk4 --csv other.csv && "
+        "trainer report-1969 compare full.csv other.csv",
         f"{RUNS}::test_percent_change_of_change_is_that_of_the_reference",
     ),
     Row(
         "the autopilot",
         "DS = DB = 0.008 (ZC-Z) + 3.5 theta + 0.012 z' + 2 q",
-        "trainer manoeuvre turn bb2 --law literal",
+        "trainer boat manoeuvre turn bb2 --law literal",
         "core/test_autopilot.py::test_the_reports_law_is_the_reference_boats_law",
     ),
     Row(
         "the depth law beyond 50 ft",
         "the literal law does not limit the depth error",
-        "trainer manoeuvre acceleration bb2 --law literal",
+        "trainer boat manoeuvre acceleration bb2 --law literal",
         "core/test_autopilot.py::test_the_literal_law_is_literal_beyond_50_feet_too",
     ),
     Row(
@@ -205,19 +216,19 @@ PROGRAMS: Final = (
     Row(
         "waves: the cosine sum",
         "ten bands of equal energy, five directions",
-        "trainer sea sea-state-5",
+        "trainer boat sea sea-state-5",
         "core/test_seaway.py::test_the_cosine_series",
     ),
     Row(
         "waves: the filter",
         "white noise through a low pass and three high passes",
-        "trainer sea sea-state-5",
+        "trainer boat sea sea-state-5",
         "core/test_seaway.py::test_the_filter_in_both_discrete_forms",
     ),
     Row(
         "duty cycle and size",
         "38 % and 19 % of real time, 8192 words",
-        "trainer bench --seconds 2",
+        "trainer dev bench --seconds 2",
         "analysis/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
     ),
 )
@@ -237,59 +248,60 @@ TABLES: Final = (
     Row(
         "Table 1",
         "intervals in which methods are stable",
-        "trainer check bb2",
+        "trainer boat check bb2",
         "analysis/test_check.py::test_a_real_mode_has_the_published_interval",
     ),
     Row(
         "Tables 2, 3, 4",
         "the 131 coefficients by equation",
-        "[coefficients](coefficients.md), `trainer check bb2 --constants`",
+        "[coefficients](coefficients.md), `trainer boat check bb2 --constants`",
         "core/test_terms.py::test_the_page_has_every_term",
     ),
     Row(
         "Table 5",
         "overshoot by tankage, x_G and z_G alone moved, 5 and 25 knots, here 6 and 20: "
         "[change of change](sweeps.md#table-5-itself) of u, theta, z",
-        "trainer tanks bb2 --overshoots",
+        "trainer report-1969 tanks bb2 --overshoots",
         f"{TANKAGE}::test_tankage_changes_an_overshoot_of_a_shipped_boat_by_the_figures_of_the_page",
     ),
     Row(
         "Table 5: its rules",
         "x_G known to 5 %, z_G to 15 %",
-        "trainer sweep centre-of-gravity --plot centre.svg",
+        "trainer boat sweep centre-of-gravity --plot centre.svg",
         "analysis/test_sweep_study.py::test_the_centre_of_gravity_is_known_well_enough_by_the_rules_of_1969",
     ),
     Row(
         "Table 6",
         named_terms("6", "longitudinal"),
-        "trainer check bb2 --constants",
+        "trainer boat check bb2 --constants",
         KNOWN_TERMS,
     ),
     Row(
         "Tables 7, 9, 11",
         "what each coefficient does by itself",
-        "trainer reduce bb2 --table",
+        "trainer boat reduce bb2 --table",
         SENSITIVE,
     ),
     Row(
         "Table 8",
         named_terms("8", "lateral"),
-        "trainer check bb2 --constants",
+        "trainer boat check bb2 --constants",
         KNOWN_TERMS,
     ),
     Row(
         "Table 10",
         f"{len(TERMS_OF_TABLES['10'])} coefficients of cross-coupling that are not zero",
-        "trainer check bb2 --constants",
+        "trainer boat check bb2 --constants",
         KNOWN_TERMS,
     ),
     Row(
         "Table 12",
         "overshoot, deep coefficients against those of the surface, change of change of u, theta, "
         f"z: {TOLD_NEAR_SURFACE}",
-        "trainer manoeuvre overshoot bb2 --speed 6 --csv deep.csv && trainer manoeuvre overshoot "
-        "bb2 --speed 6 --depth 25 --csv near.csv && trainer compare deep.csv near.csv --column u "
-        "--column theta --column z --allow 100",
+        "trainer boat manoeuvre overshoot bb2 --speed 6 --csv deep.csv && "
+        "trainer boat manoeuvre overshoot bb2 --speed 6 --depth 25 --csv near.csv && "
+        "trainer report-1969 compare deep.csv near.csv --column u --column theta --column z "
+        "--allow 100",
         "analysis/test_manoeuvres.py::test_an_overshoot_near_the_surface_differs_from_a_deep_one_"
         "by_the_figures_of_the_page",
     ),
@@ -305,7 +317,7 @@ TABLES: Final = (
         "Table 14",
         "weights of the waves' directions, -60, -30, 0, 30, 60 deg: 0.0906, 0.4330, 0.5236 "
         "(printed 0.5325), 0.4330, 0.0906",
-        "trainer sea sea-state-1",
+        "trainer boat sea sea-state-1",
         "analysis/test_sea_page.py::"
         "test_the_page_has_the_weights_of_table_14_for_a_sum_of_cosines_alone",
     ),
@@ -313,7 +325,7 @@ TABLES: Final = (
         "Table 15",
         "constants of the wave filter at 45, 40 and 35 knots of wind: w_nL 0.39, 0.43, 0.48; d_L "
         "0.325 (printed 0.25 at 40); w_nH 0.21, 0.24, 0.27; d_H 0.707",
-        'trainer sea FILE` with `generator = "filter-1969"',
+        'trainer boat sea FILE` with `generator = "filter-1969"',
         "analysis/test_sea_page.py::"
         "test_the_page_has_the_constants_of_table_15_for_the_filter_of_1969",
     ),
@@ -329,7 +341,7 @@ TABLES: Final = (
         "Table 17",
         f"computers of 1969 and their prices, dollars: {TOLD_PRICES}; the whole trainer's hardware "
         "285 to 325 % of the computer",
-        "trainer export-core core --vessel bb2",
+        "trainer boat export-core core --vessel bb2",
         "boat/test_export.py::test_the_host_in_the_documents_compiles_and_steers",
     ),
     Row(
@@ -343,26 +355,27 @@ FIGURES: Final = (
     Row(
         "Figure 2",
         "axes and signs: [glossary](glossary.md)",
-        "trainer evaluate bb2 --equations full --rates exact < states.jsonl",
+        "trainer boat evaluate bb2 --equations full --rates exact < states.jsonl",
         "boat/test_helm.py::test_right_rudder_turns_right_and_left_rudder_left",
     ),
     Row(
         "Figure 4",
         "overshoots at two speeds for three tankages: u, theta, z over time",
-        "trainer tanks bb2 --overshoots --plot overshoots.svg",
+        "trainer report-1969 tanks bb2 --overshoots --plot overshoots.svg",
         f"{TANKAGE}::test_figure_4_draws_u_theta_and_z_slow_and_fast_by_tankage",
     ),
     Row(
         "Figures 6, 7",
         "the points compared: largest change of pitch and depth, largest and steady heel",
-        "trainer manoeuvre turn bb2 --csv full.csv && trainer manoeuvre turn bb2 --integrator rk4 "
-        "--csv other.csv && trainer compare full.csv other.csv --plot points.svg",
+        "trainer boat manoeuvre turn bb2 --csv full.csv && "
+        "trainer boat manoeuvre turn bb2 --integrator rk4 --csv other.csv && "
+        "trainer report-1969 compare full.csv other.csv --plot points.svg",
         f"{RUNS}::test_percent_change_of_change_is_that_of_the_reference",
     ),
     Row(
         "Figure 5",
         "the angle of attack, steady",
-        "trainer modes bb2",
+        "trainer report-1969 modes bb2",
         f"{VECTORS}::test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference",
     ),
     Row(
@@ -374,19 +387,19 @@ FIGURES: Final = (
     Row(
         "Figure 8",
         "400 s of the cosine sea, a point each second, in per cent of its largest",
-        "trainer sea sea-state-5 --plot sea.svg",
+        "trainer boat sea sea-state-5 --plot sea.svg",
         "analysis/test_sea_page.py::test_a_plot_has_two_series_the_spectrum_and_the_suction",
     ),
     Row(
         "550 graphs of manoeuvres",
         "full against compact: meanders, overshoots, turns, accelerations",
-        "trainer guide FILE",
+        "trainer boat guide FILE",
         "analysis/test_guide.py::test_the_page_stands_alone_and_its_chapters_are_linked",
     ),
     Row(
         "the contract's programme",
         "40 overshoots, 15 turns, three sets",
-        "trainer guide FILE --programme 1969",
+        "trainer boat guide FILE --programme 1969",
         "analysis/test_guide.py::"
         "test_the_programme_of_1969_has_its_forty_overshoots_and_fifteen_turns",
     ),
@@ -394,47 +407,52 @@ FIGURES: Final = (
         "section V: the guide of a trainer",
         "14 manoeuvres: meanders, one at the largest damping ratio (7.5 kn, there about 7), "
         "overshoots, turns, an acceleration",
-        "trainer guide FILE --programme trainer",
+        "trainer boat guide FILE --programme trainer",
         "analysis/test_guide.py::test_the_programme_of_a_trainer_is_what_section_v_asks",
     ),
     Row(
         "a run over time",
         "chosen columns of one run",
-        "trainer manoeuvre meander bb2 --csv m.csv && trainer export m.csv --plot m.svg "
+        "trainer boat manoeuvre meander bb2 --csv m.csv && trainer export m.csv --plot m.svg "
         "--column theta --column z",
         f"{RUNS}::test_columns_of_a_run_share_a_panel_in_degrees_as_asked_for",
     ),
     Row(
         "an acceleration",
         "planes, pitch, speed, pitch rate and depth over time",
-        "trainer manoeuvre acceleration bb2 --csv a.csv && trainer export a.csv --plot a.svg "
+        "trainer boat manoeuvre acceleration bb2 --csv a.csv && trainer export a.csv --plot a.svg "
         "--column delta_s,delta_b --column theta --column u --column q --column z",
         f"{RUNS}::test_the_charts_of_an_acceleration_are_drawn_from_its_run",
     ),
     Row(
         "page 92: overshoot pitch over speed",
         "the planesman's first chart",
-        'trainer sweep overshoots --plot pitch.svg --measure "overshoot angle"',
+        'trainer boat sweep overshoots --plot pitch.svg --measure "overshoot angle"',
         "analysis/test_sweep_study.py::test_a_grid_is_drawn_over_each_variable",
     ),
     Row(
         "page 92: depth change over pitch",
         "the planesman's second chart",
-        'trainer sweep overshoots --plot depth.svg --measure "depth change"',
+        'trainer boat sweep overshoots --plot depth.svg --measure "depth change"',
         "analysis/test_sweep_study.py::test_a_grid_is_drawn_over_each_variable",
     ),
     Row(
         "neutral angles over speed",
         "by either pair of planes, critical speeds marked",
-        "trainer neutral bb2 --plot neutral.svg",
+        "trainer report-1969 neutral bb2 --plot neutral.svg",
         "analysis/test_programs_commands.py::"
         "test_the_curve_of_neutral_flights_goes_through_the_table",
     ),
-    Row("roots over speed", "the root locus", "trainer modes bb2 --plot modes.svg", POLYNOMIALS),
+    Row(
+        "roots over speed",
+        "the root locus",
+        "trainer report-1969 modes bb2 --plot modes.svg",
+        POLYNOMIALS,
+    ),
     Row(
         "the spectra of the waves",
         "energy by frequency, of spectrum and filter",
-        "trainer sea sea-state-5 --plot sea.svg",
+        "trainer boat sea sea-state-5 --plot sea.svg",
         "core/test_seaway.py::test_the_shape_of_the_analogue_filter",
     ),
 )

@@ -238,19 +238,19 @@ PROGRAMS: Final = (
     Row(
         "DECCON",
         "Decca lanes to places to sway velocity",
-        "trainer decca FILE --csv FILE",
+        "trainer ship decca FILE --csv FILE",
         f"{DECCA}::test_lanes_of_a_known_track_give_its_sway_velocity",
     ),
     Row(
         "DECCON: smoothing",
         "Spencer's 15 points",
-        "trainer decca FILE --smooth",
+        "trainer ship decca FILE --smooth",
         f"{DECCA}::test_spencers_points_smooth_as_published_and_keep_cubics",
     ),
     Row(
         "DECCON: rudder",
         "its output with the rudder, for LISPID",
-        "trainer decca FILE --csv FILE",
+        "trainer ship decca FILE --csv FILE",
         f"{DECCA}::test_the_track_with_a_rudder_is_a_record_to_identify",
     ),
     Row(
@@ -268,13 +268,13 @@ PROGRAMS: Final = (
     Row(
         "PRBS",
         "a binary sequence for the rudder",
-        "trainer prbs bb2 --amplitude 2",
+        "trainer ship prbs bb2 --amplitude 2",
         f"{TABLES_TEST}::test_sequences_are_those_of_the_shift_register",
     ),
     Row(
         "zig-zag",
         "a zig-zag planned: overshoot, period, reach",
-        "trainer prbs bb2 --zigzag 10/10",
+        "trainer ship prbs bb2 --zigzag 10/10",
         "identify/test_design.py::test_a_zigzag_is_told_and_flown_again_by_its_orders",
     ),
 )
@@ -282,58 +282,58 @@ THEORY: Final = (
     Row(
         "section 2.4: lever arms",
         "l_v, l_r, l_delta, and gains from them",
-        "trainer steering bb2",
+        "trainer ship steering bb2",
         f"{STEERED}::test_lever_arms_give_the_gains_of_their_table",
     ),
     Row(
         "section 2.4: stability",
         "l_r - l_v above zero",
-        "trainer steering bb2",
+        "trainer ship steering bb2",
         f"{TABLES_TEST}::test_a_ship_is_stable_when_yaw_acts_further_forward_than_sway",
     ),
     Row(
         "(2.7) to (2.9)",
         "transfer functions of heading and sway",
-        "trainer steering bb2",
+        "trainer ship steering bb2",
         f"{TABLES_TEST}::test_transfer_functions_and_time_constants_are_those_of_the_matrices",
     ),
     Row(
         "(2.12)",
         "steady turns bend, an unstable ship's spiral has a loop",
-        "trainer steering FILE --plot FILE",
+        "trainer ship steering FILE --plot FILE",
         f"{STEERED}::test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa",
     ),
     Row(
         "section 2.3: effective K', T'",
         "of a turn, by its own speed, beside K and T; Sea Splendour -1.63 and 3.62",
-        "trainer manoeuvre turning-circle FILE --csv turn.csv && "
-        "trainer steering FILE --record turn.csv",
+        "trainer boat manoeuvre turning-circle FILE --csv turn.csv && "
+        "trainer ship steering FILE --record turn.csv",
         f"{STEERED}::test_a_turn_of_sea_splendour_has_the_gain_and_lag_of_table_9_2",
     ),
     Row(
         "section 2.8: K and T by Nomoto's method",
         "of A K Fernstrom's zig-zag, K -0.08 1/s and T 148.3 s as section 8 has them",
-        "trainer manoeuvre zigzag-20 FILE --duration 1500 --csv zz.csv && "
-        "trainer steering FILE --record zz.csv",
+        "trainer boat manoeuvre zigzag-20 FILE --duration 1500 --csv zz.csv && "
+        "trainer ship steering FILE --record zz.csv",
         f"{STEERED}::test_nomoto_s_method_finds_the_first_order_ship_that_the_report_found",
     ),
     Row(
         "section 2.8: against a likelihood",
         "both of one zig-zag, within a sixth",
         "trainer identify FILE --model nomoto1 --length 244 --at 14.2 --write-nomoto likely.toml "
-        "&& trainer steering likely.toml --record FILE",
+        "&& trainer ship steering likely.toml --record FILE",
         f"{STEERED}::test_nomoto_s_method_and_a_likelihood_find_one_ship",
     ),
     Row(
         "phase plot of a zig-zag",
         "Bech and Smitt's T1', T2', T3': those of Tables 8.1 and 9.2 come back",
-        "trainer steering FILE --record FILE",
+        "trainer ship steering FILE --record FILE",
         f"{STEERED}::test_the_phase_plot_of_a_zigzag_gives_the_time_constants_back",
     ),
     Row(
         "spirals",
         "Dieudonne's direct spiral, Bech's reversed one",
-        "trainer manoeuvre spiral FILE && trainer manoeuvre reverse-spiral FILE",
+        "trainer boat manoeuvre spiral FILE && trainer boat manoeuvre reverse-spiral FILE",
         f"{STEERED}::test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa",
     ),
     Row(
@@ -426,7 +426,7 @@ TABLES: Final = (
     Row(
         "lever arms, section 2.4",
         "gains and time constants by lever arms",
-        "trainer steering bb2",
+        "trainer ship steering bb2",
         f"{STEERED}::test_lever_arms_give_the_gains_of_their_table",
     ),
     Row(
@@ -444,7 +444,7 @@ TABLES: Final = (
     Row(
         "Table 6.2: the third-order model",
         "K' -2.38, T' 8.32, 1.11, 4.61: K -0.115 1/s, T 172.3, 22.9, 95.5 s",
-        "trainer steering FILE",
+        "trainer ship steering FILE",
         f"{STEERED}::test_the_third_order_model_has_the_numbers_of_table_6_2",
     ),
     Row(
@@ -456,21 +456,26 @@ TABLES: Final = (
     Row(
         "Table 8.1",
         "A K Fernstrom: [derivatives](identification.md#a-table-of-derivatives) to gains",
-        "trainer steering FILE",
+        "trainer ship steering FILE",
         DERIVED,
     ),
-    Row("Tables 9.1, 9.2", "Sea Splendour: derivatives to gains", "trainer steering FILE", DERIVED),
+    Row(
+        "Tables 9.1, 9.2",
+        "Sea Splendour: derivatives to gains",
+        "trainer ship steering FILE",
+        DERIVED,
+    ),
     Row(
         "Table 9.2: SI",
         "K -0.018 1/s, K_v 3.8 m/s, T1 92.5 and 155.6 s",
-        "trainer steering FILE",
+        "trainer ship steering FILE",
         f"{STEERED}::test_sea_splendour_has_the_gains_of_table_9_2_in_seconds",
     ),
     Row("Tables 9.3, 10.4", "noise, biases, initial states", SELFTEST, FOUND),
     Row(
         "Tables 10.1 to 10.3",
         "Compass Island: derivatives to gains",
-        "trainer steering FILE",
+        "trainer ship steering FILE",
         DERIVED,
     ),
     Row(
@@ -508,7 +513,7 @@ FIGURES: Final = (
     Row(
         "spiral curves",
         "yaw rate over rudder, the loop",
-        "trainer steering FILE --plot FILE",
+        "trainer ship steering FILE --plot FILE",
         f"{STEERED}::test_the_spiral_is_drawn_with_its_fold",
     ),
     Row(

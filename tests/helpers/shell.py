@@ -47,7 +47,7 @@ def ran(line: str, folder: Path) -> Done:
     for name, text in FILES.items():
         (folder / name).write_text(text, encoding="utf-8")
     if "bench" in line and "--seconds" not in line:
-        line = line.replace("trainer bench", "trainer bench --seconds 1", 1)
+        line = line.replace("trainer dev bench", "trainer dev bench --seconds 1", 1)
     if "trainer run" in line and "--web" in line:
         line = f"{line} --duration 1"
     if "serve" in line:
@@ -88,13 +88,18 @@ def name_of(words: list[str]) -> str:
     said = words[: ends[0] if ends else None]
     if said in (["--help"], ["--version"], []):
         return "trainer"
+    names = []
     with click.Context(cli, info_name="trainer") as top:
-        name, command, rest = cli.resolve_command(top, said)
-        assert command
+        command: click.Command = cli
+        while isinstance(command, click.Group) and said and said[0] not in {"-h", "--help"}:
+            name, found, said = command.resolve_command(top, said)
+            assert found
+            command = found
+            names.append(str(name))
         try:
-            command.make_context(name, rest, parent=top)
+            command.make_context(" ".join(names), said, parent=top)
         except click.MissingParameter:
             raise
         except (click.BadParameter, ConfigError, click.exceptions.Exit):
             pass  # of a file that is not there; or all that was asked for is help
-    return str(name)
+    return " ".join(names)

@@ -134,7 +134,7 @@ def thrust(c: Any, u: float, u_c: float) -> float:
 
 
 def rates(c: Any, s: Mapping[str, float]) -> Numbers:
-    """Return the twelve rates, as ``trainer evaluate`` orders them."""
+    """Return the twelve rates, as ``trainer boat evaluate`` orders them."""
     body, _ = body_mass(c)
     accelerations = np.linalg.solve(solved_mass(c, body), forces(c, s))
     p, q, r = s["p"], s["q"], s["r"]

@@ -89,7 +89,7 @@ def test_the_boat_written_steers_like_the_boat_flown(found: Any, trial: Any) -> 
 
 
 def flown(vessel: str, angle: str, folder: Path, *more: str) -> Any:
-    """Return times [s], headings [deg], first overshoot [deg] as ``trainer manoeuvre`` has them."""
+    """Return times [s], headings [deg], first overshoot [deg] as the manoeuvre has them."""
     path = folder / "flown.csv"
     given = ("--angle", angle, "--execute", angle, "--duration", "300", "--csv", path, "--json")
     report = json.loads(run(manoeuvre, "zigzag-10", vessel, *given, *more))

@@ -229,7 +229,7 @@ def test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa(tmp_path: Path
 
 
 def test_the_page_shows_what_the_command_prints(tmp_path: Path) -> None:
-    shown = re.findall(r"trainer steering fernstrom.toml\n(.*?)```", PAGE, re.DOTALL)[0]
+    shown = re.findall(r"trainer ship steering fernstrom.toml\n(.*?)```", PAGE, re.DOTALL)[0]
     assert shown in CliRunner().invoke(steering, [str(fernstrom(tmp_path))]).stdout
 
 
@@ -328,7 +328,7 @@ def test_the_page_shows_what_a_table_of_derivatives_gives(tmp_path: Path) -> Non
     text = next(one for one in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "m11" in one)
     path = tmp_path / "splendour.toml"
     path.write_text(text)
-    shown = re.findall(r"trainer steering splendour.toml\n(.*?)```", PAGE, re.DOTALL)[0]
+    shown = re.findall(r"trainer ship steering splendour.toml\n(.*?)```", PAGE, re.DOTALL)[0]
     assert shown in CliRunner().invoke(steering, [str(path)]).stdout
 
 
@@ -369,7 +369,7 @@ def printed_ship(folder: Path, name: str, prime: dict[str, float]) -> Path:
 
 
 def by_old_methods(path: Path, manoeuvre_name: str, *arguments: str) -> dict[Any, Any]:
-    """Fly a manoeuvre, and return what ``trainer steering --record`` finds in it."""
+    """Fly a manoeuvre, and return what ``trainer ship steering --record`` finds in it."""
     record = path.with_suffix(".csv")
     flight = [manoeuvre_name, str(path), "--csv", str(record), *arguments]
     CliRunner().invoke(manoeuvre, flight, catch_exceptions=False)
@@ -483,7 +483,7 @@ def test_the_page_shows_what_the_old_methods_find(tmp_path: Path) -> None:
     path = fernstrom(tmp_path)
     by_old_methods(path, "zigzag-20", "--duration", "1500")
     shown = re.findall(
-        r"trainer steering fernstrom.toml --record zz.csv\nof(.*?)```", PAGE, re.DOTALL
+        r"trainer ship steering fernstrom.toml --record zz.csv\nof(.*?)```", PAGE, re.DOTALL
     )
     asked = [str(path), "--record", str(path.with_suffix(".csv"))]
     assert shown[0] in CliRunner().invoke(steering, asked).stdout

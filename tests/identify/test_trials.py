@@ -203,7 +203,7 @@ def asked(*words: str) -> Any:
 
 def test_the_page_s_command_sets_plans_side_by_side(file: str, monkeypatch: Any) -> None:
     monkeypatch.chdir(Path(file).parent)
-    line = re.findall(r"\$ trainer prbs (known.toml .*)", PAGE)[0]
+    line = re.findall(r"\$ trainer ship prbs (known.toml .*)", PAGE)[0]
 
     page, told = asked(*line.split()), asked(*line.split(), "--json")
 
@@ -230,7 +230,7 @@ def test_a_binary_sequence_beside_a_zig_zag_is_as_the_page_says(
     file: str, monkeypatch: Any
 ) -> None:
     monkeypatch.chdir(Path(file).parent)
-    line = re.findall(r"\$ trainer prbs (known.toml .*)", PAGE)[1]
+    line = re.findall(r"\$ trainer ship prbs (known.toml .*)", PAGE)[1]
 
     report = json.loads(asked(*line.split(), "--json").stdout)
 

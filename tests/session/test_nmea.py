@@ -585,7 +585,7 @@ def test_the_documents_table_is_the_one_that_is_sent() -> None:
     page = (ROOT / "docs" / "nmea.md").read_text(encoding="utf-8")
     assert sentence_table() in page, "renew: python -m helpers.document_tables nmea"
     for line in nmea_page.sample(load_vessel("bb2")):
-        assert line in page, "renew: trainer instruments --sample"
+        assert line in page, "renew: trainer dev instruments --sample"
 
 
 def test_the_page_for_a_terminal_numbers_every_field() -> None:

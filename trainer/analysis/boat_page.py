@@ -1,9 +1,9 @@
 """A boat in numbers for a page that flies it, and its recording.
 
-``trainer export-page`` calls it. A page has records, orders, channels, casualties and seas of one
-boat. The page computes a recording anew with the same core, so that the page's file need not hold
-every state. It holds what orders wrote before a tick, and the numbers that were recorded otherwise
-than the core predicts: there are none in a whole recording of this version.
+``trainer boat export-page`` calls it. A page has records, orders, channels, casualties and seas of
+one boat. The page computes a recording anew with the same core, so that the page's file need not
+hold every state. It holds what orders wrote before a tick, and the numbers that were recorded
+otherwise than the core predicts: there are none in a whole recording of this version.
 """
 
 import base64

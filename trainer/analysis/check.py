@@ -1,4 +1,4 @@
-"""``trainer check``: a boat judged by its numbers, and its stable steps.
+"""``trainer boat check``: a boat judged by its numbers, and its stable steps.
 
 It compares the compact set with the full one in a steady turn, and finds the largest step at which
 an integrator does not make a stable boat unstable. ``check_page`` shows the report; estimates,
@@ -276,7 +276,7 @@ class StepVerdict:
 
 @dataclass(frozen=True)
 class CheckReport:
-    """All that ``trainer check`` says about a vessel; as JSON by ``dataclasses.asdict``."""
+    """All that ``trainer boat check`` says about a vessel; as JSON by ``dataclasses.asdict``."""
 
     vessel: str
     path: str

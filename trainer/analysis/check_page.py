@@ -1,4 +1,4 @@
-"""The report of ``trainer check`` as a page for a terminal, 79 columns of ASCII.
+"""The report of ``trainer boat check`` for a terminal: 79 columns of ASCII.
 
 ``cli/vessel`` prints it. ``check`` has the figures; here they are only put into tables and
 sentences, so that ``--json`` and the page agree.

@@ -1,10 +1,10 @@
 """The autopilot of any boat, designed from its linear model.
 
-``trainer gains`` prints them, and ``trainer estimate`` writes them into its boats. Discrete
-linear-quadratic regulators with integral states, at speeds over the boat's range. Both pairs of
-planes together hold depth and pitch, because each pair reverses at its own critical speed: the
-regulator then uses the bow planes below that of the stern planes, and spares them above their own.
-A large error is measured in the boat's limits, its length and the time in which it passes its
+``trainer boat gains`` prints them, and ``trainer boat estimate`` writes them into its boats.
+Discrete linear-quadratic regulators with integral states, at speeds over the boat's range. Both
+pairs of planes together hold depth and pitch, because each pair reverses at its own critical speed:
+the regulator then uses the bow planes below that of the stern planes, and spares them above their
+own. A large error is measured in the boat's limits, its length and the time in which it passes its
 length, so that one rule serves a submarine and a torpedo-sized vehicle.
 """
 

@@ -1,7 +1,7 @@
 """The readiness of a vessel file: its compact set, and what it lacks.
 
-The end of ``trainer check``. It judges a few flights of the guide in the way in which ``trainer
-reduce --check`` judges all, and names the command that makes each missing part.
+The end of ``trainer boat check``. It judges a few flights of the guide in the way in which
+``trainer boat reduce --check`` judges all, and names the command that makes each missing part.
 """
 
 import textwrap
@@ -43,7 +43,7 @@ class MissingPart:
 
 @dataclass(frozen=True)
 class Readiness:
-    """The readiness of a boat: the last part of what ``trainer check`` prints."""
+    """The readiness of a boat: the last part of what ``trainer boat check`` prints."""
 
     own_compact_set: bool
     compact: tuple[WorstNumber, ...]  # none without a compact set
@@ -87,13 +87,14 @@ def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> WorstNumber:
 def _lacks(file: VesselFile, found: Readiness) -> Iterator[MissingPart]:
     """Yield what the file lacks, the most needed first."""
     typed = typed_name(file)
-    example = f"take it from trainer vessel new like.toml --from bb2 --length {file.hull.length:g}"
+    example = f"take it from trainer boat new like.toml --from bb2 --length {file.hull.length:g}"
+    reduction = f"trainer boat reduce {typed} --write"
     if not file.has_compact_set:
-        yield MissingPart("a compact set: the full set is flown", f"trainer reduce {typed} --write")
+        yield MissingPart("a compact set: the full set is flown", reduction)
     elif not found.passed:
-        yield MissingPart("a compact set within tolerance", f"trainer reduce {typed} --write")
+        yield MissingPart("a compact set within tolerance", reduction)
     if file.autopilot is None:
-        yield MissingPart("gains: it is steered by hand", f"trainer gains {typed} >> {typed}")
+        yield MissingPart("gains: it is steered by hand", f"trainer boat gains {typed} >> {typed}")
     if file.ballast is None:
         yield MissingPart("[ballast]: it has no tanks, and does not surface by air", example)
     if file.wave_strips is None:

@@ -1,4 +1,4 @@
-"""``trainer sea``: a sea in numbers and pictures: height, period, energy by band, forces.
+"""``trainer boat sea``: a sea in numbers and pictures: height, period, energy by band, forces.
 
 The plot has a series, in metres and in per cent of its largest as figure 8 of the report of 1969
 has it, its spectrum against the target, and the mean suction by depth. The sea is
@@ -96,7 +96,7 @@ class SpectrumBand:
 
 @dataclass(frozen=True)
 class SeaReport:
-    """All that ``trainer sea`` says about a sea. A calm has no depths and no bands."""
+    """All that ``trainer boat sea`` says about a sea. A calm has no depths and no bands."""
 
     sea: Seaway
     vessel: str

@@ -43,7 +43,7 @@ def obey_order(boat: Boat, order: Order) -> Reply:
 def _without_autopilot(boat: Boat) -> Refused:
     return Refused(
         f"{boat.file.path.name} has no [autopilot] table: steer by hand, "
-        "or add the one that trainer gains prints"
+        "or add the one that trainer boat gains prints"
     )
 
 

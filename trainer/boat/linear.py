@@ -1,8 +1,8 @@
 """The boat's equations about straight level flight as matrices: modes, and waves from ahead.
 
-The engineer's programs judge by these matrices how a boat answers (``trainer modes``, ``check``,
-``gains``), and ``stability`` finds the longest step of an integrator. The slopes are central
-differences of the core's own rates, so that they hold for every equation set.
+The engineer's programs judge by these matrices how a boat answers (``trainer report-1969 modes``,
+``check``, ``gains``), and ``stability`` finds the longest step of an integrator. The slopes are
+central differences of the core's own rates, so that they hold for every equation set.
 """
 
 import math

@@ -1,9 +1,9 @@
 """Which step an integration can take: the stability region, and the discrete map really flown.
 
-``trainer check`` and the start of a run ask it, so that nobody flies at a step that makes a stable
-boat unstable. The region asks how a method treats dx/dt = lambda x. The map is what a tick does to
-a small disturbance of straight flight: method, lagged accelerations and equation set together. What
-grows by the boat's own nature is never the step's fault.
+``trainer boat check`` and the start of a run ask it, so that nobody flies at a step that makes a
+stable boat unstable. The region asks how a method treats dx/dt = lambda x. The map is what a tick
+does to a small disturbance of straight flight: method, lagged accelerations and equation set
+together. What grows by the boat's own nature is never the step's fault.
 """
 
 import math

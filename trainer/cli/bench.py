@@ -42,11 +42,11 @@ def bench(
     """Measure duty cycle, work per tick, lateness and sizes on this machine.
 
     \b
-    Example:  trainer bench --json
-              trainer bench --same-bits
-              trainer bench --on-time --minutes 10
-              trainer bench --web
-              trainer bench --all --json > figures.json
+    Example:  trainer dev bench --json
+              trainer dev bench --same-bits
+              trainer dev bench --on-time --minutes 10
+              trainer dev bench --web
+              trainer dev bench --all --json > figures.json
     """
     import json
     from dataclasses import asdict

@@ -66,7 +66,7 @@ class Answer(Generic[Report, Figure]):
 
 
 class ManoeuvreOptions(TypedDict, total=False):
-    """The keywords of ``manoeuvre``: the options of ``trainer manoeuvre``."""
+    """The keywords of ``manoeuvre``: the options of ``trainer boat manoeuvre``."""
 
     speed: float | None
     angle: float | None
@@ -95,7 +95,7 @@ class ManoeuvreOptions(TypedDict, total=False):
 def manoeuvre(
     name: str, vessel: File = "bb2", **options: Unpack[ManoeuvreOptions]
 ) -> "Answer[ManoeuvreReport, Measure]":
-    """Fly a manoeuvre and measure it, as ``trainer manoeuvre`` does.
+    """Fly a manoeuvre and measure it, as ``trainer boat manoeuvre`` does.
 
     ``speed`` is in kn; ``angle``, ``planes`` and ``execute`` in degrees; ``duration``,
     ``step_time`` and ``ahead_time`` in s; ``step_speed`` and ``ahead_speed`` in kn; ``depth`` in m.
@@ -117,7 +117,7 @@ def manoeuvre(
 
 
 class SweepOptions(TypedDict, total=False):
-    """The keywords of ``sweep``: the options of ``trainer sweep``."""
+    """The keywords of ``sweep``: the options of ``trainer boat sweep``."""
 
     members: int | None
     out: File | None
@@ -126,7 +126,7 @@ class SweepOptions(TypedDict, total=False):
 
 
 def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, Spread]":
-    """Fly a study, one boat many times, as ``trainer sweep`` does.
+    """Fly a study, one boat many times, as ``trainer boat sweep`` does.
 
     ``members`` is how many there are, else the study's own number. With ``out`` the result is kept
     in that Parquet file, and a sweep that was interrupted goes on; else nothing is kept. ``jobs``

@@ -36,9 +36,9 @@ def check_cases(
     channel the largest difference is told, beside the spread that the case states.
 
     \b
-    Example:  trainer check-cases
-              trainer check-cases --page cases.html
-              trainer check-cases --with turn.mine.csv
+    Example:  trainer boat check-cases
+              trainer boat check-cases --page cases.html
+              trainer boat check-cases --with turn.mine.csv
 
     DIR has cases of your own, NAME.toml each. Exit code 1 when this trainer's outputs are not
     those stored, or a run of a case is beyond its stated spread; files of --with are told, and

@@ -15,8 +15,8 @@ def conform(*, as_json: bool) -> None:
     Sections A-I/12 and B-I/12 of the code, in our own words. Self-declared, not certified.
 
     \b
-    Example:  trainer conform
-              trainer conform --json
+    Example:  trainer dev conform
+              trainer dev conform --json
     """
     from trainer.config.conformity import (
         CLOSING_DECLARATION,

@@ -1,4 +1,4 @@
-"""The command ``trainer estimate``: a boat from the drawing of its hull.
+"""The command ``trainer boat estimate``: a boat from the drawing of its hull.
 
 ``analysis/estimate`` computes. Here its results are written: the vessel file, a page, a study that
 draws such boats, and a hull file to begin with.
@@ -35,13 +35,13 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
     """Estimate a boat from its drawing: coefficients, their deviations, gains.
 
     \b
-    Example:  trainer estimate new hull.toml
-              trainer estimate hull.toml -o boat.toml --html boat.html
-              trainer estimate suboff
+    Example:  trainer boat estimate new hull.toml
+              trainer boat estimate hull.toml -o boat.toml --html boat.html
+              trainer boat estimate suboff
 
     HULL is remus100, suboff, small-boat, or the path of a hull file; `new` before the name of a
     file writes one with comments, to be changed. The boat has a standard deviation on every
-    coefficient, and flies at once. `trainer sweep` draws from it.
+    coefficient, and flies at once. `trainer boat sweep` draws from it.
     """
     if hull == NEW_HULL:
         _write_skeleton(file)
@@ -79,7 +79,7 @@ def _write_skeleton(file: Path | None) -> None:
     if file is None:
         raise click.UsageError("new: give the name of the file, such as hull.toml")
     write_once(file, read_text(shipped_path("", HULL_SKELETON)))
-    click.echo(f"{file} written; next: trainer estimate {as_typed(file)} -o boat.toml")
+    click.echo(f"{file} written; next: trainer boat estimate {as_typed(file)} -o boat.toml")
 
 
 def _write_study(path: Path, boat: Path | None, rudder: float) -> None:

@@ -11,29 +11,26 @@ ORDER_WORDS = [head for topic in TOPICS for head in topic.heads]
 
 
 @click.command("help")
-@click.argument("word", type=Word(ORDER_WORDS), required=False)
+@click.argument("words", type=Word(ORDER_WORDS), nargs=-1, metavar="[WORD]...")
 @click.pass_context
-def explain(ctx: click.Context, word: str | None) -> None:
+def explain(ctx: click.Context, words: tuple[str, ...]) -> None:
     """Show help for a command, or for an order of a session.
 
     \b
     Example:  trainer help
               trainer help depth
-              trainer help run
+              trainer help boat check
     """
+    order = parse(" ".join((HELP_HEAD, *words))) if words else None
     root = ctx.find_root()
-    if word is None:
-        click.echo(root.get_help())
-        return
-    command = (
-        root.command.get_command(root, word) if isinstance(root.command, click.Group) else None
-    )
-    if command:
-        click.echo(click.Context(command, info_name=word, parent=root).get_help())
-    order = parse(f"{HELP_HEAD} {word}")
-    if order is None or isinstance(order, BadOrder):
-        if command is None:
+    try:
+        root.command.main([*words, "--help"], prog_name=root.info_name, standalone_mode=False)
+    except click.UsageError as none:
+        if order is None or isinstance(order, BadOrder):
             reason = f"; as an order: {order.reason}" if order else ""
-            ctx.fail(f"no command {word!r}{reason}")
-        return
-    click.echo("\n".join([*([""] if command else []), *help_text(order.word)]))
+            ctx.fail(f"{none.message}{reason}")
+    else:
+        if order is None or isinstance(order, BadOrder):
+            return
+        click.echo()
+    click.echo("\n".join(help_text(order.word)))

@@ -67,7 +67,7 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     """Write the compiled tick of a boat as a C library that needs no Python.
 
     \b
-    Example:  trainer export-core core --vessel bb2
+    Example:  trainer boat export-core core --vessel bb2
               cc -O2 -ffp-contract=off -o host core/host.c core/trainer_core.o && ./host 7200
 
     DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
@@ -119,8 +119,8 @@ def export_fmu(file: Path, **options: Any) -> None:
     """Write a boat as a functional mock-up unit (FMI 2.0), for other simulators.
 
     \b
-    Example:  trainer export-fmu bb2.fmu --vessel bb2
-              trainer export-fmu bb2.fmu --sea sea-state-4 --seed 7
+    Example:  trainer boat export-fmu bb2.fmu --vessel bb2
+              trainer boat export-fmu bb2.fmu --sea sea-state-4 --seed 7
 
     It is for co-simulation, for Linux on x86-64, with no Python inside. The bits are the trainer's.
     The simulator may choose another sea state, its direction and the seed. It needs a C compiler.
@@ -152,9 +152,9 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
     """Write one HTML file with a boat inside, which any browser flies with no network.
 
     \b
-    Example:  trainer export-page boat.html --vessel bb2
-              trainer export-page drill.html --recording drill.trainer
-              trainer export-page kiosk.html --station visitor
+    Example:  trainer boat export-page boat.html --vessel bb2
+              trainer boat export-page drill.html --recording drill.trainer
+              trainer boat export-page kiosk.html --station visitor
 
     Marks are not judged there. With a recording its time line can be dragged and the boat taken
     over at any moment, to the bits of trainer resume. Station visitor is the kiosk.

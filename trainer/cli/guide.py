@@ -175,10 +175,10 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     VESSEL is a name, a vessel file, or the file of a ship that was identified.
 
     \b
-    Example:  trainer manoeuvre turning-circle bb2 --angle 20
-              trainer manoeuvre zigzag-20 bb2 --side port --depth 60
-              trainer manoeuvre meander bb2 --dive --speed 15 --equations modified --plot m.svg
-              trainer manoeuvre zigzag-10 ship.toml
+    Example:  trainer boat manoeuvre turning-circle bb2 --angle 20
+              trainer boat manoeuvre zigzag-20 bb2 --side port --depth 60
+              trainer boat manoeuvre meander bb2 --dive --speed 15 --equations modified --plot m.svg
+              trainer boat manoeuvre zigzag-10 ship.toml
 
     Exit code 1 when the boat is lost on the way.
     """
@@ -272,12 +272,12 @@ def guide(vessel: str, **options: Any) -> None:
     angles, modes, thrust, steps, findings of 1969.
 
     \b
-    Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
+    Example:  trainer boat guide bb2 --html bb2.html --pdf bb2.pdf
 
     Of a ship (mariner, kvlcc2) it prints the published figures beside ours, and nothing else.
 
     VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the
-    modified set is out of tolerance; trainer reduce finds one that is not.
+    modified set is out of tolerance; trainer boat reduce finds one that is not.
     """
     if ships.is_ship(vessel):
         ships.print_figures(vessel, as_json=options["as_json"])

@@ -207,17 +207,17 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     one by one and together in the same time.
 
     \b
-    Example:  trainer prbs bb2 --amplitude 3 --sea sea-state-3 --write trial.toml
+    Example:  trainer ship prbs bb2 --amplitude 3 --sea sea-state-3 --write trial.toml
               trainer run trial.toml --headless --speed max --record trial.trainer
               trainer identify trial.trainer --model 1 --vessel bb2
-              trainer prbs bb2 --zigzag 10/10
-              trainer prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
-              trainer prbs ship.toml --zigzag 20/20 --amplitude 20
+              trainer ship prbs bb2 --zigzag 10/10
+              trainer ship prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
+              trainer ship prbs ship.toml --zigzag 20/20 --amplitude 20
     """
     from trainer.config.extras import require_library
     from trainer.config.vessel import load_vessel
 
-    require_library("scipy", "trainer prbs")
+    require_library("scipy", "trainer ship prbs")
     if ships.is_ship(vessel):
         ships.design_trials(ships.path_of(vessel), options)
         return
@@ -263,9 +263,9 @@ def steering(vessel: str, speeds: tuple[float, ...], record: Path | None, **opti
     in the prime or bis system (schema = "derivatives/1").
 
     \b
-    Example:  trainer steering bb2 --speed 5 --speed 10
-              trainer steering ship.toml --plot spiral.png
-              trainer steering ship.toml --record zigzag.csv
+    Example:  trainer ship steering bb2 --speed 5 --speed 10
+              trainer ship steering ship.toml --plot spiral.png
+              trainer ship steering ship.toml --record zigzag.csv
 
     The speed is the vessel's own unless it is given; that of a ship is in its file.
     """
@@ -295,7 +295,7 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
     FILE is a Decca study: the chain, the antenna, and the CSV file of lanes and heading.
 
     \b
-    Example:  trainer decca run.toml --csv sway.csv --plot track.png
+    Example:  trainer ship decca run.toml --csv sway.csv --plot track.png
     """
     from trainer.identify.pages import decca as page
     from trainer.identify.record.decca import load_decca, solve_track, write_track

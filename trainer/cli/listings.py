@@ -31,24 +31,31 @@ def exercises(*, as_json: bool) -> None:
     \b
     Example:  trainer exercises
 
-    Each has its place in the course, its title, its length, and what is worked by hand. As JSON
-    the exercises alone are listed, because lessons have no marks.
+    Each has its place in the course, its title, its length, how many stations share it, and what
+    they work by hand. As JSON the exercises alone are listed, because lessons have no marks.
     """
     from trainer.config.course import course, lessons
 
     if as_json:
         click.echo(json.dumps({each.name: each.title for each in course()}, indent=1))
         return
-    for heading, listed in (("Lessons, step by step:", lessons()), ("Exercises:", course())):
+    for heading, listed in (
+        ("Lessons, step by step, for one person alone:", lessons()),
+        (f"{'Exercises, easy ones first:':52}length, stations, by hand", course()),
+    ):
         click.echo("\n".join((heading, *map(exercise_line, listed), "")))
+    click.echo(
+        "Stations: helm (rudder, speed), planes, ballast. The rest is automatic.\n"
+        "Alone, take all of them: trainer run NAME --train. A crew: trainer serve NAME."
+    )
 
 
 def exercise_line(each: "Lesson") -> str:
-    """Return name, place, title, length and what is in hand, in columns."""
+    """Return name, place, title, length, number of stations and what is in hand, in columns."""
     place = "" if math.isinf(each.place) else f"{each.place:g}"
     title = each.title.removeprefix(f"Lesson {place}: ")
     in_hand = each.in_hand.replace(", ", ",")
-    return f"{each.name:20}{place:>2} {title:28}{each.length:>7} {in_hand}".rstrip()
+    return f"{each.name:20}{place:>2} {title:28}{each.length:>7} {len(each.stations)} {in_hand}"
 
 
 @click.command()
@@ -57,10 +64,10 @@ def vessels(*, as_json: bool) -> None:
     """List the shipped boats: their length, their sets of equations, what they are.
 
     \b
-    Example:  trainer vessels
+    Example:  trainer boat vessels
 
     A file of your own is not listed: give its path, such as ./boat.toml, wherever a name is asked
-    for. `trainer check VESSEL` tells more.
+    for. `trainer boat check VESSEL` tells more.
     """
     from trainer.config.files import shipped_tables
 
@@ -92,7 +99,7 @@ def seas(*, as_json: bool) -> None:
     Example:  trainer seas
 
     A file of your own is not listed: give its path, such as ./storm.toml, to --sea.
-    `trainer sea SEA` shows the waves of one.
+    `trainer boat sea SEA` shows the waves of one.
     """
     from trainer.config.files import shipped_tables
 
@@ -261,7 +268,7 @@ def instruments(*, sample: bool, as_json: bool) -> None:
     """List the NMEA 0183 sentences sent by `--nmea`: their fields, units and sources.
 
     \b
-    Example:  trainer instruments --sample
+    Example:  trainer dev instruments --sample
               trainer run --nmea udp://127.0.0.1:10110
               trainer serve --nmea /dev/ttyUSB0 --nmea-baud 4800 --nmea-sentences HDT,XDR,ROT
     """

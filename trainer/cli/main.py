@@ -36,15 +36,53 @@ from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
 
 SHOWN_LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
+COMMAND_GROUPS: Final = (
+    Commands(
+        "boat",
+        commands=[
+            *(listings.vessels, vessel.new, estimate.estimate, vessel.check),
+            *(*guide.GUIDE_COMMANDS, vessel.reduce, vessel.gains, vessel.evaluate, sweep.sweep),
+            *(vessel.sea, check_cases.check_cases),
+            *(export.export_core, export.export_fmu, export.export_page),
+        ],
+        help="""Make a boat of your own, judge it, fly its manoeuvres, export it.
+
+        \b
+        Example:  trainer boat new boat.toml --from bb2 --length 60
+                  trainer boat check boat.toml
+        """,
+    ),
+    Commands(
+        "ship",
+        commands=[identify.identify, identify.prbs, identify.decca, identify.steering],
+        help="""Find the steering of a ship from recordings of it.
+
+        \b
+        Example:  trainer ship steering bb2 --speed 10
+        """,
+    ),
+    Commands(
+        "report-1969",
+        commands=programs.PROGRAM_COMMANDS,
+        help="""Run the engineer's programs of the report of 1969.
+
+        \b
+        Example:  trainer report-1969 modes bb2 --speed 10
+        """,
+    ),
+    Commands(
+        "dev",
+        commands=[bench.bench, conform.conform, listings.instruments, schema.schema],
+        help="""Measure this machine; print what standards, plotters and editors ask for.
+
+        \b
+        Example:  trainer dev schema exercise -o exercise.schema.json
+        """,
+    ),
+)
 COMMAND_SECTIONS: Final = {
     "Train": (run.run, run.serve, run.attach, run.station, web.web),
-    "Exercises": (
-        listings.exercises,
-        listings.exercise,
-        listings.casualties,
-        listings.seas,
-        vessel.sea,
-    ),
+    "Exercises": (listings.exercises, listings.exercise, listings.casualties, listings.seas),
     "Recordings": (
         recordings.debrief,
         recordings.recordings,
@@ -52,35 +90,15 @@ COMMAND_SECTIONS: Final = {
         recordings.replay,
         recordings.export,
     ),
-    "A boat": (
-        listings.vessels,
-        vessel.vessel,
-        estimate.estimate,
-        vessel.check,
-        *guide.GUIDE_COMMANDS,
-        vessel.reduce,
-        vessel.gains,
-    ),
-    "The programs of 1969": programs.PROGRAM_COMMANDS,
-    "Many boats": (sweep.sweep,),
-    "A ship from its recordings": (
-        identify.identify,
-        identify.prbs,
-        identify.decca,
-        identify.steering,
-    ),
-    "This machine, and others": (
-        explain.explain,
-        bench.bench,
-        check_cases.check_cases,
-        conform.conform,
-        vessel.evaluate,
-        listings.instruments,
-        schema.schema,
-        export.export_core,
-        export.export_fmu,
-        export.export_page,
-    ),
+    "Ships": (identify.identify,),
+    "More": (*COMMAND_GROUPS, explain.explain),
+}
+# By what was typed before there were groups, and goes on for good: what is typed now.
+EARLIER_NAMES: Final = {"vessel": "boat"} | {
+    name: f"{group.name} {name}"
+    for group in COMMAND_GROUPS
+    for name, command in group.commands.items()
+    if command not in (vessel.new, identify.identify)
 }
 
 
@@ -118,12 +136,13 @@ def cli() -> None:
     Example:  trainer run                  take a 70 m submarine to sea, now
               trainer run periscope-depth  an exercise; `trainer exercises` lists them
               trainer run --headless --duration 1h --speed max --csv out.csv
-              trainer check bb2            what a vessel file is worth, and at which step
+              trainer boat check bb2       what a vessel file is worth, and at which step
     """
 
 
 for title, commands in COMMAND_SECTIONS.items():
     cli.add_section(title, commands)
+cli.earlier_names = EARLIER_NAMES
 
 
 def keep_standard_streams() -> None:

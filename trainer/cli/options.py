@@ -209,7 +209,7 @@ nmea_options = combine_options(
         multiple=True,
         metavar="URL",
         help="Send NMEA 0183 to a serial port, udp://HOST:PORT, or whoever comes to "
-        "tcp://HOST:PORT; may be given again. `trainer instruments` lists the sentences.",
+        "tcp://HOST:PORT; may be given again. `trainer dev instruments` lists the sentences.",
     ),
     click.option(
         "--nmea-baud",

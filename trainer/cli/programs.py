@@ -63,7 +63,7 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
     judged.
 
     \b
-    Example:  trainer compare full.csv modified.csv --column theta --column z
+    Example:  trainer report-1969 compare full.csv modified.csv --column theta --column z
 
     Where rudder or planes are thrown over a step apart, which is how well the time of an event is
     known, what that is worth is no failure.
@@ -113,7 +113,7 @@ def fit(run: Path, column: str, **options: Any) -> None:
     """Fit damped sinusoids to a response (EC310).
 
     \b
-    Example:  trainer fit impulse.csv --column theta --from 20 --vessel bb2 --speed 10
+    Example:  trainer report-1969 fit impulse.csv --column theta --from 20 --vessel bb2 --speed 10
 
     The starting roots are those of a vessel, or else of the response itself (EC120, EC150,
     EC330). Exit code 1 when the fit does not settle.
@@ -174,8 +174,8 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
     """Plane angles for level flight, critical speeds (EC470).
 
     \b
-    Example:  trainer neutral bb2 --speed 5 --speed 10 --plot neutral.png
-              trainer neutral bb2 --depth 15
+    Example:  trainer report-1969 neutral bb2 --speed 5 --speed 10 --plot neutral.png
+              trainer report-1969 neutral bb2 --depth 15
 
     With --depth the force and moment of a calm surface act, by the vessel's [free_surface].
     """
@@ -210,7 +210,7 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     """Thrust less drag, and acceleration, by speed (ZC300).
 
     \b
-    Example:  trainer thrust bb2 --speed 0 --speed 10 --command 15 --command -5
+    Example:  trainer report-1969 thrust bb2 --speed 0 --speed 10 --command 15 --command -5
     """
     from trainer.analysis.programs import thrust as program
     from trainer.config.vessel import load_vessel
@@ -254,8 +254,8 @@ def tanks(
     """Weight and balance over all fillings (EC430).
 
     \b
-    Example:  trainer tanks bb2 --fill auxiliary=1 --plot polygon.svg
-              trainer tanks bb2 --overshoots --plot overshoots.svg
+    Example:  trainer report-1969 tanks bb2 --fill auxiliary=1 --plot polygon.svg
+              trainer report-1969 tanks bb2 --overshoots --plot overshoots.svg
 
     With --overshoots the table of 1969 instead: the same overshoot slow and fast, x_G and z_G
     alone moved as far as the tanks do, or by 2 % of BG where there are none.
@@ -287,8 +287,8 @@ def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options
     """Roots, frequencies, damping (EC140, EC200, EC320).
 
     \b
-    Example:  trainer modes bb2 --speed 10 --mean-w 0.2
-              trainer modes bb2 --speed 6 --depth 16
+    Example:  trainer report-1969 modes bb2 --speed 10 --mean-w 0.2
+              trainer report-1969 modes bb2 --speed 6 --depth 16
 
     With --depth the vertical plane feels how the force of a calm surface changes with depth.
     """

@@ -1,4 +1,4 @@
-"""The command ``trainer schema``: JSON Schemas by which editors check files.
+"""The command ``trainer dev schema``: JSON Schemas by which editors check files.
 
 A schema is made by the module that reads the kind of file, in a function of its name
 (``vessel_schema``). The module is imported when its schema is asked for, because some take long to
@@ -39,10 +39,10 @@ def schema(kind: str, output: Path | None) -> None:
     """Print the JSON Schema of a kind of file, by which editors complete and underline.
 
     \b
-    Example:  trainer schema exercise -o exercise.schema.json
-              trainer schema vessel
+    Example:  trainer dev schema exercise -o exercise.schema.json
+              trainer dev schema vessel
 
-    A study is what `trainer sweep` flies, an identification what `trainer identify` fits, a
+    A study is what `trainer boat sweep` flies, an identification what `trainer identify` fits, a
     ship what its models linear to mmg take and write.
     """
     text = json.dumps(schema_of(kind), indent=1)

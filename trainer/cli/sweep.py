@@ -1,4 +1,4 @@
-"""The command ``trainer sweep``: a study of many members.
+"""The command ``trainer boat sweep``: a study of many members.
 
 ``analysis/sweep`` flies the members, each a run of the study; here options are read and progress is
 shown.
@@ -44,9 +44,9 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
     member. What is finished is kept: after an interruption the same command goes on.
 
     \b
-    Example:  trainer sweep turn-uncertainty --plot turn.svg
-              trainer sweep turn-uncertainty --member 17
-              trainer sweep ./study.toml --scheduler tcp://127.0.0.1:8786
+    Example:  trainer boat sweep turn-uncertainty --plot turn.svg
+              trainer boat sweep turn-uncertainty --member 17
+              trainer boat sweep ./study.toml --scheduler tcp://127.0.0.1:8786
     """
     from trainer.analysis.sweep.job import job_of, open_job
     from trainer.cli.subjects import subject_of

@@ -8,7 +8,7 @@ import difflib
 import math
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -40,6 +40,8 @@ class Commands(click.Group):
     def __init__(self, *args: Any, **attributes: Any) -> None:
         super().__init__(*args, **attributes)
         self.sections: dict[str, list[click.Command]] = {}
+        # What is typed now, by a name that is no longer listed.
+        self.earlier_names: Mapping[str, str] = {}
 
     def add_section(self, title: str, commands: Iterable[click.Command]) -> None:
         """Add commands, to be listed under ``title``."""
@@ -72,10 +74,21 @@ class Commands(click.Group):
         name = args[0]
         unknown = self.get_command(ctx, name) is None and not name.startswith("-")
         if unknown and not ctx.resilient_parsing:
-            near = difflib.get_close_matches(name, self.list_commands(ctx), 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            ctx.fail(f"no command {name!r}{hint}")
+            ctx.fail(f"no command {name!r}{self.nearest(name)}")
         return super().resolve_command(ctx, args)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a command by its name or an earlier one, None for no command."""
+        name, _, below = self.earlier_names.get(cmd_name, cmd_name).partition(" ")
+        command = super().get_command(ctx, name)
+        return (
+            command.get_command(ctx, below) if isinstance(command, Commands) and below else command
+        )
+
+    def nearest(self, name: str) -> str:
+        """Return the hint at the command of the nearest name, "" if none is near."""
+        near = difflib.get_close_matches(name, [*self.commands, *self.earlier_names], 1)
+        return f"; did you mean {self.earlier_names.get(near[0], near[0])}?" if near else ""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the commands in the order they are written."""

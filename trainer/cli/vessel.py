@@ -1,7 +1,7 @@
 """The commands that examine a vessel file, and that find its compact set of coefficients.
 
-``main`` has them: ``vessel``, ``check``, ``gains``, ``reduce``, ``sea`` and ``evaluate``. The
-figures come from ``analysis``; here options are read and answers shown.
+``main`` has them: ``new``, ``check``, ``gains``, ``reduce``, ``sea`` and ``evaluate``. The figures
+come from ``analysis``; here options are read and answers shown.
 """
 
 import sys
@@ -20,19 +20,9 @@ from trainer.cli.options import (
     cores_option,
     method_options,
 )
-from trainer.cli.types import Commands
 
 
-@click.group(cls=Commands)
-def vessel() -> None:
-    """Make a boat of your own: a vessel file to begin with.
-
-    \b
-    Example:  trainer vessel new boat.toml --from bb2 --length 60
-    """
-
-
-@vessel.command()
+@click.command()
 @click.argument("file", type=TOML_OUTPUT)
 @click.option("--from", "source", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP)
 @click.option(
@@ -46,8 +36,8 @@ def new(file: Path, source: str, length: float | None, name: str | None) -> None
     """Write a complete vessel file with comments, to be changed; never over another file.
 
     \b
-    Example:  trainer vessel new boat.toml --from bb2 --length 60
-              trainer vessel new twin.toml --from sdv-mk9 --name "My boat"
+    Example:  trainer boat new boat.toml --from bb2 --length 60
+              trainer boat new twin.toml --from sdv-mk9 --name "My boat"
 
     With --length every number follows the length by Froude's law; each law stands in the file.
     """
@@ -66,8 +56,8 @@ def evaluate(
     """Accelerations for states read as JSON lines: the check interface.
 
     \b
-    Example:  trainer evaluate bb2 --equations full --rates exact < states.jsonl
-              trainer evaluate bb2 --wide < states.jsonl
+    Example:  trainer boat evaluate bb2 --equations full --rates exact < states.jsonl
+              trainer boat evaluate bb2 --wide < states.jsonl
 
     Each line of input is an object with u v w p q r phi theta psi delta_r delta_s delta_b u_c
     (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
@@ -98,8 +88,8 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     """Say what a vessel file lacks, how the boat behaves, and which step is stable.
 
     \b
-    Example:  trainer check bb2
-              trainer check bb2 --constants
+    Example:  trainer boat check bb2
+              trainer boat check bb2 --constants
 
     Exit code 1 when the boat's own step makes it unstable though it is stable by nature, or when
     the compact set is not within tolerance of the full one. The page ends with what the file lacks
@@ -138,7 +128,7 @@ def gains(vessel: str) -> None:
     """Design the autopilot of a boat and print the table for its vessel file.
 
     \b
-    Example:  trainer gains my-boat.toml >> my-boat.toml
+    Example:  trainer boat gains my-boat.toml >> my-boat.toml
     """
     from trainer.analysis.gains import design_text
     from trainer.config.vessel import load_vessel
@@ -163,7 +153,7 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
     """Show a sea: its waves, their energy by band, the suction on a boat.
 
     \b
-    Example:  trainer sea sea-state-5 --plot sea.svg
+    Example:  trainer boat sea sea-state-5 --plot sea.svg
 
     SEA is calm, sea-state-1 to sea-state-6, or a file. The suction is that of a
     Pierson-Moskowitz sea on a boat held still.
@@ -195,8 +185,8 @@ def reduce(vessel: str, **options: Any) -> None:
     manoeuvres that neither the fit nor the choice has seen.
 
     \b
-    Example:  trainer reduce bb2 --check
-              trainer reduce ./boat.toml -o boat-compact.toml
+    Example:  trainer boat reduce bb2 --check
+              trainer boat reduce ./boat.toml -o boat-compact.toml
 
     VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. With -o or --write an
     interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is

@@ -15,7 +15,12 @@ from trainer.config.files import (
     shipped_path,
 )
 
-HAND_AXES: Final = 4  # all that a crew may have in hand
+HAND_AXES: Final = {  # all that a crew may have in hand, and the station that works it
+    "rudder": "helm",
+    "planes": "planes",
+    "speed": "helm",
+    "ballast": "ballast",
+}
 STANDARD_VESSEL: Final = "bb2"  # the boat of an exercise that names none
 
 
@@ -41,7 +46,15 @@ class Lesson(NamedTuple):
     @property
     def in_hand(self) -> str:
         """Return what is worked by hand, in words."""
-        return "all" if len(self.hand) == HAND_AXES else ", ".join(self.hand)
+        automatic = [axis for axis in HAND_AXES if axis not in self.hand]
+        if len(automatic) > 1:
+            return ", ".join(self.hand)
+        return " but ".join(("all", *automatic))
+
+    @property
+    def stations(self) -> tuple[str, ...]:
+        """Return the stations that share what is worked by hand."""
+        return tuple(dict.fromkeys(HAND_AXES[axis] for axis in self.hand))
 
 
 def course() -> list[Lesson]:

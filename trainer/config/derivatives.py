@@ -1,6 +1,6 @@
 """The file of a ship's linear steering derivatives, as the report of 1974 tabulates them.
 
-``trainer steering`` reads it. Model identification, section 2; Tables 8.1, 9.1 and 10.2.
+``trainer ship steering`` reads it. Model identification, section 2; Tables 8.1, 9.1 and 10.2.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """JSON Schemas of the files that users write, made of the readers' own records.
 
-``trainer schema`` prints them. Editors complete keys and underline faults by them. Whether keys fit
-together is checked only by the readers.
+``trainer dev schema`` prints them. Editors complete keys and underline faults by them. Whether keys
+fit together is checked only by the readers.
 """
 
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""A hull by its drawing, from which ``trainer estimate`` makes a boat.
+"""A hull by its drawing, from which ``trainer boat estimate`` makes a boat.
 
 Lengths are in metres, masses in kg, angles in degrees, speeds in knots. x is counted aft from the
 nose, heights up from the hull's axis.

@@ -1,8 +1,8 @@
 """Checks whether the numbers of a vessel file fit together.
 
-``vessel`` refuses a file by them, and ``trainer check`` tells the rest. Each function returns its
-problems as texts. The limits are wide, because they are to catch feet, pounds and misplaced points,
-not poor boats.
+``vessel`` refuses a file by them, and ``trainer boat check`` tells the rest. Each function returns
+its problems as texts. The limits are wide, because they are to catch feet, pounds and misplaced
+points, not poor boats.
 """
 
 import math
@@ -246,7 +246,7 @@ def _wrong_signs(autopilot: Autopilot, coefficients: Mapping[str, float]) -> lis
                 wanted = "above" if sign * effect > 0.0 else "below"
                 problems.append(
                     f"{name} = {gain:g}: has the wrong sign; with {coefficient} = {effect:g} it "
-                    f"must be {wanted} 0, or trainer gains makes the table"
+                    f"must be {wanted} 0, or trainer boat gains makes the table"
                 )
                 break
     return problems

@@ -1,7 +1,7 @@
 """CSV files as other programs write them: separators, decimal signs, units, times.
 
-Records for identification and runs for ``trainer compare`` and ``fit`` are read by it. What a cell
-means is decided by its whole column, because one cell alone is ambiguous: 1,234 is two numbers.
+Records for identification and runs of ``trainer report-1969`` are read by it. What a cell means is
+decided by its whole column, because one cell alone is ambiguous: 1,234 is two numbers.
 """
 
 import csv

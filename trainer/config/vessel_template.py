@@ -1,4 +1,4 @@
-"""``trainer vessel new``: a vessel file written out, every key with unit and meaning.
+"""``trainer boat new``: a vessel file written out, every key with unit and meaning.
 
 The numbers are those of a shipped boat, at another length by Froude's law (``similarity``).
 """
@@ -162,13 +162,13 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
 def _opening(path: Path, source: float, length: float | None) -> Iterator[str]:
     """Yield the comment at the top; lengths in [m]."""
     if length is None or length == source:
-        yield f"# A copy of {path.name} by `trainer vessel new`: each key with unit and meaning."
+        yield f"# A copy of {path.name} by `trainer boat new`: each key with unit and meaning."
     else:
-        yield f"# {path.name} scaled from {source:g} m to {length:g} m by `trainer vessel new`."
+        yield f"# {path.name} scaled from {source:g} m to {length:g} m by `trainer boat new`."
         yield LAWS_NOTE
     yield f"# The comments of {path.name} say where the source's numbers are from."
     yield "# A line that begins with # and a key shows what may be said besides."
-    yield "# Next: trainer check FILE; trainer run --vessel FILE"
+    yield "# Next: trainer boat check FILE; trainer run --vessel FILE"
 
 
 def _body(table: Mapping[str, Any], factor: float) -> Iterator[str]:
@@ -222,4 +222,4 @@ def write_new(path: Path, source: str, length: float | None, name: str | None) -
     text = vessel_text(source, length, name)
     parse_vessel(text, path)
     write_once(path, text)
-    return f"{path} written; next: trainer check {as_typed(path)}"
+    return f"{path} written; next: trainer boat check {as_typed(path)}"

@@ -1,6 +1,6 @@
 """Rudder experiments for a boat: the helm and its times, flown in a calm.
 
-``trainer prbs`` designs an experiment by it, and the Monte-Carlo studies simulate one. Method:
+``trainer ship prbs`` designs an experiment by it, and the Monte-Carlo studies simulate one. Method:
 model document, section 10. A sequence excites best with an amplitude small enough to stay linear,
 with each bit held for 0.2 to 0.5 T1, over 20 to 40 T1, and read at intervals between T2/2 and T1/5.
 It is pseudo-random, from a maximum-length shift register. The boat flies it without ports or clock,

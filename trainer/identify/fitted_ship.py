@@ -357,7 +357,7 @@ class FittedShip(_ShipDisplay):
         return {one.of: asdict(one) for one in matrices_of(self._found.fitted)}
 
     def write(self, path: str | Path) -> None:
-        """Write the ship as a Nomoto file, which ``trainer manoeuvre`` sails.
+        """Write the ship as a Nomoto file, which ``trainer boat manoeuvre`` sails.
 
         Where Model 1 was fitted to a ``vessel`` it is that vessel's file with the new numbers.
         """
@@ -438,6 +438,6 @@ class ManoeuvringShip(_ShipDisplay):
         return {"t": trial.t, **series}
 
     def write(self, path: str | Path) -> None:
-        """Write the ship with its covariance, as a file that ``trainer manoeuvre`` sails."""
+        """Write the ship with its covariance, as a file that ``trainer boat manoeuvre`` sails."""
         source = "trainer.identify.fit, " + ", ".join(self._found.report.sources)
         write_over(Path(path), ship_text(self._found.ship, source))

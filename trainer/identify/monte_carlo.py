@@ -1,6 +1,6 @@
 """Monte-Carlo studies of identification: simulate, estimate, count how often truth is inside.
 
-``trainer sweep`` runs them for a study file with a table [identification]. Each member is one
+``trainer boat sweep`` runs them for a study file with a table [identification]. Each member is one
 simulated record of a known ship; the estimates of all members show whether the stated 95 %
 intervals hold the truth in 95 % of the cases.
 """

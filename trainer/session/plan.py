@@ -108,7 +108,7 @@ class Plan:
             return ""
         return (
             f"{self.file.path.name} has no compact set of its own: the full set is flown; "
-            "trainer reduce makes one"
+            "trainer boat reduce makes one"
         )
 
     @property

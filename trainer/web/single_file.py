@@ -1,4 +1,4 @@
-"""A page as one HTML file that needs no server, for ``trainer export-page``.
+"""A page as one HTML file that needs no server, for ``trainer boat export-page``.
 
 The file holds the page's scripts and styles, the boat's numbers, and the core as WebAssembly, which
 its script runs in a worker. Scripts of the pages are ES modules, which a browser does not load from

@@ -1,4 +1,4 @@
-"""``trainer bench`` measures a tick's cost on this machine, and the size of records.
+"""``trainer dev bench`` measures a tick's cost on this machine, and the size of records.
 
 A tick in real time is measured by the ledger of the session itself, without the waiting. It finds
 caches and processor as half a second of sleep leaves them. The hot figures are the same work back

@@ -1,6 +1,6 @@
 """The time from helm to instrument.
 
-``trainer bench --latency`` measures it. A session in a process of its own has a helmsman at one
+``trainer dev bench --latency`` measures it. A session in a process of its own has a helmsman at one
 serial line, and sends the rudder angle by NMEA 0183 to another. The helmsman orders the rudder to
 the other side at instants that are spread evenly over a tick, because an order waits for the next
 tick. The time runs from the first byte of the order to the last byte of the sentence that shows the

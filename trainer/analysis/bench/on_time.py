@@ -1,8 +1,8 @@
 """The lateness of ticks: bare loops of the clock, and a session in a crowd.
 
-``trainer bench --on-time`` measures it. A loop of 100 Hz is timed in a process of its own: alone,
-beside a busy thread of the same process, and beside busy processes, with and without a real-time
-priority.
+``trainer dev bench --on-time`` measures it. A loop of 100 Hz is timed in a process of its own:
+alone, beside a busy thread of the same process, and beside busy processes, with and without a
+real-time priority.
 
 The crowd: processes that do nothing but compute, one for each processor; a console on a terminal; a
 file for Rerun, where its library is; a serial line whose other end is not read.

@@ -1,6 +1,6 @@
 """The delay of an order over TCP, to its answer and to its effect.
 
-A part of ``trainer bench``. Orders fall anywhere within a tick, as those of people do; an order
+A part of ``trainer dev bench``. Orders fall anywhere within a tick, as those of people do; an order
 acts on the next tick, so that half a tick is the least mean delay.
 """
 

@@ -1,7 +1,7 @@
 """The standard hour in every way of this machine, with one set of bits.
 
-A part of ``trainer bench``: compiled and interpreted runs, a fleet, other processors' machine code
-end in the same state bit by bit, or the bench says which does not.
+A part of ``trainer dev bench``: compiled and interpreted runs, a fleet, other processors' machine
+code end in the same state bit by bit, or the bench says which does not.
 """
 
 import os

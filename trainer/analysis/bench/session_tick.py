@@ -1,7 +1,7 @@
 """The cost of a whole session's tick: recording, subscribers and columns beside the boat.
 
-A part of ``trainer bench``; ``order_delay`` uses its sessions. The boat alone takes a small part of
-a tick; what attends to it is the rest.
+A part of ``trainer dev bench``; ``order_delay`` uses its sessions. The boat alone takes a small
+part of a tick; what attends to it is the rest.
 """
 
 import contextlib

@@ -1,8 +1,8 @@
 """The delay of commands: help, a first start, a later one, the console.
 
-``trainer bench --starting`` measures it. Each is a process of its own, timed from its start by the
-clock, the least of a few: others can only add to it. It is given beside what importing numba alone
-takes then.
+``trainer dev bench --starting`` measures it. Each is a process of its own, timed from its start by
+the clock, the least of a few: others can only add to it. It is given beside what importing numba
+alone takes then.
 """
 
 import contextlib

@@ -1,7 +1,7 @@
 """The cost of the core's tick back to back: called, and in a compiled loop.
 
-A part of ``trainer bench``. Batches are long against the clock's resolution, and the median of them
-counts, because other programs can only make a batch longer.
+A part of ``trainer dev bench``. Batches are long against the clock's resolution, and the median of
+them counts, because other programs can only make a batch longer.
 """
 
 import gc

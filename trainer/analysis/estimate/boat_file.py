@@ -1,7 +1,7 @@
 """The vessel file of an estimated boat: every number with its unit and its basis.
 
-``trainer estimate -o`` writes it. The file flies at once, because the gains are designed here too.
-Its table [estimate] has the standard deviations, from which ``trainer sweep`` draws boats.
+``trainer boat estimate -o`` writes it. It flies at once, because the gains are designed here too.
+Its table [estimate] has the standard deviations, from which ``trainer boat sweep`` draws boats.
 """
 
 # long: one file, table by table
@@ -90,7 +90,7 @@ MIN_START_DEPTH_M: Final = 5.0  # [m] of it
 FIRST_KEY: Final = "schema"  # the key that a vessel file begins with
 MASS_SLACK: Final = 0.3  # of the mass against the displaced
 FILE_HEAD: Final = """\
-# {name}: estimated from the drawing of its hull by `trainer estimate`, version {version}.
+# {name}: estimated from the drawing of its hull by `trainer boat estimate`, version {version}.
 # Nothing here is measured. docs/own-hull.md says how it was made and how far it may be trusted.
 # Body axes: x forward, y starboard, z down; the origin on the hull's axis, abeam of the centre of
 # gravity. Each coefficient has its standard deviation (sd) and what it rests on."""
@@ -438,7 +438,7 @@ def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
         else:
             lines.append(f"{key} = {toml_value(value)}")
     documentation = {  # what draws need, and what the reader should know
-        "by": f"trainer estimate, version {__version__}",
+        "by": f"trainer boat estimate, version {__version__}",
         "outside": [*range_warnings(made.hull)],
         "defaulted": [*list_defaults(made.hull.file)],
         "covariance": [[round_to_digits(x) for x in row] for row in made.covariance.tolist()],

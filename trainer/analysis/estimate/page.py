@@ -1,4 +1,4 @@
-"""``trainer estimate``: an estimated boat as text for the terminal, and as one drawn page.
+"""``trainer boat estimate``: an estimated boat as text for the terminal, and as a page.
 
 ``survey`` has the figures. The page draws the hull with its panels, so that a wrong number is seen.
 """
@@ -209,8 +209,8 @@ def render(found: Survey, written: WrittenBoat) -> str:
     if found.warnings:
         lines += ["", "WARNINGS"]
         lines += [line for each in found.warnings for line in wrap(each)]
-    lines += ["", f"next: trainer check {typed}"]
-    lines += [f"      trainer manoeuvre turning-circle {typed}"] * flies
+    lines += ["", f"next: trainer boat check {typed}"]
+    lines += [f"      trainer boat manoeuvre turning-circle {typed}"] * flies
     return "\n".join([*lines, f"      trainer run --vessel {typed}"])
 
 
@@ -279,7 +279,7 @@ def html_page(found: Survey, written: WrittenBoat) -> str:
         "estimate.html",
         "guide.css",
         title=found.vessel,
-        heading=f"Estimated from its drawing by trainer estimate, version {__version__}",
+        heading=f"Estimated from its drawing by trainer boat estimate, version {__version__}",
         contents=[(name, title) for name, (title, _) in chapters.items()],
         parts=[section(name, title, *parts) for name, (title, parts) in chapters.items()],
         data=embed_json(asdict(found)),

@@ -1,7 +1,7 @@
 """An estimated boat in figures: margins, critical speeds, a turn with bands, influences.
 
-``trainer estimate`` shows them. Each is computed for drawn boats as well, and its band is what the
-method's uncertainty makes of it. The influences say which numbers of the drawing matter most.
+``trainer boat estimate`` shows them. Each is computed for drawn boats as well, and its band is what
+the method's uncertainty makes of it. The influences say which numbers of the drawing matter most.
 """
 
 import math
@@ -82,7 +82,7 @@ class Influence:
 
 @dataclass(frozen=True)
 class Survey:
-    """All that ``trainer estimate`` says about a boat."""
+    """All that ``trainer boat estimate`` says about a boat."""
 
     vessel: str
     path: str

@@ -1,9 +1,9 @@
 """How far each coefficient may be trusted, and draws of whole sets.
 
-``boat_file`` writes the deviations, ``survey`` makes bands of draws, and ``trainer sweep`` draws
-whole boats. A draw varies the constants of the method first, by the covariance of their fit, then
-each coefficient by the rest of its standard deviation. The constants come first because they move
-coefficients together, such as N_v, N_r and Y_v: independent draws would make impossible boats.
+``boat_file`` writes the deviations, ``survey`` makes bands of draws, and ``trainer boat sweep``
+draws whole boats. A draw varies the constants of the method first, by the covariance of their fit,
+then each coefficient by the rest of its standard deviation. The constants come first because they
+move coefficients together, such as N_v, N_r and Y_v: independent draws would make impossible boats.
 """
 
 import math
@@ -269,7 +269,7 @@ def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
     """
     place = Place(file.path.name, "estimate")
     if "estimate" not in table:
-        problem = "lacks the table [estimate]: it is no boat of trainer estimate"
+        problem = "lacks the table [estimate]: it is no boat of trainer boat estimate"
         raise ConfigError(f"{file.path.name}: {problem}")
     estimate_table = as_table(table["estimate"], place)
     lacking = [

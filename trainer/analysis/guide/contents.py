@@ -216,7 +216,7 @@ def _published(file: VesselFile) -> Published | None:
 
 def _doubts(file: VesselFile, published: Published, spreads: SpreadTable | None) -> Iterator[str]:
     """Yield in words what is not of this boat, and what mends it."""
-    again = f"trainer guide {file.path.stem} --uncertainty"
+    again = f"trainer boat guide {file.path.stem} --uncertainty"
     if spreads is None and published.figures:
         yield f"No table of u_input: {again} flies it"
     if spreads and spreads.stale:

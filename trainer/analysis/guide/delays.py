@@ -2,7 +2,7 @@
 
 Orders are given anywhere within a tick and act on the next one, so ticks are counted, and no clock
 is needed: delays in seconds follow from the step. A screen adds its time from picture to picture;
-``trainer bench --latency`` and ``--web`` measure on a machine.
+``trainer dev bench --latency`` and ``--web`` measure on a machine.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """The changes of a guide since an earlier one.
 
-``trainer guide --baseline`` compares with an earlier guide of the same boat, so that a change of
-the boat or of the program shows in each number that it moved.
+``trainer boat guide --baseline`` compares with an earlier guide of the same boat, so that a change
+of the boat or of the program shows in each number that it moved.
 """
 
 import json

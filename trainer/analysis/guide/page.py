@@ -1,7 +1,7 @@
 """The guide as one HTML page that needs nothing else, a function a chapter.
 
-``trainer guide`` writes it from ``contents``. Figures and verdicts are made there; here they become
-tables, charts and sentences.
+``trainer boat guide`` writes it from ``contents``. Figures and verdicts are made there; here they
+become tables, charts and sentences.
 """
 
 from collections.abc import Iterator
@@ -102,8 +102,8 @@ def software(guide: Guide) -> Markup:
     rows += [("versions", ", ".join(f"{name} {value}" for name, value in guide.versions.items()))]
     rows += [(f"sha256 of {name}", value) for name, value in guide.checksums.items()]
     words = (
-        "The program is compared with others by trainer check-cases, with itself by trainer bench "
-        "--same-bits; trainer conform says what of STCW it has."
+        "The program is compared with others by trainer boat check-cases, with itself by trainer "
+        "dev bench --same-bits; trainer dev conform says what of STCW it has."
     )
     return section(
         "software", CHAPTER_TITLES["software"], table((), rows, "facts"), paragraph(words)

@@ -1,8 +1,8 @@
 """The reason of a difference: each dropped coefficient's effect on a turn and a meander.
 
-A compact set lacks terms that the full set has. Where its flights differ, the guide and ``trainer
-reduce`` put each such coefficient to zero in the full set alone, to say which of them makes the
-difference.
+A compact set lacks terms that the full set has. Where its flights differ, the guide and
+``trainer boat reduce`` put each such coefficient to zero in the full set alone, to say which of
+them makes the difference.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -46,8 +46,8 @@ class DropEffect:
 def list_dropped(file: VesselFile) -> tuple[str, ...]:
     """Return the coefficients of this boat that its modified set drops.
 
-    A term outside the set is dropped, and so is one whose factor is 0: ``trainer reduce`` drops a
-    term of 1969 so, because the kernel has a place for it in any case.
+    A term outside the set is dropped, and so is one whose factor is 0: ``trainer boat reduce``
+    drops a term of 1969 so, because the kernel has a place for it in any case.
     """
     extra_terms = file.compact.extra_terms
     factors = file.compensation["modified"]

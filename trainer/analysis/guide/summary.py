@@ -1,6 +1,6 @@
 """The guide on a terminal: 79 columns of ASCII.
 
-``trainer guide`` prints it beside the HTML page, for somebody who waits for the verdict.
+``trainer boat guide`` prints it beside the HTML page, for somebody who waits for the verdict.
 """
 
 from collections.abc import Iterator

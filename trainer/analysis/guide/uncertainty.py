@@ -1,7 +1,7 @@
 """The uncertainty of our figures by that of the boat's coefficients and masses.
 
-``trainer guide --uncertainty`` draws whole boats, flies every published manoeuvre with each, and
-writes a table beside the file of figures; other guides read it. A coefficient has its standard
+``trainer boat guide --uncertainty`` draws whole boats, flies every published manoeuvre with each,
+and writes a table beside the file of figures; other guides read it. A coefficient has its standard
 deviation from its source, else from the estimate's share of it. Those that were fitted to published
 figures are drawn together, by the covariance of that fit: linear about the boat, the spread before
 the fit as its prior, and residuals that are larger than the readings' uncertainty count as noise.
@@ -307,7 +307,7 @@ def _write_table(
 ) -> str:
     """Return the table as TOML, a line for each input and figure."""
     lines = [
-        f"# Written by `trainer guide {file.path.stem} --uncertainty`, for the guide to read.",
+        f"# Written by `trainer boat guide {file.path.stem} --uncertainty`, for the guide to read.",
         "# inputs: name, value, one standard deviation, its reason",
         "# figures: title, quantity, drawn boats that have it, u_input, its largest causes",
         f"vessel = {toml_value(numbers_digest(file))}",

@@ -41,7 +41,7 @@ COUNTED_VERDICTS: Final = {
     **{one.value: (one,) for one in (Validity.UNCERTAIN, Validity.NOISE, Validity.NOT_JUDGED)},
 }
 GUIDE_ALONE_KEYS: Final = ("keep", "share")
-GUIDE_COMMAND: Final = "trainer guide {boat} --json"
+GUIDE_COMMAND: Final = "trainer boat guide {boat} --json"
 
 InputTable = Mapping[tuple[str, str], float]  # u_input by title and quantity
 
@@ -159,7 +159,7 @@ def _by_step(steps: Sequence[float]) -> tuple[float, float | None]:
 
 def manoeuvre_command(stem: str, name: str, manoeuvre: Manoeuvre, speed: float) -> str:
     """Return the command that flies a manoeuvre from a speed [m/s], by any vessel."""
-    words = [f"trainer manoeuvre {name} {stem}"]
+    words = [f"trainer boat manoeuvre {name} {stem}"]
     words += [f"--speed {speed / KNOT:.5g}"] if speed else []
     for key, value in manoeuvre_parameters(manoeuvre).items():
         words.append(f"--{value}" if key == "direction" else f"--{key.replace('_', '-')} {value}")

@@ -2,7 +2,7 @@
 
 The first is that of ASME V&V 20: an error within the uncertainty of its comparison is none that
 was seen. The second judges two flights of one manoeuvre: measures, peaks, zero crossings, change
-of change. The guide and ``trainer reduce`` judge a compact set by it. By change of change the
+of change. The guide and ``trainer boat reduce`` judge a compact set by it. By change of change the
 report of 1969 judged: how much less or more a quantity has changed at 120 s than by the full set.
 """
 

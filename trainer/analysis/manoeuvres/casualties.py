@@ -1,7 +1,7 @@
 """Casualties as manoeuvres: a changed weight, jammed planes or rudder, and the answer.
 
-``trainer manoeuvre`` and the guide fly them without a crew: the answer is ordered a stated time
-after the failure, so that boats and equations can be compared.
+``trainer boat manoeuvre`` and the guide fly them without a crew: the answer is ordered a stated
+time after the failure, so that boats and equations can be compared.
 """
 
 import math

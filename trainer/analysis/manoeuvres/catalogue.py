@@ -1,4 +1,4 @@
-"""The manoeuvres by name, with their parameters, as ``trainer manoeuvre`` takes them.
+"""The manoeuvres by name, with their parameters, as ``trainer boat manoeuvre`` takes them.
 
 Guides, studies and reductions look a manoeuvre up here. The classes are in the modules beside it.
 """

@@ -1,6 +1,6 @@
 """A manoeuvre is flown from its start to its end, or until numbers are lost.
 
-``trainer manoeuvre``, the guide, sweeps and reductions call ``fly_manoeuvre``. A schedule is a
+``trainer boat manoeuvre``, the guide, sweeps and reductions call ``fly_manoeuvre``. A schedule is a
 generator that gives its orders to a ``Conn``: between two yields the vehicle moves by one cycle,
 with the controls as ordered before. Events are seen at the starts of cycles, as in the program
 CONTR of 1969: up to a cycle after they happen. Two vehicles may see one event a cycle apart, and

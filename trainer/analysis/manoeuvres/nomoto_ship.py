@@ -1,7 +1,7 @@
 """A ship of Nomoto's form under helm: a vehicle for manoeuvres in a few numbers.
 
-``trainer manoeuvre`` flies the file that ``trainer identify --write-nomoto`` writes. K, T1, T2, T3
-and the curve of steady turns give the turning; speed does not change.
+``trainer boat manoeuvre`` flies the file that ``trainer identify --write-nomoto`` writes. K, T1,
+T2, T3 and the curve of steady turns give the turning; speed does not change.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""``trainer manoeuvre``: one manoeuvre flown, with its report, page, plot and CSV file.
+"""``trainer boat manoeuvre``: one manoeuvre flown, with its report, page, plot and CSV file.
 
 ``cli/guide`` calls ``fly_boat``; fitted ships come by ``fly_vehicle``. A report
 is a record, from which page and ``--json`` are both made.
@@ -38,7 +38,7 @@ HELD_PANEL = "rates held"
 
 @dataclass(frozen=True)
 class ManoeuvreReport:
-    """The figures that ``trainer manoeuvre`` prints; measures SI and radians."""
+    """The figures that ``trainer boat manoeuvre`` prints; measures SI and radians."""
 
     vessel: str
     manoeuvre: str

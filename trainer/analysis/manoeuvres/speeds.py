@@ -1,7 +1,7 @@
 """Changes of speed: in steps, to the utmost, and back to nothing.
 
-They are manoeuvres of the ``catalogue``. ``trainer manoeuvre`` and reductions fly them, because
-they show thrust and drag at all ratios of speed and command.
+They are manoeuvres of the ``catalogue``. ``trainer boat manoeuvre`` and reductions fly them,
+because they show thrust and drag at all ratios of speed and command.
 """
 
 import math

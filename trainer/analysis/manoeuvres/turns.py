@@ -1,7 +1,7 @@
 """Turns: the rudder is thrown over and held, and the path is measured.
 
 Advance, transfer and tactical diameter are those of sea trials. ``steadiness`` has pull-out and
-spirals. ``catalogue`` offers these manoeuvres; guides and ``trainer estimate`` fly them too.
+spirals. ``catalogue`` offers these manoeuvres; guides and ``trainer boat estimate`` fly them too.
 """
 
 import math

@@ -1,9 +1,9 @@
 """Characteristic polynomials, roots, frequency and damping: programs EC140, EC200 and EC320.
 
-``trainer modes`` and the guide show them; [ASSES] is the report of 1969 on the programs. Small
-motions E dx/dt = F x about straight flight at a frozen speed u0, theta0 = w0 = 0; the polynomial is
-det(s E - F). [ASSES] VI with errata E1-E7. With dimensional coefficients, R = z_B B - z_G W and
-lines of normal force and pitching moment, EC140's cubic has
+``trainer report-1969 modes`` and the guide show them; [ASSES] is the report of 1969 on the
+programs. Small motions E dx/dt = F x about straight flight at a frozen speed u0, theta0 = w0 = 0;
+the polynomial is det(s E - F). [ASSES] VI with errata E1-E7. With dimensional coefficients, R = z_B
+B - z_G W and lines of normal force and pitching moment, EC140's cubic has
 
     A3 = (Z_wdot - m)(M_qdot - Iy) - M_wdot Z_qdot
     A2 = u0 Z_w (M_qdot - Iy) + (Z_wdot - m) u0 M_q - M_wdot u0 (m + Z_q) - u0 M_w Z_qdot
@@ -248,7 +248,7 @@ class SpeedModes:
 
 @dataclass(frozen=True)
 class ModesReport:
-    """All that ``trainer modes`` says about a vessel; means SI."""
+    """All that ``trainer report-1969 modes`` says about a vessel; means SI."""
 
     vessel: str
     means: dict[str, float]

@@ -1,10 +1,10 @@
 """Two runs compared by the percent change of change: programs ZC590 and ZC691.
 
-``trainer compare`` prints it, and the guide judges by it; [ASSES] is the report of 1969 on the
-programs. [ASSES] VI: with D the value at a reference point less the value at t = 0 of the same run,
-percent = 100 (D_full - D_reduced)/D_full, and 5 % is allowed. Reference points are the extreme of a
-variable, its steady value, or, where it has neither, the end of the time looked at (120 s).
-Extremes are compared each at its own time: phase is not judged.
+``trainer report-1969 compare`` prints it, and the guide judges by it; [ASSES] is the report of 1969
+on the programs. [ASSES] VI: with D the value at a reference point less the value at t = 0 of the
+same run, percent = 100 (D_full - D_reduced)/D_full, and 5 % is allowed. Reference points are the
+extreme of a variable, its steady value, or, where it has neither, the end of the time looked at
+(120 s). Extremes are compared each at its own time: phase is not judged.
 
 A schedule sees an event, such as the pitch at which planes are reversed, at the start of a step.
 Two runs may see it a step apart, whatever their equations. The difference that this alone can make
@@ -67,7 +67,7 @@ class ReferencePoint:
 
 @dataclass(frozen=True)
 class RunComparison:
-    """All that ``trainer compare`` says about two runs."""
+    """All that ``trainer report-1969 compare`` says about two runs."""
 
     full: str
     reduced: str

@@ -1,8 +1,8 @@
 """Every constant of a boat as the core gets it. These are the listings of EB920 and EC790.
 
-``trainer check`` lists them. A constant is named by its symbol in the core's record, in SI units
-and radians. It comes from a key of the vessel file, or from the defaults file, or is derived from
-other constants.
+``trainer boat check`` lists them. A constant is named by its symbol in the core's record, in SI
+units and radians. It comes from a key of the vessel file, or from the defaults file, or is derived
+from other constants.
 """
 
 import tomllib
@@ -212,7 +212,7 @@ class CompactConstant:
 
 @dataclass(frozen=True)
 class ConstantsReport:
-    """All that ``trainer check --constants`` says about a vessel."""
+    """All that ``trainer boat check --constants`` says about a vessel."""
 
     vessel: str
     path: str

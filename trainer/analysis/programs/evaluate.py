@@ -1,4 +1,4 @@
-"""``trainer evaluate``: states in, accelerations and rates out, to check against other programs.
+"""``trainer boat evaluate``: states in, accelerations out, to check against other programs.
 
 One JSON object a line. In: u v w [m/s] p q r [rad/s] phi theta psi delta_r delta_s delta_b [rad]
 u_c [m/s]; optional x y z [m] (0), x_g y_g z_g [m] weight [N] (the vessel's) and last_udot ...

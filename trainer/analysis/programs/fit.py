@@ -72,7 +72,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class FitReport:
-    """All that ``trainer fit`` says about a response."""
+    """All that ``trainer report-1969 fit`` says about a response."""
 
     file: str
     column: str

@@ -98,7 +98,7 @@ class Trim:
 
 @dataclass(frozen=True)
 class NeutralReport:
-    """All that ``trainer neutral`` says about a vessel."""
+    """All that ``trainer report-1969 neutral`` says about a vessel."""
 
     vessel: str
     critical_speed_kn: dict[str, float | None]  # by plane, linear; None: none

@@ -1,9 +1,9 @@
 """Overshoots by tankage, Table 5 and Figure 4 of [ASSES], the report of 1969.
 
-``trainer tanks --overshoots`` shows how well x_G and z_G must be known. The same overshoot is flown
-slow and fast with x_G or z_G alone at the end of what the pumped tanks can do, W = B. [ASSES] does
-not say where it begins: here all begin in the neutral flight of the boat in balance, because only
-then are the figures as large as its own at 5 knots.
+``trainer report-1969 tanks --overshoots`` shows how well x_G and z_G must be known. The same
+overshoot is flown slow and fast with x_G or z_G alone at the end of what the pumped tanks can do, W
+= B. [ASSES] does not say where it begins: here all begin in the neutral flight of the boat in
+balance, because only then are the figures as large as its own at 5 knots.
 """
 
 from collections.abc import Mapping
@@ -51,7 +51,7 @@ class TankageChange:
 
 @dataclass(frozen=True)
 class TankageReport:
-    """All that ``trainer tanks --overshoots`` says about a vessel."""
+    """All that ``trainer report-1969 tanks --overshoots`` says about a vessel."""
 
     vessel: str
     moved_by: str  # in words: tanks, or ballast

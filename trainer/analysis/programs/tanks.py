@@ -125,7 +125,7 @@ class Ranges:
 
 @dataclass(frozen=True)
 class TanksReport:
-    """All that ``trainer tanks`` says about a vessel."""
+    """All that ``trainer report-1969 tanks`` says about a vessel."""
 
     vessel: str
     buoyancy_N: float

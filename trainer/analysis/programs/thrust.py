@@ -47,7 +47,7 @@ class Break:
 
 @dataclass(frozen=True)
 class ThrustReport:
-    """All that ``trainer thrust`` says about a vessel."""
+    """All that ``trainer report-1969 thrust`` says about a vessel."""
 
     vessel: str
     breaks: tuple[Break, ...]

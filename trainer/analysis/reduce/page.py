@@ -1,6 +1,6 @@
 """A reduction as text for a terminal.
 
-``trainer reduce`` prints it: which terms stay and why, which were dropped, and what the set is
+``trainer boat reduce`` prints it: which terms stay and why, which were dropped, and what the set is
 worth.
 """
 

@@ -1,7 +1,7 @@
 """A boat's compact set, from a search or from its file, and its worth.
 
-``cli/vessel`` calls ``search`` and ``report_reduction`` for ``trainer reduce``. A compact set is
-the full set's coefficients times factors, 0 for a term that is dropped. The leash is the pull of
+``cli/vessel`` calls ``search`` and ``report_reduction`` for ``trainer boat reduce``. A compact set
+is the full set's coefficients times factors, 0 for a term that is dropped. The leash is the pull of
 each factor towards 1 (``search`` the module): a firm one keeps a coefficient near the hull's data.
 An unfinished search is kept in a file, because a search takes long.
 """
@@ -134,7 +134,7 @@ class KeptTerm:
 
 @dataclass(frozen=True)
 class Reduction:
-    """All that ``trainer reduce`` says about a boat."""
+    """All that ``trainer boat reduce`` says about a boat."""
 
     vessel: str
     hull_terms: int  # coefficients that are not zero, besides thrust

@@ -1,9 +1,9 @@
 """The search for the fewest terms begins with all and drops one after another.
 
-``reduction`` calls it for ``trainer reduce``. A round takes the slopes of all differences by all
-factors and drops, with those, what costs least, the factors of the rest fitted anew each time; a
-term whose loss cannot be made up for is needed. Nothing in it is random, and a round depends on its
-first state alone, so that a search that is broken off and continued ends in the same bits.
+``reduction`` calls it for ``trainer boat reduce``. A round takes the slopes of all differences by
+all factors and drops, with those, what costs least, the factors of the rest fitted anew each time;
+a term whose loss cannot be made up for is needed. Nothing in it is random, and a round depends on
+its first state alone, so that a search that is broken off and continued ends in the same bits.
 
 Factors are fitted by Gauss and Newton: the sum of |difference|^p is brought down for growing p, by
 weights |difference|^(p - 2) on a linear least-squares problem; a leash, which is a penalty, pulls

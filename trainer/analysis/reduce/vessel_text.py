@@ -1,7 +1,7 @@
 """A reduction is written into a vessel file. All other text of the file stays.
 
-``trainer reduce -o`` writes so. The text is changed and not made anew, because a user's comments
-and order of keys must survive.
+``trainer boat reduce -o`` writes so. The text is changed and not made anew, because a user's
+comments and order of keys must survive.
 """
 
 import re
@@ -77,7 +77,7 @@ def factor_tables(
         listed = (f"{key} = {value:.4g}" for key, value in shown.items())
         lines += [f"[compensation.{name}]   # 0: dropped", *listed, ""]
     lines += ["[reduction]   # evidence; the program reads none of it"]
-    lines.append(f'by = "trainer reduce, version {__version__}"')
+    lines.append(f'by = "trainer boat reduce, version {__version__}"')
     lines += [f"{key} = {value:.4g}" for key, value in notes.items()]
     why = {need.term: need for need in needs}
     for name in extra:

@@ -114,7 +114,7 @@ class MethodTable:
 class ManoeuvreTable:
     """The manoeuvre that every member flies; what is left out is its own."""
 
-    name: str = required(Text(40, "as `trainer manoeuvre --list` has it"))
+    name: str = required(Text(40, "as `trainer boat manoeuvre --list` has it"))
     speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the vessel file's"))
     angle_deg: float | None = optional(Quantity("deg", within(0, 90), "of the control"))
     execute_deg: float | None = optional(Quantity("deg", within(0, 180), "mark"))

@@ -59,7 +59,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class SweepReport:
-    """The figures of a result that ``trainer sweep`` prints."""
+    """The figures of a result that ``trainer boat sweep`` prints."""
 
     study: str
     file: str

@@ -22,7 +22,7 @@ FACTS_KEY: Final = b"trainer.sweep"
 
 def check_pyarrow() -> None:
     """Check that Parquet can be written; ConfigError saying what to install."""
-    require_library("pyarrow", "trainer sweep")
+    require_library("pyarrow", "trainer boat sweep")
 
 
 def schema_of(opened: OpenJob) -> Any:

@@ -1,7 +1,7 @@
 """A study is carried out by this process, others, or those of a Dask cluster.
 
-``trainer sweep`` calls it. The missing chunks are flown, each chunk is kept, and all are joined to
-one result.
+``trainer boat sweep`` calls it. The missing chunks are flown, each chunk is kept, and all are
+joined to one result.
 """
 
 from collections.abc import Callable, Iterator

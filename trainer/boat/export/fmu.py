@@ -1,6 +1,6 @@
 """A boat as a functional mock-up unit: co-simulation by FMI 2.0, without Python inside.
 
-``trainer export-fmu`` calls it. The variables follow from the tables of state, orders and
+``trainer boat export-fmu`` calls it. The variables follow from the tables of state, orders and
 casualties. A C compiler links ``fmi2.c``, the boat's numbers and the object that the trainer ships.
 """
 
@@ -245,7 +245,7 @@ def fmu_bytes(boat: Boat, sea: SeaFile) -> bytes:
     code = shipped_object(PLATFORM_NAME)
     if code is None:
         raise ConfigError(
-            "export-fmu: the core is not that of the shipped objects: trainer export-core "
+            "export-fmu: the core is not that of the shipped objects: trainer boat export-core "
             "trainer/boat/shipped --cpu shipped makes them again"
         )
     variables = variables_of(boat, sea)

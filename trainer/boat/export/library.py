@@ -1,6 +1,6 @@
 """The folder of an exported core: object, library, header, host and card.
 
-``trainer export-core`` calls it, for a host that has no Python. The card says what the host's
+``trainer boat export-core`` calls it, for a host that has no Python. The card says what the host's
 programmer must know: sizes, times, and which boat it is.
 """
 

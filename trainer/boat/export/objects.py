@@ -1,8 +1,8 @@
 """The objects of all kernels that are called from outside the core, for each platform.
 
-``trainer export-core trainer/boat/shipped --cpu shipped`` makes those that the package ships, and
-their card. ``machine_code`` makes the one of this machine where none that is shipped fits. They are
-lowered in a process of its own, for plain processors, so that the bytes do not depend on the
+``trainer boat export-core trainer/boat/shipped --cpu shipped`` makes those that the package ships,
+and their card. ``machine_code`` makes the one of this machine where none that is shipped fits. They
+are lowered in a process of its own, for plain processors, so that the bytes do not depend on the
 machine that makes them.
 """
 

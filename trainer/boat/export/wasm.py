@@ -1,8 +1,8 @@
 """The core for WebAssembly: one module without imports, for any boat of one method.
 
-``trainer export-core`` and ``trainer export-page`` take it. What the method settles is constant in
-it; step, triggers, vessel and state are the host's. It is lowered in a process of its own, for a
-plain processor, so that its bytes do not depend on the machine.
+``trainer boat export-core`` and ``trainer boat export-page`` take it. What the method settles is
+constant in it; step, triggers, vessel and state are the host's. It is lowered in a process of its
+own, for a plain processor, so that its bytes do not depend on the machine.
 """
 
 import base64
@@ -186,8 +186,8 @@ def shipped_module(boat: Boat) -> bytes:
     card = shipped_card()
     if not same_core(card["core"]):
         raise ConfigError(
-            f"{SHIPPED_PATH}: of core {card['core']}, not {core_digest()}: trainer export-core DIR "
-            f"--cpu {WASM32} builds it again; copy {MODULE_FILE} and {CARD_FILE} from DIR"
+            f"{SHIPPED_PATH}: of core {card['core']}, not {core_digest()}: trainer boat "
+            f"export-core DIR --cpu {WASM32} builds it; copy {MODULE_FILE} and {CARD_FILE} from DIR"
         )
     if method_of(boat) != card["method"]:
         raise ConfigError(

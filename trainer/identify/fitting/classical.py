@@ -1,7 +1,7 @@
 """Gains and time constants from one manoeuvre, by the methods from before likelihoods.
 
-``trainer steering --record`` puts them beside the ship's. Sections 2.3 (a turn) and 2.8 (a zig-zag)
-of the report of 1974. All in SI and rad, the rudder to port.
+``trainer ship steering --record`` puts them beside the ship's. Sections 2.3 (a turn) and 2.8 (a
+zig-zag) of the report of 1974. All in SI and rad, the rudder to port.
 """
 
 from typing import Final

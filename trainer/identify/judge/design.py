@@ -1,6 +1,6 @@
 """The worth of a record before it is taken: standard deviations by the information matrix.
 
-``trainer prbs`` shows them beside the experiment that it proposes. The inverse of the expected
+``trainer ship prbs`` shows them beside the experiment that it proposes. The inverse of the expected
 information is the smallest covariance that any estimate can have (Cramer and Rao), and maximum
 likelihood reaches it in long records. So no record need be simulated.
 """

@@ -1,8 +1,8 @@
 """Steering of a boat by its vessel file, in Model 1's terms.
 
-``study_problem`` starts from it, and ``trainer prbs`` and ``trainer steering`` show it. The rudder
-of a vessel file and that of the models have one sign: positive turns to port. Roll is left out of
-the models: what it does to sway and yaw is small.
+``study_problem`` starts from it, and ``trainer ship prbs`` and ``trainer ship steering`` show it.
+The rudder of a vessel file and that of the models have one sign: positive turns to port. Roll is
+left out of the models: what it does to sway and yaw is small.
 """
 
 import math

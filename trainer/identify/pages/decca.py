@@ -1,4 +1,4 @@
-"""``trainer decca``: the track that Decca lanes give, as text and as a plot.
+"""``trainer ship decca``: the track that Decca lanes give, as text and as a plot.
 
 The position is from the master station [m]; velocities are in knots on the page, in m/s in the
 data.
@@ -24,7 +24,7 @@ NUMBER_FORMS: Final = (
 
 @dataclass(frozen=True)
 class DeccaReport:
-    """The answer of ``trainer decca``, as printed and as ``--json`` has it.
+    """The answer of ``trainer ship decca``, as printed and as ``--json`` has it.
 
     NaN, null in JSON, is where lanes or neighbours lack.
     """

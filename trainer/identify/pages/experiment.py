@@ -1,4 +1,4 @@
-"""``trainer prbs`` for a boat: a rudder experiment, flown in a calm and drawn.
+"""``trainer ship prbs`` for a boat: a rudder experiment, flown in a calm and drawn.
 
 It says what a fit to the experiment's record would tell (``judge/design``), and writes the exercise
 that flies it. ``ships/trials`` does the same for ships that are not linear.
@@ -41,7 +41,7 @@ HIDDEN_IF_ZERO: Final = ("T_imag",)  # shown with T1 if it is not zero
 
 @dataclass(frozen=True)
 class ExperimentReport:
-    """All that ``trainer prbs`` says about an experiment."""
+    """All that ``trainer ship prbs`` says about an experiment."""
 
     vessel: str
     speed_kn: float

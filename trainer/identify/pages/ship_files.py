@@ -1,7 +1,7 @@
 """A fit written as a file that sails: of a Nomoto ship or a vessel.
 
-``--write-nomoto`` and ``--write-vessel`` call it. ``trainer manoeuvre`` and ``trainer steering``
-take both files. A vessel file keeps all but its six linear steering coefficients, Y_v to N_dr.
+``--write-nomoto`` and ``--write-vessel`` call it; ``manoeuvre`` and ``steering`` take both files.
+A vessel file keeps all but its six linear steering coefficients, Y_v to N_dr.
 """
 
 import math

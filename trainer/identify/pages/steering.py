@@ -1,4 +1,4 @@
-"""``trainer steering``: gains, lever arms, steady turns and the loop of a ship's file.
+"""``trainer ship steering``: gains, lever arms, steady turns and the loop of a ship's file.
 
 The spiral is the steady yaw rate over the rudder angle. Where a ship is unstable on its course the
 curve is an S, and the ship jumps between its ends: the loop.
@@ -66,7 +66,7 @@ class ClassicalFigure:
 
 @dataclass(frozen=True)
 class SteeringReport:
-    """All that ``trainer steering`` says about a ship."""
+    """All that ``trainer ship steering`` says about a ship."""
 
     ship: str
     length_m: float

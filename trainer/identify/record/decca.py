@@ -1,10 +1,10 @@
 """Decca lanes to sway velocity: program DECCON, section 11 with equations 5.7-5.9 re-derived.
 
-``trainer decca`` calls it, for trials whose ships had no log of sway. Decca was a chain of radio
-stations: a receiver counts lanes, hyperbolas between the master and a slave, and two of them cross
-at the ship. The master station is at the origin, slaves at (u, v) [m] in a plane
-grid. A lane is counted from the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d the
-lane's width on it.
+``trainer ship decca`` calls it, for trials whose ships had no log of sway. Decca was a chain of
+radio stations: a receiver counts lanes, hyperbolas between the master and a slave, and two of them
+cross at the ship. The master station is at the origin, slaves at (u, v) [m] in a plane grid. A lane
+is counted from the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d the lane's width
+on it.
 """
 
 import math

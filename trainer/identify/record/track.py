@@ -40,7 +40,7 @@ def derivative(series: Numbers, interval: float) -> Numbers:
 def smooth_spencer(series: Numbers) -> Numbers:
     """Return the series by Spencer's 15 points, exact for cubics. Seven at each end are NaN.
 
-    ``trainer decca --smooth`` takes the jitter of lanes out so.
+    ``trainer ship decca --smooth`` takes the jitter of lanes out so.
     """
     smoothed = np.full_like(series, np.nan)
     if len(series) >= len(SPENCER_WEIGHTS):

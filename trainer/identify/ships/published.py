@@ -1,7 +1,7 @@
 """Published figures of a ship beside those of its model.
 
-``trainer guide`` of a ship prints them. The uncertainty of its coefficients is that of ships drawn
-from the covariance of their fit; without one, from the deviations that the file of figures tells.
+The guide of a ship prints them. The uncertainty of its coefficients is that of ships drawn from the
+covariance of their fit; without one, from the deviations that the file of figures tells.
 """
 
 from collections.abc import Iterator, Sequence

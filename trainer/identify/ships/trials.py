@@ -1,4 +1,4 @@
-"""``trainer prbs`` for ships that are not linear: plans, and what each would determine.
+"""``trainer ship prbs`` for ships that are not linear: plans, and what each would determine.
 
 Each plan is flown by the ship itself in a calm. The expected information of a fit to that record
 gives the standard deviations, as ``judge/design`` has them for a boat.
@@ -159,7 +159,7 @@ class TrialPlan:
 
 @dataclass(frozen=True)
 class TrialReport:
-    """All that ``trainer prbs`` says of trials of a ship that is not linear."""
+    """All that ``trainer ship prbs`` says of trials of a ship that is not linear."""
 
     ship: str
     model: str

@@ -1,4 +1,4 @@
-"""A fitted ship that is not linear, flown by ``trainer manoeuvre``, ``sweep`` and ``prbs``.
+"""A fitted ship that is not linear, flown by ``trainer boat manoeuvre``, ``sweep`` and ``prbs``.
 
 Its coefficients are uncertain, so a manoeuvre is flown again by ships drawn from their covariance,
 and each measure has the range of 95 % of them. Beyond the motions that the records covered the

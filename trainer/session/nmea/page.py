@@ -1,4 +1,4 @@
-"""The NMEA sentences for people and programs, as ``trainer instruments`` prints them.
+"""The NMEA sentences for people and programs, as ``trainer dev instruments`` prints them.
 
 ``cli/listings`` calls it. It is made of the table by which sentences are sent, and has a sample, so
 that a user can set up a chart plotter without a session.

@@ -1,0 +1,120 @@
+"""Commands stand in groups; what was typed before there were groups goes on."""
+
+import re
+
+import click
+import pytest
+from click.shell_completion import ShellComplete
+from click.testing import CliRunner
+
+from trainer.cli.main import COMMAND_GROUPS, EARLIER_NAMES, cli
+from trainer.config.course import HAND_AXES, course
+from trainer.session.manning import BY_HAND, workers
+
+# fmt: off
+IN_SIGHT = [
+    "run", "serve", "attach", "station", "web", "exercises", "exercise", "casualties", "seas",
+    "debrief", "recordings", "resume", "replay", "export", "identify",
+    "boat", "ship", "report-1969", "dev", "help",
+]
+EARLIER = {  # as they were typed; a script goes on typing them
+    *("vessels", "vessel", "estimate", "check", "manoeuvre", "guide", "reduce", "gains", "sea"),
+    *("neutral", "thrust", "tanks", "modes", "compare", "fit", "sweep", "prbs", "decca"),
+    *("steering", "bench", "check-cases", "conform", "evaluate", "instruments", "schema"),
+    *("export-core", "export-fmu", "export-page"),
+}
+# fmt: on
+
+
+def typed(*words: str) -> tuple[int, str]:
+    """Return the exit code and what a command prints; of a UsageError its message."""
+    result = CliRunner().invoke(cli, words)
+    return result.exit_code, result.output
+
+
+def command_of(spelling: str) -> click.Command:
+    """Return the command that is found where these words are typed."""
+    command: click.Command = cli
+    with click.Context(cli) as context:
+        for word in spelling.split():
+            assert isinstance(command, click.Group)
+            _, found, _ = command.resolve_command(context, [word])
+            assert found
+            command = found
+    return command
+
+
+def test_the_help_shows_what_is_typed_every_day_and_the_groups() -> None:
+    shown = re.findall(
+        r"^  ([a-z][\w-]*)  ", typed("--help")[1].partition("Train:")[2], re.MULTILINE
+    )
+
+    assert shown == IN_SIGHT
+
+
+def test_every_earlier_name_is_the_command_in_its_group_and_in_no_list() -> None:
+    assert set(EARLIER_NAMES) == EARLIER
+    assert not EARLIER.intersection(IN_SIGHT)
+    assert [
+        name for name, now in EARLIER_NAMES.items() if command_of(name) is not command_of(now)
+    ] == []
+    assert command_of("vessel new") is command_of("boat new")
+    assert typed("vessels", "--json") == typed("boat", "vessels", "--json")
+
+
+def test_no_two_groups_have_a_command_of_one_name() -> None:
+    names = [name for group in COMMAND_GROUPS for name in group.commands]
+
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (("chek", "bb2"), "no command 'chek'; did you mean boat check?"),
+        (("boat", "chek", "bb2"), "no command 'chek'; did you mean check?"),
+        (("vessle", "new", "x.toml"), "no command 'vessle'; did you mean boat?"),
+        (("steerng",), "no command 'steerng'; did you mean ship steering?"),
+        (("identfy",), "no command 'identfy'; did you mean identify?"),
+        (("exercize",), "no command 'exercize'; did you mean exercise?"),
+        (("help", "manouvre"), "no command 'manouvre'; did you mean boat manoeuvre?"),
+    ],
+)
+def test_a_mistyped_command_is_answered_with_what_is_typed_now(
+    words: tuple[str, ...], hint: str
+) -> None:
+    code, text = typed(*words)
+
+    assert code == 2
+    assert hint in " ".join(text.split())
+
+
+@pytest.mark.parametrize("name", ["boat check", "exercise new", "identify new", "vessel new"])
+def test_help_is_given_by_either_spelling(name: str) -> None:
+    code, text = typed("help", *name.split())
+
+    assert (code, text) == typed(*name.split(), "--help")
+    assert text.startswith("Usage: ")
+    if name == "boat check":
+        assert text.partition("\n")[2] == typed("help", "check")[1].partition("\n")[2]
+
+
+def test_the_shell_completes_what_is_listed_and_the_arguments_of_earlier_names() -> None:
+    complete = ShellComplete(cli, {}, "trainer", "_TRAINER_COMPLETE").get_completions
+
+    assert [each.value for each in complete([], "c")] == ["casualties"]
+    assert [each.value for each in complete(["boat"], "che")] == ["check", "check-cases"]
+    for words in (["boat", "check"], ["check"]):
+        assert [each.value for each in complete(words, "bb")] == ["bb2"]
+
+
+def test_the_list_of_exercises_tells_length_stations_and_hand() -> None:
+    lines = {line.split()[0]: line for line in typed("exercises")[1].splitlines() if line}
+
+    assert lines["stern-plane-jam"].endswith("10 min 2 planes,speed")
+    assert lines["steering-jam"].endswith("10 min 1 rudder,speed")
+    assert lines["rise-jam-shallow"].endswith("10 min 3 all but rudder")
+    assert lines["watch"].endswith("30 min 3 all")
+    assert lines["wheel-and-course"].endswith("6 steps 1 rudder")
+    assert {axis: workers(axis)[0] for axis in BY_HAND} == HAND_AXES
+    assert {each.stations for each in course()} >= {("helm",), ("planes", "helm"), ("ballast",)}
