@@ -11,18 +11,20 @@ import pytest
 from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
 from trainer.boat.helm import obey_order
+from trainer.boat.world.approach import (
+    OwnMotion,
+    closest_approach,
+    nears_on_arcs,
+    on_arcs,
+    plot_ship,
+)
 from trainer.boat.world.contacts import Contacts
 from trainer.boat.world.encounters import (
     POSE_NAMES,
     EncounterMonitor,
-    OwnMotion,
-    closest_approach,
     collisions_in,
-    nears_on_arcs,
-    on_arcs,
     passed_ships,
     passing_range,
-    plot_ship,
 )
 from trainer.boat.world.hulls import OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, piece_column, situation

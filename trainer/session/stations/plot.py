@@ -10,8 +10,8 @@ from functools import lru_cache, partial
 from operator import attrgetter
 from typing import Final, NamedTuple
 
+from trainer.boat.world.approach import OwnMotion, plot_ship
 from trainer.boat.world.contacts import contacts_in
-from trainer.boat.world.encounters import OwnMotion, plot_ship
 from trainer.boat.world.scope import (
     OPTICS_SHOWING_M,
     VIEW_WIDTHS,
