@@ -26,7 +26,6 @@ from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session import dispatch, resume
 from trainer.session.dispatch import Dispatch
-from trainer.session.parts import Parts
 from trainer.session.questions import Questions
 from trainer.session.run_faces import LiveRun
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
@@ -144,14 +143,7 @@ def forget_command(patch: pytest.MonkeyPatch) -> None:
 
 def take_end_back(patch: pytest.MonkeyPatch) -> None:
     """Do not look whether a jump has come to the exercise's end."""
-    arrive = Parts.arrive
-
-    def arrive_unseen(self: Parts) -> None:
-        with pytest.MonkeyPatch.context() as blind:
-            blind.setattr(LiveRun, "judge_arrival", LiveRun.judge_hull)
-            arrive(self)
-
-    patch.setattr(Parts, "arrive", arrive_unseen)
+    patch.setattr(LiveRun, "judge_arrival", LiveRun.judge_hull)
 
 
 def spin_hub(patch: pytest.MonkeyPatch) -> None:

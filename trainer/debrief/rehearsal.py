@@ -300,7 +300,7 @@ def depart(plan: Plan, since: Departure) -> Boat:
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     boat.restore(since.state)
-    boat.world.settle(since.to_world)
+    boat.world.obey_anew(since.to_world)
     return boat
 
 

@@ -29,6 +29,7 @@ from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
 from trainer.config.progress import read_progress
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.recording import Moment
 from trainer.session.aids import Aids
 from trainer.session.aside import begin_aside, hear_out
 from trainer.session.chair import Chair
@@ -130,7 +131,7 @@ class Conduct:
     def tend(self) -> None:
         """Tell trouble, take the results of background tasks, and pass command on if due."""
         self.log.tell_trouble()
-        self.work.settle()
+        self.work.take_results()
         self.command.tend()
 
     # The end of the exercise
@@ -235,12 +236,11 @@ class Conduct:
         if late and not self.begun and order.name == "run":
             self.log.tell("station", f"not ready: {', '.join(late)}")
 
-    def settle(self) -> None:
-        """Forget the exercise's end, halt and groundings after a jump in time."""
-        self.ending.begin_again(self.control.boat)
+    def follow(self, moment: Moment) -> None:
+        """Forget a halt and groundings, and at the start who is ready, after a jump in time."""
         self.halted = ""
-        self.ground.settle()
-        if self.control.boat.ticks == 0:
+        self.ground.reset()
+        if moment.tick == 0:
             self.begun = False
             self.ready.clear()
 

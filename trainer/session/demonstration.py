@@ -15,6 +15,7 @@ from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment
+from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
 from trainer.session.plan import Plan
 from trainer.session.run_faces import ShownRun
@@ -100,7 +101,7 @@ class Demonstration:
         self.crew.order = lambda order: self.carry_out(order, REFERENCE_GIVER)
         last = int(min(until, session.conduct.ending.last_tick))
         history.show_way(why, ShownRun(history, last, self._speak, self.end))
-        session.event_log.settle(session.monitors.counting)
+        session.event_log.follow(now)
         branch = history.recording.branch
         text = f"THE WAY IS SHOWN by the reference crew until {last * session.boat.method.step:g} s"
         session.event_log.tell(SHOWN_KIND, f"{text}: branch {branch}, which counts for no mark")
@@ -125,7 +126,7 @@ class Demonstration:
             return
         self.origin = self.crew = None
         session.shown.lesson = ""
-        session.return_to(origin, SHOWN_REASON)
+        jump_to(session, origin, SHOWN_REASON)
         branch = session.history.recording.branch
         text = f"the way has been shown: back at {session.boat.time:g} s, frozen; branch {branch}"
         session.event_log.tell("moment", text, fact=Fact("back", "demonstrate off"))

@@ -44,6 +44,7 @@ from trainer.io.recording.recording import RecordingError
 from trainer.session.crew import CrewMessage
 from trainer.session.demonstration import Demonstration
 from trainer.session.event_log import CREW_KIND
+from trainer.session.jump import end_replay, follow_jump
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
@@ -291,7 +292,7 @@ class Dispatch:
             session.history.answered(number, answer, fact)
             session.standing.keep()
         if rule.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
-            session.arrive()
+            follow_jump(session)
         if rule.obeyer in (Obeyer.PAST, Obeyer.TIME):
             session.shown.show()
         return answer
@@ -337,7 +338,7 @@ class Dispatch:
 
     def end_replay(self, outcome: str) -> None:
         """Freeze time where a replay has come to its end."""
-        self.session.end_replay(outcome)
+        end_replay(self.session, outcome)
 
     # What is due
 

@@ -226,7 +226,7 @@ class History:
         moment = self.recording.moment(branch, self.recording.last_tick(branch))
         return moment or Refused(f"the end of branch {branch} is not recorded")
 
-    def return_to(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
+    def fork_at_end(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
         """Go to the end of a branch, give its last orders again, and fork.
 
         Orders after the last recorded tick are in no recorded state, so they are given again.
@@ -241,12 +241,12 @@ class History:
             self.include(entry)
         last = Moment(end.branch, end.tick, self._state(), self.after, self.place)
         try:
-            self.go_to(last, why)
+            self.fork_at(last, why)
         except RecordingError:
             self._restore(here)
             raise
 
-    def go_to(self, moment: Moment, why: str) -> None:
+    def fork_at(self, moment: Moment, why: str) -> None:
         """Go back to a moment, and begin a new branch there.
 
         RecordingError leaves everything as it was: nothing is flown twice on one branch.
@@ -291,7 +291,7 @@ class History:
             return []
         return [each for each in orders if each.id <= self.after]
 
-    def arrive(self, difference: str) -> str:
+    def end_replay(self, difference: str) -> str:
         """End a replay that has reached its last moment; return its outcome in words."""
         self.flown = LiveRun(self)
         result = difference or "the same to the last bit"
@@ -301,7 +301,7 @@ class History:
         """Restore a whole moment. RecordingError leaves everything as it was."""
         latest = self._world_order(moment.branch, moment.after)  # may fail: before any change
         self.boat.restore(np.frombuffer(moment.state, STATE))
-        self.boat.world.settle(world_orders(latest))
+        self.boat.world.obey_anew(world_orders(latest))
         self.after, self.place = moment.after, moment.place
 
     def _state(self) -> bytes:

@@ -114,7 +114,7 @@ def _fly(recording: Recording, flight: ReplayFlight, course: Course) -> None:
     flown, after = 0, 0
     if not course.afresh:
         boat.restore(recorded_state(branch.state, course))
-        boat.world.settle(course.worlds[branch.id])
+        boat.world.obey_anew(course.worlds[branch.id])
         flown, after = branch.tick, branch.after
     orders = deque(recording.orders(branch.id, after))
     for tick, state in recording.states(branch.id):

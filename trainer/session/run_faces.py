@@ -93,7 +93,7 @@ class RunHistory(Protocol):
     def include(self, entry: RecordedOrder) -> None:
         """Take it that the present state includes an order of the journal."""
 
-    def arrive(self, difference: str) -> str:
+    def end_replay(self, difference: str) -> str:
         """End a replay that has reached its last moment; return its outcome in words."""
 
 
@@ -153,7 +153,8 @@ class LiveRun:
     def judge(self, judge: Judge, encounters: EncounterMonitor) -> None:
         """Judge this tick: collisions, the ground, the hull, the exercise's end."""
         judge.collide(encounters)
-        self.judge_arrival(judge)
+        self.judge_hull(judge)
+        judge.look()
 
     def judge_arrival(self, judge: Judge) -> None:
         """Judge a moment to which time has jumped. It may be the end of the exercise."""
@@ -265,7 +266,7 @@ class ReplayedRun:
         orders.obey_again()
         if self._history.tick < self._end.tick or self._orders:
             return False
-        orders.end_replay(self._history.arrive(self.difference))
+        orders.end_replay(self._history.end_replay(self.difference))
         return True
 
     @property

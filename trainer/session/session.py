@@ -8,6 +8,7 @@ docs/architecture.md has the order of what a tick does.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
+from functools import partial
 from typing import Final
 
 from trainer.boat.boat import TICK_PLACE
@@ -17,6 +18,7 @@ from trainer.io.recording.facts import Giver
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
+from trainer.session.jump import repeat_step
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
 from trainer.session.quiet import QuietTicks
@@ -63,13 +65,14 @@ class Session(Parts):
         briefing: Mapping[str, Duty] = {"briefing": self.attendance.brief}
         self.dispatch = Dispatch(self, {**briefing, **questions.duties, **self.conduct.duties})
         self.conduct.guide.give = self.dispatch.obey_step
+        self.conduct.guide.go_back = partial(repeat_step, self)
         self.quiet = QuietTicks(self)
-        self.standing.go_back()  # a recorded run goes on
+        self.standing.follow(self.history.now())  # a recorded run goes on
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can say run."""
         self._write_row()
-        self.conduct.guide.settle()  # of a lesson that goes on
+        self.conduct.guide.follow(self.history.now())  # of a lesson that goes on
         self.conduct.judge_hull()  # a recorded run may have ended in a collapse
         self.conduct.look()  # or at its exercise's end
         if any(self.history.flown.due_of_schedule(self.agenda.schedule)):

@@ -76,4 +76,4 @@ def recorded_world_orders(recording: Recording, branch: int, after: int) -> Worl
 
 def settle_world(boat: Boat, recording: Recording, branch: int, after: int) -> None:
     """Bring a boat's world to what a branch's orders up to ``after`` made it."""
-    boat.world.settle(recorded_world_orders(recording, branch, after))
+    boat.world.obey_anew(recorded_world_orders(recording, branch, after))
