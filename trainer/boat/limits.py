@@ -174,6 +174,9 @@ class LimitMonitor:
     def reset_to(self, boat: Boat) -> None:
         """Take the boat as it is. Nothing of it is news."""
         self.encounters.reset_to(boat)
+        self.validity, self.shows, self.shaken = 0, False, False
+        self.inside_since = self.followed_since = self.shaken_since = boat.time
+        self.followed = self.followed and following_speed_ratio(boat) > FOLLOWING_SPEED_RATIO
         self._passed(boat)
         self._broken_surface(boat)
         self._out_of_range(boat)
