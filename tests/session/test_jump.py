@@ -44,7 +44,6 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
     "what goes on beside the ticks comes to its end": ("BackgroundTask", "Session"),
     "a jump is barred while it shows the way": ("Demonstration",),
     "the summary has all that was refused": ("Dispatch",),
-    "an answer of another branch is dropped": ("Evaluation",),
 }
 # of followers, and kept for all branches
 GROWING: Final = {f"EventLog.{name}" for name in ("news", "_alert", "_branch", "_counts")}

@@ -53,6 +53,7 @@ def followers(session: Parts) -> Sequence[Follower]:
         session.standing,
         conduct.guide,
         session.event_log,
+        session.evaluation,
         conduct.aids,
         conduct.chair,
         conduct.hints,
