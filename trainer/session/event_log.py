@@ -83,7 +83,8 @@ class EventLog:
         if kind == MARK and by:
             said = f"mark by {self.signature(by)}: {text}"
             saying = Saying(by.role.name, f"mark: {text}")
-        news = News(self.history.tick, boat.time, kind, said, fact, saying)
+        branch = self.history.recording.branch
+        news = News(self.history.tick, boat.time, kind, said, fact, saying, branch)
         talk = kind == CREW_KIND or (fact is not None and fact.what in SPOKEN_FACTS)
         keeper = self.history.flown.talk if talk else self.history.recording
         keeper.event(news.tick, kind, *((by.who, text, by.role.name) if by else ("", text)))
@@ -102,7 +103,8 @@ class EventLog:
         self._alert += 1
         rank = rank or KIND_RANKS[kind]
         opens = rank is not Rank.CAUTION
-        news = News(self.history.tick, self.history.boat.time, kind, text, fact)
+        branch = self.history.recording.branch
+        news = News(self.history.tick, self.history.boat.time, kind, text, fact, branch=branch)
         self.history.recording.event(news.tick, kind, "", text)
         if opens:
             self.alerts[self._alert], self.ranks[self._alert] = news, rank

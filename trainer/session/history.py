@@ -204,14 +204,19 @@ class History:
             for branch in self.recording.branches()
         ]
 
-    def noted(self) -> list[RecordedEvent]:
-        """Return the events of the present branch and of those that led to it."""
+    def ends(self) -> dict[int, float]:
+        """Return to which tick each branch leads to the present one. A present one has no end."""
         begun = {each.id: each for each in self.recording.branches()}
         ends: dict[int, float] = {}
         here, end = begun.get(self.recording.branch), math.inf
         while here:
             ends[here.id] = end
             end, here = here.tick, begun.get(here.parent or 0)
+        return ends
+
+    def noted(self) -> list[RecordedEvent]:
+        """Return the events of the present branch and of those that led to it."""
+        ends = self.ends()
         return [each for each in self.recording.events() if each.tick <= ends.get(each.branch, -1)]
 
     def end_of(self, branch: int) -> Moment | Refused:
