@@ -25,9 +25,9 @@ from trainer.io.recording.durability import NEVER_DUE, Syncer
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session import dispatch, resume
+from trainer.session.conduct import Conduct
 from trainer.session.dispatch import Dispatch
 from trainer.session.questions import Questions
-from trainer.session.run_faces import LiveRun
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
 
 Fault = Callable[[pytest.MonkeyPatch], None]
@@ -143,7 +143,14 @@ def forget_command(patch: pytest.MonkeyPatch) -> None:
 
 def take_end_back(patch: pytest.MonkeyPatch) -> None:
     """Do not look whether a jump has come to the exercise's end."""
-    patch.setattr(LiveRun, "judge_arrival", LiveRun.judge_hull)
+    judge_moment = Conduct.judge_moment
+
+    def judge_but_end(self: Conduct) -> None:
+        with pytest.MonkeyPatch.context() as blind:
+            blind.setattr(Conduct, "look", lambda _: None)
+            judge_moment(self)
+
+    patch.setattr(Conduct, "judge_moment", judge_but_end)
 
 
 def spin_hub(patch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,7 @@
 """The rules of a session: who commands, who is ready, how an exercise ends.
 
-The session calls ``look`` and ``judge_hull`` after each tick, which end the exercise or freeze time
-where its rules say so. At the end time stands still at all stations, and the marks are made in a
+The session calls ``judge_tick`` after each tick, which ends the exercise or freezes time where its
+rules say so. At the end time stands still at all stations, and the marks are made in a
 thread, because judging a recording takes seconds, and a debrief is written in a process of its own.
 The instructor gets the marks first, and releases them to the crew. The gates of ``dispatch`` ask
 here whether an order is barred.
@@ -49,6 +49,7 @@ from trainer.session.exercise import (
 )
 from trainer.session.hints import Hints
 from trainer.session.manning import unmanned_axes
+from trainer.session.run_faces import Judged
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import (
     INSTRUCTOR_ROLE,
@@ -174,6 +175,23 @@ class Conduct:
         for call in calls:
             self.tell_depth(call.text, rank=Rank.ALARM if call.aground else Rank.CAUTION)
         return calls
+
+    def judge_tick(self, met: EncounterMonitor) -> None:
+        """Judge a tick as the run at work has it: a collision, and the moment at its end."""
+        if Judged.COLLISION in self.control.history.flown.judged:
+            self.collide(met)
+        self.judge_moment()
+
+    def judge_moment(self) -> None:
+        """Judge the present moment. Time may have jumped to it."""
+        acts: Mapping[Judged, Callable[[], object]] = {
+            Judged.GROUND: self.tell_ground,
+            Judged.HULL: self.judge_hull,
+            Judged.END: self.look,
+        }
+        for each in self.control.history.flown.judged:
+            if each in acts:
+                acts[each]()
 
     def collide(self, met: EncounterMonitor) -> None:
         """Freeze or end after a collision, as the exercise says."""

@@ -100,7 +100,7 @@ class Demonstration:
         self.crew = mute.aboard(session.boat).speak()
         self.crew.order = lambda order: self.carry_out(order, REFERENCE_GIVER)
         last = int(min(until, session.conduct.ending.last_tick))
-        history.show_way(why, ShownRun(history, last, self._speak, self.end))
+        history.show_way(why, ShownRun(history, last, session.monitors.limits.encounters))
         session.event_log.follow(now)
         branch = history.recording.branch
         text = f"THE WAY IS SHOWN by the reference crew until {last * session.boat.method.step:g} s"
@@ -109,7 +109,7 @@ class Demonstration:
         time.pacer.run()
         session.shown.show()
 
-    def _speak(self) -> None:
+    def speak(self) -> None:
         """Have the crew look and order; tell everybody what it does."""
         given = self.crew.look() if self.crew else []
         for order in given:

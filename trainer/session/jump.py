@@ -13,7 +13,7 @@
    boat alone, then the words and plans, then the lesson, whose step gives orders that these words
    and plans must not undo. The news comes after them, because it tells programs the branches before
    they hear of the jump. Last comes what a branch has to have in its journal for its marks.
-5. **Judged** (``run_faces``). The moment may be the end of an exercise, or show a lost boat.
+5. **Judged** (``conduct``). The moment may be the end of an exercise, or show a lost boat.
 6. **Shown, and told** by who asked. News has a fact ``back``, by which programs forget as well.
 
 ``Follower.follow`` alone takes an object back, and it is always told the moment gone to. It does
@@ -65,7 +65,7 @@ def follow_jump(session: Parts) -> None:
     moment = session.history.now()
     for follower in followers(session):
         follower.follow(moment)
-    session.history.flown.judge_arrival(session.conduct)
+    session.conduct.judge_moment()
 
 
 def jump_to(session: Parts, moment: Moment, why: str) -> None:
@@ -84,11 +84,11 @@ def repeat_step(session: Parts, moment: Moment, why: str) -> None:
     session.shown.show()
 
 
-def end_replay(session: Parts, outcome: str) -> None:
+def end_replay(session: Parts) -> None:
     """Freeze time where a replay has come to its end. The run can go on from there."""
-    session.event_log.tell("moment", outcome)
+    session.event_log.tell("moment", session.history.end_replay())
     session.standing.put_back_plans(session.history.now())
-    session.history.flown.judge_arrival(session.conduct)
+    session.conduct.judge_moment()
     session.time.pacer.freeze()
     session.control.steps = 0
     session.shown.show()
