@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from types import MethodType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from helpers.crewed import Crewed, crewed
 
@@ -45,9 +45,10 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
     "a jump is barred while it shows the way": ("Demonstration",),
     "the summary has all that was refused": ("Dispatch",),
 }
-# of followers, and kept for all branches
-GROWING: Final = {f"EventLog.{name}" for name in ("news", "_alert", "_branch", "_counts")}
-GROWING |= {"StandRecord._by_order", "StandRecord._latest"}
+GROWING: Final = {  # of followers, and kept for all branches
+    *(f"EventLog.{name}" for name in ("news", "_alert", "_branch", "_counts")),
+    *("StandRecord._by_order", "StandRecord._latest"),
+}
 CHANGES: Final = (  # methods that change a container
     *("add", "append", "appendleft", "clear", "discard", "extend", "insert", "pop", "popitem"),
     *("popleft", "remove", "setdefault", "update"),
@@ -125,12 +126,31 @@ def plainly(value: Any) -> object:
     return type(value).__name__ if bare else repr(value)
 
 
-def remembered(session: object) -> dict[int, dict[str, object]]:
+class Said(NamedTuple):
+    """What an object said at a moment. It is held, so that no later one gets its identity."""
+
+    thing: object
+    attributes: Mapping[str, object]
+
+
+def remembered(session: object) -> dict[int, Said]:
     """Return what each object of a session says now, by its identity."""
     return {
-        id(each): {name: plainly(value) for name, value in getattr(each, "__dict__", {}).items()}
+        id(each): Said(each, {name: plainly(value) for name, value in vars(each).items()})
         for each in objects_of(session)
+        if hasattr(each, "__dict__")
     }
+
+
+def later_than(before: Mapping[int, Said], session: object) -> dict[str, set[str]]:
+    """Return which attributes say something else than before, by the names of their classes."""
+    found: dict[str, set[str]] = {}
+    for identity, (thing, now) in remembered(session).items():
+        if identity in before:
+            then = before[identity].attributes
+            changed = {key for key, value in then.items() if now.get(key) != value}
+            found.setdefault(type(thing).__name__, set()).update(changed)
+    return found
 
 
 def listed(session: Parts) -> set[str]:
@@ -139,19 +159,16 @@ def listed(session: Parts) -> set[str]:
     return carried | {type(each).__name__ for each in followers(session)}
 
 
-def unlisted(session: Parts, before: Mapping[int, Mapping[str, object]]) -> set[str]:
+def unlisted(session: Parts, before: Mapping[int, Said]) -> set[str]:
     """Return each attribute remembered by an object that nobody has listed.
 
     It is remembered if a method changes it, or if it has changed since ``before``.
     """
-    found, now = set(), remembered(session)
     known = listed(session) | {name for names in LASTING.values() for name in names}
+    memory = later_than(before, session)
     for each in objects_of(session):
-        then, name = before.get(id(each), {}), type(each).__name__
-        changed = {key for key, value in then.items() if now[id(each)].get(key) != value}
-        if name not in known:
-            found |= {f"{name}.{key}" for key in changed | memory_of(type(each))}
-    return found
+        memory.setdefault(type(each).__name__, set()).update(memory_of(type(each)))
+    return {f"{name}.{key}" for name in memory.keys() - known for key in memory[name]}
 
 
 def let_much_happen(ship: Crewed) -> None:
@@ -218,13 +235,12 @@ def test_whoever_follows_a_jump_is_as_he_was_then(crewed: Callable[..., Crewed])
     then, session = remembered(ship.session), ship.session
     let_much_happen(ship)
     ship.order("restore then")
-    now = remembered(session)
+    memory = {type(each).__name__: memory_of(type(each)) for each in objects_of(session)}
     later = {
-        f"{type(each).__name__}.{key}"
-        for each in objects_of(session)
-        if id(each) in then and type(each).__name__ in listed(session)
-        for key in memory_of(type(each))
-        if now[id(each)].get(key) != then[id(each)].get(key)
+        f"{name}.{key}"
+        for name, keys in later_than(then, session).items()
+        for key in keys & memory[name]
+        if name in listed(session)
     }
     assert later == GROWING
 

@@ -53,10 +53,7 @@ class Aids:
 
     def follow(self, _moment: Moment) -> None:
         """Journal again what is on, because a new branch may begin before it was."""
-        flown = self.history.flown
-        if flown.replaying or flown.shows_way:
-            return
-        for order, giver in self._on.values():
+        for order, giver in () if self.history.flown.barred else self._on.values():
             self.history.answered(self.history.order(giver, order), STAYS_ON)
 
     def _barred(self, name: str) -> str:

@@ -50,7 +50,6 @@ class Chair:
 
     def follow(self, _moment: Moment) -> None:
         """Journal again what was seen, because a new branch may begin before it."""
-        flown = self.history.flown
-        if self.seen and not (flown.replaying or flown.shows_way):
+        if self.seen and not self.history.flown.barred:
             order, giver = self.seen
             self.history.answered(self.history.order(giver, order), STAYS_TEXT)

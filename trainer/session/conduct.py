@@ -177,21 +177,19 @@ class Conduct:
         return calls
 
     def judge_tick(self, met: EncounterMonitor) -> None:
-        """Judge a tick as the run at work has it: a collision, and the moment at its end."""
-        if Judged.COLLISION in self.control.history.flown.judged:
+        """Judge a tick: a collision in it, and the moment at its end."""
+        if self.control.history.flown.judged is Judged.ALL:
             self.collide(met)
         self.judge_moment()
 
     def judge_moment(self) -> None:
         """Judge the present moment. Time may have jumped to it."""
-        acts: Mapping[Judged, Callable[[], object]] = {
-            Judged.GROUND: self.tell_ground,
-            Judged.HULL: self.judge_hull,
-            Judged.END: self.look,
-        }
-        for each in self.control.history.flown.judged:
-            if each in acts:
-                acts[each]()
+        judged = self.control.history.flown.judged
+        if judged is Judged.ALL:
+            self.judge_hull()
+            self.look()
+        elif judged is Judged.GROUND:
+            self.tell_ground()
 
     def collide(self, met: EncounterMonitor) -> None:
         """Freeze or end after a collision, as the exercise says."""
@@ -255,7 +253,7 @@ class Conduct:
             self.log.tell("station", f"not ready: {', '.join(late)}")
 
     def follow(self, moment: Moment) -> None:
-        """Forget a halt and groundings, and at the start who is ready, after a jump in time."""
+        """Forget a halt and groundings, and at the start who is ready."""
         self.halted = ""
         self.ground.reset()
         if moment.tick == 0:

@@ -60,11 +60,6 @@ class Demonstration:
         self.session.conduct.work.begin("way", task)
         return f"the reference crew comes aboard and shows the way for {order.value:g} s"
 
-    def finish(self) -> None:
-        """Go back if the session ends meanwhile, so that its last branch is the crew's."""
-        if self.origin is not None:
-            self.end()
-
     def _barred(self) -> str:
         """Return why the way cannot be shown, "" if it can."""
         session, flown = self.session, self.session.history.flown
@@ -120,7 +115,7 @@ class Demonstration:
                 self.session.shown.show_lesson(f"shown: {order.text}")
 
     def end(self) -> None:
-        """Go back to the crew's moment, frozen, on a branch of the crew's own."""
+        """Go back to the moment before, frozen, if the way is being shown."""
         session, origin = self.session, self.origin
         if origin is None:
             return

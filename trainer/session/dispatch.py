@@ -340,7 +340,7 @@ class Dispatch:
     # What is due
 
     def obey_due(self) -> bool:
-        """Carry out all that is due before a tick; return whether the run at work ends there."""
+        """Carry out what is due before a tick; return whether the run ends there."""
         acts: Mapping[Due, Callable[[], None]] = {
             Due.SCHEDULE: self.obey_schedule,
             Due.PLANS: self.obey_plans,

@@ -65,8 +65,7 @@ class Hints:
 
         A run that begins anew begins without.
         """
-        flown = self.history.flown
-        if not self.told or flown.replaying or flown.shows_way:
+        if not self.told or self.history.flown.barred:
             return
         if not moment.tick:
             self.told.clear()

@@ -102,7 +102,6 @@ class History(Journal):
     def branches(self) -> list[Stretch]:
         """Return all branches, oldest first. The present one reaches up to now."""
         present, step = self.recording.branch, self.boat.method.step
-
         return [
             Stretch(
                 branch.id,

@@ -250,14 +250,9 @@ def worlds_begun(recording: Recording) -> dict[int, WorldOrders]:
     return begun
 
 
-def recorded_world_orders(recording: Recording, branch: int, after: int) -> WorldOrders:
-    """Return the orders to the world that a branch has up to ``after``."""
+def restore_world(boat: Boat, recording: Recording, branch: int, after: int) -> None:
+    """Bring a boat's world to what a branch's orders up to ``after`` made it."""
     latest = None
     for entry in recording.orders(branch):
         latest = to_world(entry, latest) if entry.id <= after else latest
-    return world_orders(latest)
-
-
-def restore_world(boat: Boat, recording: Recording, branch: int, after: int) -> None:
-    """Bring a boat's world to what a branch's orders up to ``after`` made it."""
-    boat.world.obey_anew(recorded_world_orders(recording, branch, after))
+    boat.world.obey_anew(world_orders(latest))

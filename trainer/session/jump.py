@@ -1,4 +1,4 @@
-"""The road of a jump in time, from who asks for it to a session that is as it was then.
+"""The road of a jump in time: how a session becomes what it was then.
 
 1. **Asked.** An order about the past (``control``), a call of the Python face, a lesson whose step
    begins again, or the end of what the reference crew has shown names a moment.
@@ -6,26 +6,26 @@
    next entry of the schedule. It comes from the recording, or from memory without one.
 3. **Gone to** (``history``). The state is restored, and the world obeys its orders anew. Then a
    new branch begins in the recording, or a replay of the old one. If that cannot be read or
-   written, all is as before: nothing is flown twice on one branch. The boat cannot be lost there
-   already, and no single steps are left (``control``).
+   written, all is as before: nothing is flown twice on one branch. No numbers are lost any more,
+   and no single steps are left (``control``).
 4. **Followed.** Whatever the session remembers beside the state is later than this moment. So each
    object with a memory follows, in the order of ``followers``: first what is computed from the
    boat alone, then the words and plans, then the lesson, whose step gives orders that these words
    and plans must not undo. The news comes after them, because it tells programs the branches before
    they hear of the jump. Last comes what a branch has to have in its journal for its marks.
-5. **Judged** (``conduct``). The moment may be the end of an exercise, or show a lost boat.
+5. **Judged** (``conduct``). The moment may be the end of an exercise, or the boat lost there.
 6. **Shown, and told** by who asked. News has a fact ``back``, by which programs forget as well.
 
 ``Follower.follow`` alone takes an object back, and it is always told the moment gone to. It does
 not announce anything of its own past, because nothing has happened there twice.
 
 The end of a replay is no jump: the boat has flown to that moment, and all have gone with it. Only
-the plans are put back, because a replay also obeys plans that were refused (``end_replay``).
+the plans are put back, because a replay also notes plans that were refused (``end_replay``).
 
-What is said once stays said: the recording and the news, who commands, who is attached, what has
-been seen of the work of the machine, how often a step was missed. Whoever adds an object that
-remembers anything else gives it ``follow`` and a line in ``followers``. ``tests/session/test_jump``
-walks a session and names each object with a memory that has neither that nor a reason.
+A jump leaves alone what is of no moment: the recording, who is attached, who commands, the work of
+the machine. Whoever adds an object that remembers anything else gives it ``follow`` and a line in
+``followers``: ``tests/session/test_jump`` finds each object with a memory that has neither that nor
+a reason.
 """
 
 from collections.abc import Sequence

@@ -11,12 +11,12 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
-from typing import Protocol
 
 from trainer.boat.depths import collapse_of
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.io.orders.grammar import Order
 from trainer.io.orders.schedule import ScheduledOrder
+from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment, RecordedOrder, RecordingError
 from trainer.session.journal import Journal, order_of
@@ -34,26 +34,11 @@ class Due(Enum):
 
 
 class Judged(Enum):
-    """What may be judged of a moment."""
+    """What is judged of a run."""
 
-    COLLISION = "a collision in the tick before it"
+    NOTHING = "nothing"
     GROUND = "contact with the ground, which is told"
-    HULL = "the ground and the hull, which may freeze or end the run"
-    END = "the end of the exercise"
-
-
-class Talk(Protocol):
-    """The record of the words on board."""
-
-    def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
-        """Record an event."""
-
-
-class NoTalkRecord:
-    """A record that keeps nothing, because the recording has the words of a replay already."""
-
-    def event(self, tick: int, kind: str, who: str, text: str, role: str = "") -> None:
-        """Drop an event."""
+    ALL = "collisions, the ground, the hull and the exercise's end, each of which may end it"
 
 
 class LiveRun:
@@ -63,12 +48,12 @@ class LiveRun:
     replaying = False  # as it is shown
     shows_way = False  # the reference crew flies it
     watched = True  # by a crew, whose orders are its own
-    judged: Sequence[Judged] = (Judged.COLLISION, Judged.HULL, Judged.END)
+    judged = Judged.ALL
     difference = ""  # from what is recorded of it
 
     def __init__(self, journal: Journal) -> None:
         self._journal = journal
-        self.talk: Talk = journal.recording
+        self.talk = journal.recording  # of the words on board
 
     def has_orders(self, schedule: Sequence[ScheduledOrder]) -> bool:
         """Return whether orders of the schedule are still to come."""
@@ -123,12 +108,12 @@ class LiveRun:
 
 
 class ShownRun(LiveRun):
-    """A run on which the reference crew shows the way, up to a tick or until the boat is lost."""
+    """A run on which the reference crew shows the way, until the boat is lost."""
 
     barred = "the reference crew shows the way: demonstrate off ends it"
     shows_way = True
     watched = False
-    judged = ()  # what is shown ends no exercise
+    judged = Judged.NOTHING  # what is shown ends no exercise
 
     def __init__(self, journal: Journal, last_tick: int, met: EncounterMonitor) -> None:
         super().__init__(journal)
@@ -140,17 +125,13 @@ class ShownRun(LiveRun):
 
     def due(self) -> Iterator[Due]:
         """Yield the schedule and then the crew, or that the way has been shown."""
-        if self._journal.tick >= self._last or self._is_lost:
+        tick, boat = self._journal.tick, self._journal.boat
+        lost = tick > self._begun and (self._met.struck or collapse_of(boat))
+        if lost or tick >= self._last:
             yield Due.END_OF_WAY
-            return
-        yield Due.SCHEDULE
-        yield Due.CREW
-
-    @property
-    def _is_lost(self) -> bool:
-        """Return whether the boat was lost on the way, because no more is shown of it then."""
-        flown = self._journal.tick > self._begun
-        return flown and bool(self._met.struck or collapse_of(self._journal.boat))
+        else:
+            yield Due.SCHEDULE
+            yield Due.CREW
 
 
 class ReplayedRun:
@@ -160,13 +141,13 @@ class ReplayedRun:
     replaying = True
     shows_way = False
     watched = False  # the recording has the watch's orders
-    judged = (Judged.GROUND,)  # nothing ends a replay before its end
+    judged = Judged.GROUND  # nothing ends a replay before its end
 
     def __init__(self, journal: Journal, orders: Sequence[RecordedOrder], end: Moment) -> None:
         self._journal = journal
         self._orders = deque(orders)  # still to come
         self._end = end
-        self.talk: Talk = NoTalkRecord()
+        self.talk = NoRecording()  # which has these words already
         self.different = ""  # where it first left its recording
 
     def has_orders(self, _schedule: Sequence[ScheduledOrder]) -> bool:

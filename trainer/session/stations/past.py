@@ -155,10 +155,7 @@ def recalled_past(history: History) -> list[News]:
     step = history.boat.method.step
     news = [
         News(
-            each.tick,
-            each.tick * step,
-            each.kind,
-            each.text,
+            *(each.tick, each.tick * step, each.kind, each.text),
             Fact("mark", each.text) if each.kind == "mark" else None,
             branch=each.branch,
         )
@@ -179,7 +176,7 @@ def recalled_past(history: History) -> list[News]:
 def recent_news(
     news: Iterable[News], role: Role, first: int, ends: Mapping[int, float]
 ) -> list[News]:
-    """Return the news of a role from a tick on, on the way to the present.
+    """Return the news of a role since a tick, on the way to the present.
 
     News of what a jump in time took back is left out. ``ends`` are those of the branches that lead
     to the present one; there is none without a recording, where no jump leads to another branch.
