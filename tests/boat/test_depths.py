@@ -81,10 +81,10 @@ def test_what_she_has_passed_before_a_jump_in_time_is_no_news() -> None:
     boat = boat_with(250.0)
     monitor = DepthMonitor.over(boat)
     boat.state.z = 260.0
-    monitor.settle(boat)
+    monitor.reset_to(boat)
     assert called(boat, monitor, 261.0, 274.0, 276.0)[:2] == ["", ""]
     boat.state.z = 240.0
-    monitor.settle(boat)
+    monitor.reset_to(boat)
     assert called(boat, monitor, 251.0) == ["Passing test depth, 250 m"]
 
 

@@ -319,7 +319,7 @@ def test_alerts_of_what_has_not_come_yet_are_forgotten() -> None:
     here.boat.state.tick = 10.0
     log.alert("pilot", "later")
     here.boat.state.tick = 5.0
-    log.settle(())
+    log.follow(here.session.history.now())
     assert [news.text for news in log.alerts.values()] == ["now"]
 
 

@@ -804,6 +804,41 @@ def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(
     assert ship.facts(other, "mark") == ["on the second way"]
 
 
+def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(20)
+    ship.order("mark on the first branch")
+    ship.order("backtrack 5 s")
+    ship.fly(5)
+    ship.order("mark on the second")
+    ship.order("branch 1")
+    ship.order("mark on the third")
+    late = ship.comes("observer")
+
+    ship.say(late, "history events")
+
+    assert ship.facts(late, "mark") == ["on the first branch", "on the third"]
+
+
+def test_the_past_after_a_replay_that_was_taken_over_ends_where_it_was(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(20)
+    ship.order("mark too late")
+    ship.order("replay 10 s")
+    ship.fly(5)
+    ship.order("take over")
+    ship.order("mark in time")
+    late = ship.comes("observer")
+
+    ship.say(late, "history events")
+
+    assert ship.facts(late, "mark") == ["in time"]
+
+
 def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Callable[..., Crewed]) -> None:
     ship = crewed(seconds=None)
     ship.conduct.kept = None

@@ -202,7 +202,7 @@ def test_what_stands_after_a_jump_is_what_the_journal_tells_from_its_beginning(
     for jump in ("backtrack 2 s", "branch 1", "backtrack 5 s", "reset", "branch 3", "branch 1"):
         here.say("instructor", jump)
         afresh = StandRecord(CrewTalk(here.boat), Agenda(here.boat), session.history)
-        afresh.go_back()
+        afresh.follow(session.history.now())
         assert session.crew.talk == afresh.crew.talk, jump
         assert session.agenda.plans == afresh.agenda.plans, jump
     assert session.crew.talk.spoken

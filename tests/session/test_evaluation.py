@@ -107,6 +107,17 @@ def test_a_freeze_a_jump_and_an_order_in_a_freeze_are_evaluated_at_once(ship: Cr
     ship.settle(lambda: ship.facts(ship.instructor, "attainable")[-1].split(",")[4] == "2")
 
 
+def test_a_replay_that_is_taken_over_is_evaluated_from_there_on(ship: Crewed) -> None:
+    ship.fly(200)
+    ship.order("replay 95 s")
+    ship.fly(5)
+    ship.order("take over")
+    ship.fly(25)
+    ship.order("time x1")  # not frozen, which would have it evaluated
+    ship.settle(lambda: Answering.asked[-1].moment.branch == 2)
+    assert Answering.asked[-1].moment.tick <= 40
+
+
 def test_what_if_says_what_an_order_would_bring_and_changes_nothing(ship: Crewed) -> None:
     for count, ticks in enumerate((1, 19), 1):
         ship.fly(ticks)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.io.recording.recording import Moment
-from trainer.session.moments import Moments
+from trainer.session.journal import Moments
 
 MOST = 4
 acts = st.lists(

@@ -19,6 +19,7 @@ from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables, read_world
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.ships_met import meet_ships
+from trainer.session.jump import jump_to
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat
@@ -48,7 +49,7 @@ def tables(text: str) -> WorldTables:
 def shallow(ship: Crewed) -> Crewed:
     """Let a boat be where its sail is in the way of keels."""
     ship.boat.start(5.0, 17.5, 0.0)
-    ship.session.return_to(ship.session.history.now(), "shallow")
+    jump_to(ship.session, ship.session.history.now(), "shallow")
     return ship
 
 

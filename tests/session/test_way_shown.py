@@ -200,7 +200,7 @@ def test_what_is_shown_ends_with_the_exercise_and_never_ends_it(
 def test_a_session_that_ends_meanwhile_ends_on_the_crews_branch(jam: Crewed) -> None:
     shows(jam)
     jam.fly(10)
-    jam.session.dispatch.way.finish()
+    jam.session.dispatch.way.end()
     assert (jam.recording.branch, jam.boat.ticks) == (3, JAMMED)
 
 

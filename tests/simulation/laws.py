@@ -25,7 +25,7 @@ from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
 from trainer.session.dispatch import ORDERS, Dispatch
 from trainer.session.event_log import MAX_OPEN_ALERTS
-from trainer.session.history import MAX_KEPT_MOMENTS
+from trainer.session.journal import MAX_KEPT_MOMENTS
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session
 from trainer.session.stations.roles import INSTRUCTOR_ROLE

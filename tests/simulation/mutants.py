@@ -24,11 +24,11 @@ from trainer.io.recording import file
 from trainer.io.recording.durability import NEVER_DUE, Syncer
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Recording, RecordingError
-from trainer.session import dispatch, resume
+from trainer.session import dispatch, jump, resume
+from trainer.session.conduct import Conduct
 from trainer.session.dispatch import Dispatch
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
-from trainer.session.run_faces import LiveRun
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
 
 Fault = Callable[[pytest.MonkeyPatch], None]
@@ -144,14 +144,15 @@ def forget_command(patch: pytest.MonkeyPatch) -> None:
 
 def take_end_back(patch: pytest.MonkeyPatch) -> None:
     """Do not look whether a jump has come to the exercise's end."""
-    arrive = Parts.arrive
+    follow_jump = jump.follow_jump
 
-    def arrive_unseen(self: Parts) -> None:
+    def follow_unseen(session: Parts) -> None:
         with pytest.MonkeyPatch.context() as blind:
-            blind.setattr(LiveRun, "judge_arrival", LiveRun.judge_hull)
-            arrive(self)
+            blind.setattr(Conduct, "judge_moment", Conduct.judge_hull)
+            follow_jump(session)
 
-    patch.setattr(Parts, "arrive", arrive_unseen)
+    for module in (dispatch, jump):
+        patch.setattr(module, "follow_jump", follow_unseen)
 
 
 def spin_hub(patch: pytest.MonkeyPatch) -> None:

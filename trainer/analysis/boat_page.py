@@ -46,10 +46,10 @@ from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAME_PLACES, SIDE_SIGNS, WORD_SETS
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import differences, layout_of, open_whole_recording, plan_of
+from trainer.session.journal import order_of
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
-from trainer.session.run_faces import order_of
 from trainer.session.second_boat import follow_run, is_due
 from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS

@@ -222,11 +222,11 @@ class DepthMonitor:
     def over(cls, boat: Boat) -> "DepthMonitor":
         """Return the watch over a boat; what it has passed by now is no news."""
         monitor = cls()
-        monitor.settle(boat)
+        monitor.reset_to(boat)
         return monitor
 
-    def settle(self, boat: Boat) -> None:
-        """Take the boat as it is, after a jump in time. Nothing of it is news."""
+    def reset_to(self, boat: Boat) -> None:
+        """Take the boat as it is. Nothing of it is news."""
         test_depth = boat.file.hull.test_depth_m
         if test_depth is not None:
             self.passed = count_passed(test_depth, hull_depth(boat))

@@ -109,10 +109,10 @@ class GroundMonitor:
 
     def __post_init__(self) -> None:
         self.bottom = ground_under(self.boat)
-        self.settle()
+        self.reset()
 
-    def settle(self) -> None:
-        """Take the boat as it is, after a jump in time. Nothing of it is news."""
+    def reset(self) -> None:
+        """Take the boat as it is. Nothing of it is news."""
         bottom, plain = self.bottom, self.boat.plain
         down = plain[STATE_PLACES["aground"]] >= AGROUND_TICKS
         self.down_since = self.boat.time if down else None

@@ -168,12 +168,15 @@ class LimitMonitor:
     def over(cls, boat: Boat, limits: ExerciseLimits) -> "LimitMonitor":
         """Return the watch over a boat. What shows or is beyond its limit now is no news."""
         monitor = cls(limits, encounters=EncounterMonitor.over(boat))
-        monitor.settle(boat)
+        monitor.reset_to(boat)
         return monitor
 
-    def settle(self, boat: Boat) -> None:
-        """Take the boat as it is, after a jump in time. Nothing of it is news."""
-        self.encounters.settle(boat)
+    def reset_to(self, boat: Boat) -> None:
+        """Take the boat as it is. Nothing of it is news."""
+        self.encounters.reset_to(boat)
+        self.validity, self.shows, self.shaken = 0, False, False
+        self.inside_since = self.followed_since = self.shaken_since = boat.time
+        self.followed = self.followed and following_speed_ratio(boat) > FOLLOWING_SPEED_RATIO
         self._passed(boat)
         self._broken_surface(boat)
         self._out_of_range(boat)

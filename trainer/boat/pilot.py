@@ -203,11 +203,11 @@ class PilotMonitor:
     def over(cls, boat: Boat) -> "PilotMonitor":
         """Return the watch over a boat; what is given up now is no news."""
         monitor = cls()
-        monitor.settle(boat)
+        monitor.reset_to(boat)
         return monitor
 
-    def settle(self, boat: Boat) -> None:
-        """Take the boat as it is, after a jump in time. Nothing of it is news."""
+    def reset_to(self, boat: Boat) -> None:
+        """Take the boat as it is. Nothing of it is news."""
         self.trimmed = boat.time
         self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
         self.tail.lacking.clear()

@@ -37,6 +37,7 @@ from trainer.io.tables import MOTION_COLUMNS, Cell
 from trainer.session.agenda import Agenda
 from trainer.session.header import header_of, refusing_damage
 from trainer.session.history import History
+from trainer.session.jump import jump_to
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.parts import Monitors
@@ -287,7 +288,7 @@ class Boat:
             raise ConfigError("restore: this is no snapshot, or one of another boat")
         with self._alone(), np.errstate(all="ignore"):
             self._refuse_closed()
-            self._session.return_to(snapshot._moment, f"restore, by {ORDER_GIVER}")  # noqa: SLF001
+            jump_to(self._session, snapshot._moment, f"restore, by {ORDER_GIVER}")  # noqa: SLF001
             self._rows.cut(self._boat.ticks)
             self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
 

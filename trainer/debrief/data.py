@@ -51,8 +51,8 @@ from trainer.io.recording.facts import REFERENCE_GIVER, BranchCause, Giver, Give
 from trainer.io.recording.queries import ExcessRows
 from trainer.io.recording.recording import Branch, RecordedEvent, RecordedOrder, Recording
 from trainer.session.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
+from trainer.session.journal import restore_world
 from trainer.session.plan import Plan
-from trainer.session.world_orders import settle_world
 
 NO_MARKS: Final = Scorecard((), None)
 ECHO_EVENTS: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
@@ -194,7 +194,7 @@ def gather_debrief(
         plan = replace(plan, scores=(), lost=(), hand=(), crew=Crew())
     boat = Boat(plan.file, plan.method)
     boat.world = world_of(boat, plan.around)
-    settle_world(boat, recording, wanted, sys.maxsize)
+    restore_world(boat, recording, wanted, sys.maxsize)
     events = tuple(events_of(recording, branches, branch))
     trajectory = replace(
         read_passage(recording, wanted, layout_of(header), boat, plan.limits),

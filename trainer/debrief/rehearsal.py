@@ -40,9 +40,9 @@ from trainer.io.recording.facts import (
     GiverKind,
 )
 from trainer.io.recording.queries import RecordedEvent, RecordedOrder
+from trainer.session.journal import WorldOrders
 from trainer.session.layout import LAYOUT
 from trainer.session.plan import Plan
-from trainer.session.world_orders import WorldOrders
 
 LOOKOUT_GIVER: Final = Giver(GiverKind.REFERENCE, LOOKOUT_ROLE, LOOKOUT_ROLE)
 COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS], np.int64)
@@ -300,7 +300,7 @@ def depart(plan: Plan, since: Departure) -> Boat:
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     boat.restore(since.state)
-    boat.world.settle(since.to_world)
+    boat.world.obey_anew(since.to_world)
     return boat
 
 

@@ -114,7 +114,7 @@ class Agenda:
         """Return the plans of instructors as they stand now."""
         return Plans(tuple(self.planned.values()), self._last)
 
-    def take(self, plans: Plans) -> None:
+    def put_back(self, plans: Plans) -> None:
         """Put back the plans that stood at the moment to which time has jumped."""
         self.planned = {each.number: each for each in plans.planned}
         self._last = plans.last

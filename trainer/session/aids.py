@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
+from trainer.io.recording.recording import Moment
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
@@ -50,12 +51,9 @@ class Aids:
         self._show()
         return answer
 
-    def keep_on(self) -> None:
+    def follow(self, _moment: Moment) -> None:
         """Journal again what is on, because a new branch may begin before it was."""
-        flown = self.history.flown
-        if flown.replaying or flown.shows_way:
-            return
-        for order, giver in self._on.values():
+        for order, giver in () if self.history.flown.barred else self._on.values():
             self.history.answered(self.history.order(giver, order), STAYS_ON)
 
     def _barred(self, name: str) -> str:

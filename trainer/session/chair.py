@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
+from trainer.io.recording.recording import Moment
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
@@ -47,9 +48,8 @@ class Chair:
         self.log.note(station, [Fact("chair", order.word)])
         return f"you {station.role.part}"
 
-    def keep(self) -> None:
+    def follow(self, _moment: Moment) -> None:
         """Journal again what was seen, because a new branch may begin before it."""
-        flown = self.history.flown
-        if self.seen and not (flown.replaying or flown.shows_way):
+        if self.seen and not self.history.flown.barred:
             order, giver = self.seen
             self.history.answered(self.history.order(giver, order), STAYS_TEXT)

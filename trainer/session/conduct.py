@@ -1,7 +1,7 @@
 """The rules of a session: who commands, who is ready, how an exercise ends.
 
-The session calls ``look`` and ``judge_hull`` after each tick, which end the exercise or freeze time
-where its rules say so. At the end time stands still at all stations, and the marks are made in a
+The session calls ``judge_tick`` after each tick, which ends the exercise or freezes time where its
+rules say so. At the end time stands still at all stations, and the marks are made in a
 thread, because judging a recording takes seconds, and a debrief is written in a process of its own.
 The instructor gets the marks first, and releases them to the crew. The gates of ``dispatch`` ask
 here whether an order is barred.
@@ -29,6 +29,7 @@ from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
 from trainer.config.progress import read_progress
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.recording import Moment
 from trainer.session.aids import Aids
 from trainer.session.aside import begin_aside, hear_out
 from trainer.session.chair import Chair
@@ -48,6 +49,7 @@ from trainer.session.exercise import (
 )
 from trainer.session.hints import Hints
 from trainer.session.manning import unmanned_axes
+from trainer.session.run_faces import Judged
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import (
     INSTRUCTOR_ROLE,
@@ -130,7 +132,7 @@ class Conduct:
     def tend(self) -> None:
         """Tell trouble, take the results of background tasks, and pass command on if due."""
         self.log.tell_trouble()
-        self.work.settle()
+        self.work.take_results()
         self.command.tend()
 
     # The end of the exercise
@@ -173,6 +175,21 @@ class Conduct:
         for call in calls:
             self.tell_depth(call.text, rank=Rank.ALARM if call.aground else Rank.CAUTION)
         return calls
+
+    def judge_tick(self, met: EncounterMonitor) -> None:
+        """Judge a tick: a collision in it, and the moment at its end."""
+        if self.control.history.flown.judged is Judged.ALL:
+            self.collide(met)
+        self.judge_moment()
+
+    def judge_moment(self) -> None:
+        """Judge the present moment. Time may have jumped to it."""
+        judged = self.control.history.flown.judged
+        if judged is Judged.ALL:
+            self.judge_hull()
+            self.look()
+        elif judged is Judged.GROUND:
+            self.tell_ground()
 
     def collide(self, met: EncounterMonitor) -> None:
         """Freeze or end after a collision, as the exercise says."""
@@ -235,12 +252,11 @@ class Conduct:
         if late and not self.begun and order.name == "run":
             self.log.tell("station", f"not ready: {', '.join(late)}")
 
-    def settle(self) -> None:
-        """Forget the exercise's end, halt and groundings after a jump in time."""
-        self.ending.begin_again(self.control.boat)
+    def follow(self, moment: Moment) -> None:
+        """Forget a halt and groundings, and at the start who is ready."""
         self.halted = ""
-        self.ground.settle()
-        if self.control.boat.ticks == 0:
+        self.ground.reset()
+        if moment.tick == 0:
             self.begun = False
             self.ready.clear()
 

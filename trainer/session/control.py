@@ -96,13 +96,13 @@ class Control:
         if isinstance(moment, Refused):
             return moment
         left_time, abandoned = self.boat.time, self.history.recording.branch
-        self.go_to(moment, why)
+        self.begin_branch(moment, why)
         way = f"back from {left_time:g} s to {self.boat.time:g} s, frozen; {self._branch}"
         return f"{way}, branch {abandoned} returns to where you were"
 
-    def go_to(self, moment: Moment, why: str) -> None:
-        """Go to a moment, frozen. A new branch begins there."""
-        self.history.go_to(moment, why)
+    def begin_branch(self, moment: Moment, why: str) -> None:
+        """Begin a new branch at a moment, frozen."""
+        self.history.fork_at(moment, why)
         self._begin_again()
         self.time.pacer.freeze()
 
@@ -126,7 +126,7 @@ class Control:
         start = self.history.start()
         if isinstance(start, Refused):
             return start
-        self.go_to(start, f"restart, by {who}")
+        self.begin_branch(start, f"restart, by {who}")
         self.time.pacer.run()
         return f"from the start, running; {self._branch}"
 
@@ -135,7 +135,7 @@ class Control:
         end = self.history.end_of(int(order.value))
         if isinstance(end, Refused):
             return end
-        self.history.return_to(end, f"{order.text}, by {who}", self.schedule)
+        self.history.fork_at_end(end, f"{order.text}, by {who}", self.schedule)
         self._begin_again()
         self.time.pacer.freeze()
         return f"at the end of branch {int(order.value)}, {self.boat.time:g} s; {self._branch}"

@@ -205,7 +205,7 @@ class CrewTalk:
         """Return a copy of the talk as it stands now."""
         return Talk(tuple(self._spoken.values()), frozenset(self.freed), self.meeting)
 
-    def take(self, talk: Talk, tick: int) -> None:
+    def put_back(self, talk: Talk, tick: int) -> None:
         """Put back the talk of another moment, at its tick, because time has jumped."""
         self.freed, self.meeting = set(talk.freed), talk.meeting
         self._spoken = {

@@ -15,6 +15,7 @@ from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment
+from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
 from trainer.session.plan import Plan
 from trainer.session.run_faces import ShownRun
@@ -59,11 +60,6 @@ class Demonstration:
         self.session.conduct.work.begin("way", task)
         return f"the reference crew comes aboard and shows the way for {order.value:g} s"
 
-    def finish(self) -> None:
-        """Go back if the session ends meanwhile, so that its last branch is the crew's."""
-        if self.origin is not None:
-            self.end()
-
     def _barred(self) -> str:
         """Return why the way cannot be shown, "" if it can."""
         session, flown = self.session, self.session.history.flown
@@ -99,8 +95,8 @@ class Demonstration:
         self.crew = mute.aboard(session.boat).speak()
         self.crew.order = lambda order: self.carry_out(order, REFERENCE_GIVER)
         last = int(min(until, session.conduct.ending.last_tick))
-        history.show_way(why, ShownRun(history, last, self._speak, self.end))
-        session.event_log.settle(session.monitors.counting)
+        history.show_way(why, ShownRun(history, last, session.monitors.limits.encounters))
+        session.event_log.follow(now)
         branch = history.recording.branch
         text = f"THE WAY IS SHOWN by the reference crew until {last * session.boat.method.step:g} s"
         session.event_log.tell(SHOWN_KIND, f"{text}: branch {branch}, which counts for no mark")
@@ -108,7 +104,7 @@ class Demonstration:
         time.pacer.run()
         session.shown.show()
 
-    def _speak(self) -> None:
+    def speak(self) -> None:
         """Have the crew look and order; tell everybody what it does."""
         given = self.crew.look() if self.crew else []
         for order in given:
@@ -119,13 +115,13 @@ class Demonstration:
                 self.session.shown.show_lesson(f"shown: {order.text}")
 
     def end(self) -> None:
-        """Go back to the crew's moment, frozen, on a branch of the crew's own."""
+        """Go back to the moment before, frozen, if the way is being shown."""
         session, origin = self.session, self.origin
         if origin is None:
             return
         self.origin = self.crew = None
         session.shown.lesson = ""
-        session.return_to(origin, SHOWN_REASON)
+        jump_to(session, origin, SHOWN_REASON)
         branch = session.history.recording.branch
         text = f"the way has been shown: back at {session.boat.time:g} s, frozen; branch {branch}"
         session.event_log.tell("moment", text, fact=Fact("back", "demonstrate off"))

@@ -44,8 +44,10 @@ from trainer.io.recording.recording import RecordingError
 from trainer.session.crew import CrewMessage
 from trainer.session.demonstration import Demonstration
 from trainer.session.event_log import CREW_KIND
+from trainer.session.jump import end_replay, follow_jump
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
+from trainer.session.run_faces import Due
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 
@@ -291,7 +293,7 @@ class Dispatch:
             session.history.answered(number, answer, fact)
             session.standing.keep()
         if rule.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
-            session.arrive()
+            follow_jump(session)
         if rule.obeyer in (Obeyer.PAST, Obeyer.TIME):
             session.shown.show()
         return answer
@@ -335,20 +337,33 @@ class Dispatch:
             answer = self.carry_out(due.order, due.giver)
             self.session.event_log.tell("order", f"{due.why}: {answer}")
 
-    def end_replay(self, outcome: str) -> None:
-        """Freeze time where a replay has come to its end."""
-        self.session.end_replay(outcome)
-
     # What is due
+
+    def obey_due(self) -> bool:
+        """Carry out what is due before a tick; return whether the run ends there."""
+        acts: Mapping[Due, Callable[[], None]] = {
+            Due.SCHEDULE: self.obey_schedule,
+            Due.PLANS: self.obey_plans,
+            Due.CREW: self.way.speak,
+            Due.JOURNAL: self.obey_again,
+            Due.END_OF_WAY: self.way.end,
+            Due.END_OF_REPLAY: lambda: end_replay(self.session),
+        }
+        due = None
+        for due in self.session.history.flown.due():
+            acts[due]()
+        return due in (Due.END_OF_WAY, Due.END_OF_REPLAY)
 
     def obey_schedule(self) -> None:
         """Carry out the scheduled orders that act on the next tick or before it."""
-        session = self.session
-        for place, entry in session.history.flown.due_of_schedule(session.agenda.schedule):
+        session, flown = self.session, self.session.history.flown
+        for place, entry in flown.due_of_schedule(session.agenda.schedule):
             answer = self.carry_out(entry.order, SCHEDULE_GIVER, place)
             reason = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
             if isinstance(answer, Refused):
                 self.refused.append(reason)
+            if session.history.flown is not flown:  # it is over
+                return
 
     def obey_step(self, order: Order) -> None:
         """Carry out an order with which a step of a lesson begins."""

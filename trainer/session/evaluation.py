@@ -120,6 +120,10 @@ class Evaluation:
             self.latest = Fact("no-attainable", self.why_none)
         self.words, self.kept = words, kept
 
+    def follow(self, moment: Moment) -> None:
+        """Have the next moment handed over, because time has jumped."""
+        self._due = moment.tick
+
     def look(self) -> None:
         """Hand over the moment after this tick if it is due."""
         if self.history.tick >= self._due or self._given is None:

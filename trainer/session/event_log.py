@@ -15,7 +15,7 @@ from typing import Final, Protocol
 from trainer.boat.calls import Rank
 from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.recording.recording import RecordingError
+from trainer.io.recording.recording import Moment, RecordingError
 from trainer.io.status_line import clock
 from trainer.session.history import History
 from trainer.session.own_alerts import OwnAlerts
@@ -46,6 +46,7 @@ class EventLog:
     """The news of one run."""
 
     history: History
+    counters: Sequence[CallCounter] = ()
     stations: list[Station] = field(default_factory=list)
     news: deque[News] = field(default_factory=lambda: deque(maxlen=MAX_KEPT_EVENTS))
     heard: Station | None = None  # who is listened to
@@ -82,7 +83,8 @@ class EventLog:
         if kind == MARK and by:
             said = f"mark by {self.signature(by)}: {text}"
             saying = Saying(by.role.name, f"mark: {text}")
-        news = News(self.history.tick, boat.time, kind, said, fact, saying)
+        branch = self.history.recording.branch
+        news = News(self.history.tick, boat.time, kind, said, fact, saying, branch)
         talk = kind == CREW_KIND or (fact is not None and fact.what in SPOKEN_FACTS)
         keeper = self.history.flown.talk if talk else self.history.recording
         keeper.event(news.tick, kind, *((by.who, text, by.role.name) if by else ("", text)))
@@ -101,7 +103,8 @@ class EventLog:
         self._alert += 1
         rank = rank or KIND_RANKS[kind]
         opens = rank is not Rank.CAUTION
-        news = News(self.history.tick, self.history.boat.time, kind, text, fact)
+        branch = self.history.recording.branch
+        news = News(self.history.tick, self.history.boat.time, kind, text, fact, branch=branch)
         self.history.recording.event(news.tick, kind, "", text)
         if opens:
             self.alerts[self._alert], self.ranks[self._alert] = news, rank
@@ -134,16 +137,15 @@ class EventLog:
                 self.note(station, [fact])
         return order.text
 
-    def settle(self, counting: Sequence[CallCounter]) -> None:
-        """Forget alerts and counts later than the moment to which time has jumped."""
-        tick = self.history.tick
-        self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= tick}
-        self.own_alerts.settle(tick)
+    def follow(self, moment: Moment) -> None:
+        """Forget alerts and counts later than a moment to which time has jumped."""
+        self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= moment.tick}
+        self.own_alerts.follow(moment)
         left_branch, self._branch = self._branch, self.history.recording.branch
-        self._counts[left_branch] = [each.times for each in counting]
+        self._counts[left_branch] = [each.times for each in self.counters]
         begun = self._counts.get(self._parent(), self._counts[left_branch])
         now = self.history.boat.time
-        for counter, times in zip(counting, begun, strict=True):
+        for counter, times in zip(self.counters, begun, strict=True):
             past = {what: [t for t in when if t <= now] for what, when in times.items()}
             counter.times = {what: when for what, when in past.items() if when}
         for station in self.stations:

@@ -24,6 +24,7 @@ from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
+from trainer.io.recording.recording import Moment
 from trainer.session.stations.station import Fact
 
 CLOSE_TIMEOUT_S: Final = 20.0  # [s] at the end, for marks and pages
@@ -114,9 +115,9 @@ class LossMonitor:
         self.ends.add(boat.plain.tobytes())
         return True
 
-    def settle(self, boat: Boat) -> None:
-        """Count anew after a jump, unless this very moment has lost the exercise."""
-        self.held = self.ticks if boat.plain.tobytes() in self.ends else 0
+    def follow(self, moment: Moment) -> None:
+        """Count anew after a jump, unless that very moment has lost the exercise."""
+        self.held = self.ticks if moment.state in self.ends else 0
 
 
 def is_met(condition: Condition, boat: Boat) -> bool:
@@ -182,13 +183,13 @@ class ExerciseEnd:
         """End the exercise."""
         self.outcome, self.over, self.why = outcome, when, why
 
-    def begin_again(self, boat: Boat) -> None:
-        """Begin it again, after a jump in time."""
+    def follow(self, moment: Moment) -> None:
+        """Begin it again, because time has jumped."""
         self.over = self.why = ""
         self.debrief = None
         self.outcome = Outcome.UNDECIDED
         for loss in self.lost:
-            loss.settle(boat)
+            loss.follow(moment)
         self.marks, self.released = None, False
 
     def _lost(self, boat: Boat) -> str:
@@ -208,7 +209,7 @@ class BackgroundTask:
     call, so that only the session's thread ever changes the session.
     """
 
-    wake: Callable[[], object]  # has the session's thread call ``settle``
+    wake: Callable[[], object]  # has the session's thread call ``take_results``
     done: deque[Callable[[], None]] = field(default_factory=deque)
     closing: threading.Event = field(default_factory=threading.Event)
     threads: list[threading.Thread] = field(default_factory=list)
@@ -228,7 +229,7 @@ class BackgroundTask:
         self.done.append(call)
         self.wake()
 
-    def settle(self) -> None:
+    def take_results(self) -> None:
         """Make the calls of the tasks that are done. Only the session's thread does so."""
         while self.done:
             self.done.popleft()()
@@ -239,7 +240,7 @@ class BackgroundTask:
         end = time.monotonic() + CLOSE_TIMEOUT_S
         for thread in self.threads:
             thread.join(max(end - time.monotonic(), 0.0))
-        self.settle()
+        self.take_results()
 
 
 @dataclass(frozen=True)

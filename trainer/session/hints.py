@@ -60,15 +60,14 @@ class Hints:
         self.work.begin("hint", task)
         return None
 
-    def keep(self) -> None:
+    def follow(self, moment: Moment) -> None:
         """Journal again what was told, because a new branch may begin before it.
 
         A run that begins anew begins without.
         """
-        flown = self.history.flown
-        if not self.told or flown.replaying or flown.shows_way:
+        if not self.told or self.history.flown.barred:
             return
-        if not self.history.tick:
+        if not moment.tick:
             self.told.clear()
         known = [each for each in self.history.said() if name_of(each.text) == HINT_ORDER]
         for order, giver, text in self.told[len(known) :]:

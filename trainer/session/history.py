@@ -1,15 +1,10 @@
-"""The past of a run: orders in the journal, moments, and going back to one.
+"""The past of a run: its branches, its moments, and going back to one.
 
-A moment is all that is needed to go back: the whole state, the last order that it includes, and the
-next entry of the exercise's schedule. Who goes back to a moment begins a new branch of the
-recording there, and the old branch stays. A replay flies the old branch again. It begins a new one
-only where somebody takes over.
+Who goes back to a moment begins a new branch of the recording there, and the old branch stays. A
+replay flies the old branch again. It begins a new one only where somebody takes over.
 
 Each session has one. ``dispatch`` journals orders by it, ``control`` goes back by it, and most
 other parts of a session read the past from it.
-
-A state holds the current and the ships near as they are at its tick, but not the orders by which
-they go on. Those are found by the number of the last order that the state includes (``_to_world``).
 """
 
 import math
@@ -17,31 +12,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-import numpy as np
-
-from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
-from trainer.boat.world.world import WORLD_PARTS
-from trainer.core.state import STATE
-from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.table import BOAT_ORDERS
-from trainer.io.recording.absence import NoRecording
-from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
-from trainer.io.recording.recording import (
-    Moment,
-    RecordedEvent,
-    RecordedOrder,
-    Recording,
-    RecordingError,
-)
-from trainer.session.moments import Moments
-from trainer.session.run_faces import LiveRun, ReplayedRun, Run, ShownRun, order_of
-from trainer.session.world_orders import WorldOrder, to_world, world_orders
+from trainer.io.recording.facts import BranchCause
+from trainer.io.recording.recording import Moment, RecordedEvent, RecordingError
+from trainer.session.journal import Journal, order_of
+from trainer.session.run_faces import LiveRun, ReplayedRun, Run, ShownRun
 
 FIRST_BRANCH: Final = 1  # the branch that begins with the run
-MOMENT_PERIOD_S: Final = 10.0  # [s] between moments kept in memory beside the recording
-MAX_KEPT_MOMENTS: Final = 360  # one hour of them, as docs/recordings.md says
 
 
 @dataclass(frozen=True)
@@ -68,74 +48,14 @@ class Stretch:
 
 
 @dataclass
-class History:
-    """The past of one run: its journal, the moments kept, the ways back to them."""
+class History(Journal):
+    """The past of one run: its journal, its branches, the ways back to them."""
 
-    boat: Boat
-    recording: Recording | NoRecording
-    after: int = 0  # the last order that the present state includes
-    place: int = 0  # of the schedule's next entry
     flown: Run = field(init=False)
-    automatic: Moments = field(
-        default_factory=lambda: Moments(MAX_KEPT_MOMENTS, STATE.itemsize), repr=False
-    )
-    _period: int = field(init=False)  # [ticks] between the automatic moments
-    # by the number of the last order that a state includes: the latest order to the world by then
-    _to_world: dict[int, WorldOrder | None] = field(default_factory=lambda: {0: None}, repr=False)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.flown = LiveRun(self)
-        self._period = max(round(MOMENT_PERIOD_S / self.boat.method.step), 1)
-
-    @property
-    def tick(self) -> int:
-        """Return the number of ticks done."""
-        return self.boat.ticks
-
-    def now(self) -> Moment:
-        """Return the present moment."""
-        branch = self.recording.branch
-        return Moment(branch, self.tick, self._state(), self.after, self.place)
-
-    def order(self, giver: Giver, order: Order, place: int | None = None) -> int:
-        """Journal an order that is about to act; return its number."""
-        if self.recording.reachable:
-            self.recording.go_on(self.now())
-        before = self._world_order(self.recording.branch, self.after)
-        self.after = number = self.recording.order(self.tick, giver, order.text, place)
-        ours = order.name in WORLD_PARTS
-        self._to_world[number] = WorldOrder(number, self.tick, order, before) if ours else before
-        if place is not None:
-            self.place = place + 1
-        return number
-
-    def answered(self, number: int, answer: Reply, crew: CrewFact = NO_CREW_FACT) -> None:
-        """Journal the answer to an order, and the crew fact of it."""
-        refused = isinstance(answer, Refused)
-        text = answer.reason if isinstance(answer, Refused) else answer
-        self.recording.answered(number, text, not refused, crew)
-        latest = self._to_world.get(number)
-        if refused and latest and latest.number == number:  # it has not changed the world
-            self._to_world[number] = latest.before
-
-    def include(self, entry: RecordedOrder) -> None:
-        """Note that the present state includes an order of the journal."""
-        self.after = entry.id
-        if entry.place is not None:
-            self.place = entry.place + 1
-
-    def read_world_orders(self, branch: int) -> None:
-        """Read the orders to the world that led to a branch."""
-        latest = None
-        for entry in self.recording.orders(branch):
-            latest = to_world(entry, latest)
-            self._to_world[entry.id] = latest
-
-    def _world_order(self, branch: int, after: int) -> WorldOrder | None:
-        """Return the latest order to the world of a state that includes order ``after`` last."""
-        if after not in self._to_world:
-            self.read_world_orders(branch)
-        return self._to_world.get(after)
 
     def ticked(self, tick: int) -> bytes:
         """Keep the state after a tick; return it.
@@ -145,15 +65,6 @@ class History:
         state = self.boat.plain.tobytes()
         self.flown.keep(tick, state)
         return state
-
-    def record(self, tick: int, state: bytes) -> None:
-        """Record the state after a tick of a live run."""
-        # a branch that begins after a gap begins with this state
-        if not (self.recording.reachable and self.recording.go_on(self.now())):
-            self.recording.state(tick, state)
-        if tick % self._period == 0:
-            branch = self.recording.branch
-            self.automatic.append(Moment(branch, tick, state, self.after, self.place))
 
     def keep(self, name: str) -> Reply:
         """Keep the present moment under a name."""
@@ -191,7 +102,6 @@ class History:
     def branches(self) -> list[Stretch]:
         """Return all branches, oldest first. The present one reaches up to now."""
         present, step = self.recording.branch, self.boat.method.step
-
         return [
             Stretch(
                 branch.id,
@@ -204,14 +114,19 @@ class History:
             for branch in self.recording.branches()
         ]
 
-    def noted(self) -> list[RecordedEvent]:
-        """Return the events of the present branch and of those that led to it."""
+    def ends(self) -> dict[int, float]:
+        """Return to which tick each branch leads to the present one. A present one has no end."""
         begun = {each.id: each for each in self.recording.branches()}
         ends: dict[int, float] = {}
         here, end = begun.get(self.recording.branch), math.inf
         while here:
             ends[here.id] = end
             end, here = here.tick, begun.get(here.parent or 0)
+        return ends
+
+    def noted(self) -> list[RecordedEvent]:
+        """Return the events of the present branch and of those that led to it."""
+        ends = self.ends()
         return [each for each in self.recording.events() if each.tick <= ends.get(each.branch, -1)]
 
     def end_of(self, branch: int) -> Moment | Refused:
@@ -226,7 +141,7 @@ class History:
         moment = self.recording.moment(branch, self.recording.last_tick(branch))
         return moment or Refused(f"the end of branch {branch} is not recorded")
 
-    def return_to(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
+    def fork_at_end(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
         """Go to the end of a branch, give its last orders again, and fork.
 
         Orders after the last recorded tick are in no recorded state, so they are given again.
@@ -241,12 +156,12 @@ class History:
             self.include(entry)
         last = Moment(end.branch, end.tick, self._state(), self.after, self.place)
         try:
-            self.go_to(last, why)
+            self.fork_at(last, why)
         except RecordingError:
             self._restore(here)
             raise
 
-    def go_to(self, moment: Moment, why: str) -> None:
+    def fork_at(self, moment: Moment, why: str) -> None:
         """Go back to a moment, and begin a new branch there.
 
         RecordingError leaves everything as it was: nothing is flown twice on one branch.
@@ -283,26 +198,8 @@ class History:
         self.flown = LiveRun(self)
         self.automatic.forget_after(self.tick)
 
-    def said(self) -> list[RecordedOrder]:
-        """Return the orders that the present state includes; none while they cannot be read."""
-        try:
-            orders = self.recording.orders(self.recording.branch)
-        except RecordingError:
-            return []
-        return [each for each in orders if each.id <= self.after]
-
-    def arrive(self, difference: str) -> str:
+    def end_replay(self) -> str:
         """End a replay that has reached its last moment; return its outcome in words."""
+        result = self.flown.difference or "the same to the last bit"
         self.flown = LiveRun(self)
-        result = difference or "the same to the last bit"
         return f"replay over at {self.boat.time:g} s: {result}; run goes on from here"
-
-    def _restore(self, moment: Moment) -> None:
-        """Restore a whole moment. RecordingError leaves everything as it was."""
-        latest = self._world_order(moment.branch, moment.after)  # may fail: before any change
-        self.boat.restore(np.frombuffer(moment.state, STATE))
-        self.boat.world.settle(world_orders(latest))
-        self.after, self.place = moment.after, moment.place
-
-    def _state(self) -> bytes:
-        return self.boat.plain.tobytes()

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from trainer.io.orders.grammar import Order
+from trainer.io.recording.recording import Moment
 from trainer.session.stations.station import Fact
 
 SILENCE_S: Final = 30.0  # that Silence lasts, as the pages' alert-sounder.js has it
@@ -54,8 +55,8 @@ class OwnAlerts:
         stands = {name: said for name, said in kept.items() if said.word == SEEN or said.due > now}
         return [(said.tick, said.fact(name)) for name, said in stands.items()]
 
-    def settle(self, tick: int) -> None:
-        """Forget what was said later than the moment to which time has jumped."""
+    def follow(self, moment: Moment) -> None:
+        """Forget what was said later than a moment to which time has jumped."""
         for role, kept in self.by_role.items():
-            early = {name: said for name, said in kept.items() if said.tick <= tick}
+            early = {name: said for name, said in kept.items() if said.tick <= moment.tick}
             self.by_role[role] = early

@@ -33,11 +33,10 @@ from trainer.session.header import (
     open_whole_recording,
     plan_of,
 )
+from trainer.session.journal import WorldOrders, order_of, worlds_begun
 from trainer.session.layout import StateDifference, read_state, state_difference
 from trainer.session.plan import Plan
 from trainer.session.resume import refuse_other
-from trainer.session.run_faces import order_of
-from trainer.session.world_orders import WorldOrders, worlds_begun
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ def _fly(recording: Recording, flight: ReplayFlight, course: Course) -> None:
     flown, after = 0, 0
     if not course.afresh:
         boat.restore(recorded_state(branch.state, course))
-        boat.world.settle(course.worlds[branch.id])
+        boat.world.obey_anew(course.worlds[branch.id])
         flown, after = branch.tick, branch.after
     orders = deque(recording.orders(branch.id, after))
     for tick, state in recording.states(branch.id):

@@ -23,13 +23,12 @@ from trainer.io.recording.recording import Recording
 from trainer.session.exercise import DebriefSource
 from trainer.session.header import differences, layout_of, plan_of, refusing_damage
 from trainer.session.history import History
+from trainer.session.journal import order_of, restore_world
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
 from trainer.session.run import LastingParts, PreparedRun, fly_session
-from trainer.session.run_faces import order_of
 from trainer.session.warm_up import set_garbage_aside, warm_boat
-from trainer.session.world_orders import settle_world
 
 
 def resume_boat(
@@ -98,7 +97,7 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
     boat.restore(read_state(latest.state, layout, boat.records.state))
     if boat.ticks != latest.tick:
         raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
-    settle_world(boat, recording, recording.branch, latest.after)
+    restore_world(boat, recording, recording.branch, latest.after)
     count_exposure(recording, boat, layout)
     history = History(boat, recording, latest.after, latest.place)
     with np.errstate(all="ignore"):

@@ -28,8 +28,8 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 from trainer.session.history import History
+from trainer.session.journal import order_of
 from trainer.session.plan import Plan
-from trainer.session.run_faces import order_of
 from trainer.session.stations.aids import GhostReading
 
 MAX_GHOST_S: Final = 3600.0  # [s] of an exercise without an end

@@ -8,6 +8,7 @@ docs/architecture.md has the order of what a tick does.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
+from functools import partial
 from typing import Final
 
 from trainer.boat.boat import TICK_PLACE
@@ -17,6 +18,7 @@ from trainer.io.recording.facts import Giver
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
+from trainer.session.jump import repeat_step
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
 from trainer.session.quiet import QuietTicks
@@ -63,15 +65,15 @@ class Session(Parts):
         briefing: Mapping[str, Duty] = {"briefing": self.attendance.brief}
         self.dispatch = Dispatch(self, {**briefing, **questions.duties, **self.conduct.duties})
         self.conduct.guide.give = self.dispatch.obey_step
+        self.conduct.guide.go_back = partial(repeat_step, self)
         self.quiet = QuietTicks(self)
-        self.standing.go_back()  # a recorded run goes on
+        self.standing.follow(self.history.now())  # a recorded run goes on
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can say run."""
         self._write_row()
-        self.conduct.guide.settle()  # of a lesson that goes on
-        self.conduct.judge_hull()  # a recorded run may have ended in a collapse
-        self.conduct.look()  # or at its exercise's end
+        self.conduct.guide.follow(self.history.now())  # of a lesson that goes on
+        self.conduct.judge_moment()  # a recorded run may have ended in a collapse, or be over
         if any(self.history.flown.due_of_schedule(self.agenda.schedule)):
             self.shown.show()  # the moment as it is recorded, before what is ordered in it
             self.dispatch.obey_schedule()  # the crew's controls are in hand before time runs
@@ -168,7 +170,7 @@ class Session(Parts):
         if not (self.agenda.planned or flown.has_orders(self.agenda.schedule)):
             return False
         was_frozen = self.time.frozen
-        ended = flown.obey_due(self.dispatch)
+        ended = self.dispatch.obey_due()
         return ended or self.control.ended or (self.time.frozen and not was_frozen)
 
     def _after_tick(self, tick: int) -> None:
@@ -185,12 +187,13 @@ class Session(Parts):
         if passed := self.monitors.depths.look(self.boat):  # on the way down
             rank = Rank.EMERGENCY if passed.too_deep else None
             self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)
-        flown.judge(self.conduct, self.monitors.limits.encounters)
+        self.conduct.judge_tick(self.monitors.limits.encounters)
         self.evaluation.look()
         self.dispatch.tell_plans()
         if tick >= self.crew.due:
             self.dispatch.say(self.crew.missing(tick, self.event_log.attended))
-        flown.watch(self.dispatch)
+        if flown.watched:
+            self.dispatch.obey_watch()
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import GiverKind
+from trainer.io.recording.recording import Moment
 from trainer.session.agenda import Agenda, Plans
 from trainer.session.crew import CREW_WORDS, CrewTalk, Talk
 from trainer.session.history import History
@@ -35,20 +36,20 @@ class StandRecord:
             self._latest = now
         self._by_order[self.history.after] = self._latest
 
-    def go_back(self) -> None:
-        """Put back what stood after the last order that the present state includes."""
-        talk, plans = self._present()
-        self.crew.take(talk, self.history.tick)
-        self.agenda.take(plans)
+    def follow(self, moment: Moment) -> None:
+        """Put back what stood after the last order that a moment includes."""
+        talk, _ = self._stand_at(moment)
+        self.crew.put_back(talk, moment.tick)
+        self.put_back_plans(moment)
 
-    def arrive(self) -> None:
-        """Put back the plans after a replay. The replay has said its words itself."""
-        self.agenda.take(self._present()[1])
+    def put_back_plans(self, moment: Moment) -> None:
+        """Put back the plans alone, as after a replay, which has said its words itself."""
+        self.agenda.put_back(self._stand_at(moment)[1])
 
-    def _present(self) -> Stand:
-        if self.history.after not in self._by_order:
+    def _stand_at(self, moment: Moment) -> Stand:
+        if moment.after not in self._by_order:
             self._read()
-        return self._by_order.get(self.history.after, EMPTY_STAND)
+        return self._by_order.get(moment.after, EMPTY_STAND)
 
     def _read(self) -> None:
         """Understand the journal's orders again, up to the last that the state includes."""

@@ -90,16 +90,16 @@ class StepGuide:
         self._hinted = True
         self._tell(f"hint: {hint}", Fact("step-hint", hint))
 
-    def settle(self) -> None:
-        """Find the step of the moment to which time has jumped."""
+    def follow(self, moment: Moment) -> None:
+        """Find the step of a moment to which time has jumped."""
         if not self.steps:
             return
-        tick, kept = self.control.history.tick, dict[str, Moment]()
+        tick, kept = moment.tick, dict[str, Moment]()
         with contextlib.suppress(RecordingError):  # those of this run are known without it
             kept = self.control.history.snapshots()
         for place in range(len(self.steps)):
-            if moment := kept.get(_name(place)):
-                self._begun.setdefault(place, moment)
+            if begun := kept.get(_name(place)):
+                self._begun.setdefault(place, begun)
         self._begun = {n: each for n, each in self._begun.items() if each.tick <= tick}
         self.place = max(self._begun, default=-1)
         # who begins anew, such as the next visitor, has all repeats before him

@@ -252,7 +252,7 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
     for _ in range(10):
         boat.tick()
     assert boat.state.water_east > 0.0
-    boat.world.settle([])
+    boat.world.obey_anew([])
     assert boat.tick is boat.advance
 
 

@@ -205,9 +205,9 @@ def test_the_mast_follows_from_the_orders_alone(tmp_path: Path) -> None:
         stood.append(scope_of(boat).at(boat.ticks))
         fly(boat, 1)
     again = at_sea(tmp_path, speed=9.0)  # another state, in which an order would be doubted
-    again.world.settle([(tick, order_of(text)) for tick, text in given])
+    again.world.obey_anew([(tick, order_of(text)) for tick, text in given])
     assert [scope_of(again).at(tick) for tick in range(24)] == stood
-    again.world.settle([])
+    again.world.obey_anew([])
     assert scope_of(again).at(24) == Mast(tick=24)
 
 

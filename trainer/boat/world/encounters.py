@@ -172,7 +172,7 @@ class EncounterMonitor:
         """Return the watch over a boat."""
         contacts = contacts_in(boat)
         monitor = cls(contacts, OwnHull.of(boat) if contacts else None)
-        monitor.settle(boat)
+        monitor.reset_to(boat)
         return monitor
 
     @property
@@ -180,8 +180,8 @@ class EncounterMonitor:
         """Return the exercise's rules about ships that come near."""
         return self.contacts.encounters if self.contacts else Encounters()
 
-    def settle(self, boat: Any) -> None:
-        """Take the boat as it is, after a jump in time. No range is measured over the jump."""
+    def reset_to(self, boat: Any) -> None:
+        """Take the boat as it is. No range is measured from where it was before."""
         self.struck, self.nearest = "", ("", math.inf)
         self._pose = Pose(*boat.numbers(POSE_NAMES)) if self.contacts else None
         for memory in (self.closest, self.called, self.clear_since, self.touching, self._past):

@@ -72,8 +72,8 @@ class World:
         self.changed()
         return answer
 
-    def settle(self, orders: Iterable[tuple[int, Order]]) -> None:
-        """Obey these orders anew, each at its tick, because time has jumped."""
+    def obey_anew(self, orders: Iterable[tuple[int, Order]]) -> None:
+        """Forget all orders, and obey these anew, each at its tick."""
         for part in self.parts.values():
             part.forget()
         for tick, order in orders:

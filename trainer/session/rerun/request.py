@@ -26,13 +26,13 @@ from trainer.io.outputs import open_output, replacing
 from trainer.io.paths import DEFAULT_HOST
 from trainer.io.recording.recording import Recording
 from trainer.session.header import layout_of, plan_of
+from trainer.session.journal import restore_world
 from trainer.session.options import RunOptions
 from trainer.session.rerun.batch import Batch, Subject, TakenNews, TakenPicture, TimedRows, batch_of
 from trainer.session.rerun.feed import Feed, Log, Sink
 from trainer.session.stations.subscriptions import PromptSender, Publisher
 from trainer.session.stations.view import Pace
 from trainer.session.time.ledger import Ledger
-from trainer.session.world_orders import settle_world
 
 if TYPE_CHECKING:
     from trainer.session.rerun.drawing import Drawing
@@ -179,7 +179,7 @@ def write_record(recording: Recording, path: Path, branch: int) -> None:
     plan = plan_of(header)
     boat = Boat(plan.file, plan.method)
     boat.world = world_of(boat, plan.around)
-    settle_world(boat, recording, branch, sys.maxsize)
+    restore_world(boat, recording, branch, sys.maxsize)
     subject = Subject.of(plan, boat)
     parts = batches(recording, branch, layout_of(header), subject.step)
     first = next(parts)  # nothing is replaced where there is nothing to write

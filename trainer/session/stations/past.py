@@ -7,7 +7,7 @@ made like the live ones, so that a wrong gauge shows what it showed then.
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -70,7 +70,10 @@ class PastReader:
         ticks = math.ceil(asked.order.value / self._boat.method.step)
         span = TickSpan(history.recording.branch, max(history.tick - ticks, 0), history.tick)
         if channel == EVENTS_CHANNEL:
-            news = recent_news(self._log.news, station.role, span)
+            ends: Mapping[int, float] = {}
+            with suppress(RecordingError):  # without it all that memory keeps is told
+                ends = history.ends()
+            news = recent_news(self._log.news, station.role, span.first, ends)
             station.answer(asked, f"events: {len(news)} of them")
             self._mark(station, "begin", channel, history)
             for item in news:
@@ -152,33 +155,39 @@ def recalled_past(history: History) -> list[News]:
     step = history.boat.method.step
     news = [
         News(
-            each.tick,
-            each.tick * step,
-            each.kind,
-            each.text,
+            *(each.tick, each.tick * step, each.kind, each.text),
             Fact("mark", each.text) if each.kind == "mark" else None,
+            branch=each.branch,
         )
         for each in history.noted()
     ]
     orders = history.recording.orders(history.recording.branch)
     news += [
-        News(each.tick, each.tick * step, "exercise", each.text, Fact("order", each.text))
+        News(
+            *(each.tick, each.tick * step, "exercise", each.text, Fact("order", each.text)),
+            branch=each.branch,
+        )
         for each in orders
         if name_of(each.text) == "casualty" and each.accepted
     ]
     return sorted(news, key=lambda each: each.tick)
 
 
-def recent_news(news: Iterable[News], role: Role, span: TickSpan) -> list[News]:
-    """Return the news of a role on the way to the present.
+def recent_news(
+    news: Iterable[News], role: Role, first: int, ends: Mapping[int, float]
+) -> list[News]:
+    """Return the news of a role since a tick, on the way to the present.
 
-    News that a jump in time took back is left out.
+    News of what a jump in time took back is left out. ``ends`` are those of the branches that lead
+    to the present one; there is none without a recording, where no jump leads to another branch.
     """
     heard: list[News] = []
     for item in news:
+        if ends and item.tick > ends.get(item.branch, -1):
+            continue
         if item.fact and item.fact.what == "back":
             heard = [kept for kept in heard if still_stands(kept, item)]
-        if hears_kind(role, item.kind) and item.tick >= span.first:
+        if hears_kind(role, item.kind) and item.tick >= first:
             heard.append(item)
     return heard
 

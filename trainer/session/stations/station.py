@@ -78,6 +78,7 @@ class News(NamedTuple):
     text: str  # for people
     fact: Fact | None = None  # for programs
     saying: Saying | None = None  # for programs, which show the speaker beside the words
+    branch: int = 0  # of the recording, on which it has happened
 
 
 @dataclass(frozen=True)
