@@ -1,4 +1,4 @@
-"""Closest approach of a ship and the boat, foreseen along straight lines or the arcs both are on.
+"""Closest approach of a ship, foreseen along straight lines or on arcs.
 
 ``encounters`` calls it out, and stations show it. Lines hold while arcs leave them by little; where
 both keep turning for minutes, nobody knows better than the arcs do.
@@ -94,7 +94,10 @@ def plot_ship(own: OwnMotion, ship: ShipMotion, limit: float) -> ShipPlot:
 
 
 def leaves_lines(own: OwnMotion, ship: ShipMotion, until: float, limit: float) -> bool:
-    """Return whether arcs leave straight lines by a share of a limit [m] until then [s]."""
+    """Return whether straight lines do not hold until a time [s].
+
+    Arcs leave them by then by a share of a limit [m].
+    """
     bend = 0.5 * (abs(own.speed * own.turning) + abs(ship.speed * ship.turning))
     return until > 0.0 and bend * until * until >= ARC_DEVIATION_SHARE * limit
 
