@@ -94,6 +94,9 @@ FIRST = {  # what is typed before
     "trainer report-1969 fit": ("trainer boat manoeuvre impulse bb2 --csv impulse.csv",),
     "trainer boat sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
     "trainer ship prbs": ("cp known.toml ship.toml",),
+    "trainer ship steering": (
+        "trainer boat manoeuvre zigzag-20 ship.toml --duration 800 --csv zigzag.csv",
+    ),
     "trainer identify": (
         *TRIAL,
         "cp hull.toml ship.toml",
