@@ -1,0 +1,101 @@
+"""The service and the container of a classroom's server are whole, and type what there is."""
+
+import configparser
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from helpers.places import ROOT
+from helpers.shell import understand
+
+from trainer.boat.machine_code import FORBIDDEN_TEXT
+
+DEPLOY = ROOT / "deploy"
+UNIT = DEPLOY / "trainer-classroom.service"
+CONTAINERFILE = (DEPLOY / "Containerfile").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "classroom.md").read_text(encoding="utf-8")
+
+
+def service() -> configparser.SectionProxy:
+    """Return the keys of the unit's service."""
+    unit = configparser.ConfigParser(interpolation=None)
+    unit.optionxform = str  # type: ignore[assignment,method-assign]
+    unit.read(UNIT, encoding="utf-8")
+    return unit["Service"]
+
+
+def test_the_service_types_a_command_that_there_is() -> None:
+    line = service()["ExecStart"].replace("${EXERCISE}", "periscope-depth")
+    program, *words = shlex.split(line)
+
+    assert program == "/opt/trainer/bin/trainer"
+    assert understand(shlex.join(["trainer", *words])) == ["serve"]
+    assert "`/opt/trainer`" in PAGE
+
+
+def test_the_service_allows_machine_code_and_a_real_time_priority() -> None:
+    keys = service()
+
+    assert keys["MemoryDenyWriteExecute"] == "no"
+    assert "MemoryDenyWriteExecute=no" in FORBIDDEN_TEXT
+    assert (keys["RestrictRealtime"], keys["LimitMEMLOCK"]) == ("no", "infinity")
+
+
+def test_the_service_keeps_what_is_written_in_its_own_folders() -> None:
+    keys = service()
+    written = dict(word.split("=") for word in keys["Environment"].split())
+
+    assert keys["DynamicUser"] == "yes"
+    for name, folder in (
+        *(("XDG_STATE_HOME", "%S/"), ("XDG_CACHE_HOME", "%C/"), ("XDG_RUNTIME_DIR", "%t/")),
+    ):
+        assert written[name] == folder + "trainer"
+    assert {keys[f"{kind}Directory"] for kind in ("State", "Cache", "Runtime")} == {"trainer"}
+
+
+def complaints(unit: Path) -> str:
+    """Return what systemd says against a unit, "" also where it is not installed."""
+    analyst = shutil.which("systemd-analyze")
+    if analyst is None:
+        return ""
+    words = (analyst, "verify", str(unit))
+    return subprocess.run(words, capture_output=True, text=True, check=False).stderr
+
+
+@pytest.mark.process
+def test_systemd_reads_the_service_without_a_complaint(tmp_path: Path) -> None:
+    copy = tmp_path / UNIT.name
+    text = UNIT.read_text(encoding="utf-8").replace("/opt/trainer/bin/trainer", sys.executable)
+    copy.write_text(text, encoding="utf-8")
+
+    assert UNIT.name not in complaints(copy)
+
+
+def test_the_container_copies_what_there_is_and_runs_the_tested_python() -> None:
+    copied = re.findall(r"^COPY (?!--)(.*) \S+$", CONTAINERFILE, re.MULTILINE)
+    names = [name for line in copied for name in line.split()]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    wheel = project["tool"]["hatch"]["build"]["targets"]["wheel"]
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+
+    assert [name for name in names if not (ROOT / name).exists()] == []
+    assert {"pyproject.toml", project["project"]["readme"]} <= set(names)
+    assert {*project["project"]["license-files"], *wheel["packages"]} <= set(names)
+    assert set(wheel["force-include"]) <= set(names)
+    assert set(re.findall(r"^FROM \S+/python:([\d.]+)-slim", CONTAINERFILE, re.MULTILINE)) == set(
+        re.findall(r'python-version: "([\d.]+)"', workflow)
+    )
+
+
+def test_the_page_types_what_the_container_understands() -> None:
+    (entry,) = re.findall(r"^ENTRYPOINT (.*)$", CONTAINERFILE, re.MULTILINE)
+    (line,) = re.findall(r"^podman run .* trainer (serve .*)$", PAGE, re.MULTILINE)
+
+    assert json.loads(entry) == ["trainer"]
+    assert understand(f"trainer {line}") == ["serve"]
