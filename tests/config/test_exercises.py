@@ -587,14 +587,16 @@ def test_casualties_of_ones_own_are_known_though_the_head_of_the_file_is_wrong(
 @pytest.mark.process
 def test_the_lists_name_everything_in_79_columns() -> None:
     exercises, casualties = ran("exercises"), ran("casualties")
-    lessons, listed = exercises.stdout.split("Exercises:\n")
-    names = [line.split()[0] for line in listed.splitlines() if line]
+    lessons, listed, hint = exercises.stdout.split("\n\n")
+    names = [line.split()[0] for line in listed.splitlines()[1:]]
     assert sorted(names) == list(NAMES)
-    assert lessons.startswith("Lessons, step by step:\nwheel-and-course     1 the wheel and")
-    assert [line.split()[0] for line in lessons.splitlines()[1:-1]] == [
+    assert listed.startswith("Exercises, easy ones first:  ")
+    assert "trainer run NAME --train" in hint
+    assert lessons.startswith("Lessons, step by step, for one person alone:\nwheel-and-course ")
+    assert [line.split()[0] for line in lessons.splitlines()[1:]] == [
         each.name for each in step_lessons()
     ]
-    assert re.search(r"^heavy-boat +6 Trim +30 min ballast$", listed, re.MULTILINE)
+    assert re.search(r"^heavy-boat +6 Trim +30 min 1 ballast$", listed, re.MULTILINE)
     assert (names[0], names[-2], names[-1]) == (
         "first-depth-change",
         "bottoming",
