@@ -62,7 +62,7 @@ def test_a_page_fits_a_terminal_and_says_with_an_example_how_it_was_asked_for(
     assert len(lines) > 5
     assert max(map(len, lines)) <= 79
     assert done.stdout.isascii()
-    assert f"Example:  trainer {name} " in ask(name, "--help").stdout
+    assert f"Example:  trainer report-1969 {name} " in ask(name, "--help").stdout
 
 
 @pytest.mark.parametrize("name", COMMANDS)
