@@ -88,6 +88,7 @@ def test_where_one_failure_is_one_the_mark_does_not_count(tmp_path: Path) -> Non
     assert "FLAKY" not in done.stdout
 
 
+@pytest.mark.alone
 @pytest.mark.process
 @pytest.mark.parametrize(
     ("program", "wrong"),

@@ -1,5 +1,6 @@
 """Who is connected to the pages' server: silence shuts nobody out, every machine has places."""
 
+import asyncio
 import contextlib
 import gzip
 import socket
@@ -10,10 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import uvicorn
 from helpers.pages import Served
 from helpers.waiting import PATIENCE, await_that
 from helpers.wire import Pages, dialled, make_certificate, pages, request
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import InvalidState, InvalidStatus
 
 from trainer import __version__
 from trainer.io.machine import THIS_MACHINE, machine_of
@@ -25,8 +27,8 @@ from trainer.web.admission import (
     ConnectionRoom,
 )
 from trainer.web.bridge import MAX_PAGES_OF_MACHINE
-from trainer.web.gate import SECURITY_HEADERS
-from trainer.web.server import MAX_LINE_BYTES_AT_ONCE, Certificate
+from trainer.web.gate import SECURITY_HEADERS, Refusals
+from trainer.web.server import MAX_LINE_BYTES_AT_ONCE, Certificate, PageServer
 
 ANOTHER = "127.0.0.2"  # stands for another machine, where `many_machines` is asked for
 THIRD = "127.0.0.3"
@@ -365,3 +367,30 @@ def test_few_descriptors_make_few_places_and_many_make_no_more_than_are_meant() 
         room = ConnectionRoom.of(descriptors)
         assert 1 <= room.machine <= MAX_CONNECTIONS_OF_MACHINE
         assert 2 * (room.here + room.elsewhere) <= max(descriptors, 4)
+
+
+class LeavingPage:
+    """A connection that closes its line just as the server ends."""
+
+    def __init__(self, server: PageServer) -> None:
+        self._server = server
+        self.asked = 0
+
+    def shutdown(self) -> None:
+        self.asked += 1
+        if self.asked == 1:
+            raise InvalidState("connection is closing")
+        self._server.server_state.connections.clear()
+
+
+def test_a_page_that_closes_its_line_as_the_server_ends_does_not_hold_it() -> None:
+    with socket.socket() as listener:
+        entrance = admission.Admission(FEW, Refusals(lambda _: None))
+        server = PageServer(uvicorn.Config(lambda: None), listener, entrance, lambda: None)
+        server.servers, server.force_exit = [], True
+        page = LeavingPage(server)
+        server.server_state.connections = {page}  # type: ignore[arg-type]
+
+        asyncio.run(server.shutdown())
+
+    assert page.asked == 2

@@ -26,6 +26,7 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 from uvicorn.protocols.websockets.auto import AutoWebSocketsProtocol
+from websockets.exceptions import InvalidState
 
 from trainer import __version__
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
@@ -57,6 +58,8 @@ MAX_FRAME_BYTES: Final = 4096  # [bytes] a longer one is not even read
 MAX_LINE_BYTES_PER_S: Final = 65536  # of a page's line; a lever sends a thousand
 MAX_LINE_BYTES_AT_ONCE: Final = 4 * 1024 * 1024
 PULSE_PERIOD_S: Final = 1.0
+SHUTDOWN_PAUSE_S: Final = 0.05
+MAX_SHUTDOWN_TRIES: Final = 20
 # [s] a year: a file with a hash in its name never changes
 KEPT_FOREVER: Final = "public, max-age=31536000, immutable"
 TOKEN_AGE_S: Final = 7 * 24 * 3600  # [s]
@@ -257,10 +260,18 @@ class PageServer(uvicorn.Server):
             duty.add_done_callback(self._end)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Take no more connections, and end those that there are."""
+        """Take no more connections, and end those that there are.
+
+        uvicorn fails of a page that closes its line at this instant, and would leave the others.
+        """
         for duty in self._duties:
             duty.cancel()
-        await super().shutdown(sockets)
+        for _ in range(MAX_SHUTDOWN_TRIES - 1):
+            try:
+                return await super().shutdown(sockets)
+            except InvalidState:
+                await asyncio.sleep(SHUTDOWN_PAUSE_S)
+        return await super().shutdown(sockets)
 
     def _protocol(self, visit: Visit) -> asyncio.Protocol:
         """Return the HTTP protocol of one connection."""
