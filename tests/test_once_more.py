@@ -50,14 +50,16 @@ CASES: dict[str, tuple[list[str], int, list[str]]] = {  # tests; exit code, what
 }
 
 
-def run_tests(folder: Path, texts: list[str]) -> subprocess.CompletedProcess[str]:
-    """Run made-up tests by two workers in a folder of their own."""
+def run_tests(
+    folder: Path, texts: list[str], words: tuple[str, ...] = ("-n", "2")
+) -> subprocess.CompletedProcess[str]:
+    """Run made-up tests in a folder of their own, by two workers if nothing else is said."""
     for number, text in enumerate(texts):
         (folder / f"test_{number}.py").write_text(text)
-    (folder / "pytest.ini").write_text("[pytest]\nmarkers = clock: waits\n")
+    (folder / "pytest.ini").write_text("[pytest]\nmarkers =\n clock: waits\n alone: works\n")
     (folder / "conftest.py").write_text('pytest_plugins = ["helpers.once_more"]\n')
     return subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-n", "2"],
+        [sys.executable, "-m", "pytest", "-q", *words],
         cwd=folder,
         env=places.tests_environment(),
         capture_output=True,
@@ -86,6 +88,15 @@ def test_where_one_failure_is_one_the_mark_does_not_count(tmp_path: Path) -> Non
 
     assert done.returncode == 1
     assert "FLAKY" not in done.stdout
+
+
+@pytest.mark.process
+def test_what_load_disturbs_is_tried_again_though_nothing_ran_beside_it(tmp_path: Path) -> None:
+    text = FLAKY.replace("def test", "@pytest.mark.alone\ndef test")
+    done = run_tests(tmp_path, [text], ("-m", "alone"))
+
+    assert done.returncode == 0
+    assert "FLAKY, passed alone: test_0.py::test_flaky" in done.stdout
 
 
 @pytest.mark.alone

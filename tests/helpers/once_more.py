@@ -72,8 +72,9 @@ def waits_for_clock(report: pytest.TestReport) -> bool:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Listen in the process that has workers, and in no worker."""
-    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+    """Listen where there are workers, or what load disturbs is chosen, and in no worker."""
+    whole = getattr(config.option, "numprocesses", None) or "alone" in config.option.markexpr
+    if whole and not hasattr(config, "workerinput"):
         config.pluginmanager.register(FailureLog(config))
 
 
