@@ -8,6 +8,7 @@ import ssl
 import time
 import zlib
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -391,6 +392,8 @@ def test_a_page_that_closes_its_line_as_the_server_ends_does_not_hold_it() -> No
         page = LeavingPage(server)
         server.server_state.connections = {page}  # type: ignore[arg-type]
 
-        asyncio.run(server.shutdown())
+        # in a thread, because a browser's loop may run in this one
+        with ThreadPoolExecutor(1) as thread:
+            thread.submit(lambda: asyncio.run(server.shutdown())).result()
 
     assert page.asked == 2
