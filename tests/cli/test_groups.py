@@ -62,6 +62,15 @@ def test_every_earlier_name_is_the_command_in_its_group_and_in_no_list() -> None
     assert typed("vessels", "--json") == typed("boat", "vessels", "--json")
 
 
+@pytest.mark.parametrize(
+    ("earlier", "now"),
+    [(("check",), "boat check [OPTIONS]"), (("vessel", "new"), "boat new"), (("vessel",), "boat")],
+)
+def test_help_by_an_earlier_name_says_what_is_typed_now(earlier: tuple[str, ...], now: str) -> None:
+    for words in ((*earlier, "--help"), ("help", *earlier)):
+        assert f" {now}" in typed(*words)[1].splitlines()[0]
+
+
 def test_no_two_groups_have_a_command_of_one_name() -> None:
     names = [name for group in COMMAND_GROUPS for name in group.commands]
 

@@ -70,12 +70,13 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command; UsageError with the nearest name if there is none."""
+        """Return the command and its name of today; UsageError if there is none."""
         name = args[0]
         unknown = self.get_command(ctx, name) is None and not name.startswith("-")
         if unknown and not ctx.resilient_parsing:
             ctx.fail(f"no command {name!r}{self.nearest(name)}")
-        return super().resolve_command(ctx, args)
+        typed, command, rest = super().resolve_command(ctx, args)
+        return self.earlier_names.get(name, typed), command, rest
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return a command by its name or an earlier one, None for no command."""

@@ -49,7 +49,7 @@ from trainer.session.exercise import (
 )
 from trainer.session.hints import Hints
 from trainer.session.manning import unmanned_axes
-from trainer.session.run_faces import Judged
+from trainer.session.run_faces import JudgementScope
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import (
     INSTRUCTOR_ROLE,
@@ -178,17 +178,17 @@ class Conduct:
 
     def judge_tick(self, met: EncounterMonitor) -> None:
         """Judge a tick: a collision in it, and the moment at its end."""
-        if self.control.history.flown.judged is Judged.ALL:
+        if self.control.history.flown.judged is JudgementScope.ALL:
             self.collide(met)
         self.judge_moment()
 
     def judge_moment(self) -> None:
         """Judge the present moment. Time may have jumped to it."""
         judged = self.control.history.flown.judged
-        if judged is Judged.ALL:
+        if judged is JudgementScope.ALL:
             self.judge_hull()
             self.look()
-        elif judged is Judged.GROUND:
+        elif judged is JudgementScope.GROUND:
             self.tell_ground()
 
     def collide(self, met: EncounterMonitor) -> None:

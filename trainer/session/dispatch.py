@@ -241,10 +241,19 @@ class Dispatch:
     duties: Mapping[str, Duty]  # who answers what is not passed on
     refused: list[str] = field(default_factory=list)  # of the schedule, for the summary
     way: Demonstration = field(init=False)
+    _acts: Mapping[Due, Callable[[], None]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self.way = Demonstration(self.session, self.carry_out)
         self.duties = {**self.duties, "demonstrate": self.way.ask}
+        self._acts = {
+            Due.SCHEDULE: self.obey_schedule,
+            Due.PLANS: self.obey_plans,
+            Due.CREW: self.way.speak,
+            Due.JOURNAL: self.obey_again,
+            Due.END_OF_WAY: self.way.end,
+            Due.END_OF_REPLAY: lambda: end_replay(self.session),
+        }
 
     def hear(self, asked: Request) -> None:
         """Answer what a station has asked or ordered, and tell the others."""
@@ -341,17 +350,9 @@ class Dispatch:
 
     def obey_due(self) -> bool:
         """Carry out what is due before a tick; return whether the run ends there."""
-        acts: Mapping[Due, Callable[[], None]] = {
-            Due.SCHEDULE: self.obey_schedule,
-            Due.PLANS: self.obey_plans,
-            Due.CREW: self.way.speak,
-            Due.JOURNAL: self.obey_again,
-            Due.END_OF_WAY: self.way.end,
-            Due.END_OF_REPLAY: lambda: end_replay(self.session),
-        }
         due = None
         for due in self.session.history.flown.due():
-            acts[due]()
+            self._acts[due]()
         return due in (Due.END_OF_WAY, Due.END_OF_REPLAY)
 
     def obey_schedule(self) -> None:

@@ -33,7 +33,7 @@ class Due(Enum):
     END_OF_REPLAY = "the replay is over"
 
 
-class Judged(Enum):
+class JudgementScope(Enum):
     """What is judged of a run."""
 
     NOTHING = "nothing"
@@ -48,7 +48,7 @@ class LiveRun:
     replaying = False  # as it is shown
     shows_way = False  # the reference crew flies it
     watched = True  # by a crew, whose orders are its own
-    judged = Judged.ALL
+    judged = JudgementScope.ALL
     difference = ""  # from what is recorded of it
 
     def __init__(self, journal: Journal) -> None:
@@ -113,7 +113,7 @@ class ShownRun(LiveRun):
     barred = "the reference crew shows the way: demonstrate off ends it"
     shows_way = True
     watched = False
-    judged = Judged.NOTHING  # what is shown ends no exercise
+    judged = JudgementScope.NOTHING  # what is shown ends no exercise
 
     def __init__(self, journal: Journal, last_tick: int, met: EncounterMonitor) -> None:
         super().__init__(journal)
@@ -141,7 +141,7 @@ class ReplayedRun:
     replaying = True
     shows_way = False
     watched = False  # the recording has the watch's orders
-    judged = Judged.GROUND  # nothing ends a replay before its end
+    judged = JudgementScope.GROUND  # nothing ends a replay before its end
 
     def __init__(self, journal: Journal, orders: Sequence[RecordedOrder], end: Moment) -> None:
         self._journal = journal
