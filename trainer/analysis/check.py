@@ -36,12 +36,8 @@ AVERAGED_LENGTHS = 20.0  # the last of which are averaged
 MAX_TURN_TICKS = 20_000  # at whatever speed
 MAX_YAW_RATE_SPREAD = 0.02  # [-] of the yaw rate over them: more is not steady
 PLANE_NAMES = ("stern", "bow")
-ASYMMETRIC_COEFFICIENTS = (
-    "Y_star",
-    "K_star",
-    "N_star",
-    "K_star_eta",
-)  # [ASSES] equations (2), (4), (6)
+# [ASSES] equations (2), (4), (6)
+ASYMMETRIC_COEFFICIENTS = ("Y_star", "K_star", "N_star", "K_star_eta")
 EQUATION_SETS = ("full", "modified", "basic")
 STABILITY_METHODS = ("adams2", "euler")
 STEPS_1969_S = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set

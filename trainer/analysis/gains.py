@@ -27,9 +27,8 @@ GAIN_SPEED_COUNT = 10  # in the schedule, geometrically spaced
 DEPTH_ERROR_LENGTHS = 0.04  # [lengths]
 PITCH_ERROR_RAD = math.radians(12.0)  # [rad]
 COURSE_ERROR_RAD = math.radians(6.0)  # [rad]
-DEPTH_ERROR_RUN = (
-    8.0  # [lengths run] for which a DEPTH_ERROR_LENGTHS error may last before it counts twice
-)
+# [lengths run] for which a DEPTH_ERROR_LENGTHS error may last before it counts twice
+DEPTH_ERROR_RUN = 8.0
 COURSE_ERROR_RUN = 10.0  # [lengths run] likewise of a COURSE_ERROR_RAD error
 
 SURFACE_SWING_RUN = 0.25  # [lengths run] how long a surface may take to go that far

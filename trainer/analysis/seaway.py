@@ -41,9 +41,8 @@ BAND_WIDTH: Final = 0.1  # [-] of a band
 SERIES_COUNT: Final = 20  # series of the sea, each by its own seed
 SERIES_HOURS: Final = 3.0  # of each
 SHOWN_SERIES_S: Final = 400.0  # [s] of the first, as in the report of 1969
-MAX_CHASE_RATIO: Final = (
-    0.15  # [-] speed with the waves over the peak's, beyond which the filter is untrue
-)
+# [-] speed with the waves over the peak's, beyond which the filter is untrue
+MAX_CHASE_RATIO: Final = 0.15
 USUAL_DEPTHS_M: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0)  # [m]
 MIN_DEPARTURE_RATE: Final = 1e-6  # [1/s2] a departure that doubles in ten minutes or more is none
 MAX_WAVE_DEPTH: Final = 3.0  # [-] depth times the peak's number, beyond which little is left

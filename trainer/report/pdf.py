@@ -20,25 +20,17 @@ BROWSER_NAMES: Final = (
     "microsoft-edge", "microsoft-edge-stable", "msedge", "chromium-headless-shell",
 )
 # fmt: on
-
-
 MAC_PATHS: Final = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
     "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
 )
-
-
 WINDOWS_PATHS: Final = (
     "Google/Chrome/Application/chrome.exe",
     "Chromium/Application/chrome.exe",
     "Microsoft/Edge/Application/msedge.exe",
 )
-
-
 WINDOWS_FOLDERS: Final = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")  # of Windows
-
-
 PRINT_TIMEOUT_S: Final = 120.0  # [s]
 
 

@@ -23,13 +23,7 @@ TRACK_TITLE: Final = "track"  # title of a panel with one scale both ways
 FILE_ENDINGS: Final = (".png", ".svg", ".pdf")
 CURVE_COLOURS: Final = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 # five beside seven colours: 35 pairs before one recurs
-LINE_STYLES: Final = (
-    "-",
-    "--",
-    "-.",
-    ":",
-    (0, (8, 2, 2, 2, 2, 2)),
-)
+LINE_STYLES: Final = ("-", "--", "-.", ":", (0, (8, 2, 2, 2, 2, 2)))
 POINT_MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
 PLOT_STYLE: Final[dict[Any, Any]] = {
     "font.size": 9.0,

@@ -33,17 +33,9 @@ from trainer.session.stations.station import Station
 from trainer.session.time.ledger import Histogram, Spread
 
 TIME_SPEED: Final = 10.0  # [-] of time, so that a minute has orders enough
-
-
-PAUSE_TICKS: Final = (
-    1.0,
-    2.0,
-)  # [ticks] between orders: anywhere within a tick, and one for each at least
-
-
+# [ticks] between orders: anywhere within a tick, and one for each at least
+PAUSE_TICKS: Final = (1.0, 2.0)
 LOCAL_HOST: Final = "127.0.0.1"
-
-
 RUDDER_ORDERS: Final = ("rudder left full", "rudder right full")
 
 

@@ -25,8 +25,6 @@ from trainer.boat.platforms import PROCESSOR_LEVELS
 from trainer.config.files import ConfigError
 
 FLEET_MEMBERS: Final = 17  # a full block of LANE_COUNT boats, and one boat that begins the next
-
-
 CHILD_PROGRAM: Final = """
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour

@@ -77,9 +77,8 @@ TRIED_STEPS_S: Final = (
 )  # [s] tried, the longest first
 # fmt: on
 MAX_STEP_LENGTHS: Final = 0.1  # lengths run in a step, at most
-MAX_ROLL_STEP_RAD: Final = (
-    0.18  # [rad] of a free roll in a step, at most: Adams feeds it by 0.9 % a cycle
-)
+# [rad] of a free roll in a step, at most: Adams feeds it by 0.9 % a cycle
+MAX_ROLL_STEP_RAD: Final = 0.18
 WAVE_STRIPS: Final = 7  # of the hull in waves
 # [lengths] from the centre of gravity to that of the volume: with strips 0.005 off the centre of
 # buoyancy a vessel file is refused

@@ -32,13 +32,11 @@ SECTION_LIFT_SLOPE: Final = 0.9 * 2.0 * math.pi  # [1/rad] of [WF]
 VISCOUS_STATION: Final = (0.378, 0.527)  # [DATCOM]: of the length, and of the tail's centroid
 DRIFT_DRAG_RATIO: Final = 0.35  # X_vv over Y_v: BB2 0.32, SDV 0.53; own estimate
 ROLL_DAMPING: Final = 0.5  # own estimate
-PLATE_DRAG: Final = (
-    0.6  # drag of a panel across the flow: its slope already carries part; own estimate
-)
+# drag of a panel across the flow: its slope already carries part; own estimate
+PLATE_DRAG: Final = 0.6
 SMALL_SWINGS: Final = 5.0  # that of plates at a low Keulegan number, from BB2's roll decay
-MIXED_SHARE: Final = (
-    0.6  # of the strips' remainder: BB2 0.48, the tables of Iowa 0.85; own estimate
-)
+# of the strips' remainder: BB2 0.48, the tables of Iowa 0.85; own estimate
+MIXED_SHARE: Final = 0.6
 PIVOT_PLACES: Final = np.linspace(0.1, 0.6, 11)  # [lengths] ahead of the CG, of a boat that turns
 CROSS_FLOW_DRAG: Final = (0.55, 1.1)  # drag above and below that Reynolds number
 CRITICAL_REYNOLDS: Final = 4e5

@@ -29,9 +29,8 @@ PAPER_EDGE_PX: Final = 20.0  # [px] beside the hull
 TITLE_ROOM_PX: Final = 42.0  # [px] above each view: its title, and below it a name of a surface
 AXIS_ROOM_PX: Final = 30.0  # [px] below each view
 OUTLINE_STRIDE: Final = 2  # stations a point of the outline
-MIN_PANEL_SHARE: Final = (
-    0.3  # share of a panel that a view shows: less is seen edge on, and not named
-)
+# share of a panel that a view shows: less is seen edge on, and not named
+MIN_PANEL_SHARE: Final = 0.3
 BAR_ROW_PX, BARS_LEFT, BARS_WIDTH, BARS_EDGE = 26.0, 150.0, 340.0, 40.0  # [px] of a bar chart
 LETTER_WIDTH_PX: Final = 6.2  # [px] about as wide as one
 MIN_BAND_DRAWS: Final = 40  # draws, of which one lies beyond either end of 95 %

@@ -47,9 +47,8 @@ SHIFTED_PLACES: Final = ("le_root", "cg_from_nose")  # what is shifted
 FOLLOWING_PLACES: Final = {"le_root": "le_tip"}  # what is shifted with it
 NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "rho", "nu")
 MAX_INPUTS: Final = 10  # inputs shown, those that matter most
-REVERSAL_SPEED_SHARE: Final = (
-    0.7  # of the design speed: a stern plane reversal above it is reported
-)
+# of the design speed: a stern plane reversal above it is reported
+REVERSAL_SPEED_SHARE: Final = 0.7
 MASS_SLACK: Final = 0.02  # of the mass against the displaced
 
 

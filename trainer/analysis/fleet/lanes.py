@@ -40,9 +40,8 @@ from trainer.core.kernel import inlined
 
 FixedFields = Mapping[str, float]
 
-LANE_COUNT: Final = (
-    16  # boats of a block: whole vectors of processors that take two, four or eight numbers
-)
+# boats of a block: whole vectors of processors that take two, four or eight numbers
+LANE_COUNT: Final = 16
 DOUBLE_TYPE: Final = types.float64
 BLOCK_TYPE: Final = types.Array(DOUBLE_TYPE, 1, "C")
 DOUBLE_IR: Final = ir.DoubleType()

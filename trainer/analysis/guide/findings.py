@@ -40,18 +40,8 @@ GOOD_ERROR_PERCENT: Final = 1.0  # [%] error up to which a step is fine,
 BAD_ERROR_PERCENT: Final = 5.0  # and from which it is of no use
 MIN_COLUMN_CHANGE: Final = 1e-3  # [rad] or of the speed: a column that moves less is not looked at
 INSTANT_RIG: Final = Rig(controls="once")
-CRITICAL_SPEED_RATIOS: Final = (
-    0.6,
-    0.7,
-    0.8,
-    0.9,
-    0.95,
-    1.05,
-    1.1,
-    1.2,
-    1.4,
-    1.8,
-)  # of the critical speed
+# of the critical speed
+CRITICAL_SPEED_RATIOS: Final = (0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 1.8)
 REVERSAL_TOLERANCE: Final = 0.15  # [-] of it: where the reversal has to be
 FLIGHT_TAIL_SHARE: Final = 0.1  # [-] of a flight, its last part
 PLANE_OFFSET: Final = TrimChange(angle_deg=2.0, duration_s=600.0)

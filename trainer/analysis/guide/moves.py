@@ -16,14 +16,8 @@ from trainer.config.files import ConfigError, no_constant, quote
 EMBEDDED_GUIDE: Final = re.compile(
     r'<script type="application/json" id="guide">(.*?)</script>', re.DOTALL
 )
-
-
 SAME_NUMBER_RATIO: Final = 1e-6  # [-] relative difference that is none
-
-
 TINY_NUMBER: Final = 1e-12  # [SI] a change that is rounding about zero, where no ratio can tell
-
-
 MAX_GUIDE_BYTES: Final = 50_000_000  # [byte] of an earlier guide
 
 

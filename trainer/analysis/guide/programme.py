@@ -50,9 +50,8 @@ ONE_SPEED_MANOEUVRES: Final = (
 TWO_SIDED_MANOEUVRES: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
 SHALLOW_MANOEUVRES: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
 SEA_MANOEUVRE: Final = "beam-sea"
-SHALLOW_DEPTH_DIAMETERS: Final = (
-    2.5  # [diameters] of the origin's depth there: an estimate of periscope depth
-)
+# [diameters] of the origin's depth there: an estimate of periscope depth
+SHALLOW_DEPTH_DIAMETERS: Final = 2.5
 LOAD_SHARES: Final = (0.002, -0.002)  # [-] of the weight, out of balance
 EXECUTE_ANGLES_DEG: Final = (5.0, 20.0)  # [deg] of the overshoots
 RUDDER_ANGLES_DEG: Final = (15.0, 35.0)  # [deg] of the turns

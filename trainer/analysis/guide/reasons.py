@@ -24,8 +24,6 @@ JUDGED_MEASURES: Final[MeasureNames] = {
     "turn": ("steady diameter", "steady speed", "largest roll"),
     "meander": ("pitch peak 1", "damping ratio"),
 }
-
-
 MIN_EFFECT_PERCENT: Final = 0.1  # [%] a smaller effect on everything is not shown
 
 

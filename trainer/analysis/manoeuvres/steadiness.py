@@ -26,34 +26,15 @@ from trainer.analysis.manoeuvres.vehicle import (
 )
 
 RUDDER_PARTS: Final = (1.0, 2 / 3, 1 / 3, 1 / 6, 0.0, -1 / 6, -1 / 3, -2 / 3, -1.0)
-
-
 MIN_PART_LENGTHS: Final = 3.0  # [lengths run] of each part, before it can count as steady
-
-
 MAX_PART_LENGTHS: Final = 40.0  # [lengths run] of a part that does not become steady
-
-
 LOOK_BACK_LENGTHS: Final = 2.0  # [lengths run] over which a steady yaw rate hardly changes
-
-
-STEADY_RATE_CHANGE: Final = (
-    2e-3  # [-] of the yaw rate seen so far, by which it may change in LOOK_BACK_LENGTHS
-)
-
-
+# [-] of the yaw rate seen so far, by which it may change in LOOK_BACK_LENGTHS
+STEADY_RATE_CHANGE: Final = 2e-3
 MIN_SWIRL: Final = 1e-3  # [-] yaw rate times length over speed that counts as no turn
-
-
 FIRST_MARK: Final = "largest"  # mark of the turn that finds the largest yaw rate
-
-
 SPIRAL_WAYS: Final = ("down", "up")  # of a direct spiral: from one side to the other, and back
-
-
 HELM_GAIN: Final = 1.0  # [rad] of rudder per error of r L/U
-
-
 HELM_INTEGRAL_GAIN: Final = 0.5  # [rad] the same, per length run
 
 

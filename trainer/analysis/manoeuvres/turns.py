@@ -30,9 +30,8 @@ from trainer.analysis.manoeuvres.vehicle import (
 )
 
 TURN_END_PARTS: Final = 10  # a tenth of the turn is its end,
-SETTLED_HEEL_RATIO: Final = (
-    0.1  # [-] of the last heel: it is steady that swings no more than this there
-)
+# [-] of the last heel: it is steady that swings no more than this there
+SETTLED_HEEL_RATIO: Final = 0.1
 MIN_SNAP_RATIO: Final = 0.2  # [-] of the largest roll: a smaller first flick is none
 LEVEL_DEPTH_LENGTHS: Final = 0.01  # [lengths] of depth, and ...
 LEVEL_PLANES_RAD: Final = math.radians(0.25)  # ... of the planes: less is level flight; estimates

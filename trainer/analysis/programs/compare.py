@@ -29,9 +29,8 @@ COMPARISON_END_S: Final = 120.0  # [s] the time looked at, of [ASSES]
 ALLOWED_PERCENT: Final = 5.0  # [%] of [ASSES]
 STEADY_SHARE: Final = 0.1  # of the time: its last part tells whether a value is steady,
 STEADY_SPREAD: Final = 0.02  # [-] of D: which it is with no more change than this
-MINOR_CHANGE_RATIO: Final = (
-    0.05  # [-] of the largest change: a change below it is shown and not judged
-)
+# [-] of the largest change: a change below it is shown and not judged
+MINOR_CHANGE_RATIO: Final = 0.05
 SURFACE_COLUMNS: Final = ("delta_r", "delta_s", "delta_b")
 STILL_SURFACE_RAD: Final = 1e-9  # [rad] a step: a surface that moves less stands still
 STILL_SHARE: Final = 0.1  # [-] of the steps, in which one that is thrown over stands still

@@ -19,11 +19,7 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 
 FACTOR_NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
-
-
 MAX_SLOPE: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
-
-
 CHUNK_FLIGHTS: Final = 4  # flights handed to a process at once
 
 

@@ -71,17 +71,10 @@ MAX_RUDDER_DEG: Final = 30.0  # [deg] the largest, or as far as it goes
 LOAD_SHARE: Final = 0.002  # [-] of the weight, out of balance
 MAX_ANGLE_HALVINGS: Final = 5  # of a control's angle until the full set is not lost
 BOTH_SIDES: Final[tuple[Side, Side]] = STARBOARD, PORT
-HALVED_FIELDS: Final = (
-    "jammed_lengths",
-    "share",
-    "planes_deg",
-    "angle_deg",
-)  # what is halved, the first
-SLOW_MANOEUVRES: Final = (
-    "pull-out",
-    "spiral",
-    "reverse-spiral",
-)  # slow to fly; turns have their numbers
+# what is halved, the first
+HALVED_FIELDS: Final = ("jammed_lengths", "share", "planes_deg", "angle_deg")
+# slow to fly; turns have their numbers
+SLOW_MANOEUVRES: Final = ("pull-out", "spiral", "reverse-spiral")
 
 
 @dataclass(frozen=True)

@@ -46,9 +46,8 @@ FIT_STEPS: Final = 3  # of a fit by the same slopes
 SURE_NEED: Final = 2.0  # [-] a need below this is doubtful: its term is tried once more at the end
 LAST_FIT_ROUNDS: Final = 3  # rounds of a last fit, when the terms are chosen
 HOPELESS_DIFFERENCE: Final = 4.0  # [-] a difference that new slopes will not mend
-FORESEEN_DIFFERENCE: Final = (
-    3.0  # [-] the same as slopes foresee it; a quick search does not fly to see it
-)
+# [-] the same as slopes foresee it; a quick search does not fly to see it
+FORESEEN_DIFFERENCE: Final = 3.0
 
 
 class SearchPoint(NamedTuple):

@@ -14,14 +14,8 @@ from trainer.analysis.reduce.search import TermNeed
 from trainer.core.terms import EXTRA_TERMS, SLIP_TERMS
 
 REDUCTION_TABLES: Final = ("compact", "compensation.modified", "compensation.basic", "reduction")
-
-
 TABLE_HEADER: Final = re.compile(r"\s*\[\[?\s*([^\]]+?)\s*\]")
-
-
 LINE_WIDTH: Final = 96  # [characters] of the lines written
-
-
 COEFFICIENTS_HEADER: Final = re.compile(r"^\[coefficients", re.MULTILINE)
 
 

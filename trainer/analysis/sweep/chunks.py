@@ -20,8 +20,6 @@ from trainer.io.file_lock import holding
 from trainer.io.outputs import renew_whole
 
 MANIFEST_NAME: Final = "manifest.json"
-
-
 LOCK_NAME: Final = "lock"  # held by the process that writes there
 
 
