@@ -33,7 +33,7 @@ from trainer.debrief.reference import can_fly, join_runs
 from trainer.debrief.sections import OLDER_RULES
 from trainer.io.recording.facts import REFERENCE_GIVER, plan_of
 from trainer.io.recording.recording import RecordedOrder
-from trainer.report.svg import CHART_WIDTH_PX, RIGHT_MARGIN_PX, draw_chart
+from trainer.report.svg import RIGHT_EDGE_PX, draw_chart
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 JAM = {86.0: "bell astern full", 88.0: "bow planes rise 30", 130.0: "stern planes rise 12"}
@@ -215,7 +215,7 @@ def test_the_chart_has_the_figure_of_each_change_and_none_lies_on_another(jam: P
     (_, first, _), (_, second, _), (_, third, _), (x, fourth, _) = places
     assert first != second
     assert third != fourth
-    assert float(x) < CHART_WIDTH_PX - RIGHT_MARGIN_PX - 10.0  # not beyond the edge
+    assert float(x) < RIGHT_EDGE_PX - 10.0  # not beyond the edge
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ from trainer.report.svg import (
     CHART_WIDTH_PX,
     LEFT_MARGIN_PX,
     LETTER_WIDTH_PX,
-    RIGHT_MARGIN_PX,
+    RIGHT_EDGE_PX,
     Chart,
     ChartGround,
     ChartMoment,
@@ -311,7 +311,7 @@ def _casualties(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
         begin, end = (ground.across.at(second) for second in ground.spans[i])
         name = f"C{i + 1} {casualty.episode.kind}"
         bar = rect("bar", begin, 3.0, max(end - begin, 2.0), ROW_HEIGHT_PX - 6.0)
-        fits = end + LETTER_WIDTH_PX * len(name) < CHART_WIDTH_PX - RIGHT_MARGIN_PX
+        fits = end + LETTER_WIDTH_PX * len(name) < RIGHT_EDGE_PX
         words = (
             text("tick", end + 4.0, 14.0, name)
             if fits

@@ -14,7 +14,9 @@ from trainer.report.plots import TRACK_TITLE, Curve, Panel
 from trainer.report.svg import Axis, line_path, rule, step_of, svg_element, text, ticks
 
 PANEL_WIDTH_PX, PANEL_HEIGHT_PX = 460.0, 230.0  # [px]
-LEFT_MARGIN_PX, RIGHT_MARGIN_PX, TOP_MARGIN_PX, BOTTOM_MARGIN_PX = 52.0, 12.0, 26.0, 40.0
+LEFT_MARGIN_PX, TOP_MARGIN_PX = 52.0, 26.0
+RIGHT_EDGE_PX, BOTTOM_EDGE_PX = PANEL_WIDTH_PX - 12.0, PANEL_HEIGHT_PX - 40.0
+INNER_WIDTH_PX, INNER_HEIGHT_PX = RIGHT_EDGE_PX - LEFT_MARGIN_PX, BOTTOM_EDGE_PX - TOP_MARGIN_PX
 CURVE_POINTS: Final = 160  # of a curve
 CURVE_STYLES: Final = 7  # classes of curves in the page's style
 MARKER_SHAPES: Final = (  # about the point
@@ -44,19 +46,12 @@ def draw_panel(panel: Panel) -> Markup:
     parts = [text("title", LEFT_MARGIN_PX, 15.0, panel.y), *_grid(panel, across, up)]
     for label, place in panel.marks:
         if across.low <= place <= across.high:
-            parts += [
-                rule(
-                    "mark",
-                    across.at(place),
-                    TOP_MARGIN_PX,
-                    across.at(place),
-                    PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX,
-                ),
-                text("tick", across.at(place) + 3.0, TOP_MARGIN_PX + 9.0, label),
-            ]
-    for i, (curve, (x, y)) in enumerate(zip(panel.curves, curves, strict=True)):
+            x = across.at(place)
+            parts.append(rule("mark", x, TOP_MARGIN_PX, x, BOTTOM_EDGE_PX))
+            parts.append(text("tick", x + 3.0, TOP_MARGIN_PX + 9.0, label))
+    for i, (curve, known) in enumerate(zip(panel.curves, curves, strict=True)):
         if curve.points:
-            spots = zip(across.places(x), up.places(y), strict=True)
+            spots = zip(across.places(known[0]), up.places(known[1]), strict=True)
             parts.append("".join(_dot(i, float(a), float(b)) for a, b in spots))
             continue
         line = line_path(across.places(curve.x), up.places(curve.y), CURVE_POINTS)
@@ -87,18 +82,12 @@ def _axes(panel: Panel, xs: np.ndarray, ys: np.ndarray) -> tuple[Axis, Axis]:
     begin, end = float(xs.min()), float(xs.max())
     end = max(end, begin + 1e-6)
     if panel.title == TRACK_TITLE:
-        scale = max(
-            (end - begin) / (PANEL_WIDTH_PX - LEFT_MARGIN_PX - RIGHT_MARGIN_PX),
-            (high - low) / (PANEL_HEIGHT_PX - TOP_MARGIN_PX - BOTTOM_MARGIN_PX),
-        )
-        begin, end = _about(begin, end, scale * (PANEL_WIDTH_PX - LEFT_MARGIN_PX - RIGHT_MARGIN_PX))
-        low, high = _about(low, high, scale * (PANEL_HEIGHT_PX - TOP_MARGIN_PX - BOTTOM_MARGIN_PX))
-    ends = (PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX, TOP_MARGIN_PX)
-    if panel.downwards:
-        ends = (TOP_MARGIN_PX, PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX)
-    return Axis(begin, end, LEFT_MARGIN_PX, PANEL_WIDTH_PX - RIGHT_MARGIN_PX), Axis(
-        low, high, *ends
-    )
+        scale = max((end - begin) / INNER_WIDTH_PX, (high - low) / INNER_HEIGHT_PX)
+        begin, end = _about(begin, end, scale * INNER_WIDTH_PX)
+        low, high = _about(low, high, scale * INNER_HEIGHT_PX)
+    ends = (TOP_MARGIN_PX, BOTTOM_EDGE_PX)
+    upright = Axis(low, high, *(ends if panel.downwards else ends[::-1]))
+    return Axis(begin, end, LEFT_MARGIN_PX, RIGHT_EDGE_PX), upright
 
 
 def _about(low: float, high: float, span: float) -> tuple[float, float]:
@@ -112,36 +101,24 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
     parts = []
     for value in ticks(up.low, up.high, step_of(up.high - up.low, 5)):
         y = up.at(value)
-        parts.append(rule("grid", LEFT_MARGIN_PX, y, PANEL_WIDTH_PX - RIGHT_MARGIN_PX, y))
+        parts.append(rule("grid", LEFT_MARGIN_PX, y, RIGHT_EDGE_PX, y))
         parts.append(text("tick end", LEFT_MARGIN_PX - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
     if panel.decades:  # 1, 2 and 5 of each
         powers = range(math.floor(across.low), math.ceil(across.high) + 1)
-        places = [
-            (math.log10(m) + power, f"{m * 10.0**power:g}")
-            for power in powers
-            for m in DECADE_LABELS
-        ]
+        labels = [(m, power) for power in powers for m in DECADE_LABELS]
+        places = [(math.log10(m) + power, f"{m * 10.0**power:g}") for m, power in labels]
         places = [one for one in places if across.low <= one[0] <= across.high]
     else:
         values = ticks(across.low, across.high, step_of(across.high - across.low, 7))
         places = [(value, f"{value + 0.0:.6g}") for value in values]
     for value, label in places:
         x = across.at(value)
-        parts.append(rule("grid", x, TOP_MARGIN_PX, x, PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX))
-        parts.append(text("tick middle", x, PANEL_HEIGHT_PX - BOTTOM_MARGIN_PX + 14.0, label))
-    parts.append(
-        text(
-            "tick middle",
-            0.5 * (LEFT_MARGIN_PX + PANEL_WIDTH_PX - RIGHT_MARGIN_PX),
-            PANEL_HEIGHT_PX - 8.0,
-            panel.x,
-        )
-    )
+        parts.append(rule("grid", x, TOP_MARGIN_PX, x, BOTTOM_EDGE_PX))
+        parts.append(text("tick middle", x, BOTTOM_EDGE_PX + 14.0, label))
+    middle = 0.5 * (LEFT_MARGIN_PX + RIGHT_EDGE_PX)
+    parts.append(text("tick middle", middle, PANEL_HEIGHT_PX - 8.0, panel.x))
     inside = [up.at(value) for value in panel.levels if up.low <= value <= up.high]
-    return [
-        *parts,
-        *(rule("mark", LEFT_MARGIN_PX, y, PANEL_WIDTH_PX - RIGHT_MARGIN_PX, y) for y in inside),
-    ]
+    return parts + [rule("mark", LEFT_MARGIN_PX, y, RIGHT_EDGE_PX, y) for y in inside]
 
 
 def _dot(place: int, x: float, y: float) -> str:

@@ -18,7 +18,8 @@ ROUND_STEPS: Final = (1.0, 2.0, 2.5, 5.0, 10.0)  # of an axis, times a power of 
 ANGLE_STEPS_DEG: Final = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)  # [deg]
 TIME_STEPS_S: Final = (5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 3600.0, 7200.0)  # [s]
 CHART_WIDTH_PX, CHART_HEIGHT_PX = 960.0, 210.0  # [px]
-LEFT_MARGIN_PX, RIGHT_MARGIN_PX, TOP_MARGIN_PX, BOTTOM_MARGIN_PX = 86.0, 24.0, 26.0, 24.0
+LEFT_MARGIN_PX, TOP_MARGIN_PX = 86.0, 26.0
+RIGHT_EDGE_PX, BOTTOM_EDGE_PX = CHART_WIDTH_PX - 24.0, CHART_HEIGHT_PX - 24.0
 LINE_POINTS: Final = 1600  # of a line
 LEGEND_SAMPLE_PX: Final = 24.0  # [px] length of a line's sample
 LETTER_WIDTH_PX, TITLE_LETTER_PX = 6.6, 7.6  # [px] about as wide as one
@@ -147,7 +148,7 @@ class ChartGround:
     def across(self) -> Axis:
         """Return the axis of time."""
         begin, end = float(self.seconds[0]), float(self.seconds[-1])
-        return Axis(begin, max(end, begin + 1.0), LEFT_MARGIN_PX, CHART_WIDTH_PX - RIGHT_MARGIN_PX)
+        return Axis(begin, max(end, begin + 1.0), LEFT_MARGIN_PX, RIGHT_EDGE_PX)
 
 
 def draw_chart(chart: Chart, ground: ChartGround) -> Markup:
@@ -156,17 +157,15 @@ def draw_chart(chart: Chart, ground: ChartGround) -> Markup:
     parts = [text("title", LEFT_MARGIN_PX, 16.0, f"{chart.title} [{chart.unit}]")]
     for value in ticks(up.low, up.high, step_of(up.high - up.low, 6, chart.steps)):
         y = up.at(value)
-        parts.append(rule("grid", LEFT_MARGIN_PX, y, CHART_WIDTH_PX - RIGHT_MARGIN_PX, y))
+        parts.append(rule("grid", LEFT_MARGIN_PX, y, RIGHT_EDGE_PX, y))
         parts.append(text("tick end", LEFT_MARGIN_PX - 6.0, y + 4.0, chart.number(value + 0.0)))
-    parts += backdrop(ground, TOP_MARGIN_PX, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX, chart.name)
-    parts += time_axis(ground, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX)
+    parts += backdrop(ground, TOP_MARGIN_PX, BOTTOM_EDGE_PX, chart.name)
+    parts += time_axis(ground, BOTTOM_EDGE_PX)
     for level in chart.levels:
         if up.low <= level.value <= up.high:
             y = up.at(level.value)
-            parts.append(rule("limit", LEFT_MARGIN_PX, y, CHART_WIDTH_PX - RIGHT_MARGIN_PX, y))
-            parts.append(
-                text("limit-name end", CHART_WIDTH_PX - RIGHT_MARGIN_PX - 2.0, y - 3.0, level.label)
-            )
+            parts.append(rule("limit", LEFT_MARGIN_PX, y, RIGHT_EDGE_PX, y))
+            parts.append(text("limit-name end", RIGHT_EDGE_PX - 2.0, y - 3.0, level.label))
     for line in chart.lines:
         x = ground.across.places(ground.seconds if line.seconds is None else line.seconds)
         drawn = line_path(x, up.places(line.values), LINE_POINTS)
@@ -188,10 +187,10 @@ def _figures(chart: Chart, ground: ChartGround) -> Iterator[str]:
     taken: list[float] = []  # [px] where each row ends, from the bottom
     for seconds, words in chart.figures:
         x, width = ground.across.at(seconds) + 4.0, LETTER_WIDTH_PX * len(words)
-        x = min(x, CHART_WIDTH_PX - RIGHT_MARGIN_PX - width)
+        x = min(x, RIGHT_EDGE_PX - width)
         row = next((i for i, end in enumerate(taken) if end < x), len(taken))
         taken[row : row + 1] = [x + width]
-        yield text("figure", x, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX - 6.0 - 13.0 * row, words)
+        yield text("figure", x, BOTTOM_EDGE_PX - 6.0 - 13.0 * row, words)
 
 
 def svg_element(label: str, size: tuple[float, float], parts: list[str]) -> Markup:
@@ -235,9 +234,8 @@ def scale_axis(
 
 def rect(style: str, x: float, y: float, width: float, height: float) -> str:
     """Return a rectangle."""
-    return (
-        f'<rect class="{style}" x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"/>'
-    )
+    size = f'width="{width:.1f}" height="{height:.1f}"'
+    return f'<rect class="{style}" x="{x:.1f}" y="{y:.1f}" {size}/>'
 
 
 def rule(style: str, x: float, y: float, x_end: float, y_end: float) -> str:
@@ -260,9 +258,5 @@ def _upright(chart: Chart) -> Axis:
     lacking = 0.5 * max(chart.least - (high - low), 0.0)
     margin = 0.06 * max(high - low, chart.least)
     low, high = low - lacking - margin, high + lacking + margin
-    ends = (
-        (TOP_MARGIN_PX, CHART_HEIGHT_PX - BOTTOM_MARGIN_PX)
-        if chart.downwards
-        else (CHART_HEIGHT_PX - BOTTOM_MARGIN_PX, TOP_MARGIN_PX)
-    )
-    return Axis(low, high, *ends)
+    ends = (TOP_MARGIN_PX, BOTTOM_EDGE_PX)
+    return Axis(low, high, *(ends if chart.downwards else ends[::-1]))
