@@ -45,6 +45,12 @@ DEPTH_LOOP_STATES: Final = ("w", "q", "theta", "z")
 # quasi-linear coefficients of the vertical and of the horizontal plane
 VERTICAL_COEFFICIENTS: Final = ("Z_w", "M_w", "M_q")
 HORIZONTAL_COEFFICIENTS: Final = ("Y_v", "K_v", "N_v", "Y_p", "K_p", "N_r")
+# fmt: off
+SURFACE_HEADS: Final = (
+    "speed\n[kn]", "Z_star\nx 1000", "M_star\nx 1000", "Z\n[kN]", "M\n[kN m]",
+    "dZ_star/dz\n[1e-3/m]", "dM_star/dz\n[1e-3/m]",
+)
+# fmt: on
 ROOT_HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
 
 
@@ -357,15 +363,6 @@ def surface_lines(depth: float | None, surface: Iterable[SurfaceForces]) -> list
     """Return the table of the calm surface's forces, no lines in deep water."""
     if depth is None:
         return []
-    heads = (
-        "speed\n[kn]",
-        "Z_star\nx 1000",
-        "M_star\nx 1000",
-        "Z\n[kN]",
-        "M\n[kN m]",
-        "dZ_star/dz\n[1e-3/m]",
-        "dM_star/dz\n[1e-3/m]",
-    )
     rows = [
         (
             f"{one.speed_kn:.4g}",
@@ -375,7 +372,7 @@ def surface_lines(depth: float | None, surface: Iterable[SurfaceForces]) -> list
         )
         for one in surface
     ]
-    return titled_table(f"THE SURFACE AT {depth:g} m (added to deep water)", heads, rows)
+    return titled_table(f"THE SURFACE AT {depth:g} m (added to deep water)", SURFACE_HEADS, rows)
 
 
 def render(report: ModesReport) -> str:
@@ -395,15 +392,11 @@ def render(report: ModesReport) -> str:
     for speed in report.speeds:
         cubic = len(speed.vertical.polynomial) == 4
         down = "cubic in s" if cubic else "with depth, quartic in s"
-        lines += [
-            "",
-            f"{speed.speed_kn:.4g} kn",
-            *_motion_lines(
-                f"vertical plane, EC140: {down}, highest power first [SI]", speed.vertical
-            ),
-            *_motion_lines("horizontal plane, EC200: quartic in s", speed.horizontal),
-            *_motion_lines("depth kept by the autopilot of 1969: quartic in s", speed.depth_loop),
-        ]
+        title = f"vertical plane, EC140: {down}, highest power first [SI]"
+        lines += ["", f"{speed.speed_kn:.4g} kn", *_motion_lines(title, speed.vertical)]
+        lines += _motion_lines("horizontal plane, EC200: quartic in s", speed.horizontal)
+        title = "depth kept by the autopilot of 1969: quartic in s"
+        lines += _motion_lines(title, speed.depth_loop)
     return "\n".join(lines)
 
 
@@ -415,8 +408,7 @@ def _locus(report: ModesReport, title: str, which: str) -> Panel:
         pairs = [(r.real, sign * r.imaginary) for r in roots for sign in (1.0, -1.0)]
         real, imaginary = np.array(sorted(set(pairs))).T
         curves.append(Curve(f"{speed.speed_kn:.4g} kn", real, imaginary, points=True))
-    marks = (("", 0.0),)
-    return Panel(title, "real [1/s]", "imaginary [1/s]", tuple(curves), marks)
+    return Panel(title, "real [1/s]", "imaginary [1/s]", tuple(curves), (("", 0.0),))
 
 
 def panels(report: ModesReport) -> tuple[Panel, ...]:

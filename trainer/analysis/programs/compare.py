@@ -100,20 +100,18 @@ def compare_runs(
         raise ConfigError(f"{full.path} and {reduced.path} share no column of {known}")
     end = min(until, *(float(run.t[-1] - run.t[0]) for run in (full, reduced)))
     points: list[ReferencePoint] = []
-    unchanged = []
     for name in names:
         run = changes(full, name, end)
         compared = _points(name, (run, changes(reduced, name, end)), allowed)
         worth = event * float(abs(np.diff(run[1]) / np.diff(run[0])).max())  # at its fastest
         points += [_excuse(point, allowed, worth) if event else point for point in compared]
-        if not compared:
-            unchanged.append(name)
+    changed = {point.variable for point in points}
     return RunComparison(
         full=str(full.path),
         reduced=str(reduced.path),
         until_s=end,
         allowed_percent=allowed,
-        unchanged=tuple(unchanged),
+        unchanged=tuple(name for name in names if name not in changed),
         points=tuple(points),
         passed=all(point.passed for point in points),
         event_s=event,
@@ -178,13 +176,12 @@ def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Re
     largest = float(abs(full[1]).max())
     if largest <= COMPARED_VARIABLES.get(name, 0.0):
         return []
-    points = []
-    place = int(np.argmax(abs(full[1])))
+    points, place = [], int(np.argmax(abs(full[1])))
     is_extreme = 0 < place < full.shape[1] - 1
     if is_extreme:
         # the same sense in the reduced run, whenever that is
-        extreme_place = int(np.argmax(math.copysign(1.0, full[1, place]) * reduced[1]))
-        points.append(_point(name, "extreme", full[:, place], reduced[:, extreme_place], allowed))
+        other_place = int(np.argmax(math.copysign(1.0, full[1, place]) * reduced[1]))
+        points.append(_point(name, "extreme", full[:, place], reduced[:, other_place], allowed))
     last = full[1, full[0] >= (1.0 - STEADY_SHARE) * full[0, -1]]
     is_steady = bool(np.ptp(last) <= STEADY_SPREAD * abs(full[1, -1]))
     label = "steady" if is_steady else "at the end"
@@ -237,8 +234,7 @@ def render(report: RunComparison) -> str:
         f"{INDENT}other {cut_text(report.reduced, room)}",
         f"{INDENT}changes since the start, over {report.until_s:g} s; 100 (full - other)/full",
     ]
-    if report.points:
-        lines += ["", *table(POINT_HEADS, rows)]
+    lines += ["", *table(POINT_HEADS, rows)] if report.points else []
     if report.unchanged:
         names = ", ".join(report.unchanged)
         lines += wrap(f"too little change in the full run to compare: {names}")
@@ -266,12 +262,15 @@ def panels(report: RunComparison, full: Series, reduced: Series) -> tuple[Panel,
         for label, run in (("full", full), ("other", reduced)):
             t, change = changes(run, name, report.until_s)
             curves.append(Curve(label, t, factor * change))
-        spots = [point for point in report.points if point.variable == name and point.judged]
-        times = [time for point in spots for time in (point.t_full, point.t_reduced)]
-        heights = [by for point in spots for by in (point.change_full, point.change_reduced)]
+        spots = [
+            spot
+            for point in report.points
+            if point.variable == name and point.judged
+            for spot in ((point.t_full, point.change_full), (point.t_reduced, point.change_reduced))
+        ]
         if spots:
-            marks = Curve("compared", np.array(times), factor * np.array(heights), points=True)
-            curves.append(marks)
+            times, heights = np.array(spots).T
+            curves.append(Curve("compared", times, factor * heights, points=True))
         label = f"change of {name} [{unit_name}]"
         x, lower = "time from the start [s]", name in DEPTH_COLUMNS
         panel_list.append(Panel(name, x, label, tuple(curves), downwards=lower))

@@ -259,19 +259,14 @@ def _compact(file: VesselFile) -> Iterator[CompactConstant]:
     )
     powers = {term.key: (term.power, term.mnemonic) for term in TERM_TABLE}
     further = tuple(name for name in EXTRA_TERMS if name in file.compact.extra_terms)
+    names = []
     for name in (*COMPACT_TERMS, *further):
         power, mnemonic = powers[name]
         symbol = INVERTED_NAMES.get(name, name)
         unit = INVERSE_UNITS[power] if name[0] in MOMENT_AXES else DIMENSION_UNITS[power]
-        if symbol != name:
-            unit = "1/(kg m2)"
-        yield CompactConstant(
-            symbol, mnemonic, unit, float(modified[symbol][0]), float(basic[symbol][0])
-        )
-    for symbol in ("XB", "YB", "ZB"):
-        yield CompactConstant(
-            symbol, symbol, "N m", float(modified[symbol][0]), float(basic[symbol][0])
-        )
+        names.append((symbol, mnemonic, unit if symbol == name else "1/(kg m2)"))
+    for named in (*names, *((symbol, symbol, "N m") for symbol in ("XB", "YB", "ZB"))):
+        yield CompactConstant(*named, *(float(of[named[0]][0]) for of in (modified, basic)))
 
 
 def list_vessel_constants(file: VesselFile) -> ConstantsReport:

@@ -21,6 +21,7 @@ from trainer.config.files import (
     nearest,
     quote,
     quote_key,
+    raise_problems,
 )
 from trainer.config.vessel import VesselFile
 from trainer.core.rates import rates as write_rates
@@ -106,8 +107,7 @@ def _read(line: str, needed: tuple[str, ...]) -> dict[str, float]:
     for key, value in pairs:
         with collecting(problems):
             numbers[key] = _number(key, value)
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems(problems)
     return numbers
 
 

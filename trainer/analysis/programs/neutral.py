@@ -18,7 +18,7 @@ q/h, which are roots of a quartic, there is at most one.
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -42,16 +42,17 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import titled_table, wrap
 from trainer.units import KNOT
 
-MAX_FLOW_SLOPE: Final = math.tan(
-    math.radians(85.0)
-)  # [-] |w|/u looked at; the equations end before
+MAX_FLOW_SLOPE: Final = math.tan(math.radians(85.0))  # [-] |w|/u; the equations end before
 REAL_ROOT_TOLERANCE: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
 MAX_HALVINGS: Final = 200  # more than a double has bits, whatever the first interval
 MAX_FOLD_ROUNDS: Final = 50  # of a speed at which solutions meet, near the surface
 SAME_SPEED_RATIO: Final = 1e-9  # [-] difference of two speeds
 DRAWN_PITCH_DEG: Final = 20.0  # [deg] of pitch, either way
 CURVE_POINTS: Final = 200  # of each side of a curve, in pitch and in speed
+ANGLE_TITLE: Final = "NEUTRAL ANGLES (EC470: one pair of planes, the other at zero)"
 ANGLE_HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
+TRIM_TITLE: Final = "TRIM OF THE FULL SET (stern planes, bow planes at zero)"
+TRIM_HEADS: Final = ("speed\n[kn]", "w\n[m/s]", "pitch\n[deg]", "stern\n[deg]", "u_c\n[kn]")
 
 
 class SideEquation(NamedTuple):
@@ -111,10 +112,7 @@ class NeutralReport:
 
 
 def side_equations(file: VesselFile, plane: str) -> tuple[SideEquation, SideEquation]:
-    """Return the equation for w > 0 and w < 0 by one pair.
-
-    It is the "stern" or the "bow" pair.
-    """
+    """Return the equation for w > 0 and w < 0 by one pair. It is the "stern" or the "bow" pair."""
     c, hull = file.coefficients, file.hull
     force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
 
@@ -152,11 +150,11 @@ def solutions(side: SideEquation, square_of_speed: float) -> list[float]:
     def excess(t: float) -> float:
         return required_couple(side, t) - wanted if t > 0.0 else at_zero
 
-    roots = []
-    for low, high in pairwise([0.0, *turning_points(side), MAX_FLOW_SLOPE]):
-        if (excess(low) > 0.0) != (excess(high) > 0.0):
-            roots.append(_between(side, wanted, low, high))
-    return roots
+    return [
+        _between(side, wanted, low, high)
+        for low, high in pairwise([0.0, *turning_points(side), MAX_FLOW_SLOPE])
+        if (excess(low) > 0.0) != (excess(high) > 0.0)
+    ]
 
 
 def _between(side: SideEquation, wanted: float, low: float, high: float) -> float:
@@ -314,9 +312,6 @@ def report_neutral(
     )
 
 
-# The neutral angles as a page for a terminal, and as a plot.
-
-
 def _angle_rows(flight: LevelFlights) -> Iterator[tuple[str, ...]]:
     """Yield the solutions of one flight as lines of the table."""
     head = (f"{flight.speed_kn:.4g}", flight.plane)
@@ -352,16 +347,8 @@ def render(report: NeutralReport) -> str:
         "",
         "CRITICAL SPEEDS (a plane below its own reverses its effect on depth)",
         *critical,
-        *titled_table(
-            "NEUTRAL ANGLES (EC470: one pair of planes, the other at zero)",
-            ANGLE_HEADS,
-            [row for flight in report.flights for row in _angle_rows(flight)],
-        ),
-        *titled_table(
-            "TRIM OF THE FULL SET (stern planes, bow planes at zero)",
-            ("speed\n[kn]", "w\n[m/s]", "pitch\n[deg]", "stern\n[deg]", "u_c\n[kn]"),
-            map(_trim_row, speeds, report.trims),
-        ),
+        *titled_table(ANGLE_TITLE, ANGLE_HEADS, chain(*map(_angle_rows, report.flights))),
+        *titled_table(TRIM_TITLE, TRIM_HEADS, map(_trim_row, speeds, report.trims)),
     ]
     return "\n".join(lines)
 
@@ -403,14 +390,12 @@ def _points(
     The surface's force changes with speed, so that the curve cannot be followed by its pitch: the
     panel has dots over speed.
     """
-    points = []
-    for knots in np.linspace(0.0, most, CURVE_POINTS)[1:]:
-        speed = float(knots) * KNOT
-        for t, angle in level_flight(near_surface(file, speed, depth), plane, speed):
-            pitch = math.degrees(math.atan(t))
-            if abs(pitch) <= DRAWN_PITCH_DEG:
-                points.append((float(knots), pitch, math.degrees(angle)))
-    return points
+    points = [
+        (knots, math.degrees(math.atan(t)), math.degrees(angle))
+        for knots in map(float, np.linspace(0.0, most, CURVE_POINTS)[1:])
+        for t, angle in level_flight(near_surface(file, knots * KNOT, depth), plane, knots * KNOT)
+    ]
+    return [point for point in points if abs(point[1]) <= DRAWN_PITCH_DEG]
 
 
 def panels(file: VesselFile, report: NeutralReport) -> tuple[Panel, ...]:
@@ -433,11 +418,9 @@ def panels(file: VesselFile, report: NeutralReport) -> tuple[Panel, ...]:
         critical = report.critical_speed_kn[plane]
         if critical is not None and critical <= most:
             marks.append((f"critical, {plane}", critical))
-    x = "speed [kn]"
-    where = "" if report.depth_m is None else f", {report.depth_m:g} m down"
+    x, down = "speed [kn]", "" if report.depth_m is None else f", {report.depth_m:g} m down"
+    title, within = f"{report.vessel}: level flight{down}", "planes, within their limits"
     return (
-        Panel(
-            f"{report.vessel}: level flight{where}", x, "pitch [deg]", tuple(pitches), tuple(marks)
-        ),
-        Panel("planes, within their limits", x, "plane angle [deg]", tuple(planes), tuple(marks)),
+        Panel(title, x, "pitch [deg]", tuple(pitches), tuple(marks)),
+        Panel(within, x, "plane angle [deg]", tuple(planes), tuple(marks)),
     )

@@ -125,7 +125,8 @@ def percent_of(balanced: Flight, moved: Flight) -> dict[str, float | None]:
 
 def render(report: TankageReport) -> str:
     """Return the report as text."""
-    heads = ("speed\n[kn]", "", "x_G\n[m]", "z_G\n[m]", *CHANGED_VARIABLES)
+    then = (f"{name}\n1969" for name in CHANGED_VARIABLES)
+    heads = ("speed\n[kn]", "", "x_G\n[m]", "z_G\n[m]", *CHANGED_VARIABLES, *then)
     rows = [
         (
             f"{one.speed_kn:g}",
@@ -137,20 +138,14 @@ def render(report: TankageReport) -> str:
         )
         for one in report.changes
     ]
-    lost = [f"{one.speed_kn:g} kn, {one.tankage}: {one.lost}" for one in report.changes if one.lost]
-    return "\n".join(
-        [
-            report.vessel,
-            *titled_table(
-                "OVERSHOOT BY TANKAGE (Table 5: change of change [%], beside that of 1969)",
-                (*heads, *(f"{name}\n1969" for name in CHANGED_VARIABLES)),
-                rows,
-            ),
-            *wrap(f"x_G and z_G are moved alone, by {report.moved_by}; the weight is the buoyancy"),
-            *wrap("beside them 1969: its own boat at 5 and 25 kn"),
-            *(line for text in lost for line in wrap(f"lost: {text}")),
-        ]
-    )
+    title = "OVERSHOOT BY TANKAGE (Table 5: change of change [%], beside that of 1969)"
+    lines = [report.vessel, *titled_table(title, heads, rows)]
+    lines += wrap(f"x_G and z_G are moved alone, by {report.moved_by}; the weight is the buoyancy")
+    lines += wrap("beside them 1969: its own boat at 5 and 25 kn")
+    for one in report.changes:
+        if one.lost:
+            lines += wrap(f"lost: {one.speed_kn:g} kn, {one.tankage}: {one.lost}")
+    return "\n".join(lines)
 
 
 def panels(report: TankageReport, flights: Flights) -> tuple[Panel, ...]:

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.files import ConfigError, nearest, quote, raise_problems
 from trainer.config.vessel import VesselFile
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, titled_table
@@ -74,13 +74,9 @@ def balance(hull: Weight, tanks: Sequence[Weight]) -> Balance:
 
 def limits(hull: Weight, tanks: Sequence[Weight]) -> TankLimits:
     """Return the limits of weight [N] and centre [m], ``tanks`` being their full contents."""
-    return TankLimits(
-        FillingRange(hull.weight, balance(hull, tanks).weight),
-        *(
-            FillingRange(_extreme(hull, tanks, axis, -1), _extreme(hull, tanks, axis, 1))
-            for axis in WEIGHT_AXES
-        ),
-    )
+    ends = [[_extreme(hull, tanks, axis, sign) for sign in (-1, 1)] for axis in WEIGHT_AXES]
+    weights = FillingRange(hull.weight, balance(hull, tanks).weight)
+    return TankLimits(weights, *(FillingRange(*pair) for pair in ends))
 
 
 def _extreme(hull: Weight, tanks: Sequence[Weight], axis: int, sign: int) -> float:
@@ -154,17 +150,12 @@ def tanks_of(file: VesselFile, fills: Mapping[str, float]) -> list[Tank]:
             problems.append(f"--fill {quote(name)}: no such tank{nearest(name, names)}; {known}")
         elif not 0.0 <= share <= 1.0:
             problems.append(f"--fill {name}={share:g}: must be within 0 (empty) and 1 (full)")
-    if problems:
-        raise ConfigError(*problems)
-    return [
-        Tank(
-            row.name,
-            kind,
-            Weight(unit * row.capacity_m3, *row.centre_m),
-            fills.get(row.name, getattr(row, "start_fill", 0.0)),
-        )
-        for kind, row in rows
-    ]
+    raise_problems(problems)
+    tanks = []
+    for kind, row in rows:
+        fill = fills.get(row.name, getattr(row, "start_fill", 0.0))
+        tanks.append(Tank(row.name, kind, Weight(unit * row.capacity_m3, *row.centre_m), fill))
+    return tanks
 
 
 def _together(hull: Weight, parts: Sequence[Weight]) -> Weight:
@@ -182,10 +173,8 @@ def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[
     """
     hull = file.hull
     start = [fixed.weight - hull.buoyancy, fixed.weight * fixed.x - hull.cb[0] * hull.buoyancy]
-    steps = sorted(
-        ([tank.weight, tank.weight * tank.x] for tank in free),
-        key=lambda step: math.atan2(step[1], step[0]),
-    )
+    lines = ([tank.weight, tank.weight * tank.x] for tank in free)
+    steps = sorted(lines, key=lambda step: math.atan2(step[1], step[0]))
     backwards = [[-weight, -moment] for weight, moment in steps]
     return np.cumsum([start, *steps, *backwards], axis=0)
 
@@ -250,16 +239,13 @@ def _span(limits: FillingRange, scale: float, form: str) -> str:
 def render(report: TanksReport) -> str:
     """Return the report as text."""
     heads = ("free to be filled", "weight [kN]", "x_G [m]", "z_G [m]")
-    limited = [(ranges.free, ranges.limits) for ranges in report.ranges]
-    rows = [
-        (free, _span(of.weight, 1e-3, ".1f"), *(_span(at, 1.0, "+.3f") for at in (of.x_g, of.z_g)))
-        for free, of in limited
-    ]
-    sided = [
-        f"{INDENT}{free}: y_G {_span(of.y_g, 1.0, '+.4f')} m"
-        for free, of in limited
-        if of.y_g != (0.0, 0.0)
-    ]
+    rows, sided = [], []
+    for ranges in report.ranges:
+        weight, x_g, y_g, z_g = ranges.limits
+        places = (_span(at, 1.0, "+.3f") for at in (x_g, z_g))
+        rows.append((ranges.free, _span(weight, 1e-3, ".1f"), *places))
+        if y_g != (0.0, 0.0):
+            sided.append(f"{INDENT}{ranges.free}: y_G {_span(y_g, 1.0, '+.4f')} m")
     title = "LIMITS OVER ALL FILLINGS, each by itself"
     return "\n".join([report.vessel, *_balance(report), *titled_table(title, heads, rows), *sided])
 

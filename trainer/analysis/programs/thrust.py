@@ -126,23 +126,16 @@ def render(report: ThrustReport) -> str:
         accelerations = (one.acceleration_m_s2, one.as_flown_m_s2)
         numbers = (f"{one.u_c_kn:+.4g}", str(one.row), f"{1e-3 * one.thrust_N:+.4g}")
         rows.append((first, *numbers, *(f"{x:+.5f}" for x in accelerations)))
-    breaks = [
-        f"{INDENT}row {i} holds from eta = u_c/u = {one.eta:g} up; there thrust jumps by "
+    facts = [
+        f"row {i} holds from eta = u_c/u = {one.eta:g} up; there thrust jumps by "
         f"{one.jump:+.3g} rho/2 L^2 u^2"
         for i, one in enumerate(report.breaks, start=1)
-    ]
-    lines = [
-        report.vessel,
-        *(breaks or [f"{INDENT}one row of coefficients for every eta = u_c/u"]),
-        *(
-            f"{INDENT}at rest, full {name}: {1e-3 * force:+.4g} kN"
-            for name, force in report.bollard_N.items()
-        ),
-        *titled_table(
-            "THRUST LESS DRAG (ZC300; as flown: with the added mass)", THRUST_HEADS, rows
-        ),
-    ]
-    return "\n".join(lines)
+    ] or ["one row of coefficients for every eta = u_c/u"]
+    for name, force in report.bollard_N.items():
+        facts.append(f"at rest, full {name}: {1e-3 * force:+.4g} kN")
+    title = "THRUST LESS DRAG (ZC300; as flown: with the added mass)"
+    table = titled_table(title, THRUST_HEADS, rows)
+    return "\n".join([report.vessel, *(INDENT + fact for fact in facts), *table])
 
 
 def panels(file: VesselFile, report: ThrustReport) -> tuple[Panel, ...]:
