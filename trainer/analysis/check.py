@@ -57,10 +57,7 @@ class SteadyTurn:
 
 @dataclass(frozen=True)
 class TurnComparison:
-    """The same turn by both sets.
-
-    A turn that did not settle is None, and ``problem`` says why.
-    """
+    """The same turn by both sets. A turn that did not settle is None, and ``problem`` says why."""
 
     rudder_deg: float
     speed_kn: float
@@ -82,9 +79,8 @@ def steady_turn(file: VesselFile, equations: str, rudder: float) -> SteadyTurn:
     s = boat.state
     s.speed_by_hand = s.rudder_by_hand = 1.0
     s.ordered_r = rudder
-    ticks = min(
-        math.ceil(TURN_LENGTHS * file.hull.length / speed / boat.method.step), MAX_TURN_TICKS
-    )
+    settled = math.ceil(TURN_LENGTHS * file.hull.length / speed / boat.method.step)
+    ticks = min(settled, MAX_TURN_TICKS)
     seen = np.zeros((ticks, 4))
     for tick in range(ticks):
         status = boat.tick()
@@ -96,9 +92,8 @@ def steady_turn(file: VesselFile, equations: str, rudder: float) -> SteadyTurn:
     if np.ptp(last[:, 2]) >= MAX_YAW_RATE_SPREAD * abs(yaw):
         raise ConfigError(f"{equations}: the turn is not steady after {boat.time:.0f} s")
     through = math.hypot(u, v)
-    return SteadyTurn(
-        2.0 * through / abs(yaw), through / KNOT, math.degrees(yaw), math.degrees(heel)
-    )
+    diameter = 2.0 * through / abs(yaw)
+    return SteadyTurn(diameter, through / KNOT, math.degrees(yaw), math.degrees(heel))
 
 
 def compare_turns(file: VesselFile) -> TurnComparison:

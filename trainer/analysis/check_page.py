@@ -22,10 +22,9 @@ TURN_LABELS = {
 def _coefficients(report: CheckReport) -> list[str]:
     """Return the absent coefficients, and the numbers that make port and starboard differ."""
     lines = ["", "COEFFICIENTS (absent ones count as zero)"]
-    for title, groups in (
-        ("absent, which the compact set would keep", report.absent_but_kept),
-        ("absent, of no use to the compact set", report.absent_and_dropped),
-    ):
+    kept = "absent, which the compact set would keep", report.absent_but_kept
+    dropped = "absent, of no use to the compact set", report.absent_and_dropped
+    for title, groups in (kept, dropped):
         lines += wrap(f"{title}: {sum(map(len, groups.values())) or 'none'}")
         for equation, names in groups.items():
             lines += wrap(" ".join(names), f"{2 * INDENT}{equation}  ", 2 * INDENT + "   ")
@@ -67,11 +66,9 @@ def _flight(flight: StraightFlight) -> Iterator[str]:
         if not row.stable:
             steps = f"{'unstable' if row.real > NEUTRAL_TOLERANCE else 'neutral':>16}"
         root = f"{row.real:+.4f}" + (f" +-{row.imaginary:.4f}i" if row.imaginary else "")
-        yield (
-            f"{2 * INDENT}{row.name:<9}{root:<20}{format_number(row.period_s, '.1f'):>8}"
-            f"{format_number(row.damping_ratio):>8}"
-            f"{format_number(row.time_constant_s, '.1f'):>9}{steps}"
-        )
+        period, time = (format_number(x, ".1f") for x in (row.period_s, row.time_constant_s))
+        numbers = f"{period:>8}{format_number(row.damping_ratio):>8}{time:>9}"
+        yield f"{2 * INDENT}{row.name:<9}{root:<20}{numbers}{steps}"
 
 
 def _modes(report: CheckReport) -> list[str]:
@@ -101,13 +98,11 @@ def _steps(report: CheckReport) -> list[str]:
     lines = ["", "STEPS (as flown, lagged accelerations; what grows by nature is not counted)"]
     lines += wrap(
         "stable: nothing grows; only a swing that the boat damps by less than "
-        f"{BLAMED_GROWTH:.0%} may, "
-        f"by {BLAMED_GROWTH:.0%} of its frequency"
+        f"{BLAMED_GROWTH:.0%} may, by {BLAMED_GROWTH:.0%} of its frequency"
     )
     for equations, limits in report.largest_flown_s.items():
-        adams, euler = (
-            "any" if limits[name] is None else f"{limits[name]:.3f} s" for name in STABILITY_METHODS
-        )
+        steps = (limits[name] for name in STABILITY_METHODS)
+        adams, euler = ("any" if step is None else f"{step:.3f} s" for step in steps)
         lines.append(f"{INDENT}{equations:<9} largest: Adams 2 {adams}, Euler {euler}")
     for verdict in report.verdicts:
         word = "stable" if verdict.stable else "NOT STABLE"

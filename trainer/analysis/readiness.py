@@ -6,7 +6,7 @@ The end of ``trainer boat check``. It judges a few flights of the guide in the w
 
 import textwrap
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from trainer.analysis.guide.programme import Leg, guide_legs
@@ -16,9 +16,9 @@ from trainer.analysis.reduce.objective import MAX_DIFFERENCE, Candidate, Yardsti
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.config.files import SHIPPED_PREFIX, as_typed, key_of
 from trainer.config.vessel import VesselFile
+from trainer.report.text import format_number, wrap
 
 FLOWN_MANOEUVRES: Final = ("turn", "overshoot", "zigzag-10")  # of the guide
-LINE_WIDTH: Final = 79  # [columns]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def examine_boat(file: VesselFile) -> Readiness:
     """Return how ready a boat is."""
     compact = tuple(_compared(file)) if file.has_compact_set else ()
     readiness = Readiness(file.has_compact_set, compact, ())
-    return Readiness(file.has_compact_set, compact, tuple(_lacks(file, readiness)))
+    return replace(readiness, lacks=tuple(_lacks(file, readiness)))
 
 
 def _compared(file: VesselFile) -> Iterator[WorstNumber]:
@@ -86,35 +86,26 @@ def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> WorstNumber:
 
 def _lacks(file: VesselFile, found: Readiness) -> Iterator[MissingPart]:
     """Yield what the file lacks, the most needed first."""
-    typed = typed_name(file)
+    shipped = key_of(file.path).startswith(SHIPPED_PREFIX)
+    typed = file.path.stem if shipped else as_typed(file.path)
     example = f"take it from trainer boat new like.toml --from bb2 --length {file.hull.length:g}"
     reduction = f"trainer boat reduce {typed} --write"
     if not file.has_compact_set:
         yield MissingPart("a compact set: the full set is flown", reduction)
     elif not found.passed:
         yield MissingPart("a compact set within tolerance", reduction)
-    if file.autopilot is None:
-        yield MissingPart("gains: it is steered by hand", f"trainer boat gains {typed} >> {typed}")
-    if file.ballast is None:
-        yield MissingPart("[ballast]: it has no tanks, and does not surface by air", example)
-    if file.wave_strips is None:
-        yield MissingPart("[wave_strips]: waves push on a usual hull of its length", example)
-    if file.free_surface is None:
-        yield MissingPart("[free_surface]: it does not feel a calm surface", "docs/vessel-files.md")
-    for key, value in (
-        ("test_depth_m", file.hull.test_depth_m),
-        ("collapse_depth_m", file.hull.collapse_depth_m),
-        ("periscope_depth_m", file.run.periscope_depth_m),
+    surface = "[free_surface]: it does not feel a calm surface"
+    for part, what, remedy in (
+        (file.autopilot, "gains: it is steered by hand", f"trainer boat gains {typed} >> {typed}"),
+        (file.ballast, "[ballast]: it has no tanks, and does not surface by air", example),
+        (file.wave_strips, "[wave_strips]: waves push on a usual hull of its length", example),
+        (file.free_surface, surface, "docs/vessel-files.md"),
+        (file.hull.test_depth_m, "test_depth_m: none is known", "a line in [vessel]"),
+        (file.hull.collapse_depth_m, "collapse_depth_m: none is known", "a line in [vessel]"),
+        (file.run.periscope_depth_m, "periscope_depth_m: none is known", "a line in [run]"),
     ):
-        if value is None:
-            table = "run" if key.startswith("periscope") else "vessel"
-            yield MissingPart(f"{key}: none is known", f"a line in [{table}]")
-
-
-def typed_name(file: VesselFile) -> str:
-    """Return the boat as the commands take it."""
-    key = key_of(file.path)
-    return file.path.stem if key.startswith(SHIPPED_PREFIX) else as_typed(file.path)
+        if part is None:
+            yield MissingPart(what, remedy)
 
 
 def render(found: Readiness) -> str:
@@ -138,7 +129,7 @@ def _compact_lines(found: Readiness) -> Iterator[str]:
             continue
         unit = f" [{one.unit}]" if one.unit else ""
         name = textwrap.shorten(f"{one.quantity}{unit}", 40, placeholder="...")
-        full, other = ("-" if x is None else f"{x:.4g}" for x in (one.full, one.compact))
+        full, other = (format_number(x, ".4g") for x in (one.full, one.compact))
         yield f"    {name:<41}{full:>10}{other:>10}{one.of_allowed:>12.2f}"
     yield (
         "The compact set is within tolerance in all of them."
@@ -155,7 +146,5 @@ def _lack_lines(found: Readiness) -> Iterator[str]:
         return
     yield "MISSING, and what makes it"
     for lack in found.lacks:
-        yield from textwrap.wrap(
-            lack.what, LINE_WIDTH, initial_indent="  ", subsequent_indent="    "
-        )
+        yield from wrap(lack.what)
         yield f"    {lack.remedy}"

@@ -64,11 +64,10 @@ class LegSheet:
         """Return whether nothing judged is beyond tolerance; None: nothing is judged."""
         if self.problems.get(equations) and not self.problems.get("full"):
             return False
-        if not self.counted(equations, WITHIN_TOLERANCE) + self.counted(
-            equations, BEYOND_TOLERANCE
-        ):
+        beyond = self.counted(equations, BEYOND_TOLERANCE)
+        if not beyond and not self.counted(equations, WITHIN_TOLERANCE):
             return None
-        return not self.counted(equations, BEYOND_TOLERANCE)
+        return not beyond
 
 
 @dataclass(frozen=True)
@@ -112,27 +111,6 @@ class GuideContents:
     spreads: SpreadTable | None
 
 
-@dataclass(frozen=True)
-class Studies:
-    """What a whole guide has beside its manoeuvres, and a short one has not."""
-
-    findings: tuple[Finding, ...] = ()
-    steps: tuple[StepRun, ...] = ()
-    drops: tuple[reasons.DropEffect, ...] = ()
-    delays: tuple[DelaySheet, ...] = ()
-
-
-def make_studies(file: VesselFile, flown: FlightTable) -> Studies:
-    """Return the studies of a boat from the flights of its guide."""
-    steps = findings.step_study(file, flown)
-    return Studies(
-        findings.study_findings(file, flown, steps),
-        steps,
-        reasons.drop_study(file, flown),
-        measure_delays(file),
-    )
-
-
 def stand_alone(legs: Sequence[Leg]) -> bool:
     """Return whether legs have checks of their own, and so a guide without studies."""
     return any(leg.checks for leg in legs)
@@ -141,10 +119,11 @@ def stand_alone(legs: Sequence[Leg]) -> bool:
 def guide_tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
     """Return every flight that a guide of these legs needs, each once."""
     published = _published(file)
+    own = tuple(leg.task(file, equations) for leg in legs for equations in SET_METHODS)
     if stand_alone(legs):
-        return tuple(leg.task(file, equations) for leg in legs for equations in SET_METHODS)
+        return own
     wanted = (
-        *(leg.task(file, equations) for leg in legs for equations in SET_METHODS),
+        *own,
         *findings.step_tasks(file),
         *findings.finding_tasks(file),
         *reasons.drop_tasks(file),
@@ -167,9 +146,10 @@ def assemble_guide(
     """Return the guide from its flights."""
     sheets = tuple(_sheet(file, leg, flown) for leg in legs)
     alone = stand_alone(legs)
-    studies = Studies() if alone else make_studies(file, flown)
+    steps = () if alone else findings.step_study(file, flown)
     published = None if alone else _published(file)
     spreads = load_spreads(file, published) if published else None
+    inputs = spreads.by_figure() if spreads else {}
     made_from = {file.path.name: file.text}
     if published:
         made_from[f"{published.path.stem} (published results)"] = published.text
@@ -192,14 +172,12 @@ def assemble_guide(
         },
         checksums=checksums,
         sheets=sheets,
-        findings=studies.findings,
-        steps=studies.steps,
-        drops=studies.drops,
-        trials=compare_figures(file, published, flown, spreads.by_figure() if spreads else {})
-        if published
-        else (),
+        findings=() if alone else findings.study_findings(file, flown, steps),
+        steps=steps,
+        drops=() if alone else reasons.drop_study(file, flown),
+        trials=compare_figures(file, published, flown, inputs) if published else (),
         doubts=tuple(_doubts(file, published, spreads)) if published else (),
-        delays=studies.delays,
+        delays=() if alone else measure_delays(file),
         neutral=neutral.report_neutral(file, speeds),
         modes=characteristic.report_modes(file, speeds, characteristic.MeanMotions()),
         thrust=thrust.survey_thrust(file, (0.0, *speeds), thrust.command_speeds(file)),

@@ -66,7 +66,7 @@ def _measure(file: VesselFile, control: str, step: float) -> DelaySheet:
     method = Method(own.equations, own.rates, own.trig, own.integrator, step)
     boats = [Submarine(file, method) for _ in range(2)]
     places = [BOAT_COLUMNS.index(name) for name in WATCHED_CONTROLS[control]]
-    ticks = dict[int, int]()
+    ticks, problem = dict[int, int](), ""
     try:
         for boat in boats:
             boat.start(file.run.start_speed_kn * KNOT)
@@ -80,7 +80,6 @@ def _measure(file: VesselFile, control: str, step: float) -> DelaySheet:
                     ticks.setdefault(place, tick)
             if len(ticks) == len(places):
                 break
-        problem = ""
     except (ConfigError, LostError) as error:
         problem = str(error)
     return DelaySheet(control, step, ticks.get(places[0]), ticks.get(places[1]), problem)

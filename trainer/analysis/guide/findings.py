@@ -162,10 +162,8 @@ def worst_error(true: Flight, other: Flight | str) -> tuple[float | None, str]:
         unit = true.speed if name in "uvw" else 1.0
         if span < MIN_COLUMN_CHANGE * unit:
             continue
-        furthest = max(
-            abs(a - b) for a, b in zip(_ends(true, name), _ends(other, name), strict=True)
-        )
-        worst = max(worst, (100.0 * furthest / span, name))
+        pairs = zip(_ends(true, name), _ends(other, name), strict=True)
+        worst = max(worst, (100.0 * max(abs(a - b) for a, b in pairs) / span, name))
     return worst
 
 
@@ -185,6 +183,13 @@ class Finding:
     words: str  # why, with figures
     heads: tuple[str, ...] = ()
     rows: tuple[tuple[str, ...], ...] = ()
+
+
+def _graded(*, holds: bool, in_part: bool = False) -> ClaimVerdict:
+    """Return whether a finding holds, holds in part, or fails."""
+    if holds:
+        return ClaimVerdict.HOLDS
+    return ClaimVerdict.HOLDS_IN_PART if in_part else ClaimVerdict.FAILS
 
 
 def _standard(file: VesselFile) -> Method:
@@ -259,21 +264,15 @@ def reversal(file: VesselFile, flown: FlightTable) -> Finding:
         if rates[low] < 0.0 < rates[high]
     ]
     if len(turns) != 1:
+        wanted = len(CRITICAL_SPEED_RATIOS)
         words = (
-            f"of {len(CRITICAL_SPEED_RATIOS)} speeds about the {critical / KNOT:.2f} kn of "
-            f"EC470 {len(rates)} can "
+            f"of {wanted} speeds about the {critical / KNOT:.2f} kn of EC470 {len(rates)} can "
             f"be flown, and the depth rate turns {len(turns)} times between them"
         )
-        verdict = (
-            ClaimVerdict.FAILS
-            if len(rates) == len(CRITICAL_SPEED_RATIOS)
-            else ClaimVerdict.NOT_SHOWN
-        )
+        verdict = ClaimVerdict.FAILS if len(rates) == wanted else ClaimVerdict.NOT_SHOWN
         return Finding(title, claim, verdict, words, heads, rows)
     flies, says = turns[0] / KNOT, critical / KNOT
-    verdict = (
-        ClaimVerdict.HOLDS if abs(flies - says) <= REVERSAL_TOLERANCE * says else ClaimVerdict.FAILS
-    )
+    verdict = _graded(holds=abs(flies - says) <= REVERSAL_TOLERANCE * says)
     words = f"EC470 gives {says:.2f} kn, in flight with 2 degrees it is {flies:.2f} kn"
     return Finding(title, claim, verdict, words, heads, rows)
 
@@ -298,13 +297,7 @@ def depth_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
         by_effect.setdefault(row[-1], []).append(name)
         rows.append(row)
     lost = by_effect.get(LOST_DEPTH_EFFECT, [])
-    verdict = (
-        ClaimVerdict.HOLDS
-        if lost == list(TURN_COEFFICIENTS)
-        else ClaimVerdict.HOLDS_IN_PART
-        if lost
-        else ClaimVerdict.FAILS
-    )
+    verdict = _graded(holds=lost == list(TURN_COEFFICIENTS), in_part=bool(lost))
     if len(by_effect.get(ABSENT_EFFECT, [])) == len(TURN_COEFFICIENTS):
         verdict = ClaimVerdict.NOT_SHOWN
     effects = "; ".join(f"{effect}: {', '.join(names)}" for effect, names in by_effect.items())
@@ -323,13 +316,8 @@ def _without(
         return name, f"{value:.4g}", "-", "-", LOST_DEPTH_EFFECT
     deep = largest_value(flight.change("z"))
     ratio = abs(deep / base)
-    effect = (
-        LOST_DEPTH_EFFECT
-        if ratio >= RUINED_DEPTH_RATIO
-        else LESS_DEPTH_EFFECT
-        if ratio <= 1.0 / RUINED_DEPTH_RATIO
-        else LITTLE_EFFECT
-    )
+    effect = LESS_DEPTH_EFFECT if ratio <= 1.0 / RUINED_DEPTH_RATIO else LITTLE_EFFECT
+    effect = LOST_DEPTH_EFFECT if ratio >= RUINED_DEPTH_RATIO else effect
     return name, f"{value:.4g}", f"{deep:+.2f}", f"{ratio:.2f}", effect
 
 
@@ -343,13 +331,7 @@ def roll_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
         return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "the turn cannot be flown")
     before, after = largest_value(whole.change("phi")), largest_value(without.change("phi"))
     percent = 100.0 * (after - before) / abs(before)
-    verdict = (
-        ClaimVerdict.HOLDS
-        if abs(percent) >= 50.0
-        else ClaimVerdict.HOLDS_IN_PART
-        if abs(percent) > 5.0
-        else ClaimVerdict.FAILS
-    )
+    verdict = _graded(holds=abs(percent) >= 50.0, in_part=abs(percent) > 5.0)
     share = file.coefficients["K_vav"] / (file.coefficients["K_v"] or float("nan"))
     words = (
         f"the largest roll changes by {percent:+.0f} %; K_vav is {share:.1f} times K_v here, and "
@@ -370,13 +352,7 @@ def nonlinear_terms(file: VesselFile, flown: FlightTable) -> Finding:
         before, after = largest_value(whole.change(name)), largest_value(without.change(name))
         percent[name] = 100.0 * (after - before) / before
     worst = max(abs(one) for one in percent.values())
-    verdict = (
-        ClaimVerdict.HOLDS
-        if worst >= 10.0
-        else ClaimVerdict.HOLDS_IN_PART
-        if worst > 5.0
-        else ClaimVerdict.FAILS
-    )
+    verdict = _graded(holds=worst >= 10.0, in_part=worst > 5.0)
     present_terms = [name for name in NONLINEAR_COEFFICIENTS if file.coefficients[name]]
     words = (
         f"the meander's pitch is off by {percent['theta']:+.1f} %, its depth by "
@@ -390,27 +366,19 @@ def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
     """Yield the findings of 1969 on integrators and steps, in this boat's own steps."""
     own_step = file.run.step_s
     euler, adams = _worst(steps, "Euler", 2.0 * own_step), _worst(steps, "Adams 2", own_step)
-    yield Finding(
-        "Euler at 1 s",
-        "Euler cannot be used at twice the step that Adams is used at",
-        ClaimVerdict.HOLDS
-        if euler.verdict in (StepVerdict.LOST, StepVerdict.USELESS)
-        else ClaimVerdict.FAILS,
-        _error(euler),
-    )
-    yield Finding(
-        "Adams at 0.5 s",
-        "second-order Adams is fine at the boat's own step",
-        ClaimVerdict.HOLDS if adams.verdict is StepVerdict.FINE else ClaimVerdict.FAILS,
-        _error(adams),
-    )
+    useless = euler.verdict in (StepVerdict.LOST, StepVerdict.USELESS)
+    claim = "Euler cannot be used at twice the step that Adams is used at"
+    yield Finding("Euler at 1 s", claim, _graded(holds=useless), _error(euler))
+    fine = adams.verdict is StepVerdict.FINE
+    claim = "second-order Adams is fine at the boat's own step"
+    yield Finding("Adams at 0.5 s", claim, _graded(holds=fine), _error(adams))
     yield _lag_costs(steps, own_step)
 
 
 def _worst(steps: tuple[StepRun, ...], scheme: str, step: float) -> StepRun:
     """Return the worst case of a scheme with lagged rates at a step."""
-    runs = [run for run in steps if run.scheme == scheme and run.rates == "lagged"]
-    runs = [run for run in runs if abs(run.step_s - step) < 1e-9]
+    lagged = [run for run in steps if run.scheme == scheme and run.rates == "lagged"]
+    runs = [run for run in lagged if abs(run.step_s - step) < 1e-9]
     return max(runs, key=lambda run: float("inf") if run.percent is None else run.percent)
 
 
@@ -435,8 +403,8 @@ def _lag_costs(steps: tuple[StepRun, ...], own: float) -> Finding:
         for pair in pairs.values()
         if pair["lagged"] is not None and pair["exact"] is not None
     ]
-    whole = len(costs) == len(pairs) and costs
-    verdict = ClaimVerdict.HOLDS if whole and max(costs) <= 1.0 else ClaimVerdict.FAILS
+    whole = bool(costs) and len(costs) == len(pairs)
+    verdict = _graded(holds=whole and max(costs) <= 1.0)
     words = "a case is lost" if not whole else f"they add at most {max(costs):.2g} % to the error"
     claim = "accelerations of the last cycle do no harm"
     return Finding("Lagged accelerations", claim, verdict, words)

@@ -84,11 +84,7 @@ def validation(book: GuideContents) -> Markup:
         "Published figures",
         paragraph(NO_HISTORY),
         *(paragraph(f"{doubt}.", "bad") for doubt in guide.doubts),
-        table(
-            ("figures", "compared", *(name for name in COUNTED_VERDICTS)),
-            count_rows(guide.trials),
-            "narrow",
-        ),
+        table(("figures", "compared", *COUNTED_VERDICTS), count_rows(guide.trials), "narrow"),
         paragraph("Model errors and what is too uncertain to judge, the worst first:"),
         table(("figure", *WORST_HEADS), worst, "figures"),
     )
@@ -156,9 +152,15 @@ def predicted(book: GuideContents) -> Markup:
         )
         for one in (book.spreads.inputs if book.spreads else ())
     ]
-    told = [table(("number", "value", "sd", "of it", "reason"), rows, "reasons")] if rows else []
-    absent = [] if rows else [paragraph("None are stored for this boat.")]
-    return section("predicted", PREDICTED_TITLE, _words("predicted"), *told, *absent)
+    told = _stored(("number", "value", "sd", "of it", "reason"), rows)
+    return section("predicted", PREDICTED_TITLE, _words("predicted"), told)
+
+
+def _stored(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Markup:
+    """Return rows of the stored table of spreads; a sentence where there are none."""
+    if not rows:
+        return paragraph("None are stored for this boat.")
+    return table(heads, rows, "reasons")
 
 
 def causes(book: GuideContents) -> Markup:
@@ -174,8 +176,7 @@ def causes(book: GuideContents) -> Markup:
         for one in (spreads.spreads if spreads else ())
         if spreads
     ]
-    heads = ("figure", "u_input", "boats that have it", "largest causes")
-    told = table(heads, rows, "reasons") if rows else paragraph("None are stored for this boat.")
+    told = _stored(("figure", "u_input", "boats that have it", "largest causes"), rows)
     return section("causes", "Causes of error, sensitivity", _words("causes"), told)
 
 
@@ -218,12 +219,10 @@ def statements() -> Iterator[Markup]:
 
 def sources(book: GuideContents) -> Markup:
     """Return the rows of data and the commands to which numbers link."""
-    commands = _lines("command", [one.command for one in book.guide.trials], "Commands of S", 0)
-    parts = [commands]
-    if book.published:
-        parts.append(_lines("data", book.published.text.split("\n"), book.published.file, 1))
-    if book.spreads:
-        parts.append(_lines("input", book.spreads.text.split("\n"), book.spreads.file, 1))
+    parts = [_lines("command", [one.command for one in book.guide.trials], "Commands of S", 0)]
+    for name, file in (("data", book.published), ("input", book.spreads)):
+        if file:
+            parts.append(_lines(name, file.text.split("\n"), file.file, 1))
     return section("sources", "Rows of data and commands", *parts)
 
 

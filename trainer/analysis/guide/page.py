@@ -6,6 +6,7 @@ become tables, charts and sentences.
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from itertools import chain
 from typing import Final
 
 from markupsafe import Markup
@@ -98,37 +99,32 @@ def anchor(title: str) -> str:
 
 def software(guide: Guide) -> Markup:
     """Return what the guide is made from, and by what the program is checked."""
-    rows = [("made", guide.made), ("step", f"{guide.step_s:g} s")]
-    rows += [("versions", ", ".join(f"{name} {value}" for name, value in guide.versions.items()))]
+    versions = ", ".join(f"{name} {value}" for name, value in guide.versions.items())
+    rows = [("made", guide.made), ("step", f"{guide.step_s:g} s"), ("versions", versions)]
     rows += [(f"sha256 of {name}", value) for name, value in guide.checksums.items()]
     words = (
         "The program is compared with others by trainer boat check-cases, with itself by trainer "
         "dev bench --same-bits; trainer dev conform says what of STCW it has."
     )
-    return section(
-        "software", CHAPTER_TITLES["software"], table((), rows, "facts"), paragraph(words)
-    )
+    facts = table((), rows, "facts")
+    return section("software", CHAPTER_TITLES["software"], facts, paragraph(words))
 
 
 def overview(guide: Guide) -> Markup:
     """Return one line for each manoeuvre."""
-    rows: list[list[str | Cell]] = [
-        [
-            sheet.title,
-            *(cell for told, share in verdicts_of(sheet) for cell in (_verdict(told), share)),
-        ]
-        for sheet in guide.sheets
-    ]
+    rows: list[list[str | Cell]] = []
+    for sheet in guide.sheets:
+        pairs = [(_verdict(told), share) for told, share in verdicts_of(sheet)]
+        rows.append([sheet.title, *chain(*pairs)])
     heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
-    totals = [
-        paragraph(
+    totals = []
+    for equations in REDUCED_SETS:
+        count = tally_set(guide, equations)
+        totals.append(
             f"The {equations} set: manoeuvres within tolerance, {count['manoeuvres']}; "
             f"{count['within']} numbers within, {count['beyond']} beyond, {count['shown']} shown "
             "and not judged."
         )
-        for equations in REDUCED_SETS
-        for count in (tally_set(guide, equations),)
-    ]
     words = (
         "The full set is flown with exact accelerations by Runge and Kutta, the reduced sets with "
         "lagged ones by second-order Adams, all at the boat's own step, each from its own trim and "
@@ -138,24 +134,18 @@ def overview(guide: Guide) -> Markup:
         "time of an event that its own is not more than a cycle from. Where the full set itself is "
         "lost nothing is judged."
     )
-    return section(
-        "overview", CHAPTER_TITLES["overview"], *totals, paragraph(words), table(heads, rows)
-    )
+    paragraphs = map(paragraph, (*totals, words))
+    return section("overview", CHAPTER_TITLES["overview"], *paragraphs, table(heads, rows))
 
 
 def since_baseline(found: tuple[GuideMove, ...]) -> Markup:
     """Return the chapter of numbers and verdicts that changed since the baseline."""
     if not found:
         return section("moved", "Since the baseline", paragraph("Nothing moved."))
-    rows = [
-        (
-            one.what,
-            format_entry(one.before),
-            format_entry(one.after),
-            "" if one.percent is None else f"{one.percent:+.3g} %",
-        )
-        for one in found[:MAX_MOVES_SHOWN]
-    ]
+    rows = []
+    for one in found[:MAX_MOVES_SHOWN]:
+        change = "" if one.percent is None else f"{one.percent:+.3g} %"
+        rows.append((one.what, format_entry(one.before), format_entry(one.after), change))
     words = f"{len(found)} entries are not what they were, SI and radians; the first are shown."
     heads = ("what", "before", "now", "change")
     return section("moved", "Since the baseline", paragraph(words), table(heads, rows))
@@ -163,16 +153,11 @@ def since_baseline(found: tuple[GuideMove, ...]) -> Markup:
 
 def findings(guide: Guide) -> Markup:
     """Return the chapter of the findings of 1969, each with its verdict on this hull."""
-    parts = []
+    parts, head = [], Markup('<h3>{}: <span class="{}">{}</span></h3>\n')
     for one in guide.findings:
-        style = CLAIM_STYLES[one.verdict]
-        parts.append(
-            Markup('<h3>{}: <span class="{}">{}</span></h3>\n').format(
-                one.title, style, one.verdict
-            )
-            + paragraph(f"1969: {one.claim}.", "soft")
-            + paragraph(f"Here: {one.words}.")
-        )
+        parts.append(head.format(one.title, CLAIM_STYLES[one.verdict], one.verdict))
+        parts.append(paragraph(f"1969: {one.claim}.", "soft"))
+        parts.append(paragraph(f"Here: {one.words}."))
         if one.rows:
             parts.append(table(one.heads, one.rows, "numbers narrow"))
     return section("findings", CHAPTER_TITLES["findings"], *parts)
@@ -182,21 +167,10 @@ def drops(guide: Guide) -> Markup:
     """Return the table of the effects of each dropped coefficient."""
     columns = list(guide.drops[-1].percent)  # the last row is all of them together: always there
     heads = ("coefficient", "value", *(f"{name} [%]" for name in columns))
-    rows = [
-        (
-            drop.coefficient,
-            f"{drop.value:.4g}" if drop.value else "",
-            *(
-                "-"
-                if value is None
-                else f"{value:+.1f}"
-                if abs(value) >= MIN_SHOWN_PERCENT
-                else "0"
-                for value in map(drop.percent.__getitem__, columns)
-            ),
-        )
-        for drop in guide.drops
-    ]
+    rows = []
+    for drop in guide.drops:
+        value = f"{drop.value:.4g}" if drop.value else ""
+        rows.append((drop.coefficient, value, *(_percent(drop.percent[name]) for name in columns)))
     words = (
         "What each coefficient that the modified set drops does by itself: changes when it alone "
         "is put to zero in the full set, at the boat's start speed. Those that change nothing by "
@@ -205,17 +179,21 @@ def drops(guide: Guide) -> Markup:
     return section("why", CHAPTER_TITLES["why"], paragraph(words), table(heads, rows))
 
 
+def _percent(value: float | None) -> str:
+    """Return an effect [%] in one decimal, "-" for none."""
+    if value is None:
+        return "-"
+    return f"{value:+.1f}" if abs(value) >= MIN_SHOWN_PERCENT else "0"
+
+
 def steps(guide: Guide) -> Markup:
     """Return the step-size study."""
     sizes = sorted({run.step_s for run in guide.steps})
     rows: list[tuple[str | Cell, ...]] = []
     last = ""
     for case, scheme, rates in dict.fromkeys((r.case, r.scheme, r.rates) for r in guide.steps):
-        runs = {
-            run.step_s: run
-            for run in guide.steps
-            if (run.case, run.scheme, run.rates) == (case, scheme, rates)
-        }
+        key = case, scheme, rates
+        runs = {run.step_s: run for run in guide.steps if (run.case, run.scheme, run.rates) == key}
         # a case has a row for each scheme; its name stands in the first of them alone
         cells: list[str | Cell] = ["" if case == last else case, f"{scheme}, {rates}"]
         last = case
@@ -237,34 +215,22 @@ def steps(guide: Guide) -> Markup:
 
 def programs(book: GuideContents) -> Markup:
     """Return neutral angles, modes and thrust."""
-    guide = book.guide
+    guide, file = book.guide, book.file
     figure = Markup("<figure><figcaption>{}</figcaption>{}{}</figure>")
+    angles = neutral.render(guide.neutral), neutral.panels(file, guide.neutral)
+    modes = characteristic.render(guide.modes), characteristic.panels(guide.modes)
+    pushes = thrust.render(guide.thrust), thrust.panels(file, guide.thrust)
     parts = []
-    for name, text, drawn in (
-        (
-            "Neutral angles and critical speeds (EC470)",
-            neutral.render(guide.neutral),
-            neutral.panels(book.file, guide.neutral),
-        ),
-        (
-            "Modes (EC140, EC200, EC320)",
-            characteristic.render(guide.modes),
-            characteristic.panels(guide.modes),
-        ),
-        (
-            "Thrust less drag (ZC300)",
-            thrust.render(guide.thrust),
-            thrust.panels(book.file, guide.thrust),
-        ),
+    for name, (text, drawn) in (
+        ("Neutral angles and critical speeds (EC470)", angles),
+        ("Modes (EC140, EC200, EC320)", modes),
+        ("Thrust less drag (ZC300)", pushes),
     ):
+        figures = [
+            figure.format(panel.title, draw_panel(panel), legend(panel.curves)) for panel in drawn
+        ]
         parts.append(Markup("<h3>{}</h3>\n").format(name))
-        parts.append(
-            charts(
-                figure.format(panel.title, draw_panel(panel), legend(panel.curves))
-                for panel in drawn
-            )
-        )
-        parts.append(Markup("<pre>{}</pre>\n").format(text))
+        parts += [charts(figures), Markup("<pre>{}</pre>\n").format(text)]
     return section("programs", CHAPTER_TITLES["programs"], *parts)
 
 
@@ -283,14 +249,12 @@ def _leg(book: GuideContents, leg: Leg, sheet: LegSheet) -> Markup:
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
     parameters = format_parameters(sheet.parameters)
     about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
-    task = leg.task(book.file, "full")
-    command = flight_command(book.file, leg.name, task)
+    command = flight_command(book.file, leg.name, leg.task(book.file, "full"))
     parts = [paragraph(f"{about} [{parameters}; degrees, seconds, knots]", "soft")]
     parts.append(paragraph(f"The full set alone: {command}", "soft"))
-    parts += [paragraph(f"{name}: {problem}") for name, problem in sheet.problems.items()]
-    parts += [
-        paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost
-    ]
+    losses = {name: flight.lost for name, flight in flights.items() if flight.lost}
+    for problems in (sheet.problems, losses):
+        parts += [paragraph(f"{name}: {problem}") for name, problem in problems.items()]
     if flights:
         pictures = _panels(leg.manoeuvre.shows, flights)
         parts.append(legend(pictures[0].curves) + charts(draw_panel(panel) for panel in pictures))
@@ -310,8 +274,8 @@ def _rows(sheet: LegSheet) -> list[list[str | Cell]]:
         present = [found[quantity] for found in by_set.values() if quantity in found]
         one = present[0]
         cells: list[str | Cell] = [quantity, in_degrees(one.unit), figure(one.full, one.unit)]
-        for equations in REDUCED_SETS:
-            cells += _judgement_cells(by_set[equations].get(quantity))
+        for found in by_set.values():
+            cells += _judgement_cells(found.get(quantity))
         rows.append(cells)
     return rows
 
@@ -332,15 +296,13 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
 def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
     """Return the page; ``moves`` are the changes since a baseline, None without one."""
     guide = book.guide
-    names = dict(CHAPTER_TITLES)
-    if moves is not None:
-        names["moved"] = "Since the baseline"
+    since = [] if moves is None else [since_baseline(moves)]
+    names = CHAPTER_TITLES | ({} if moves is None else {"moved": "Since the baseline"})
     if stand_alone(book.legs):
         names = {name: names[name] for name in names if name in ("overview", "software", "moved")}
-        since = [] if moves is None else [since_baseline(moves)]
         parts = [*since, overview(guide), *manoeuvres(book), software(guide)]
     else:
-        parts = _chapters(book, moves)
+        parts = _chapters(book, since)
     return fill_page(
         "guide.html",
         "guide.css",
@@ -354,12 +316,12 @@ def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
     )
 
 
-def _chapters(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> list[Markup]:
-    """Return the chapters of a whole guide."""
+def _chapters(book: GuideContents, since: list[Markup]) -> list[Markup]:
+    """Return the chapters of a whole guide; ``since`` is that on changes, if there is one."""
     guide = book.guide
     return [
         judged_page.validation(book),
-        *([since_baseline(moves)] if moves is not None else []),
+        *since,
         judged_page.predicted(book),
         findings(guide),
         drops(guide),

@@ -112,9 +112,8 @@ def fly_boat(file: VesselFile, task: Task) -> Flight | str:
     try:
         others: tuple[float | None, ...] = ()
         if task.beside:
-            others = fly_manoeuvre(
-                Submarine(file, task.beside, task.rig), manoeuvre, task.speed
-            ).events
+            other = Submarine(file, task.beside, task.rig)
+            others = fly_manoeuvre(other, manoeuvre, task.speed).events
         return fly_manoeuvre(boat, manoeuvre, task.speed, others)
     except ConfigError as wrong:
         return str(wrong)
@@ -186,11 +185,6 @@ def own_method(file: VesselFile, equations: str) -> Method:
     return Method(equations, rates, "exact", integrator, file.run.step_s)
 
 
-def best_damped(file: VesselFile) -> float | None:
-    """Return the speed [kn] on a grid at which vertical motion dies away fastest. None: at none."""
-    return _best_speed(file, lambda roots: -roots.real)
-
-
 def _best_speed(file: VesselFile, damping: Callable[[Any], Any]) -> float | None:
     """Return the speed [kn] on a grid whose least damping of vertical roots is largest, if any."""
     low, high = file.run.speed_range_kn
@@ -228,11 +222,11 @@ def legs_of_trainer(file: VesselFile, depth: float | None = None) -> tuple[Leg, 
     Meanders at five speeds, of which one has the largest damping ratio; overshoots and turns at a
     low and a high speed, these with depth kept by the stern planes; ahead from rest and stopped.
     """
-    legs = (
-        replace(leg, rig=Rig(depth=depth), checks=TRAINER_CHECKS[leg.name])
-        for leg in _legs_of_trainer(file)
+    boat, rig = _boat_at(file, depth), Rig(depth=depth)
+    bare_legs = _legs_of_trainer(file)
+    return _manned(
+        boat, (replace(leg, rig=rig, checks=TRAINER_CHECKS[leg.name]) for leg in bare_legs)
     )
-    return _manned(_boat_at(file, depth), legs)
 
 
 def _legs_of_trainer(file: VesselFile) -> Iterator[Leg]:
@@ -300,24 +294,15 @@ def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Le
         yield from (replace(leg, rig=replace(leg.rig, depth=depth)) for leg in deep)
         return
     yield from deep
-    diameter = float(boat.boat.vessel.diameter)
+    diameter, own_speed = float(boat.boat.vessel.diameter), file.run.start_speed_kn
     if diameter > 0.0:  # else the boat does not feel the surface
-        own_speed, near = (
-            file.run.start_speed_kn,
-            Rig(depth=round(SHALLOW_DEPTH_DIAMETERS * diameter, 1)),
-        )
+        near = Rig(depth=round(SHALLOW_DEPTH_DIAMETERS * diameter, 1))
         for name in SHALLOW_MANOEUVRES:
-            yield from (
-                replace(leg, rig=near) for leg in both_ways(name, own_speed, find_manoeuvre(name))
-            )
+            for leg in both_ways(name, own_speed, find_manoeuvre(name)):
+                yield replace(leg, rig=near)
     if file.autopilot:  # by hand the boat would leave the waves' beam
-        yield _sea_leg(file)
-
-
-def _sea_leg(file: VesselFile) -> Leg:
-    """Return the flight in waves, as deep as their peak's length over 2 pi."""
-    rig = Rig(depth=round(1.0 / wave_number(file.hull.length), 1))
-    return Leg(SEA_MANOEUVRE, "", file.run.start_speed_kn, find_manoeuvre(SEA_MANOEUVRE), rig)
+        rig = Rig(depth=round(1.0 / wave_number(file.hull.length), 1))  # the peak's over 2 pi
+        yield Leg(SEA_MANOEUVRE, "", own_speed, find_manoeuvre(SEA_MANOEUVRE), rig)
 
 
 def both_ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") -> Iterator[Leg]:
@@ -345,9 +330,8 @@ def _legs_by_speed(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs at several speeds."""
     speeds = round_speeds(*file.run.speed_range_kn)
     low, high = speeds[min(1, len(speeds) - 1)], speeds[-1]
-    best = best_damped(file)
-    more = () if best is None else (best,)
-    for speed in sorted({*speeds, *more}):
+    best = _best_speed(file, lambda roots: -roots.real)  # at which motion dies away fastest
+    for speed in sorted({*speeds, *([] if best is None else [best])}):
         yield from both_ways("meander", speed, find_manoeuvre("meander"))
     for speed in (low, high):
         for execute in EXECUTE_ANGLES_DEG:

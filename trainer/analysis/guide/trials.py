@@ -61,6 +61,7 @@ DATA_KINDS: Final = {
     "computed": "computed by others",
 }
 FITTED, HELD_OUT = "fitted", "held out"
+INPUT_FIELD: Final = Text(20, "coefficient, or mass, Ix, Iy, Iz, BG")
 NOTE_FIELD: Final = Text(500, "what it is, and whose")
 PARAMETER_FIELD: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
 UNCERTAINTY_FIELD: Final = Quantity("-", above(0, 1e9), "one standard deviation, in its unit")
@@ -191,9 +192,7 @@ class Fit:
 class Deviation:
     """The standard deviation of some coefficients or masses, which their source tells."""
 
-    inputs: tuple[str, ...] = required(
-        Texts(Text(20, "coefficient, or mass, Ix, Iy, Iz, BG"), MAX_INPUTS)
-    )
+    inputs: tuple[str, ...] = required(Texts(INPUT_FIELD, MAX_INPUTS))
     share: float | None = optional(Quantity("-", above(0, 5), "of the value"))
     size: float | None = optional(Quantity("-", above(0, 1e9), "in the file's unit"))
     reason: str = required(NOTE_FIELD)
@@ -263,10 +262,9 @@ def load_published(path: Path) -> Published:
     problems: list[str] = []
     place = Place(path.name, "")
     known = ("boat", *ROW_READERS)
+    unknown = (name for name in tables if name not in known)
     problems += [
-        place.problem(f"{name} = ...: no such table{nearest(name, known)}")
-        for name in tables
-        if name not in known
+        place.problem(f"{name} = ...: no such table{nearest(name, known)}") for name in unknown
     ]
 
     def read_rows(name: str, read: RowReader) -> Iterator[Any]:
@@ -277,10 +275,9 @@ def load_published(path: Path) -> Published:
         for i, row in enumerate(rows):
             inside = place.inside(f"{name}[{i}]")
             own = [keys.get((inside.table, key), 0) for key in WAVE_KEYS]
+            own = lines.get(i, []) if name == "trials" else own
             with collecting(problems):
-                yield read(
-                    as_table(row, inside), inside, lines.get(i, []) if name == "trials" else own
-                )
+                yield read(as_table(row, inside), inside, own)
 
     rows = [tuple(read_rows(name, read)) for name, read in ROW_READERS.items()]
     boat = as_table(tables.get("boat", {}), place.inside("boat"))
@@ -317,10 +314,8 @@ def _deviation(row: Mapping[str, Any], place: Place, _lines: list[int]) -> Devia
 def _waves(row: Mapping[str, Any], place: Place, lines: list[int]) -> HeadWaves:
     """Return regular waves; ConfigError if they are wrong. ``lines`` are those of their keys."""
     waves = read_record(WavesHeading, row, place, ())
-    by_name = {
-        "heave": ("-", waves.heave, waves.u_heave),
-        "pitch_deg": ("deg", waves.pitch_deg, waves.u_pitch_deg),
-    }
+    pitch = ("deg", waves.pitch_deg, waves.u_pitch_deg)
+    by_name = {"heave": ("-", waves.heave, waves.u_heave), "pitch_deg": pitch}
     figures = []
     for i, depth in enumerate(waves.depth_m):
         for (name, (unit, values, u)), line in zip(by_name.items(), lines, strict=True):

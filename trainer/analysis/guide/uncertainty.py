@@ -220,14 +220,10 @@ def fly_uncertainty(
             for place, size in zip(fitted, sd, strict=True):
                 reason = f"the fit's covariance; before it {inputs[place].reason}"
                 inputs[place] = inputs[place]._replace(sd=float(size), reason=reason)
-        root = root_of(together)
-        drawn = [
-            [
-                _kept_sign(one, one.value + one.sd * float(z))
-                for one, z in zip(inputs, root @ deviates(number, len(inputs)), strict=True)
-            ]
-            for number in range(1, DRAWN_BOATS + 1)
-        ]
+        root, drawn = root_of(together), []
+        for number in range(1, DRAWN_BOATS + 1):
+            pairs = zip(inputs, root @ deviates(number, len(inputs)), strict=True)
+            drawn.append([_kept_sign(one, one.value + one.sd * float(z)) for one, z in pairs])
         names = [one.name for one in inputs]
         values = fly_all([dict(zip(names, row, strict=True)) for row in drawn])
     return _write_table(file, published, inputs, np.array(drawn), values)
@@ -325,9 +321,8 @@ def _write_table(
         u = spread_of(column[there]) if count > 1 else 0.0
         causes = _causes(own, drawn[there], column[there]) if count > 1 else ()
         cells = [text for one in causes for text in (one.name, round(one.share, 2))]
-        lines.append(
-            f"    {toml_value([title, figure.quantity, count, float(f'{u:.3g}'), *cells])},"
-        )
+        row = [title, figure.quantity, count, float(f"{u:.3g}"), *cells]
+        lines.append(f"    {toml_value(row)},")
     return "\n".join([*lines, "]", ""])
 
 
@@ -347,16 +342,8 @@ def load_spreads(file: VesselFile, published: Published) -> SpreadTable | None:
     lines = {line.strip(" ,"): number for number, line in enumerate(text.split("\n"), start=1)}
     now = {"vessel": numbers_digest(file), "figures_digest": figures_digest(published)}
     try:
-        inputs = tuple(
-            InputDeviation(
-                str(name), float(value), float(sd), str(reason), lines.get(toml_value(row), 0)
-            )
-            for row in table["inputs"]
-            for name, value, sd, reason in (row,)
-        )
-        spreads = tuple(
-            _read_spread(row, lines.get(toml_value(row), 0)) for row in table["figures"]
-        )
+        inputs = tuple(_read_input(row, lines) for row in table["inputs"])
+        spreads = tuple(_read_spread(row, lines) for row in table["figures"])
         then = {name: str(table[name]) for name in now}
         members = int(table["members"])
         sizes = [*(one.sd / one.value for one in inputs), *(one.u_input for one in spreads)]
@@ -369,9 +356,17 @@ def load_spreads(file: VesselFile, published: Published) -> SpreadTable | None:
     return SpreadTable(path.name, text, told, members, inputs, spreads)
 
 
-def _read_spread(row: Any, line: int) -> FigureSpread:
-    """Return a row of the table; TypeError or ValueError if it is none."""
+def _read_input(row: Any, lines: Mapping[str, int]) -> InputDeviation:
+    """Return an input's row of the table, with its line; TypeError or ValueError if it is none."""
+    name, value, sd, reason = row
+    line = lines.get(toml_value(row), 0)
+    return InputDeviation(str(name), float(value), float(sd), str(reason), line)
+
+
+def _read_spread(row: Any, lines: Mapping[str, int]) -> FigureSpread:
+    """Return a figure's row likewise."""
     title, quantity, count, u, *causes = row
     pairs = zip(causes[::2], causes[1::2], strict=True)
     told = tuple(Cause(str(name), float(share)) for name, share in pairs)
+    line = lines.get(toml_value(row), 0)
     return FigureSpread(str(title), str(quantity), int(count), float(u), told, line)
