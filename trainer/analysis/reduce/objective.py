@@ -26,26 +26,15 @@ from trainer.units import KNOT
 # What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a
 # boat without rudder drag would pass many a test. So does what the propeller does beyond its
 # thrust: other terms can make up for it at one setting of the engine, and not at all.
+# fmt: off
 CONTROL_COEFFICIENTS: Final = (
-    "X_drdr",
-    "X_dsds",
-    "X_dbdb",
-    "Y_dr",
-    "Z_ds",
-    "Z_db",
-    "M_ds",
-    "M_db",
-    "N_dr",
-    *SLIP_TERMS,
+    "X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr", *SLIP_TERMS,
 )
+# fmt: on
 # What no flight determines: bow planes move with the stern planes alone, and added masses show in
 # waves, which push all of the mass that the hull carries along.
-FIXED_COEFFICIENTS: Final = (
-    "X_dbdb",
-    "Z_db",
-    "M_db",
-    *(term for term in COMPACT_TERMS if term.endswith("dot")),
-)
+ADDED_MASSES: Final = tuple(term for term in COMPACT_TERMS if term.endswith("dot"))
+FIXED_COEFFICIENTS: Final = ("X_dbdb", "Z_db", "M_db", *ADDED_MASSES)
 MAX_DIFFERENCE: Final = 10.0  # [-] a difference beyond this counts as this
 
 

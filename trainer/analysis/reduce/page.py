@@ -48,23 +48,16 @@ def sensitivity(drops: Sequence[DropEffect]) -> list[str]:
     # each word of a head has a line of its own, so that columns stay narrow
     short = (name.replace("amplitude after ", "").replace(":", "") for name in SENSITIVITY_COLUMNS)
     heads = ["without", *(name.replace("-", " ").replace(" ", "\n") for name in short)]
-    rows = [
-        (
-            drop.coefficient,
-            *(format_number(drop.percent.get(name), "+.1f") for name in SENSITIVITY_COLUMNS),
-        )
-        for drop in drops[:SENSITIVITY_ROWS]
-    ]
+    rows = []
+    for drop in drops[:SENSITIVITY_ROWS]:
+        changes = (format_number(drop.percent.get(name), "+.1f") for name in SENSITIVITY_COLUMNS)
+        rows.append((drop.coefficient, *changes))
     words = (
         "What each coefficient does by itself: change [%] when it alone is put to zero in the full "
         "set, at the boat's own speed; none where the manoeuvre then has no such number"
     )
-    more = (
-        [f"  ... and {len(drops) - SENSITIVITY_ROWS} with less effect"]
-        if len(drops) > SENSITIVITY_ROWS
-        else []
-    )
-    return [*wrap(words, "", ""), *table(heads, rows), *more]
+    lines, more = [*wrap(words, "", ""), *table(heads, rows)], len(drops) - SENSITIVITY_ROWS
+    return [*lines, f"  ... and {more} with less effect"] if more > 0 else lines
 
 
 def _terms(found: Reduction) -> Iterator[str]:
@@ -86,9 +79,8 @@ def _terms(found: Reduction) -> Iterator[str]:
         yield ""
         yield "Why terms stay: the worst number without each, the others fitted anew"
         for one in found.needs:
-            yield from wrap(
-                f"{one.term}: {one.worst:.2f} of the allowed, {one.leg}: {one.quantity}"
-            )
+            need = f"{one.worst:.2f} of the allowed, {one.leg}: {one.quantity}"
+            yield from wrap(f"{one.term}: {need}")
 
 
 def _verdict(checked: Sequence[LegVerdict]) -> Iterator[str]:

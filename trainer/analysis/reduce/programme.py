@@ -56,9 +56,6 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.units import KNOT
 
-# Weaves that only the reduction flies: a control from side to side by the clock.
-
-
 LEAD_TIME_S: Final = 2.0  # [s] of straight flight
 WEAVE_LENGTHS: Final = (3.0, 6.0, 6.0)  # [lengths run] to one side, the other, and the first again
 READING_SHARES: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
@@ -116,14 +113,14 @@ class _Weave(Manoeuvre):
         measures = []
         for name, unit in self.watched.items():
             most = float(abs(flight.change(name)).max())
-            for moment, time in times.items():
-                measures.append(
-                    part_measure(f"{name} after {moment}", unit, flight.at(time, name), most)
-                )
+            measures += [
+                part_measure(f"{name} after {moment}", unit, flight.at(time, name), most)
+                for moment, time in times.items()
+            ]
         swing = flight.change(self.swinging)
         most = float(abs(swing).max())
-        measures.append(part_measure(f"largest {self.swinging}", "rad", float(swing.max()), most))
-        measures.append(part_measure(f"smallest {self.swinging}", "rad", float(swing.min()), most))
+        for word, value in (("largest", swing.max()), ("smallest", swing.min())):
+            measures.append(part_measure(f"{word} {self.swinging}", "rad", float(value), most))
         return measures
 
 
@@ -212,11 +209,8 @@ def _weaves(file: VesselFile) -> Iterator[Leg]:
     for speed, angle in ((own_speed, 5.0), (own_speed, 10.0), (top, 3.0)):
         vertical = VerticalWeave(angle_deg=angle)
         yield from _ways("vertical weave", f"planes {angle:g} deg", speed, vertical, file)
-    for speed, angle, planes in (
-        (own_speed, 10.0, 5.0),
-        (own_speed, 20.0, 10.0),
-        (third, 20.0, 5.0),
-    ):
+    dives = (own_speed, 10.0, 5.0), (own_speed, 20.0, 10.0), (third, 20.0, 5.0)
+    for speed, angle, planes in dives:
         for side in BOTH_SIDES:
             dive = ClimbingTurn(angle, planes, side=side, direction=DIVE)
             yield _leg("diving turn", f"rudder {angle:g} deg, {side}", speed, dive, file)
@@ -273,10 +267,8 @@ def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     rounds, slow = round_speeds(*file.run.speed_range_kn), _low_speed(file)
     between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own_speed)
     jams = 0.5 * (own_speed + third), third
-    heavy, light = (
-        OutOfBalance(share=1.5 * LOAD_SHARE),
-        OutOfBalance(share=-1.5 * LOAD_SHARE, keep=()),
-    )
+    heavy = OutOfBalance(share=1.5 * LOAD_SHARE)
+    light = OutOfBalance(share=-1.5 * LOAD_SHARE, keep=())
     zigzag = ZigZag(angle_deg=15.0, execute_deg=15.0)
     climbs = [ClimbingTurn(10.0, 10.0, side=side) for side in BOTH_SIDES]
     legs = [

@@ -97,25 +97,6 @@ def load_standings(path: Path, file: VesselFile) -> dict[str, SearchState]:
         return {}
 
 
-class SearchLog:
-    """The states of the searches for one boat, by name. A file keeps them, if there is one."""
-
-    def __init__(self, file: VesselFile, path: Path | None) -> None:
-        """Read this boat's searches from the file at ``path``."""
-        self._file, self._path = file, path
-        self._standings = load_standings(path, file) if path else {}
-
-    def standing(self, name: str) -> SearchState | None:
-        """Return the state of a search; None if it has not begun."""
-        return self._standings.get(name)
-
-    def enter(self, name: str, standing: SearchState) -> None:
-        """Keep the state of a search; ConfigError if the file cannot be written."""
-        self._standings[name] = standing
-        if self._path:
-            save_standings(self._path, self._file, self._standings)
-
-
 def discard_checkpoint(path: Path) -> None:
     """Take the file away, if it is there."""
     with contextlib.suppress(OSError):
@@ -219,29 +200,31 @@ def search(
     one. ``step`` is called with the number of terms decided, which may reach MAX_SEARCHES times the
     number of terms.
     """
-    log, fast = SearchLog(file, partial), fastest_legs(file)
+    fast = fastest_legs(file)
     stays = frozenset(CONTROL_COEFFICIENTS) | fixed_terms(file)
     aim = SearchAim(fit_legs(file), SLACKEST_LEASH, stays, quick)
-    standing, modified = _run_search(file, aim, cores, log, step)
+    standing, modified = _run_search(file, aim, cores, partial, step)
     if largest_difference(file, fast, modified) > ASTRAY_RATIO:
         aim = SearchAim((*aim.legs, *fast), FIRM_LEASH, stays, quick)
-        standing, modified = _run_search(file, aim, cores, log, step)
+        standing, modified = _run_search(file, aim, cores, partial, step)
     basic = _basic(file, aim, cores, modified, standing.leash)
     return SearchResult({"modified": modified, "basic": basic}, standing.needed)
 
 
 def _run_search(
-    file: VesselFile, aim: SearchAim, cores: int, log: SearchLog, step: Callable[[int], None]
+    file: VesselFile, aim: SearchAim, cores: int, partial: Path | None, step: Callable[[int], None]
 ) -> tuple[SearchState, dict[str, float]]:
-    """Return how a search ends, and its factors by term."""
+    """Return how a search ends, and its factors by term. Each round is kept at ``partial``."""
     name = f"{len(aim.legs)} flights{', quick' * aim.quick}"
+    standings = load_standings(partial, file) if partial else {}
     with CandidatePool(file.path, "modified", aim.legs, cores) as pool:
         at_work = Search(file, "modified", pool, aim)
-        standing = log.standing(name) or at_work.begin()
+        standing = standings.get(name) or at_work.begin()
         step(len(at_work.terms) - len(at_work.undecided(standing)))
         while not standing.done:
             standing = at_work.round(standing, lambda: step(1))
-            log.enter(name, standing)
+            if partial:
+                save_standings(partial, file, {**standings, name: standing})
     return standing, dict(zip(at_work.terms, map(round_factor, standing.factors), strict=True))
 
 

@@ -13,6 +13,7 @@ otherwise. docs/reduction.md tells the steps of a search, and what they found.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -113,11 +114,7 @@ def descend_slopes(
         if here.worst <= goal:
             break
         # every power with every damping: the flights show which pair helps most
-        tried = [
-            take_step(slopes, here, power, damping)
-            for power in COST_POWERS
-            for damping in STEP_DAMPINGS
-        ]
+        tried = [take_step(slopes, here, *pair) for pair in product(COST_POWERS, STEP_DAMPINGS)]
         points = [SearchPoint(*pair) for pair in zip(tried, fly(tried), strict=True)]
         reached = [one for one in points if one.worst <= goal]
         if reached:
@@ -215,11 +212,9 @@ class Search:
         """Return the state before anything is fitted or dropped."""
         everything = tuple(range(len(self.terms)))
         standing = SearchState((1.0,) * len(self.terms), everything, leash=leash)
-        return (
-            replace(standing, again=True, settled=LAST_FIT_ROUNDS - 1)
-            if self._aim.quick
-            else standing
-        )
+        if self._aim.quick:
+            return replace(standing, again=True, settled=LAST_FIT_ROUNDS - 1)
+        return standing
 
     def undecided(self, standing: SearchState) -> list[int]:
         """Return the places of the terms that may still be dropped."""
@@ -261,9 +256,8 @@ class Search:
         self, slopes: Slopes, here: SearchPoint, kept: Sequence[int], goal: float
     ) -> SearchPoint:
         """Return the point that a fit by these slopes leads to."""
-        return descend_slopes(
-            self._pool.differences, self._among(slopes, kept), here, FIT_STEPS, goal
-        )
+        among = self._among(slopes, kept)
+        return descend_slopes(self._pool.differences, among, here, FIT_STEPS, goal)
 
     def proof(self, factors: Numbers) -> Numbers:
         """Return the differences in the guide's flights."""
@@ -325,10 +319,8 @@ class Search:
                 step()
             if passed is None:
                 kept_places = tuple(i for i in standing.kept if i not in order)
-                standing, here = (
-                    self._tighten(replace(standing, kept=kept_places), next_point),
-                    next_point,
-                )
+                standing = self._tighten(replace(standing, kept=kept_places), next_point)
+                here = next_point
             else:
                 standing = replace(standing, needed=(*standing.needed, passed))
         return standing

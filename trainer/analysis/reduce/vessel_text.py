@@ -63,12 +63,11 @@ def factor_tables(
     rows = textwrap.wrap(names, LINE_WIDTH, initial_indent=indent, subsequent_indent=indent)
     lines = ["[compact]", "extra_terms = [", *rows, "]", ""]
     for name, of_set in factors.items():
-        shown = {
-            key: value
+        listed = (
+            f"{key} = {value:.4g}"
             for key, value in of_set.items()
             if value != 1.0 and (key not in EXTRA_TERMS or (value and key in extra))
-        }
-        listed = (f"{key} = {value:.4g}" for key, value in shown.items())
+        )
         lines += [f"[compensation.{name}]   # 0: dropped", *listed, ""]
     lines += ["[reduction]   # evidence; the program reads none of it"]
     lines.append(f'by = "trainer boat reduce, version {__version__}"')

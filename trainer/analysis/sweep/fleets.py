@@ -209,9 +209,8 @@ def by_files(files: Sequence[VesselFile], method: Method) -> VesselBatch:
         records = fit_out(file, method)
         vessels["whole"][i] = records.vessel["whole"]
         compacts["whole"][i] = records.compact["whole"]
-    effects = {
-        name: [file.coefficients[name] for file in files] for name, _ in SURFACE_SENSES.values()
-    }
+    names = (name for name, _ in SURFACE_SENSES.values())
+    effects = {name: [file.coefficients[name] for file in files] for name in names}
     return VesselBatch(vessels, compacts, toward_of(effects, count))
 
 
@@ -239,11 +238,9 @@ def start_members(
         gravities = made.vessels["g"]
     settings = np.array([sea_settings(calm, float(g)) for g in gravities])
     fleet = Fleet(made.vessels, made.compacts, scheme, np.zeros(count, STATE))
-    fit = np.zeros(count)
+    fit, how = np.zeros(count), FleetStart(speeds, DEEP_WATER_M, law, settings)
     with np.errstate(all="ignore"):
-        start_fleet(
-            fleet, exact, FleetStart(speeds, DEEP_WATER_M, law, settings), new_scratch(), fit
-        )
+        start_fleet(fleet, exact, how, new_scratch(), fit)
     able = fit > 0.0
     for control in needs:
         if control in CONTROL_SURFACES:
@@ -253,9 +250,8 @@ def start_members(
 
 def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -> Schedule:
     """Return the orders of scripts that differ in numbers alone. ``keep`` acts at the start."""
-    neutral = {
-        name: states[f"delta_{letter}"].copy() for name, (_, letter) in CONTROL_SURFACES.items()
-    }
+    surfaces = CONTROL_SURFACES.items()
+    neutral = {name: states[f"delta_{letter}"].copy() for name, (_, letter) in surfaces}
     by_hand = np.ones(states.size)
     order_rows: list[tuple[int, int, Numbers]] = []
     for i, line in enumerate(scripts[0].lines):

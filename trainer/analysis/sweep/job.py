@@ -87,10 +87,8 @@ def asked_of(study: "Study", flight: Flight, measures: Sequence[Measure]) -> tup
         if one is None:
             columns = ", ".join(flight.series.columns)
             has = f"; there are {', '.join(known)}" if known else ""
-            problem = (
-                f"no measure {quote(name)}{nearest(name, known)}{has}; and {ways} of {columns}"
-            )
-            raise ConfigError(f"{file}: {problem}")
+            problem = f"no measure {quote(name)}{nearest(name, known)}{has}"
+            raise ConfigError(f"{file}: {problem}; and {ways} of {columns}")
         outputs.append(Output(one.name, one.unit))
     return tuple(outputs)
 
@@ -134,16 +132,13 @@ class Subject(Protocol):
     @property
     def outputs(self) -> tuple[Output, ...]:
         """Return the outputs of each member."""
-        ...
 
     @property
     def chunk(self) -> int:
         """Return how many members are flown, and kept, at once."""
-        ...
 
     def batch(self, first: int, count: int) -> Batch:
         """Return the results of ``count`` members from ``first`` on."""
-        ...
 
 
 def member_values(drawn: Mapping[str, NDArray[Any]], place: int) -> dict[str, Any]:
@@ -280,11 +275,8 @@ def fly_chunk(job: Job, place: int) -> Batch:
 def fact_differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Return in words what differs between the facts of two jobs."""
     study = str(then.get("study", ""))  # an earlier version's is its path
-    then = {
-        **then,
-        "study": Path(study).stem,
-        "files": as_seen_from(study, then.get("files", {})),
-    }
+    files = as_seen_from(study, then.get("files", {}))
+    then = {**then, "study": Path(study).stem, "files": files}
     problems = [
         f"{name}: {then.get(name)!r} then, {now[name]!r} now"
         for name in ("study", "members", "version", "core")

@@ -77,10 +77,8 @@ def case_of(study: Study, drawn: Mapping[str, Any]) -> MemberCase:
 
 def manoeuvre_of(table: ManoeuvreTable, vehicle: Any) -> Manoeuvre:
     """Return the manoeuvre of a study for a vehicle; ConfigError if it cannot fly it."""
-    table_fields = asdict(table)
-    parameters = {
-        name: table_fields[key] for name, key in PARAMETERS.items() if table_fields[key] is not None
-    }
+    own, keys = asdict(table), PARAMETERS.items()
+    parameters = {name: own[key] for name, key in keys if own[key] is not None}
     try:
         manoeuvre = adjust_manoeuvre(table.name, vehicle, parameters)
     except ConfigError as wrong:
@@ -108,9 +106,8 @@ def fly_case(case: MemberCase) -> tuple[Manoeuvre, Flight]:
     """Return the manoeuvre of a case and its flight; ConfigError if it cannot begin."""
     boat = Submarine(case.file, case.method, case.rig)
     manoeuvre = manoeuvre_of(case.table, boat)
-    return manoeuvre, fly_manoeuvre(
-        boat, manoeuvre, speed_of(case.table, case.file.run.start_speed_kn)
-    )
+    speed = speed_of(case.table, case.file.run.start_speed_kn)
+    return manoeuvre, fly_manoeuvre(boat, manoeuvre, speed)
 
 
 class ManoeuvreSubject:
@@ -149,10 +146,8 @@ class ManoeuvreSubject:
         if self.together:
             drawn = self.study.draws.drawn(first, count)
             for begin in range(0, count, MAX_FLIGHTS_HELD):
-                part = {
-                    name: values[begin : begin + MAX_FLIGHTS_HELD] for name, values in drawn.items()
-                }
                 size = min(MAX_FLIGHTS_HELD, count - begin)
+                part = {name: values[begin : begin + size] for name, values in drawn.items()}
                 cases, groups = self._cases(part, size), defaultdict(list)
                 for i, (_, manoeuvre) in cases.items():
                     if (script := self._script(manoeuvre)) is not None:
@@ -196,14 +191,13 @@ class ManoeuvreSubject:
     @cached_property
     def _by_coefficients(self) -> bool:
         """Return whether nothing but coefficients varies, and none of CHECKED_COEFFICIENTS."""
-        keys = [variable.steps for variable in self.study.variables]
-        named = (steps for steps in keys if len(steps) > 1 and steps[0] == "vessel")
-        good = [
-            steps
-            for steps in named
-            if steps[1] in FIELD_LIMITS and steps[-1] not in CHECKED_COEFFICIENTS
-        ]
-        return len(good) == len(keys)
+        return all(
+            len(steps) > 1
+            and steps[0] == "vessel"
+            and steps[1] in FIELD_LIMITS
+            and steps[-1] not in CHECKED_COEFFICIENTS
+            for steps in (variable.steps for variable in self.study.variables)
+        )
 
     def _flown(
         self,
@@ -223,13 +217,11 @@ class ManoeuvreSubject:
             made = fleets.by_coefficients(self.boat.boat, changes, len(places))
         else:
             made = fleets.by_files([one.file for one, _ in own_cases], case.method)
-        speeds = np.array(
-            [speed_of(one.table, one.file.run.start_speed_kn) for one, _ in own_cases]
-        )
+        usual = [(one.table, one.file.run.start_speed_kn) for one, _ in own_cases]
+        speeds = np.array([speed_of(*pair) for pair in usual])
         law = DEPTH_LAWS[case.rig.law]
-        law = (
-            law if self.boat.boat.automatic else max(law, REPORT_LAW)
-        )  # without gains the report's
+        if not self.boat.boat.automatic:
+            law = max(law, REPORT_LAW)  # without gains the report's
         fleet, able = fleets.start_members(made, case.method, speeds, law, self.trial.needs)
         schedule = fleets.join_scripts(fleet.states, made, written)
         flight = fly_members(fleet, schedule, written[0].ticks, 1, PLACED_COLUMNS)
@@ -239,16 +231,7 @@ class ManoeuvreSubject:
         named = Path(case.file.name)
         for i in np.flatnonzero(good):
             each, manoeuvre = own_cases[i]
-            columns = {
-                "t": t,
-                **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED_COLUMNS)},
-            }
-            seen = Flight(
-                speed=float(speeds[i]),
-                length=each.file.hull.length,
-                step=each.method.step,
-                series=Series(named, columns),
-                marks=written[i].marks,
-                lost="",
-            )
+            columns = {"t": t, **dict(zip(PLACED_COLUMNS, flight.rows[i].T, strict=True))}
+            speed, length, step = float(speeds[i]), each.file.hull.length, each.method.step
+            seen = Flight(speed, length, step, Series(named, columns), written[i].marks, "")
             yield places[i], read_off(self.outputs, seen, manoeuvre.measures(seen))

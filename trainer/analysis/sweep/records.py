@@ -197,6 +197,11 @@ class Sample:
     )
 
 
+def _bound(meaning: str) -> Quantity:
+    """Return the kind of a bound of a distribution, in the unit of its key."""
+    return Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), meaning)
+
+
 @dataclass(frozen=True, kw_only=True)
 class VaryRow:
     """One number that differs from member to member."""
@@ -210,16 +215,10 @@ class VaryRow:
             "instead of values; estimate: whole draws of a boat or a fitted ship, key vessel",
         )
     )
-    low: float | None = optional(
-        Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "of uniform, triangular")
-    )
-    high: float | None = optional(
-        Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "of uniform, triangular")
-    )
-    mode: float | None = optional(
-        Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "peak of triangular")
-    )
-    mean: float | None = optional(Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), "of normal"))
+    low: float | None = optional(_bound("of uniform, triangular"))
+    high: float | None = optional(_bound("of uniform, triangular"))
+    mode: float | None = optional(_bound("peak of triangular"))
+    mean: float | None = optional(_bound("of normal"))
     std: float | None = optional(Quantity("key's", above(0, MAX_NUMBER), "of normal"))
     relative: bool | None = optional(
         Flag("true: the numbers are factors of what the files say; else they take its place")

@@ -93,10 +93,7 @@ def report_of(opened: OpenJob, table: Any, file: str) -> SweepReport:
         members=table.num_rows,
         troubled=troubles.total(),
         troubles=dict(most),
-        spreads=tuple(
-            spread_of(output.name, output.unit, columns[output.name])
-            for output in opened.subject.outputs
-        ),
+        spreads=tuple(spread_of(*one, columns[one.name]) for one in opened.subject.outputs),
         effects={name: effects_of(drawn, values) for name, values in columns.items()},
     )
 
@@ -130,9 +127,8 @@ def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
     if of.dtype.kind in "fiu":
         low = of <= np.quantile(of, END_SHARE, method="inverted_cdf")
         high = of >= -np.quantile(-of, END_SHARE, method="inverted_cdf")
-        return Effect(
-            name, *(float(mean.mean()) for mean in (of[low], of[high], values[low], values[high]))
-        )
+        ends = (of[low], of[high], values[low], values[high])
+        return Effect(name, *(float(end.mean()) for end in ends))
     means = {str(word): float(values[of == word].mean()) for word in np.unique(of)}
     least, most = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
     return Effect(name, least, most, means[least], means[most])
@@ -177,15 +173,10 @@ def _effects(report: SweepReport, spread: Spread) -> list[str]:
     if not effects:
         return []
     factor, unit = on_page(spread.unit)
-    rows = [
-        (
-            effect.variable,
-            *(_format(x) for x in (effect.low, effect.high)),
-            f"{factor * effect.at_low:.4g}",
-            f"{factor * effect.at_high:.4g}",
-        )
-        for effect in effects
-    ]
+    rows = []
+    for effect in effects:
+        ends = (f"{factor * at:.4g}" for at in (effect.at_low, effect.at_high))
+        rows.append((effect.variable, _format(effect.low), _format(effect.high), *ends))
     heads = ("", "from", "to", f"{unit}\nat that", f"{unit}\nat that")
     title = f"{spread.name}: mean where a variable is in its lowest and highest tenth"
     return ["", *wrap(title), *table(heads, rows)]
@@ -210,11 +201,8 @@ def coverage(report: SweepReport) -> list[str]:
     heads = ("", "unit", "mean", "std dev\nfound", "std dev\ntold", "% inside\n95 %")
     shares = [known[COVERED_COLUMN.format(name)] for name in names]
     pooled = 100.0 * sum(one.mean * one.count for one in shares) / sum(one.count for one in shares)
-    return [
-        *table(heads, rows),
-        "",
-        f"{INDENT}{pooled:.2f} % of all 95 % intervals hold the truth",
-    ]
+    told = f"{INDENT}{pooled:.2f} % of all 95 % intervals hold the truth"
+    return [*table(heads, rows), "", told]
 
 
 def member_page(study: str, member: int, told: dict[str, Any], outputs: tuple[Output, ...]) -> str:
@@ -249,16 +237,12 @@ def panels(report: SweepReport, result: Any, measure: str | None) -> tuple[Panel
     effects = report.effects[spread.name]
     if not effects:
         return (below,)
-    bars = tuple(
-        Bar(
-            effect.variable,
-            (factor * effect.at_low, factor * effect.at_high),
-            (_format(effect.low), _format(effect.high)),
-        )
-        for effect in effects
-    )
+    bars = []
+    for effect in effects:
+        ends = factor * effect.at_low, factor * effect.at_high
+        bars.append(Bar(effect.variable, ends, (_format(effect.low), _format(effect.high))))
     about = "mean where a variable is in its lowest (filled) and highest (hatched) tenth"
-    tornado = BarGroup(about, along, bars, factor * spread.mean)
+    tornado = BarGroup(about, along, tuple(bars), factor * spread.mean)
     return below, tornado, *grid_panels(report, result, spread)
 
 

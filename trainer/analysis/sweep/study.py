@@ -39,6 +39,7 @@ from trainer.config.files import (
     parse_toml,
     path_named,
     quote,
+    raise_problems,
     read_text,
     relative_name,
 )
@@ -78,9 +79,7 @@ DISTRIBUTION_KEYS: Final[Mapping[str | None, tuple[str, ...]]] = {  # keys of [[
 }
 WHOLE_VESSEL: Final = "vessel"  # the key of draws of an estimate
 
-DrawTables = Callable[
-    [TableMap, int], TableMap
-]  # puts a draw of that number into a vessel's tables
+DrawTables = Callable[[TableMap, int], TableMap]  # puts that draw into a vessel's tables
 
 
 def steps_of(key: str) -> tuple[PathStep, ...]:
@@ -127,9 +126,7 @@ def change_value(tables: Any, steps: tuple[PathStep, ...], value: Any) -> Any:
         return tables.replace(BLANK_MARK, value)
     step, rest = steps[0], steps[1:]
     if isinstance(step, int):
-        return [
-            change_value(item, rest, value) if i == step else item for i, item in enumerate(tables)
-        ]
+        return [*tables[:step], change_value(tables[step], rest, value), *tables[step + 1 :]]
     return {**tables, step: change_value(tables.get(step), rest, value)}
 
 
@@ -191,13 +188,9 @@ def parse_study(text: str, path: Path) -> Study:
         if key not in KNOWN_KEYS
     ]
     parts: dict[str, Any] = {}
+    own = {key: table[key] for key in KNOWN_KEYS if key in table and key not in STUDY_TABLES}
     with collecting(problems):
-        heading_table = {
-            key: value
-            for key, value in table.items()
-            if key in KNOWN_KEYS and key not in STUDY_TABLES
-        }
-        parts["heading"] = read_record(StudyHeading, heading_table, place, ("note",))
+        parts["heading"] = read_record(StudyHeading, own, place, ("note",))
     with collecting(problems):
         parts["kind"] = _kind(table, place)
     for name, record in (("method", MethodTable), ("sample", Sample)):
@@ -205,30 +198,19 @@ def parse_study(text: str, path: Path) -> Study:
             parts[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
     with collecting(problems):
         parts["rows"] = VARY_ROWS.read("vary", table.get("vary", []), place)
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems(problems)
     with collecting(problems):
         _check_rows(parts["rows"], parts["sample"], place)
     with collecting(problems):
         parts["file"], parts["tables"] = _subject(parts["kind"], parts["heading"], table, path)
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems(problems)
     variables = []
     for i, row in enumerate(parts["rows"]):
         with collecting(problems):
             variables.append(_variable(row, parts, place.inside(f"vary[{i}]")))
-    if problems:
-        raise ConfigError(*problems)
-    return Study(
-        path=path,
-        heading=parts["heading"],
-        kind=parts["kind"],
-        method=parts["method"],
-        file=parts["file"],
-        tables=parts["tables"],
-        variables=tuple(variables),
-        draws=Draws(parts["sample"], parts["rows"]),
-    )
+    raise_problems(problems)
+    draws = Draws(parts.pop("sample"), parts.pop("rows"))
+    return Study(path=path, variables=tuple(variables), draws=draws, **parts)
 
 
 def _kind(table: Mapping[str, Any], place: Place) -> str:
@@ -259,8 +241,7 @@ def _check_rows(rows: tuple[VaryRow, ...], sample: Sample, place: Place) -> None
         problems += _row_problems(row, sample, place.inside(f"vary[{i}]"))
         if row.name in names[:i]:
             problems.append(place.inside(f"vary[{i}]").wrong("name", row.name, "is given twice"))
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems(problems)
 
 
 def _row_problems(row: VaryRow, sample: Sample, place: Place) -> list[str]:
@@ -313,13 +294,9 @@ def _subject(
         name = name or subject_table.get("vessel")
     file = load_vessel(relative_name(path, name or "bb2"))
     tables, _ = with_defaults(parse_toml(file.text, file.path.name))
-    kept_keys = [
-        term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms
-    ]
-    factors = {
-        name: dict.fromkeys(kept_keys, 1.0) | dict(file.compensation[name])
-        for name in EQUATION_SETS
-    }
+    extra = file.compact.extra_terms
+    ones = {term.key: 1.0 for term in COEFFICIENTS if term.kept or term.key in extra}
+    factors = {name: ones | dict(file.compensation[name]) for name in EQUATION_SETS}
     boat = {**tables, "coefficients": dict(file.coefficients), "compensation": factors}
     return file, {WHOLE_VESSEL: boat, kind: subject_table}
 
@@ -346,12 +323,13 @@ def _variable(row: VaryRow, parts: Mapping[str, Any], place: Place) -> Variable:
             raise ConfigError(place.wrong("key", row.key, problem))
         if row.relative:
             raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
-        if file is None:
-            return Variable(
-                row, (WHOLE_VESSEL,), None, filed_joint(tables[WHOLE_VESSEL], place).drawn_tables
-            )
-        made = filed_estimate(file, tables[WHOLE_VESSEL])
-        return Variable(row, (WHOLE_VESSEL,), None, partial(drawn_tables, made))
+        whole = tables[WHOLE_VESSEL]
+        draw: DrawTables = (
+            filed_joint(whole, place).drawn_tables
+            if file is None
+            else partial(drawn_tables, filed_estimate(file, whole))
+        )
+        return Variable(row, (WHOLE_VESSEL,), None, draw)
     try:
         steps = steps_of(row.key)
         here = value_at({root: tables[root] for root in VARIED_TABLES[parts["kind"]]}, steps)
@@ -359,9 +337,8 @@ def _variable(row: VaryRow, parts: Mapping[str, Any], place: Place) -> Variable:
         raise ConfigError(place.wrong("key", row.key, str(wrong))) from None
     if not row.relative:
         if isinstance(here, str) and BLANK_MARK not in here and not isinstance(row.values, tuple):
-            raise ConfigError(
-                place.wrong("key", row.key, f"is {quote(here)}, without a {BLANK_MARK}")
-            )
+            problem = f"is {quote(here)}, without a {BLANK_MARK}"
+            raise ConfigError(place.wrong("key", row.key, problem))
         return Variable(row, steps, None)
     if isinstance(here, bool) or not isinstance(here, int | float) or here == 0.0:
         raise ConfigError(place.problem(f"relative: {row.key} is {quote(here)}: no factor"))
