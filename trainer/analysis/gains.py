@@ -89,9 +89,8 @@ def regulator(a: Matrix, b: Matrix, error_cost: Matrix, most: Matrix) -> Matrix:
         cost = cost + change
         if np.abs(change).max() <= 1e-13 * np.abs(cost).max():
             break
-    return np.asarray(
-        np.linalg.solve(np.eye(b.shape[1]) + ease @ b.T @ cost @ b, ease @ b.T @ cost @ a)
-    )
+    pull = ease @ b.T @ cost
+    return np.asarray(np.linalg.solve(np.eye(b.shape[1]) + pull @ b, pull @ a))
 
 
 def with_integral(a: Matrix, b: Matrix) -> tuple[Matrix, Matrix]:
@@ -121,9 +120,8 @@ def plane_gains(model: LinearModel, speed: float, vessel: Record, h: float) -> M
     depth = DEPTH_ERROR_LENGTHS * vessel["ell"][0]
     lasting = depth * DEPTH_ERROR_RUN * vessel["ell"][0] / speed
     cost = np.diag([0.0, 0.0, PITCH_ERROR_RAD**-2, depth**-2, lasting**-2])
-    w, q, theta, z, integral = regulator(
-        *discretise(a, b, h), cost, surface_reach(vessel, speed)[1:]
-    ).T
+    most = surface_reach(vessel, speed)[1:]
+    w, q, theta, z, integral = regulator(*discretise(a, b, h), cost, most).T
     # heave as the depth rate shows it: zdot = a w + b theta
     depth_rate = w / a[3, 0]
     return np.column_stack([z, depth_rate, a[3, 2] * depth_rate - theta, -q, integral])
@@ -171,23 +169,13 @@ def gains_at(model: LinearModel, speed: float, vessel: Record, h: float) -> list
     """Return the gains [SI] at one speed in the order of GAINS."""
     stern, bow = plane_gains(model, speed, vessel, h)
     taken, bow_relief = relief_rate(model, speed, vessel)
-    a, b = with_integral(
-        model.part(*LATERAL_STATES), model.inputs(LATERAL_STATES, SURFACE_COLUMNS[:1])
-    )
+    force = model.inputs(LATERAL_STATES, SURFACE_COLUMNS[:1])
+    a, b = with_integral(model.part(*LATERAL_STATES), force)
     lasting = COURSE_ERROR_RAD * COURSE_ERROR_RUN * vessel["ell"][0] / speed
     cost = np.diag([0.0, 0.0, COURSE_ERROR_RAD**-2, lasting**-2])
     v, r, psi, integral = regulator(*discretise(a, b, h), cost, surface_reach(vessel, speed)[:1])[0]
-    return [
-        *stern,
-        taken,
-        *bow,
-        bow_relief,
-        psi,
-        r,
-        -v,
-        integral,
-        *slew_limits(model, speed, vessel),
-    ]
+    course = (psi, r, -v, integral)
+    return [*stern, taken, *bow, bow_relief, *course, *slew_limits(model, speed, vessel)]
 
 
 def close_loop(model: LinearModel, row: list[float], vessel: Record, h: float) -> Matrix:
@@ -195,9 +183,8 @@ def close_loop(model: LinearModel, row: list[float], vessel: Record, h: float) -
 
     A command acts a tick later and through the surfaces' lag, because it does so in the trainer.
     """
-    drift, force = discretise(
-        model.part(*CONTROLLED_STATES), model.inputs(CONTROLLED_STATES, SURFACE_COLUMNS), h
-    )
+    inputs = model.inputs(CONTROLLED_STATES, SURFACE_COLUMNS)
+    drift, force = discretise(model.part(*CONTROLLED_STATES), inputs, h)
     n = len(CONTROLLED_STATES)
     law, learn = np.zeros((3, n)), np.zeros((3, n + 6))
     depth_rate = model.part(*CONTROLLED_STATES)[n - 1]

@@ -209,9 +209,8 @@ def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[
         inside = np.linspace(begin, begin + BAND_WIDTH, 201)
         target = float(np.trapezoid(spectrum(inside, gamma), inside))
         ratio = float(np.sum(variance[(x >= begin) & (x < begin + BAND_WIDTH)])) / target
-        bands.append(
-            SpectrumBand(float(begin), ratio if begin + BAND_WIDTH <= math.pi / step else None)
-        )
+        shown = begin + BAND_WIDTH <= math.pi / step
+        bands.append(SpectrumBand(float(begin), ratio if shown else None))
     return tuple(bands)
 
 
@@ -259,22 +258,18 @@ def render(report: SeaReport) -> str:
     if sea.longest_step_s is not None:
         facts.append(f"step         up to {sea.longest_step_s:.3g} s; here {report.step_s:g} s")
     if sea.followed_kn is not None:
-        facts.append(
-            f"following    above {sea.followed_kn:.2g} kn with the waves it is untrue: take cosines"
-        )
+        untrue = f"above {sea.followed_kn:.2g} kn with the waves it is untrue: take cosines"
+        facts.append(f"following    {untrue}")
     lines = [ascii_text(sea.name), *(INDENT + fact for fact in facts)]
     if sea.made_of:
         told = ", ".join(f"{name} {number:.4f}" for name, number in sea.made_of.items())
         lines += wrap(f"made of: {told}")
-    lines += titled_table(
-        ascii_text(f"AT REST IN {report.vessel}"), DEPTH_HEADS, map(_depth_row, report.depths)
-    )
+    title = ascii_text(f"AT REST IN {report.vessel}")
+    lines += titled_table(title, DEPTH_HEADS, map(_depth_row, report.depths))
     if not sea.suction:
         lines += wrap("suction is off in this sea: the boat does not feel it")
-    lines += [
-        "",
-        f"ENERGY BY BAND, {SERIES_COUNT} series of {SERIES_HOURS:g} h over the spectrum's",
-    ]
+    title = f"ENERGY BY BAND, {SERIES_COUNT} series of {SERIES_HOURS:g} h over the spectrum's"
+    lines += ["", title]
     half = (len(report.bands) + 1) // 2
     for bands in (report.bands[:half], report.bands[half:]):
         heads = ["from", *(f"{band.begin:.1f}" for band in bands)]
@@ -284,41 +279,30 @@ def render(report: SeaReport) -> str:
 
 def _depth_row(one: DepthEffect) -> tuple[str, ...]:
     """Return one depth as a line of the table."""
-    numbers = (one.suction_N, one.suction_kg, one.slope_N_m)
-    forces = (f"{number:.0f}" for number in numbers)
-    return (
-        f"{one.depth_m:g}",
-        f"{one.water_m_s:.3f}",
-        *forces,
-        format_number(one.doubling_s, ".0f"),
-    )
+    forces = (f"{number:.0f}" for number in (one.suction_N, one.suction_kg, one.slope_N_m))
+    doubling = format_number(one.doubling_s, ".0f")
+    return (f"{one.depth_m:g}", f"{one.water_m_s:.3f}", *forces, doubling)
 
 
 def panels(file: SeaFile, vessel: VesselFile, report: SeaReport) -> tuple[Panel, ...]:
     """Return a series twice, the spectrum, the suction by depth; ConfigError of a calm."""
-    sea = report.sea
+    sea, x = report.sea, "time [s]"
     if sea.height_m == 0.0:
         raise ConfigError(f"--plot: {file.path.name} is a calm: there is nothing to draw")
     settings, step = sea_settings(file, vessel.fluid.g), report.step_s
     series = make_series(settings, vessel.fluid.g, step, 1, SHOWN_SERIES_S / 3600.0)[0]
     seconds = step * np.arange(1, series.size + 1)
     every = max(round(1.0 / step), 1)  # tick, for a point each second
-    seen = series[every - 1 :: every]
+    seen, half = series[every - 1 :: every], 0.5 * sea.height_m
+    whole = Curve("elevation", seconds, 0.25 * sea.height_m * series)
+    shares = Curve("elevation", seconds[every - 1 :: every], 100.0 * seen / abs(seen).max())
+    title, then = (
+        f"{sea.name}: elevation above a boat at rest",
+        "the same, as figure 8 of the report of 1969",
+    )
     return (
-        Panel(
-            f"{sea.name}: elevation above a boat at rest",
-            "time [s]",
-            "elevation [m]",
-            (Curve("elevation", seconds, 0.25 * sea.height_m * series),),
-            levels=(-0.5 * sea.height_m, 0.5 * sea.height_m),
-        ),
-        Panel(
-            "the same, as figure 8 of the report of 1969",
-            "time [s]",
-            "share of the largest [%]",
-            (Curve("elevation", seconds[every - 1 :: every], 100.0 * seen / abs(seen).max()),),
-            levels=(0.0,),
-        ),
+        Panel(title, x, "elevation [m]", (whole,), levels=(-half, half)),
+        Panel(then, x, "share of the largest [%]", (shares,), levels=(0.0,)),
         _spectrum_panel(sea, report.bands),
         _suction_panel(vessel, settings, report),
     )
@@ -334,14 +318,10 @@ def _spectrum_panel(sea: Seaway, bands: Sequence[SpectrumBand]) -> Panel:
         target = float(np.trapezoid(spectrum(inside, sea.gamma), inside)) / BAND_WIDTH
         middle.append(band.begin + 0.5 * BAND_WIDTH)
         density.append(math.nan if band.ratio is None else target * band.ratio)
+    frequency, energy = sea.omega_rad_s * np.array(middle), scale * np.array(density)
     curves = (
         Curve("spectrum", sea.omega_rad_s * x, scale * spectrum(x, sea.gamma)),
-        Curve(
-            f"{SERIES_COUNT} series",
-            sea.omega_rad_s * np.array(middle),
-            scale * np.array(density),
-            points=True,
-        ),
+        Curve(f"{SERIES_COUNT} series", frequency, energy, points=True),
     )
     return Panel("energy by frequency", "frequency [rad/s]", "density [m2 s/rad]", curves)
 

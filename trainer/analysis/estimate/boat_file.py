@@ -39,7 +39,7 @@ from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.stability import boat_responses, stable_at
 from trainer.config.coefficients import FORCE_AXES
-from trainer.config.files import ConfigError, format_key, path_named, toml_value
+from trainer.config.files import ConfigError, format_key, path_named, raise_problems, toml_value
 from trainer.config.hull import (
     BOW_CONTROL,
     RUDDER_CONTROL,
@@ -71,11 +71,7 @@ TELEGRAPH_BELLS: Final = {  # shares of the design speed; own estimates
     "astern_full": -0.6,
 }
 SLOWEST_GAIN_SPEED, FASTEST_GAIN_SPEED = 0.4, 1.2  # [design speeds] between which gains are made
-# fmt: off
-TRIED_STEPS_S: Final = (
-    0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002,
-)  # [s] tried, the longest first
-# fmt: on
+TRIED_STEPS_S: Final = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)  # [s] the longest first
 MAX_STEP_LENGTHS: Final = 0.1  # lengths run in a step, at most
 # [rad] of a free roll in a step, at most: Adams feeds it by 0.9 % a cycle
 MAX_ROLL_STEP_RAD: Final = 0.18
@@ -127,9 +123,7 @@ def open_hull(name_or_path: str) -> Hull:
 
 def check_hull(hull: Hull) -> Hull:
     """Return the hull; ConfigError with all that its shape and its panels forbid."""
-    problems = [*_hull_problems(hull), *_part_problems(hull)]
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems([*_hull_problems(hull), *_part_problems(hull)])
     return hull
 
 
@@ -195,12 +189,9 @@ def estimate_of(hull: Hull) -> Estimate:
 def boat_tables(made: Estimate) -> dict[str, Any]:
     """Return the tables of the vessel, without gains."""
     hull, controls = made.hull, made.hull.file.controls
-    kinds = {panel.control for panel in hull.panels}
-    rate = (
-        PLANE_RATE_DEG_S * math.sqrt(REFERENCE_LENGTH_M / hull.ell)
-        if controls.rate_deg_s is None
-        else controls.rate_deg_s
-    )
+    kinds, rate = {panel.control for panel in hull.panels}, controls.rate_deg_s
+    if rate is None:
+        rate = PLANE_RATE_DEG_S * math.sqrt(REFERENCE_LENGTH_M / hull.ell)
     return {
         FIRST_KEY: "gertler-hagen-2510/1",
         "name": hull.file.name,
@@ -262,13 +253,10 @@ def _propulsion(made: Estimate) -> dict[str, Any]:
             "KT": [*p.KT],
             "KQ": [*p.KQ],
         }
-    rows = [  # ahead, and with the engine astern
-        {
-            "eta_min": least,
-            **{name: round_to_digits(made.values[f"{name}{place}"]) for name in "abc"},
-        }
-        for place, least in (("1", 0.0), ("3", -99.0))
-    ]
+    rows = []
+    for place, least in (("1", 0.0), ("3", -99.0)):  # ahead, and with the engine astern
+        terms = {name: round_to_digits(made.values[f"{name}{place}"]) for name in "abc"}
+        rows.append({"eta_min": least, **terms})
     for row in rows:  # the sum is zero to the last bit, and the rows join
         row["a"] = -(rows[0]["b"] + rows[0]["c"])
     return {
@@ -303,9 +291,8 @@ def _envelope(made: Estimate) -> dict[str, Any]:
         at = sum(p.area * p.place(0.5) for p in tail) / sum(p.area for p in tail)
         table["tail_place"] = round_to_digits(max(at / s.ell, -0.6))
         for key, axis in (("tail_y", 0), ("tail_z", 1)):
-            table[key] = round_to_digits(
-                PLATE_DRAG * sum(p.area * abs(p.normal[axis]) for p in tail) / s.ell**2
-            )
+            area = sum(p.area * abs(p.normal[axis]) for p in tail)
+            table[key] = round_to_digits(PLATE_DRAG * area / s.ell**2)
     if sails:
         area = sum(p.area for p in sails)
         at, up = (
@@ -324,16 +311,12 @@ def _envelope(made: Estimate) -> dict[str, Any]:
 
 def _sail_lift(made: Estimate, sails: list[Panel]) -> dict[str, Any]:
     """Return the sails' lift slope and where it acts, by their part of Y_v, N_v and K_v."""
-    part = panel_lift(
-        replace(made.hull, panels=tuple(sails)), UNFITTED_FACTORS | dict(made.constants)
-    )
-    ell = made.hull.ell
+    sailing = replace(made.hull, panels=tuple(sails))
+    part, ell = panel_lift(sailing, UNFITTED_FACTORS | dict(made.constants)), made.hull.ell
+    place = ell * part["N_v"] / part["Y_v"], -ell * part["K_v"] / part["Y_v"]
     return {
         "sail_lift": round_to_digits(-part["Y_v"]),
-        "sail_lift_place": [
-            round_to_digits(ell * part["N_v"] / part["Y_v"]),
-            round_to_digits(-ell * part["K_v"] / part["Y_v"]),
-        ],
+        "sail_lift_place": [*map(round_to_digits, place)],
     }
 
 
@@ -347,16 +330,13 @@ def _between(hull: Hull, values: Numbers, fore: float, aft: float) -> float:
 def _run(hull: Hull, step: float) -> dict[str, Any]:
     """Return step, start and speeds."""
     design = hull.file.speed.design_kn
+    depth = max(MIN_START_DEPTH_M, round(START_DEPTH_LENGTHS * hull.ell))
+    ends = SLOWEST_GAIN_SPEED * design, FASTEST_GAIN_SPEED * design
     return {
         "step_s": step,
         "start_speed_kn": design,
-        "start_depth_m": round_to_digits(
-            max(MIN_START_DEPTH_M, round(START_DEPTH_LENGTHS * hull.ell))
-        ),
-        "speed_range_kn": [
-            round_to_digits(SLOWEST_GAIN_SPEED * design),
-            round_to_digits(FASTEST_GAIN_SPEED * design),
-        ],
+        "start_depth_m": round_to_digits(depth),
+        "speed_range_kn": [*map(round_to_digits, ends)],
     }
 
 
@@ -372,10 +352,8 @@ def _waves(made: Estimate) -> dict[str, Any]:
     per = made.mass / sum(volumes)
     k3 = 0.5 * hull.file.water.rho * s.ell**3
     added = {}
-    for key, coefficient, widths in (
-        ("added_down_kg", "Z_wdot", down),
-        ("added_side_kg", "Y_vdot", across),
-    ):
+    ways = ("added_down_kg", "Z_wdot", down), ("added_side_kg", "Y_vdot", across)
+    for key, coefficient, widths in ways:
         strips = [_between(hull, widths, *part) for part in parts]
         whole = -k3 * made.values[coefficient]
         added[key] = [round_to_digits(whole * each / sum(strips)) for each in strips]
@@ -491,14 +469,9 @@ def stable_steps(file: VesselFile) -> list[float]:
         schemes.append(scheme_record(method))
     run = MAX_STEP_LENGTHS * file.hull.length / (file.run.start_speed_kn * KNOT)
     most = min(run, MAX_ROLL_STEP_RAD / max(roll_frequency(file), 1e-9))
-    return [
-        step
-        for step in TRIED_STEPS_S
-        if step <= max(most, TRIED_STEPS_S[-1])
-        and all(
-            stable_at(flown, scheme, step) for flown, scheme in zip(flights, schemes, strict=True)
-        )
-    ]
+    pairs, longest = [*zip(flights, schemes, strict=True)], max(most, TRIED_STEPS_S[-1])
+    steps = [step for step in TRIED_STEPS_S if step <= longest]
+    return [step for step in steps if all(stable_at(*pair, step) for pair in pairs)]
 
 
 def roll_frequency(file: VesselFile) -> float:

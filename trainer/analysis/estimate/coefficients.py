@@ -272,12 +272,8 @@ def control_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
         C, x = lift_slope(panel), panel.place(0.25) / L
         control_slope = panel.share * C * panel.area / L**2 * on_panel(panel.radius_ratio)
         force = control_slope * (constants["tail_control"] if panel.aft else 1.0)
-        drag = (
-            control_slope
-            * efficiency(panel, constants)
-            * C
-            / (SECTION_LIFT_SLOPE / 2.0 * panel.aspect)
-        )
+        keeps, half_slope = efficiency(panel, constants), SECTION_LIFT_SLOPE / 2.0
+        drag = control_slope * keeps * C / (half_slope * panel.aspect)
         if panel.control in (RUDDER_CONTROL, X_CONTROL):
             terms["Y_dr"] += force * abs(ny)
             terms["N_dr"] += force * abs(ny) * x
@@ -462,15 +458,11 @@ def coefficients(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     terms |= masses | products(masses)
     terms |= add_coefficients(bare_lift(hull, bare, factors, drag), panel_lift(hull, factors))
     terms |= control_lift(hull, factors) | cross_flow(hull, factors)
-    vortex = sail_vortex(hull, factors)
-    terms |= vortex | {
-        "M_vr": vortex["M_vr"] + masses["Y_pdot"],
-        "M_rr": vortex["M_rr"] + masses["K_rdot"],
-    }
-    terms |= {
-        "X_vv": DRIFT_DRAG_RATIO * abs(terms["Y_v"]),
-        "X_ww": DRIFT_DRAG_RATIO * abs(terms["Z_w"]),
-    }
+    terms |= sail_vortex(hull, factors)
+    terms["M_vr"] += masses["Y_pdot"]
+    terms["M_rr"] += masses["K_rdot"]
+    terms["X_vv"] = DRIFT_DRAG_RATIO * abs(terms["Y_v"])
+    terms["X_ww"] = DRIFT_DRAG_RATIO * abs(terms["Z_w"])
     terms |= propulsion(hull, drag)
     return {key: value if abs(value) >= MIN_NONZERO_SIZE else 0.0 for key, value in terms.items()}
 

@@ -64,23 +64,17 @@ def draw_hull(hull: Hull) -> Markup:
     wide = max(float(s.breadth.max()) / 2.0, float(np.abs(corners[:, 2]).max()))
     aft = max(0.0, float(corners[:, 0].max()) - s.length)  # how far surfaces go beyond the stern
     px_per_m = (PAPER_WIDTH_PX - 2.0 * PAPER_EDGE_PX) / (s.length + aft)
+    along = Axis(0.0, s.length, PAPER_EDGE_PX, PAPER_EDGE_PX + px_per_m * s.length)
     for view, low, high in (("side", lowest, highest), ("top", -wide, wide)):
         top += TITLE_ROOM_PX
         bottom = top + px_per_m * (high - low)
-        paper = Paper(
-            Axis(0.0, s.length, PAPER_EDGE_PX, PAPER_EDGE_PX + px_per_m * s.length),
-            Axis(low, high, bottom, top),
-        )
         title = "From starboard" if view == "side" else "From above, starboard upwards"
-        parts += [
-            text("title", PAPER_EDGE_PX, top - 24.0, f"{title} [m]"),
-            *_view(hull, view, paper),
-        ]
-        parts += scale_axis(paper.along, bottom + 8.0, 10)
+        parts.append(text("title", PAPER_EDGE_PX, top - 24.0, f"{title} [m]"))
+        parts += _view(hull, view, Paper(along, Axis(low, high, bottom, top)))
+        parts += scale_axis(along, bottom + 8.0, 10)
         top = bottom + AXIS_ROOM_PX
-    return svg_element(
-        f"{hull.file.name} from the side and from above", (PAPER_WIDTH_PX, top), parts
-    )
+    title = f"{hull.file.name} from the side and from above"
+    return svg_element(title, (PAPER_WIDTH_PX, top), parts)
 
 
 def corners_of(panel: Panel) -> list[tuple[float, float, float]]:
@@ -151,13 +145,12 @@ def draw_bands(bands: tuple[EstimateBand, ...]) -> Markup:
     for i, band in enumerate(shown):
         y = 8.0 + BAR_ROW_PX * i
         parts.append(text("tick end", BARS_LEFT - 8.0, y + 12.0, band.name))
-        for style, pair in zip(("core", "outer"), band.bands.values(), strict=True):
+        for style, room, pair in zip(
+            ("core", "outer"), (3.0, 6.0), band.bands.values(), strict=True
+        ):
             if pair:
-                room = 3.0 if style == "core" else 6.0
-                x = across.at(pair[0])
-                parts.append(
-                    rect(style, x, y + room - 3.0, across.at(pair[1]) - x, 20.0 - 2.0 * room)
-                )
+                x, end = map(across.at, pair)
+                parts.append(rect(style, x, y + room - 3.0, end - x, 20.0 - 2.0 * room))
         x = across.at(band.value or 0.0)
         parts.append(rule("estimate", x, y - 3.0, x, y + 17.0))
     return _bar_chart("Bands of the figures", parts, len(shown), across, shown[0].unit)
@@ -199,11 +192,8 @@ def render(found: Survey, written: WrittenBoat) -> str:
     lines += text_table(BAND_HEADS, (band_row(band) for band in found.turn))
     lines += [*wrap(BAND_NOTE, "  ", "  "), "", "WHAT MOVES THE STEADY DIAMETER MOST [%]"]
     typed, flies = as_typed(written.file.path), bool(found.influences)
-    lines += (
-        text_table(INFLUENCE_HEADS, map(influence_row, found.influences))
-        if flies
-        else ["  nothing: the boat does not fly this turn"]
-    )
+    rows = text_table(INFLUENCE_HEADS, map(influence_row, found.influences))
+    lines += rows if flies else ["  nothing: the boat does not fly this turn"]
     lines += ["", "DEFAULTED", *wrap(", ".join(found.defaulted) or "nothing")]
     if found.warnings:
         lines += ["", "WARNINGS"]
@@ -215,11 +205,8 @@ def render(found: Survey, written: WrittenBoat) -> str:
 
 def facts(found: Survey) -> list[tuple[str, str]]:
     """Return what there is to know about the boat, each with its name."""
-    speeds = [
-        f"{plane} planes {speed:.2g} kn"
-        for plane, speed in found.critical_speed_kn.items()
-        if speed is not None
-    ]
+    critical = found.critical_speed_kn.items()
+    speeds = [f"{plane} planes {speed:.2g} kn" for plane, speed in critical if speed is not None]
     period = format_number(found.roll_period_s, ".3g")
     return [
         ("mass", f"{found.mass_kg:.6g} kg; the hull displaces {found.displaced_kg:.6g} kg"),
@@ -240,9 +227,8 @@ def turn_title(found: Survey) -> str:
 def band_row(band: EstimateBand) -> tuple[str, ...]:
     """Return a figure with its bands as cells."""
     name = band.name if band.unit == "-" else f"{band.name} [{band.unit}]"
-    ends = (
-        "-" if pair is None else f"{pair[0]:.3g} to {pair[1]:.3g}" for pair in band.bands.values()
-    )
+    pairs = band.bands.values()
+    ends = ("-" if pair is None else f"{pair[0]:.3g} to {pair[1]:.3g}" for pair in pairs)
     return (name, format_number(band.value, ".3g"), *ends)
 
 
@@ -257,18 +243,12 @@ def html_page(found: Survey, written: WrittenBoat) -> str:
     """Return the page with the hull drawn, every coefficient, the bands and what moves them."""
     drawn = Markup('<div class="wide drawing">{}</div>').format(draw_hull(written.made.hull))
     warned = [paragraph(each, "bad") for each in found.warnings] or [paragraph("None.")]
+    margins = "Margins of stability; above 0 the boat is stable by itself."
+    figures = [table((), facts(found), "facts"), *_banded(margins, found.margins)]
     chapters = {
         "hull": ("The hull", [drawn, _hull_words(written)]),
-        "warnings": ("Warnings", [Markup().join(warned)]),
-        "figures": (
-            "Stability",
-            [
-                table((), facts(found), "facts"),
-                *_banded(
-                    "Margins of stability; above 0 the boat is stable by itself.", found.margins
-                ),
-            ],
-        ),
+        "warnings": ("Warnings", warned),
+        "figures": ("Stability", figures),
         "turn": ("The turn", _banded(turn_title(found), found.turn)),
         "inputs": ("What moves the turn", [*_inputs(found)]),
         "coefficients": ("Coefficients", [*_coefficients(written)]),
@@ -318,16 +298,11 @@ def _inputs(found: Survey) -> Iterator[Markup]:
 def _coefficients(written: WrittenBoat) -> Iterator[Markup]:
     """Yield every coefficient with its deviation and what it rests on."""
     made = written.made
-    rows = [
-        (
-            term.key,
-            f"{made.values[term.key]:.4g}",
-            f"{made.sd[term.key]:.2g}",
-            f"L^{term.power} {term.multiplies}",
-            coefficient_origins()[term.key],
-        )
-        for term in TERM_TABLE
-    ]
+    rows = []
+    for term in TERM_TABLE:
+        numbers = (f"{made.values[term.key]:.4g}", f"{made.sd[term.key]:.2g}")
+        multiplies = f"L^{term.power} {term.multiplies}"
+        rows.append((term.key, *numbers, multiplies, coefficient_origins()[term.key]))
     yield paragraph(
         "All 131, in the prime system. sd: standard deviation. Doubled where the hull is outside "
         "the range of the method."

@@ -50,6 +50,7 @@ MAX_INPUTS: Final = 10  # inputs shown, those that matter most
 # of the design speed: a stern plane reversal above it is reported
 REVERSAL_SPEED_SHARE: Final = 0.7
 MASS_SLACK: Final = 0.02  # of the mass against the displaced
+FASTEST_FROUDE, LONGEST_BOAT_M = 1.5, 200.0  # [-], [m]: beyond them a unit is likely another
 
 
 @dataclass(frozen=True)
@@ -219,19 +220,17 @@ def inputs_of(file: HullFile) -> list[HullInput]:
         ("mass", "cb_above_cg"): STABILITY_HEIGHTS * float(hull.shape.height.max()),
         ("speed", "cross_flow_drag"): cross_flow_drag(hull),
     }
-    inputs = []
+    inputs: list[HullInput] = []
     for table, record in HULL_TABLES.items():
-        if table == "propeller" and file.propeller is None:
-            continue
-        given_table = file.tables.get(table, {})
-        inputs += list(_inputs(record, given_table, (table,), used))
+        if table != "propeller" or file.propeller is not None:
+            inputs += _inputs(record, file.tables.get(table, {}), (table,), used)
     if file.form.stations:
         inputs += [
             HullInput(f"hull.stations, {name}", "m", ("stations", k), 1.0, place=False)
             for k, name in ((1, "breadth"), (2, "height"))
         ]
     for i, row in enumerate(file.tables["surfaces"]):
-        inputs += list(_inputs(Panels, row, ("surfaces", i), {}))
+        inputs += _inputs(Panels, row, ("surfaces", i), {})
     return inputs
 
 
@@ -297,17 +296,11 @@ def influences(
     for (one, sign), each in zip(boats, turns[1:], strict=True):
         if each is not None and DIAMETER_MEASURE in each:
             effect.setdefault(one, {})[sign] = each[DIAMETER_MEASURE] / own_diameter - 1.0
-    ranked = [
-        Influence(
-            one.key,
-            one.value,
-            one.unit,
-            f"{PLACE_SHIFT * file.length:.3g} m" if one.place else f"{INPUT_CHANGE:.0%}",
-            by_sign.get(-1.0),
-            by_sign.get(1.0),
-        )
-        for one, by_sign in effect.items()
-    ]
+    ranked = []
+    for one, by_sign in effect.items():
+        change = f"{PLACE_SHIFT * file.length:.3g} m" if one.place else f"{INPUT_CHANGE:.0%}"
+        ends = by_sign.get(-1.0), by_sign.get(1.0)
+        ranked.append(Influence(one.key, one.value, one.unit, change, *ends))
     return sorted(ranked, key=lambda each: -each.size)[:MAX_INPUTS]
 
 
@@ -316,10 +309,8 @@ def _changed_boat(written: WrittenBoat, one: HullInput, sign: float) -> VesselFi
     own_tables = parse_toml(written.text, written.file.path.name)
     try:
         made = estimate_of(hull_of(change_hull(written.made.hull.file, one, sign)))
-        tables = boat_tables(made) | {
-            key: own_tables[key] for key in ("run", "autopilot") if key in own_tables
-        }
-        return read_vessel(tables, "", written.file.path)
+        kept = {key: own_tables[key] for key in ("run", "autopilot") if key in own_tables}
+        return read_vessel(boat_tables(made) | kept, "", written.file.path)
     except ConfigError:
         return None
 
@@ -367,11 +358,10 @@ def warnings(written: WrittenBoat, critical: Mapping[str, float | None]) -> Iter
 def _unit_warnings(file: HullFile) -> Iterator[str]:
     """Yield the numbers whose size suggests another unit."""
     design, length = file.speed.design_kn, file.form.length
-    froude = design * KNOT / math.sqrt(9.81 * length)
-    if froude > 1.5:
+    if design * KNOT / math.sqrt(9.81 * length) > FASTEST_FROUDE:
         yield (
             f"[speed] design_kn = {design:g} kn is fast for {length:g} m: "
             "is it in knots, and the length in m?"
         )
-    if length > 200.0:
+    if length > LONGEST_BOAT_M:
         yield f"[hull] length = {length:g} m: is it in feet? Then it is {0.3048 * length:.4g} m"

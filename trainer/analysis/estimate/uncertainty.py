@@ -272,10 +272,8 @@ def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
         problem = "lacks the table [estimate]: it is no boat of trainer boat estimate"
         raise ConfigError(f"{file.path.name}: {problem}")
     estimate_table = as_table(table["estimate"], place)
-    lacking = [
-        key for key in ("constants", "covariance", "sd", "hull") if key not in estimate_table
-    ]
-    if lacking:
+    needed = ("constants", "covariance", "sd", "hull")
+    if lacking := [key for key in needed if key not in estimate_table]:
         raise ConfigError(place.problem(f"lacks {', '.join(lacking)}"))
     hull = hull_of(read_hull(estimate_table["hull"], file.path))
     names = tuple(fitted_constants())
@@ -334,14 +332,11 @@ def drawn_tables(made: Estimate, table: Mapping[str, Any], number: int) -> dict[
     rows = []
     for row in table["propulsion"]["sets"]:  # in the ratio of the draw to the estimate
         keys = {name: f"{name}{'1' if row['eta_min'] >= 0.0 else '3'}" for name in "abc"}
-        ratios = {
-            name: drawn[key] / made.estimated[key]
+        scaled = {
+            name: row[name] * (drawn[key] / made.estimated[key])
             for name, key in keys.items()
             if made.estimated[key] != 0.0
         }
-        rows.append({**row, **{name: row[name] * ratio for name, ratio in ratios.items()}})
-    return {
-        **table,
-        "coefficients": coefficient_values,
-        "propulsion": {**table["propulsion"], "sets": rows},
-    }
+        rows.append({**row, **scaled})
+    propulsion = {**table["propulsion"], "sets": rows}
+    return {**table, "coefficients": coefficient_values, "propulsion": propulsion}
