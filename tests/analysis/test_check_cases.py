@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.check_cases import outputs_text
 from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
-from trainer.analysis.check_cases import CaseFlight, Comparison, fly_cases, outputs_text
+from trainer.analysis.check_cases import CaseFlight, Comparison, fly_cases
 from trainer.analysis.check_cases_page import cases_page
 from trainer.cli.main import cli, run_command
 from trainer.config.check_case import CASE_CHANNELS, case_paths, load_case

@@ -6,8 +6,17 @@ in the folder of the tests flies every run that has a file, and writes the file 
 of the core. It names what is then beyond the spread that a case states.
 """
 
-from trainer.analysis.check_cases import fly_case, fly_run, outputs_text
-from trainer.config.check_case import case_paths, load_case
+from trainer.analysis.check_cases import STORED_DIGITS, CaseOutputs, fly_case, fly_run
+from trainer.config.check_case import TIME_COLUMN, CheckCase, case_paths, load_case
+
+
+def outputs_text(case: CheckCase, outputs: CaseOutputs) -> str:
+    """Return the CSV text of a run, as files of check cases are written."""
+    lines = [",".join((TIME_COLUMN, *case.spread))]
+    for i, t in enumerate(case.times):
+        row = (f"{outputs.columns[name][i] + 0.0:.{STORED_DIGITS}g}" for name in case.spread)
+        lines.append(",".join((f"{t:.10g}", *row)))
+    return "\n".join(lines) + "\n"
 
 
 def renew_outputs() -> list[str]:

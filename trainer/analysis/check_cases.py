@@ -21,7 +21,6 @@ from trainer.boat.world.world import world_of
 from trainer.config.check_case import (
     ANGLE_CHANNELS,
     CASE_CHANNELS,
-    TIME_COLUMN,
     CaseRun,
     CheckCase,
     load_case,
@@ -211,15 +210,6 @@ def compare(
         at = float(case.times[place])
         differences.append(Difference(name, float(size[place]), at, spreads[name]))
     return Comparison(outputs.name, beside.name, spread is not None, tuple(differences))
-
-
-def outputs_text(case: CheckCase, outputs: CaseOutputs) -> str:
-    """Return the CSV text of a run, as files of check cases are written."""
-    lines = [",".join((TIME_COLUMN, *case.spread))]
-    for i, t in enumerate(case.times):
-        row = (f"{outputs.columns[name][i] + 0.0:.{STORED_DIGITS}g}" for name in case.spread)
-        lines.append(",".join((f"{t:.10g}", *row)))
-    return "\n".join(lines) + "\n"
 
 
 def case_figures(flights: Sequence[CaseFlight]) -> dict[str, Any]:

@@ -67,15 +67,8 @@ def _difference_rows(each: Comparison) -> Iterator[tuple[str, ...]]:
     """Yield a row for each channel of a comparison."""
     for one in each.differences:
         beyond = "beyond" if one.channel in each.beyond else ""
-        unit = CASE_CHANNELS[one.channel].unit
-        yield (
-            one.channel,
-            f"{one.largest:.2e}",
-            f"{one.at_s:g}",
-            f"{one.spread:.1e}",
-            unit,
-            beyond,
-        )
+        unit, at = CASE_CHANNELS[one.channel].unit, f"{one.at_s:g}"
+        yield (one.channel, f"{one.largest:.2e}", at, f"{one.spread:.1e}", unit, beyond)
 
 
 def cases_page(flights: Sequence[CaseFlight]) -> str:
@@ -95,15 +88,10 @@ def cases_page(flights: Sequence[CaseFlight]) -> str:
 def _case_section(flight: CaseFlight) -> Markup:
     """Return the chapter of one case: what it is, its runs, plots, differences."""
     heading = flight.case.heading
-    panels = _panels(flight)
-    tables = [
-        piece
-        for each in (*flight.comparisons, *flight.others)
-        for piece in (
-            html.paragraph(f"{each.run} beside {each.beside}"),
-            html.table(DIFFERENCE_HEADS, _difference_rows(each), "narrow"),
-        )
-    ]
+    panels, tables = _panels(flight), []
+    for each in (*flight.comparisons, *flight.others):
+        tables.append(html.paragraph(f"{each.run} beside {each.beside}"))
+        tables.append(html.table(DIFFERENCE_HEADS, _difference_rows(each), "narrow"))
     source = [html.paragraph(f"Source: {heading.source}", "soft")] if heading.source else []
     return html.section(
         flight.case.name,
