@@ -208,30 +208,29 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
         plan.start(boat)
         refuse_world(recording, plan, path.name)
         branches = recording.branches()
+        accepted = [
+            (branch.id, each)
+            for branch in branches
+            for each in recording.orders(branch.id, branch.after)
+            if each.accepted
+        ]
         facts: dict[str, Any] = {
             "from": plain(path.name),
             "branches": [fly_branch(recording, each, boat, plan, layout) for each in branches],
-            "orders": [
-                (each.branch, each.tick, plain(each.text))
-                for branch in branches
-                for each in recording.orders(branch.id, branch.after)
-                if each.accepted
-            ],
+            "orders": [(each.branch, each.tick, plain(each.text)) for _, each in accepted],
             "events": [
                 (e.branch, e.tick, plain(e.kind), plain(e.text)) for e in recording.first_events()
             ],
             "exercise": exercise_facts(plan),
             "causes": [
-                (branch.id, each.tick, happening)
-                for branch in branches
-                for each in recording.orders(branch.id, branch.after)
-                if each.accepted and (happening := happening_of(each, boat, plan))
+                (number, each.tick, happening)
+                for number, each in accepted
+                if (happening := happening_of(each, boat, plan))
             ],
             "scheduled": [
-                (branch.id, each.tick, plain(each.text))
-                for branch in branches
-                for each in recording.orders(branch.id, branch.after)
-                if each.accepted and each.place is not None and breaks_or_clears(each, plan)
+                (number, each.tick, plain(each.text))
+                for number, each in accepted
+                if each.place is not None and breaks_or_clears(each, plan)
             ],
             "kept": task_of(plan.limits),
         }
@@ -325,11 +324,10 @@ def task_of(limits: ExerciseLimits) -> list[tuple[str, int, int, float]]:
     Each has its name, its column of channel motion, the sign of its worst value, and itself.
     """
     columns = [field.name for field in CHANNELS["motion"].fields]
-    given = [(name, value) for name, value in vars(limits).items() if value is not None]
     return [
         (name, columns.index(TASK_LIMITS[name][0]), TASK_LIMITS[name][1], value)
-        for name, value in given
-        if name in TASK_LIMITS
+        for name, value in vars(limits).items()
+        if value is not None and name in TASK_LIMITS
     ]
 
 

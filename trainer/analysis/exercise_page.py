@@ -179,12 +179,10 @@ def baseline_lines(found: ExerciseStudy) -> Iterator[str]:
     yield f"{'marks at seed ' + str(found.seeds[0]):{width}}  nobody    crew"
     for name, mark in own_run.nobody_marks.items():
         yield f"{name:{width}}  {mark:6.0f}  {_number(crew.get(name))}"
-    rows = ("total", "mean", "deviation", "least")
-    seeds = "1 seed" if len(found.seeds) == 1 else f"{len(found.seeds)} seeds"
-    called = {"mean": f"mean of {seeds}", "deviation": "standard deviation"}
-    for row in rows:
+    mean = f"mean of {len(found.seeds)} seed{'s' * (len(found.seeds) > 1)}"
+    rows = {"total": "total", "mean": mean, "deviation": "standard deviation", "least": "least"}
+    for row, name in rows.items():
         of_crew = getattr(baseline.crew, row) if baseline.crew else None
-        name = called.get(row, row)
         yield f"{name:{width}}  {getattr(baseline.nobody, row):6.1f}  {_number(of_crew, 1)}"
     outcome = baseline.crew.outcome if baseline.crew else "-"
     yield f"{'outcome':{width}}  {baseline.nobody.outcome}; crew {outcome}"
@@ -210,9 +208,8 @@ def write_new(path: Path, name: str | None, source: str | None) -> None:
     """
     text = _copy(source) if source else read_text(shipped_path("", SKELETON_NAME))
     if name is not None:
-        text = NAME_LINE.sub(
-            lambda _: f"name = {json.dumps(name, ensure_ascii=False)}", text, count=1
-        )
+        line = f"name = {json.dumps(name, ensure_ascii=False)}"
+        text = NAME_LINE.sub(lambda _: line, text, count=1)
     parse_exercise(text, path)
     write_once(path, text)
     click.echo(f"{path} written; next: trainer exercise check {as_typed(path)}")
@@ -285,11 +282,9 @@ def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
         return
     for i, rule in enumerate(plan.scores):
         free = checked.nobody_marks.get(rule.score.name, 0.0)
-        if rule.part != "keeping" and free > MAX_NOBODY_PERCENT:
-            problem = (
-                f"gives {free:.0f} marks with nobody aboard, {MAX_NOBODY_PERCENT:.0f} at most: "
-            )
-            problem += 'have it be won, or part = "keeping"'
+        if not _kept(rule) and free > MAX_NOBODY_PERCENT:
+            marks = f"gives {free:.0f} marks with nobody aboard, {MAX_NOBODY_PERCENT:.0f} at most"
+            problem = f'{marks}: have it be won, or part = "keeping"'
             yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, problem)
     if plan.scores and all(each.earned is None for each in checked.nobody.scores):
         yield place.problem("[[scores]]: this exercise is won by standing still")
@@ -338,14 +333,11 @@ def _marks(checked: FlownExercise) -> Iterator[tuple[str, str]]:
 
 
 def _scores(plan: Plan) -> Iterator[str]:
+    by_tasks = plan.judged_by_tasks
     for rule in plan.scores:
-        of = [
-            other
-            for other in plan.scores
-            if not plan.judged_by_tasks or _kept(other) == _kept(rule)
-        ]
+        of = [other for other in plan.scores if not by_tasks or _kept(other) == _kept(rule)]
         share = 100.0 * rule.weight / sum(each.weight for each in of)
-        part = f" of {'keeping' if _kept(rule) else 'tasks'}" if plan.judged_by_tasks else ""
+        part = f" of {'keeping' if _kept(rule) else 'tasks'}" if by_tasks else ""
         yield f"{share:.0f} %{part} {rule.score.name}: {formula_of(rule)}"
 
 

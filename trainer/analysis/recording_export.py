@@ -183,12 +183,9 @@ def read_recording(path: str | Path, branch: int | None = None) -> Recording:
         states = states_table(recording, layout, chosen)
         flat = (math.nan if cell is None else float(cell) for row in states.rows for cell in row)
         whole = np.fromiter(flat, np.float64).reshape(-1, len(states.columns))
+        tables = orders_table(recording, layout, chosen), events_table(recording.events(), layout)
         orders, events = (
-            [dict(zip(table.columns, row, strict=True)) for row in table.rows]
-            for table in (
-                orders_table(recording, layout, chosen),
-                events_table(recording.events(), layout),
-            )
+            [dict(zip(table.columns, row, strict=True)) for row in table.rows] for table in tables
         )
         return Recording(
             path=Path(path),

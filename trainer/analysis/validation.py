@@ -78,19 +78,17 @@ class Validation:
         """Return what is wrong with the marks, nothing if they order skill."""
         reference = self.skilled[GRADED_CREWS[0].name][0]
         nobody, silly = self.silly[SILLY_POLICIES[0].name], self.silly[self.best_silly]
-        found = {
-            f"rank correlation {self.correlation:.2f}, not {LEAST_CORRELATION:g}": (
-                self.correlation < LEAST_CORRELATION
-            ),
-            f"{self.best_silly} has {silly:.0f} marks, not {MAX_SILLY_MARKS:g} at most": (
-                silly > MAX_SILLY_MARKS
-            ),
-            f"nobody aboard has {nobody:.0f} marks, not 0": nobody > 0.0,
-            f"the reference crew has {reference:.0f} marks, not {LEAST_REFERENCE_MARKS:g}": (
-                reference < LEAST_REFERENCE_MARKS
-            ),
-        }
-        return tuple(fault for fault, there in found.items() if there)
+        faults, best = [], self.best_silly
+        if self.correlation < LEAST_CORRELATION:
+            faults.append(f"rank correlation {self.correlation:.2f}, not {LEAST_CORRELATION:g}")
+        if silly > MAX_SILLY_MARKS:
+            faults.append(f"{best} has {silly:.0f} marks, not {MAX_SILLY_MARKS:g} at most")
+        if nobody > 0.0:
+            faults.append(f"nobody aboard has {nobody:.0f} marks, not 0")
+        if reference < LEAST_REFERENCE_MARKS:
+            marks = f"{reference:.0f} marks, not {LEAST_REFERENCE_MARKS:g}"
+            faults.append(f"the reference crew has {marks}")
+        return tuple(faults)
 
 
 def rank_correlation(first: Sequence[float], second: Sequence[float]) -> float:
@@ -181,9 +179,8 @@ def fly_silly(plan: Plan, policy: SillyPolicy, alone: Rehearsal) -> Rehearsal:
     """Return an exercise flown by a silly crew. ``alone`` is it with nobody aboard."""
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    orders = {
-        tick: list(given) for tick, given in orders_beside_crew(alone.trajectory, plan).items()
-    }
+    beside = orders_beside_crew(alone.trajectory, plan)
+    orders = {tick: list(given) for tick, given in beside.items()}
     for seconds, order in silly_orders(policy, plan):
         tick = round(seconds / plan.method.step)
         entry = RecordedOrder(0, 1, tick, REFERENCE_GIVER, order.text, None, None, "")

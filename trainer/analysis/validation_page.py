@@ -72,11 +72,8 @@ def _crew_rows(found: Validation, crews: Sequence[Skill]) -> Iterator[tuple[str,
 
 def _silly_rows(found: Validation) -> list[tuple[str, str]]:
     """Return the silly crews, that with most marks first."""
-    return [(name, f"{mark:.1f}") for name, mark in sorted(found.silly.items(), key=_most_first)]
-
-
-def _most_first(item: tuple[str, float]) -> float:
-    return -item[1]
+    most_first = sorted(found.silly.items(), key=lambda item: -item[1])
+    return [(name, f"{mark:.1f}") for name, mark in most_first]
 
 
 def _figures(found: Validation) -> str:
@@ -123,15 +120,8 @@ def validation_page(found: Sequence[Validation]) -> str:
 
 def _overview(found: Sequence[Validation]) -> Markup:
     """Return the chapter with a row for each exercise."""
-    heads = (
-        "exercise",
-        *(grade.name for grade in GRADED_CREWS),
-        "rank correlation",
-        "lateness alone",
-        "swapped",
-        "most silly",
-        "verdict",
-    )
+    figures = ("rank correlation", "lateness alone", "swapped", "most silly", "verdict")
+    heads = ("exercise", *(grade.name for grade in GRADED_CREWS), *figures)
     rows: list[tuple[str | html.Cell, ...]] = []
     for each in found:
         _, correlation, late, swapped, silly, _ = _summary_row(each)
@@ -170,15 +160,11 @@ def _panels(found: Validation) -> tuple[Panel, Panel]:
     runs = np.array([found.skilled[grade.name] for grade in GRADED_CREWS])
     spread = np.linspace(-0.5, 0.5, runs.shape[1]) * POINT_SPREAD
     silly = np.array([*found.silly.values()])
+    beside = np.full(silly.size, len(GRADED_CREWS))
     graded = (
         Curve("a run", (places[:, None] + spread).ravel(), runs.ravel(), points=True),
         Curve("the mean", places, runs.mean(axis=1)),
-        Curve(
-            "a silly crew, beside the grades",
-            np.full(silly.size, len(GRADED_CREWS)),
-            silly,
-            points=True,
-        ),
+        Curve("a silly crew, beside the grades", beside, silly, points=True),
     )
     crews = (GRADED_CREWS[0], *LATE_CREWS)
     delays = np.array([crew.late_s for crew in crews])

@@ -40,16 +40,11 @@ boat_options = combine_options(
     seed_option("Seed of all random numbers."),
 )
 VISITOR_STATION = "visitor"
+# fmt: off
 STATION_ROLES = (
-    "instructor",
-    "pilot",
-    "helm",
-    "planes",
-    "ballast",
-    "diving",
-    "observer",
-    VISITOR_STATION,
+    "instructor", "pilot", "helm", "planes", "ballast", "diving", "observer", VISITOR_STATION,
 )
+# fmt: on
 
 
 @click.command(name="export-core")

@@ -42,19 +42,10 @@ if TYPE_CHECKING:
     from trainer.analysis.manoeuvres.flight import Flight
     from trainer.analysis.manoeuvres.page import ManoeuvreOptions, ManoeuvreReport
 
-BOAT_OPTIONS: Final = (
-    "equations",
-    "rates",
-    "trig",
-    "integrator",
-    "controls",
-    "trim",
-    "law",
-    "depth",
-    "sea",
-    "seed",
-)
 # fmt: off
+BOAT_OPTIONS: Final = (
+    "equations", "rates", "trig", "integrator", "controls", "trim", "law", "depth", "sea", "seed",
+)
 MANOEUVRE_NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load the core
     "meander", "overshoot", "turn", "climbing-turn", "acceleration", "utmost-acceleration",
     "trim", "impulse", "rudder-impulse", "turning-circle", "zigzag-10", "zigzag-20",

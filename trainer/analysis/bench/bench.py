@@ -126,18 +126,19 @@ def bench_boat(file: VesselFile, seconds: int) -> BenchFigures:
     TCP for ``seconds``. ConfigError if the boat cannot fly straight, or loses its numbers at such a
     step.
     """
-    ordered = ready_boat(file, BUSY_LOOP_METHODS[0], file.run.step_s)
-    twice = (*DUTY_1969, *DUTY_1969, file.run.step_s / TIME_SPEED)  # recorded, and not
-    length = sum(round(seconds / step) for step in twice)
+    step = file.run.step_s
+    ordered = ready_boat(file, STANDARD_METHOD, step)
+    twice = (*DUTY_1969, *DUTY_1969, step / TIME_SPEED)  # recorded, and not
+    length = sum(round(seconds / each) for each in twice)
     quiet = not sys.stderr.isatty()
     with click.progressbar(length=length, label="ticking", file=sys.stderr, hidden=quiet) as bar:
-        paced = tuple(
-            run_paced(
-                ready_boat(file, BUSY_LOOP_METHODS[0], step), seconds, lambda _tick: bar.update(1)
-            )
-            for step in DUTY_1969
-        )
-        latency = time_orders(ordered, seconds, lambda _tick: bar.update(1))
+
+        def progress(_tick: int) -> None:
+            bar.update(1)
+
+        boats = (ready_boat(file, STANDARD_METHOD, step) for step in DUTY_1969)
+        paced = tuple(run_paced(boat, seconds, progress) for boat in boats)
+        latency = time_orders(ordered, seconds, progress)
     return BenchFigures(
         vessel=file.name,
         machine=BenchMachine(
@@ -151,11 +152,9 @@ def bench_boat(file: VesselFile, seconds: int) -> BenchFigures:
             code=way_name(),
         ),
         real_time=paced,
-        updates=tuple(
-            time_update(ready_boat(file, way, file.run.step_s)) for way in BUSY_LOOP_METHODS
-        ),
-        troubled=time_troubled(file, BUSY_LOOP_METHODS[0]),
-        attended=time_attended(lambda: ready_boat(file, BUSY_LOOP_METHODS[0], file.run.step_s)),
+        updates=tuple(time_update(ready_boat(file, way, step)) for way in BUSY_LOOP_METHODS),
+        troubled=time_troubled(file, STANDARD_METHOD),
+        attended=time_attended(lambda: ready_boat(file, STANDARD_METHOD, step)),
         latency=latency,
         sizes={
             name: RecordSize(kind.itemsize, kind.itemsize // 2)
@@ -221,14 +220,10 @@ def render(figures: BenchFigures) -> str:
     period = f"{1e3 * latency.tick_s:g} ms"
     total = sum(size.bytes for size in figures.sizes.values())
     then = f"   of {figures.memory_1969_words_of_16_bits} words in 1969"
+    processors = f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors"
+    system = f"{machine.system}, {versions}; the core {machine.code}"
     lines = [
-        *wrap(figures.vessel, "", INDENT),
-        *wrap(
-            f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors",
-            "",
-            INDENT,
-        ),
-        *wrap(f"{machine.system}, {versions}; the core {machine.code}", "", INDENT),
+        *(line for text in (figures.vessel, processors, system) for line in wrap(text, "", INDENT)),
         *_real_time(figures.real_time),
         *_updates(figures.updates),
         f"  with a sea, tanks at work and six casualties {figures.troubled.troubled.median_ns:.0f}",
@@ -288,24 +283,20 @@ def _updates(updates: Iterable[UpdateCost]) -> list[str]:
             f"  {name:<26}{update.called.median_ns:>12.0f}{update.in_kernel.median_ns:>12.0f}"
             f"{update.crossing_ns:>10.0f}{ticks:>16}"
         )
-    return [
-        *lines,
-        "  (crossing: the difference of the two least, which the machine disturbs least)",
-    ]
+    difference = "the difference of the two least, which the machine disturbs least"
+    return [*lines, f"  (crossing: {difference})"]
 
 
 def _session_cost(attended: SessionTickCost) -> list[str]:
     """Return what a tick of the session costs, by what attends to it."""
     names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
     costs = (attended.boat, attended.bare, attended.recorded, attended.subscribed, attended.csv_row)
+    times = f"{attended.times_the_bare:.2f} times the bare session"
     return [
         "",
         "TICK OF A SESSION, HOT ([ns], likewise; modified lagged adams2)",
         "        " + "".join(f"{name:>14}" for name in names),
         "  median" + "".join(f"{cost.median_ns:>14.0f}" for cost in costs),
         "  least " + "".join(f"{cost.least_ns:>14.0f}" for cost in costs),
-        (
-            "  (recorded, with five subscribers at 10 Hz: "
-            f"{attended.times_the_bare:.2f} times the bare session)"
-        ),
+        f"  (recorded, with five subscribers at 10 Hz: {times})",
     ]

@@ -32,9 +32,8 @@ RUDDER_ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
 SENTENCE_RATE_HZ: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
 RUDDER_SENTENCE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
 ORDERS_PER_SECOND: Final = 4  # orders, for a second asked for
-GOLDEN_RATIO: Final = 0.5 * (
-    math.sqrt(5.0) - 1.0
-)  # of whose multiples any number are spread evenly
+# of whose multiples any number are spread evenly
+GOLDEN_RATIO: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 START_TIMEOUT_S: Final = 600.0  # [s] a first start, on a machine that is busy with other work
 ANSWER_TIMEOUT_S: Final = 30.0  # [s] from an order to the sentence that shows it
 BINS_PER_STEP: Final = 10  # of the histogram, to a step
@@ -104,10 +103,7 @@ def line() -> Iterator[TerminalLine]:
 
 @contextlib.contextmanager
 def on_terminal(*words: str) -> Iterator[tuple[TerminalLine, "subprocess.Popen[bytes]"]]:
-    """Run the program on a terminal inside the block.
-
-    Yield our end of it and the process.
-    """
+    """Run the program on a terminal inside the block. Yield our end of it and the process."""
     with line() as screen:
         terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)
         with subprocess.Popen(  # noqa: S603  our own program
@@ -154,9 +150,8 @@ def time_helm(file: VesselFile, seconds: float) -> InstrumentDelay:
             stderr=subprocess.PIPE,
         ) as process:
             try:
-                delays_ns = list(
-                    time_rudder_orders(helm, instrument, step, round(ORDERS_PER_SECOND * seconds))
-                )
+                orders = round(ORDERS_PER_SECOND * seconds)
+                delays_ns = list(time_rudder_orders(helm, instrument, step, orders))
             finally:
                 process.terminate()
             complaint = process.stderr.read().decode() if process.stderr else ""

@@ -59,15 +59,9 @@ def main(seconds: str, step: str, *words: str) -> None:
         punctuality.keep()
         summary = run_idle_loop(float(seconds), float(step))
         punctuality.relax()
-    print(
-        json.dumps(
-            {
-                # a system may refuse the priority: the page then says what was granted
-                "granted": punctuality.granted and punctuality.granted.line(),
-                **asdict(summary.lateness),
-            }
-        )
-    )
+    # a system may refuse the priority: the page then says what was granted
+    granted = punctuality.granted and punctuality.granted.line()
+    print(json.dumps({"granted": granted, **asdict(summary.lateness)}))
 
 
 if __name__ == "__main__":

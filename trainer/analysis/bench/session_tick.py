@@ -68,11 +68,9 @@ def session_of(
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:
             out = Outbox(writer(sink.fileno()))
-            line = JoinedLine(channel, None, out)
+            line, machine = JoinedLine(channel, None, out), channel != "teletype"
             station = Station(line, Access("instructor"), publisher, session.event_log.log)
-            station.wishes.begin(
-                channel, SUBSCRIPTION_RATE_HZ, station.role, machine=channel != "teletype"
-            )
+            station.wishes.begin(channel, SUBSCRIPTION_RATE_HZ, station.role, machine=machine)
             session.event_log.stations.append(station)
         try:
             yield session

@@ -101,8 +101,7 @@ def lines(figures: StartTimes) -> list[str]:
     page = ["", "STARTING (from the start of the process, the least of a few)"]
     page += [f"  {name:<44}{1e3 * seconds:8.0f} ms" for name, seconds in rows]
     if figures.console is not None and figures.console_times_numba is not None:
-        times = f"{figures.console_times_numba:.2f} times import numba"
-        page.append(
-            f"  {'trainer run: figures on the console':<44}{1e3 * figures.console:8.0f} ms, {times}"
-        )
+        name, times = "trainer run: figures on the console", figures.console_times_numba
+        took = f"{1e3 * figures.console:8.0f} ms, {times:.2f} times import numba"
+        page.append(f"  {name:<44}{took}")
     return page

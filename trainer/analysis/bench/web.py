@@ -219,9 +219,8 @@ def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[
 def ticks_of(session: WebSession, stations: int) -> WebTicks:
     """Return the ticks of a session that is over."""
     lateness, ticks = lateness_of(session.recording)
-    return WebTicks(
-        stations, ticks, count_missed(account_entry(session.account, "on time")), lateness
-    )
+    missed = count_missed(account_entry(session.account, "on time"))
+    return WebTicks(stations, ticks, missed, lateness)
 
 
 @contextlib.contextmanager

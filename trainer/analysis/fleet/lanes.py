@@ -50,10 +50,7 @@ UNIT_BITS: Final = ir.IntType(64)(0x4338 << 48)
 
 
 class LaneRecord(types.Type):
-    """A record of one boat in a block.
-
-    ``first`` is the place of its first number.
-    """
+    """A record of one boat in a block. ``first`` is the place of its first number."""
 
     def __init__(self, name: str, layout: np.dtype[Any], first: int, known: FixedFields) -> None:
         """Take the layout of the record for which it stands, and what is known of it."""
@@ -87,10 +84,7 @@ class LaneNumbers(types.Type):
 @register_model(LaneRecord)
 @register_model(LaneNumbers)
 class LaneModel(models.StructModel):
-    """The data of a view: the block and the lane.
-
-    Its type knows which number it is of.
-    """
+    """The data of a view: the block and the lane. Its type knows which number it is of."""
 
     def __init__(self, manager: Any, view: types.Type) -> None:
         """Lay it out."""

@@ -50,10 +50,7 @@ class FlightTrack(NamedTuple):
 
 @kernel
 def record_span(records: Record, member: int) -> slice:
-    """Return where a member's record is.
-
-    The last record serves all members beyond it.
-    """
+    """Return where a member's record is. The last record serves all members beyond it."""
     place = min(member, records.size - 1)
     return slice(place, place + 1)
 
@@ -96,10 +93,7 @@ def fly_alone(
 
 @kernel
 def obey_orders(schedule: Schedule, member: int, tick: int, next_order: int, state: Record) -> int:
-    """Carry out the orders due before ``tick``, from ``next_order`` on.
-
-    Return the next one.
-    """
+    """Carry out the orders due before ``tick``, from ``next_order`` on. Return the next one."""
     row = min(member, schedule.tick.shape[0] - 1)
     place = next_order
     while place < schedule.tick.shape[1] and schedule.tick[row, place] <= tick:

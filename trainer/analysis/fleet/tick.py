@@ -206,10 +206,7 @@ def aim_autopilot(h: float, out: Numbers) -> None:
 
 @kernel
 def command_controls(h: float, out: Numbers) -> None:
-    """Write the commands of surfaces and revolutions.
-
-    As one loop it would not be vector code.
-    """
+    """Write the commands of surfaces and revolutions. As one loop it would not be vector code."""
     for lane in every_lane():
         _keep_depth(vessel_in(out, lane), h, work_in(out, lane), state_in(out, lane))
     for lane in every_lane():
