@@ -156,7 +156,7 @@ def predicted(book: GuideContents) -> Markup:
     return section("predicted", PREDICTED_TITLE, _words("predicted"), told)
 
 
-def _stored(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Markup:
+def _stored(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Markup:
     """Return rows of the stored table of spreads; a sentence where there are none."""
     if not rows:
         return paragraph("None are stored for this boat.")
@@ -220,9 +220,10 @@ def statements() -> Iterator[Markup]:
 def sources(book: GuideContents) -> Markup:
     """Return the rows of data and the commands to which numbers link."""
     parts = [_lines("command", [one.command for one in book.guide.trials], "Commands of S", 0)]
-    for name, file in (("data", book.published), ("input", book.spreads)):
-        if file:
-            parts.append(_lines(name, file.text.split("\n"), file.file, 1))
+    if book.published:
+        parts.append(_lines("data", book.published.text.split("\n"), book.published.file, 1))
+    if book.spreads:
+        parts.append(_lines("input", book.spreads.text.split("\n"), book.spreads.file, 1))
     return section("sources", "Rows of data and commands", *parts)
 
 

@@ -6,7 +6,6 @@ become tables, charts and sentences.
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from itertools import chain
 from typing import Final
 
 from markupsafe import Markup
@@ -114,8 +113,10 @@ def overview(guide: Guide) -> Markup:
     """Return one line for each manoeuvre."""
     rows: list[list[str | Cell]] = []
     for sheet in guide.sheets:
-        pairs = [(_verdict(told), share) for told, share in verdicts_of(sheet)]
-        rows.append([sheet.title, *chain(*pairs)])
+        row: list[str | Cell] = [sheet.title]
+        for told, share in verdicts_of(sheet):
+            row += [_verdict(told), share]
+        rows.append(row)
     heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
     totals = []
     for equations in REDUCED_SETS:
