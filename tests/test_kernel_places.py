@@ -22,9 +22,7 @@ import pytest
 
 import trainer
 from trainer.identify.fitting.nonlinear import BentShip
-from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.nonlinear_steering import BENT
-from trainer.identify.model import models
 
 PACKAGE: Final = Path(trainer.__file__).parent
 FOLDERS: Final = ("core", "identify/kernels", "boat/ship")
@@ -222,26 +220,6 @@ def kernel_of(line: str, kind: str = "int") -> ast.FunctionDef:
     function = ast.parse(f"def f(first: {kind}):\n    {line}").body[0]
     assert isinstance(function, ast.FunctionDef)
     return function
-
-
-@pytest.mark.parametrize(
-    ("model", "places"),
-    [
-        (models.MODEL_1, ship_models.MODEL_1),
-        (models.MODEL_2, ship_models.MODEL_2),
-        (models.MODEL_3, ship_models.MODEL_3),
-        (models.NOMOTO_1, ship_models.NOMOTO_1),
-        (models.NOMOTO_2, ship_models.NOMOTO_2),
-    ],
-    ids=["1", "2", "3", "nomoto1", "nomoto2"],
-)
-def test_a_kernel_finds_each_parameter_of_a_model_where_it_is(
-    model: models.Model, places: tuple[int, ...]
-) -> None:
-    assert {name: getattr(places, name) for name in model.names} == {
-        name: place for place, name in enumerate(model.names)
-    }
-    assert len(places) == len(model.names)
 
 
 def test_a_bent_ship_s_numbers_are_where_its_kernel_looks() -> None:

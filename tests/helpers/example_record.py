@@ -32,7 +32,7 @@ def rows(folder: Path) -> Iterator[str]:
         assert result.exit_code == 0, result.output
     study = plain_study(folder / "trial.trainer")
     study = replace(study, heading=replace(study.heading, every=EVERY))
-    record = observe_record(study).record
+    record = observe_record(study)
     yield "time,helm,gyro,rate,sway,speed"
     yield "s,deg,deg,deg/s,kn,kn"
     degree = math.pi / 180.0

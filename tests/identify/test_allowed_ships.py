@@ -69,7 +69,7 @@ def path(tmp_path_factory: Any) -> Any:
 @pytest.fixture(scope="module")
 def fitted(path: Any) -> Any:
     study = study_of(path, IdentifyOptions())
-    return fit_study(study, observe_record(study).record, ignore_news)
+    return fit_study(study, observe_record(study), ignore_news)
 
 
 def told(path: Any, *options: Any) -> Any:

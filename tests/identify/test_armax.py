@@ -77,7 +77,7 @@ def test_atlantic_song_is_found_as_exactly_as_the_report_says() -> None:
 
 def test_derivatives_of_the_errors_are_those_of_differences() -> None:
     y, u = simulated(SONG, 60, LAMBDA, 2)
-    search = _Search(y, u, 2, np.zeros(8), np.arange(8))
+    search = _Search(y, u, 2)
     theta = np.array([-1.5, 0.55, -0.1, -0.2, -0.5, 0.1, 1.0, 0.5])
     _, J = search.jacobian(theta)
     for i, column in enumerate(J.T):
@@ -107,17 +107,9 @@ def test_the_order_that_made_a_record_is_chosen_for_it() -> None:
 def test_a_common_factor_is_named() -> None:
     # order 2 of a first-order record without noise of its own: A, B and C share a factor
     y, u = simulated(Armax((-0.8,), (1.0,), (0.0,), ()), 300, 1e-9, 5)
-    fit = fit_armax(y, u, 2, initial=False, fixed={"c1": 0.0, "c2": 0.0})
+    fit = fit_armax(y, u, 2, initial=False)
     assert set(fit.inseparable) >= {"a1", "a2", "b2"}
     assert np.isinf(fit.deviations[fit.names.index("a2")])
-
-
-def test_a_fixed_coefficient_stays() -> None:
-    y, u = simulated(SONG, 120, LAMBDA, 6)
-    fit = fit_armax(y, u, 2, fixed={"a2": 0.6, "c2": 0.0})
-    assert fit.model.a[1] == 0.6
-    assert "a2" not in fit.names
-    assert fit.parameters == 6
 
 
 def test_gaps_and_short_records_are_refused() -> None:

@@ -11,7 +11,7 @@ from cases.reference_ships import TANKER, TANKER_RUDDER, study
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.estimate import MINIMISER_BY_NAME, RestartOptions, find_best_minimum
+from trainer.identify.fitting.estimate import MINIMISER_BY_NAME, find_best_minimum
 from trainer.identify.fitting.likelihood import Likelihood
 from trainer.identify.fitting.minimise import SearchOptions, SearchResult, ignore_news
 from trainer.identify.fitting.prediction_error import Innovations, MultiStep, settled_gain
@@ -195,13 +195,13 @@ def test_a_ship_quicker_than_its_readings_is_no_minimum() -> None:
     quick = replace(TANKER, truth={**TANKER.truth, "N_r": -200.0}, free=("Y_v",), begin={})
     problem = recorded(quick, 60)
     found = find_best_minimum(
-        Likelihood(problem), problem.start, "scoring", SearchOptions(), RestartOptions(restarts=2)
+        Likelihood(problem), problem.start, "scoring", SearchOptions(), restarts=2
     )
     assert not found.converged
     assert "a time constant of 0.0" in found.doubt
     usual = recorded(replace(TANKER, free=("Y_v",)), 60)
     found = find_best_minimum(
-        Likelihood(usual), usual.start, "scoring", SearchOptions(), RestartOptions(restarts=2)
+        Likelihood(usual), usual.start, "scoring", SearchOptions(), restarts=2
     )
     assert found.converged
 
@@ -238,9 +238,7 @@ def test_k_and_t_are_given_together_or_not_at_all() -> None:
 
 def test_restarts_leave_a_shallow_minimum(wells: Any) -> None:
     shallow = find_best_minimum(wells, np.array([0.94]), "bfgs", SearchOptions(200))
-    deep = find_best_minimum(
-        wells, np.array([0.94]), "bfgs", SearchOptions(200), RestartOptions(restarts=8, seed=3)
-    )
+    deep = find_best_minimum(wells, np.array([0.94]), "bfgs", SearchOptions(200), restarts=8)
     assert shallow.theta[0] > 0.5
     assert deep.theta[0] == pytest.approx(-1.047, abs=0.01)
     assert deep.cost < shallow.cost

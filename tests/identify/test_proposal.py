@@ -80,7 +80,7 @@ def test_columns_are_told_by_their_names_and_units(tmp_path: Path, kind: str) ->
     columns, units = FILES[kind]
     found = write_proposal(write(tmp_path / "a.csv", columns), tmp_path / "a.toml", 100.0, 12.0)
     assert {channel: one.unit for channel, one in found.columns.items()} == units
-    record = observe_record(load_study(tmp_path / "a.toml")).record
+    record = observe_record(load_study(tmp_path / "a.toml"))
     assert record.t == pytest.approx(T)
     assert record.rudder == pytest.approx(DEGREE * HELM)
 
@@ -91,7 +91,7 @@ def test_the_sign_of_the_rudder_is_told_by_how_the_ship_turns(tmp_path: Path) ->
     assert found.remarks == ("a.csv: read with units of the heading",)
     study = load_study(tmp_path / "a.toml")
     assert study.heading.positive_rudder == "starboard"
-    assert observe_record(study).record.rudder == pytest.approx(DEGREE * HELM)
+    assert observe_record(study).rudder == pytest.approx(DEGREE * HELM)
 
 
 def test_what_forbids_the_record_s_use_is_said_and_the_study_written(tmp_path: Path) -> None:
@@ -204,4 +204,4 @@ def test_the_example_is_what_the_trainer_flies(tmp_path: Path) -> None:
     answered("new", tmp_path / "trial.trainer", "-o", tmp_path / "own.toml", "--length", 70.2)
     study = load_study(tmp_path / "own.toml")
     assert study.sensors == USUAL_SENSORS
-    assert len(observe_record(study).record.t) > 1000
+    assert len(observe_record(study).t) > 1000

@@ -64,7 +64,7 @@ def test_units_become_si_and_the_heading_does_not_jump(tmp_path: Path) -> None:
     columns = table()
     columns["gyro"] = np.mod(columns["gyro"] + 265.0, 360.0)
     found = observed(tmp_path, columns)
-    record = found.record
+    record = found
     assert record.rudder == pytest.approx(np.radians(columns["helm"]))
     assert record.yaw_rate == pytest.approx(np.radians(columns["rot"] / 60.0))
     assert np.abs(np.diff(record.heading)).max() < 0.2
@@ -106,7 +106,7 @@ def test_missing_readings_are_told_and_kept_as_missing(tmp_path: Path) -> None:
     assert [str(f) for f in found.findings] == [
         "row 9: rot: 2 of 120 values are missing, the first here"
     ]
-    assert np.isnan(found.record.yaw_rate).sum() == 2
+    assert np.isnan(found.yaw_rate).sum() == 2
 
 
 def test_a_missing_rudder_is_refused_by_row(tmp_path: Path) -> None:
@@ -164,7 +164,7 @@ def test_a_rudder_of_the_other_sign_is_told_and_can_be_turned(tmp_path: Path) ->
     text = STUDY.replace("[[columns]]", 'positive_rudder = "starboard"\n\n[[columns]]', 1)
     found = observed(tmp_path, columns, text)
     assert found.findings == ()
-    assert found.record.rudder == pytest.approx(-np.radians(columns["helm"]))
+    assert found.rudder == pytest.approx(-np.radians(columns["helm"]))
 
 
 def test_a_helmsman_without_an_experiment_is_told(tmp_path: Path) -> None:
@@ -181,7 +181,7 @@ def test_a_helmsman_without_an_experiment_is_told(tmp_path: Path) -> None:
 
 
 def test_a_sequence_beside_the_helmsman_ends_the_warning(tmp_path: Path) -> None:
-    record = observed(tmp_path, table()).record
+    record = observed(tmp_path, table())
     assert follows_motion(record) < 0.9  # type: ignore[operator]
 
 
@@ -223,7 +223,7 @@ def test_a_model_needs_a_ship_and_logs_need_their_places(tmp_path: Path) -> None
 def test_part_of_a_record_is_taken_and_thinned_with_the_mean_of_the_helm(tmp_path: Path) -> None:
     text = STUDY.replace("[[columns]]", "from_s = 100\nto_s = 400\nevery = 2\n\n[[columns]]", 1)
     columns = table()
-    record = observed(tmp_path, columns, text).record
+    record = observed(tmp_path, columns, text)
     assert record.t[0] == 100.0
     assert record.t[-1] == 400.0
     assert record.interval == 10.0
@@ -244,7 +244,7 @@ def test_without_times_rows_are_counted_by_the_interval_said(tmp_path: Path) -> 
     times = '[[columns]]\nchannel = "t"\ncolumn = "time"\nunit = "s"\n'
     text = STUDY.replace(times, "")
     text = text.replace("[[columns]]", "interval_s = 5\n\n[[columns]]", 1)
-    assert observed(tmp_path, table(), text).record.t[3] == 15.0
+    assert observed(tmp_path, table(), text).t[3] == 15.0
 
 
 def test_a_wrapped_heading_is_unwrapped_across_what_is_missing(tmp_path: Path) -> None:

@@ -243,10 +243,10 @@ def test_times_of_a_rounded_clock_are_rebuilt_evenly(tmp_path: Path, form: Any, 
     found = observed(tmp_path, columns)
     told = [str(one) for one in found.findings if "rounded" in str(one)]
     assert len(told) == 1
-    assert f"rebuilt every {found.record.interval:.6g} s" in told[0]
-    assert np.ptp(np.diff(found.record.t)) < 1e-9
-    assert found.record.interval == pytest.approx(step, rel=5e-4)
-    assert found.record.t[0] == pytest.approx(0.0, abs=0.6)
+    assert f"rebuilt every {found.interval:.6g} s" in told[0]
+    assert np.ptp(np.diff(found.t)) < 1e-9
+    assert found.interval == pytest.approx(step, rel=5e-4)
+    assert found.t[0] == pytest.approx(0.0, abs=0.6)
 
 
 def test_a_clock_that_stops_is_refused_not_rebuilt(tmp_path: Path) -> None:
@@ -317,14 +317,14 @@ def test_every_dialect_gives_the_same_record_and_says_how_it_was_read(
     tmp_path: Path, make: Any, code: str, units: dict[str, str], told: str
 ) -> None:
     columns = trial()
-    plain = observed(tmp_path, columns).record
+    plain = observed(tmp_path, columns)
     (tmp_path / "trial.csv").write_text(make(columns), encoding=code)
     found = study(tmp_path, columns, units)
     read = [str(one) for one in found.findings if "read with" in str(one)]
     assert read == ([f"trial.csv: read with {told}"] if told else [])
     for channel in ("t", *plain.channels):
         want = getattr(plain, channel)
-        assert getattr(found.record, channel) == pytest.approx(want, rel=1e-9, abs=1e-9)
+        assert getattr(found, channel) == pytest.approx(want, rel=1e-9, abs=1e-9)
 
 
 WRITTEN: dict[str, tuple[Callable[[Columns], str], str]] = {
@@ -381,7 +381,7 @@ def test_the_study_s_unit_is_taken_before_the_file_s_and_told(tmp_path: Path) ->
     found = study(tmp_path, columns, UNITS)
     said = "rot is in rad/s, the study says deg/s: taken as deg/s"
     assert said in [one.text for one in found.findings]
-    assert found.record.yaw_rate == pytest.approx(np.radians(columns["yaw_rate"]))
+    assert found.yaw_rate == pytest.approx(np.radians(columns["yaw_rate"]))
 
 
 def test_a_unit_that_nobody_says_is_asked_for(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def proposed(folder: Path, name: str, text: str | None = None) -> Any:
 
 
 def observed(folder: Path) -> Record:
-    return observe_record(load_study(folder / "a.toml")).record
+    return observe_record(load_study(folder / "a.toml"))
 
 
 @pytest.mark.parametrize("name", READ)
@@ -167,7 +167,7 @@ def test_readings_that_leave_the_heading_and_come_back_are_missing_by_row(
 ) -> None:
     record = loaded(tmp_path, heading)
     assert np.flatnonzero(np.isnan(record.column("heading"))).tolist() == rows
-    told = [str(one) for one in record.told]
+    told = [str(one) for one in record.findings]
     assert len(told) == bool(rows)
     for one in told:
         assert one.startswith(f"row {rows[0] + 2}: gyro: {heading[rows[0]]:g} deg is no heading")
@@ -246,7 +246,7 @@ def test_a_system_s_own_column_with_a_code_is_told(tmp_path: Path) -> None:
     rows = [f"{i},{-9999 if i == 3 else i % 5}" for i in range(40)]
     (tmp_path / "a.csv").write_text("\n".join(["t,fin", *rows]) + "\n")
     record = load_record(tmp_path / "a.csv", {"t": Column("t", "s"), "fin": Column("fin", "-")})
-    assert "fin: is -9999 for no reading? then leave it empty" in str(record.told[0])
+    assert "fin: is -9999 for no reading? then leave it empty" in str(record.findings[0])
 
 
 def test_arrays_are_asked_the_same() -> None:

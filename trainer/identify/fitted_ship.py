@@ -186,9 +186,8 @@ def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "Fitted
     rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
     rows += [ParameterRow(name=name, start=x, free="no") for name, x in given["fixed"].items()]
     study = replace(study, parameters=(*study.parameters, *rows))
-    observed = observe_record(study, loaded)
-    fitted = fitting.fit_study(study, observed.record, ignore_news)
-    return FittedShip(describe_fit(fitted, tuple(map(str, observed.findings))), given["units"])
+    fitted = fitting.fit_study(study, observe_record(study, loaded), ignore_news)
+    return FittedShip(describe_fit(fitted), given["units"])
 
 
 def _fit_manoeuvring(
@@ -334,9 +333,9 @@ class FittedShip(_ShipDisplay):
                 for channel in own_columns
                 if own_columns[channel].name in names_of(frame)
             }
-            whole = replace(fitted.study.heading, every=None, from_s=None, to_s=None)
+            whole = replace(fitted.study.heading, every=1.0, from_s=None, to_s=None)
             study = replace(fitted.study, heading=whole, sensors=None)
-            record = observe_record(study, record_of(arrays_of(frame, columns), columns)).record
+            record = observe_record(study, record_of(arrays_of(frame, columns), columns))
         problem = other_problem(fitted, record)
         return {"t": record.t, **self._in_units(predict_alone(problem, problem.start))}
 

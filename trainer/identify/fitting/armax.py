@@ -10,13 +10,11 @@ minimises V = 1/2 sum eps^2 (9). A model of order 2 contains a first-order ship:
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
@@ -32,7 +30,6 @@ ROUNDING_TOLERANCE: Final = 1e-6  # [-] relative decrease expected that rounding
 FLAT_EIGENVALUE: Final = 1e-10  # [-] of the scaled information: a direction below it is not known
 LONG_ORDER: Final = 10  # of the autoregression that the second start takes its residuals from
 COMMON_FACTORS: Final = (0.0, 0.5, -0.5, 0.9)  # [-] common factors that a higher order starts from
-NO_FIXED_VALUES: Final[Mapping[str, float]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -101,23 +98,15 @@ def roots_of(polynomial: tuple[float, ...]) -> tuple[complex, ...]:
     return tuple(complex(root) for root in sorted(roots, key=lambda root: -abs(root)))
 
 
-def coefficient_names(order: int, *, initial: bool) -> tuple[str, ...]:
-    """Return the names of the coefficients of that order, a1 first."""
-    kinds = POLYNOMIAL_KINDS if initial else POLYNOMIAL_KINDS[:3]
-    return tuple(f"{kind}{i}" for kind in kinds for i in range(1, order + 1))
-
-
 @dataclass(frozen=True)
 class ArmaxFit:
-    """A fitted model, its coefficients' deviations, and how the search ended."""
+    """A fitted model, its coefficients' deviations, and whether the search settled."""
 
     model: Armax
-    names: tuple[str, ...]  # of the estimated coefficients
+    names: tuple[str, ...]  # of the coefficients
     deviations: tuple[float, ...]  # their standard deviations; infinite where not known
-    covariance: Numbers
     loss: float  # V
     samples: int
-    rounds: int
     converged: bool
     inseparable: tuple[str, ...]  # coefficients that only their common factor moves
 
@@ -134,19 +123,15 @@ class ArmaxFit:
 
 @dataclass(frozen=True)
 class _Search:
-    """One search: the record, the order of the model, and which coefficients are sought."""
+    """One search: the record, and the order of the model."""
 
     y: Numbers
     u: Numbers
     order: int
-    fixed: Numbers  # all coefficients; those sought are replaced
-    sought: NDArray[np.int64]  # their places
 
     def model(self, theta: Numbers) -> Armax:
-        """Return the model of the sought coefficients."""
-        numbers = self.fixed.copy()
-        numbers[self.sought] = theta
-        return Armax.of(numbers, self.order)
+        """Return the model of these coefficients."""
+        return Armax.of(theta, self.order)
 
     def stable(self, theta: Numbers) -> Numbers:
         """Return the coefficients with the zeros of C mirrored into the unit circle.
@@ -154,15 +139,15 @@ class _Search:
         A zero z and its mirror image 1/z give the disturbance the same spectrum.
         """
         n = self.order
-        noise = np.flatnonzero((self.sought >= 2 * n) & (self.sought < 3 * n))
         zeros = np.array(roots_of((1.0, *self.model(theta).c)))
-        if len(noise) < n or not (np.abs(zeros) > MAX_ZERO_RADIUS).any():
-            return theta
         size = np.abs(zeros)
+        if not (size > MAX_ZERO_RADIUS).any():
+            return theta
         inside = np.where(size > 1.0, zeros / size**2, zeros)  # 1/z, conjugate: C stays real
         inside *= np.minimum(1.0, MAX_ZERO_RADIUS / np.maximum(np.abs(inside), 1e-300))
         stable_theta = theta.copy()
-        stable_theta[noise] = np.poly(np.append(inside, np.zeros(n - len(inside)))).real[1:]
+        polynomial = np.poly(np.append(inside, np.zeros(n - len(inside))))
+        stable_theta[2 * n : 3 * n] = polynomial.real[1:]
         return stable_theta
 
     def radius(self, theta: Numbers) -> float:
@@ -172,10 +157,10 @@ class _Search:
     def loss(self, theta: Numbers) -> float:
         """Return V; infinite where a zero of C lies beyond MAX_ZERO_RADIUS."""
         if self.radius(theta) > MAX_ZERO_RADIUS + 1e-9:
-            return float(np.inf)
+            return math.inf
         eps = self.model(theta).residuals(self.y, self.u)
         value = 0.5 * float(eps @ eps)
-        return value if np.isfinite(value) else float(np.inf)
+        return value if math.isfinite(value) else math.inf
 
     def at_rim(self, theta: Numbers) -> bool:
         """Return whether a zero of C is held at MAX_ZERO_RADIUS.
@@ -185,18 +170,20 @@ class _Search:
         return self.radius(theta) > MAX_ZERO_RADIUS - 1e-6
 
     def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
-        """Return eps (N,) and its derivatives (N, sought)."""
+        """Return eps (N,) and its derivatives (N, coefficients)."""
         model = self.model(theta)
-        eps, n = model.residuals(self.y, self.u), self.order
+        eps, under = model.residuals(self.y, self.u), (1.0, *model.c)
+        return eps, self.regressors(eps, len(theta), lambda x: filter_series((1.0,), under, x))
+
+    def regressors(
+        self, errors: Numbers, count: int, filtered: Callable[[Numbers], Numbers]
+    ) -> Numbers:
+        """Return what each of ``count`` coefficients multiplies (N, count), ``errors`` for e."""
         impulse = np.zeros_like(self.y)
-        impulse[0] = -1.0
-        sources = (self.y, -self.u, -eps, impulse)
-        bases = [filter_series((1.0,), (1.0, *model.c), source) for source in sources]
-        columns = [
-            _later(bases[place // n], place % n + (0 if place // n == 3 else 1))
-            for place in self.sought
-        ]
-        return eps, np.column_stack(columns)
+        impulse[0] = -1.0  # a first state acts in its own sample, all else from the next one on
+        bases = [filtered(source) for source in (self.y, -self.u, -errors, impulse)]
+        kinds = (divmod(place, self.order) for place in range(count))
+        return np.column_stack([_later(bases[kind], lag + (kind < 3)) for kind, lag in kinds])
 
 
 def _later(series: Numbers, samples: int) -> Numbers:
@@ -205,13 +192,7 @@ def _later(series: Numbers, samples: int) -> Numbers:
 
 
 def fit_armax(
-    y: Numbers,
-    u: Numbers,
-    order: int,
-    *,
-    initial: bool = True,
-    fixed: Mapping[str, float] = NO_FIXED_VALUES,
-    lower: Armax | None = None,
+    y: Numbers, u: Numbers, order: int, *, initial: bool = True, lower: Armax | None = None
 ) -> ArmaxFit:
     """Return the maximum likelihood model of that order. Output y and input u are (N,).
 
@@ -220,21 +201,20 @@ def fit_armax(
     below times common factors (``lower`` is that model, if it is known). The lowest end is taken.
     ConfigError if the record is too short or has gaps.
     """
-    names = coefficient_names(order, initial=initial)
-    places = np.array([i for i, name in enumerate(names) if name not in fixed], dtype=np.int64)
-    if len(y) < 2 * len(places) + order:
-        raise ConfigError(f"{len(y)} samples are too few for {len(places)} coefficients")
+    kinds = POLYNOMIAL_KINDS if initial else POLYNOMIAL_KINDS[:3]
+    names = tuple(f"{kind}{i}" for kind in kinds for i in range(1, order + 1))
+    if len(y) < 2 * len(names) + order:
+        raise ConfigError(f"{len(y)} samples are too few for {len(names)} coefficients")
     if np.isnan(y).any() or np.isnan(u).any():
         raise ConfigError("ARMAX needs a record without missing values; give a part without any")
-    start = np.zeros(len(names))
-    start[[names.index(name) for name in fixed]] = list(fixed.values())
-    search = _Search(y, u, order, start, places)
-    starts = _starts(search)
-    if order > 1 and not fixed:
+    search = _Search(y, u, order)
+    starts = _starts(search, len(names))
+    if order > 1:
         below = lower or fit_armax(y, u, order - 1, initial=initial).model
         starts += [_raise_order(below, factor, initial=initial) for factor in COMMON_FACTORS]
     ends = [_descend(search, theta) for theta in starts]
-    return _account(search, min(ends, key=lambda end: search.loss(end.theta)))
+    theta, settled = min(ends, key=lambda end: search.loss(end[0]))
+    return _account(search, names, theta, settled=settled)
 
 
 def _raise_order(model: Armax, factor: float, *, initial: bool) -> Numbers:
@@ -250,64 +230,44 @@ def _raise_order(model: Armax, factor: float, *, initial: bool) -> Numbers:
     return np.concatenate([a, b, c, d])
 
 
-def _starts(search: _Search) -> list[Numbers]:
+def _starts(search: _Search, count: int) -> list[Numbers]:
     """Return coefficients to start from: least squares with c = 0, and with estimated errors."""
-    zero = search.fixed[search.sought]
+    zero, n = np.zeros(count), search.order
     eps, J = search.jacobian(zero)
     plain = zero - np.linalg.lstsq(J, eps, rcond=None)[0]
-    n = search.order
-    plain[search.sought // n == 2] = 0.0
+    plain[2 * n : 3 * n] = 0.0
     # Hannan and Rissanen: residuals of a long autoregression stand for the errors e
     lags = range(1, min(LONG_ORDER + n, len(search.y) // 4) + 1)
     long = np.column_stack([_later(series, i) for series in (search.y, search.u) for i in lags])
     errors = search.y - long @ np.linalg.lstsq(long, search.y, rcond=None)[0]
-    columns = []
-    for i in search.sought:
-        kind, lag = divmod(int(i), n)
-        source = (search.y, -search.u, -errors, None)[kind]
-        impulse = np.zeros_like(search.y)
-        impulse[min(lag, len(impulse) - 1)] = -1.0
-        columns.append(impulse if source is None else _later(source, lag + 1))
-    second = np.linalg.lstsq(np.column_stack(columns), -search.y, rcond=None)[0]
-    starts = [plain, second]
+    columns = search.regressors(errors, count, lambda source: source)
+    starts = [plain, np.linalg.lstsq(columns, -search.y, rcond=None)[0]]
     return [theta for theta in starts if np.isfinite(search.loss(theta))] or [zero]
 
 
-class _DescentEnd(NamedTuple):
-    """Where a descent ended."""
-
-    theta: Numbers
-    rounds: int
-    settled: bool
-
-
-def _descend(search: _Search, theta: Numbers) -> _DescentEnd:
-    """Return the coefficients where the loss no longer falls."""
+def _descend(search: _Search, theta: Numbers) -> tuple[Numbers, bool]:
+    """Return the coefficients where the loss no longer falls, and whether it has settled there."""
     loss = search.loss(theta)
-    for rounds in range(1, MAX_ROUNDS + 1):
+    for _ in range(MAX_ROUNDS):
         eps, J = search.jacobian(theta)
         step = np.asarray(-np.linalg.lstsq(J, eps, rcond=1e-12)[0], float)
         expected = -float((J.T @ eps) @ step)
         if expected < LOSS_TOLERANCE * loss:
-            return _DescentEnd(theta, rounds, settled=True)
+            return theta, True
         halved = (search.stable(theta + 0.5**halving * step) for halving in range(MAX_HALVINGS))
         tried = ((there, search.loss(there)) for there in halved)
         nearer = next((one for one in tried if one[1] < loss), None)
         if nearer is None:
-            return _DescentEnd(
-                theta, rounds, search.at_rim(theta) or expected < ROUNDING_TOLERANCE * loss
-            )
+            return theta, search.at_rim(theta) or expected < ROUNDING_TOLERANCE * loss
         before, (theta, loss) = loss, nearer
         if search.at_rim(theta) and before - loss < LOSS_TOLERANCE * loss:
-            return _DescentEnd(theta, rounds, settled=True)
-    return _DescentEnd(theta, MAX_ROUNDS, settled=False)
+            return theta, True
+    return theta, False
 
 
-def _account(search: _Search, end: _DescentEnd) -> ArmaxFit:
-    """Return the fit with its covariance lambda^2 (J^T J)^-1."""
-    eps, J = search.jacobian(end.theta)
-    names = coefficient_names(search.order, initial=len(search.fixed) > 3 * search.order)
-    sought = tuple(names[i] for i in search.sought)
+def _account(search: _Search, names: tuple[str, ...], theta: Numbers, *, settled: bool) -> ArmaxFit:
+    """Return the fit with deviations by its covariance lambda^2 (J^T J)^-1."""
+    eps, J = search.jacobian(theta)
     size = np.sqrt(np.maximum(np.einsum("ij,ij->j", J, J), 1e-300))
     values, vectors = np.linalg.eigh((J / size).T @ (J / size))
     flat = values < FLAT_EIGENVALUE * values[-1]
@@ -318,15 +278,13 @@ def _account(search: _Search, end: _DescentEnd) -> ArmaxFit:
     unknown = (np.abs(vectors[:, flat]) > 0.05).any(axis=1)
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return ArmaxFit(
-        model=search.model(end.theta),
-        names=sought,
+        model=search.model(theta),
+        names=names,
         deviations=tuple(float(x) for x in np.where(unknown, np.inf, deviations)),
-        covariance=covariance,
         loss=0.5 * float(eps @ eps),
         samples=len(eps),
-        rounds=end.rounds,
-        converged=end.settled,
-        inseparable=tuple(name for name, lost in zip(sought, unknown, strict=True) if lost),
+        converged=settled,
+        inseparable=tuple(name for name, lost in zip(names, unknown, strict=True) if lost),
     )
 
 

@@ -7,7 +7,7 @@ are in ``minimise``.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -30,6 +30,8 @@ from trainer.identify.fitting.problem import Problem
 
 MAX_BOUNDED_SPREAD: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
 MIN_TIME_CONSTANT: Final = 0.5  # [intervals] of a time constant that two readings still show
+RESTART_DEVIATIONS: Final = 10.0  # [standard deviations] about the first start, or a part of it
+RESTART_SEED: Final = 1  # fixed: the same record gives the same fit
 MAX_RESTART_FACTOR: Final = 4  # times the restarts wanted, in all: the search must end
 APPROACH_STEPS: Final = 60  # steps from another start
 NEAR_COST_MARGIN: Final = 10.0  # [-] of cost above the best, from where a search is carried on
@@ -86,30 +88,18 @@ MINIMISER_BY_NAME: Final[dict[str, Minimiser]] = {
 }
 
 
-@dataclass(frozen=True)
-class RestartOptions:
-    """Where else to start: until ``restarts`` in a row find nothing better.
-
-    Other starts are drawn about the first one: ``width`` standard deviations wide, a part of that,
-    or up to twice the size of its numbers.
-    """
-
-    restarts: int = 0
-    width: float = 10.0
-    seed: int = 1
-
-
 def find_best_minimum(
     cost: Cost,
     theta: Numbers,
     method: str,
     search: SearchOptions,
-    starts: RestartOptions | None = None,
+    restarts: int = 0,
 ) -> SearchResult:
-    """Return the best minimum of ``cost`` from ``theta`` (f,) and from other ``starts``.
+    """Return the best minimum of ``cost`` from ``theta`` (f,) and from other starts.
 
-    Several numbers may mean the same model, as a variance and its negative do; Problem.folded then
-    chooses. ConfigError where the cost at ``theta`` is not finite.
+    Others are tried until ``restarts`` in a row find nothing better. Several numbers may mean the
+    same model, as a variance and its negative do; Problem.folded then chooses. ConfigError where
+    the cost at ``theta`` is not finite.
     """
     stretch_cost(cost, theta)  # refuses a variance of nothing
     if not np.isfinite(cost.value(theta)):
@@ -117,28 +107,27 @@ def find_best_minimum(
             "the start values are no model: a covariance is not positive, or the prediction "
             "is not finite; start with other values"
         )
-    starts = starts or RestartOptions()
     minimum = MINIMISER_BY_NAME[method](cost, theta, search)
-    if starts.restarts:
-        minimum = _doubt_speed(cost.problem, _best(cost, theta, minimum, starts))
+    if restarts:
+        minimum = _doubt_speed(cost.problem, _best(cost, theta, minimum, restarts))
     return replace(minimum, theta=cost.problem.folded(minimum.theta))
 
 
-def _best(cost: Cost, theta: Numbers, found: SearchResult, starts: RestartOptions) -> SearchResult:
+def _best(cost: Cost, theta: Numbers, found: SearchResult, restarts: int) -> SearchResult:
     """Return the best minimum, once so many others in a row were no better.
 
     Any other minimum is preferred to one with a mode faster than the readings, whatever its
     likelihood, because such a mode fits errors and not motion (docs/identification.md).
     """
     unbeaten = 0
-    for begin in _others(cost, theta, starts):
+    for begin in _others(cost, theta, restarts):
         other = _approach(cost, begin, found)
         faster, fast = (is_too_fast(cost.problem, one.theta) for one in (other, found))
         better = fast if faster != fast else other.cost < found.cost
         same = faster == fast and other.cost > found.cost - MIN_COST_GAIN
         unbeaten = unbeaten + 1 if same or not better else 0
         found = other if better else found
-        if unbeaten == starts.restarts:
+        if unbeaten == restarts:
             return found
     return replace(found, converged=False, doubt=found.doubt or "other starts keep finding better")
 
@@ -180,7 +169,7 @@ def _doubt_speed(problem: Problem, found: SearchResult) -> SearchResult:
     return replace(found, converged=False, doubt=doubt)
 
 
-def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numbers]:
+def _others(cost: Cost, theta: Numbers, restarts: int) -> Iterator[Numbers]:
     """Yield other starts with a finite cost, drawn about ``theta`` in three widths.
 
     A width comes from what each number is known to, or from its size. A number with bounds is drawn
@@ -190,14 +179,14 @@ def _others(cost: Cost, theta: Numbers, starts: RestartOptions) -> Iterator[Numb
     problem = stretch_cost(cost, theta)
     size = np.diag(problem.information(np.zeros(len(theta))))
     informed = np.isfinite(size) & (size > 0.0)
-    known = np.where(informed, starts.width / np.sqrt(np.where(informed, size, 1.0)), 0.0)
+    known = np.where(informed, RESTART_DEVIATIONS / np.sqrt(np.where(informed, size, 1.0)), 0.0)
     bounded = np.where(informed, np.minimum(known, MAX_BOUNDED_SPREAD), MAX_BOUNDED_SPREAD)
     # three widths in turn, because minima lie at a distance that nobody knows before
     free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW_WIDTH * known, known
     widths = [np.where(problem.bounded, bounded, one) for one in free]
     widths[1] = np.where(problem.bounded, NARROW_WIDTH * bounded, widths[1])
-    stream = np.random.Generator(np.random.PCG64(starts.seed))
-    for turn in range(starts.restarts * MAX_RESTART_FACTOR):
+    stream = np.random.Generator(np.random.PCG64(RESTART_SEED))
+    for turn in range(restarts * MAX_RESTART_FACTOR):
         width = widths[turn % len(widths)]
         begin = problem.theta(stream.standard_normal(len(theta)) * width)
         if np.isfinite(cost.value(begin)):

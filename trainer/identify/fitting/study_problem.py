@@ -71,7 +71,7 @@ def pose_problem(
     ]
     scales = {place: size for inside, size in reversed(row_scales) for place in inside}
     scale = [scales.get(place, 1.0) for place in problem.free]
-    sampling = table.measurement or "instantaneous"
+    sampling = table.measurement
     if study.system is not None and study.system.discrete:
         sampling = "discrete"
         _check_interval(study, runs)
@@ -122,7 +122,7 @@ def _estimated(study: Study, plant: Plant, rows: Sequence[ParameterRow]) -> list
 
 def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
     """Return the parameters that the noise model does not have."""
-    noise = table_of(study).noise or ""
+    noise = table_of(study).noise
     if study.system is None:
         return tuple(
             x for x in plant.model.names if x.startswith(UNMODELLED_NOISE.get(noise, ("?",)))
@@ -165,8 +165,8 @@ def table_of(study: Study) -> ModelTable:
 
 def cost_of(problem: Problem, table: ModelTable) -> Cost:
     """Return what the study wants minimised; ConfigError for what does not go together."""
-    noise, system = table.noise or "covariance", problem.plant.model.system
-    steps = int(table.predict_from or 1), int(table.predict_to or 1)
+    noise, system = table.noise, problem.plant.model.system
+    steps = int(table.predict_from), int(table.predict_to)
     if noise != "covariance":
         if steps != (1, 1):
             raise ConfigError(f"predict_to goes with noise covariance, not with {noise}")
@@ -176,16 +176,3 @@ def cost_of(problem: Problem, table: ModelTable) -> Cost:
     if steps[1] < steps[0]:
         raise ConfigError(f"predict_to = {steps[1]}: must be at least predict_from = {steps[0]}")
     return Likelihood(problem) if steps == (1, 1) else MultiStep(problem, *steps)
-
-
-def settings(table: ModelTable) -> dict[str, Any]:
-    """Return the model's settings as used, with defaults filled in.
-
-    The report shows them, so that a fit can be repeated.
-    """
-    return {
-        "noise": table.noise or "covariance",
-        "measurement": table.measurement or "instantaneous",
-        "method": table.method or "scoring",
-        "system": table.system or "prime",
-    }

@@ -16,7 +16,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.estimate import RestartOptions, find_best_minimum
+from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.minimise import (
     Cost,
     Progress,
@@ -48,8 +48,6 @@ from trainer.identify.record.study import Study
 from trainer.io.outputs import write_whole
 
 MAX_STEPS: Final = 200  # steps, beyond which a search has not settled
-# other starts in a row that must find nothing better, before a fit counts as settled
-USUAL_RESTARTS: Final = 12
 MIN_RESTARTS: Final = 2  # whatever a study says
 NO_MODEL: Final = "these values are no model: a covariance is not positive, or it does not end"
 SCREENING_ROUNDS: Final = 4  # rounds of fitting and rejecting
@@ -144,9 +142,9 @@ def fit_study(
         start = resume_search(kept, problem) if kept.exists() else start
         search = SearchOptions(MAX_STEPS, save_steps(kept, problem, heard))
     table = table_of(study)
-    restarts = USUAL_RESTARTS if table.restarts is None else max(MIN_RESTARTS, int(table.restarts))
-    cost, method = cost_of(problem, table), table.method or "scoring"
-    minimum = find_best_minimum(cost, start, method, search, RestartOptions(restarts))
+    cost, method = cost_of(problem, table), table.method
+    restarts = max(MIN_RESTARTS, int(table.restarts))
+    minimum = find_best_minimum(cost, start, method, search, restarts)
     rejected: list[tuple[int, int]] = []
     # an outlier bends the fit by which others are judged: fit and reject until none is found
     for _ in range(SCREENING_ROUNDS if table.reject else 0):

@@ -69,7 +69,7 @@ def compare_models(fitted: ModelFit, kind: str) -> RivalModel:
 def _test_smaller(fitted: ModelFit, smaller: Study, name: str) -> RivalModel:
     """Return the fit of a smaller study, and the test against it."""
     table = table_of(smaller)
-    if (table.predict_from or 1, table.predict_to or 1) != (1, 1):
+    if (table.predict_from, table.predict_to) != (1.0, 1.0):
         raise ConfigError("order tests need the likelihood: predict one step, not more")
     other = fit_study(smaller, fitted.record, ignore_news, others=fitted.others)
     count, full_count = len(other.problem.names), len(fitted.problem.names)

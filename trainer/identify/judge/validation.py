@@ -114,10 +114,10 @@ def other_record(fitted: ModelFit, path: Path) -> Record:
         study = (
             study if system is None else replace(study, columns=fitted.study.columns, system=system)
         )
-        return observe_record(study).record
+        return observe_record(study)
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
     beside = path.parent / fitted.study.path.name  # a study's record lies in the study's folder
-    return observe_record(replace(fitted.study, path=beside, heading=heading)).record
+    return observe_record(replace(fitted.study, path=beside, heading=heading))
 
 
 def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[BendEstimate, Record]:
@@ -138,11 +138,11 @@ def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[Be
             name: study.columns[name] for name in ("rudder", "yaw_rate") if name in study.columns
         }
         data = study.heading.data if path.suffix == ".toml" else path.name
-        heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
+        heading = replace(study.heading, data=data, from_s=None, to_s=None, every=1.0)
         place = path.parent / study.path.name  # as in other_record
         record = observe_record(
             replace(study, path=place, heading=heading, columns=columns, sensors=None)
-        ).record
+        )
         rudder, rate = record.column("rudder"), record.column("yaw_rate")
         return curve_from_turns(ship, record.source, rudder, rate), record
     record = other_record(fitted, path)

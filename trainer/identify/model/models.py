@@ -31,13 +31,23 @@ OUTPUT_UNITS: Final = {  # of a channel, and how many of them one SI unit is
 
 
 STEADY_FORCES: Final = ("Y_0", "N_0", "f1", "f2", "f3", "delta_0")  # forces that stay for a run
-_INITIAL_VARIANCES: Final = tuple(
-    f"P{i} | SI | variance of initial state {i[0]} | variance" for i in ("11", "22", "33")
-)
-_INITIAL_COVARIANCES: Final = tuple(
-    f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23")
-)
-_RUDDER_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | lag"
+# units and bounds of parameters that mean the same in all models; the rest have neither
+# fmt: off
+PARAMETER_UNITS: Final = {
+    **dict.fromkeys(("v1_0", "v2_0", "v_0"), "kn"), "r_0": "deg/s", "delta_0": "deg",
+    **dict.fromkeys(("R2_v", "R2_v1", "R2_v2"), "kn^2"), "R2_r": "(deg/s)^2", "R2_psi": "deg^2",
+    **dict.fromkeys(("R1_YN", "R1_12", "R2_rpsi", "lag"), "rad"),
+    **dict.fromkeys(("f1", "f2", "f3", "R1_1", "R1_2", "R1_3", "R1_13", "R1_23", "R1_r"), "SI"),
+    **dict.fromkeys(("P11", "P22", "P33", "P12", "P13", "P23"), "SI"),
+}
+PARAMETER_KINDS: Final = {
+    **dict.fromkeys(("R1_Y", "R1_N", "R1_r", "R1_1", "R1_2", "R1_3"), "variance"),
+    **dict.fromkeys(("P11", "P22", "P33"), "variance"),
+    **dict.fromkeys(("R2_v", "R2_v1", "R2_v2", "R2_r", "R2_psi"), "error"),
+    **dict.fromkeys(("R1_YN", "R1_12", "R2_rpsi"), "angle"),
+    "lag": "lag",
+}
+# fmt: on
 
 
 @dataclass(frozen=True)
@@ -49,7 +59,6 @@ class Parameter:
     """
 
     name: str
-    meaning: str
     unit: str
     kind: str = "free"
 
@@ -217,132 +226,59 @@ class Plant:
         return Blocks(*blocks, gain)
 
 
-def _parameters(*lines: str) -> tuple[Parameter, ...]:
-    """Return parameters from lines of name, unit, meaning and perhaps kind."""
-    cells = [[cell.strip() for cell in line.split("|")] for line in lines]
-    return tuple(Parameter(name, meaning, unit, *kind) for name, unit, meaning, *kind in cells)
+def _parameters(places: Any, **own_units: str) -> tuple[Parameter, ...]:
+    """Return the parameters at the ``places`` of a kernel, some with units of this model alone."""
+    units = PARAMETER_UNITS | own_units
+    return tuple(
+        Parameter(name, units.get(name, "-"), PARAMETER_KINDS.get(name, "free"))
+        for name in places._fields
+    )
 
 
-def _start(*units: str) -> tuple[str, ...]:
-    """Return the lines of the initial state."""
-    return tuple(f"x{i}_0 | {unit} | initial state" for i, unit in enumerate(units, 1))
-
-
+# m11 to m22 are m - Y_vdot, m x_G - Y_rdot, m x_G - N_vdot, I_z - N_rdot; Y_r is less m, N_r less
+# m x_G. Lever arms are those of the wind, N_psi/Y_psi, and of the rudder, -N_delta/Y_delta.
 MODEL_1: Final = Model(
     "1",
-    _parameters(
-        "m11 | - | m - Y_vdot",
-        "m12 | - | m x_G - Y_rdot",
-        "m21 | - | m x_G - N_vdot",
-        "m22 | - | I_z - N_rdot",
-        "Y_v | - | sway force by sway velocity",
-        "Y_r | - | sway force by yaw rate, less m: Y_r - m",
-        "N_v | - | yaw moment by sway velocity",
-        "N_r | - | yaw moment by yaw rate, less m x_G: N_r - m x_G",
-        "Y_psi | - | sway force of the wind by heading",
-        "l_psi | - | lever arm of the wind N_psi/Y_psi",
-        "Y_delta | - | sway force by rudder",
-        "l_delta | - | lever arm of the rudder -N_delta/Y_delta",
-        "Y_0 | - | sway force bias",
-        "N_0 | - | yaw moment bias",
-        "v1_0 | kn | bias of the bow log, or of sway",
-        "v2_0 | kn | bias of the stern log",
-        "r_0 | deg/s | bias of the yaw rate",
-        "R1_Y | - | spectral density of the disturbing force | variance",
-        "R1_N | - | spectral density of the disturbing moment | variance",
-        "R1_YN | rad | correlation of force and moment is its sine | angle",
-        "R2_v1 | kn^2 | error of the bow log, or of sway | error",
-        "R2_v2 | kn^2 | error of the stern log | error",
-        "R2_r | (deg/s)^2 | error of the yaw rate | error",
-        "R2_psi | deg^2 | error of the heading | error",
-        *_start("kn", "deg/s", "deg"),
-        *_INITIAL_VARIANCES,
-        *_INITIAL_COVARIANCES,
-        _RUDDER_LAG,
-    ),
+    _parameters(ship_models.MODEL_1, x1_0="kn", x2_0="deg/s", x3_0="deg"),
     OUTPUT_CHANNELS,
     3,
     ship_models.model_1,
 )
-
+# a are coefficients of the denominator, c of rudder to sway
 MODEL_2: Final = Model(
     "2",
-    _parameters(
-        *(f"a{i} | - | coefficient of the denominator" for i in (1, 2, 3)),
-        *(f"c{i} | - | coefficient of rudder to sway" for i in (1, 2, 3)),
-        *(f"f{i} | SI | bias of state {i}" for i in (1, 2, 3)),
-        "v_0 | kn | bias of sway",
-        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2, 3)),
-        "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
-        "R1_13 | SI | spectral density of states 1 and 3",
-        "R1_23 | SI | spectral density of states 2 and 3",
-        "R2_v | kn^2 | error of sway | error",
-        *_start("kn", "SI", "SI"),
-        *_INITIAL_VARIANCES,
-        *_INITIAL_COVARIANCES,
-        _RUDDER_LAG,
-    ),
+    _parameters(ship_models.MODEL_2, x1_0="kn", x2_0="SI", x3_0="SI"),
     ("sway",),
     3,
     ship_models.model_2,
 )
-
+# likewise, b of rudder to heading
 MODEL_3: Final = Model(
     "3",
-    _parameters(
-        *(f"a{i} | - | coefficient of the denominator" for i in (1, 2, 3)),
-        *(f"b{i} | - | coefficient of rudder to heading" for i in (1, 2)),
-        *(f"f{i} | SI | bias of state {i}" for i in (1, 2)),
-        "r_0 | deg/s | bias of the yaw rate",
-        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
-        "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
-        "R2_r | (deg/s)^2 | error of the yaw rate | error",
-        "R2_psi | deg^2 | error of the heading | error",
-        "R2_rpsi | rad | correlation of the errors is its sine | angle",
-        *_start("1/s^2", "deg/s", "deg"),
-        *_INITIAL_VARIANCES,
-        *_INITIAL_COVARIANCES,
-        _RUDDER_LAG,
-    ),
+    _parameters(ship_models.MODEL_3, x1_0="1/s^2", x2_0="deg/s", x3_0="deg"),
     ("yaw_rate", "heading"),
     3,
     ship_models.model_3,
 )
-
 NOMOTO_1: Final = Model(
     "nomoto1",
-    _parameters(
-        "K | 1/s | gain, rudder to yaw rate",
-        "T | s | time constant",
-        "delta_0 | deg | residual helm",
-        "r_0 | deg/s | bias of the yaw rate",
-        "R1_r | SI | spectral density of the yaw acceleration | variance",
-        "R2_r | (deg/s)^2 | error of the yaw rate | error",
-        "R2_psi | deg^2 | error of the heading | error",
-        *_start("deg/s", "deg"),
-        *_INITIAL_VARIANCES[:2],
-        _RUDDER_LAG,
-    ),
+    _parameters(ship_models.NOMOTO_1, K="1/s", T="s", x1_0="deg/s", x2_0="deg"),
     ("yaw_rate", "heading"),
     2,
     ship_models.nomoto_first,
 )
-
+# a1 is 1/T1 + 1/T2, a2 is 1/(T1 T2), b1 is K T3/(T1 T2), b2 is K/(T1 T2)
 NOMOTO_2: Final = Model(
     "nomoto2",
     _parameters(
-        "a1 | 1/s | coefficient of the denominator, 1/T1 + 1/T2",
-        "a2 | 1/s^2 | coefficient of the denominator, 1/(T1 T2)",
-        "b1 | 1/s^2 | coefficient of rudder to yaw rate, K T3/(T1 T2)",
-        "b2 | 1/s^3 | coefficient of rudder to yaw rate, K/(T1 T2)",
-        "delta_0 | deg | residual helm",
-        "r_0 | deg/s | bias of the yaw rate",
-        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
-        "R2_r | (deg/s)^2 | error of the yaw rate | error",
-        "R2_psi | deg^2 | error of the heading | error",
-        *_start("deg/s^2", "deg/s", "deg"),
-        *_INITIAL_VARIANCES,
-        _RUDDER_LAG,
+        ship_models.NOMOTO_2,
+        a1="1/s",
+        a2="1/s^2",
+        b1="1/s^2",
+        b2="1/s^3",
+        x1_0="deg/s^2",
+        x2_0="deg/s",
+        x3_0="deg",
     ),
     ("yaw_rate", "heading"),
     3,

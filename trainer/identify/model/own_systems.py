@@ -13,7 +13,7 @@ import math
 import runpy
 from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
@@ -37,8 +37,8 @@ MAX_DIMENSION: Final = 20  # states, inputs, outputs
 # Derivatives are imaginary parts of the order of COMPLEX_STEP = 1e-100. A larger one than this is
 # no derivative but the root of a negative number.
 MAX_STRAY_IMAGINARY: Final = 1e-50
+NO_MATRIX: Final[Numbers] = np.zeros((1, 0, 0))
 SLOPE_TOLERANCE: Final = 1e-4  # [-] of slopes by an imaginary step against those by differences
-EMPTY_MATRIX: Final[Numbers] = np.zeros((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +56,8 @@ class System:
     held: tuple[str, ...]  # parameters that are not estimated
     states: int
     matrices: Function
-    touched: Mapping[str, frozenset[str]]  # by parameter: matrices that depend on it
-    how: str  # of derivatives
+    how: str = ""  # of derivatives
+    touched: Mapping[str, frozenset[str]] = field(default_factory=dict)  # by parameter: matrices
 
     def only_in(self, matrices: set[str]) -> tuple[str, ...]:
         """Return the parameters that act on some of these matrices and on no other.
@@ -192,12 +192,11 @@ def load_program(path: Path) -> System:
         inputs=inputs,
         outputs=outputs,
         units=tuple(program.get("units", ("-",) * len(outputs))),
-        parameters=tuple(Parameter(name, "", "-") for name in starts),
+        parameters=tuple(Parameter(name, "-") for name in starts),
         starts=vector,
         held=tuple(program.get("held", ())),
         states=states,
         matrices=function,
-        touched={},
         how=how,
     )
 
@@ -363,7 +362,7 @@ def with_kinds(system: System) -> System:
     at_start = system.matrices(step_aside(start))
     kinds = {}
     for key in ("P0", "R1", "R2"):
-        for value in np.diagonal(at_start.get(key, EMPTY_MATRIX[None]), axis1=1, axis2=2).T:
+        for value in np.diagonal(at_start.get(key, NO_MATRIX), axis1=1, axis2=2).T:
             slopes = value[1:].imag / COMPLEX_STEP
             places = np.flatnonzero(slopes)
             # slope 1, and the parameter's own value: the entry is the parameter

@@ -27,6 +27,7 @@ from trainer.config.schema import (
     optional,
     read_record,
     required,
+    with_default,
     within,
 )
 from trainer.identify.kernels.kernel import Entries
@@ -168,8 +169,8 @@ class SystemParameter:
     name: str = required(Text(20, "a letter, then letters, digits or _"))
     start: float = required("-", within(-1e12, 1e12), "where the search begins")
     free: bool | None = optional(Flag("is it estimated? else true"))
-    unit: str | None = optional(Text(12, "for the page; else none"))
-    meaning: str | None = optional(Text(79, "for the reader"))
+    unit: str = with_default("-", Text(12, "for the page; else none"))
+    meaning: str = with_default("", Text(79, "for the reader"))
 
 
 SYSTEM_PARAMETERS: Final = Rows(SystemParameter, ("note",), 1, 60, "parameters, below")
@@ -181,10 +182,11 @@ class SystemFile:
 
     schema: str = required(Choice(("system/1",), "form of the file"))
     name: str = required(Text(79, "what it is"))
-    time: str | None = optional(
-        Choice(("continuous", "discrete"), "discrete matrices lead to the next sample")
+    time: str = with_default(
+        "continuous",
+        Choice(("continuous", "discrete"), "discrete matrices lead to the next sample"),
     )
-    inputs: tuple[str, ...] | None = optional(Texts(Text(80, "columns that act"), MAX_DIMENSION))
+    inputs: tuple[str, ...] = with_default((), Texts(Text(80, "columns that act"), MAX_DIMENSION))
     outputs: tuple[str, ...] = required(Texts(Text(80, "columns that are fitted"), MAX_DIMENSION))
     units: tuple[str, ...] | None = optional(Texts(Text(12, "of the outputs"), MAX_DIMENSION))
     A: tuple[Row, ...] = required(Matrix("states by states"))
@@ -235,16 +237,14 @@ def _load_file(path: Path) -> System:
         path=path,
         name=file.name,
         discrete=file.time == "discrete",
-        inputs=file.inputs or (),
+        inputs=file.inputs,
         outputs=file.outputs,
         units=file.units or ("-",) * len(file.outputs),
-        parameters=tuple(Parameter(row.name, row.meaning or "", row.unit or "-") for row in rows),
+        parameters=tuple(Parameter(row.name, row.unit) for row in rows),
         starts=np.array([row.start for row in rows]),
         held=tuple(row.name for row in rows if row.free is False),
         states=len(file.A),
         matrices=_FileMatrices(names, parsed),
-        touched={},  # load_system fills it in
-        how="",
     )
 
 

@@ -6,7 +6,6 @@ takes the least that leaves white residuals.
 
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Final
 
 from trainer.config.files import ConfigError
 from trainer.identify.fitting.armax import FirstOrder, detrend, remove_delay, without_wind
@@ -19,9 +18,6 @@ from trainer.identify.record.study import Study, observe_record
 from trainer.identify.sheet import screens_of
 from trainer.report.plots import Screen
 from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
-
-DEFAULT_MAX_ORDER: Final = 4  # orders
-DEFAULT_LAGS: Final = 10  # [samples] over which residuals are tested
 
 
 @dataclass(frozen=True)
@@ -50,20 +46,19 @@ def carry_out(study: Study) -> tuple[ArmaxReport, OrderComparison]:
     settings = study.armax
     if settings is None:
         raise ConfigError(f"{study.path.name}: lacks [armax]")
-    observed = observe_record(study)
-    record = observed.record
+    record = observe_record(study)
     samples = samples_of(record, (settings.output,))
     if len(samples.steps[0]) > 1:
         raise ConfigError(f"{record.source}: ARMAX needs one interval; this record has more")
-    how, dead = settings.remove or "mean", int(settings.dead_time or 0)
+    how, dead = settings.remove, int(settings.dead_time)
     if not samples.whole:
         raise ConfigError(f"{record.source}: ARMAX needs a record without missing values; cut it")
-    most, initial = int(settings.most or DEFAULT_MAX_ORDER), settings.initial != "no"
+    most, initial = int(settings.most), settings.initial != "no"
     check_count(record, samples.counted, (4 if initial else 3) * most)
     y, u = remove_delay(
         detrend(samples.outputs[:, 0], how), detrend(samples.inputs[:, 0], how), dead
     )
-    orders = try_orders(y, u, most, initial=initial, lags=int(settings.lags or DEFAULT_LAGS))
+    orders = try_orders(y, u, most, initial=initial, lags=int(settings.lags))
     ship = None
     if settings.output == "heading" and most > 1:
         with suppress(ConfigError):  # it may have none
@@ -77,7 +72,7 @@ def carry_out(study: Study) -> tuple[ArmaxReport, OrderComparison]:
         interval_s=record.interval,
         removed=how,
         dead_time=dead,
-        findings=tuple(map(str, observed.findings)),
+        findings=tuple(map(str, record.findings)),
         orders=orders.tried,
         by_aic=orders.by_aic.order,
         by_bic=orders.by_bic.order,

@@ -35,11 +35,10 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
 from trainer.units import KNOT
 
-NO_ZIGZAG: Final = {"reach_s": None, "period_s": None, "overshoots_deg": ()}  # no zig-zag
 HIDDEN_IF_ZERO: Final = ("T_imag",)  # shown with T1 if it is not zero
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ExperimentReport:
     """All that ``trainer ship prbs`` says about an experiment."""
 
@@ -52,9 +51,9 @@ class ExperimentReport:
     largest_heading_deg: float  # in a calm
     largest_rate_deg_s: float
     lowest_speed_kn: float
-    reach_s: float | None  # of a zig-zag
-    period_s: float | None
-    overshoots_deg: tuple[float, ...]
+    reach_s: float | None = None  # of a zig-zag
+    period_s: float | None = None
+    overshoots_deg: tuple[float, ...] = ()
     remarks: tuple[str, ...]
     outputs: tuple[str, ...]
     prospect: Prospect
@@ -136,7 +135,7 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
         seed=options.seed,
     )
     warned = tuple(remarks(sequence, ship, interval))
-    report_fields = {"settings": asdict(sequence), "remarks": warned, **NO_ZIGZAG}
+    report_fields = {"settings": asdict(sequence), "remarks": warned}
     return "PRBS", sequence.orders(), sequence.seconds, report_fields
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from trainer.core.kernel import Numbers
 from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.record.measurements import CHANNEL_UNITS, Record
-from trainer.identify.record.study import Study, StudyRecord, observe_record, studies_of
+from trainer.identify.record.study import Study, observe_record, studies_of
 from trainer.identify.sheet import screens_of
 from trainer.report.plots import Curve, Panel, Screen
 from trainer.report.text import INDENT, cut_text, items, table
@@ -57,7 +57,7 @@ def carry_out(study: Study) -> tuple[RecordReport, tuple[Screen, ...]]:
     """Return what a study's records hold, and their figures. ConfigError if one is unusable."""
     seen = [observe_record(one) for one in studies_of(study)]
     report = RecordReport(study.heading.name, tuple(map(_run, seen)))
-    groups = {one.record.source: _panels(one.record) for one in seen}
+    groups = {one.source: _panels(one) for one in seen}
     return report, screens_of(groups)
 
 
@@ -72,8 +72,8 @@ def _columns(record: Record) -> Iterator[tuple[str, str, Numbers]]:
         yield name, "-", values
 
 
-def _run(seen: StudyRecord) -> RecordSummary:
-    record, channels = seen.record, []
+def _run(record: Record) -> RecordSummary:
+    channels = []
     for name, unit, values in _columns(record):
         known = values[~np.isnan(values)]
         sizes = (float(size(known)) for size in (np.mean, np.std, np.min, np.max))
@@ -84,7 +84,7 @@ def _run(seen: StudyRecord) -> RecordSummary:
         interval_s=record.interval,
         begin_s=float(record.t[0]),
         end_s=float(record.t[-1]),
-        findings=tuple(map(str, seen.findings)),
+        findings=tuple(map(str, record.findings)),
         channels=tuple(channels),
     )
 

@@ -5,7 +5,7 @@ Every field of ``IdentifyReport`` is a key of ``--json``.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +18,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.fitting.nonlinear import BendEstimate
 from trainer.identify.fitting.prediction_error import MultiStep, PredictionRun, loss_1
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.fitting.study_problem import settings, table_of
+from trainer.identify.fitting.study_problem import table_of
 from trainer.identify.judge.allowed import MIN_COMPLEX_SHARE, AllowedShips, draw_allowed
 from trainer.identify.judge.fitted import ModelFit, fit_study, simulate_study
 from trainer.identify.judge.residuals import (
@@ -46,6 +46,8 @@ from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study, observe_record, studies_of
 from trainer.units import KNOT
 
+# of the model, as used: with them a fit can be repeated
+SETTING_NAMES: Final = ("noise", "measurement", "method", "system")
 SHOWN_LAGS: Final = 10  # [samples] over which residuals are tested and drawn
 
 
@@ -192,24 +194,21 @@ def carry_out(
         raise ConfigError(f"--{first} and --{second}: one curve of steady turns, not two")
     if options.joint and [kind for kind, _ in bends] not in (["kappa"], ["bech"]):
         raise ConfigError("--joint goes with --kappa or --bech and its record")
-    seen = [observe_record(one) for one in studies_of(study)]
-    all_findings = [(one.record.source, str(finding)) for one in seen for finding in one.findings]
-    findings = [
-        f"{path}: {text.removeprefix(f'{Path(path).name}: ')}" for path, text in all_findings
-    ]
-    record, *others = (one.record for one in seen)
+    records = [observe_record(one) for one in studies_of(study)]
     try:
         if options.simulate:
-            fitted = simulate_study(study, record, others)
+            fitted = simulate_study(study, records[0], records[1:])
         else:
-            checkpoint = options.checkpoint
             fitted = fit_study(
-                study, record, lambda one: heard(one.steps, one.cost), checkpoint, others
+                study,
+                records[0],
+                lambda one: heard(one.steps, one.cost),
+                options.checkpoint,
+                records[1:],
             )
     except ConfigError as error:  # what is odd about the record may be why
-        raise ConfigError(*error.problems, *findings) from None
-    odd = findings if len(seen) > 1 else [str(finding) for finding in seen[0].findings]
-    result = describe_fit(fitted, tuple(odd))
+        raise ConfigError(*error.problems, *_findings_by_file(records)) from None
+    result = describe_fit(fitted)
     rivals = [compare_without(fitted, options.without)] if options.without else []
     if options.against is not None:
         rivals.append(compare_models(fitted, options.against))
@@ -225,27 +224,29 @@ def carry_out(
     return replace(result, report=replace(result.report, **more))
 
 
-def describe_fit(fitted: ModelFit, findings: tuple[str, ...] = ()) -> Identification:
+def _findings_by_file(records: Sequence[Record]) -> list[str]:
+    """Return what was found in records, each after its file."""
+    return [
+        f"{one.source}: {str(finding).removeprefix(f'{Path(one.source).name}: ')}"
+        for one in records
+        for finding in one.findings
+    ]
+
+
+def describe_fit(fitted: ModelFit) -> Identification:
     """Return a fit with its report, and the ships that the record allows beside it."""
     others, run = draw_allowed(fitted), errors_of(fitted)
     terms = terms_of(fitted, run.states)
-    report = replace(report_of(fitted, findings, others, run), terms=sizes_of(terms))
-    return Identification(fitted, report, others, run, terms)
-
-
-def report_of(
-    fitted: ModelFit, findings: tuple[str, ...], others: AllowedShips, run: PredictionRun
-) -> IdentifyReport:
-    """Return the report of a fit. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     records = (fitted.record, *fitted.others)
     residuals, system = _residuals(fitted, run), plant.model.system
     samples, weakest = problem.samples, np.abs(fitted.known.directions[:, 0])
-    return IdentifyReport(
+    findings = _findings_by_file(records) if fitted.others else map(str, fitted.record.findings)
+    report = IdentifyReport(
         study=study.heading.name,
         source=fitted.record.source,
         model=plant.model.name,
-        settings=settings(table_of(study)),
+        settings={name: getattr(table_of(study), name) for name in SETTING_NAMES},
         length_m=None if system else plant.ship.length,
         speed_kn=None if system else plant.ship.speed / KNOT,
         inputs=system.inputs if system else ("rudder",),
@@ -253,7 +254,7 @@ def report_of(
         units=tuple(map(plant.model.unit, plant.outputs)),
         samples=problem.counted,
         interval_s=plant.period,
-        findings=findings,
+        findings=tuple(findings),
         converged=bool(fitted.found.converged),
         doubt=fitted.found.doubt,
         steps=fitted.found.steps,
@@ -279,6 +280,7 @@ def report_of(
         ),
         eigenvalues=_directions(fitted),
         collapsed=problem.collapsed(fitted.found.theta),
+        terms=sizes_of(terms),
         runs=_runs(fitted) if fitted.others else (),
         residuals=residuals,
         verdicts=(
@@ -286,6 +288,7 @@ def report_of(
             *(text for one in residuals for text in describe_tests(one)),
         ),
     )
+    return Identification(fitted, report, others, run, terms)
 
 
 def _runs(fitted: ModelFit) -> tuple[RunNumbers, ...]:

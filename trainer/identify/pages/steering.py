@@ -130,7 +130,7 @@ def of_nomoto(path: Path) -> SteeringReport:
 def with_record(report: SteeringReport, path: Path) -> SteeringReport:
     """Return the report with what the old methods read off a recorded zig-zag or turn."""
     study = load_study(path) if path.suffix == ".toml" else plain_study(path)
-    record, one = observe_record(study).record, report.speeds[0]
+    record, one = observe_record(study), report.speeds[0]
     V, L = one.speed_kn * KNOT, report.length_m
     K, T1, T2, T3 = (one.numbers[name] for name in ("K", "T1", "T2", "T3"))
     own = one.numbers | {"T": T1 + T2 - T3}

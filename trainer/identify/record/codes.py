@@ -63,7 +63,7 @@ def without_jumps(record: Record) -> Record:
     finding = record.finding("heading", f"{raw:g} deg is no heading here: {told}", places[0])
     heading = record.heading.copy()
     heading[places] = np.nan
-    return replace(record, heading=heading, told=(*record.told, finding))
+    return replace(record, heading=heading, findings=(*record.findings, finding))
 
 
 def _outside(heading: Numbers) -> Iterator[int]:

@@ -25,6 +25,7 @@ from trainer.config.schema import (
     above,
     optional,
     required,
+    with_default,
     within,
 )
 from trainer.config.tables import CsvTable, read_table
@@ -33,12 +34,13 @@ from trainer.identify.record.sources import write_columns
 from trainer.identify.record.study import read_parts
 from trainer.identify.record.study_records import RUDDER_SIGN_CHOICE
 from trainer.identify.record.track import (
+    Drift,
     derivative,
-    drift_of,
     even_interval,
     smooth_spencer,
     through_water,
 )
+from trainer.units import KNOT
 
 ZONE_LETTERS: Final = "ABCDEFGHIJ"
 LANE_ZONES: Final = {  # the lanes of a zone by their names, from the first to the last
@@ -189,15 +191,15 @@ class DeccaHeading:
     data: str = required(Text(200, "CSV file of lanes and heading, from this file's folder"))
     start_east_m: float = required("m", GRID_LIMITS_M, "place at the first row, from the master")
     start_north_m: float = required("m", GRID_LIMITS_M, "likewise")
-    convergence_deg: float | None = optional(
-        "deg", within(-180, 180), "true less grid heading; else 0"
+    convergence_deg: float = with_default(
+        0.0, "deg", within(-180, 180), "true less grid heading; else 0"
     )
-    grid_scale: float | None = optional(
-        "-", within(0.5, 2), "grid distance over true distance; else 1"
+    grid_scale: float = with_default(
+        1.0, "-", within(0.5, 2), "grid distance over true distance; else 1"
     )
-    current_east_kn: float | None = optional("kn", within(-20, 20), "taken off; else 0")
-    current_north_kn: float | None = optional("kn", within(-20, 20), "likewise")
-    positive_rudder: str | None = optional(RUDDER_SIGN_CHOICE)
+    current_east_kn: float = with_default(0.0, "kn", within(-20, 20), "taken off; else 0")
+    current_north_kn: float = with_default(0.0, "kn", within(-20, 20), "likewise")
+    positive_rudder: str = with_default("port", RUDDER_SIGN_CHOICE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,8 +213,11 @@ class SlaveRow:
     frequency_khz: float | None = optional(
         "kHz", above(0, 1e4), "comparison frequency, instead of lane_m"
     )
-    propagation_km_s: float | None = optional(
-        "km/s", within(2.9e5, 3e5), f"of the waves; else {PROPAGATION_SPEED_KM_S:g}"
+    propagation_km_s: float = with_default(
+        PROPAGATION_SPEED_KM_S,
+        "km/s",
+        within(2.9e5, 3e5),
+        f"of the waves; else {PROPAGATION_SPEED_KM_S:g}",
     )
 
 
@@ -220,13 +225,13 @@ class SlaveRow:
 class ColumnNames:
     """Headings of the CSV file."""
 
-    t_s: str | None = optional(Text(80, "times [s]; else t"))
-    heading_deg: str | None = optional(Text(80, "true heading [deg]; else heading"))
+    t_s: str = with_default("t", Text(80, "times [s]; else t"))
+    heading_deg: str = with_default("heading", Text(80, "true heading [deg]; else heading"))
     yaw_rate_deg_s: str | None = optional(Text(80, "yaw rate; else from the heading"))
     rudder_deg: str | None = optional(Text(80, "rudder, for the record written; else none"))
-    red: str | None = optional(Text(80, "red lanes, D12.34 or numbers; else red"))
-    green: str | None = optional(Text(80, "green lanes; else green"))
-    purple: str | None = optional(Text(80, "purple lanes; else purple"))
+    red: str = with_default("red", Text(80, "red lanes, D12.34 or numbers; else red"))
+    green: str = with_default("green", Text(80, "green lanes; else green"))
+    purple: str = with_default("purple", Text(80, "purple lanes; else purple"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,9 +269,7 @@ def load_decca(path: Path) -> DeccaFile:
                 problems.append(inside.wrong("colour", row.colour, "is given twice"))
             if (row.lane_m is None) == (row.frequency_khz is None):
                 problems.append(inside.problem("give one of lane_m, frequency_khz"))
-            width = row.lane_m or (row.propagation_km_s or PROPAGATION_SPEED_KM_S) / (
-                row.frequency_khz or 1.0
-            )
+            width = row.lane_m or row.propagation_km_s / (row.frequency_khz or 1.0)
             chain[row.colour] = Slave(Point(row.east_m, row.north_m), width)
     if problems:
         raise ConfigError(*problems)
@@ -298,8 +301,8 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
     """
     said, names, source = file.heading, file.columns, file.path.parent / file.heading.data
     table = read_table(source)
-    t = table.known(table.place(names.t_s or "t"))
-    true = np.radians(table.known(table.place(names.heading_deg or "heading")))
+    t = table.known(table.place(names.t_s))
+    true = np.radians(table.known(table.place(names.heading_deg)))
     lanes = {colour: _lanes(table, colour, getattr(names, colour)) for colour in file.chain}
     own_rate, rudder = (
         np.radians(table.known(table.place(name))) if name else None
@@ -313,13 +316,12 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
             f"{file.path.name}: fewer than {MIN_FIXES} rows give a fix; is the start right?"
         )
     east, north = np.array([fix.place for fix in track_fixes]).T
-    heading = np.unwrap(true) - math.radians(said.convergence_deg or 0.0)
+    heading = np.unwrap(true) - math.radians(said.convergence_deg)
     rate = derivative(heading, interval) if own_rate is None else own_rate
-    scale = said.grid_scale or 1.0
-    x, y = (smooth_spencer(one) if smooth else one for one in (east / scale, north / scale))
-    drift = drift_of(
-        (said.current_east_kn, said.current_north_kn), file.ship.antenna_m if file.ship else None
-    )
+    sides = (side / said.grid_scale for side in (east, north))
+    x, y = (smooth_spencer(side) if smooth else side for side in sides)
+    current = KNOT * said.current_east_kn, KNOT * said.current_north_kn
+    drift = Drift(*current, file.ship.antenna_m if file.ship else 0.0)
     ground = derivative(x, interval), derivative(y, interval)
     ahead, sway = through_water(*ground, heading, rate, drift)
     if rudder is not None and said.positive_rudder == "starboard":
@@ -328,9 +330,9 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
     return ShipTrack(said.name, t, east, north, heading, rate, sway, ahead, rudder, colours)
 
 
-def _lanes(table: CsvTable, colour: str, name: str | None) -> list[float]:
+def _lanes(table: CsvTable, colour: str, name: str) -> list[float]:
     """Return the lanes that cells name or count, NaN of an empty one; ConfigError with the row."""
-    place, lanes = table.place(name or colour), []
+    place, lanes = table.place(name), []
     for row, cells in enumerate(table.cells):
         text = cells[place]
         if text[:1].upper() not in tuple(ZONE_LETTERS):

@@ -52,14 +52,14 @@ def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
     problems = [*_rudder_problems(record), *_unit_problems(record)]
     if problems:
         raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
-    findings = [*record.told, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
+    findings = [*record.findings, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
     findings += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
     return [*findings, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
 
 
 def examine_columns(record: Record) -> list[Finding]:
     """Return what may mislead in the columns of a user's own system; ConfigError if unusable."""
-    problems, findings = [], [*record.told, *_intervals(record)]
+    problems, findings = [], [*record.findings, *_intervals(record)]
     for name, values in record.plain.items():
         missing = _missing(record, name, values)
         count, acts = int(np.count_nonzero(np.isnan(values))), name in record.driving

@@ -51,7 +51,7 @@ class Record:
 
     ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading does not jump from 360 to 0 degrees.
     ``rows`` is each sample's row in its source, counted from 1, and ``names`` the source's own word
-    for each channel: both are for messages. ``told`` has what was found when the source was read.
+    for each channel: both are for messages. ``findings`` has what an analyst should know.
     """
 
     source: str
@@ -67,7 +67,7 @@ class Record:
     longitude: Numbers | None = None  # [rad] likewise
     rows: NDArray[np.int64]
     names: Mapping[str, str]
-    told: tuple[Finding, ...] = ()
+    findings: tuple[Finding, ...] = ()
     plain: Mapping[str, Numbers] = field(default_factory=dict)  # columns of a user's own system
     driving: tuple[str, ...] = ()  # of them, those that act
 

@@ -117,7 +117,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         t=times,
         rows=np.array(rows),
         names={channel: column.name for channel, column in columns.items()},
-        told=tuple(Finding(path.name, 0, text) for text in remarks),
+        findings=tuple(Finding(path.name, 0, text) for text in remarks),
         plain=plain,
         **taken,
     )

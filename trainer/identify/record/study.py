@@ -16,7 +16,7 @@ from trainer.config.schema import describe_kind, file_schema, read_record, recor
 from trainer.config.sensors import Sensors
 from trainer.identify.model.own_systems import System
 from trainer.identify.record.findings import examine_columns, examine_record, unwrap_heading
-from trainer.identify.record.measurements import Finding, Record
+from trainer.identify.record.measurements import Record
 from trainer.identify.record.sources import (
     USUAL_SENSORS,
     Column,
@@ -39,7 +39,7 @@ from trainer.identify.record.study_records import (
     StudyHeading,
     Track,
 )
-from trainer.identify.record.track import drift_of, with_sway
+from trainer.identify.record.track import Drift, with_sway
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.units import KNOT
 
@@ -171,7 +171,7 @@ def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dic
     for i, row in enumerate(rows):
         try:
             factor(row.channel, row.unit)
-            columns[row.channel] = Column(row.column, row.unit, row.missing or ())
+            columns[row.channel] = Column(row.column, row.unit, row.missing)
         except ConfigError as wrong:
             problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
     if columns and steered and "rudder" not in columns and not problems:
@@ -231,15 +231,7 @@ def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Itera
             yield place.inside("ship").problem(f"output {channel} needs {key}")
 
 
-@dataclass(frozen=True)
-class StudyRecord:
-    """A record made ready for a study, and findings about it."""
-
-    record: Record
-    findings: tuple[Finding, ...]
-
-
-def observe_record(study: Study, loaded: Record | None = None) -> StudyRecord:
+def observe_record(study: Study, loaded: Record | None = None) -> Record:
     """Return the record of a study: signs and units as here, thinned, cut, examined.
 
     The record is ``loaded``, or else that of the study's file. ConfigError with all that forbids
@@ -262,17 +254,17 @@ def observe_record(study: Study, loaded: Record | None = None) -> StudyRecord:
         findings = examine_columns(record)
     else:
         track = study.track or Track()
-        current = track.current_east_kn, track.current_north_kn
-        record = with_sway(record, drift_of(current, track.antenna_m))
+        current = KNOT * track.current_east_kn, KNOT * track.current_north_kn
+        record = with_sway(record, Drift(*current, track.antenna_m))
         findings = examine_record(record, study.ship)
-    record = unwrap_heading(record).every(int(heading.every or 1))
+    record = unwrap_heading(record).every(int(heading.every))
     if study.sensors is not None:
         record = read_by(record, study.sensors)
-    record = record.between(
+    record = replace(record, findings=tuple(findings))
+    return record.between(
         -np.inf if heading.from_s is None else heading.from_s,
         np.inf if heading.to_s is None else heading.to_s,
     )
-    return StudyRecord(record, tuple(findings))
 
 
 def studies_of(study: Study) -> tuple[Study, ...]:

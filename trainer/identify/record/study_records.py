@@ -27,6 +27,8 @@ NOISE_MODELS: Final = ("output-error", "innovations", "covariance")
 FIT_METHODS: Final = ("scoring", "bfgs", "direct")
 MEAN_TREATMENTS: Final = ("none", "mean", "trend")
 YES_NO: Final = ("yes", "no")
+# other starts in a row that must find nothing better, before a fit counts as settled
+USUAL_RESTARTS: Final = 12.0
 RUDDER_SIGN_CHOICE: Final = Choice(
     ("port", "starboard"), "way a positive rudder turns the ship; else port"
 )
@@ -39,10 +41,10 @@ class StudyHeading:
     schema: str = required(Choice(("identify/1",), "form of the file"))
     name: str = required(Text(79, "what is studied"))
     data: str = required(Text(200, "CSV file or recording, from this file's folder"))
-    positive_rudder: str | None = optional(RUDDER_SIGN_CHOICE)
+    positive_rudder: str = with_default("port", RUDDER_SIGN_CHOICE)
     from_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
     to_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used")
-    every: float | None = optional("-", within(1, 1000), "takes one sample of so many")
+    every: float = with_default(1.0, "-", within(1, 1000), "takes one sample of so many")
     interval_s: float | None = optional(
         "s", within(1e-4, 3600), "from row to row, where there is no column of times"
     )
@@ -57,7 +59,7 @@ class ColumnRow:
     unit: str | None = optional(
         Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says")
     )
-    missing: tuple[float, ...] | None = optional(MISSING_NUMBERS)
+    missing: tuple[float, ...] = with_default((), MISSING_NUMBERS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +84,11 @@ class Ship:
 class Track:
     """The antenna and the current, between a track of latitudes and longitudes and sway."""
 
-    antenna_m: float | None = optional(
-        "m", within(-600, 600), "forward of the centre of mass; else 0"
+    antenna_m: float = with_default(
+        0.0, "m", within(-600, 600), "forward of the centre of mass; else 0"
     )
-    current_east_kn: float | None = optional("kn", within(-20, 20), "taken off; else 0")
-    current_north_kn: float | None = optional("kn", within(-20, 20), "likewise")
+    current_east_kn: float = with_default(0.0, "kn", within(-20, 20), "taken off; else 0")
+    current_north_kn: float = with_default(0.0, "kn", within(-20, 20), "likewise")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,17 +100,17 @@ class ModelTable:
         (), Choices(OUTPUT_CHANNELS, "channels fitted; none for own")
     )
     file: str | None = optional(Text(200, "system file, or a program, of kind own"))
-    system: str | None = optional(Choice(("prime", "bis"), "of the derivatives; else prime"))
-    noise: str | None = optional(Choice(NOISE_MODELS, "noise model; else covariance"))
-    measurement: str | None = optional(
-        Choice(("instantaneous", "integrating"), "else instantaneous")
+    system: str = with_default("prime", Choice(("prime", "bis"), "of the derivatives; else prime"))
+    noise: str = with_default("covariance", Choice(NOISE_MODELS, "noise model; else covariance"))
+    measurement: str = with_default(
+        "instantaneous", Choice(("instantaneous", "integrating"), "else instantaneous")
     )
-    method: str | None = optional(Choice(FIT_METHODS, "minimiser; else scoring"))
-    restarts: float | None = optional(
-        "-", within(0, 100), "others in a row that find no better; else 12"
+    method: str = with_default("scoring", Choice(FIT_METHODS, "minimiser; else scoring"))
+    restarts: float = with_default(
+        USUAL_RESTARTS, "-", within(0, 100), "others in a row that find no better; else 12"
     )
-    predict_from: float | None = optional("-", within(1, 1000), "steps predicted, fewest; else 1")
-    predict_to: float | None = optional("-", within(1, 1000), "steps predicted, most; else 1")
+    predict_from: float = with_default(1.0, "-", within(1, 1000), "steps predicted, fewest; else 1")
+    predict_to: float = with_default(1.0, "-", within(1, 1000), "steps predicted, most; else 1")
     reject: float | None = optional(
         "-", above(0, 0.5), "probability below which a sample is an outlier; else none"
     )
@@ -142,11 +144,11 @@ class ArmaxTable:
     """ARMAX models of one output by the rudder."""
 
     output: str = required(Choice(OUTPUT_CHANNELS, "channel"))
-    most: float | None = optional("-", within(1, 10), "highest order tried; else 4")
-    remove: str | None = optional(Choice(MEAN_TREATMENTS, "taken off both series; else mean"))
-    dead_time: float | None = optional("-", within(0, 100), "samples; else 0")
-    initial: str | None = optional(Choice(YES_NO, "estimate the initial state? else yes"))
-    lags: float | None = optional("-", within(1, 50), "of the residual tests; else 10")
+    most: float = with_default(4.0, "-", within(1, 10), "highest order tried; else 4")
+    remove: str = with_default("mean", Choice(MEAN_TREATMENTS, "taken off both series; else mean"))
+    dead_time: float = with_default(0.0, "-", within(0, 100), "samples; else 0")
+    initial: str = with_default("yes", Choice(YES_NO, "estimate the initial state? else yes"))
+    lags: float = with_default(10.0, "-", within(1, 50), "of the residual tests; else 10")
 
 
 COLUMN_ROWS: Final = Rows(ColumnRow, ("note",), 0, len(CHANNEL_UNITS) + 3, "columns, below")

@@ -16,7 +16,6 @@ from trainer.config.files import ConfigError
 from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import Finding, Record
-from trainer.units import KNOT
 
 EQUATOR_RADIUS_M: Final = 6_378_137.0  # [m] of WGS 84
 EARTH_FLATTENING: Final = 1.0 / 298.257223563  # [-] likewise
@@ -81,12 +80,6 @@ class Drift(NamedTuple):
     antenna: float  # forward of the point wanted
 
 
-def drift_of(current_kn: tuple[float | None, float | None], antenna: float | None) -> Drift:
-    """Return current east and north [kn] and antenna [m], zero where they are not said."""
-    east, north = (KNOT * (one or 0.0) for one in current_kn)
-    return Drift(east, north, antenna or 0.0)
-
-
 def through_water(
     east: Numbers, north: Numbers, heading: Numbers, rate: Numbers, drift: Drift
 ) -> tuple[Numbers, Numbers]:
@@ -136,4 +129,6 @@ def with_sway(record: Record, drift: Drift) -> Record:
     names = {**record.names, "sway": f"sway of {track}"}
     if yaw_rate is None:
         names["yaw_rate"] = f"yaw rate of {record.name('heading')}"
-    return replace(record, sway=sway, yaw_rate=rate, names=names, told=(*record.told, finding))
+    return replace(
+        record, sway=sway, yaw_rate=rate, names=names, findings=(*record.findings, finding)
+    )
