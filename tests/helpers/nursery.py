@@ -70,9 +70,13 @@ class Child:
             if not select.select([self._line], [], [], timeout)[0]:
                 raise subprocess.TimeoutExpired(self.args, timeout or 0.0)
             self.returncode = int(self._answers.readline())
-            self._answers.close()
-            self._line.close()
+            self.hang_up()
         return self.returncode
+
+    def hang_up(self) -> None:
+        """Close its line, as the end of this process does."""
+        self._answers.close()
+        self._line.close()
 
     def send_signal(self, number: int) -> None:
         """Send it a signal, if it still runs."""
@@ -154,6 +158,7 @@ def start_trainer(
             encoding="utf-8",
             errors="surrogateescape",
         )
+    sys.audit("os.fork")  # which the nursery does: `process_guard` hears of it
     theirs, ours = zip(
         *(open_stream(number, wish) for number, wish in enumerate((stdin, stdout, stderr))),
         strict=True,
