@@ -101,7 +101,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     Each process takes its share as it stands here, and what others have left over. Tests of fleets
     come last of all, when these are compiled.
     """
-    items.sort(key=lambda item: item.path.name.startswith(FLEETS))
+    items.sort(key=lambda item: item.path.name.startswith(FLEETS) or "fleet" in item.name)
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     half = max(processes // 2, 1)
     waiting = [item for item in items if item.path.parent.name in WAITING]

@@ -1,12 +1,11 @@
 """Every command in the documents is run in an empty folder; the tutorial's in test_tutorial.py."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from helpers import report_1969, report_1974
+from helpers.nursery import run_trainer
 from helpers.report_1969 import ABSENT, NEVER, rows_of
 from helpers.shell import ran, understand
 
@@ -167,14 +166,7 @@ EXAMPLES = [
 def test_an_example_file_of_the_documents_runs(text: str, how: list[str], tmp_path: Path) -> None:
     (tmp_path / "example.toml").write_text(text, encoding="utf-8")
 
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", *FLIGHT, *how],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    done = run_trainer(*FLIGHT, *how, cwd=tmp_path, timeout=300)
 
     assert done.returncode == 0, done.stderr
     assert "simulated   60.0 s" in done.stdout
@@ -186,14 +178,7 @@ def test_an_example_table_of_casualties_is_listed(text: str, tmp_path: Path) -> 
     (tmp_path / "own.toml").write_text(text, encoding="utf-8")
     names = re.findall(r"^\[casualty\.(.*)\]", text, re.MULTILINE)
 
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", "casualties", "./own.toml"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    done = run_trainer("casualties", "./own.toml", cwd=tmp_path, timeout=300)
 
     assert done.returncode == 0, done.stderr
     assert names

@@ -2,13 +2,12 @@
 
 import json
 import re
-import subprocess
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from helpers.nursery import run_trainer
 from helpers.places import environment
 
 from trainer.analysis.readiness import Readiness, examine_boat, render
@@ -129,14 +128,7 @@ def test_a_boat_without_a_compact_set_is_flown_by_the_full_one(tmp_path: Path) -
 def test_a_run_begins_by_saying_so(tmp_path: Path) -> None:
     line = ["run", "--headless", "--speed", "max", "--duration", "5", "--no-record", "--verbose"]
 
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", *line, "--vessel", str(plain(tmp_path))],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    done = run_trainer(*line, "--vessel", str(plain(tmp_path)), env=environment(), timeout=300)
 
     assert done.returncode == 0, done.stderr
     assert "trainer: boat.toml has no compact set of its own: the full set is flown" in done.stderr

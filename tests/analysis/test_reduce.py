@@ -490,6 +490,7 @@ def test_a_quick_search_flies_less_and_ends_in_the_same_limit(
     assert len(fast.standing.kept) < len(Candidate(slim, "modified").terms)
 
 
+@pytest.mark.slow
 def test_the_limit_follows_down_what_fewer_terms_reach(slim: VesselFile) -> None:
     loose = replace(next(searched(slim)), limit=5.0, proof=5.0)
 

@@ -81,6 +81,7 @@ def test_the_tick_in_plain_c_ends_the_hour_in_the_same_bits(way: object) -> None
     assert digest(fly_standard_hour(build(way))) == SHA256  # type: ignore[arg-type]
 
 
+@pytest.mark.process  # as all that flies fleets
 def test_a_member_of_a_fleet_ends_the_hour_in_the_same_bits() -> None:
     assert digest(fly_standard_hour(in_a_fleet)) == SHA256
 

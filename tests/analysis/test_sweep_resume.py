@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+from helpers.nursery import start_trainer
 from helpers.waiting import await_that
 
 from trainer.analysis.sweep.chunks import folder_of
@@ -327,11 +328,15 @@ def test_killed_at_any_instant_and_run_again_no_finished_member_is_lost(tmp_path
 @pytest.mark.long
 def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     path, out = study(tmp_path, members=6000, seconds=40.0), tmp_path / "a.parquet"
-    program = subprocess.Popen(
-        [sys.executable, "-m", "trainer", "sweep", str(path), "--out", str(out), "--jobs", "2"],
+    program = start_trainer(
+        "sweep",
+        str(path),
+        "--out",
+        str(out),
+        "--jobs",
+        "2",
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
-        text=True,
     )
     await_that(lambda: kept(out) or program.poll() is not None)
     program.send_signal(signal.SIGINT)

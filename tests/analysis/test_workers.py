@@ -118,6 +118,7 @@ def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
     makers = {
         str(path.relative_to(ROOT))
         for path in (ROOT / "trainer").rglob("*.py")
+        if "Pool" in path.read_text(encoding="utf-8")
         for node in nodes_of(path)
         if isinstance(node, ast.Call)
         and ast.unparse(node.func).rpartition(".")[2] in ("ProcessPoolExecutor", "Pool")

@@ -247,7 +247,10 @@ def test_a_boat_afloat_rides_a_long_swell(make_boat: Callable[..., Boat], cosine
 @pytest.mark.long
 @pytest.mark.parametrize("peaked", [0.0, 1.0])
 @pytest.mark.parametrize("towards", [0.0, 0.5 * math.pi, math.pi])
-@pytest.mark.parametrize("period", [12.0, 16.0, 20.0])
+@pytest.mark.parametrize(
+    "period",
+    [pytest.param(12.0, marks=pytest.mark.slow), 16.0, pytest.param(20.0, marks=pytest.mark.slow)],
+)
 def test_a_boat_afloat_heaves_alike_in_a_swell_of_either_generator(
     make_boat: Callable[..., Boat], period: float, towards: float, peaked: float
 ) -> None:

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.exported import Core
+from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
 from llvmlite import binding  # type: ignore[import-untyped]
 
@@ -75,17 +76,9 @@ def core(folder: Path) -> Core:
     return Core(folder / LIBRARY_FILE)
 
 
-def ran(*words: str, where: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+def ran(*words: str, where: Path, **environment: str) -> Done:
     """Return what a run of the command with those words came to."""
-    return subprocess.run(
-        [sys.executable, "-m", "trainer", *words],
-        cwd=where,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    return run_trainer(*words, cwd=where, env=os.environ | environment, timeout=120)
 
 
 def give_the_hosts_orders(tick: int, s: np.record) -> None:

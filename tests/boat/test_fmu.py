@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import ERROR, OK, Instance, Unit, begun, unpack
+from helpers.nursery import run_trainer
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
@@ -429,13 +430,7 @@ def test_what_cannot_be_exported_is_told_in_a_line_and_nothing_is_written(
     compiler: str, words: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CC", compiler)
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", "export-fmu", *words.split()],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_trainer("export-fmu", *words.split(), cwd=tmp_path)
 
     assert done.returncode == 2
     assert told in done.stderr

@@ -76,7 +76,9 @@ def core_things(tree: ast.AST) -> dict[str, Any]:
 
 def called_kernels(path: Path) -> Iterator[kernel.Kernel]:
     """Yield the kernels of the core that functions of a module use which are no kernels."""
-    tree = ast.parse(path.read_text("utf-8"))
+    if "trainer.core" not in (text := path.read_text("utf-8")):
+        return
+    tree = ast.parse(text)
     known = core_things(tree)
     inside = {
         id(node)

@@ -12,8 +12,9 @@ import click
 import pytest
 from click.testing import CliRunner
 from helpers.decca_run import write_run
+from helpers.nursery import start_trainer
 from helpers.places import ROOT
-from helpers.shell import FILES, Done, shell_environment, typed, understand
+from helpers.shell import FILES, Done, shell_environment, trainer_words, typed, understand
 
 from trainer.cli.main import cli
 from trainer.report.pdf import find_browser
@@ -228,13 +229,7 @@ class Typist:
 
     def browse(self, line: str) -> Done:
         """Serve pages until they are there; return what came of it, ended by Ctrl-C."""
-        with subprocess.Popen(
-            ["sh", "-c", f"exec {line}"],
-            cwd=self.folder,
-            env=shell_environment(**self.own),
-            stderr=subprocess.PIPE,
-            text=True,
-        ) as pages:
+        with self._start(line) as pages:
             said = ""
             while "pages at" not in said and (
                 told := pages.stderr.readline() if pages.stderr else ""
@@ -244,18 +239,17 @@ class Typist:
             _, rest = pages.communicate()
         return Done(line, pages.returncode, "", said + rest)
 
+    def _start(self, line: str) -> "subprocess.Popen[str]":
+        words, own = trainer_words(line), shell_environment(**self.own)
+        assert words, f"{line}: more than one call of the trainer"
+        return start_trainer(*words, cwd=self.folder, env=own, stderr=subprocess.PIPE)
+
     def serve(self, line: str) -> Done:
         """Begin a session, in place of the last; return once it listens."""
         self.end()
         if "--listen" not in line:
             line += " --listen 127.0.0.1:0"
-        self.served = subprocess.Popen(
-            ["sh", "-c", f"exec {line}"],
-            cwd=self.folder,
-            env=shell_environment(**self.own),
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        self.served = self._start(line)
         said = []
         for told in self.served.stderr or ():
             said.append(told)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from helpers.nursery import run_trainer
 from helpers.places import CHECKOUT, environment
 
 from trainer.cli.moved import MOVED_COMMANDS
@@ -23,13 +24,7 @@ LINES = {
 @pytest.mark.process
 @pytest.mark.parametrize("line", LINES)
 def test_a_command_that_has_gone_says_in_one_line_what_to_type_now(line: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", *line.split()],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_trainer(*line.split(), env=environment())
 
     assert (done.returncode, done.stdout, done.stderr) == (2, "", f"trainer: {LINES[line]}\n")
 

@@ -14,6 +14,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.nursery import Done, run_trainer
 from helpers.places import PACKAGES, environment
 from numpy.typing import NDArray
 
@@ -31,17 +32,9 @@ from trainer.session.session import Session
 ORDERS = ((0, "depth 80"), (60, "rudder left 20"), (90, "rudder meet"), (200, "course 300"))
 
 
-def typed(*words: object, folder: Path) -> subprocess.CompletedProcess[str]:
+def typed(*words: object, folder: Path) -> Done:
     """Run a command of the trainer in a folder."""
-    return subprocess.run(
-        [sys.executable, "-m", "trainer", *map(str, words)],
-        cwd=folder,
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    return run_trainer(*map(str, words), cwd=folder, env=environment(), timeout=300)
 
 
 def headless(folder: Path, *words: object) -> None:

@@ -1,10 +1,9 @@
 """The ships of an exercise file: what is read, and each thing that is refused by its name."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from helpers.nursery import run_trainer
 
 from trainer.boat.boat import Boat
 from trainer.boat.world.contacts import contacts_in
@@ -85,13 +84,7 @@ def test_what_is_wrong_with_a_ship_is_refused_by_its_name(
 @pytest.mark.process
 def test_a_run_with_a_wrong_ship_ends_with_2(tmp_path: Path) -> None:
     path = write(tmp_path, SHIP + "speed_kn = 21\n")
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", "run", str(path), "--headless", "--speed", "max"],
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    done = run_trainer("run", str(path), "--headless", "--speed", "max", timeout=300)
     assert done.returncode == 2
     assert "ships.toml: line 9: [contact[0]] speed_kn = 21.0: a cargo makes 20 kn" in done.stderr
 

@@ -3,8 +3,6 @@
 import json
 import math
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.key_tables import TABLES
+from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
 
 from trainer.analysis.exercise_page import check_exercise
@@ -398,15 +397,8 @@ def test_what_nobody_says_is_the_vessels_own() -> None:
 # The command
 
 
-def ran(*words: str, typed: str = "") -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
-        input=typed,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+def ran(*words: str, typed: str = "") -> Done:
+    return run_trainer(*words, typed=typed, timeout=120)
 
 
 @pytest.mark.process

@@ -15,6 +15,7 @@ from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import CrewReaction
 from trainer.config.files import shipped_names
 from trainer.debrief.attainable import (
+    AttainableCurve,
     ChangeCause,
     NoCurve,
     PassedKind,
@@ -39,6 +40,7 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+STEP_S = 0.5  # [s] of the boats that fly here
 QUICK_CASES = 4
 # an order more at a time [s], or one less
 PLANTED = (
@@ -150,7 +152,7 @@ def test_on_the_reference_crew_s_own_run_nothing_is_ever_lost(name: str, step_s:
     ("name", "seconds", "order"),
     [
         ("stern-plane-jam", 300.0, "blow all"),
-        ("first-depth-change", 150.0, "blow all"),
+        pytest.param("first-depth-change", 150.0, "blow all", marks=pytest.mark.slow),
         ("flooding-aft", 300.0, "stern planes dive 20"),
     ],
 )
@@ -175,6 +177,12 @@ def late(name: str, seconds: float) -> Rehearsal:
     return fly_rehearsal(plan_of(name), plan_of(name).crew, CrewReaction(late=seconds))
 
 
+@cache
+def late_curve(name: str, seconds: float) -> AttainableCurve:
+    """Return what could still be earned in that run."""
+    return attainable_curve(explored(name, late(name, seconds)))
+
+
 def sentences(run: RunExplorer) -> list[str]:
     return [change_words(each, run.step) for each in attainable_curve(run).changes]
 
@@ -182,24 +190,28 @@ def sentences(run: RunExplorer) -> list[str]:
 @pytest.mark.parametrize(
     ("name", "seconds", "told"),
     [
-        ("steering-jam", 40, 'full" was due at 1:12 and came 40 s late, at 1:52.'),
+        pytest.param(
+            "steering-jam",
+            40,
+            'full" was due at 1:12 and came 40 s late, at 1:52.',
+            marks=pytest.mark.slow,
+        ),
         ("stern-plane-jam", 15, 'full" was due at 1:11 and came 15 s late, at 1:26.'),
     ],
 )
 def test_an_order_that_came_late_is_told_with_how_late_it_came(
     name: str, seconds: float, told: str
 ) -> None:
-    said = sentences(explored(name, late(name, seconds)))
+    said = [change_words(each, STEP_S) for each in late_curve(name, seconds).changes]
     assert told in said[0]
     assert not [each for each in said if "did not come" in each]
 
 
 def test_the_better_order_is_told_at_each_fall_from_its_moment_on() -> None:
-    run = explored("stern-plane-jam", late("stern-plane-jam", 15))
-    (first, *others) = attainable_curve(run).changes
+    (first, *others) = late_curve("stern-plane-jam", 15).changes
     assert first.better == ((142, "bell astern full"), (146, "bow planes rise 30"))
     told = 'The reference crew orders "bell astern full" at 1:11 and "bow planes rise 30" at 1:13.'
-    assert change_words(first, run.step).endswith(told)
+    assert change_words(first, STEP_S).endswith(told)
     assert all(each.better is not None for each in others if each.marks < 0.0)
     begins = [min(tick for tick, _ in each.better) for each in others if each.better]
     assert all(tick >= each.told_at for tick, each in zip(begins, others, strict=False))
@@ -257,6 +269,7 @@ def test_a_fatal_order_is_named_where_without_it_nobody_does_anything() -> None:
     assert any(each.startswith(f'1:05: "{order}", by panel, cost ') for each in said)
 
 
+@pytest.mark.slow
 def test_planes_that_nobody_touched_were_not_worked_by_anybody() -> None:
     name = "first-depth-change"
     (told,) = sentences(explored(name, fly_rehearsal(plan_of(name))))
@@ -320,7 +333,11 @@ def test_marks_that_come_back_while_nobody_does_anything_were_never_lost() -> No
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param("canyon", marks=pytest.mark.slow), "hover-by-pump", "heavy-boat"]
+    "name",
+    [
+        *(pytest.param(each, marks=pytest.mark.slow) for each in ("canyon", "heavy-boat")),
+        "hover-by-pump",
+    ],
 )
 def test_with_nobody_aboard_no_marks_are_won_and_all_are_accounted_for(name: str) -> None:
     curve = attainable_curve(explored(name, fly_rehearsal(plan_of(name))))
@@ -438,7 +455,7 @@ def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("depth-gauge-failure", PassedKind.LOSS),
+        pytest.param("depth-gauge-failure", PassedKind.LOSS, marks=pytest.mark.slow),
         ("stern-plane-jam", PassedKind.RULE),
         ("stern-plane-jam", PassedKind.LOSS),
     ],

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import journalled
+from helpers.nursery import Done, run_trainer
 from helpers.sessions import session_over
 
 from trainer.analysis.recording_export import export_file
@@ -825,15 +826,8 @@ def test_what_is_no_recording_or_of_another_version_is_told(
 
 @pytest.mark.process
 def test_the_command_writes_the_page_of_a_run(tmp_path: Path) -> None:
-    def ran(*words: str) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run(
-            [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
+    def ran(*words: str) -> Done:
+        return run_trainer(*words, cwd=tmp_path, timeout=120)
 
     flown = ran(
         *("run", "stern-plane-jam", "--headless", "--speed", "max", "--record", "j.trainer")

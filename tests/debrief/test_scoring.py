@@ -1,7 +1,5 @@
 """Scoring: what rules may say, what the measures make of numbers, and exercises of one's own."""
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 from helpers.givers import journalled
 from helpers.key_tables import TABLES
+from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
 
 from trainer.boat.assemble import Method
@@ -424,15 +423,8 @@ def test_every_shipped_exercise_is_scored_within_its_length(name: str) -> None:
 # Exercises of one's own
 
 
-def ran(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+def ran(folder: Path, *words: str) -> Done:
+    return run_trainer(*words, cwd=folder, timeout=120)
 
 
 @pytest.mark.process

@@ -4,7 +4,6 @@ import contextlib
 import shutil
 import socket
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ import pytest
 from soak.session_process import Caller
 
 from helpers.installation import installed
+from helpers.nursery import start_trainer
 from helpers.places import environment
 from helpers.waiting import PATIENCE, await_begun
 from trainer.report.pdf import find_browser
@@ -88,14 +88,8 @@ def served(*words: str, frozen: bool = True) -> Iterator[Served]:
         line = [*words, "--verbose", "--listen", "none", "--socket", str(folder / "s.sock")]
         line += ["--web", f"127.0.0.1:{port}", *(["--frozen"] if frozen else [])]
         with (folder / "said").open("w") as said:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "trainer", "serve", *line],
-                env={**environment(), **own},
-                stdout=said,
-                stderr=said,
-                text=True,
-                cwd=folder,
-            )
+            own = {**environment(), **own}
+            process = start_trainer("serve", *line, env=own, cwd=folder, stdout=said, stderr=said)
         try:
             await_pages(process, port, folder / "said")
             session = Served(process, port, folder)

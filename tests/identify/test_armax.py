@@ -59,7 +59,7 @@ def test_standard_deviations_are_those_of_repeated_experiments() -> None:
     assert all(f.converged for f in fits)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_atlantic_song_is_found_as_exactly_as_the_report_says() -> None:
     # S1: means of the estimated deviations within 40 % of the printed ones or of those the
     # prototype found; K and T in the ranges of simulated records

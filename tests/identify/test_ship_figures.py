@@ -58,6 +58,7 @@ def test_no_number_of_a_shipped_ship_changes_without_its_fitted_column_being_dat
     assert published.provenance.digest == ship_digest(ship), f"go through configs/trials/{name}"
 
 
+@pytest.mark.slow
 def test_kvlcc2_is_fitted_to_one_record_and_its_turns_stand_where_they_are_bad() -> None:
     ship, published = ship_and_figures("kvlcc2")
     uses = {each.heading.title: {one.use for one in each.results} for each in published.trials}

@@ -246,6 +246,7 @@ def test_where_all_is_fixed_nothing_is_left_to_estimate(tmp_path: Path) -> None:
         run(identify, path)
 
 
+@pytest.mark.slow
 def test_predictions_over_several_steps_have_no_deviations_and_say_why(tmp_path: Path) -> None:
     path = trial(tmp_path)
     path.write_text(STUDY.replace("[armax]", "predict_from = 3\npredict_to = 3\n\n[armax]"))

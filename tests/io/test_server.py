@@ -409,6 +409,19 @@ def test_strangers_who_have_hung_up_or_guessed_wrong_give_way_before_the_oldest(
         assert not any(line.leaving for _, line in came[1:-2])
 
 
+def test_what_a_late_server_still_has_to_send_goes_out_before_the_end() -> None:
+    near, far = socket.socketpair()
+    connection = Connection(near, "late", threading.Event(), lambda: None)
+    connection.send("said before the end")
+    connection.close(0.0)
+
+    with far:
+        assert connection.finished(time.monotonic())
+        connection.dispose()
+        assert far.recv(100) == b"said before the end\r\n"
+    assert connection.dropped == 0
+
+
 def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
     wake = threading.Event()
     hub = Server(wake, introduction=0.2)

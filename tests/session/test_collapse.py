@@ -3,7 +3,6 @@
 import contextlib
 import math
 import sqlite3
-import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.nursery import Done, run_trainer
 from helpers.sessions import session_over
 
 from trainer.boat.assemble import Method
@@ -271,17 +271,9 @@ def test_a_boat_without_these_depths_goes_on_down_and_nothing_is_told() -> None:
 # As its user has it
 
 
-def trainer(folder: Path, *words: str, typed: str = "") -> "subprocess.CompletedProcess[str]":
+def trainer(folder: Path, *words: str, typed: str = "") -> Done:
     """Return what the command did."""
-    return subprocess.run(
-        [*TRAINER, *words],
-        cwd=folder,
-        input=typed,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    return run_trainer(*words, cwd=folder, typed=typed, timeout=120)
 
 
 @pytest.fixture(scope="module")

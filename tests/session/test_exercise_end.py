@@ -4,13 +4,13 @@ import contextlib
 import re
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.nursery import run_trainer, start_trainer
 from helpers.places import environment
 from helpers.waiting import await_that, once_it_can
 from soak.session_process import Caller, GoneError
@@ -51,13 +51,13 @@ class Served:
         own = {"XDG_STATE_HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
         self._out = folder / "out.txt"
         with self._out.open("w", encoding="utf-8") as out:
-            self.process = subprocess.Popen(
-                [sys.executable, "-X", "faulthandler", "-m", "trainer", *words, *socket],
+            self.process = start_trainer(
+                *words,
+                *socket,
                 env=environment(**own),
                 stderr=subprocess.PIPE,
                 stdout=out,
                 stdin=subprocess.DEVNULL,
-                text=True,
             )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -207,12 +207,11 @@ def test_a_frozen_session_waits_at_its_local_socket(
 ) -> None:
     home = str(tmp_path_factory.mktemp("xdg"))  # a short name: that of a socket has to be
     words = ["serve", "depth-changes", "--listen", "none", "--frozen"]
-    with subprocess.Popen(
-        [sys.executable, "-m", "trainer", *words],
+    with start_trainer(
+        *words,
         env=environment(XDG_STATE_HOME=str(tmp_path), XDG_RUNTIME_DIR=home),
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
-        text=True,
     ) as session:
         assert session.stderr
         line = next(line for line in session.stderr if "listening at" in line)
@@ -238,13 +237,12 @@ def test_a_frozen_session_waits_at_its_local_socket(
 def test_a_run_that_is_refused_leaves_no_recording(tmp_path: Path, wrong: tuple[str, ...]) -> None:
     kept = tmp_path / "kept.trainer"
     for record in (["--record", str(kept)], []):
-        done = subprocess.run(
-            [sys.executable, "-m", "trainer", "serve", *wrong, *record],
+        done = run_trainer(
+            "serve",
+            *wrong,
+            *record,
             env=environment(XDG_STATE_HOME=str(tmp_path)),
-            capture_output=True,
-            text=True,
             timeout=PATIENCE,
-            check=False,
         )
         assert done.returncode == 2, done.stderr
     assert not kept.exists()

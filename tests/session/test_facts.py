@@ -3,11 +3,11 @@
 import contextlib
 import re
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.nursery import run_trainer, start_trainer
 from helpers.places import ROOT
 from helpers.rewording import OTHER, Rewording
 from helpers.waiting import await_that
@@ -19,17 +19,13 @@ from trainer.io.orders import sentences
 
 pytestmark = pytest.mark.process
 
-TRAINER = [sys.executable, "-m", "trainer"]
-
 
 @pytest.fixture
 def port(tmp_path: Path) -> Iterator[Rewording]:
     """Return a session of BB2, and a port at which all that it says is in other words."""
     where = tmp_path / "s"
     words = ["serve", "--socket", str(where), "--listen", "none", "--no-record", "--speed", "20"]
-    with subprocess.Popen(
-        [*TRAINER, *words], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
-    ) as session:
+    with start_trainer(*words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as session:
         for line in session.stderr or ():
             if "listening" in line:
                 break
@@ -89,10 +85,8 @@ def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewordi
 def test_attach_leaves_properly_when_every_text_of_the_session_is_reworded(
     port: Rewording, words: str
 ) -> None:
-    attach = [*TRAINER, "attach", "--connect", f"tcp://127.0.0.1:{port.port}"]
-    done = subprocess.run(
-        attach, input=f"depth 80\n{words}", capture_output=True, text=True, timeout=60, check=False
-    )
+    attach = ["attach", "--connect", f"tcp://127.0.0.1:{port.port}"]
+    done = run_trainer(*attach, typed=f"depth 80\n{words}", timeout=60)
     assert done.returncode == 0, done.stderr
     assert re.search(OTHER, done.stdout)
 
@@ -101,21 +95,20 @@ def test_attach_tells_a_session_that_was_killed_from_one_that_ended(tmp_path: Pa
     where = tmp_path / "s"
     words = ["serve", "--socket", str(where), "--listen", "none", "--no-record"]
     with (
-        subprocess.Popen(
-            [*TRAINER, *words], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
-        ) as session,
+        start_trainer(*words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as session,
         contextlib.ExitStack() as stack,
     ):
         for line in session.stderr or ():
             if "listening" in line:
                 break
         attach = stack.enter_context(
-            subprocess.Popen(
-                [*TRAINER, "attach", "--connect", str(where)],
+            start_trainer(
+                "attach",
+                "--connect",
+                str(where),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
-                text=True,
             )
         )
         for line in attach.stdout or ():

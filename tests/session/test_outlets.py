@@ -22,6 +22,7 @@ from typing import Any
 import pynmea2
 import pytest
 from helpers.installation import installed
+from helpers.nursery import run_trainer
 from helpers.sessions import session_over
 from helpers.waiting import eventually
 
@@ -184,14 +185,7 @@ def stream(tmp_path_factory: pytest.TempPathFactory) -> Stream:
             *("--nmea", f"udp://127.0.0.1:{end.getsockname()[1]}"),
             *("--nmea-rate", "25", "--nmea-baud", "921600"),
         ]
-        done = subprocess.run(
-            [sys.executable, "-m", "trainer", "run", *arguments],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
+        done = run_trainer("run", *arguments, cwd=folder, timeout=120)
         assert done.returncode == 0, done.stderr
         end.sendto(b"", end.getsockname())  # an empty datagram, after all others, ends the reading
         drains["udp"].join(60.0)

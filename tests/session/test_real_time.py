@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.nursery import start_trainer
 from helpers.places import environment
 from helpers.waiting import PATIENCE, eventually
 
@@ -26,7 +27,6 @@ pytestmark = [
     pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here"),
 ]
 
-COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
 SOAK = float(os.environ.get("TRAINER_SOAK", "8"))  # [s]
 FUZZ = 100_000 if "TRAINER_SOAK" in os.environ else 20_000  # [lines]
 FLAT = 6_000  # [kB] that a process may grow by and call it flat: caches of what was said
@@ -146,14 +146,8 @@ Serve = Callable[..., Served]
 
 
 def trained(*words: str) -> "subprocess.Popen[str]":
-    return subprocess.Popen(
-        [*COMMAND, *words],
-        env=environment(),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    pipe = subprocess.PIPE
+    return start_trainer(*words, env=environment(), stdout=pipe, stderr=pipe)
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -21,6 +20,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.nursery import Done, run_trainer, start_trainer
 from helpers.places import ROOT
 from helpers.waiting import await_that
 
@@ -55,16 +55,9 @@ def private(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return private
 
 
-def trainer(*words: str, **more: Any) -> "subprocess.CompletedProcess[str]":
+def trainer(*words: str, **more: Any) -> Done:
     """Return the trainer's program, run to its end."""
-    return subprocess.run(
-        [sys.executable, "-m", "trainer", *words],
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-        **{"env": HERE, **more},
-    )
+    return run_trainer(*words, timeout=PATIENCE, **{"env": HERE, **more})
 
 
 def viewer() -> str:
@@ -74,7 +67,7 @@ def viewer() -> str:
     return str(Path(rerun_cli.__file__).parent / "rerun")
 
 
-def tool(*words: str, environment: dict[str, str]) -> "subprocess.CompletedProcess[str]":
+def tool(*words: str, environment: dict[str, str]) -> Done:
     """Return the viewer's program, run to its end."""
     return subprocess.run(
         [viewer(), *words],
@@ -345,12 +338,14 @@ def shown(private: dict[str, str], tmp_path: Path) -> Iterator[Callable[..., Any
 
 def sail(where: str, *words: str) -> "subprocess.Popen[str]":
     """Return a run that is shown at a viewer."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "trainer", *HEADLESS, "--rerun-at", where, *words],
+    return start_trainer(
+        *HEADLESS,
+        "--rerun-at",
+        where,
+        *words,
         env=HERE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
     )
 
 

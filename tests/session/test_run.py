@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.nursery import start_trainer
 from helpers.places import environment
 
 from trainer.cli.main import main
@@ -40,16 +41,9 @@ def start(tmp_path: Path) -> Iterator[Start]:
 
         def begin(*words: str, before: tuple[str, ...] = (), **more: str) -> object:
             pipe = subprocess.PIPE
-            process = subprocess.Popen(
-                [*before, *COMMAND, *words],
-                cwd=tmp_path,
-                env=environment(**more),
-                stdin=pipe,
-                stdout=pipe,
-                stderr=pipe,
-                text=True,
-                encoding="utf-8",
-                errors="surrogateescape",
+            own = environment(**more)
+            process = start_trainer(
+                *words, before=before, cwd=tmp_path, env=own, stdin=pipe, stdout=pipe, stderr=pipe
             )
             started.enter_context(process)
             started.callback(process.kill)

@@ -3,14 +3,13 @@
 import json
 import math
 import re
-import subprocess
-import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from helpers.crewed import Crewed, crewed
+from helpers.nursery import run_trainer
 from helpers.places import environment
 
 from trainer.boat.world.contacts import contacts_in
@@ -301,21 +300,12 @@ def test_a_recorded_run_is_replayed_and_debriefed(tmp_path: Path) -> None:
     """At 3.09 m/s each on crossing courses, the ferry 100 m further off: 71 m at the closest."""
     (tmp_path / "x.toml").write_text(CROSSED)
     (tmp_path / "o.txt").write_text("200 contact add late tug at 900 0 course 000 speed 3\n")
-    trainer = (sys.executable, "-m", "trainer")
     for words in (
         ("run", "./x.toml", *RUN, "--orders", "o.txt", "--record", "r.trainer"),
         ("replay", "r.trainer"),
         ("debrief", "r.trainer", "--html", "d.html", "--json"),
     ):
-        done = subprocess.run(
-            [*trainer, *words],
-            cwd=tmp_path,
-            env=environment(),
-            capture_output=True,
-            text=True,
-            timeout=300,
-            check=False,
-        )
+        done = run_trainer(*words, cwd=tmp_path, env=environment(), timeout=300)
         assert done.returncode == 0, (words, done.stdout, done.stderr)
     page = (tmp_path / "d.html").read_text(encoding="utf-8")
     assert "closest approach" in page

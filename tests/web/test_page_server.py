@@ -11,12 +11,12 @@ import signal
 import socket
 import ssl
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.nursery import start_trainer
 from helpers.pages import Served, free_port, served
 from helpers.places import environment
 from helpers.waiting import PATIENCE, await_that
@@ -780,16 +780,12 @@ def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
 @contextlib.contextmanager
 def program(
     folder: Path, *words: str, before: tuple[str, ...] = (), **own: str
-) -> Iterator[subprocess.Popen[str]]:
+) -> Iterator["subprocess.Popen[str]"]:
     """Run a command of the trainer while the block lasts, by another command ``before`` it."""
-    with subprocess.Popen(
-        [*before, sys.executable, "-m", "trainer", *words],
-        env={**environment(), "XDG_RUNTIME_DIR": str(folder), "BROWSER": "true", **own},
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=folder,
+    own = {**environment(), "XDG_RUNTIME_DIR": str(folder), "BROWSER": "true", **own}
+    pipe = subprocess.PIPE
+    with start_trainer(
+        *words, before=before, env=own, cwd=folder, stdout=pipe, stderr=pipe
     ) as process:
         try:
             yield process
@@ -797,7 +793,7 @@ def program(
             process.kill()
 
 
-def await_said(process: subprocess.Popen[str], words: str) -> str:
+def await_said(process: "subprocess.Popen[str]", words: str) -> str:
     """Return what a program says on stderr until these words."""
     lines = []
     for line in process.stderr or ():

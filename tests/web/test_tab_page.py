@@ -8,8 +8,6 @@ import os
 import re
 import shutil
 import sqlite3
-import subprocess
-import sys
 import time
 import zlib
 from collections.abc import Callable, Iterator
@@ -22,6 +20,7 @@ import pytest
 from helpers import node
 from helpers.firefox import firefox
 from helpers.givers import giver_at
+from helpers.nursery import run_trainer
 from helpers.places import ROOT
 from helpers.recorded import record
 from helpers.shell import typed
@@ -550,13 +549,7 @@ def test_what_is_wrong_is_one_line_and_code_2(tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.toml"
     wrong.write_text("[fluid]\nrho = -1\n")
     out = tmp_path / "boat.html"
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", "export-page", out, "--vessel", wrong],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ.copy(),
-    )
+    done = run_trainer("export-page", str(out), "--vessel", str(wrong), env=os.environ.copy())
 
     assert done.returncode == 2
     assert "wrong.toml" in done.stderr

@@ -186,7 +186,10 @@ class Connection:
 
     def finished(self, now: float) -> bool:
         """Return whether the socket can be closed; say goodbye to the client first."""
-        if self._gone or now >= self._leave_at:
+        if self._gone:
+            return True
+        if now >= self._leave_at:
+            self.serve(WRITE_EVENT)  # a server that had no processor may not have tried before
             return True
         if self._said or not self.leaving:
             return False

@@ -1,13 +1,12 @@
 """The current around a boat: its forms, the orders that change it, and what is refused."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.key_tables import TABLES
+from helpers.nursery import run_trainer
 from helpers.places import ROOT, environment
 
 from trainer.boat.boat import Boat
@@ -308,14 +307,7 @@ def test_a_wrong_current_ends_a_run_with_code_2(words: tuple[str, ...], tmp_path
     exercise.write_text(HEAD + "[current]\nset_deg = 90\n")
     sea.write_text("[sea]\nsea_state = 1\n[current]\nset_deg = 90\n")
     typed = [word.format(exercise, sea) for word in words]
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer", *typed, "--headless"],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    done = run_trainer(*typed, "--headless", env=environment(), timeout=120)
     assert done.returncode == 2
     *_, line = done.stderr.splitlines()  # before it perhaps that the core is being compiled
     assert "[current] has set_deg and lacks drift_kn" in line
