@@ -1,4 +1,4 @@
-"""The functional mock-up unit of a boat: FMI 2.0, co-simulation."""
+"""The functional mock-up unit of a boat: co-simulation by FMI 2.0 and 3.0."""
 
 import ctypes
 import math
@@ -15,13 +15,13 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from helpers.fmu import ERROR, OK, Instance, Unit, begun, unpack
+from helpers.fmu import ERROR, NO, NOTHING, OK, YES, Instance, Unit, begun, unpack
 from helpers.nursery import run_trainer
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
-from trainer.boat.export.fmu import fmu_bytes
+from trainer.boat.export.fmu import BINARY_FOLDERS, fmu_bytes
 from trainer.boat.export.header import record_members
 from trainer.boat.export.orders import order_rows
 from trainer.boat.helm import obey_order
@@ -73,11 +73,11 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of BB2's unit, packed and unpacked."""
+@pytest.fixture(scope="module", params=["2", "3"])
+def folder(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """Return the folder of BB2's unit by a version of FMI, packed and unpacked."""
     path = tmp_path_factory.mktemp("fmu")
-    done = CliRunner().invoke(cli, ["export-fmu", str(path / "bb2.fmu")])
+    done = CliRunner().invoke(cli, ["export-fmu", str(path / "bb2.fmu"), "--fmi", request.param])
     assert done.exit_code == 0, done.output
     unpack(path / "bb2.fmu", path)
     return path
@@ -136,6 +136,7 @@ def test_a_run_by_orders_is_the_trainers_to_the_last_bit(
         assert boat.tick() == flown.step() == OK
         assert flown.numbers() == boat.records.state.tobytes(), tick
 
+    assert flown.get("time") == flown.time == TICKS / 2.0
     shown = [flown.get(name) for name in MOTION_COLUMNS if name != "t"]
     assert shown == boat.numbers(tuple(name for name in MOTION_COLUMNS if name != "t"))
     readings = instrument_readings(boat)
@@ -270,10 +271,10 @@ def limit_faults(boat: Instance) -> list[str]:
         if place.causality != "input" or place.kind == "Boolean" or "casualty" in name:
             continue
         low, high = (
-            int(end) if place.kind == "Integer" else float(end)
+            int(end) if place.kind.startswith("Int") else float(end)
             for end in (place.facts["min"], place.facts["max"])
         )
-        beyond = 1 if place.kind == "Integer" else 1e-4
+        beyond = 1 if place.kind.startswith("Int") else 1e-4
         answers = [boat.set(name, x) for x in (low, high, low - beyond, high + beyond)]
         if answers != [OK, OK, ERROR, ERROR]:
             faults.append(f"{name} {answers}")
@@ -287,16 +288,10 @@ def test_each_input_takes_its_limits_and_nothing_beyond_them(unit: Unit) -> None
     assert "must be 0 to 250 m" in next(told for told in boat.told if "ordered_depth" in told)
 
 
-def double(number: float) -> ctypes.c_double:
-    """Return a double."""
-    return ctypes.c_double(number)
-
-
 FAULTS: list[tuple[Callable[[Instance], Any], str]] = [
     (lambda b: b.set("ordered_depth", math.nan), "ordered_depth (12) = nan: must be 0 to 250 m"),
     (lambda b: b.set("ordered_r", 31.0), "ordered_r (3) = 31: must be -30 to 30 deg"),
     (lambda b: b.set("blow_mid", 3), "= 3: must be 0 to 2"),
-    (lambda b: b.set("rudder_by_hand", 2), "= 2: must be 0 to 1"),
     (lambda b: b.set("casualty_stern_hard_over", -1.5), "= -1.5: must be -1 to 1"),
     (lambda b: b.set("z", 10.0), ") = 10: can only be read"),
     (lambda b: b.set("seed", 3), "a parameter is set before initialization ends"),
@@ -304,31 +299,38 @@ FAULTS: list[tuple[Callable[[Instance], Any], str]] = [
     (lambda b: b.step(size=0.0), "step of 0 s"),
     (lambda b: b.step(size=math.nan), "step of nan s"),
     (lambda b: b.step(size=math.inf), "step of inf s"),
-    (lambda b: b.call("DoStep", double(7.0), double(0.5), 1), "from 7 s: the last step ended at 5"),
-    (lambda b: b.call("EnterInitializationMode"), "not in this phase"),
+    (lambda b: b.sail(7.0, 0.5), "from 7 s: the last step ended at 5"),
+    (lambda b: b.set("time", 3.0), ") = 3: can only be read"),
+    (lambda b: b.call("ExitInitializationMode"), "not in this phase"),
     (lambda b: b.restore(b.serialised()[:-8]), "no state of this model"),
     (lambda b: b.restore(b"x" + b.serialised()[1:]), "no state of this model"),
-    (lambda b: b.call("CancelStep"), "fmi2CancelStep: none"),
-    (lambda b: bad_reference(b, "SetReal", 9999), "no Real (9999) = 1: no such value reference"),
-    (lambda b: bad_reference(b, "SetReal", 3, 9999), "no Real (9999)"),
-    (lambda b: bad_reference(b, "GetReal", 9999), "no Real has value reference 9999"),
-    (lambda b: bad_reference(b, "SetReal", 0), "no Real (0)"),  # which is an Integer
+    (lambda b: b.call("GetString"), "GetString: none"),
+    (lambda b: bad_reference(b, "Set", 9999), "no REAL (9999) = 1: no such value reference"),
+    (lambda b: bad_reference(b, "Set", 3, 9999), "no REAL (9999)"),
+    (lambda b: bad_reference(b, "Get", 9999), "no REAL has value reference 9999"),
+    (lambda b: bad_reference(b, "Set", 0), "no REAL (0)"),  # which is an Integer
 ]
 
 
-def bad_reference(boat: Instance, name: str, *references: int) -> int:
-    """Call a function on value references, of which the last is none."""
+BOOLEAN_FAULT = (lambda b: b.set("rudder_by_hand", 2), "= 2: must be 0 to 1")  # a bool in FMI 3.0
+
+
+def bad_reference(boat: Instance, verb: str, *references: int) -> int:
+    """Set or get real numbers by value references, of which the last is none."""
     places = (ctypes.c_uint * len(references))(*references)
     numbers = (ctypes.c_double * len(references))(*[1.0] * len(references))
-    return boat.call(name, places, ctypes.c_size_t(len(references)), numbers)
+    count = ctypes.c_size_t(len(references))
+    there = (places, count, numbers, count)
+    return boat.call(f"{verb}{boat.unit.real}", *there[: boat.unit.version + 1])
 
 
 def test_what_is_refused_is_told_and_leaves_the_boat_as_it_was(unit: Unit) -> None:
     boat = begun(unit)
     assert boat.step(10) == OK
     before, faults = boat.serialised(), []
-    for number, (fault, message) in enumerate(FAULTS):
-        if fault(boat) != ERROR or message not in boat.told[-1]:
+    known = [*FAULTS, BOOLEAN_FAULT] if unit.version == 2 else FAULTS
+    for number, (fault, message) in enumerate(known):
+        if fault(boat) != ERROR or message.replace("REAL", unit.real) not in boat.told[-1]:
             faults.append(f"{number} {message!r}: {boat.told[-1]!r}")
         if boat.serialised() != before:
             faults.append(f"{number} {message!r} changed the boat")
@@ -360,29 +362,58 @@ def test_a_unit_of_another_guid_is_no_instance(unit: Unit) -> None:
         Instance(unit)
 
 
+def test_what_fmi_3_has_beside_co_simulation_is_told_as_lacking(tmp_path: Path) -> None:
+    done = CliRunner().invoke(cli, ["export-fmu", str(tmp_path / "x.fmu"), "--fmi", "3"])
+    assert done.exit_code == 0, done.output
+    unit = unpack(tmp_path / "x.fmu", tmp_path)
+    boat = Instance(unit)
+    for interface in ("ModelExchange", "ScheduledExecution"):
+        assert not boat.make(interface)
+        assert "none; this unit is for co-simulation" in boat.told[-1]
+    events = unit.function("InstantiateCoSimulation")
+    asked = (YES, NO, NOTHING, ctypes.c_size_t(0), NOTHING, NOTHING, NOTHING)
+    assert not events(b"boat", unit.guid, b"", NO, NO, *asked)
+
+
+def test_both_versions_are_written_beside_each_other_and_sail_the_same_bits(
+    tmp_path: Path,
+) -> None:
+    done = CliRunner().invoke(cli, ["export-fmu", str(tmp_path / "x.fmu"), "--fmi", "both"])
+    assert done.exit_code == 0, done.output
+    names = ("x", "x-fmi3")
+    boats = [begun(unpack(tmp_path / f"{name}.fmu", tmp_path / name)) for name in names]
+    for boat in boats:
+        fly(boat, 300)
+
+    assert [boat.unit.version for boat in boats] == [2, 3]
+    assert boats[0].numbers() == boats[1].numbers()
+
+
 # The file
 
 
 def test_two_exports_have_the_same_bytes_and_what_is_inside_is_small_and_whole(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+    folder: Path, unit: Unit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CC", "cc -Wall -Werror")
-    path = folder / "bb2.fmu"
-    again = fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm")), load_sea("calm"))
+    path, version = folder / "bb2.fmu", unit.version
+    again = fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm")), load_sea("calm"), version)
+    binary = f"binaries/{BINARY_FOLDERS[version]}/trainer_bb2.so"
 
     assert again == path.read_bytes()
     assert len(again) < MAX_BYTES
     with zipfile.ZipFile(path) as archive:
         assert archive.namelist() == [
             "modelDescription.xml",
-            "binaries/linux64/trainer_bb2.so",
+            binary,
             "documentation/index.html",
             "documentation/licenses/license.txt",
         ]
         assert "ordered_depth" in archive.read("documentation/index.html").decode()
         assert b"Permission is hereby granted" in archive.read("documentation/licenses/license.txt")
-        assert b"libpython" not in archive.read("binaries/linux64/trainer_bb2.so")
-    other = fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm", seed=2)), load_sea("calm"))
+        assert b"libpython" not in archive.read(binary)
+    sailing = boat_at_start(replace(OPTIONS, sea="calm", seed=2))
+    other = fmu_bytes(sailing, load_sea("calm"), version)
     assert other != again
 
 

@@ -1,4 +1,4 @@
-"""A functional mock-up unit as a simulator has it, by ctypes: FMI 2.0 for co-simulation."""
+"""A functional mock-up unit as a simulator has it, by ctypes: co-simulation by FMI 2.0 or 3.0."""
 
 import ctypes
 import sys
@@ -11,12 +11,23 @@ from trainer.core.state import STATE
 
 OK, ERROR = 0, 3
 CO_SIMULATION = 1
-NUMBERS: Final[dict[str, Any]] = {
-    "Real": ctypes.c_double,
-    "Integer": ctypes.c_int,
-    "Boolean": ctypes.c_int,
+NUMBERS: Final[dict[int, dict[str, Any]]] = {  # of the two versions
+    2: {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int},
+    3: {"Float64": ctypes.c_double, "Int32": ctypes.c_int, "Boolean": ctypes.c_bool},
 }
+NAMES_OF_2: Final = {  # of functions, by their names in FMI 3.0
+    "GetFMUState": "GetFMUstate",
+    "SetFMUState": "SetFMUstate",
+    "FreeFMUState": "FreeFMUstate",
+    "SerializedFMUStateSize": "SerializedFMUstateSize",
+    "SerializeFMUState": "SerializeFMUstate",
+    "DeserializeFMUState": "DeSerializeFMUstate",
+}
+NO, YES, NOTHING = ctypes.c_bool(0), ctypes.c_bool(1), ctypes.c_void_p()
 GUID_BYTES = 40  # before the numbers of a serialised state
+LOGGER_OF_3 = ctypes.CFUNCTYPE(
+    None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p
+)
 LOGGER = ctypes.CFUNCTYPE(
     None,
     *(ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p),
@@ -56,16 +67,29 @@ class Unit:
     def __init__(self, folder: Path) -> None:
         """Read the description and load the library."""
         self.description = ET.parse(folder / "modelDescription.xml").getroot()  # noqa: S314
-        self.guid = self.description.attrib["guid"].encode()
+        self.version = int(self.description.attrib["fmiVersion"][0])
+        token = {2: "guid", 3: "instantiationToken"}[self.version]
+        self.guid = self.description.attrib[token].encode()
         self.variables = {}
-        for each in self.description.iter("ScalarVariable"):
+        described = self.description.find("ModelVariables")
+        assert described is not None
+        for each in described:
             reference, causality = int(each.attrib["valueReference"]), each.attrib["causality"]
-            self.variables[each.attrib["name"]] = Place(
-                reference, each[0].tag, causality, each[0].attrib
-            )
-        (self.path,) = folder.glob("binaries/linux64/*.so")
+            own = each[0] if self.version == 2 else each
+            self.variables[each.attrib["name"]] = Place(reference, own.tag, causality, own.attrib)
+        (self.path,) = folder.glob("binaries/*/*.so")
         self.library: Any = ctypes.CDLL(str(self.path))
-        self.library.fmi2Instantiate.restype = ctypes.c_void_p
+        self.numbers = NUMBERS[self.version]
+
+    @property
+    def real(self) -> str:
+        """Return what its version calls a real number."""
+        return next(iter(self.numbers))
+
+    def function(self, name: str) -> Any:
+        """Return a function of its library, by its name in FMI 3.0."""
+        name = NAMES_OF_2.get(name, name) if self.version == 2 else name
+        return getattr(self.library, f"fmi{self.version}{name}")
 
 
 def begun(unit: Unit, **start: float) -> "Instance":
@@ -81,64 +105,90 @@ class Instance:
     def __init__(self, unit: Unit) -> None:
         """Instantiate a boat."""
         self.unit, self.told, self.time = unit, [""], 0.0
-        self._host = Host(LOGGER(self._log))
-        made = unit.library.fmi2Instantiate(
-            b"boat", CO_SIMULATION, unit.guid, b"", ctypes.byref(self._host), 0, 0
-        )
+        made = self._made_by_2() if unit.version == 2 else self.make()
         assert made
         self.address = ctypes.c_void_p(made)
 
+    def _made_by_2(self) -> Any:
+        self._host = Host(LOGGER(self._log))
+        make = self.unit.function("Instantiate")
+        make.restype = ctypes.c_void_p
+        return make(b"boat", CO_SIMULATION, self.unit.guid, b"", ctypes.byref(self._host), 0, 0)
+
+    def make(self, interface: str = "CoSimulation") -> Any:
+        """Return a new instance of FMI 3.0 with that interface, None where it is refused."""
+        self._logger = LOGGER_OF_3(self._log)
+        make = self.unit.function(f"Instantiate{interface}")
+        make.restype = ctypes.c_void_p
+        asked = () if interface != "CoSimulation" else (NO, NO, NOTHING, ctypes.c_size_t(0))
+        given = (b"boat", self.unit.guid, b"", NO, NO, *asked, NOTHING, self._logger, NOTHING)
+        return make(*given)
+
     def _log(self, *given: Any) -> None:
-        assert given[4] == b"%s"
-        self.told.append(given[5].decode())
+        self.told.append(given[-1].decode())
 
     def begin(self, **start: float) -> None:
         """Go through the initialization with these values of variables."""
         self.time = 0.0
         zero = ctypes.c_double(0.0)
-        assert self.call("SetupExperiment", 0, zero, zero, 0, zero) == OK
-        assert self.call("EnterInitializationMode") == OK
+        times = (0, zero, zero, 0, zero)
+        if self.unit.version == 2:
+            assert self.call("SetupExperiment", *times) == OK
+        assert self.call("EnterInitializationMode", *times) == OK
         for name, value in start.items():
             assert self.set(name, value) == OK, self.told[-1]
         assert self.call("ExitInitializationMode") == OK
 
     def call(self, name: str, *given: Any) -> int:
         """Call a function of the unit; return its status."""
-        return int(getattr(self.unit.library, f"fmi2{name}")(self.address, *given))
+        return int(self.unit.function(name)(self.address, *given))
 
     def set(self, name: str, value: float) -> int:
         """Set a variable; return the status."""
         reference, kind, *_ = self.unit.variables[name]
-        number = NUMBERS[kind](value)
-        place = ctypes.c_uint(reference)
-        return self.call(
-            f"Set{kind}", ctypes.byref(place), ctypes.c_size_t(1), ctypes.byref(number)
-        )
+        number, place = self.unit.numbers[kind](value), ctypes.c_uint(reference)
+        count = ctypes.c_size_t(1)
+        there = (ctypes.byref(place), count, ctypes.byref(number), count)
+        return self.call(f"Set{kind}", *there[: self.unit.version + 1])
 
     def get(self, name: str) -> float:
         """Return a variable."""
         reference, kind, *_ = self.unit.variables[name]
-        number, place = NUMBERS[kind](), ctypes.c_uint(reference)
+        number, place = self.unit.numbers[kind](), ctypes.c_uint(reference)
         count = ctypes.c_size_t(1)
-        assert self.call(f"Get{kind}", ctypes.byref(place), count, ctypes.byref(number)) == OK
+        there = (ctypes.byref(place), count, ctypes.byref(number), count)
+        assert self.call(f"Get{kind}", *there[: self.unit.version + 1]) == OK
         return float(number.value)
 
     def step(self, ticks: int = 1, size: float = 0.5) -> int:
         """Make steps; return the status of the last."""
         status = OK
         for _ in range(ticks):
-            status = self.call("DoStep", ctypes.c_double(self.time), ctypes.c_double(size), 1)
+            status = self.sail(self.time, size)
             self.time += size if status == OK else 0.0
+        return status
+
+    def sail(self, now: float, size: float) -> int:
+        """Make one step from a moment [s]; return its status."""
+        moment, length = ctypes.c_double(now), ctypes.c_double(size)
+        if self.unit.version == 2:
+            return self.call("DoStep", moment, length, 1)
+        flags, reached = (ctypes.c_bool * 3)(1, 1, 1), ctypes.c_double()
+        told = (*(ctypes.byref(flags, i) for i in range(3)), ctypes.byref(reached))
+        status = self.call("DoStep", moment, length, YES, *told)
+        if status == OK:
+            assert not any(flags)
+            assert reached.value == now + size
         return status
 
     def serialised(self) -> bytes:
         """Return the state as bytes."""
         kept, size = ctypes.c_void_p(), ctypes.c_size_t()
-        assert self.call("GetFMUstate", ctypes.byref(kept)) == OK
-        assert self.call("SerializedFMUstateSize", kept, ctypes.byref(size)) == OK
+        assert self.call("GetFMUState", ctypes.byref(kept)) == OK
+        assert self.call("SerializedFMUStateSize", kept, ctypes.byref(size)) == OK
         block = ctypes.create_string_buffer(size.value)
-        assert self.call("SerializeFMUstate", kept, block, size) == OK
-        assert self.call("FreeFMUstate", ctypes.byref(kept)) == OK
+        assert self.call("SerializeFMUState", kept, block, size) == OK
+        assert self.call("FreeFMUState", ctypes.byref(kept)) == OK
         assert kept.value is None
         return block.raw
 
@@ -150,15 +200,15 @@ class Instance:
         """Go to a serialised state; return the status."""
         kept = ctypes.c_void_p()
         size = ctypes.c_size_t(len(data))
-        status = self.call("DeSerializeFMUstate", data, size, ctypes.byref(kept))
+        status = self.call("DeserializeFMUState", data, size, ctypes.byref(kept))
         if status == OK:
-            assert self.call("SetFMUstate", kept) == OK
-            assert self.call("FreeFMUstate", ctypes.byref(kept)) == OK
+            assert self.call("SetFMUState", kept) == OK
+            assert self.call("FreeFMUState", ctypes.byref(kept)) == OK
         return status
 
     def free(self) -> None:
         """Free the boat."""
-        self.unit.library.fmi2FreeInstance(self.address)
+        self.unit.function("FreeInstance")(self.address)
 
 
 def main() -> None:

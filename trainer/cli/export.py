@@ -109,13 +109,20 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
 @click.command(name="export-fmu")
 @click.argument("file", type=FMU_OUTPUT)
+@click.option(
+    "--fmi",
+    type=click.Choice(["2", "3", "both"]),
+    default="2",
+    help="The version of the standard; both: the unit of 3.0 beside the other, as NAME-fmi3.fmu.",
+)
 @boat_options
-def export_fmu(file: Path, **options: Any) -> None:
-    """Write a boat as a functional mock-up unit (FMI 2.0), for other simulators.
+def export_fmu(file: Path, *, fmi: str, **options: Any) -> None:
+    """Write a boat as a functional mock-up unit (FMI), for other simulators.
 
     \b
     Example:  trainer boat export-fmu bb2.fmu --vessel bb2
               trainer boat export-fmu bb2.fmu --sea sea-state-4 --seed 7
+              trainer boat export-fmu bb2.fmu --fmi 3
 
     It is for co-simulation, for Linux on x86-64, with no Python inside. The bits are the trainer's.
     The simulator may choose another sea state, its direction and the seed. It needs a C compiler.
@@ -126,9 +133,12 @@ def export_fmu(file: Path, **options: Any) -> None:
     chosen = run_options(options)
     sea = boat_at_start(chosen).sea  # a sea that this step and boat can have
     boat = boat_at_start(replace(chosen, sea="calm"))
-    whole = fmu_bytes(boat, sea)
-    write_over(file, whole)
-    click.echo(f"{boat.file.name}: {file}, {len(whole):,} bytes")
+    beside = file.with_name(f"{file.stem}-fmi3{file.suffix}")
+    versions = {"2": {file: 2}, "3": {file: 3}, "both": {file: 2, beside: 3}}
+    units = {path: fmu_bytes(boat, sea, version) for path, version in versions[fmi].items()}
+    for path, whole in units.items():
+        write_over(path, whole)
+        click.echo(f"{boat.file.name}: {path}, {len(whole):,} bytes")
 
 
 @click.command(name="export-page")

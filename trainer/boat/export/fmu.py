@@ -1,7 +1,8 @@
-"""A boat as a functional mock-up unit: co-simulation by FMI 2.0, without Python inside.
+"""A boat as a functional mock-up unit: co-simulation by FMI 2.0 or 3.0, without Python inside.
 
 ``trainer boat export-fmu`` calls it. The variables follow from the tables of state, orders and
-casualties. A C compiler links ``fmi2.c``, the boat's numbers and the object that the trainer ships.
+casualties. A C compiler links ``unit.c`` with the face of a version (``fmi2.c``, ``fmi3.c``), the
+boat's numbers and the object that the trainer ships.
 """
 
 import hashlib
@@ -48,14 +49,16 @@ MOTION_UNITS: Final = re.compile(r"^# (.*)\nMOTION", re.MULTILINE)  # a comment 
 STATED_UNIT: Final = re.compile(r"\[(.*?)\] ?")  # as comments there begin
 COMPILER_OPTIONS: Final = (
     *("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-s", "-o", "boat.so"),
-    *("fmi2.c", "core.o", "-lm", "-Wl,-z,defs", "-Wl,--build-id=none", "-Wl,--version-script=map"),
+    *("face.c", "core.o", "-lm", "-Wl,-z,defs", "-Wl,--build-id=none", "-Wl,--version-script=map"),
 )
-SHOWN_NAMES: Final = "{ global: fmi2*; local: *; };\n"
+SHOWN_NAMES: Final = "{{ global: {face}*; local: *; }};\n"
+BINARY_FOLDERS: Final = {2: "linux64", 3: "x86_64-linux"}  # by the version of FMI
+TYPE_NAMES: Final = {"Real": "Float64", "Integer": "Int32"}  # of FMI 3.0
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of the model; ``fmi2.c`` has the types and rules."""
+    """One variable of the model; ``unit.c`` has the types and rules."""
 
     name: str
     meaning: str
@@ -174,6 +177,8 @@ def variables_of(boat: Boat, sea: SeaFile) -> list[Variable]:
         replace(degree, high=len(SEA_STATE_HEIGHT) - 1, start=-1.0),
         replace(way, causality="parameter", high=360.0, start=sea.sea.direction_deg),
     ]
+    time = replace(way, name="time", meaning="of the simulator", place=0, causality="independent")
+    time = replace(time, rule="TIME", unit="s")
     settable = [replace(each, rule="PARAMETER") for each in parameters]
     settable += [*order_inputs(boat, names), *casualty_inputs(boat)]
     gauges = [
@@ -181,7 +186,8 @@ def variables_of(boat: Boat, sea: SeaFile) -> list[Variable]:
         for i, (name, (unit, x)) in enumerate(casualties.GAUGE_UNITS.items())
     ]
     taken = {each.name for each in settable}
-    return [*settable, *gauges, *(v for v in state_outputs(names) if v.name not in taken)]
+    states = (each for each in state_outputs(names) if each.name not in taken)
+    return [*settable, *gauges, *states, time]
 
 
 def c_array(kind: str, name: str, values: Iterable[object]) -> str:
@@ -215,7 +221,13 @@ def model_text(boat: Boat, sea: SeaFile, variables: list[Variable]) -> str:
     return text + c_array("struct variable", "VARIABLES", (each.row for each in variables))
 
 
-def link_binary(model: str, code: bytes) -> bytes:
+def face_sources(version: int) -> dict[str, bytes]:
+    """Return the C sources of a version of FMI."""
+    names = {"face.c": f"fmi{version}.c", "unit.c": "unit.c"}
+    return {name: (SOURCE_FOLDER / source).read_bytes() for name, source in names.items()}
+
+
+def link_binary(model: str, code: bytes, version: int) -> bytes:
     """Return the library of a model; ConfigError with the next step where none is made."""
     words = [*shlex.split(os.environ.get("CC") or "cc"), *COMPILER_OPTIONS]
     if not shutil.which(words[0]):
@@ -223,10 +235,10 @@ def link_binary(model: str, code: bytes) -> bytes:
             f"export-fmu: there is no C compiler {words[0]!r} here: install one (Debian and "
             "Ubuntu: apt install gcc), or name another by CC"
         )
-    source = (SOURCE_FOLDER / "fmi2.c").read_bytes()
-    files = {"model.h": model.encode(), "map": SHOWN_NAMES.encode(), "core.o": code}
+    shown = SHOWN_NAMES.format(face=f"fmi{version}").encode()
+    files = {"model.h": model.encode(), "map": shown, "core.o": code}
     with tempfile.TemporaryDirectory() as folder:
-        for name, data in {**files, "fmi2.c": source}.items():
+        for name, data in (files | face_sources(version)).items():
             Path(folder, name).write_bytes(data)
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603
         if done.returncode == 0:
@@ -235,8 +247,8 @@ def link_binary(model: str, code: bytes) -> bytes:
     raise ConfigError(f"export-fmu: {said}; CC names a compiler for {PLATFORM_NAME}")
 
 
-def fmu_bytes(boat: Boat, sea: SeaFile) -> bytes:
-    """Return the unit of a boat at its start in a calm, for ``sea``.
+def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
+    """Return the unit of a boat at its start in a calm, for ``sea``, by FMI 2.0 or 3.0.
 
     ConfigError with the next step where it cannot be made.
     """
@@ -250,17 +262,20 @@ def fmu_bytes(boat: Boat, sea: SeaFile) -> bytes:
         )
     variables = variables_of(boat, sea)
     model = model_text(boat, sea, variables)
-    digest = hashlib.sha256(model.encode() + (SOURCE_FOLDER / "fmi2.c").read_bytes() + code)
+    sources = b"".join(face_sources(version).values())
+    digest = hashlib.sha256(model.encode() + sources + code)
     guid = f"{{{uuid.UUID(bytes=digest.digest()[:16])}}}"
     identifier = re.sub(r"\W", "_", f"trainer_{boat.file.path.stem}", flags=re.ASCII)
     facts = {"boat": boat, "guid": guid, "identifier": identifier, "variables": variables}
     facts |= {"version": __version__, "degree": DEGREES.factor, "knot": KNOTS.factor}
+    facts |= {"type_names": TYPE_NAMES}
     folder = jinja2.FileSystemLoader(SOURCE_FOLDER)
     pages = jinja2.Environment(loader=folder, autoescape=True, trim_blocks=True)
     licence = metadata.distribution("submarine-trainer").read_text("licenses/LICENSE")
+    binary = link_binary(f'#define GUID "{guid}"\n{model}', code, version)
     files: dict[str, str | bytes] = {
-        "modelDescription.xml": pages.get_template("fmu.xml").render(facts),
-        f"binaries/linux64/{identifier}.so": link_binary(f'#define GUID "{guid}"\n{model}', code),
+        "modelDescription.xml": pages.get_template(f"fmi{version}.xml").render(facts),
+        f"binaries/{BINARY_FOLDERS[version]}/{identifier}.so": binary,
         "documentation/index.html": pages.get_template("fmu.html").render(facts),
         "documentation/licenses/license.txt": licence or "MIT\n",
     }
