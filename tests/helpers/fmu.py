@@ -173,7 +173,7 @@ class Instance:
         moment, length = ctypes.c_double(now), ctypes.c_double(size)
         if self.unit.version == 2:
             return self.call("DoStep", moment, length, 1)
-        flags, reached = (ctypes.c_bool * 3)(1, 1, 1), ctypes.c_double()
+        flags, reached = (ctypes.c_bool * 3)(YES, YES, YES), ctypes.c_double()
         told = (*(ctypes.byref(flags, i) for i in range(3)), ctypes.byref(reached))
         status = self.call("DoStep", moment, length, YES, *told)
         if status == OK:
