@@ -42,6 +42,13 @@ CUT = """() => [...document.querySelectorAll("main *")].filter((each) => {
     || (style.overflowX === "visible" ? false : each.scrollWidth > each.clientWidth + 1);
 }).map((each) => each.outerHTML.slice(0, 80))"""
 
+OVERLAID = """() => {
+  const box = (place) => document.querySelector(place).getBoundingClientRect();
+  const [task, panel] = [".task", ".instruments"].map(box);
+  const beside = task.right <= panel.left || task.left >= panel.right;
+  return !beside && task.bottom > panel.top && task.top < panel.bottom;
+}"""
+
 
 @dataclass
 class Kiosk:
@@ -340,6 +347,7 @@ def test_nothing_is_cut_at_any_size(kiosk: Kiosk, look: Look, size: str, languag
     scene(page, "dive")
     expect(page.locator("#task")).not_to_be_empty()
     see_whole(page, size, CUT)
+    assert not page.evaluate(OVERLAID)
     kiosk.order("end exercise")
     scene(page, "result")
     see_whole(page, size, CUT)
