@@ -7,10 +7,9 @@ time after the failure, so that boats and equations can be compared.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Protocol, runtime_checkable
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
-from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     STARBOARD,
@@ -49,6 +48,14 @@ def readings(flight: Flight, begin: float, columns: dict[str, str]) -> list[Meas
     return measures
 
 
+@runtime_checkable
+class LoadableVehicle(Protocol):
+    """A vehicle that weight can be put on."""
+
+    def load(self, share: float) -> None:
+        """Take on a ``share`` [-] of its weight, or lose it where that is negative."""
+
+
 @dataclass(frozen=True)
 class OutOfBalance(Manoeuvre):
     """Weight lost or taken on, the depth kept or not. It shows floods, blows and suction."""
@@ -66,7 +73,7 @@ class OutOfBalance(Manoeuvre):
             conn.vehicle.keep(quantity)
         yield from conn.hold(LEAD_TIME_S)
         speed = conn.value("u")
-        if isinstance(conn.vehicle, Submarine):  # a Nomoto ship has no weight
+        if isinstance(conn.vehicle, LoadableVehicle):  # a Nomoto ship has no weight
             conn.vehicle.load(self.share)
         conn.mark("weight")
         yield from conn.hold(self.run_lengths * conn.vehicle.length / speed)

@@ -126,6 +126,11 @@ def adjust_manoeuvre(name: str, vehicle: Vehicle, given: Mapping[str, float | st
     return manoeuvre
 
 
+def parameter_option(parameter: str, value: object = "") -> str:
+    """Return how a parameter is given on the command line. A direction has its own words."""
+    return f"--{value}" if parameter == "direction" else f"--{parameter.replace('_', '-')}"
+
+
 def _no_parameter(name: str, parameter: str, value: object) -> str:
     """Return the parameters that a manoeuvre has, and which manoeuvres have the one asked for."""
     manoeuvre = find_manoeuvre(name)
@@ -134,7 +139,7 @@ def _no_parameter(name: str, parameter: str, value: object) -> str:
     has = [words.get(key, key.replace("_", "-")) for key in keys]
     field = PARAMETERS[parameter]
     others = ", ".join(other for other, one in MANOEUVRES.items() if hasattr(one, field))
-    option_text = f"--{value if parameter == 'direction' else parameter.replace('_', '-')}"
+    option_text = parameter_option(parameter, value)
     return (
         f"{option_text}: {name} has no such parameter; it has {', '.join(has) or 'none'}. "
         f"{option_text} is for {others}"
@@ -144,14 +149,15 @@ def _no_parameter(name: str, parameter: str, value: object) -> str:
 def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, float | str]) -> None:
     """Check that the vehicle can fly these parameters; ConfigError if it cannot."""
     first = manoeuvre.needs[:1]
-    for parameter, control in (*(("angle", control) for control in first), ("planes", "planes")):
-        if parameter in given and control in vehicle.controls:
-            most = round(math.degrees(surface_limit(vehicle, control)), 9)
-            if float(given[parameter]) > most:
-                raise ConfigError(
-                    f"--{parameter} {given[parameter]:g}: the {control} of {vehicle.name} goes "
-                    f"to {most:g} degrees"
-                )
+    for parameter, controls in (("angle", first), ("planes", ("planes",))):
+        for control in controls:
+            if parameter in given and control in vehicle.controls:
+                most = round(math.degrees(surface_limit(vehicle, control)), 9)
+                if float(given[parameter]) > most:
+                    raise ConfigError(
+                        f"--{parameter} {given[parameter]:g}: the {control} of {vehicle.name} goes "
+                        f"to {most:g} degrees"
+                    )
     if "ahead_speed" in given and "engine" in vehicle.controls:
         most = vehicle.controls["engine"].high / KNOT
         if float(given["ahead_speed"]) > most + SPEED_ROUNDING_KN:

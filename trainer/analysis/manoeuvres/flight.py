@@ -17,13 +17,13 @@ from typing import ClassVar, Final, NamedTuple
 
 import numpy as np
 
-from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.vehicle import (
     DIRECTION_SIGNS,
     DIVE,
     PORT,
     RISE,
     STARBOARD,
+    FastVehicle,
     LostError,
     Measure,
     Side,
@@ -38,7 +38,11 @@ from trainer.core.kernel import Numbers
 CycleGenerator = Generator[None, None, None]
 TIME_ROUNDING_S = 1e-9  # [s] rounding of a sum of steps
 MAX_FLIGHT_CYCLES = 2_000_000  # [cycles] of a flight
-MIRRORED_COLUMNS: Final = ("v", "p", "r", "y", "phi", "psi", "delta_r")  # that a mirror turns over
+# fmt: off
+MIRRORED_COLUMNS: Final = (
+    "v", "p", "r", "y", "phi", "psi", "delta_r",
+)  # columns that a mirror turns over
+# fmt: on
 FIELD_CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 
@@ -156,7 +160,7 @@ class Conn:
     def _pass(self, end: float, watch: Watch | None) -> CycleGenerator:
         """Let time pass to ``end`` [s], or until the watched quantity passes."""
         # many cycles in one call, in machine code, where the vehicle can: the same numbers, sooner
-        if isinstance(self.vehicle, Submarine) and self.vehicle.swift:
+        if isinstance(self.vehicle, FastVehicle) and self.vehicle.swift:
             self._close()
             rows = self.vehicle.sail(end, watch)
             if len(rows):

@@ -7,7 +7,6 @@ is a record, from which page and ``--json`` are both made.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -128,8 +127,11 @@ def render(report: ManoeuvreReport) -> str:
         "",
         *table(("measure", "", "unit"), rows),
     ]
-    lines += ["", *chain(*map(wrap, report.notices))] if report.notices else []
-    lines += ["", *wrap(f"LOST: {report.lost}")] if report.lost else []
+    if report.notices:
+        lines.append("")
+        lines += [line for words in report.notices for line in wrap(words)]
+    if report.lost:
+        lines += ["", *wrap(f"LOST: {report.lost}")]
     return "\n".join(lines)
 
 
@@ -171,9 +173,11 @@ def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
             drawn.append(Panel("steady turns", "delta_r [deg]", "r [deg/s]", curves))
         elif flight.has(name):
             factor, of = page_unit(name)
-            curves = (Curve(name, flight.t, factor * flight.column(name)),)
-            label, lower = f"{name} [{of}]", name in DEPTH_COLUMNS
-            drawn.append(Panel(name, "time [s]", label, curves, marks, downwards=lower))
+            curve = Curve(name, flight.t, factor * flight.column(name))
+            lower = name in DEPTH_COLUMNS
+            drawn.append(
+                Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks, downwards=lower)
+            )
     return tuple(drawn)
 
 

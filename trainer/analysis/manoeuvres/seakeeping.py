@@ -9,12 +9,11 @@ of wave.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Protocol, runtime_checkable
 
 import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
-from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.core.kernel import Numbers
 
@@ -55,6 +54,17 @@ def fast_part(values: Numbers, count: int) -> Numbers:
     return np.asarray(values[begin : begin + means.size] - means)
 
 
+@runtime_checkable
+class SeagoingVehicle(Protocol):
+    """A vehicle that waves move."""
+
+    def meet_sea(self, height: float, period: float) -> None:
+        """Let waves run to starboard, unless the vehicle is in a sea of its own.
+
+        ``height`` [m] is their significant height, ``period`` [s] that of their peak.
+        """
+
+
 @dataclass(frozen=True)
 class BeamSea(Manoeuvre):
     """Waves from port, depth and course kept: how much the boat moves with them."""
@@ -68,7 +78,7 @@ class BeamSea(Manoeuvre):
         period = peak_period(length)
         for quantity in ("depth", "course"):
             conn.vehicle.keep(quantity)
-        if isinstance(conn.vehicle, Submarine):  # a Nomoto ship feels no sea
+        if isinstance(conn.vehicle, SeagoingVehicle):  # a Nomoto ship feels no sea
             conn.vehicle.meet_sea(WAVE_STEEPNESS * 2.0 * math.pi / wave_number(length), period)
         yield from conn.hold(SETTLING_PERIODS * period)
         conn.mark("measured")

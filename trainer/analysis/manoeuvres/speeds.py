@@ -50,8 +50,11 @@ class Acceleration(Manoeuvre):
         """Yield the cycles of the steps up and down."""
         conn.vehicle.keep("depth")
         most = ahead_speed(conn, self.ahead_kn)
-        step = min(ENGINE_STEP_M_S, most / MIN_ENGINE_STEPS)
-        step = step if self.step_kn is None else self.step_kn * KNOT
+        step = (
+            min(ENGINE_STEP_M_S, most / MIN_ENGINE_STEPS)
+            if self.step_kn is None
+            else self.step_kn * KNOT
+        )
         # equal steps: the last order is then exactly the speed asked for
         steps = math.ceil(most / step - STEP_ROUNDING)
         for i in [*range(1, steps + 1), *range(steps - 1, -1, -1)]:
@@ -97,13 +100,15 @@ class UtmostAcceleration(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return speeds on the way, and how far the depth went."""
         top = float(flight.column("u").max())
+        times = [part * self.duration_s for part in READING_SHARES]
         measures = [
             part_measure(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top)
-            for time in (part * self.duration_s for part in READING_SHARES)
+            for time in times
         ]
         if flight.has("z"):
-            most = largest_value(flight.change("z"))
-            measures.append(show_only("largest depth change", "m", most))
+            measures.append(
+                show_only("largest depth change", "m", largest_value(flight.change("z")))
+            )
         return measures
 
 
@@ -128,14 +133,14 @@ class CrashStop(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return time, head reach, side reach and change of heading."""
         stopped = first_time(flight.t, flight.column("u"), 0.0)
-        ahead, aside = (
-            None if stopped is None else flight.at(stopped, name) for name in ("x", "y")
-        )
-        lengths = None if ahead is None else ahead / flight.length
+        ahead = None if stopped is None else flight.at(stopped, "x")
+        aside = None if stopped is None else flight.at(stopped, "y")
         return [
             share_measure("time to stop", "s", stopped),
             share_measure("head reach", "m", ahead),
-            share_measure("head reach, in lengths", "-", lengths),
+            share_measure(
+                "head reach, in lengths", "-", None if ahead is None else ahead / flight.length
+            ),
             show_only("side reach", "m", aside),
             show_only("change of heading", "rad", float(flight.change("psi")[-1])),
         ]

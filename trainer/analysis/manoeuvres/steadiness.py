@@ -53,14 +53,16 @@ def settle_turn(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
     run, rates, runs = 0.0, [swirl(conn)], [0.0]
     while run < MAX_PART_LENGTHS:
         yield
-        speed = math.hypot(conn.value("u"), conn.value("v"))
-        run += speed * conn.vehicle.step / conn.vehicle.length
+        run += (
+            math.hypot(conn.value("u"), conn.value("v")) * conn.vehicle.step / conn.vehicle.length
+        )
         rates.append(swirl(conn))
         runs.append(run)
         seen[0] = max(seen[0], abs(rates[-1]))
         recent = rates[int(np.searchsorted(runs, run - LOOK_BACK_LENGTHS)) :]
-        room = STEADY_RATE_CHANGE * max(seen[0], MIN_SWIRL)
-        if run > MIN_PART_LENGTHS and max(recent) - min(recent) <= room:
+        if run > MIN_PART_LENGTHS and max(recent) - min(recent) <= STEADY_RATE_CHANGE * max(
+            seen[0], MIN_SWIRL
+        ):
             return True
     return False
 
@@ -179,8 +181,9 @@ class ReverseSpiral(Manoeuvre):
             order = integral + HELM_GAIN * error
             if low < order < high:
                 speed = math.hypot(conn.value("u"), conn.value("v"))
-                more = HELM_INTEGRAL_GAIN * error * speed
-                integral += more * conn.vehicle.step / conn.vehicle.length
+                integral += (
+                    HELM_INTEGRAL_GAIN * error * speed * conn.vehicle.step / conn.vehicle.length
+                )
             conn.order("rudder", min(max(order, low), high))
             yield
 
@@ -189,11 +192,14 @@ class ReverseSpiral(Manoeuvre):
         flight = flight.counted_to(self.side)
         if not flight.has("delta_r") or not flight.marks:
             return []
-        first, whole = flight.at(flight.marks[0].t, "delta_r"), math.radians(self.angle_deg)
-        rudder = math.copysign(1.0, first or 0.0) * flight.change("delta_r")
         measures = []
+        rudder = math.copysign(1.0, flight.at(flight.marks[0].t, "delta_r") or 0.0) * flight.change(
+            "delta_r"
+        )
         for mark in flight.marks[1:]:
             measures.append(show_only(f"yaw rate at {mark.name}", "rad/s", flight.at(mark.t, "r")))
             angle = float(np.interp(mark.t, flight.t, rudder))
-            measures.append(part_measure(f"rudder at {mark.name}", "rad", angle, whole))
+            measures.append(
+                part_measure(f"rudder at {mark.name}", "rad", angle, math.radians(self.angle_deg))
+            )
         return measures

@@ -62,7 +62,9 @@ class Rig:
     controls: str = "own"  # "own" rates, lags and dead time, or at "once", as CONTR has them
     trim: str = "own"  # neutral angles: the "own" equations' or those of the "full" set
     law: str = "trainer"  # of depth keeping, a name of DEPTH_LAWS; without gains the report's
-    depth: float | None = None  # [m] to begin at; None: DEEP_WATER_M, where the hull holds, no sea
+    depth: float | None = (
+        None  # [m] to begin at; None: DEEP_WATER_M, where the hull holds and no sea is
+    )
     sea: str = CALM_SEA  # name or path, in force from the start
     seed: int = 1  # of the sea
     engine: str = "held"  # revolutions "held" whatever they take, or "limited" as the engine's are
@@ -139,8 +141,9 @@ class Submarine:
         if rig.trim == "full":
             self.boat.model = Boat(file, Method("full", "exact", "exact", "adams2", method.step))
         self._at_once = rig.controls == "once"
-        law = DEPTH_LAWS[rig.law]
-        self._law = law if self.boat.automatic else max(law, REPORT_LAW)
+        self._law = (
+            DEPTH_LAWS[rig.law] if self.boat.automatic else max(DEPTH_LAWS[rig.law], REPORT_LAW)
+        )
         self._neutral = {"rudder": 0.0, "planes": 0.0}
         self._kept_speed: float | None = None
         self._lookout = np.zeros(1, entry.LOOKOUT)
@@ -320,24 +323,30 @@ class Submarine:
             eye["side"] = watch.side
         rows = np.empty((max(last - int(self.boat.state.tick), 0), len(BOAT_COLUMNS)))
         rows = rows[: entry.sail(self.boat.records, eye, rows)]
-        return self._until_collapse(rows)
+        collapse = self._collapse_in(rows)
+        self._collapsed = ""
+        if collapse is None:
+            return rows
+        rows = rows[: collapse + 1]
+        depth = float(self._lowest(rows.T)[-1])
+        self._collapsed = f"collapse at {depth:.0f} m after {rows[-1, 0]:g} s"
+        return rows
 
-    def _until_collapse(self, rows: Numbers) -> Numbers:
-        """Return the rows up to the first in which the hull is beyond collapse depth.
+    def _collapse_in(self, rows: Numbers) -> int | None:
+        """Return the first of the rows in which the hull is beyond collapse depth; None: in none.
 
         Without a depth of its own the boat has room for any manoeuvre.
         """
-        limit, self._collapsed = self.boat.file.hull.collapse_depth_m, ""
+        limit = self.boat.file.hull.collapse_depth_m
         if self._depth is None or limit is None:
-            return rows
-        z, theta = (rows[:, BOAT_COLUMNS.index(name)] for name in ("z", "theta"))
-        lowest = lowest_depth(z, theta, self.length)
-        beyond = np.flatnonzero(lowest >= limit)
-        if not beyond.size:
-            return rows
-        first = int(beyond[0])
-        self._collapsed = f"collapse at {lowest[first]:.0f} m after {rows[first, 0]:g} s"
-        return rows[: first + 1]
+            return None
+        beyond = np.flatnonzero(self._lowest(rows.T) >= limit)
+        return int(beyond[0]) if beyond.size else None
+
+    def _lowest(self, columns: Numbers) -> Numbers:
+        """Return the depth [m] (n,) of the hull's lowest point, by BOAT_COLUMNS (17, n)."""
+        z, theta = (columns[BOAT_COLUMNS.index(name)] for name in ("z", "theta"))
+        return lowest_depth(z, theta, self.length)
 
     def sound(self) -> None:
         """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""

@@ -143,14 +143,16 @@ def yaw_rate(flight: Flight) -> float:
 
 def steady(flight: Flight) -> list[Measure]:
     """Return diameter, speed and rates at the end."""
-    u, v = (float(flight.column(name)[-1]) for name in ("u", "v"))
+    u = float(flight.column("u")[-1])
+    v = float(flight.column("v")[-1])
     yaw = yaw_rate(flight)
     diameter = 2.0 * math.hypot(u, v) / abs(yaw) if yaw else None
-    of_first = u / flight.speed if flight.speed else None
     return [
         share_measure("steady diameter", "m", diameter),
         share_measure("steady speed", "m/s", u),
-        share_measure("steady speed, of the first", "-", of_first),
+        share_measure(
+            "steady speed, of the first", "-", u / flight.speed if flight.speed else None
+        ),
         share_measure("steady yaw rate", "rad/s", yaw),
         share_measure("steady drift angle", "rad", math.atan2(-v, u)),
     ]
@@ -172,13 +174,13 @@ def heel(flight: Flight) -> list[Measure]:
     tops = [y for _, y in peaks_of(flight.t[after], rolls) if abs(y) > MIN_SNAP_RATIO * abs(most)]
     steady_roll = straight + float(rolls[-1])
     swing = np.ptp(rolls[-max(len(rolls) // TURN_END_PARTS, 1) :])
-    steady_measure = heel_measure("steady roll", steady_roll)
-    if swing > SETTLED_HEEL_RATIO * abs(rolls[-1]):
-        steady_measure = show_only("steady roll", "rad", steady_roll)
+    swings = swing > SETTLED_HEEL_RATIO * abs(rolls[-1])
     return [
         heel_measure("snap roll", straight + tops[0] if tops else None),
         heel_measure("largest roll", straight + most),
-        steady_measure,
+        show_only("steady roll", "rad", steady_roll)
+        if swings
+        else heel_measure("steady roll", steady_roll),
     ]
 
 
@@ -201,8 +203,9 @@ def depth(flight: Flight) -> list[Measure]:
     for name, surface in (("delta_s", "stern planes"), ("delta_r", "rudder")):
         if flight.has(name):
             angles = flight.change(name)
-            most, last = largest_value(angles), float(angles[-1])
-            room = max(abs(most), 100.0 / ALLOWED_PERCENT * LEVEL_PLANES_RAD)
-            measures.append(part_measure(f"largest change, {surface}", "rad", most, room))
-            measures.append(part_measure(f"last change, {surface}", "rad", last, room))
+            room = max(abs(largest_value(angles)), 100.0 / ALLOWED_PERCENT * LEVEL_PLANES_RAD)
+            measures.append(
+                part_measure(f"largest change, {surface}", "rad", largest_value(angles), room)
+            )
+            measures.append(part_measure(f"last change, {surface}", "rad", float(angles[-1]), room))
     return measures

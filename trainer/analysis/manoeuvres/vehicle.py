@@ -1,16 +1,16 @@
 """What a manoeuvre needs of a vehicle, and the form of what is measured.
 
 ``flight`` flies whatever has this form. Boats, Nomoto ships and fitted ships are vehicles: each can
-start, take orders, advance and be read. So manoeuvres are written once. What only a boat does (it
-has a weight, feels a sea, takes many cycles at once) they ask of a ``Submarine``.
+start, take orders, advance and be read. So manoeuvres are written once, and know no submarine.
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple, Protocol
+from typing import Final, Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
@@ -107,6 +107,21 @@ class Vehicle(Protocol):
         """Advance by one cycle, controls held; LostError if its numbers go astray."""
 
 
+@runtime_checkable
+class FastVehicle(Protocol):
+    """A vehicle that takes many cycles at once. Its numbers are those of single ones."""
+
+    @property
+    def swift(self) -> bool:
+        """Return whether it can take many cycles at once as it is handled now."""
+
+    def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
+        """Advance to ``end`` [s], or until the watch passes. Return a row for each cycle."""
+
+    def sound(self) -> None:
+        """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
+
+
 def surface_limit(vehicle: Vehicle, control: str) -> float:
     """Return how far [rad] a surface goes to both sides."""
     low, high = vehicle.controls[control]
@@ -136,8 +151,9 @@ class Measure:
 
 def share_measure(name: str, unit: str, value: float | None) -> Measure:
     """Return a measure that may differ by ALLOWED_PERCENT of itself."""
-    allowed = None if value is None else abs(value) * ALLOWED_PERCENT / 100.0
-    return Measure(name, unit, value, allowed)
+    return Measure(
+        name, unit, value, None if value is None else abs(value) * ALLOWED_PERCENT / 100.0
+    )
 
 
 def part_measure(name: str, unit: str, value: float | None, whole: float) -> Measure:
@@ -164,7 +180,9 @@ def first_time(t: Numbers, values: Numbers, level: float) -> float | None:
     """
     above = values >= level if values[0] < level else values <= level
     place = int(np.argmax(above))
-    return _between(t, values, place, level) if above[place] else None
+    if not above[place]:
+        return None
+    return _between(t, values, place, level)
 
 
 def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:

@@ -76,11 +76,12 @@ class ThrowOver(Manoeuvre):
             return [show_only("time of execute 2", "s", None)]
         measures = self._swings(flight.t, angle, executes)
         rates = self.sign * flight.column(self.rate)
-        last = float(flight.column("u")[-1]) / flight.speed
         measures += [
             share_measure("largest rate", "rad/s", float(rates.max())),
             share_measure("smallest rate", "rad/s", float(rates.min())),
-            share_measure("last speed, of the first", "-", last),
+            share_measure(
+                "last speed, of the first", "-", float(flight.column("u")[-1]) / flight.speed
+            ),
         ]
         if len(executes) > 1:
             measures.insert(0, share_measure("time of execute 2", "s", executes[1] - executes[0]))
@@ -165,8 +166,9 @@ class VerticalZigZag(ThrowOver):
     def track(self, flight: Flight) -> list[Measure]:
         """Return the first turning points of depth, in metres and in lengths."""
         turned = [mark.t for mark in flight.marks][1:2]  # before it depth may turn as a plane bites
-        peaks = peaks_of(flight.t, flight.change("z")) if turned else []
-        tops = [top for top in peaks if top[0] > turned[0]]
+        tops = [
+            top for top in peaks_of(flight.t, flight.change("z")) if turned and top[0] > turned[0]
+        ]
         first = tops[0][1] if tops else None
         lengths = None if first is None else abs(first) / flight.length
         return [
