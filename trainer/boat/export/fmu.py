@@ -1,8 +1,8 @@
-"""A boat as a functional mock-up unit: co-simulation by FMI 2.0 or 3.0, without Python inside.
+"""A boat as a functional mock-up unit for co-simulation, without Python inside.
 
-``trainer boat export-fmu`` calls it. The variables follow from the tables of state, orders and
-casualties. A C compiler links ``unit.c`` with the face of a version (``fmi2.c``, ``fmi3.c``), the
-boat's numbers and the object that the trainer ships.
+``trainer boat export-fmu`` calls it, by FMI 2.0 or 3.0. The variables follow from the tables of
+state, orders and casualties. A C compiler links ``unit.c`` with the face of a version (``fmi2.c``,
+``fmi3.c``), the boat's numbers and the object that the trainer ships.
 """
 
 import hashlib
@@ -248,9 +248,9 @@ def link_binary(model: str, code: bytes, version: int) -> bytes:
 
 
 def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
-    """Return the unit of a boat at its start in a calm, for ``sea``, by FMI 2.0 or 3.0.
+    """Return the unit of a boat at its start in a calm, for ``sea``.
 
-    ConfigError with the next step where it cannot be made.
+    ``version`` is 2 or 3, of FMI. ConfigError with the next step where it cannot be made.
     """
     if boat.state.seed > MAX_SEED:
         raise ConfigError(f"--seed {boat.state.seed:.0f}: must be at most {MAX_SEED} in an FMU")
