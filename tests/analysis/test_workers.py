@@ -18,7 +18,7 @@ from helpers.syntax import nodes_of
 from trainer.analysis.workers import worker_pool
 
 POOL = """
-import multiprocessing, sys, time
+import multiprocessing, signal, sys
 from trainer.analysis.workers import worker_pool
 
 if __name__ == "__main__":
@@ -26,7 +26,7 @@ if __name__ == "__main__":
         started = pool.map(abs, range(2))
         list(started)
         for _ in range(2):
-            pool.submit(time.sleep, 600)
+            pool.submit(signal.pause)
         print(*(child.pid for child in multiprocessing.active_children()), flush=True)
         sys.stdin.read()
 """

@@ -13,8 +13,9 @@ import sys
 import tempfile
 import termios
 import threading
-import time
 from pathlib import Path
+
+from helpers.waiting import await_begun, stay_for
 
 TRAINER = [sys.executable, "-m", "trainer"]
 ROLES = ("instructor", "helm", "planes", "ballast", "diving", "observer")
@@ -60,12 +61,11 @@ def measure(seconds: float) -> None:
         where = Path(folder) / "s"
         serve = ["serve", "--socket", str(where), "--listen", "none", "--sea", "sea-state-5"]
         with subprocess.Popen([*TRAINER, *serve, "--no-record"]) as session:
-            while not where.exists():
-                time.sleep(0.1)
+            await_begun(session, where.exists)
             screens = {role: screen(role, where) for role in ROLES}
-            time.sleep(SETTLE)
+            stay_for(session, SETTLE)
             before = {role: used(process) for role, process in screens.items()}
-            time.sleep(seconds)
+            stay_for(session, seconds)
             for role, process in screens.items():
                 share = (used(process) - before[role]) / seconds
                 print(f"{role:<12}{100.0 * share:5.1f} % of a core")

@@ -7,13 +7,11 @@ as that one works.
 
 import contextlib
 import os
+import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeVar
-
-if TYPE_CHECKING:
-    import subprocess
+from typing import Final, TypeVar
 
 Made = TypeVar("Made")
 PATIENCE: Final = 60.0  # [s] in which nothing that is waited for moves
@@ -49,7 +47,7 @@ def once_it_can(make: Callable[[], Made], *failures: type[Exception]) -> Made:
 
 
 def await_begun(
-    process: "subprocess.Popen[str] | subprocess.Popen[bytes]",
+    process: subprocess.Popen[str] | subprocess.Popen[bytes],
     has_begun: Callable[[], object],
     told: Callable[[], object] = str,
 ) -> None:
@@ -60,6 +58,12 @@ def await_begun(
         return bool(has_begun())
 
     await_work(process.pid, is_through, told)
+
+
+def stay_for(process: subprocess.Popen[str] | subprocess.Popen[bytes], seconds: float) -> None:
+    """Let a process go on for a time [s]; fail where it ends."""
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        raise AssertionError(f"it has ended with {process.wait(seconds)}")
 
 
 def await_work(

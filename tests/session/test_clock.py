@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from helpers.waiting import stay_for
 
 from trainer.session.time.ledger import SECOND_NS, Histogram, Ledger
 from trainer.session.time.pacer import (
@@ -533,10 +534,10 @@ def test_a_real_process_stopped_for_five_seconds_has_a_gap_and_no_burst() -> Non
     with subprocess.Popen([sys.executable, "-c", CHILD], stdout=subprocess.PIPE) as child:
         assert child.stdout is not None
         ticks = [int(child.stdout.readline()) for _ in range(2)]
-        time.sleep(0.1)  # into the wait for the third
+        stay_for(child, 0.1)  # into the wait for the third
         child.send_signal(signal.SIGSTOP)
         stopped = time.monotonic()
-        time.sleep(5.0)  # the gap
+        stay_for(child, 5.0)  # the gap
         child.send_signal(signal.SIGCONT)
         away = time.monotonic() - stopped
         ticks += [int(child.stdout.readline()) for _ in range(3)]

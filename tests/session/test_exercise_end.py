@@ -5,14 +5,13 @@ import re
 import signal
 import subprocess
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from helpers.nursery import run_trainer, start_trainer
 from helpers.places import environment
-from helpers.waiting import await_that, once_it_can
+from helpers.waiting import await_that, once_it_can, stay_for
 from soak.session_process import Caller, GoneError
 
 from trainer.debrief.page import DebriefRequest, debrief_file
@@ -215,8 +214,7 @@ def test_a_frozen_session_waits_at_its_local_socket(
     ) as session:
         assert session.stderr
         line = next(line for line in session.stderr if "listening at" in line)
-        time.sleep(1.5)  # longer than two looks at whether anybody can say run
-        assert session.poll() is None
+        stay_for(session, 1.5)  # longer than two looks at whether anybody can say run
         caller = Caller(Path(line.partition("listening at ")[2].strip()), ANSWER)
         assert caller.ask("role instructor")[0]
         assert caller.ask("run") == (True, "running")

@@ -5,12 +5,12 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from helpers.places import environment
+from helpers.waiting import stay_for
 from soak.session_process import Caller
 
 from trainer.boat import compilation
@@ -63,7 +63,7 @@ def test_an_overloaded_session_hears_every_order_and_ctrl_c(tmp_path: Path, poli
         assert caller.ask("time x100")[0]
         for _ in range(20):  # two seconds, in which the first answer of old never came
             assert caller.ask("rudder left 5")[0]
-            time.sleep(0.1)  # as somebody types
+            stay_for(process, 0.1)  # as somebody types
         assert caller.ask("time x100")[0]
         assert caller.ask("run")[0]
         assert caller.ask("freeze") == (True, "frozen")
@@ -98,7 +98,7 @@ def test_a_thousand_slow_steps_are_cut_short_by_an_order(tmp_path: Path) -> None
         assert caller.ask("subscribe time")[0]
         assert caller.ask("run")[0]
         assert caller.ask("freeze")[0]
-        time.sleep(0.2)  # in which it would make all of the steps
+        stay_for(process, 0.2)  # in which it would make all of the steps
         assert caller.ask("status")[0]
         assert 0 < caller.tick < 1000
         assert interrupt(process) == 0

@@ -6,7 +6,6 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import giver_at
+from helpers.waiting import stay_for
 
 from trainer.analysis.recording_export import table_layout
 from trainer.boat.boat import Boat
@@ -494,7 +494,7 @@ def test_ctrl_c_ends_a_long_question_to_a_recording(tmp_path: Path) -> None:
     with asking:
         assert asking.stdout
         assert asking.stdout.readline() == "now\n"
-        time.sleep(0.5)  # it is asking
+        stay_for(asking, 0.5)  # it is asking
         asking.send_signal(signal.SIGINT)
         try:
             _, told = asking.communicate(timeout=60)

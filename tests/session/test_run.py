@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from helpers.nursery import start_trainer
 from helpers.places import environment
+from helpers.waiting import stay_for
 
 from trainer.cli.main import main
 from trainer.config.vessel import load_vessel
@@ -394,7 +395,7 @@ def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: St
     reached(process, "00:00:02")
     process.send_signal(signal.SIGSTOP)
     stopped = time.monotonic()
-    time.sleep(2.0)  # the gap
+    stay_for(process, 2.0)  # the gap
     process.send_signal(signal.SIGCONT)
     gap = time.monotonic() - stopped  # [s] longer where this process was held up too
     told = heard(process, "the process was not running for")

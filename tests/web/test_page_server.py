@@ -19,7 +19,7 @@ import pytest
 from helpers.nursery import start_trainer
 from helpers.pages import Served, free_port, served
 from helpers.places import environment
-from helpers.waiting import PATIENCE, await_that
+from helpers.waiting import PATIENCE, await_that, stay_for
 from helpers.wire import (
     Answered,
     ask,
@@ -654,11 +654,11 @@ def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve
     both = (session.process.pid, server)
     for process in both:
         os.kill(process, signal.SIGSTOP)
-    time.sleep(SILENCE_TIMEOUT_S + 2)  # both are away for longer than one may be
+    stay_for(session.process, SILENCE_TIMEOUT_S + 2)  # both are away for longer than one may be
     for process in both:
         os.kill(process, signal.SIGCONT)
 
-    time.sleep(3)  # it would be killed in the first second
+    stay_for(session.process, 3)  # its server would be killed in the first second
     assert child_of(session.process.pid) == server
     assert request(session.port, "/helm").status == 200
 
