@@ -1,9 +1,10 @@
-"""Measure what screens cost, by `python tests/measure_screens.py [SECONDS]`.
+"""Measure what screens cost, by `python tests/console/measure_screens.py [SECONDS]`.
 
 The screens of all roles are open on one session at 2 Hz in a sea; printed are the share of a core
 that each takes, and the session's own account of its ticks.
 """
 
+import contextlib
 import fcntl
 import os
 import pty
@@ -13,9 +14,8 @@ import sys
 import tempfile
 import termios
 import threading
+import time
 from pathlib import Path
-
-from helpers.waiting import await_begun, stay_for
 
 TRAINER = [sys.executable, "-m", "trainer"]
 ROLES = ("instructor", "helm", "planes", "ballast", "diving", "observer")
@@ -55,13 +55,20 @@ def used(process: subprocess.Popen[bytes]) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def stay_for(session: "subprocess.Popen[bytes]", seconds: float) -> None:
+    """Let the session go on for a time [s]; fail where it ends."""
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        raise SystemExit(f"the session has ended with {session.wait(seconds)}")
+
+
 def measure(seconds: float) -> None:
     """Open all, wait, and print what each took."""
     with tempfile.TemporaryDirectory() as folder:
         where = Path(folder) / "s"
         serve = ["serve", "--socket", str(where), "--listen", "none", "--sea", "sea-state-5"]
         with subprocess.Popen([*TRAINER, *serve, "--no-record"]) as session:
-            await_begun(session, where.exists)
+            while not where.exists():
+                time.sleep(0.1)
             screens = {role: screen(role, where) for role in ROLES}
             stay_for(session, SETTLE)
             before = {role: used(process) for role, process in screens.items()}
