@@ -515,6 +515,26 @@ def test_no_needle_lies_on_a_numeral_and_no_word_on_another(
             await_shown(page, TOUCHED, (width, height, part))
 
 
+ARC_NUMERALS: Final = """() => [...document.querySelectorAll("angle-dial .numeral")]
+  .filter((each) => each.checkVisibility())
+  .map((each) => [each, each.closest("angle-dial")]
+    .map((one) => parseFloat(getComputedStyle(one).fontSize)))"""
+
+
+@pytest.mark.usefixtures("instructor")
+def test_the_numerals_of_an_arc_have_the_size_that_it_is_laid_out_for(
+    shared: Served, look: Look
+) -> None:
+    page = look(shared, "helm")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    for width, height in (*SIX, (3840, 2160)):
+        page.set_viewport_size({"width": width, "height": height})
+        sizes = page.evaluate(ARC_NUMERALS)
+        assert sizes
+        for numeral, around in sizes:
+            assert numeral == pytest.approx(max(11.5, 0.8 * around), abs=0.01), (width, height)
+
+
 CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]
   .filter((each) => each.checkVisibility()).map((each) => {
     const box = each.getBoundingClientRect();
