@@ -106,7 +106,9 @@ def test_what_is_left_behind_ends_with_who_started_it() -> None:
     stream.close()
 
 
-@pytest.mark.parametrize("name", ["PYTHONUTF8", "NUMBA_DISABLE_JIT", "XDG_CACHE_HOME", "LC_ALL"])
+@pytest.mark.parametrize(
+    "name", ["PYTHONUTF8", "NUMBA_DISABLE_JIT", "XDG_CACHE_HOME", "LC_ALL", "LD_LIBRARY_PATH"]
+)
 def test_what_an_interpreter_reads_as_it_starts_is_asked_of_one_that_starts(
     name: str, tmp_path: Path
 ) -> None:

@@ -32,7 +32,7 @@ def full(bench: Bench, times: int) -> Tried:
     for _ in range(times):
         path = bench.folder / "full.trainer"
         room = bench.dice.randrange(*ROOM)
-        session = bench.serve(path, *FULL, largest_file=room)
+        session = bench.serve(path, *FULL, RLIMIT_FSIZE=room)
         _fill_disk(bench, tried, session)
     return tried
 
@@ -56,7 +56,7 @@ def _fill_disk(bench: Bench, tried: Tried, session: Session) -> None:
         session.order_some(by, bench.dice, ORDERS, HELM)
         tried.must(is_logged(by, "NOT RECORDED"), "a station is not told")
         by.ask("quit")
-    code, told = bench.nursery.wait(session.process), bench.told()
+    code, told = session.process.wait(), bench.told()
     if not session.path.exists():
         tried.must(code == 2 and "cannot be made" in told, told)
         tried.note("not begun, told why")
@@ -121,7 +121,7 @@ def _come_back(bench: Bench, tried: Tried, session: Session, by: Caller) -> None
     tried.must(is_logged(by, "recorded again"), "a station is not told that it is back")
     session.order_some(by, bench.dice, ORDERS, HELM)
     by.ask("quit")
-    code, told = bench.nursery.wait(session.process), bench.told()
+    code, told = session.process.wait(), bench.told()
     tried.must(code == 0 and "and is whole" in told, f"exit code {code}: {told[-200:]}")
     with contextlib.closing(Recording.look(session.path)) as recording:
         tried.must(is_journalled(recording, session).kept, "an order is lost")
@@ -171,7 +171,7 @@ def _unmount_under(bench: Bench, tried: Tried, folder: Path, aside: Path) -> Non
         tried.must(by.ask("course 020")[0], "an order is refused afterwards")
         tried.must(is_logged(by, "not there any more"), "a station is not told")
         by.ask("quit")
-    tried.must(bench.nursery.wait(session.process) == 1, "its end does not tell")
+    tried.must(session.process.wait() == 1, "its end does not tell")
     tried.must("not there any more" in bench.told(), "its account does not tell")
     session.answered = answered
     tried.orders += len(answered)
@@ -187,7 +187,7 @@ def damage_last_page(bench: Bench, times: int) -> Tried:
     path, whole = bench.folder / "page.trainer", bench.folder / "whole.trainer"
     session = bench.serve(whole, "depth-changes", "--speed", "100")
     drive_and_kill(bench, session)
-    bench.nursery.wait(session.process)
+    session.process.wait()
     copy(whole, path)  # to look at one brings home what is written ahead
     written = journal_of(path) or []
     tried.must(written, "the whole recording cannot be read")

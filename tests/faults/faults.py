@@ -27,7 +27,7 @@ from faults.processes import (
     remove,
     stop_session,
 )
-from faults.rig import Bench, ForkServer, Tried
+from faults.rig import Bench, Tried
 from trainer.io.recording.recording import Recording
 
 SIDES: Final = 20  # [deg] the largest of the angles ordered before a plug is pulled
@@ -51,7 +51,7 @@ def unplug(bench: Bench, times: int) -> Tried:
             ends = replug(port, ends)
         tried.must(order_until_answered(ends[0], LAST), "the panel is not answered")
         by.ask("quit")
-    tried.must(bench.nursery.wait(session.process) == 0, bench.told())
+    tried.must(session.process.wait() == 0, bench.told())
     close(ends)
     with contextlib.closing(Recording.look(path)) as recording:
         given = [order.text for order in recording.orders(1) if order.who.startswith("helm")]
@@ -128,8 +128,8 @@ SHARES: Final[tuple[tuple[Fault, int], ...]] = (
 
 def try_all(times: int, seed: int) -> Iterator[Tried]:
     """Yield what came of each fault; kills are tried ``times`` times, the others in proportion."""
-    with ForkServer() as nursery, tempfile.TemporaryDirectory(prefix="trainer-f-") as folder:
-        bench = Bench(nursery, Path(folder), random.Random(seed))  # noqa: S311  no secrets
+    with tempfile.TemporaryDirectory(prefix="trainer-f-") as folder:
+        bench = Bench(Path(folder), random.Random(seed))  # noqa: S311  no secrets
         for fault, share in SHARES:
             yield fault(bench, -(-times // share))
 

@@ -51,7 +51,7 @@ def kill_sessions(bench: Bench, times: int) -> Tried:
         path = bench.folder / "killed.trainer"
         session = bench.serve(path, *EXERCISE)
         drive_and_kill(bench, session)
-        bench.nursery.wait(session.process)
+        session.process.wait()
         tried.orders += len(session.answered)
         with contextlib.closing(Recording.look(path)) as recording:
             check = is_journalled(recording, session)
@@ -73,7 +73,7 @@ def drive_and_kill(bench: Bench, session: Session) -> None:
             [
                 "/bin/sh",
                 "-c",
-                f"sleep {bench.dice.uniform(0.0, WITHIN):.4f}; kill -9 {session.process}",
+                f"sleep {bench.dice.uniform(0.0, WITHIN):.4f}; kill -9 {session.process.pid}",
             ]
         )
         try:
@@ -102,16 +102,16 @@ def stop_session(bench: Bench, times: int) -> Tried:
     with session.instructed() as by:
         for _ in range(times):
             tried.times += 1
-            os.kill(session.process, signal.SIGSTOP)
+            session.process.send_signal(signal.SIGSTOP)
             time.sleep(bench.dice.uniform(*STOPPED))
-            os.kill(session.process, signal.SIGCONT)
+            session.process.send_signal(signal.SIGCONT)
             tried.must(
                 "by hand" in session.order(by, "rudder left 5"),
                 "an order is refused afterwards",
             )
             time.sleep(0.1)  # some ticks
         by.ask("quit")
-    tried.must(bench.nursery.wait(session.process) == 0, bench.told())
+    tried.must(session.process.wait() == 0, bench.told())
     tried.orders = len(session.answered)
     with contextlib.closing(Recording.look(path)) as recording:
         told = sum(GAP in event.text for event in recording.events())
@@ -140,7 +140,7 @@ def console_killed(bench: Bench, times: int) -> Tried:
                 "an order is refused afterwards",
             )
         by.ask("quit")
-    tried.must(bench.nursery.wait(session.process) == 0, bench.told())
+    tried.must(session.process.wait() == 0, bench.told())
     tried.orders = len(session.answered)
     with contextlib.closing(Recording.look(path)) as recording:
         tried.must(is_journalled(recording, session).kept, "an order is lost")
@@ -192,7 +192,7 @@ def clock_set(bench: Bench, times: int) -> Tried:
         stderr=subprocess.DEVNULL,
         text=True,
     ) as process:
-        session = Session(process.pid, path, door)
+        session = Session(process, path, door)
         with session.instructed() as by:
             for _ in range(times):
                 tried.times += 1

@@ -11,7 +11,7 @@ from typing import Final
 
 from faults.disk import PAGE
 from faults.processes import remove
-from faults.rig import Bench, ForkServer, Job, Tried
+from faults.rig import Bench, Tried
 from trainer.io.recording.recording import Recording, RecordingError
 
 ENOUGH: Final = 60  # [s] of the processor for any command; a whole recording takes less than one
@@ -150,8 +150,8 @@ DAMAGES: Final[tuple[Damage, ...]] = (
 
 def try_damage(times: int, seed: int) -> Iterator[Tried]:
     """Yield what came of ``times`` damaged recordings, a row for each way of damaging."""
-    with ForkServer() as nursery, tempfile.TemporaryDirectory(prefix="trainer-d-") as folder:
-        bench = Bench(nursery, Path(folder), random.Random(seed))  # noqa: S311  no secrets
+    with tempfile.TemporaryDirectory(prefix="trainer-d-") as folder:
+        bench = Bench(Path(folder), random.Random(seed))  # noqa: S311  no secrets
         good = make_recording(bench)
         for number, damage in enumerate(DAMAGES):
             yield open_damaged(bench, good, damage, len(range(number, times, len(DAMAGES))))
@@ -166,7 +166,7 @@ def make_recording(bench: Bench) -> bytes:
         for words in ("backtrack 2", "depth 70", "step 4", "casualty stern-jam", "step 20"):
             by.ask(words)
         by.ask("quit")
-    bench.nursery.wait(session.process)
+    session.process.wait()
     bench.told()
     return session.path.read_bytes()
 
@@ -193,8 +193,8 @@ def open_damaged(bench: Bench, good: bytes, damage: Damage, times: int) -> Tried
 
 def judge(bench: Bench, tried: Tried, words: tuple[str, ...], seconds: int = ENOUGH) -> None:
     """Open a recording by a command, in so many seconds. Note how it ended."""
-    job = Job(words, str(bench.folder / "told.txt"), seconds=seconds, memory=ROOM)
-    code, told = bench.nursery.done(job), bench.told()
+    code = bench.run(*words, RLIMIT_CPU=seconds, RLIMIT_DATA=ROOM)
+    told = bench.told()
     tried.must(code in (0, 1, 2), f"{words[0]} ended with {code}: {told[-300:]}")
     tried.must("Traceback" not in told, f"{words[0]}: {told[-600:]}")
     tried.must(code != 2 or told.startswith(("trainer: ", "note: ")), f"{words[0]}: {told[:200]}")

@@ -3,12 +3,11 @@
 import dataclasses
 import os
 import random
-from collections.abc import Iterator
 
 import pytest
 
 from faults import faults, recordings
-from faults.rig import Bench, ForkServer, Tried
+from faults.rig import Bench, Tried
 
 pytestmark = pytest.mark.process
 
@@ -16,10 +15,8 @@ posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSI
 
 
 @pytest.fixture(scope="module")
-def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
-    with ForkServer() as nursery:
-        dice = random.Random(1969)  # noqa: S311  instants, not secrets
-        yield Bench(nursery, tmp_path_factory.mktemp("f"), dice)
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
+    return Bench(tmp_path_factory.mktemp("f"), random.Random(1969))  # noqa: S311  instants
 
 
 @posix

@@ -30,18 +30,29 @@ import sys
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Final, Self, TypeAlias, cast
 
 from helpers.places import tests_environment
 
 # What is read as an interpreter starts or as modules are imported.
-READ_AT_START: Final = ("PYTHON", "NUMBA_", "LC_", "LANG", "OPENBLAS", "OMP_", "HOME", "XDG_CACHE")
+READ_AT_START: Final = (
+    "LD_",
+    "PYTHON",
+    "NUMBA_",
+    "LC_",
+    "LANG",
+    "OPENBLAS",
+    "OMP_",
+    "HOME",
+    "XDG_CACHE",
+)
 PRELOADED_MODULES: Final = (
     "trainer.cli.main",
     "trainer.session.run",
     "trainer.session.page_server",
 )
+NO_LIMITS: Final[Mapping[str, int]] = MappingProxyType({})
 MAX_REQUEST_BYTES: Final = 200_000
 STREAM_COUNT: Final = 3
 Stream: TypeAlias = io.TextIOWrapper
@@ -144,8 +155,12 @@ def start_trainer(
     stdin: StreamWish = subprocess.DEVNULL,
     stdout: StreamWish = None,
     stderr: StreamWish = None,
+    limits: Mapping[str, int] = NO_LIMITS,
 ) -> "subprocess.Popen[str]":
-    """Start ``trainer WORDS``, by another command ``before`` it; the rest is as Popen takes it."""
+    """Start ``trainer WORDS``, by another command ``before`` it; the rest is as Popen takes it.
+
+    ``limits`` are numbers by their names in ``resource``, such as RLIMIT_FSIZE.
+    """
     environment = dict(os.environ if env is None else env)
     if before or not is_forked(environment):
         return subprocess.Popen(
@@ -157,6 +172,9 @@ def start_trainer(
             stderr=stderr,
             encoding="utf-8",
             errors="surrogateescape",
+            preexec_fn=(  # noqa: PLW1509  which takes no lock
+                functools.partial(limit_process, limits) if limits else None
+            ),
         )
     sys.audit("os.fork")  # which the nursery does: `process_guard` hears of it
     theirs, ours = zip(
@@ -166,6 +184,7 @@ def start_trainer(
     numbers = [theirs[1] if each == subprocess.STDOUT else each for each in theirs]
     line, far_end = socket.socketpair()
     request = {"words": words, "env": environment, "cwd": str(cwd or Path.cwd())}
+    request["limits"] = dict(limits)
     with far_end:
         socket.send_fds(own_nursery(), [json.dumps(request).encode()], [*numbers, far_end.fileno()])
     for number, wish in zip(theirs, (stdin, stdout, stderr), strict=True):
@@ -235,6 +254,14 @@ def own_nursery() -> socket.socket:
     return near
 
 
+def limit_process(limits: Mapping[str, int]) -> None:
+    """Let this process have no more of something."""
+    import resource  # noqa: PLC0415  not everywhere
+
+    for name, most in limits.items():
+        resource.setrlimit(getattr(resource, name), (most, resource.RLIM_INFINITY))
+
+
 def raise_children(requests: socket.socket) -> None:
     """Fork a trainer for each request, until the test's process has gone."""
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # whoever has ended leaves nothing to wait for
@@ -277,6 +304,7 @@ def grow_up(request: dict[str, Any], descriptors: list[int]) -> None:
     for each in descriptors:
         os.close(each)
     os.chdir(request["cwd"])
+    limit_process(request["limits"])
     imported = {name: text for name, text in os.environ.items() if name not in born_with}
     os.environ.clear()
     os.environ.update(imported | request["env"])

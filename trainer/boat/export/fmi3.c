@@ -60,7 +60,7 @@ SHOWN int fmi3DoStep(struct instance *boat, double now, double step, bool no_ret
     EXPECT(STEPPING);
     int status = sail(boat, now, step, __func__);
     *event = *terminate = *early = false;
-    *reached = boat->moment[START_TIME] + boat->moment[TICK_PLACE] * STEP_S;
+    *reached = time_of(boat);
     return status;
 }
 

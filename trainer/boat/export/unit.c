@@ -77,11 +77,17 @@ static int tell(const struct host *host, const char *name, const char *form, ...
                          "initialization, step, terminate", __func__)))                        \
         return ERROR
 
+/* Return the moment [s] of the simulator at which the last step ended. */
+static double time_of(const struct instance *boat)
+{
+    return boat->moment[START_TIME] + boat->moment[TICK_PLACE] * STEP_S;
+}
+
 static double value_of(const struct variable *v, struct instance *boat)
 {
     const double *moment = boat->moment;
     if (v->rule == TIME)
-        return moment[START_TIME] + moment[TICK_PLACE] * STEP_S;
+        return time_of(boat);
     if (v->rule == GAUGE) {
         trainer_instruments(boat->moment, boat->scratch);
         return boat->scratch[READING_PLACE + v->place] / v->scale;
@@ -243,8 +249,7 @@ SHOWN int FMI(ExitInitializationMode)(struct instance *boat)
 static int sail(struct instance *boat, double now, double step, const char *caller)
 {
     double before[STATE_DOUBLES];
-    double end = boat->moment[START_TIME] + boat->moment[TICK_PLACE] * STEP_S;
-    double ticks = step / STEP_S;
+    double end = time_of(boat), ticks = step / STEP_S;
     if (!(ticks > 0.5 && ticks < MAX_TICKS && fabs(remainder(ticks, 1.0)) < 1e-6))
         return REFUSE("%s: step of %g s: must be %g s or its multiple", caller, step, STEP_S);
     if (!(fabs(now - end) < 0.01 * STEP_S))
