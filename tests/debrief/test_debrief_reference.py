@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.few_points import look_at_few_moments
 from helpers.givers import journalled
 from helpers.recorded import PANEL, record
 
@@ -40,13 +41,21 @@ JAM = {86.0: "bell astern full", 88.0: "bow planes rise 30", 130.0: "stern plane
 
 
 def debriefed(path: Path, **asked: Any) -> DebriefData:
-    """Return the debrief of a recording, made once for all tests: it flies a hundred times."""
+    """Return the debrief of a recording that looks at few moments, made once for all tests."""
     return made_once(path, path.stat().st_mtime_ns, DebriefRequest(**asked))
 
 
 @cache
 def made_once(path: Path, _changed: int, asked: DebriefRequest) -> DebriefData:
-    return read_compared(path, asked)
+    with pytest.MonkeyPatch.context() as patch:
+        look_at_few_moments(patch)
+        return read_compared(path, asked)
+
+
+@cache
+def debriefed_finely(path: Path) -> DebriefData:
+    """Return the debrief of a recording as a user has it: it flies a hundred times."""
+    return read_compared(path, DebriefRequest())
 
 
 def beside(debrief: DebriefData) -> ReferenceComparison:
@@ -103,7 +112,7 @@ def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
 
 
 def test_who_does_as_the_reference_crew_loses_nothing_at_any_minute(mastered: Path) -> None:
-    debrief = debriefed(mastered)
+    debrief = debriefed_finely(mastered)
 
     assert curve_of(debrief).changes == ()
     assert debrief.total == pytest.approx(beside(debrief).reference.card.total, abs=3.0)
@@ -133,7 +142,7 @@ def test_an_exercise_without_an_end_in_sight_is_not_flown_for_the_page(idle: Pat
 def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
     tmp_path: Path,
 ) -> None:
-    debrief = debriefed(record(tmp_path / "back.trainer", "backing", {}))
+    debrief = debriefed_finely(record(tmp_path / "back.trainer", "backing", {}))
     (change, *_) = curve_of(debrief).changes
     assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern two-thirds")
     assert change.tick == 128
@@ -143,7 +152,7 @@ def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
 
 
 def test_an_answer_that_came_too_late_is_named_where_it_was_due(jam: Path) -> None:
-    debrief = debriefed(jam)
+    debrief = debriefed_finely(jam)
     onset = debrief.casualties[0].episode.begun
     (change, *_) = curve_of(debrief).changes
 

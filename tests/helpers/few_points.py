@@ -6,9 +6,8 @@ from trainer.debrief import attainable
 from trainer.debrief.attainable import RunExplorer
 
 
-@pytest.fixture
-def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a debrief look at few moments for what could still be earned, where that is not tested.
+def look_at_few_moments(patch: pytest.MonkeyPatch) -> None:
+    """Let a debrief look at few moments for what could still be earned.
 
     They lie ten times further apart than else, and are not halved where marks fall.
     """
@@ -17,5 +16,11 @@ def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
         run.point(before)
         run.point(after)
 
-    monkeypatch.setattr(attainable, "POINT_PERIODS", 100)
-    monkeypatch.setattr(attainable, "halve", look_at_ends)
+    patch.setattr(attainable, "POINT_PERIODS", 100)
+    patch.setattr(attainable, "halve", look_at_ends)
+
+
+@pytest.fixture
+def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the debriefs of a test look at few moments."""
+    look_at_few_moments(monkeypatch)

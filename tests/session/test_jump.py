@@ -2,11 +2,13 @@
 
 import ast
 import inspect
-import textwrap
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from enum import Enum
+from functools import cache
+from pathlib import Path
 from types import MethodType
 from typing import Any, Final, NamedTuple
 
@@ -103,15 +105,22 @@ def attributes_changed(function: ast.AST) -> Iterator[str]:
                 yield target.attr
 
 
-def memory_of(kind: type) -> set[str]:
+@cache
+def classes_of(module: str) -> Mapping[str, ast.ClassDef]:
+    """Return the classes of a module, as they are written."""
+    tree = ast.parse(Path(inspect.getfile(sys.modules[module])).read_text("utf-8"))
+    return {each.name: each for each in ast.walk(tree) if isinstance(each, ast.ClassDef)}
+
+
+@cache
+def memory_of(kind: type) -> frozenset[str]:
     """Return the attributes that an object's own methods change after it has been made."""
     memory: set[str] = set()
     for each in filter(is_ours, kind.__mro__):
-        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(each))).body
-        for function in ast.iter_child_nodes(tree):
+        for function in ast.iter_child_nodes(classes_of(each.__module__)[each.__name__]):
             if getattr(function, "name", "__init__") not in ("__init__", "__post_init__"):
                 memory |= {*attributes_changed(function)}
-    return memory
+    return frozenset(memory)
 
 
 def plainly(value: Any) -> object:
