@@ -74,10 +74,17 @@ def thin_line(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
     """Return at most about ``most`` points of a line, with the extremes of every stretch."""
     if x.size <= most:
         return x, y
-    kept_rows = {0, x.size - 1}
-    for stretch in np.array_split(np.arange(x.size), most // 2):
-        kept_rows |= {int(stretch[np.argmin(y[stretch])]), int(stretch[np.argmax(y[stretch])])}
-    rows = np.array(sorted(kept_rows))
+    shortest, longer = divmod(x.size, most // 2)  # `longer` stretches have a point more
+    first_short = longer * (shortest + 1)
+    kept_rows = [np.array([0, x.size - 1])]
+    for begin, end, width in (
+        (0, first_short, shortest + 1),
+        (first_short, x.size, shortest),
+    ):
+        stretches = y[begin:end].reshape(-1, width)
+        begins = begin + width * np.arange(len(stretches))
+        kept_rows += [begins + stretches.argmin(axis=1), begins + stretches.argmax(axis=1)]
+    rows = np.unique(np.concatenate(kept_rows))
     return x[rows], y[rows]
 
 
