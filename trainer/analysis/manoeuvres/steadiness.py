@@ -7,6 +7,7 @@ the part between.
 """
 
 import math
+from bisect import bisect_left
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Final
@@ -59,7 +60,7 @@ def settle_turn(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
         rates.append(swirl(conn))
         runs.append(run)
         seen[0] = max(seen[0], abs(rates[-1]))
-        recent = rates[int(np.searchsorted(runs, run - LOOK_BACK_LENGTHS)) :]
+        recent = rates[bisect_left(runs, run - LOOK_BACK_LENGTHS) :]
         if run > MIN_PART_LENGTHS and max(recent) - min(recent) <= STEADY_RATE_CHANGE * max(
             seen[0], MIN_SWIRL
         ):
