@@ -246,7 +246,14 @@ def test_a_boat_afloat_rides_a_long_swell(make_boat: Callable[..., Boat], cosine
 
 @pytest.mark.long
 @pytest.mark.parametrize("peaked", [0.0, 1.0])
-@pytest.mark.parametrize("towards", [0.0, 0.5 * math.pi, math.pi])
+@pytest.mark.parametrize(
+    "towards",
+    [
+        pytest.param(0.0, marks=pytest.mark.slow),
+        0.5 * math.pi,
+        pytest.param(math.pi, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize(
     "period",
     [pytest.param(12.0, marks=pytest.mark.slow), 16.0, pytest.param(20.0, marks=pytest.mark.slow)],
