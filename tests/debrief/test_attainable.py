@@ -94,7 +94,7 @@ FAULTS = (
 )
 QUICK_FAULTS = (FAULTS[2], FAULTS[12], FAULTS[16])
 SHIPPED = shipped_names("exercises")
-WIDER = 4  # times apart are points here: falls between them are halved down to as short ones as else
+WIDER = 4  # times apart are points here; falls between them are halved as finely as else
 SHORT = ("stern-plane-jam", "rise-jam-shallow", "steering-jam", "flooding-aft", "hover-by-pump")
 
 

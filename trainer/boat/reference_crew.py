@@ -5,7 +5,7 @@ gauges show, and gives nothing that a crew could not type.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, NamedTuple
@@ -88,7 +88,7 @@ class ReferenceCrew:
         """Follow the rules and the hands at this tick; return the orders given."""
         self.gauges.look()
         orders = []
-        for lead, progress in zip(self._leads(), self.followed, strict=True):
+        for lead, progress in self._led():
             if not progress.over and progress.due is None:
                 self._notice(progress, lead)
             if self.is_due(progress):
@@ -155,17 +155,16 @@ class ReferenceCrew:
         """Return the rules that wait for something."""
         return [
             each
-            for lead, each in zip(self._leads(), self.followed, strict=True)
+            for lead, each in self._led()
             if not each.over and (each.due is not None or lead is None or lead.given is not None)
         ]
 
-    def _leads(self) -> list[RuleProgress | None]:
-        """Return the rule that each rule follows upon, None for one that follows upon none."""
-        before = [None, *self.followed[:-1]]
-        return [
-            lead if each.rule.row.then else None
-            for lead, each in zip(before, self.followed, strict=True)
-        ]
+    def _led(self) -> Iterator[tuple[RuleProgress | None, RuleProgress]]:
+        """Yield each rule after the one that it follows upon, None for one that follows none."""
+        before = None
+        for each in self.followed:
+            yield before if each.rule.row.then else None, each
+            before = each
 
     def _begins(self, each: RuleProgress) -> float:
         """Return the time [s] from which a rule about gauges looks at them."""
@@ -198,7 +197,7 @@ class ReferenceCrew:
     def notice(self) -> None:
         """Read the gauges at this tick, and set when the orders of rules are due."""
         self.gauges.look()
-        for lead, progress in zip(self._leads(), self.followed, strict=True):
+        for lead, progress in self._led():
             if not progress.over and progress.due is None:
                 self._notice(progress, lead)
 

@@ -50,7 +50,7 @@ from trainer.debrief.rehearsal import (
 )
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
-from trainer.io.orders.grammar import Order, name_of, parse
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.plan import Plan
@@ -254,7 +254,7 @@ class RunExplorer:
         """Return the controls that the reference crew works, and nobody had by a tick."""
         departure = self.departures.get(end) or self.departures[max(self.departures)]
         hands = departure.crew.crew.hands if departure.crew else {}
-        given = {name_of(each.text) for each in self.crew if each.tick < end}
+        given = {each.name for each in self.crew if each.tick < end}
         return tuple(
             name
             for hand, (name, orders) in HAND_CONTROLS.items()

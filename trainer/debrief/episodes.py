@@ -25,7 +25,7 @@ from trainer.debrief.trajectory import (
     Trajectory,
     row_stretches,
 )
-from trainer.io.orders.grammar import Order, name_of, parse
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import CrewNews, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.svg import clock
@@ -111,13 +111,13 @@ def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
         if entry.giver.kind is not GiverKind.SCHEDULE and entry.accepted is not False
     ]
     stations = [each for each in orders if each.giver.role != INSTRUCTOR_ROLE]
-    return tuple(each for each in stations or orders if name_of(each.text) not in INSTRUCTOR_ORDERS)
+    return tuple(each for each in stations or orders if each.name not in INSTRUCTOR_ORDERS)
 
 
 def hints_told(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
     """Return the hints that a run was told, each with its answer."""
     orders = (each for each in trajectory.orders if each.accepted is not False)
-    return tuple(each for each in orders if name_of(each.text) == HINT_ORDER)
+    return tuple(each for each in orders if each.name == HINT_ORDER)
 
 
 def aids_used(trajectory: Trajectory) -> tuple[str, ...]:
@@ -150,13 +150,13 @@ def answer_to(
     caused = [
         order.id
         for order in trajectory.orders
-        if order.tick == episode.begun and name_of(order.text) == "casualty"
+        if order.tick == episode.begun and order.name == "casualty"
     ]
     for order in crew_orders(trajectory):
         # at the tick itself only what was ordered after the casualty, in a freeze
         later = order.tick > episode.begun
         later = later or (order.tick == episode.begun and bool(caused) and order.id > caused[-1])
-        if later and (names is None or name_of(order.text) in names):
+        if later and (names is None or order.name in names):
             return order
     return None
 

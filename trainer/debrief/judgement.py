@@ -25,7 +25,6 @@ from trainer.debrief.groundings import groundings
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict, score_rules
 from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory
-from trainer.io.orders.grammar import name_of
 from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
 from trainer.session.plan import Plan
@@ -172,7 +171,7 @@ def _free(trajectory: Trajectory) -> str:
     for order in trajectory.orders:
         if order.accepted is False or order.giver.kind is GiverKind.SCHEDULE:
             continue
-        if name_of(order.text) in FREEING_ORDERS:
+        if order.name in FREEING_ORDERS:
             seconds = order.tick * trajectory.boat.method.step
             return f"{order.text} at {clock(seconds)}, by {order.who}"
     return ""

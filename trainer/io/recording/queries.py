@@ -11,9 +11,11 @@ import sqlite3
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 from itertools import islice
 from typing import Any, Final, NamedTuple, TypeVar
 
+from trainer.io.orders.grammar import KEPT_ORDERS, name_of
 from trainer.io.recording import format_1
 from trainer.io.recording.facts import (
     NO_CREW_FACT,
@@ -109,6 +111,20 @@ class RecordedOrder:
     def who(self) -> str:
         """Return the name of the giver, as people read it."""
         return self.giver.words
+
+    @property
+    def name(self) -> str:
+        """Return the name of the order, "" for words that are none of this version."""
+        return recorded_name(self.text)
+
+
+@lru_cache(maxsize=KEPT_ORDERS)
+def recorded_name(text: str) -> str:
+    """Return the name of an order as it was recorded, without any token.
+
+    A debrief asks for it ten thousand times, of the same few texts.
+    """
+    return name_of(text)
 
 
 @dataclass(frozen=True)

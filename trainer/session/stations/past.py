@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
-from trainer.io.orders.grammar import Refused, name_of
+from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import BackgroundTask
@@ -168,7 +168,7 @@ def recalled_past(history: History) -> list[News]:
             branch=each.branch,
         )
         for each in orders
-        if name_of(each.text) == "casualty" and each.accepted
+        if each.name == "casualty" and each.accepted
     ]
     return sorted(news, key=lambda each: each.tick)
 
