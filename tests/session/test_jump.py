@@ -85,6 +85,11 @@ def objects_of(session: object) -> list[Any]:
     return [each for each in seen.values() if is_ours(type(each))]
 
 
+def kinds_of(session: object) -> set[type]:
+    """Return the classes of these objects."""
+    return {type(each) for each in objects_of(session)}
+
+
 def attributes_changed(function: ast.AST) -> Iterator[str]:
     """Yield the attributes of ``self`` that a function changes."""
     for node in ast.walk(function):
@@ -112,15 +117,14 @@ def classes_of(module: str) -> Mapping[str, ast.ClassDef]:
     return {each.name: each for each in ast.walk(tree) if isinstance(each, ast.ClassDef)}
 
 
-@cache
-def memory_of(kind: type) -> frozenset[str]:
+def memory_of(kind: type) -> set[str]:
     """Return the attributes that an object's own methods change after it has been made."""
     memory: set[str] = set()
     for each in filter(is_ours, kind.__mro__):
         for function in ast.iter_child_nodes(classes_of(each.__module__)[each.__name__]):
             if getattr(function, "name", "__init__") not in ("__init__", "__post_init__"):
                 memory |= {*attributes_changed(function)}
-    return frozenset(memory)
+    return memory
 
 
 def plainly(value: Any) -> object:
@@ -175,8 +179,8 @@ def unlisted(session: Parts, before: Mapping[int, Said]) -> set[str]:
     """
     known = listed(session) | {name for names in LASTING.values() for name in names}
     memory = later_than(before, session)
-    for each in objects_of(session):
-        memory.setdefault(type(each).__name__, set()).update(memory_of(type(each)))
+    for kind in kinds_of(session):
+        memory.setdefault(kind.__name__, set()).update(memory_of(kind))
     return {f"{name}.{key}" for name in memory.keys() - known for key in memory[name]}
 
 
@@ -244,7 +248,7 @@ def test_whoever_follows_a_jump_is_as_he_was_then(crewed: Callable[..., Crewed])
     then, session = remembered(ship.session), ship.session
     let_much_happen(ship)
     ship.order("restore then")
-    memory = {type(each).__name__: memory_of(type(each)) for each in objects_of(session)}
+    memory = {kind.__name__: memory_of(kind) for kind in kinds_of(session)}
     later = {
         f"{name}.{key}"
         for name, keys in later_than(then, session).items()
