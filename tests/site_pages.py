@@ -8,10 +8,10 @@ import json
 import posixpath
 import re
 import tempfile
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Final
 
+from helpers.loaded import loaded_from_outside
 from helpers.notebooks import NOTEBOOKS, outputs_of
 from helpers.places import ROOT
 from helpers.shell import typed
@@ -48,20 +48,16 @@ FENCE: Final = re.compile(r"(^```.*?^```)", re.MULTILINE | re.DOTALL)
 CODE_IN_TABLE: Final = re.compile(r"`[^`\n]*\\\|[^`\n]*`")  # its pipes need no backslash here
 LINK: Final = re.compile(r"\]\(([^)\s#:]+)(#[^)\s]*)?\)")
 PICTURE: Final = re.compile(r"!\[([^]]*)\]\((?:docs/)?(images/[^)]+)\)")
-LOADED: Final = {"src", "srcset", "poster", "data", "xlink:href"}  # attributes that load something
-HREF_LOADING: Final = {"use", "image"}  # of SVG
-LINKS_LOADED: Final = {"stylesheet", "icon", "preload", "prefetch", "preconnect", "modulepreload"}
-STYLE_LOADS: Final = re.compile(r"(?:url\(|@import)\s*[\"']?((?:https?:)?//[^\"')\s]*)")
-OUTSIDE: Final = re.compile(r"(?:https?:)?//")
 SAIL_PAGE: Final = f"""\
 # Sail a boat here
 
 After this page you have had a submarine's planes jam, and have tried to save the boat.
 
-[![The instructor's page: instruments, orders and the time line](images/page-instructor.png)]({SAILED})
+[![The instructor's page: instruments and time line](images/page-instructor.png)]({SAILED})
 
-**[Go aboard]({SAILED})**. The page begins with a card that says what breaks, when, and which limits to keep. Its key takes over
-there, time runs, and after two minutes the card has your result beside what was recorded, when nobody was aboard.
+**[Go aboard]({SAILED})**. The page begins with a card that says what breaks, when, and which
+limits to keep. Its key takes over there, and time runs. After two minutes the card has your
+result beside what was recorded, when nobody was aboard.
 
 It is one file with the boat inside. Keep it, mail it, open it without a network:
 [Send a boat by mail](boat-by-mail.md) says how to make one of any boat and any run.
@@ -197,26 +193,3 @@ def on_post_build(*, config: MkDocsConfig) -> None:
         raise PluginError("\n".join(("loaded from another host:", *faults)))
     size = sum(path.stat().st_size for path in site.rglob("*") if path.is_file())
     print(f"{len(pages)} pages, {size / 1e6:.1f} MB, nothing from another host")
-
-
-def loaded_from_outside(text: str) -> list[str]:
-    """Return the addresses on other hosts from which a page or its style loads something."""
-    parser = LoadedAddresses()
-    parser.feed(text)
-    return [each for each in (*parser.found, *STYLE_LOADS.findall(text)) if OUTSIDE.match(each)]
-
-
-class LoadedAddresses(HTMLParser):
-    """The addresses that a page loads without being asked to; where links lead is none."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.found: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Note what the tag loads."""
-        given = dict(attrs)
-        loading = LOADED
-        if tag in HREF_LOADING or LINKS_LOADED & set((given.get("rel") or "").split()):
-            loading = LOADED | {"href"}
-        self.found += [value.strip() for name, value in attrs if name in loading and value]
