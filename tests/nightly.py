@@ -50,7 +50,7 @@ PARTS: Final = {
     ),
     "site": Part(
         "the documents as a site: every link leads somewhere, nothing comes from another host",
-        ("mkdocs", "build", "--strict", "--quiet"),
+        ("mkdocs", "build", "--strict"),
     ),
     "soak": Part("a day under everything", ("tests.soak",)),
     "soak-by-the-clock": Part(
