@@ -1,7 +1,7 @@
 """What mkdocs adds to the documents: a menu, made pages, and a look at what the site loads.
 
 `mkdocs build` calls the functions `on_...`. The menu is that of docs/index.md. The home page is the
-README; the top's other documents come as they are linked.
+README. Files of the repository that a page names come with it.
 """
 
 import json
@@ -141,7 +141,7 @@ def sailed_page() -> str:
 
 def pictures_page() -> str:
     """Return a page of all pictures, each with its words and the page that it is from."""
-    pictures = {}
+    pictures: dict[str, tuple[str, str, str]] = {}
     for path in (ROOT / "README.md", *sorted(DOCS.glob("*.md"))):
         text = path.read_text(encoding="utf-8")
         title = text.partition("\n")[0].removeprefix("# ")

@@ -85,7 +85,7 @@ def address(site: Path) -> Iterator[str]:
 def opened(browser: Browser, address: str) -> Iterator[Page]:
     """Return a page; at its end nothing has come from another host, or gone wrong."""
     page, heard = browser.new_page(), Heard()
-    page.on("console", lambda said: said.type == "error" and heard.console.append(said.text))
+    page.on("console", lambda said: heard.console.append(said.text))
     page.on("pageerror", lambda error: heard.console.append(str(error)))
     page.on("request", lambda request: heard.requests.append(request.url))
     yield page
