@@ -48,6 +48,10 @@ PARTS: Final = {
         (*PYTEST, "-m", "slow"),
         {"CI_APT": "1"},
     ),
+    "site": Part(
+        "the documents as a site: every link leads somewhere, nothing comes from another host",
+        ("mkdocs", "build", "--strict"),
+    ),
     "soak": Part("a day under everything", ("tests.soak",)),
     "soak-by-the-clock": Part(
         "half an hour of it by the clock: no tick missed", ("tests.soak", "--real-time")

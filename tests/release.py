@@ -36,9 +36,6 @@ VERSION_LINES: Final = {  # by its file, how the line with the version begins an
 }
 CHANGELOG: Final = "CHANGELOG.md"
 HEADING: Final = "## Unreleased\n"
-PAGE: Final = "docs/stern-plane-jam.html"  # it names the version that has made it
-PAGE_TEXT: Final = "docs/boat-by-mail.md"  # which has the line that makes it
-PAGE_LINE: Final = re.compile(r"^trainer run .* --recording .*$", re.MULTILINE)
 TOOLS: Final = ("build", "twine")
 
 
@@ -114,16 +111,6 @@ def write_version(root: Path, version: str, day: date) -> None:
     (root / CHANGELOG).write_text(dated, encoding="utf-8")
 
 
-def renew_page(root: Path) -> None:
-    """Make the page of the documents anew, by the line that the documents have for it."""
-    (line,) = PAGE_LINE.findall((root / PAGE_TEXT).read_text(encoding="utf-8"))
-    program = shlex.join([sys.executable, "-m", "trainer"])
-    with tempfile.TemporaryDirectory() as folder:
-        words = re.sub(r"(?<!\S)trainer(?= )", lambda _: program, line)
-        run_in(Path(folder), "sh", "-c", words, PYTHONPATH=str(root))
-        (root / PAGE).write_bytes((Path(folder) / "drill.html").read_bytes())
-
-
 def build(root: Path, day: date, folder: Path) -> dict[str, bytes]:
     """Return wheel and sdist of the files as they stand, built in an empty folder of theirs.
 
@@ -171,8 +158,6 @@ def make_release(root: Path, version: str, day: date) -> dict[str, bytes]:
     check_changelog(root)
     with restored_on_failure(root):
         write_version(root, version, day)
-        if (root / PAGE).exists():
-            renew_page(root)
         files = build_twice(root, day)
         run_in(root, "git", "commit", "--all", "--message", f"Release {version}")
     run_in(root, "git", "tag", "--annotate", f"v{version}", "--message", f"trainer {version}")
