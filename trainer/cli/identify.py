@@ -326,7 +326,7 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
 @click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
 @click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
 @click.option("--csv", type=CSV_OUTPUT, metavar="FILE", help="Write it sample by sample.")
-@click.option("--checkpoint", type=Output(), help="Keep the search in this file.")
+@click.option("--checkpoint", type=Output(".json"), help="Keep the search in this file.")
 @click.option("--write-nomoto", type=TOML_OUTPUT, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=TOML_OUTPUT, help="Write the vessel file changed.")
 @click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page.")

@@ -236,7 +236,7 @@ nmea_options = combine_options(
     ),
     click.option(
         "--nmea-record",
-        type=Output(),
+        type=Output(".nmea", ".txt"),
         help="Keep the sentences in this file, at that rate of the boat's own time.",
     ),
     click.option(

@@ -18,7 +18,7 @@ from click.shell_completion import CompletionItem
 from trainer.config.files import is_path
 from trainer.io.outputs import SameFileError, note_input, promising
 
-FILE_KINDS: Final = {  # what has an ending
+FILE_KINDS: Final = {  # what has an ending: from .md on what no command writes by itself
     ".trainer": "a recording",
     ".toml": "a file of settings",
     ".csv": "a table",
@@ -30,6 +30,17 @@ FILE_KINDS: Final = {  # what has an ending
     ".png": "a picture",
     ".svg": "a picture",
     ".py": "a program",
+    ".md": "a text",
+    ".txt": "a text",
+    ".rst": "a text",
+    ".docx": "a text",
+    ".odt": "a text",
+    ".json": "a file of data",
+    ".ipynb": "a notebook",
+    ".xlsx": "a spreadsheet",
+    ".ods": "a spreadsheet",
+    ".zip": "an archive",
+    ".jpg": "a picture",
 }
 PLAIN_NAME: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
 
