@@ -358,10 +358,12 @@ def nearest_word(token: str, known: Iterable[str]) -> str:
 def meant_order(tokens: list[str]) -> str:
     """Return the order that is meant by words that are none, "" for none.
 
-    "go deeper" is about depth, though "go" alone is about time.
+    "go deeper" is about depth, mistyped too, though "go" alone is about time.
     """
-    word = tokens[1] if tokens[0] in GOING_WORDS and len(tokens) > 1 else ""
-    return MEANT_ORDERS.get(word) or MEANT_ORDERS.get(tokens[0], "")
+    if tokens[0] in GOING_WORDS and len(tokens) > 1:
+        known = nearest_word(tokens[1], MEANT_ORDERS.keys() - {*GOING_WORDS})
+        return MEANT_ORDERS.get(known, "")
+    return MEANT_ORDERS.get(tokens[0], "")
 
 
 def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
