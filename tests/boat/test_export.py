@@ -66,7 +66,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of an exported BB2 in a sea."""
     path = tmp_path_factory.mktemp("core")
     write_core(boat_at_start(OPTIONS), path, "x86-64-v2")
-    add_library(path)
+    add_library(path, "x86-64-v2")
     return path
 
 
@@ -136,7 +136,7 @@ def test_every_processor_and_method_gives_the_trainers_bits(
     if lacking:
         pytest.skip(f"this processor lacks {', '.join(sorted(lacking))}")
     write_core(boat, tmp_path, cpu)
-    add_library(tmp_path)
+    add_library(tmp_path, cpu)
     core = Core(tmp_path / LIBRARY_FILE)
 
     for tick in range(600):
@@ -324,7 +324,10 @@ def test_without_a_compiler_the_object_is_written_and_the_way_to_link_it_told(
     done = CliRunner().invoke(cli, ["export-core", str(tmp_path), "--json"])
 
     assert done.exit_code == 1
-    assert "there is no C compiler 'no-such-compiler' here" in done.stderr
+    assert (
+        "there is no 'no-such-compiler' here. Debian and Ubuntu: apt install gcc (CC names another)"
+        in done.stderr
+    )
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
         [HOST_FILE, HEADER_FILE, OBJECT_FILE]
     )
