@@ -2,7 +2,6 @@
 
 import gzip
 import re
-import shlex
 import subprocess
 from pathlib import Path
 
@@ -15,20 +14,21 @@ from helpers.emulated import (
     needed_programs,
 )
 from helpers.installation import installed
-from helpers.object_symbols import symbols
 from helpers.places import ROOT
 
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.boat.boat import Boat
 from trainer.boat.export.library import OBJECT_FILE, write_core
 from trainer.boat.machine_code import SHIPPED_FOLDER
+from trainer.boat.platforms import TARGETS
 from trainer.cli.export import boat_at_start
 from trainer.session.options import RunOptions
 
 HOST = Path(__file__).with_name("emulated.c")
 LEAST_HOST = Path(__file__).with_name("least.c")
 OBJECT_NAME = "linux-aarch64"
+METHODS = (("full", "rkv", "exact"), ("basic", "abm4", "report"), ("modified", "rk4", "exact"))
+PROMISED = r"^\| Cortex-M7: (?:flash|memory|stack)[^|]*\| (\d+) kB \|"
 PAGE = ROOT / "docs" / "exported-core.md"
 
 
@@ -67,3 +67,40 @@ def test_an_exported_core_ends_the_standard_hour_in_the_same_bits(cpu: str, tmp_
     need_programs(cpu)
 
     assert fly_exported_hour(cpu, tmp_path) == digest(fly_standard_hour(in_a_loop))
+
+
+@pytest.mark.slow
+@pytest.mark.process
+@pytest.mark.parametrize("cpu", EMULATORS)
+def test_an_exported_core_asks_for_nothing_by_any_method(cpu: str, tmp_path: Path) -> None:
+    need_programs(cpu)
+    tools = TARGETS[cpu].compiler.partition(" ")[0].removesuffix("gcc")
+    asked = {}
+    for equations, integrator, trig in METHODS:
+        how = {"equations": equations, "integrator": integrator, "trig": trig}
+        write_core(boat_at_start(RunOptions(vessel="bb2", unsafe_step=True, **how)), tmp_path, cpu)
+        words = [f"{tools}nm", "-u", str(tmp_path / OBJECT_FILE)]
+        asked[equations] = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+
+    assert asked == dict.fromkeys(asked, "")
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_a_boat_on_a_cortex_m7_takes_the_memory_that_is_promised(tmp_path: Path) -> None:
+    need_programs("cortex-m7")
+    write_core(boat_at_start(RunOptions(vessel="bb2", sea="sea-state-5")), tmp_path, "cortex-m7")
+    host = link_host("cortex-m7", tmp_path, LEAST_HOST, "-nostartfiles")
+    words = EMULATORS["cortex-m7"].words(host)
+    said = subprocess.run(words, capture_output=True, text=True, check=True, timeout=120)
+    stack = int(said.stdout + said.stderr)
+    size = subprocess.run(
+        ["arm-none-eabi-size", str(host)], capture_output=True, text=True, check=True
+    )
+    code, data, zeros = map(int, size.stdout.splitlines()[1].split()[:3])
+    measured = (code + data, data + zeros, stack)
+
+    rows = re.findall(PROMISED, PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    promised = [int(kilobytes) * 1000 for kilobytes in rows]
+    within = [0.8 * most < found <= most for found, most in zip(measured, promised, strict=True)]
+    assert within == [True] * 3, (measured, promised)

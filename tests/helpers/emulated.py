@@ -76,11 +76,12 @@ def fly_exported_hour(cpu: str, folder: Path) -> str:
         return digest(fly_standard_hour(take))
 
 
-def link_host(cpu: str, folder: Path, source: Path) -> Path:
+def link_host(cpu: str, folder: Path, source: Path, *options: str) -> Path:
     """Return a host with the core in it that lies exported in a folder."""
     host, target = folder / "host", TARGETS[cpu]
     sources = [*(str(folder / name) for name in target.board), str(source)]
-    words = [*shlex.split(target.compiler), "-O2", "-Wall", "-Werror", *EMULATORS[cpu].linked]
+    words = [*shlex.split(target.compiler), "-O2", "-Wall", "-Werror", *options]
+    words += EMULATORS[cpu].linked
     words += ["-I", str(folder), "-o", str(host), *sources, str(folder / OBJECT_FILE)]
     subprocess.run(words, check=True, capture_output=True)
     return host

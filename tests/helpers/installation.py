@@ -29,6 +29,7 @@ SLOW_PACKAGES: Final = {  # of the slow lane alone
     "arm-none-eabi-gcc": "gcc-arm-none-eabi libnewlib-arm-none-eabi",
     "firefox-esr": "firefox-esr",
     "qemu-aarch64": "qemu-user",
+    "qemu-riscv64": "qemu-user",
     "qemu-system-arm": "qemu-system-arm",
     "riscv64-linux-gnu-gcc": "gcc-riscv64-linux-gnu libc6-dev-riscv64-cross",
     "valgrind": "valgrind",

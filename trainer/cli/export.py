@@ -47,7 +47,7 @@ STATION_ROLES = (
 # fmt: on
 
 
-def print_targets(context: click.Context, _option: click.Parameter, wanted: bool) -> None:
+def print_targets(context: click.Context, _: click.Parameter, wanted: bool) -> None:  # noqa: FBT001
     """Print the processors that the core can be compiled for, and exit."""
     if wanted and not context.resilient_parsing:
         from trainer.boat.export.targets import list_targets
