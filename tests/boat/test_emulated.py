@@ -77,8 +77,8 @@ def test_an_exported_core_asks_for_nothing_by_any_method(cpu: str, tmp_path: Pat
     tools = TARGETS[cpu].compiler.partition(" ")[0].removesuffix("gcc")
     asked = {}
     for equations, integrator, trig in METHODS:
-        how = {"equations": equations, "integrator": integrator, "trig": trig}
-        write_core(boat_at_start(RunOptions(vessel="bb2", unsafe_step=True, **how)), tmp_path, cpu)
+        how = RunOptions(equations=equations, integrator=integrator, trig=trig, unsafe_step=True)
+        write_core(boat_at_start(how), tmp_path, cpu)
         words = [f"{tools}nm", "-u", str(tmp_path / OBJECT_FILE)]
         asked[equations] = subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
