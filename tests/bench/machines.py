@@ -22,7 +22,7 @@ from trainer.boat.machine_code import way_name
 
 
 class Machine(NamedTuple):
-    """How the hour is flown on a machine, and the packages of the programs that do it."""
+    """How the hour is flown on a machine, and packages by program that does it."""
 
     fly: Callable[[], str]
     programs: Mapping[str, str]

@@ -20,7 +20,7 @@ LLVM_NAMES: Final = {"sse4_2": "sse4.2", "bmi1": "bmi", "abm": "lzcnt"}  # where
 
 
 class Platform(NamedTuple):
-    """What an object is compiled for, by the compiler's names, and what links it in C."""
+    """What an object is compiled for, by the compiler's names, and what links it."""
 
     triple: str
     cpu: str

@@ -79,9 +79,9 @@ def lower(folder: str, *names: str) -> None:
 
 
 def lower_boat(folder: str, name: str, *constants: str) -> None:
-    """Write the object of one boat for a target into a folder, which has its scheme and constants.
+    """Write the object of one boat for a target into a folder.
 
-    They are in files of their names.
+    Its scheme and constants lie there, in files of their names.
     """
     entry = entry_of(update)
     text, kernel = kernel_text(entry)
@@ -93,7 +93,7 @@ def lower_boat(folder: str, name: str, *constants: str) -> None:
 
 
 def boat_object(name: str, scheme: Record, constants: Mapping[str, bytes]) -> bytes:
-    """Return the object of one boat's tick for a target; ConfigError where it cannot be made."""
+    """Return the object of one boat for a target; ConfigError where nothing makes it."""
     with tempfile.TemporaryDirectory() as folder:
         for file, data in {"scheme": np.asarray(scheme).tobytes(), **constants}.items():
             Path(folder, file).write_bytes(data)

@@ -54,7 +54,7 @@ def of_this_machine(name: str) -> bool:
 
 
 def lacking_compiler(name: str) -> str:
-    """Return why this machine cannot compile for a target, with what helps; "" where it can."""
+    """Return why nothing compiles for a target here, and what helps; or nothing."""
     target, host = TARGETS[name], binding.get_process_triple().partition("-")[0]
     if name in PROCESSOR_LEVELS and host != "x86_64":
         return f"this machine is {host}; give --cpu {NATIVE_NAME}"
@@ -68,14 +68,14 @@ def lacking_compiler(name: str) -> str:
 
 
 def lacking_linker(target: Platform, program: str) -> str:
-    """Return that a linker is not here, with the packages of one; "" where it is."""
+    """Return that a linker is not here, with its packages; or nothing."""
     if shutil.which(program):
         return ""
     return f"there is no {program!r} here. Debian and Ubuntu: apt install {target.packages}"
 
 
 def list_targets() -> list[str]:
-    """Return a line for each target: what it is, and what this installation lacks for it."""
+    """Return a line for each target, with what this installation lacks for it."""
     rows = []
     for name, target in TARGETS.items():
         barred = lacking_compiler(name)
