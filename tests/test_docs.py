@@ -56,7 +56,7 @@ def cases(page: Path) -> list[str]:
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 # what takes minutes, and has tests of its own
 SLOW = re.compile(
-    r"bench --(footprint|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
+    r"bench --(footprint|machines|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
     r"|guide bb2 --html|estimate small-boat|export-core (core|arm|risc|m7)"
     r"|bench --latency|^trainer dev bench$|tests\.(soak|cases)"
 )

@@ -89,8 +89,9 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
     DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
     with. The bits are the trainer's. Exit code 1 when no C compiler could link the library. With
-    --cpu wasm32 it gets core.wasm, boat.json and host.mjs, a host for node. With
-    --cpu shipped it gets the objects that this program runs, for all platforms and boats.
+    --cpu cortex-m7 it gets board.c, the start of a program, and no library. With --cpu wasm32 it
+    gets core.wasm, boat.json and host.mjs, a host for node. With --cpu shipped it gets the objects
+    that this program runs, for all platforms and boats.
     """
     import json
 
