@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from helpers import report_1969, report_1974
+from helpers.installation import SLOW_PACKAGES, installed
 from helpers.nursery import run_trainer
 from helpers.report_1969 import ABSENT, NEVER, rows_of
 from helpers.shell import ran, understand
@@ -39,20 +40,24 @@ def shown(page: Path) -> dict[str, str]:
 
 SHOWN = {line: text for page in PAGES for line, text in shown(page).items()}
 # what a reader types one after the other in one folder, since each needs what the first wrote
-IN_ONE_FOLDER = {"exported-core.md"}
+FIRST_IN_FOLDER = {"exported-core.md": "trainer boat export-core "}
 
 
 def cases(page: Path) -> list[str]:
-    """Return what is typed in a folder each: the commands of a page, or all of them in a row."""
+    """Return what is typed in a folder each: the commands of a page, or those of one beginning."""
     lines = commands(page)
-    return [" && ".join(lines)] if page.name in IN_ONE_FOLDER else lines
+    if page.name not in FIRST_IN_FOLDER:
+        return lines
+    first = FIRST_IN_FOLDER[page.name]
+    rows = "\n".join(lines).split(f"\n{first}")
+    return [(first * bool(i) + row).replace("\n", " && ") for i, row in enumerate(rows)]
 
 
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 # what takes minutes, and has tests of its own
 SLOW = re.compile(
-    r"bench --(footprint|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
-    r"|guide bb2 --html|estimate small-boat|export-core core"
+    r"bench --(footprint|machines|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
+    r"|guide bb2 --html|estimate small-boat|export-core (core|arm|risc|m7)"
     r"|bench --latency|^trainer dev bench$|tests\.(soak|cases)"
 )
 SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of its own
@@ -85,6 +90,8 @@ def test_what_a_page_types_are_commands_and_options_that_there_are(page: Path) -
 @pytest.mark.process
 @pytest.mark.parametrize("line", CASES)
 def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
+    for program in set(line.split()) & set(SLOW_PACKAGES):
+        installed(program, SLOW_PACKAGES[program])
     done = ran(line, tmp_path)
 
     assert done.returncode == 0, done.stderr

@@ -26,6 +26,8 @@ REASONS = {
     "boat/compilation.py announce_compiling": "the cache",
     "boat/export/fmu.py link_binary": "a folder of its own, which goes",
     "boat/export/objects.py lower": "a folder of its own, which goes",
+    "boat/export/objects.py lower_boat": "a folder of its own, which goes",
+    "boat/export/objects.py boat_object": "a folder of its own, which goes",
     "boat/machine_code.py made_object": "the cache",
     "boat/export/wasm.py lower": "a folder of its own, which goes",
     "boat/export/wasm.py _lowered": "a folder of its own, which goes",

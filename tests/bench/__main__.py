@@ -33,6 +33,7 @@ from trainer.config.vessel import load_vessel
 @click.option("--footprint", is_flag=True, help="Only the words of machine code, beside 1969.")
 @click.option("--peers", is_flag=True, help="Only the tick beside JSBSim and scipy.")
 @click.option("--wasm", is_flag=True, help="Only an hour by the core for WebAssembly, in node.")
+@click.option("--machines", is_flag=True, help="Only the hour on other processors, in emulators.")
 @click.option("--instructions", is_flag=True, help="Only the instructions of a tick, by valgrind.")
 @click.option("--identify", is_flag=True, help="Only how fast a ship is identified.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")

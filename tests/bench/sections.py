@@ -6,7 +6,7 @@ from typing import Final
 from c_twin import comparison
 from c_twin.compiler import SAME_BITS, build
 
-from bench import control, fleet, footprint, identify, instructions, parts, peers, wasm
+from bench import control, fleet, footprint, identify, instructions, machines, parts, peers, wasm
 from trainer.analysis.bench import same_bits as whole
 from trainer.analysis.bench.same_bits import SameBits, fly_hour
 from trainer.analysis.bench.sections import Section, or_left_out
@@ -41,6 +41,7 @@ SECTIONS: Final = {
     "wasm": or_left_out(
         NoCompilerError, Section(lambda wanted: wasm.time_hour_in_node(wanted.file), wasm.lines)
     ),
+    "machines": Section(lambda _wanted: machines.fly_on_machines(), machines.lines),
     "instructions": or_left_out(
         ConfigError, Section(lambda _wanted: instructions.measure(), instructions.lines)
     ),

@@ -1,68 +1,106 @@
-"""The shipped object of another processor, in an emulator: the hour ends in the same bits."""
+"""Objects for other processors, in emulators: the hour ends in the same bits."""
 
 import gzip
-import struct
+import re
 import subprocess
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from helpers.installation import installed
-
-from trainer.analysis.bench.standard_hour import (
-    TickRunner,
-    digest,
-    fly_standard_hour,
-    standard_boat,
+from helpers.emulated import (
+    EMULATORS,
+    emulated_ticks,
+    fly_exported_hour,
+    link_host,
+    needed_programs,
 )
+from helpers.installation import installed
+from helpers.places import ROOT
+
+from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.boat.assemble import Records
+from trainer.boat.export.library import OBJECT_FILE, write_core
 from trainer.boat.machine_code import SHIPPED_FOLDER
+from trainer.boat.platforms import TARGETS
+from trainer.cli.export import boat_at_start
+from trainer.session.options import RunOptions
 
 HOST = Path(__file__).with_name("emulated.c")
+LEAST_HOST = Path(__file__).with_name("least.c")
 OBJECT_NAME = "linux-aarch64"
-WORD = struct.Struct("<q")  # of ticks, and of a status
+METHODS = (("full", "rkv", "exact"), ("basic", "abm4", "report"), ("modified", "rk4", "exact"))
+PROMISED = r"^\| Cortex-M7: (?:flash|memory|stack)[^|]*\| (\d+) kB \|"
+PAGE = ROOT / "docs" / "exported-core.md"
+
+
+def need_programs(cpu: str) -> None:
+    """Have the compiler and the emulator of a target, or do without the test."""
+    for program, packages in needed_programs(cpu).items():
+        installed(program, packages)
 
 
 def build_host(folder: Path) -> Path:
     """Return the host with the shipped object in it, for aarch64; needs its compiler."""
-    compiler = installed("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross")
     tick, host = folder / "tick.o", folder / "host"
     tick.write_bytes(gzip.decompress((SHIPPED_FOLDER / f"{OBJECT_NAME}.o.gz").read_bytes()))
-    words = [compiler, "-O2", "-Wall", "-Werror", "-static", "-o", str(host), str(HOST), str(tick)]
-    subprocess.run(words, check=True)
+    words = ["aarch64-linux-gnu-gcc", "-O2", "-Wall", "-Werror", "-static"]
+    subprocess.run([*words, "-o", str(host), str(HOST), str(tick)], check=True)
     return host
-
-
-@contextmanager
-def emulated_ticks(host: Path, sizes: list[int]) -> Iterator[TickRunner]:
-    """Yield what takes ticks of records of those sizes [bytes] by the host, in the emulator."""
-    emulator = installed("qemu-aarch64", "qemu-user")
-    words = [emulator, str(host), *map(str, sizes)]
-    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
-        assert process.stdin
-        assert process.stdout
-        asked, answered = process.stdin, process.stdout
-
-        def take(records: Records, count: int) -> int:
-            asked.write(WORD.pack(count) + b"".join(each.tobytes() for each in records))
-            asked.flush()
-            (status,) = WORD.unpack(answered.read(WORD.size))
-            for record in records:
-                record.view("u1")[:] = bytearray(answered.read(record.nbytes))
-            return int(status)
-
-        yield take
-    assert process.returncode == 0
 
 
 @pytest.mark.slow
 @pytest.mark.process
 def test_the_object_for_aarch64_ends_the_standard_hour_in_the_same_bits(tmp_path: Path) -> None:
+    need_programs("aarch64")
     host = build_host(tmp_path)
-    sizes = [record.nbytes for record in standard_boat().records]
-    with emulated_ticks(host, sizes) as take:
+    records = standard_boat().records
+    words = EMULATORS["aarch64"].words(host, *(str(record.nbytes) for record in records))
+    with emulated_ticks(words, slice(len(records))) as take:
         flown = digest(fly_standard_hour(take))
 
     assert flown == digest(fly_standard_hour(in_a_loop))
+
+
+@pytest.mark.slow
+@pytest.mark.process
+@pytest.mark.parametrize("cpu", EMULATORS)
+def test_an_exported_core_ends_the_standard_hour_in_the_same_bits(cpu: str, tmp_path: Path) -> None:
+    need_programs(cpu)
+
+    assert fly_exported_hour(cpu, tmp_path) == digest(fly_standard_hour(in_a_loop))
+
+
+@pytest.mark.slow
+@pytest.mark.process
+@pytest.mark.parametrize("cpu", EMULATORS)
+def test_an_exported_core_asks_for_nothing_by_any_method(cpu: str, tmp_path: Path) -> None:
+    need_programs(cpu)
+    tools = TARGETS[cpu].compiler.partition(" ")[0].removesuffix("gcc")
+    asked = {}
+    for equations, integrator, trig in METHODS:
+        how = RunOptions(equations=equations, integrator=integrator, trig=trig, unsafe_step=True)
+        write_core(boat_at_start(how), tmp_path, cpu)
+        words = [f"{tools}nm", "-u", str(tmp_path / OBJECT_FILE)]
+        asked[equations] = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+
+    assert asked == dict.fromkeys(asked, "")
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_a_boat_on_a_cortex_m7_takes_the_memory_that_is_promised(tmp_path: Path) -> None:
+    need_programs("cortex-m7")
+    write_core(boat_at_start(RunOptions(vessel="bb2", sea="sea-state-5")), tmp_path, "cortex-m7")
+    host = link_host("cortex-m7", tmp_path, LEAST_HOST, "-nostartfiles")
+    words = EMULATORS["cortex-m7"].words(host)
+    said = subprocess.run(words, capture_output=True, text=True, check=True, timeout=120)
+    stack = int(said.stdout + said.stderr)
+    size = subprocess.run(
+        ["arm-none-eabi-size", str(host)], capture_output=True, text=True, check=True
+    )
+    code, data, zeros = map(int, size.stdout.splitlines()[1].split()[:3])
+    measured = (code + data, data + zeros, stack)
+
+    rows = re.findall(PROMISED, PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    promised = [int(kilobytes) * 1000 for kilobytes in rows]
+    within = [0.8 * most < found <= most for found, most in zip(measured, promised, strict=True)]
+    assert within == [True] * 3, (measured, promised)

@@ -33,15 +33,17 @@ from trainer.boat.export.library import (
     add_library,
     write_core,
 )
-from trainer.boat.export.lowering import freestanding_text
+from trainer.boat.export.lowering import FREESTANDING_PATH, freestanding_text
 from trainer.boat.export.targets import (
     NATIVE_NAME,
+    REINSTALL_HINT,
     Processor,
     code_words,
     find_processor,
     object_code,
 )
-from trainer.cli.export import boat_at_start
+from trainer.boat.platforms import TARGETS
+from trainer.cli.export import CPU_NAMES, boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.core.digest import core_digest
@@ -66,7 +68,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of an exported BB2 in a sea."""
     path = tmp_path_factory.mktemp("core")
     write_core(boat_at_start(OPTIONS), path, "x86-64-v2")
-    add_library(path)
+    add_library(path, "x86-64-v2")
     return path
 
 
@@ -136,7 +138,7 @@ def test_every_processor_and_method_gives_the_trainers_bits(
     if lacking:
         pytest.skip(f"this processor lacks {', '.join(sorted(lacking))}")
     write_core(boat, tmp_path, cpu)
-    add_library(tmp_path)
+    add_library(tmp_path, cpu)
     core = Core(tmp_path / LIBRARY_FILE)
 
     for tick in range(600):
@@ -148,11 +150,11 @@ def test_every_processor_and_method_gives_the_trainers_bits(
     assert bytes(core.state) == boat.records.state.tobytes()
 
 
-def compiled_library() -> ctypes.CDLL:
-    """Return our own versions of the library functions, compiled in memory."""
+def compiled_library(text: str) -> ctypes.CDLL:
+    """Return our own versions of library functions, compiled in memory."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    module = binding.parse_assembly(freestanding_text(64))
+    module = binding.parse_assembly(text)
     machine = binding.Target.from_default_triple().create_target_machine()
     return binding.create_mcjit_compiler(module, machine)  # type: ignore[no-any-return]
 
@@ -166,7 +168,7 @@ def some_numbers() -> list[float]:
 
 
 def test_our_own_ldexp_rounds_as_the_library_does() -> None:
-    engine = compiled_library()
+    engine = compiled_library(freestanding_text(64))
     address = engine.get_function_address("numba_ldexp")
     scaled = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_int)(address)
     draw = random.Random(2)  # noqa: S311
@@ -181,7 +183,7 @@ def test_our_own_ldexp_rounds_as_the_library_does() -> None:
 
 
 def test_our_own_frexp_takes_numbers_apart_as_the_library_does() -> None:
-    engine = compiled_library()
+    engine = compiled_library(freestanding_text(64))
     address = engine.get_function_address("numba_frexp")
     exponent = ctypes.c_int()
     taken = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.POINTER(ctypes.c_int))(
@@ -190,6 +192,32 @@ def test_our_own_frexp_takes_numbers_apart_as_the_library_does() -> None:
 
     for x in some_numbers():
         assert (taken(x, ctypes.byref(exponent)), exponent.value) == math.frexp(x), x
+
+
+def test_our_own_conversions_for_arm_round_as_the_library_does() -> None:
+    text = FREESTANDING_PATH.with_name("aeabi.ll").read_text(encoding="utf-8")
+    engine = compiled_library(text.replace("arm_aapcscc ", ""))
+    place = engine.get_function_address
+    whole = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double)(place("__aeabi_d2lz"))
+    signed = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64)(place("__aeabi_l2d"))
+    plain = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_uint64)(place("__aeabi_ul2d"))
+    draw = random.Random(3)  # noqa: S311
+    ends = [0, 1, 2**52, 2**53 + 1, 2**53 + 3, 2**62 + 2**9, 2**63 - 1]
+    sizes = [*ends, *(draw.getrandbits(draw.randint(1, 63)) for _ in range(3000))]
+    fractions = [math.ldexp(draw.uniform(-1.0, 1.0), draw.randint(-60, 63)) for _ in range(3000)]
+
+    assert [signed(n) for size in sizes for n in (size, -size)] == [
+        float(n) for size in sizes for n in (size, -size)
+    ]
+    assert [plain(n + 2**63) for n in sizes] == [float(n + 2**63) for n in sizes]
+    assert [whole(x) for x in (*some_small_numbers(), *fractions)] == [
+        int(x) for x in (*some_small_numbers(), *fractions)
+    ]
+
+
+def some_small_numbers() -> list[float]:
+    """Return numbers whose whole part an integer of 64 bits holds."""
+    return [x for x in some_numbers() if abs(x) < 2.0**63]
 
 
 # The library and its header
@@ -316,19 +344,79 @@ def test_a_tick_that_fails_says_which_number_and_leaves_the_state(core: Core) ->
 
 
 @pytest.mark.slow  # the core is compiled anew
+@pytest.mark.parametrize(
+    ("cpu", "packages"), [("x86-64-v2", "gcc"), ("riscv64", "gcc-riscv64-linux-gnu libc6")]
+)
 def test_without_a_compiler_the_object_is_written_and_the_way_to_link_it_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    cpu: str, packages: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CC", "no-such-compiler")
 
-    done = CliRunner().invoke(cli, ["export-core", str(tmp_path), "--json"])
+    done = CliRunner().invoke(cli, ["export-core", str(tmp_path), "--json", "--cpu", cpu])
 
     assert done.exit_code == 1
-    assert "there is no C compiler 'no-such-compiler' here" in done.stderr
+    assert "there is no 'no-such-compiler' here" in done.stderr
+    assert f"Debian and Ubuntu: apt install {packages}" in done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
         [HOST_FILE, HEADER_FILE, OBJECT_FILE]
     )
     assert json.loads(done.stdout)["files"] == [OBJECT_FILE, HEADER_FILE, HOST_FILE]
+
+
+def listed_targets() -> dict[str, str]:
+    """Return what the command lists of each target."""
+    done = CliRunner().invoke(cli, ["export-core", "--list"])
+    assert done.exit_code == 0, done.output
+    return dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
+
+
+def test_the_list_says_what_is_here_and_the_packages_of_the_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "riscv64-linux-gnu-gcc"
+    program.write_text("")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    told = listed_targets()
+
+    assert (*told, "shipped") == (*TARGETS, "shipped") == CPU_NAMES
+    assert told["riscv64"].split() == ["yes", *TARGETS["riscv64"].purpose.split()]
+    assert told["cortex-m7"].startswith("no linker")
+    assert told["cortex-m7"].endswith("apt install gcc-arm-none-eabi libnewlib-arm-none-eabi")
+    assert told["wasm32"].endswith("there is no 'wasm-ld' here. Debian and Ubuntu: apt install lld")
+
+
+def test_a_compiler_without_a_processor_says_so_and_what_brings_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make_boat: Callable[..., Boat]
+) -> None:
+    def refuse(triple: str) -> object:
+        if triple.startswith("riscv64"):
+            raise RuntimeError(triple)
+        return None
+
+    monkeypatch.setattr(binding.Target, "from_triple", refuse)
+
+    told = listed_targets()
+    assert told["riscv64"].startswith("no ")
+    assert told["riscv64"].endswith("has no riscv64 here; pip's has: " + REINSTALL_HINT)
+    assert not told["aarch64"].startswith("no ")
+    with pytest.raises(ConfigError, match="--cpu riscv64: the compiler in llvmlite has no riscv64"):
+        write_core(make_boat("bb2"), tmp_path, "riscv64")
+
+
+def test_a_level_of_another_kind_of_processor_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(binding, "get_process_triple", lambda: "aarch64-unknown-linux-gnu")
+
+    with pytest.raises(ConfigError, match="this machine is aarch64; give --cpu native"):
+        find_processor("x86-64-v2")
+
+
+def test_an_unknown_processor_is_answered_with_the_nearest() -> None:
+    done = CliRunner().invoke(cli, ["export-core", "core", "--cpu", "cortex-m4"])
+
+    assert done.exit_code == 2
+    assert "nearest is cortex-m7" in done.stderr
 
 
 def test_without_the_jit_nothing_can_be_exported(tmp_path: Path) -> None:

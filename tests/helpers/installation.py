@@ -26,8 +26,12 @@ PACKAGES: Final = {  # one or more, by program
 }
 SLOW_PACKAGES: Final = {  # of the slow lane alone
     "aarch64-linux-gnu-gcc": "gcc-aarch64-linux-gnu libc6-dev-arm64-cross",
+    "arm-none-eabi-gcc": "gcc-arm-none-eabi libnewlib-arm-none-eabi",
     "firefox-esr": "firefox-esr",
     "qemu-aarch64": "qemu-user",
+    "qemu-riscv64": "qemu-user",
+    "qemu-system-arm": "qemu-system-arm",
+    "riscv64-linux-gnu-gcc": "gcc-riscv64-linux-gnu libc6-dev-riscv64-cross",
     "valgrind": "valgrind",
 }
 # A network that is away for two minutes, and another process that installs, are waited for.

@@ -1,7 +1,7 @@
-"""The platforms that the core's machine code is shipped for, and levels of processors.
+"""The platforms that the core is compiled for, and levels of processors.
 
-``export/objects`` makes an object for each, ``machine_code`` loads the one of this machine;
-``export/targets`` compiles a boat's own core for a level.
+``export/objects`` makes the objects that are shipped, ``machine_code`` loads the one of this
+machine; ``export/targets`` and ``export/wasm`` compile a boat's own core.
 """
 
 import platform
@@ -20,17 +20,55 @@ LLVM_NAMES: Final = {"sse4_2": "sse4.2", "bmi1": "bmi", "abm": "lzcnt"}  # where
 
 
 class Platform(NamedTuple):
-    """What an object is compiled for, by the compiler's names."""
+    """What an object is compiled for, by the compiler's names, and what links it."""
 
     triple: str
     cpu: str
+    purpose: str = ""
+    features: str = ""
+    bits: int = 64  # of an address; with 32 the code is for size
+    helpers: tuple[str, ...] = ()  # files of LLVM text that the code generator calls
+    compiler: str = "cc"
+    packages: str = "gcc"  # Debian's, that have it and its library
+    board: tuple[str, ...] = ()  # files of C that start a program where there is no system
 
 
+ARM_COMPILER: Final = (  # input and output by the debugger, vectors at address 0
+    "arm-none-eabi-gcc -mcpu=cortex-m7 -mthumb -mfloat-abi=hard -mfpu=fpv5-d16 "
+    "--specs=rdimon.specs -Wl,--section-start=.vectors=0"
+)
+# fmt: off
+TARGETS: Final[Mapping[str, Platform]] = {  # by the name for --cpu
+    "x86-64-v2": Platform("x86_64-unknown-linux-gnu", "x86-64-v2", "any of the last 15 years"),
+    "x86-64-v3": Platform("x86_64-unknown-linux-gnu", "x86-64-v3", "with AVX2"),
+    "x86-64-v4": Platform("x86_64-unknown-linux-gnu", "x86-64-v4", "with AVX-512"),
+    "native": Platform("", "", "this one"),
+    "aarch64": Platform(
+        "aarch64-unknown-linux-gnu", "generic", "ARM of 64 bits, Linux",
+        compiler="aarch64-linux-gnu-gcc", packages="gcc-aarch64-linux-gnu libc6-dev-arm64-cross",
+    ),
+    "riscv64": Platform(
+        "riscv64-unknown-linux-gnu", "generic-rv64", "RISC-V of 64 bits, Linux",
+        features="+m,+a,+f,+d,+c",
+        compiler="riscv64-linux-gnu-gcc", packages="gcc-riscv64-linux-gnu libc6-dev-riscv64-cross",
+    ),
+    "cortex-m7": Platform(
+        "thumbv7em-unknown-none-eabihf", "cortex-m7", "ARM Cortex-M7 with doubles, no system",
+        bits=32, helpers=("aeabi.ll",),
+        compiler=ARM_COMPILER, packages="gcc-arm-none-eabi libnewlib-arm-none-eabi",
+        board=("board.c",),
+    ),
+    "wasm32": Platform(  # with the features that every browser has since 2021
+        "wasm32-unknown-unknown", "mvp", "WebAssembly",
+        features="+bulk-memory,+bulk-memory-opt", bits=32, compiler="wasm-ld", packages="lld",
+    ),
+}
+# fmt: on
 # by system and machine; the first that a processor can run is taken
 SHIPPED_PLATFORMS: Final[Mapping[str, Platform]] = {
-    "linux-x86_64-v3": Platform("x86_64-unknown-linux-gnu", "x86-64-v3"),
-    "linux-x86_64": Platform("x86_64-unknown-linux-gnu", "x86-64-v2"),
-    "linux-aarch64": Platform("aarch64-unknown-linux-gnu", "generic"),
+    "linux-x86_64-v3": TARGETS["x86-64-v3"],
+    "linux-x86_64": TARGETS["x86-64-v2"],
+    "linux-aarch64": TARGETS["aarch64"],
     # as ELF, because as COFF it would ask for _fltused
     "windows-x86_64": Platform("x86_64-pc-windows-msvc-elf", "x86-64-v2"),
     "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1"),

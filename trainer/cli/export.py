@@ -24,11 +24,17 @@ from trainer.cli.options import (
     sea_option,
     seed_option,
 )
-from trainer.cli.types import Output
+from trainer.cli.types import Choice, Output
 from trainer.session.options import RunOptions
 
-# Names of LLVM for processors; the first, the default, runs on the most machines.
-CPU_TARGETS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32", "shipped")
+# Those of the table of targets, which is not read for a list of commands; the first, the default,
+# runs on the most machines.
+# fmt: off
+CPU_NAMES = (
+    "x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "aarch64", "riscv64", "cortex-m7", "wasm32",
+    "shipped",
+)
+# fmt: on
 
 boat_options = combine_options(
     click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP),
@@ -47,15 +53,31 @@ STATION_ROLES = (
 # fmt: on
 
 
+def print_targets(context: click.Context, _: click.Parameter, wanted: bool) -> None:  # noqa: FBT001
+    """Print the processors that the core can be compiled for, and exit."""
+    if wanted and not context.resilient_parsing:
+        from trainer.boat.export.targets import list_targets
+
+        click.echo("\n".join(list_targets()))
+        context.exit()
+
+
 @click.command(name="export-core")
 @click.argument("directory", type=Output())
 @boat_options
 @click.option(
     "--cpu",
-    type=click.Choice(CPU_TARGETS),
-    default=CPU_TARGETS[0],
-    help="Processors that the code is for: any of the last 15 years, with AVX2, with AVX-512, "
-    "this machine's, WebAssembly, or those of the objects that the trainer itself ships.",
+    type=Choice(CPU_NAMES),
+    default=CPU_NAMES[0],
+    help="Processors that the code is for; shipped: those of the objects that the trainer ships.",
+)
+@click.option(
+    "--list",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=print_targets,
+    help="List these processors, and what this installation lacks for each.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> None:
@@ -67,8 +89,9 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
     DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
     with. The bits are the trainer's. Exit code 1 when no C compiler could link the library. With
-    --cpu wasm32 it gets core.wasm, boat.json and host.mjs, a host for node. With
-    --cpu shipped it gets the objects that this program runs, for all platforms and boats.
+    --cpu cortex-m7 it gets board.c, the start of a program, and no library. With --cpu wasm32 it
+    gets core.wasm, boat.json and host.mjs, a host for node. With --cpu shipped it gets the objects
+    that this program runs, for all platforms and boats.
     """
     import json
 
@@ -89,18 +112,21 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
     from trainer.boat.export.library import LIBRARY_FILE, add_library, render_export, write_core
     from trainer.boat.export.targets import NoCompilerError
+    from trainer.boat.platforms import TARGETS
 
     exported = write_core(boat_at_start(run_options(options)), directory, cpu)
     missing = ""
     # The object file is useful by itself. So it stays, even if no C compiler links the library.
+    files = exported.files
     try:
-        add_library(directory)
+        if not TARGETS[cpu].board:  # which alone has no libraries
+            add_library(directory, cpu)
+            files += (LIBRARY_FILE,)
     except NoCompilerError as error:
         missing = str(error)
-    files = (*exported.files, *(() if missing else (LIBRARY_FILE,)))
     figures = {**asdict(exported), "files": files}
     click.echo(
-        json.dumps(figures, indent=1) if as_json else render_export(exported, directory, files)
+        json.dumps(figures, indent=1) if as_json else render_export(exported, directory, files, cpu)
     )
     if missing:
         click.echo(f"trainer: {missing}", err=True)

@@ -16,13 +16,16 @@ from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.entries import entry_of
 from trainer.boat.export.header import header_text
 from trainer.boat.export.lowering import freestanding_module
+from trainer.boat.export.objects import boat_object
 from trainer.boat.export.targets import (
     Processor,
     code_words,
     find_processor,
     link_library,
     object_code,
+    of_this_machine,
 )
+from trainer.boat.platforms import TARGETS
 from trainer.config.files import ConfigError
 from trainer.core.digest import core_digest
 from trainer.core.state import SCRATCH, STATE
@@ -97,16 +100,17 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
     ConfigError if the folder cannot be written, or nothing be compiled for ``cpu``.
     """
     make_folder(folder, OBJECT_FILE, LIBRARY_FILE, HEADER_FILE, HOST_FILE)
-    target = find_processor(cpu)
+    target, scheme = find_processor(cpu), boat.records.scheme
     constants = constants_of(boat, card_text(boat, target))
-    code = object_code(
-        freestanding_module(entry_of(update), boat.records.scheme, constants), target
-    )
-    host = (Path(__file__).parent / HOST_FILE).read_bytes()
+    if of_this_machine(cpu):
+        code = object_code(freestanding_module(entry_of(update), scheme, constants), target)
+    else:
+        code = boat_object(cpu, scheme, constants)
+    sources = [HOST_FILE, *TARGETS[cpu].board]
     files = {
         OBJECT_FILE: code,
         HEADER_FILE: header_text(boat, target.name).encode(),
-        HOST_FILE: host,
+        **{name: Path(__file__).with_name(name).read_bytes() for name in sources},
     }
     with name_trouble():
         for name, data in files.items():
@@ -142,14 +146,15 @@ def boat_sizes(code: bytes) -> BoatSizes:
     return BoatSizes(code_words(code), *(kind.itemsize // 2 for kind in kinds))
 
 
-def add_library(folder: Path) -> None:
+def add_library(folder: Path, cpu: str) -> None:
     """Link the object in ``folder`` into a library; NoCompilerError if that cannot be done."""
-    link_library(folder / OBJECT_FILE, folder / LIBRARY_FILE)
+    link_library(folder / OBJECT_FILE, folder / LIBRARY_FILE, TARGETS[cpu])
 
 
-def render_export(exported: CoreExport, folder: Path, files: tuple[str, ...]) -> str:
-    """Return the account of an export into ``folder``."""
+def render_export(exported: CoreExport, folder: Path, files: tuple[str, ...], cpu: str) -> str:
+    """Return the account of an export for a target into ``folder``."""
     words = asdict(exported.words_of_16_bits)
+    linked = [folder / name for name in (*TARGETS[cpu].board, HOST_FILE, OBJECT_FILE)]
     lines = [
         exported.boat,
         f"compiled for {exported.cpu}",
@@ -159,7 +164,7 @@ def render_export(exported: CoreExport, folder: Path, files: tuple[str, ...]) ->
         *(f"  {name:10}{count:8,}" for name, count in words.items()),
         f"  {'together':10}{sum(words.values()):8,}",
         "",
-        f"cc -O2 -ffp-contract=off -o host {folder / HOST_FILE} {folder / OBJECT_FILE}",
+        f"{TARGETS[cpu].compiler} -O2 -ffp-contract=off -o host {' '.join(map(str, linked))}",
     ]
     return "\n".join(lines)
 

@@ -7,9 +7,10 @@ the bits are the trainer's.
 """
 
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -19,6 +20,8 @@ from llvmlite import binding  # type: ignore[import-untyped]
 from numba import types
 
 from trainer.boat.entries import NUMBER_PAIR, Entry
+from trainer.boat.export.targets import optimise_module
+from trainer.boat.platforms import Platform
 from trainer.config.files import ConfigError
 from trainer.core.kernel import INTERPRETED, TESTED_NUMBA, Record, is_tested
 
@@ -26,6 +29,7 @@ FREESTANDING_PATH: Final = Path(__file__).parent / "freestanding.ll"
 # the machine that kernels are lowered for where the bytes may not depend on that which lowers: what
 # it lacks is not in the text either
 PLAIN_MACHINE: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+BOAT_TICK: Final = "trainer_tick"  # of one boat's object
 SCHEME_PLACE: Final = 2  # of the arguments of a tick
 
 
@@ -188,10 +192,10 @@ def freestanding_module(entry: Entry, scheme: Record, constants: Mapping[str, by
     binding.initialize_native_asmprinter()
     text, name = kernel_text(entry)
     module = binding.parse_assembly(text)
-    head = entry_text(entry, name, "trainer_tick", np.asarray(scheme).tobytes())
+    head = entry_text(entry, name, BOAT_TICK, np.asarray(scheme).tobytes())
     for part in (head, freestanding_text(64), constants_text(constants)):
         module.link_in(binding.parse_assembly(part))
-    return seal_module(module, {"trainer_tick", *constants})
+    return seal_module(module, {BOAT_TICK, *constants})
 
 
 def freestanding_text(bits: int) -> str:
@@ -207,6 +211,25 @@ def seal_module(module: Any, shown: Collection[str]) -> Any:
             thing.linkage = "internal"
     module.verify()
     return module
+
+
+def compile_for(target: Platform, texts: Iterable[str], shown: Collection[str]) -> bytes:
+    """Return one object of these texts for a platform, with the names ``shown``."""
+    binding.initialize_all_targets()
+    binding.initialize_all_asmprinters()
+    reloc, level = ("pic", 3) if target.bits == 64 else ("static", 2)
+    machine = binding.Target.from_triple(target.triple).create_target_machine(
+        cpu=target.cpu, features=target.features, opt=level, reloc=reloc, codemodel="small"
+    )
+    head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{target.triple}"\n'
+    module = binding.parse_assembly(head + freestanding_text(target.bits))
+    helpers = [FREESTANDING_PATH.with_name(name).read_text("utf-8") for name in target.helpers]
+    for text in (*helpers, *texts):
+        own = re.sub(r"^target .*$", "", text, flags=re.MULTILINE)
+        module.link_in(binding.parse_assembly(head + own))
+    seal_module(module, shown)
+    optimise_module(module, machine, level)
+    return bytes(machine.emit_object(module))
 
 
 def lower_in_child(program: str, words: Sequence[str]) -> None:

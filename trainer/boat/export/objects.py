@@ -10,33 +10,37 @@ import gzip
 import hashlib
 import json
 import platform
-import re
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 import llvmlite  # type: ignore[import-untyped]
 import numba
+import numpy as np
 from llvmlite import binding
 
-from trainer.boat.entries import KERNEL_ENTRIES, TICK_NAME
+from trainer.boat.entries import KERNEL_ENTRIES, TICK_NAME, entry_of
 from trainer.boat.export.lowering import (
+    BOAT_TICK,
+    compile_for,
+    constants_text,
     entry_text,
-    freestanding_text,
     kernel_text,
     lower_in_child,
-    seal_module,
 )
-from trainer.boat.export.targets import optimise_module
-from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, Platform
+from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, TARGETS, Platform
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
+from trainer.core.kernel import Record
+from trainer.core.update import update
 from trainer.io.outputs import replacing
 
 CHILD_CODE: Final = (
     "from sys import argv; from trainer.boat.export import objects; objects.lower(*argv[1:])"
 )
+BOAT_CODE: Final = CHILD_CODE.replace(".lower", ".lower_boat")
+OBJECT_FILE: Final = "boat.o"
 # because each argument costs time to hand over
 BLOCK_TEXT: Final = """
 define i32 @{name}(ptr %block) {{
@@ -61,38 +65,45 @@ def block_text(tick_name: str, kinds: Iterable[str]) -> str:
 
 def lower(folder: str, *names: str) -> None:
     """Write the objects of the platforms named into a folder; "host" is this machine's."""
-    binding.initialize_all_targets()
-    binding.initialize_all_asmprinters()
-    texts = []
+    texts: list[str] = []
     for entry in KERNEL_ENTRIES:
         text, kernel = kernel_text(entry)
-        texts.append(re.sub(r"^target .*$", "", text, flags=re.MULTILINE))
-        texts.append(entry_text(entry, kernel, entry.name))
+        texts += [text, entry_text(entry, kernel, entry.name)]
         if entry.kernel is tick:
             kinds = [*(["ptr"] * len(entry.kinds)), *("double" for _ in entry.sizes)]
             texts[-1] += block_text(entry.name, kinds)
+    shown = {*(entry.name for entry in KERNEL_ENTRIES), TICK_NAME}
     for name in names:
-        object_path = Path(folder, f"{name}.o")
-        object_path.write_bytes(compile_for(SHIPPED_PLATFORMS.get(name) or host_platform(), texts))
+        target = SHIPPED_PLATFORMS.get(name) or host_platform()
+        Path(folder, f"{name}.o").write_bytes(compile_for(target, texts, shown))
+
+
+def lower_boat(folder: str, name: str, *constants: str) -> None:
+    """Write the object of one boat for a target into a folder.
+
+    Its scheme and constants lie there, in files of their names.
+    """
+    entry = entry_of(update)
+    text, kernel = kernel_text(entry)
+    scheme = Path(folder, "scheme").read_bytes()
+    given = {each: Path(folder, each).read_bytes() for each in constants}
+    texts = (text, entry_text(entry, kernel, BOAT_TICK, scheme), constants_text(given))
+    code = compile_for(TARGETS[name], texts, {BOAT_TICK, *constants})
+    Path(folder, OBJECT_FILE).write_bytes(code)
+
+
+def boat_object(name: str, scheme: Record, constants: Mapping[str, bytes]) -> bytes:
+    """Return the object of one boat for a target; ConfigError where nothing makes it."""
+    with tempfile.TemporaryDirectory() as folder:
+        for file, data in {"scheme": np.asarray(scheme).tobytes(), **constants}.items():
+            Path(folder, file).write_bytes(data)
+        lower_in_child(BOAT_CODE, (folder, name, *constants))
+        return Path(folder, OBJECT_FILE).read_bytes()
 
 
 def host_platform() -> Platform:
     """Return the plain processor of this machine's kind."""
     return Platform(binding.get_process_triple(), "generic")
-
-
-def compile_for(target: Platform, texts: Iterable[str]) -> bytes:
-    """Return one object of these texts for a platform."""
-    machine = binding.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.cpu, features="", opt=3, reloc="pic", codemodel="small"
-    )
-    head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{target.triple}"\n'
-    module = binding.parse_assembly(head + freestanding_text(64))
-    for text in texts:
-        module.link_in(binding.parse_assembly(head + text))
-    seal_module(module, {*(entry.name for entry in KERNEL_ENTRIES), TICK_NAME})
-    optimise_module(module, machine, 3)
-    return bytes(machine.emit_object(module))
 
 
 def make_objects(*names: str) -> dict[str, bytes]:

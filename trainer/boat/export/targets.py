@@ -1,8 +1,8 @@
-"""Processors that the core can be compiled for.
+"""Processors that the core can be compiled for, and what this installation lacks for one.
 
-There is an object for each, and a library of it. ``library`` and ``wasm`` compile by it. The levels
-are those of x86-64, because code for a newer processor is faster, and does not start on an older
-one.
+There is an object for each, and a library of it where there is a system. ``library`` compiles by
+it. The levels are those of x86-64, because code for a newer processor is faster, and does not start
+on an older one.
 """
 
 import os
@@ -16,10 +16,11 @@ from typing import Any, Final
 
 from llvmlite import binding  # type: ignore[import-untyped]
 
-from trainer.boat.platforms import PROCESSOR_LEVELS, flags_of, has_flag
+from trainer.boat.platforms import PROCESSOR_LEVELS, TARGETS, Platform, flags_of, has_flag
 from trainer.config.files import ConfigError
 
 NATIVE_NAME: Final = "native"
+REINSTALL_HINT: Final = "pip install --force-reinstall llvmlite"
 # what is not in the object is in nobody's: it would be missed when the library is loaded
 STRICT_FLAGS = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
 
@@ -28,7 +29,7 @@ STRICT_FLAGS = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
 class Processor:
     """The processor that an object is for.
 
-    It has the compiler's name, its features, and Linux's names of those that a host must have.
+    It has its name, its features, and Linux's names of those that a host must have.
     """
 
     name: str
@@ -38,14 +39,50 @@ class Processor:
 
 def find_processor(name: str) -> Processor:
     """Return the processor of that name; ConfigError where this machine cannot compile for it."""
-    host = binding.get_process_triple().partition("-")[0]
     if name == NATIVE_NAME:
         has = binding.get_host_cpu_features()
         needs = [flag for flag in flags_of(list(PROCESSOR_LEVELS)[-1]) if has_flag(has, flag)]
         return Processor(binding.get_host_cpu_name(), has.flatten(), tuple(needs))
-    if host != "x86_64":
-        raise ConfigError(f"--cpu {name}: this machine is {host}; give --cpu {NATIVE_NAME}")
+    if lack := lacking_compiler(name):
+        raise ConfigError(f"--cpu {name}: {lack}")
     return Processor(name, "", flags_of(name))
+
+
+def of_this_machine(name: str) -> bool:
+    """Return whether a target is a level of this machine's own kind of processor."""
+    return name == NATIVE_NAME or name in PROCESSOR_LEVELS
+
+
+def lacking_compiler(name: str) -> str:
+    """Return why nothing compiles for a target here, and what helps; or nothing."""
+    target, host = TARGETS[name], binding.get_process_triple().partition("-")[0]
+    if name in PROCESSOR_LEVELS and host != "x86_64":
+        return f"this machine is {host}; give --cpu {NATIVE_NAME}"
+    binding.initialize_all_targets()
+    try:
+        binding.Target.from_triple(target.triple or binding.get_process_triple())
+    except RuntimeError:
+        kind = target.triple.partition("-")[0]
+        return f"the compiler in llvmlite has no {kind} here; pip's has: {REINSTALL_HINT}"
+    return ""
+
+
+def lacking_linker(target: Platform, program: str) -> str:
+    """Return that a linker is not here, with its packages; or nothing."""
+    if shutil.which(program):
+        return ""
+    return f"there is no {program!r} here. Debian and Ubuntu: apt install {target.packages}"
+
+
+def list_targets() -> list[str]:
+    """Return a line for each target, with what this installation lacks for it."""
+    rows = []
+    for name, target in TARGETS.items():
+        barred = lacking_compiler(name)
+        lacks = barred or lacking_linker(target, target.compiler.partition(" ")[0])
+        here = "no" if barred else "no linker" if lacks else "yes"
+        rows.append(f"{name:<11}{here:<11}{'; '.join(filter(None, (target.purpose, lacks)))}")
+    return rows
 
 
 def object_code(module: Any, target: Processor) -> bytes:
@@ -82,14 +119,14 @@ class NoCompilerError(Exception):
     """There is no C compiler, or it cannot link; the text says what would."""
 
 
-def link_library(code: Path, library: Path) -> None:
+def link_library(code: Path, library: Path, target: Platform) -> None:
     """Link the object ``code`` into ``library``; NoCompilerError if that cannot be done here."""
-    compiler = shlex.split(os.environ.get("CC") or "cc")
+    compiler = shlex.split(os.environ.get("CC") or target.compiler)
     words = [*compiler, "-shared", "-nostdlib", *STRICT_FLAGS, "-o", str(library), str(code)]
-    if not shutil.which(compiler[0]):
+    if lack := lacking_linker(target, compiler[0]):
         raise NoCompilerError(
-            f"{library}: not made, there is no C compiler {compiler[0]!r} here (CC names another); "
-            f"the object is whole: {' '.join(words)}"
+            f"{library}: not made, {lack} (CC names another); the object is whole: "
+            f"{' '.join(words)}"
         )
     done = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603
     if done.returncode != 0:

@@ -20,7 +20,6 @@ from typing import Any, Final
 import llvmlite  # type: ignore[import-untyped]
 import numba
 import numpy as np
-from llvmlite import binding
 
 from trainer import __version__
 from trainer.boat.boat import STATE_PLACES, Boat
@@ -28,15 +27,14 @@ from trainer.boat.entries import Entry, entry_of
 from trainer.boat.export.header import places_of
 from trainer.boat.export.lowering import (
     call_program,
+    compile_for,
     entry_text,
-    freestanding_text,
     kernel_text,
     lower_in_child,
     quote_bytes,
-    seal_module,
 )
 from trainer.boat.export.orders import order_rows
-from trainer.boat.export.targets import optimise_module
+from trainer.boat.platforms import TARGETS
 from trainer.config.files import ConfigError
 from trainer.core.casualties import begin, end, instruments
 from trainer.core.digest import core_digest, same_core
@@ -53,9 +51,7 @@ SHIPPED_PATH: Final = Path(__file__).with_name(MODULE_FILE)
 CARD_FILE: Final = "core.wasm.txt"  # what the module was made from
 NUMBERS_FILE: Final = "boat.json"
 HOST_FILE: Final = "host.mjs"
-TARGET_TRIPLE: Final = "wasm32-unknown-unknown"
-WASM_FEATURES: Final = "+bulk-memory,+bulk-memory-opt"  # in every browser since 2021
-LINKER_NAME: Final = "wasm-ld"
+LINKER_NAME: Final = TARGETS[WASM32].compiler
 LINKER_OPTIONS: Final = (
     "--no-entry",
     "--strip-all",
@@ -110,26 +106,17 @@ def settle_method(text: str, scheme: bytes) -> str:
 
 def lower(scheme: str, target: str) -> None:
     """Write the object of the module for the scheme in file ``scheme`` to file ``target``."""
-    binding.initialize_all_targets()
-    binding.initialize_all_asmprinters()
-    machine = binding.Target.from_triple(TARGET_TRIPLE).create_target_machine(
-        cpu="mvp", features=WASM_FEATURES, opt=2, reloc="static", codemodel="small"
-    )
-    head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{TARGET_TRIPLE}"\n'
     rooms = "".join(
         f"@trainer_{room} = global [{size} x i8] zeroinitializer, align 16\n"
         for room, size in zip(ROOM_NAMES, ROOM_SIZES, strict=True)
     )
-    module = binding.parse_assembly(head + freestanding_text(32) + rooms)
+    texts = [rooms]
     for name, entry in HOST_FUNCTIONS.items():
         text, kernel = kernel_text(entry)
-        text = re.sub(r"^target .*$", "", text, flags=re.MULTILINE)
-        text = settle_method(text, Path(scheme).read_bytes())
-        for part in (text, entry_text(entry, kernel, name)):
-            module.link_in(binding.parse_assembly(head + part))
-    seal_module(module, {*HOST_FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)})
-    optimise_module(module, machine, 2)
-    Path(target).write_bytes(machine.emit_object(module))
+        texts.append(settle_method(text, Path(scheme).read_bytes()))
+        texts.append(entry_text(entry, kernel, name))
+    shown = {*HOST_FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)}
+    Path(target).write_bytes(compile_for(TARGETS[WASM32], texts, shown))
 
 
 def build_module(scheme: Record) -> bytes:
