@@ -285,7 +285,7 @@ def sentence_table() -> str:
 
 
 def key_table(role: str) -> str:
-    """Return the Markdown table of a role's keys, as docs/instructor.md shows it."""
+    """Return the Markdown table of a role's keys, as docs/keys.md shows it."""
     rows = [f"| `{key.label}` | {key.does} |" for key in KEYS[role]]
     return "\n".join(["| key | does |", "|---|---|", *rows]) + "\n"
 
@@ -309,7 +309,7 @@ MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "channels": channel_tables,
     "range-keys": lambda: fact_table("range", RANGE_KEYS),
     "exercise-keys": lambda: fact_table("exercise", EXERCISE_KEYS),
-    "keys": key_tables,  # docs/instructor.md
+    "keys": key_tables,  # docs/keys.md
     "nmea": sentence_table,  # docs/nmea.md
 }
 
