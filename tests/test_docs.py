@@ -63,7 +63,8 @@ SLOW = re.compile(
 SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of its own
     *("report-1969.md", "recordings.md", "sweeps.md", "boat-by-mail.md", "own-hull.md"),
     *("reduction.md", "debrief.md", "engineer.md", "identification.md", "report-1974.md"),
-    *("vessel-files.md", "exercises.md"),
+    *("vessel-files.md", "exercises.md", "exercise-files.md", "validation.md"),
+    *("identification-records.md", "steering.md"),
 }
 CASES = [
     pytest.param(
@@ -164,7 +165,7 @@ EXAMPLES = [
         if text.startswith("[current]")
     ),
     *((text, ["--sea", "./example.toml"]) for text in example_files("seas.md")),
-    *((text, ["./example.toml"]) for text in example_files("exercises.md")),
+    *((text, ["./example.toml"]) for text in example_files("exercise-files.md")),
 ]
 
 

@@ -848,7 +848,7 @@ def test_the_screens_load_neither_numbers_nor_boats() -> None:
 
 
 def test_the_documents_list_the_keys() -> None:
-    page = (ROOT / "docs" / "instructor.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "keys.md").read_text(encoding="utf-8")
     assert key_tables() in page, "renew it: python -m helpers.document_tables keys"
 
 

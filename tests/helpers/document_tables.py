@@ -254,7 +254,7 @@ def event_table() -> str:
 
 
 def channel_tables() -> str:
-    """Return the Markdown tables of the channels, as docs/stations.md shows them."""
+    """Return the Markdown tables of the channels, as docs/channels.md shows them."""
     return "\n".join(f"{channel_table(channel)}\n" for channel in CHANNELS.values())
 
 
@@ -285,7 +285,7 @@ def sentence_table() -> str:
 
 
 def key_table(role: str) -> str:
-    """Return the Markdown table of a role's keys, as docs/instructor.md shows it."""
+    """Return the Markdown table of a role's keys, as docs/keys.md shows it."""
     rows = [f"| `{key.label}` | {key.does} |" for key in KEYS[role]]
     return "\n".join(["| key | does |", "|---|---|", *rows]) + "\n"
 
@@ -306,10 +306,10 @@ MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "order-words": order_table,  # docs/stations.md, as the next ones
     "roles": role_table,
     "events": event_table,
-    "channels": channel_tables,
+    "channels": channel_tables,  # docs/channels.md
     "range-keys": lambda: fact_table("range", RANGE_KEYS),
     "exercise-keys": lambda: fact_table("exercise", EXERCISE_KEYS),
-    "keys": key_tables,  # docs/instructor.md
+    "keys": key_tables,  # docs/keys.md
     "nmea": sentence_table,  # docs/nmea.md
 }
 

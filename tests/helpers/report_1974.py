@@ -99,13 +99,13 @@ PROGRAMS: Final = (
     Row(
         "SHIP: ITH, SCAL",
         "which parameters are estimated, others fixed, scale factors",
-        "[`[[parameters]]`](identification.md#parameters) of a study",
+        "[`[[parameters]]`](identification-keys.md#parameters) of a study",
         f"{ESTIMATE}::test_scale_changes_nothing_but_the_numbers_moved",
     ),
     Row(
         "MEAS",
         "instantaneous or integrating measurements",
-        "[`measurement`](identification.md#model) of a study",
+        "[`measurement`](identification-keys.md#model) of a study",
         f"{SAMPLING}::test_readings_summed_over_the_interval_are_exact",
     ),
     Row(
@@ -135,13 +135,13 @@ PROGRAMS: Final = (
     Row(
         "SINT: NPRED1, NPRED2",
         "prediction over several steps",
-        "[`predict_from`, `predict_to`](identification.md#model) of a study",
+        "[`predict_from`, `predict_to`](identification-keys.md#model) of a study",
         f"{LIKELIHOOD}::test_predictions_several_steps_ahead_have_exact_gradients",
     ),
     Row(
         "SINT: CHISQ",
         "outliers screened by chi-square",
-        "[`reject`](identification.md#model) of a study, a probability",
+        "[`reject`](identification-keys.md#model) of a study, a probability",
         f"{LIKELIHOOD}::test_an_outlier_is_rejected_and_moves_nothing",
     ),
     Row(
@@ -159,7 +159,7 @@ PROGRAMS: Final = (
     Row(
         "LOOP",
         "restarts of the minimiser",
-        "[`restarts`](identification.md#model) of a study",
+        "[`restarts`](identification-keys.md#model) of a study",
         f"{ESTIMATE}::test_restarts_leave_a_shallow_minimum",
     ),
     Row(
@@ -232,7 +232,7 @@ PROGRAMS: Final = (
     Row(
         "IDPAC: data",
         "means, trends, dead time taken off",
-        "[`[armax]`](identification.md#armax) of a study",
+        "[`[armax]`](identification-keys.md#armax) of a study",
         "identify/test_armax.py::test_dead_time_and_trend_are_taken_out",
     ),
     Row(
@@ -455,7 +455,7 @@ TABLES: Final = (
     ),
     Row(
         "Table 8.1",
-        "A K Fernstrom: [derivatives](identification.md#a-table-of-derivatives) to gains",
+        "A K Fernstrom: [derivatives](steering.md#a-table-of-derivatives) to gains",
         "trainer ship steering FILE",
         DERIVED,
     ),

@@ -274,7 +274,7 @@ def test_an_output_without_any_value_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["identification", "decca", "derivatives", "nomoto", "systems"])
 def test_every_key_is_documented_as_it_is_read(name: str) -> None:
-    page = ROOT / "docs" / "identification.md"
+    page = ROOT / "docs" / "identification-keys.md"
     text = page.read_text(encoding="utf-8")
     assert TABLES[name]() in text, f"renew: python -m helpers.key_tables {name}"
 

@@ -30,7 +30,7 @@ from trainer.identify.pages.steering import of_nomoto, panels
 from trainer.units import DEGREE, KNOT
 
 SPEED = 10.0 * KNOT
-PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "steering.md").read_text(encoding="utf-8")
 PUBLISHED = json.loads((DATA / "identification" / "published_tables.json").read_text())
 SIZES = {one["ship"]: (one["L"], one["V_kn"]) for one in PUBLISHED["dimensional"]["ships"]}
 

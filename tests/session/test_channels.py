@@ -597,6 +597,6 @@ def test_the_panels_cover_what_the_observer_sees() -> None:
 
 
 def test_the_page_has_the_tables_of_the_channels() -> None:
-    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "channels.md").read_text(encoding="utf-8")
 
     assert channel_tables() in page, "renew: python -m helpers.document_tables channels"

@@ -1,8 +1,7 @@
 """The command ``trainer exercise validate`` says whether the marks of an exercise order skill.
 
 Crews of graded skill fly it, each at some seeds, and silly crews do. Marks are worth something
-where a better crew has more of them, and a silly one has few: docs/exercises.md, "Do the marks
-order skill?".
+where a better crew has more of them, and a silly one has few: docs/validation.md.
 """
 
 import statistics
