@@ -1,6 +1,7 @@
 """One hour of orders, sea and casualties ends in the same bits however its ticks are computed."""
 
 import shutil
+from collections import Counter
 
 import pytest
 from c_twin.compiler import RECORDS, SAME_BITS, build, header
@@ -14,7 +15,7 @@ from trainer.analysis.bench.same_bits import (
     same_bits,
     ways,
 )
-from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, standard_boat
+from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, orders, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
@@ -70,8 +71,10 @@ def test_the_standard_hour_is_of_the_standard_configuration_and_has_all_of_it(ho
     assert now.sea_cosines == now.sea_1969 == 0.0
     assert hour.time == 3600.0
     # sea, autopilot, tanks, air and pumps all had something to do
-    parts = {"sea_modes", "integral", "water", "air_taken", "bank", "u_c", "casualty"}
+    parts = {"sea_modes", "integral", "water", "air_taken", "bank", "compressor", "u_c", "casualty"}
     assert still & parts == set()
+    ordered = Counter(entry.order.name for entry in orders())
+    assert (ordered["pump"], ordered["flood"], ordered["hover"]) == (2, 1, 2)
 
 
 @pytest.mark.process

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -115,9 +116,12 @@ def test_the_gains_keep_depth_and_course(name: str) -> None:
 def test_every_coefficient_stands_with_its_deviation(written: Path) -> None:
     text = (written / "boat.toml").read_text(encoding="utf-8")
     rows = re.findall(r"^([XYZKMN]_\w+) = \S+   # L\^\d, sd (\S+); (.+)$", text, re.MULTILINE)
+    deviations = tomllib.loads(text)["estimate"]["sd"]
 
     assert len(rows) == 122
-    assert all(float(sd) >= 0.0 for _, sd, _ in rows)
+    written_sd = {key: float(sd) for key, sd, _ in rows}
+    assert written_sd == pytest.approx({key: deviations[key] for key in written_sd}, rel=0.06)
+    assert written_sd["Y_v"] > 0.0
 
 
 def test_the_page_has_the_hull_to_scale_and_every_coefficient(written: Path) -> None:

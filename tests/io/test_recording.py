@@ -1319,6 +1319,12 @@ def read_whole(path: Path) -> None:
 def test_what_is_wholly_recorded_is_read_whole(path: Path) -> None:
     changed(path)
     read_whole(path)
+    with closing(Recording.look(path)) as looked:
+        check_filled(looked)
+        assert [(each.tick, each.state, each.lateness, each.work) for each in looked.flown(1)] == [
+            (0, state_of(0), None, None),
+            *((tick, state_of(tick), 100 * tick, 1000 * tick) for tick in (1, 2, 3)),
+        ]
 
 
 LARGE = {
