@@ -63,7 +63,7 @@ TABLE_COMMENTS: Final = {
     "[[casualties]]": "What breaks: names by `trainer casualties`. within_s: later, by the seed.",
     "[limits]": "The gate: what must not be passed.",
     "[[scores]]": "How the crew is judged: measures in docs/debrief.md; full marks at full.",
-    "[[crew]]": "What the reference crew does: at_s, when, ordered or then; docs/exercise-files.md.",
+    "[[crew]]": "What the reference crew does: at_s, when, ordered, then; docs/exercise-files.md.",
     "[planesman]": "How it works the planes; all keys in docs/exercise-keys.md.",
     "[helmsman]": "How it steers.",
 }
