@@ -723,6 +723,7 @@ def test_a_condition_holds_beyond_its_threshold_only(
 
     assert m.trigger_place[0] == place
     assert m.trigger_threshold[0] == pytest.approx(value, rel=1e-6)
+    assert m.trigger_strict[0] == ("=" not in text)
     mirrored = field.startswith("delta") and boat.toward[surface] < 0.0
     assert m.trigger_sense[0] == (1.0 if (">" in text) is not mirrored else -1.0)
 
