@@ -57,7 +57,7 @@ FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 # what takes minutes, and has tests of its own
 SLOW = re.compile(
     r"bench --(footprint|machines|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
-    r"|guide bb2 --html|estimate small-boat|export-core (core|arm|risc|m7)"
+    r"|guide bb2 (--uncertainty )?--html|estimate small-boat|export-core (core|arm|risc|m7)"
     r"|bench --latency|^trainer dev bench$|tests\.(soak|cases)"
 )
 SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of its own
