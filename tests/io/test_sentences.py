@@ -237,7 +237,7 @@ def test_lines_of_noise_are_survived_in_flat_memory(lines: int) -> None:
 
     feed(lines)
     tracemalloc.start()
-    feed(1000)
+    feed(4000)  # until the interpreter's own cache of names, which is bounded, is full of noise too
     settled = kept()
     feed(4000)
     _, peak = tracemalloc.get_traced_memory()
@@ -245,7 +245,7 @@ def test_lines_of_noise_are_survived_in_flat_memory(lines: int) -> None:
     tracemalloc.stop()
 
     assert min(heard[Order], heard[BadOrder], heard[OverlongLine]) > 300
-    assert after - settled < 20_000
+    assert after - settled < 10_000
     assert peak < 500_000
 
 
