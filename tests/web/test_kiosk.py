@@ -140,6 +140,7 @@ def obey(page: Page, seen: dict[str, Any]) -> None:
                 touch_lever(page, seen, wanted)
 
 
+@pytest.mark.alone  # the visitor sees the boat as late as the page draws it
 def test_a_visitor_who_does_what_the_page_says_holds_sixty_metres(kiosk: Kiosk, look: Look) -> None:
     page = look(kiosk.session, "kiosk", size="tablet", has_touch=True)
     expect(page.locator("#challenge")).to_contain_text("70 metres long, 4,400 tonnes")
