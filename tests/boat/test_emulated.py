@@ -20,7 +20,7 @@ from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, stan
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.export.library import OBJECT_FILE, write_core
 from trainer.boat.machine_code import SHIPPED_FOLDER
-from trainer.boat.platforms import TARGETS
+from trainer.boat.platforms import CPU_TARGETS
 from trainer.cli.export import boat_at_start
 from trainer.session.options import RunOptions
 
@@ -74,7 +74,7 @@ def test_an_exported_core_ends_the_standard_hour_in_the_same_bits(cpu: str, tmp_
 @pytest.mark.parametrize("cpu", EMULATORS)
 def test_an_exported_core_asks_for_nothing_by_any_method(cpu: str, tmp_path: Path) -> None:
     need_programs(cpu)
-    tools = TARGETS[cpu].compiler.partition(" ")[0].removesuffix("gcc")
+    tools = CPU_TARGETS[cpu].compiler.partition(" ")[0].removesuffix("gcc")
     asked = {}
     for equations, integrator, trig in METHODS:
         how = RunOptions(equations=equations, integrator=integrator, trig=trig, unsafe_step=True)

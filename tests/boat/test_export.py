@@ -42,7 +42,7 @@ from trainer.boat.export.targets import (
     find_processor,
     object_code,
 )
-from trainer.boat.platforms import TARGETS
+from trainer.boat.platforms import CPU_TARGETS
 from trainer.cli.export import CPU_NAMES, boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
@@ -380,8 +380,8 @@ def test_the_list_says_what_is_here_and_the_packages_of_the_rest(
 
     told = listed_targets()
 
-    assert (*told, "shipped") == (*TARGETS, "shipped") == CPU_NAMES
-    assert told["riscv64"].split() == ["yes", *TARGETS["riscv64"].purpose.split()]
+    assert (*told, "shipped") == (*CPU_TARGETS, "shipped") == CPU_NAMES
+    assert told["riscv64"].split() == ["yes", *CPU_TARGETS["riscv64"].purpose.split()]
     assert told["cortex-m7"].startswith("no linker")
     assert told["cortex-m7"].endswith("apt install gcc-arm-none-eabi libnewlib-arm-none-eabi")
     assert told["wasm32"].endswith("there is no 'wasm-ld' here. Debian and Ubuntu: apt install lld")

@@ -94,14 +94,14 @@ FAULTS = (
 )
 QUICK_FAULTS = (FAULTS[2], FAULTS[12], FAULTS[16])
 SHIPPED = shipped_names("exercises")
-WIDER = 4  # times apart are points here; falls between them are halved as finely as else
+SPREAD_FACTOR = 4  # times apart are points here; falls between them are halved as finely as else
 SHORT = ("stern-plane-jam", "rise-jam-shallow", "steering-jam", "flooding-aft", "hover-by-pump")
 
 
 @pytest.fixture(autouse=True)
 def wider_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at fewer moments than a user's debrief does."""
-    monkeypatch.setattr("trainer.debrief.attainable.POINT_PERIODS", WIDER * POINT_PERIODS)
+    monkeypatch.setattr("trainer.debrief.attainable.POINT_PERIODS", SPREAD_FACTOR * POINT_PERIODS)
 
 
 @cache

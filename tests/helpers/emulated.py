@@ -20,7 +20,7 @@ from trainer.analysis.bench.standard_hour import (
 )
 from trainer.boat.assemble import Records
 from trainer.boat.export.library import OBJECT_FILE, write_core
-from trainer.boat.platforms import TARGETS
+from trainer.boat.platforms import CPU_TARGETS
 
 HOST: Final = ROOT / "tests" / "boat" / "exported.c"
 WORD: Final = struct.Struct("<q")  # of ticks, and of a status
@@ -61,7 +61,7 @@ EMULATORS: Final[Mapping[str, Emulator]] = {  # by target
 
 def needed_programs(cpu: str) -> dict[str, str]:
     """Return the programs that fly a target's hour, with Debian's packages of each."""
-    emulator, target = EMULATORS[cpu], TARGETS[cpu]
+    emulator, target = EMULATORS[cpu], CPU_TARGETS[cpu]
     return {
         target.compiler.partition(" ")[0]: target.packages,
         emulator.program: emulator.package,
@@ -78,7 +78,7 @@ def fly_exported_hour(cpu: str, folder: Path) -> str:
 
 def link_host(cpu: str, folder: Path, source: Path, *options: str) -> Path:
     """Return a host with the core in it that lies exported in a folder."""
-    host, target = folder / "host", TARGETS[cpu]
+    host, target = folder / "host", CPU_TARGETS[cpu]
     sources = [*(str(folder / name) for name in target.board), str(source)]
     words = [*shlex.split(target.compiler), "-O2", "-Wall", "-Werror", *options]
     words += EMULATORS[cpu].linked

@@ -38,7 +38,7 @@ ARM_COMPILER: Final = (  # input and output by the debugger, vectors at address 
     "--specs=rdimon.specs -Wl,--section-start=.vectors=0"
 )
 # fmt: off
-TARGETS: Final[Mapping[str, Platform]] = {  # by the name for --cpu
+CPU_TARGETS: Final[Mapping[str, Platform]] = {  # by the name for --cpu
     "x86-64-v2": Platform("x86_64-unknown-linux-gnu", "x86-64-v2", "any of the last 15 years"),
     "x86-64-v3": Platform("x86_64-unknown-linux-gnu", "x86-64-v3", "with AVX2"),
     "x86-64-v4": Platform("x86_64-unknown-linux-gnu", "x86-64-v4", "with AVX-512"),
@@ -66,9 +66,9 @@ TARGETS: Final[Mapping[str, Platform]] = {  # by the name for --cpu
 # fmt: on
 # by system and machine; the first that a processor can run is taken
 SHIPPED_PLATFORMS: Final[Mapping[str, Platform]] = {
-    "linux-x86_64-v3": TARGETS["x86-64-v3"],
-    "linux-x86_64": TARGETS["x86-64-v2"],
-    "linux-aarch64": TARGETS["aarch64"],
+    "linux-x86_64-v3": CPU_TARGETS["x86-64-v3"],
+    "linux-x86_64": CPU_TARGETS["x86-64-v2"],
+    "linux-aarch64": CPU_TARGETS["aarch64"],
     # as ELF, because as COFF it would ask for _fltused
     "windows-x86_64": Platform("x86_64-pc-windows-msvc-elf", "x86-64-v2"),
     "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1"),

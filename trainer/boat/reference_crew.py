@@ -88,7 +88,7 @@ class ReferenceCrew:
         """Follow the rules and the hands at this tick; return the orders given."""
         self.gauges.look()
         orders = []
-        for lead, progress in self._led():
+        for lead, progress in self._with_leads():
             if not progress.over and progress.due is None:
                 self._notice(progress, lead)
             if self.is_due(progress):
@@ -155,11 +155,11 @@ class ReferenceCrew:
         """Return the rules that wait for something."""
         return [
             each
-            for lead, each in self._led()
+            for lead, each in self._with_leads()
             if not each.over and (each.due is not None or lead is None or lead.given is not None)
         ]
 
-    def _led(self) -> Iterator[tuple[RuleProgress | None, RuleProgress]]:
+    def _with_leads(self) -> Iterator[tuple[RuleProgress | None, RuleProgress]]:
         """Yield each rule after the one that it follows upon, None for one that follows none."""
         before = None
         for each in self.followed:
@@ -197,7 +197,7 @@ class ReferenceCrew:
     def notice(self) -> None:
         """Read the gauges at this tick, and set when the orders of rules are due."""
         self.gauges.look()
-        for lead, progress in self._led():
+        for lead, progress in self._with_leads():
             if not progress.over and progress.due is None:
                 self._notice(progress, lead)
 

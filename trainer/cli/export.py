@@ -112,14 +112,14 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
     from trainer.boat.export.library import LIBRARY_FILE, add_library, render_export, write_core
     from trainer.boat.export.targets import NoCompilerError
-    from trainer.boat.platforms import TARGETS
+    from trainer.boat.platforms import CPU_TARGETS
 
     exported = write_core(boat_at_start(run_options(options)), directory, cpu)
     missing = ""
     # The object file is useful by itself. So it stays, even if no C compiler links the library.
     files = exported.files
     try:
-        if not TARGETS[cpu].board:  # which alone has no libraries
+        if not CPU_TARGETS[cpu].board:  # which alone has no libraries
             add_library(directory, cpu)
             files += (LIBRARY_FILE,)
     except NoCompilerError as error:

@@ -18,7 +18,7 @@ from click.shell_completion import CompletionItem
 from trainer.config.files import is_path
 from trainer.io.outputs import SameFileError, note_input, promising
 
-FILE_KINDS: Final = {  # what has an ending: from .md on what no command writes by itself
+FILE_KINDS: Final = {  # what has an ending, also such as only somebody else writes
     ".trainer": "a recording",
     ".toml": "a file of settings",
     ".csv": "a table",

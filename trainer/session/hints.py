@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.score_rules import HINT_ORDER
-from trainer.io.orders.grammar import Order, Refused, Reply, name_of
+from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
@@ -69,7 +69,7 @@ class Hints:
             return
         if not moment.tick:
             self.told.clear()
-        known = [each for each in self.history.said() if name_of(each.text) == HINT_ORDER]
+        known = [each for each in self.history.said() if each.name == HINT_ORDER]
         for order, giver, text in self.told[len(known) :]:
             self.history.answered(self.history.order(giver, order), text)
 

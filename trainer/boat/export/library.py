@@ -25,7 +25,7 @@ from trainer.boat.export.targets import (
     object_code,
     of_this_machine,
 )
-from trainer.boat.platforms import TARGETS
+from trainer.boat.platforms import CPU_TARGETS
 from trainer.config.files import ConfigError
 from trainer.core.digest import core_digest
 from trainer.core.state import SCRATCH, STATE
@@ -106,7 +106,7 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
         code = object_code(freestanding_module(entry_of(update), scheme, constants), target)
     else:
         code = boat_object(cpu, scheme, constants)
-    sources = [HOST_FILE, *TARGETS[cpu].board]
+    sources = [HOST_FILE, *CPU_TARGETS[cpu].board]
     files = {
         OBJECT_FILE: code,
         HEADER_FILE: header_text(boat, target.name).encode(),
@@ -148,13 +148,13 @@ def boat_sizes(code: bytes) -> BoatSizes:
 
 def add_library(folder: Path, cpu: str) -> None:
     """Link the object in ``folder`` into a library; NoCompilerError if that cannot be done."""
-    link_library(folder / OBJECT_FILE, folder / LIBRARY_FILE, TARGETS[cpu])
+    link_library(folder / OBJECT_FILE, folder / LIBRARY_FILE, CPU_TARGETS[cpu])
 
 
 def render_export(exported: CoreExport, folder: Path, files: tuple[str, ...], cpu: str) -> str:
     """Return the account of an export for a target into ``folder``."""
     words = asdict(exported.words_of_16_bits)
-    linked = [folder / name for name in (*TARGETS[cpu].board, HOST_FILE, OBJECT_FILE)]
+    linked = [folder / name for name in (*CPU_TARGETS[cpu].board, HOST_FILE, OBJECT_FILE)]
     lines = [
         exported.boat,
         f"compiled for {exported.cpu}",
@@ -164,7 +164,7 @@ def render_export(exported: CoreExport, folder: Path, files: tuple[str, ...], cp
         *(f"  {name:10}{count:8,}" for name, count in words.items()),
         f"  {'together':10}{sum(words.values()):8,}",
         "",
-        f"{TARGETS[cpu].compiler} -O2 -ffp-contract=off -o host {' '.join(map(str, linked))}",
+        f"{CPU_TARGETS[cpu].compiler} -O2 -ffp-contract=off -o host {' '.join(map(str, linked))}",
     ]
     return "\n".join(lines)
 

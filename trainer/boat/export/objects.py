@@ -29,7 +29,7 @@ from trainer.boat.export.lowering import (
     kernel_text,
     lower_in_child,
 )
-from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, TARGETS, Platform
+from trainer.boat.platforms import CARD_FILE, CPU_TARGETS, SHIPPED_PLATFORMS, Platform
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
 from trainer.core.kernel import Record
@@ -88,7 +88,7 @@ def lower_boat(folder: str, name: str, *constants: str) -> None:
     scheme = Path(folder, "scheme").read_bytes()
     given = {each: Path(folder, each).read_bytes() for each in constants}
     texts = (text, entry_text(entry, kernel, BOAT_TICK, scheme), constants_text(given))
-    code = compile_for(TARGETS[name], texts, {BOAT_TICK, *constants})
+    code = compile_for(CPU_TARGETS[name], texts, {BOAT_TICK, *constants})
     Path(folder, OBJECT_FILE).write_bytes(code)
 
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from llvmlite import binding  # type: ignore[import-untyped]
 
-from trainer.boat.platforms import PROCESSOR_LEVELS, TARGETS, Platform, flags_of, has_flag
+from trainer.boat.platforms import CPU_TARGETS, PROCESSOR_LEVELS, Platform, flags_of, has_flag
 from trainer.config.files import ConfigError
 
 NATIVE_NAME: Final = "native"
@@ -55,7 +55,7 @@ def of_this_machine(name: str) -> bool:
 
 def lacking_compiler(name: str) -> str:
     """Return why nothing compiles for a target here, and what helps; or nothing."""
-    target, host = TARGETS[name], binding.get_process_triple().partition("-")[0]
+    target, host = CPU_TARGETS[name], binding.get_process_triple().partition("-")[0]
     if name in PROCESSOR_LEVELS and host != "x86_64":
         return f"this machine is {host}; give --cpu {NATIVE_NAME}"
     binding.initialize_all_targets()
@@ -77,7 +77,7 @@ def lacking_linker(target: Platform, program: str) -> str:
 def list_targets() -> list[str]:
     """Return a line for each target, with what this installation lacks for it."""
     rows = []
-    for name, target in TARGETS.items():
+    for name, target in CPU_TARGETS.items():
         barred = lacking_compiler(name)
         lacks = barred or lacking_linker(target, target.compiler.partition(" ")[0])
         here = "no" if barred else "no linker" if lacks else "yes"

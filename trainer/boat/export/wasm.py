@@ -34,7 +34,7 @@ from trainer.boat.export.lowering import (
     quote_bytes,
 )
 from trainer.boat.export.orders import order_rows
-from trainer.boat.platforms import TARGETS
+from trainer.boat.platforms import CPU_TARGETS
 from trainer.config.files import ConfigError
 from trainer.core.casualties import begin, end, instruments
 from trainer.core.digest import core_digest, same_core
@@ -51,7 +51,7 @@ SHIPPED_PATH: Final = Path(__file__).with_name(MODULE_FILE)
 CARD_FILE: Final = "core.wasm.txt"  # what the module was made from
 NUMBERS_FILE: Final = "boat.json"
 HOST_FILE: Final = "host.mjs"
-LINKER_NAME: Final = TARGETS[WASM32].compiler
+LINKER_NAME: Final = CPU_TARGETS[WASM32].compiler
 LINKER_OPTIONS: Final = (
     "--no-entry",
     "--strip-all",
@@ -116,7 +116,7 @@ def lower(scheme: str, target: str) -> None:
         texts.append(settle_method(text, Path(scheme).read_bytes()))
         texts.append(entry_text(entry, kernel, name))
     shown = {*HOST_FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)}
-    Path(target).write_bytes(compile_for(TARGETS[WASM32], texts, shown))
+    Path(target).write_bytes(compile_for(CPU_TARGETS[WASM32], texts, shown))
 
 
 def build_module(scheme: Record) -> bytes:
