@@ -11,6 +11,8 @@ from helpers.waiting import await_that
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
+from trainer.web.modules import ASSETS_FOLDER
+
 Look = Callable[..., Page]
 
 
@@ -79,6 +81,26 @@ def test_the_wall_shows_alerts_the_bell_and_the_track_by_dead_reckoning(look: Lo
         )
         assert reckoned[1] == pytest.approx(sailed[1], rel=0.1)
         assert page.locator("track-chart").evaluate(INK) > 100
+
+
+# A boat that gathers way is seen each minute; then one that turns as fast.
+RECKONED = """async () => {
+  const { reckon } = await import("/assets/js/model/reckoning.js");
+  const gathers = [0, 6, 12].map((speed) => ({ speed, heading: 90 }));
+  const turns = [0, 90, 180].map((heading) => ({ speed: 10, heading }));
+  return [gathers, turns].map((rows) => reckon({ times: [0, 60, 120], rows }, 9));
+}"""
+
+
+def test_a_boat_seen_each_minute_is_reckoned_by_the_mean_of_two_readings(look: Look) -> None:
+    with served() as session:
+        page, script = look(session, "wall"), ASSETS_FOLDER / "js/model/reckoning.js"
+        page.route("**/model/reckoning.js", lambda asked: asked.fulfill(path=script))
+        gathers, turns = page.evaluate(RECKONED)
+
+    knot = 1852 / 3600
+    assert gathers == [pytest.approx((0, each * knot), abs=0.01) for each in (0, 180, 720)]
+    assert turns[1] == pytest.approx((300 * knot, 300 * knot), abs=0.01)
 
 
 # How many points of a canvas bear something.

@@ -7,6 +7,7 @@
 import getpass
 import json
 import math
+import mmap
 import socket
 import sys
 from collections.abc import Callable
@@ -45,6 +46,7 @@ from trainer.cli.web import require_pages
 
 MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
 Begin = Callable[[RunOptions], NoReturn]
+IMPORT_SPACE = 320_000_000  # [B] of addresses: numba and numpy were seen to take 350 million
 WRITER_WORDS = ("-X", "utf8", "-m", "trainer.debrief.beside")  # a refusal may name any path
 STATION_ROLES = (
     "instructor",
@@ -224,12 +226,24 @@ def take_to_sea(options: RunOptions) -> NoReturn:
     import gc
 
     gc.disable()  # until the boat is ready: looking for garbage is a tenth of the start
+    refuse_little_memory()
     from trainer.session.run import run_boat
 
     try:
         sys.exit(run_boat(options, debriefing=debriefing()))
     finally:
         gc.enable()
+
+
+def refuse_little_memory() -> None:
+    """Raise MemoryError where what a session imports has no room.
+
+    CPython 3.11 that can make no object any more may handle the same exception for ever.
+    """
+    try:
+        mmap.mmap(-1, IMPORT_SPACE).close()  # nothing is written to it
+    except OSError:
+        raise MemoryError from None
 
 
 def debriefing() -> "DebriefSource":
