@@ -17,6 +17,7 @@ INSTALLING_S: Final = 600.0  # [s] for all of them
 PACKAGES: Final = {  # one or more, by program
     "chromium": "chromium",
     "chromium-headless-shell": "chromium-headless-shell",
+    "faketime": "faketime",
     "gpsd": "gpsd",
     "gpsdecode": "gpsd-clients",
     "node": "nodejs",

@@ -73,9 +73,24 @@ def dialled(
         max_queue=how.pop("max_queue", None),  # else it reads no more
         close_timeout=1.0,
         ping_interval=None,
+        create_connection=PageLine,
         **how,
     ) as line:
         yield line
+
+
+class PageLine(ClientConnection):
+    """A page's line, of which each frame may hold several lines of the session."""
+
+    _lines: tuple[str, ...] = ()
+
+    def recv(self, timeout: float | None = None, decode: bool | None = None) -> str:  # noqa: FBT001
+        """Return the next line."""
+        if not self._lines:
+            self._lines = tuple(str(super().recv(timeout, decode)).split("\n"))
+        line, *rest = self._lines
+        self._lines = tuple(rest)
+        return line
 
 
 def ask(line: ClientConnection, words: str, tag: str = "7") -> tuple[str, ...]:

@@ -290,11 +290,12 @@ def test_the_end_leaves_out_what_was_left_when_the_branch_is_told_late(
     def hold(route: WebSocketRoute) -> None:
         server = route.connect_to_server()
 
-        def pass_on(line: str | bytes) -> None:
-            if ",branch,2," in str(line):
-                held.append((route, str(line)))
-            else:
-                route.send(line)
+        def pass_on(frame: str | bytes) -> None:
+            for line in str(frame).split("\n"):
+                if ",branch,2," in line:
+                    held.append((route, line))
+                else:
+                    route.send(line)
 
         server.on_message(pass_on)
 

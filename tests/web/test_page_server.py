@@ -6,7 +6,6 @@ import http.client
 import operator
 import os
 import re
-import shutil
 import signal
 import socket
 import ssl
@@ -16,6 +15,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.installation import installed
 from helpers.nursery import start_trainer
 from helpers.pages import Served, free_port, served
 from helpers.places import environment
@@ -574,6 +574,24 @@ def test_a_page_that_does_not_read_loses_its_own_lines_alone() -> None:
             assert str(good.recv(PATIENCE)) == line.decode().strip()
 
 
+def test_what_the_session_says_at_once_is_one_frame_of_whole_lines() -> None:
+    with pages() as stub, dialled(stub.port) as line:
+        await_that(lambda: len(stub.sessions) == 1)
+        session = stub.sessions[0]
+        session.sendall(b"first\r\nsecond\nthi")
+        assert ClientConnection.recv(line, PATIENCE) == "first\nsecond"
+        session.sendall(b"rd\n")
+        assert ClientConnection.recv(line, PATIENCE) == "third"
+
+
+def test_a_line_without_an_end_closes_the_page_and_takes_no_memory() -> None:
+    with pages() as stub, dialled(stub.port) as line:
+        await_that(lambda: len(stub.sessions) == 1)
+        with contextlib.suppress(ConnectionError):  # it is closed on the way
+            stub.sessions[0].sendall(b"x" * 100_000)
+        assert refused(line) == NO_SESSION_CODE
+
+
 def test_a_page_of_another_version_is_told_so(shared: Served, look: Look) -> None:
     with dialled(shared.port, version="0.0.9") as line:
         assert refused(line) == OLDER_PAGE_CODE
@@ -725,9 +743,7 @@ def test_a_session_out_of_descriptors_begins_its_pages_again_once_it_has_some(
 
 @pytest.mark.process
 def test_pages_are_served_and_end_where_the_time_of_day_is_a_made_up_one(tmp_path: Path) -> None:
-    faketime = shutil.which("faketime")
-    if faketime is None:
-        pytest.skip("no faketime: install the package faketime")
+    faketime = installed("faketime", "faketime")
     words = ["run", "--web", "--web-at", "127.0.0.1:0", "--no-record", "--duration", "10"]
     made_up = (faketime, "--exclude-monotonic", "-f", "+400d")
     with program(tmp_path, *words, before=made_up) as process:

@@ -238,8 +238,11 @@ def test_a_reading_that_was_on_its_way_moves_no_lever_back(
     def between(route: WebSocketRoute) -> None:
         server = route.connect_to_server()
 
-        def pass_on(line: str | bytes) -> None:
-            text = str(line)
+        def pass_on(frame: str | bytes) -> None:
+            for line in str(frame).split("\n"):
+                pass_line(line)
+
+        def pass_line(text: str) -> None:
             if text.startswith("$TRS,steering"):
                 last.append(text)
                 if len(last) > 1:

@@ -1,10 +1,12 @@
 """The bridge from a page's WebSocket to the session's TCP.
 
 ``server`` calls ``Bridge.carry`` for each page that opens its WebSocket. The bridge dials the
-session once for that page, and copies lines: a text frame of the page is a line to the session, a
-line of the session is a text frame to the page. The session takes the page for one more station, so
-it checks roles, tokens and the rate of orders. The bridge itself refuses only frames that no
-station could send: bytes, more than one line, too long, too many a second.
+session once for that page, and copies lines: a text frame of the page is a line to the session. The
+lines of the session that are there at once are one text frame to the page, because with thirty
+pages a frame for each line is most of the work after a tick, and an order waits behind it. The
+session takes the page for one more station, so it checks roles, tokens and the rate of orders. The
+bridge itself refuses only frames that no station could send: bytes, more than one line, too long,
+too many a second.
 
 It adds two things that the session cannot: the tokens that this browser has in its cookies, and the
 address of a debrief's page, because the session knows the file's path alone.
@@ -15,7 +17,7 @@ import contextlib
 import re
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from glob import escape
 from ipaddress import ip_address
@@ -35,7 +37,8 @@ from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
 from trainer.io.serial_line import LinkError
 from trainer.web.gate import Refusals
 
-# Only a sentence with one of these is parsed, which spares the others.
+MAX_CHUNK_BYTES: Final = 2 * MAX_ANSWER_LETTERS  # of what the session says at once
+# Only lines with one of these are parsed, which spares the others.
 DEBRIEF_FACT: Final = ",debrief,"
 FULL_FACT: Final = ",no-room,"
 # Why a page's line is closed; a page says what to do about each.
@@ -129,9 +132,7 @@ class Bridge:
                 end = await asyncio.to_thread(self.reach)
                 shelf = self.shelf if is_here(end) else None
                 local = not isinstance(end.getpeername(), tuple)  # a session of this user
-                reader, writer = await asyncio.open_connection(
-                    sock=end, limit=2 * MAX_ANSWER_LETTERS
-                )
+                reader, writer = await asyncio.open_connection(sock=end, limit=MAX_CHUNK_BYTES)
                 if page.client and local:  # the session counts stations by their machine
                     writer.write(f"{carried_for(page.client.host)}\n".encode("ascii"))
                 await self._attend(page, reader, writer, words, shelf)
@@ -193,16 +194,16 @@ class Bridge:
         """
         code, why = NO_SESSION_CODE, "the session has closed the line"
         try:
-            while line := await reader.readline():
-                sentence = line.decode("ascii", "replace").rstrip("\r\n")
-                await page.send_text(sentence)
-                if FULL_FACT in sentence and (fact := fact_of(sentence, "no-room")):
-                    why = f"no room: {fact[2]} stations are here; close a page"
-                    code = NO_ROOM_CODE
-                if not shelf or DEBRIEF_FACT not in sentence:
+            async for text in whole_lines(reader):
+                await page.send_text(text)
+                if FULL_FACT not in text and DEBRIEF_FACT not in text:
                     continue
-                if more := await asyncio.to_thread(debrief_fact, sentence, shelf):
-                    await page.send_text(more)
+                for sentence in text.split("\n"):
+                    if fact := fact_of(sentence, "no-room"):
+                        why = f"no room: {fact[2]} stations are here; close a page"
+                        code = NO_ROOM_CODE
+                    if shelf and (more := await asyncio.to_thread(debrief_fact, sentence, shelf)):
+                        await page.send_text(more)
         except (OSError, ValueError, WebSocketDisconnect, RuntimeError):
             pass
         await close_page(page, code, why)
@@ -222,6 +223,17 @@ class Bridge:
             await close_page(page, REFUSED_CODE, str(error))
         except (OSError, WebSocketDisconnect):
             pass
+
+
+async def whole_lines(reader: asyncio.StreamReader) -> AsyncIterator[str]:
+    """Yield all whole lines that are there, until the end; ValueError if one is too long."""
+    begun = b""
+    while chunk := await reader.read(MAX_CHUNK_BYTES):
+        lines, ended, begun = (begun + chunk).rpartition(b"\n")
+        if ended:
+            yield lines.replace(b"\r", b"").decode("ascii", "replace")
+        if len(begun) > MAX_CHUNK_BYTES:
+            raise ValueError(f"a line of more than {MAX_CHUNK_BYTES} bytes")
 
 
 def check_frame(message: Mapping[str, object], allowance: Allowance) -> str:

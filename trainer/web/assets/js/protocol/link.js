@@ -41,7 +41,7 @@ export class Link extends EventTarget {
     const socket = new WebSocket(`${scheme}://${location.host}/line?version=${this.version}`);
     this.socket = socket;
     socket.onopen = () => this.dispatchEvent(new Event("open"));
-    socket.onmessage = (event) => this.hear(String(event.data));
+    socket.onmessage = (event) => String(event.data).split("\n").forEach((line) => this.hear(line));
     socket.onclose = (event) => this.lose(event.code, event.reason);
   }
 
