@@ -84,10 +84,10 @@ class PageLine(ClientConnection):
 
     _lines: tuple[str, ...] = ()
 
-    def recv(self, timeout: float | None = None, decode: bool | None = None) -> str:  # noqa: FBT001
+    def recv(self, timeout: float | None = None) -> str:  # type: ignore[override]  # of text alone
         """Return the next line."""
         if not self._lines:
-            self._lines = tuple(str(super().recv(timeout, decode)).split("\n"))
+            self._lines = tuple(str(super().recv(timeout)).split("\n"))
         line, *rest = self._lines
         self._lines = tuple(rest)
         return line
